@@ -1,0 +1,69 @@
+/// The one form in which any contact answers a solver: M·ż = g(u, N, z), F = F(u, N, z).
+///
+/// u is the relative speed that the oscillator imposes, N the normal load, z the contact's own unknowns and M a
+/// diagonal mass. Solvers and oscillators see contacts only through this form and never a friction law.
+#pragma once
+#include <span>
+
+#include "core/dual.hpp"
+#include "core/parameters.hpp"
+
+namespace rosin {
+
+/// Which unknowns a contact carries.
+enum class Unknowns {
+  friction,  ///< z = (μ, states): g₀ = u − v(μ, states); needs an explicit slip rate v, robust in near-stick
+  states,    ///< z = (states): F = N·μ(u, states)
+};
+
+/// What surrounds a law in a contact.
+struct ContactSetup {
+  double lambda = 1;               ///< clock factor of the states; 0: states in equilibrium, a friction curve
+  double compliance = 0;           ///< 1/k_t of a series spring independent of load, m/N
+  double compliance_per_load = 0;  ///< N/k_t of a series spring proportional to load, m
+  Unknowns unknowns = Unknowns::friction;
+};
+
+/// What the oscillator imposes on a contact.
+template <class Real>
+struct ContactInput {
+  Real slip_rate;     ///< u, m/s
+  Real normal_load;   ///< N, newton
+  Real load_rate;     ///< dN/dt, N/s; matters only to a series spring that does not scale with load
+  double direction;   ///< +1 or −1: direction of slip, used by set-valued laws only
+};
+
+/// ∂g/∂(z, u, N) and ∂F/∂(z, u, N). Row-major; `g_z` is unknowns × unknowns.
+template <class Real>
+struct Slopes {
+  static constexpr int capacity = 8;  ///< most unknowns of one contact
+  Real g_z[capacity * capacity], g_u[capacity], g_N[capacity];
+  Real F_z[capacity], F_u, F_N;
+};
+
+/// A contact evaluated in the scalar type Real: double, Lanes (32 systems at a time) or Tower (third derivatives).
+template <class Real>
+class ContactValues {
+ public:
+  virtual ~ContactValues() = default;
+  /// Number of unknowns z.
+  virtual int unknowns() const = 0;
+  /// g (unknowns) and the friction force F in newton, positive along u.
+  virtual void evaluate(const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const = 0;
+};
+
+/// As ContactValues, with first derivatives, masses, starts and error weights.
+template <class Real>
+class Contact : public ContactValues<Real> {
+ public:
+  virtual void linearise(const ContactInput<Real>& in, const Real* z, Real* g, Real& F, Slopes<Real>& slopes) const = 0;
+  /// Diagonal of M at load N: N/k_t for the friction row, λ for states; 0 marks an algebraic row.
+  virtual void mass(const Real& N, Real* m) const = 0;
+  /// Replaces the parameters of one lane (lane 0 of a double contact). `parameters` in the order of the law's table.
+  /// Lists are shared by all lanes. \throws InputError if the setup changes the number of unknowns.
+  virtual void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) = 0;
+  /// Steady sliding at slip rate u and load N: z, and for each unknown the size that an error is measured by.
+  virtual void steady(int lane, double u, double N, double* z, double* weight) const = 0;
+};
+
+}  // namespace rosin

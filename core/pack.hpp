@@ -1,0 +1,151 @@
+/// SIMD lanes: packs of eight doubles in GCC vector extensions, four to a batch, with the elementary functions that laws use.
+///
+/// The functions are written in plain arithmetic, so that every instruction set gives the same bits (the library is
+/// compiled with -ffp-contract=off). Accuracy: exp, expm1, log, log1p within 2 ulp of the correctly rounded result.
+#pragma once
+#include <cstdint>
+#include <limits>
+
+namespace rosin {
+
+inline constexpr int pack_width = 8;
+inline constexpr int lane_packs = 4;
+inline constexpr int lane_count = lane_packs * pack_width;
+
+#define ROSIN_INLINE [[gnu::always_inline]] inline
+
+using Block = double __attribute__((vector_size(8 * pack_width)));
+using BlockBits = std::int64_t __attribute__((vector_size(8 * pack_width)));
+
+/// One truth value per lane (all bits set: true).
+struct Mask {
+  BlockBits bits;
+};
+
+/// Eight doubles; arithmetic acts lane by lane.
+struct Pack {
+  Block block;
+
+  Pack() = default;
+  ROSIN_INLINE Pack(double x) : block(x - Block{}) {}
+  ROSIN_INLINE explicit Pack(Block b) : block(b) {}
+};
+
+/// 32 lanes, the batch that solvers move together: four packs.
+struct Lanes {
+  Pack pack[lane_packs];
+
+  Lanes() = default;
+  Lanes(double x) {
+    for (auto& p : pack) p = Pack(x);
+  }
+  double operator[](int lane) const { return pack[lane / pack_width].block[lane % pack_width]; }
+  void set(int lane, double x) { pack[lane / pack_width].block[lane % pack_width] = x; }
+};
+
+ROSIN_INLINE Pack operator+(const Pack& a, const Pack& b) { return Pack(a.block + b.block); }
+ROSIN_INLINE Pack operator-(const Pack& a, const Pack& b) { return Pack(a.block - b.block); }
+ROSIN_INLINE Pack operator*(const Pack& a, const Pack& b) { return Pack(a.block * b.block); }
+ROSIN_INLINE Pack operator/(const Pack& a, const Pack& b) { return Pack(a.block / b.block); }
+ROSIN_INLINE Pack operator-(const Pack& a) { return Pack(-a.block); }
+ROSIN_INLINE Mask operator<(const Pack& a, const Pack& b) { return {a.block < b.block}; }
+ROSIN_INLINE Mask operator>(const Pack& a, const Pack& b) { return {a.block > b.block}; }
+ROSIN_INLINE Pack select(const Mask& m, const Pack& a, const Pack& b) { return Pack(m.bits ? a.block : b.block); }
+
+ROSIN_INLINE Pack abs(const Pack& a) {
+  return Pack(__builtin_bit_cast(Block, __builtin_bit_cast(BlockBits, a.block) & INT64_MAX));
+}
+ROSIN_INLINE Pack max(const Pack& a, const Pack& b) { return select(a < b, b, a); }
+ROSIN_INLINE Pack min(const Pack& a, const Pack& b) { return select(b < a, b, a); }
+ROSIN_INLINE Pack sqrt(const Pack& a) {
+  Pack r;
+  for (int i = 0; i < pack_width; ++i) r.block[i] = __builtin_sqrt(a.block[i]);
+  return r;
+}
+
+namespace detail {
+
+ROSIN_INLINE Block bits_to_double(BlockBits b) { return __builtin_bit_cast(Block, b); }
+ROSIN_INLINE BlockBits double_to_bits(Block d) { return __builtin_bit_cast(BlockBits, d); }
+
+inline constexpr double ln2_high = 6.93147180369123816490e-01, ln2_low = 1.90821492927058770002e-10;
+inline constexpr double round_shift = 6755399441055744.0;  // 1.5·2^52: adding it rounds to an integer in the low bits
+
+/// r = x - k·ln 2 with |r| <= ln2/2, and 2^k in two factors (so that subnormal results are right).
+struct Reduced {
+  Block r, low, scale_one, scale_two;
+};
+ROSIN_INLINE Reduced reduce_exp(Block x) {
+  const Block shifted = x * 1.4426950408889634 + round_shift;
+  const Block k = shifted - round_shift;
+  const Block high = x - k * ln2_high, low = k * ln2_low;
+  const BlockBits n = double_to_bits(shifted) - double_to_bits(Block{} + round_shift);
+  const BlockBits half = n >> 1;
+  return {high - low, (high - (high - low)) - low, bits_to_double((half + 1023) << 52),
+          bits_to_double((n - half + 1023) << 52)};
+}
+/// (e^r - 1 - r - r²/2)/r³ on |r| <= ln2/2, Taylor to r^13 (remainder below 1e-17).
+ROSIN_INLINE Block exp_tail(Block r) {
+  Block p = Block{} + 1.0 / 6227020800.0;
+  for (const double c : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040,
+                         1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6})
+    p = p * r + c;
+  return p;
+}
+ROSIN_INLINE Block expm1_reduced(Block r, Block low) { return r + (low + r * r * (0.5 + r * exp_tail(r))); }
+
+ROSIN_INLINE Block clamp_exponent(Block x) {
+  x = x > 710.0 ? Block{} + 710.0 : x;
+  return x < -760.0 ? Block{} - 760.0 : x;
+}
+ROSIN_INLINE Block exp_block(Block x) {
+  const Reduced q = reduce_exp(clamp_exponent(x));
+  const Block e = (1.0 + expm1_reduced(q.r, q.low)) * q.scale_one * q.scale_two;
+  return x == x ? e : x;
+}
+ROSIN_INLINE Block expm1_block(Block x) {
+  const Reduced q = reduce_exp(clamp_exponent(x));
+  const Block t = expm1_reduced(q.r, q.low), two_k = q.scale_one * q.scale_two;
+  // 2^k (t + 1) - 1; for k = 0 this is t itself, without rounding.
+  Block e = two_k * t + (two_k - 1.0);
+  e = x > 40.0 ? (1.0 + t) * q.scale_one * q.scale_two : e;
+  return x == x ? e : x;
+}
+/// log by reduction to [sqrt(1/2), sqrt 2) and the atanh series (after the method of FDLIBM's e_log).
+/// `correction` is added at the precision of the small part: log(x) + correction.
+ROSIN_INLINE Block log_block(Block x, Block correction) {
+  const BlockBits tiny = x < 2.2250738585072014e-308;
+  const Block scaled = tiny ? x * 18014398509481984.0 : x;  // 2^54
+  BlockBits bits = double_to_bits(scaled);
+  BlockBits k = (bits >> 52) - 1023;
+  bits = (bits & 0x000fffffffffffff) | 0x3ff0000000000000;
+  Block m = bits_to_double(bits);
+  const BlockBits upper = m > 1.4142135623730951;
+  m = upper ? m * 0.5 : m;
+  k = k - upper;
+  // The integer exponent as a double without a conversion instruction that SSE2 lacks.
+  Block exponent = bits_to_double(double_to_bits(Block{} + round_shift) + k) - round_shift;
+  exponent = tiny ? exponent - 54.0 : exponent;
+  const Block f = m - 1.0, s = f / (2.0 + f), z = s * s, half = 0.5 * f * f;
+  Block p = Block{} + 1.479819860511658591e-01;
+  for (const double c : {1.531383769920937332e-01, 1.818357216161805012e-01, 2.222219843214978396e-01,
+                         2.857142874366239149e-01, 3.999999999940941908e-01, 6.666666666666735130e-01})
+    p = p * z + c;
+  const Block r = exponent * ln2_high - ((half - (s * (half + z * p) + (exponent * ln2_low + correction))) - f);
+  const Block infinity = Block{} + std::numeric_limits<double>::infinity();
+  Block result = x == infinity ? x : r;
+  result = x == 0.0 ? -infinity : result;
+  return x < 0.0 || x != x ? Block{} + std::numeric_limits<double>::quiet_NaN() : result;
+}
+}  // namespace detail
+
+ROSIN_INLINE Pack exp(const Pack& x) { return Pack(detail::exp_block(x.block)); }
+ROSIN_INLINE Pack expm1(const Pack& x) { return Pack(detail::expm1_block(x.block)); }
+ROSIN_INLINE Pack log(const Pack& x) { return Pack(detail::log_block(x.block, Block{})); }
+ROSIN_INLINE Pack log1p(const Pack& x) {
+  const Block t = x.block, u = 1.0 + t;
+  const Block lost = u - 1.0 < 1e300 ? (t - (u - 1.0)) / u : Block{};  // what rounding 1 + t dropped
+  return Pack(detail::log_block(u, lost));
+}
+
+}  // namespace rosin

@@ -1,0 +1,545 @@
+/// The adapter Law<L>: from one written law to values, derivatives, SIMD lanes, contacts and descriptions.
+///
+/// Include this only where a law is turned into a FrictionLaw: in the law's own .cpp, or in a user's program
+/// (`make_law<MyLaw>()`). Nothing beyond laws/ is templated on a law.
+#pragma once
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+
+#include "laws/law.hpp"
+
+/// Lanes are compiled once per instruction set and chosen at run time.
+#if defined(__x86_64__) && !defined(__clang__)
+#define ROSIN_RUNTIME_INSTRUCTION_SETS 1
+#else
+#define ROSIN_RUNTIME_INSTRUCTION_SETS 0
+#endif
+
+namespace rosin::laws {
+
+template <template <class> class L>
+concept HasStates = requires { L<double>::states; };
+template <template <class> class L>
+concept HasPresets = requires { L<double>::presets(); };
+template <template <class> class L>
+concept HasSlipRate = requires(const L<double> law, Sliding<double> at) { law.slip_rate(0.0, at, {}); };
+template <template <class> class L>
+concept SetValued = requires(const L<double> law, Sliding<double> at) { law.static_limit(at); };
+
+/// Which instruction set the lanes run on; found once.
+enum class InstructionSet { baseline, v3, v4 };
+InstructionSet instruction_set();
+
+namespace detail {
+
+template <class L>
+inline constexpr std::size_t parameter_count = std::tuple_size_v<decltype(L::parameters)>;
+
+template <template <class> class L>
+constexpr int count_states() {
+  if constexpr (HasStates<L>)
+    return int(std::tuple_size_v<decltype(L<double>::states)>);
+  else
+    return 0;
+}
+
+/// Applies f(field, index) to each field of a table.
+template <class Table, class F>
+void for_each_field(const Table& fields, F f) {
+  [&]<std::size_t... i>(std::index_sequence<i...>) { (f(std::get<i>(fields), i), ...); }(
+      std::make_index_sequence<std::tuple_size_v<Table>>());
+}
+
+template <class Member>
+Member convert(const Value& value) {
+  if constexpr (std::is_same_v<Member, std::vector<double>>)
+    return std::get<std::vector<double>>(value);
+  else
+    return Member(std::get<double>(value));
+}
+
+template <class L>
+L build(std::span<const Value> values) {
+  return [&]<std::size_t... i>(std::index_sequence<i...>) {
+    return L{convert<std::remove_cvref_t<decltype(std::declval<L>().*(std::get<i>(L::parameters).member))>>(values[i])...};
+  }(std::make_index_sequence<parameter_count<L>>());
+}
+
+template <class L>
+std::vector<Value> values_of(const L& law) {
+  std::vector<Value> values;
+  for_each_field(L::parameters, [&](const auto& f, std::size_t) { values.emplace_back(law.*(f.member)); });
+  return values;
+}
+
+template <class Table>
+std::vector<Quantity> describe(const Table& fields) {
+  std::vector<Quantity> list;
+  for_each_field(fields, [&]<class Owner, class Member>(const Field<Owner, Member>& f, std::size_t) {
+    list.push_back({std::string(f.name), std::string(f.unit), f.range, std::string(f.meaning), f.scale,
+                    std::is_same_v<Member, std::vector<double>>});
+  });
+  return list;
+}
+
+/// Sets one lane of a scalar: the only lane of a double or of a Dual's slopes stays constant.
+inline void set_lane(double& x, int, double value) { x = value; }
+inline void set_lane(Pack& x, int lane, double value) { x.block[lane] = value; }
+inline void set_lane(Lanes& x, int lane, double value) { x.set(lane, value); }
+template <class Real, int n>
+void set_lane(Dual<Real, n>& x, int lane, double value) {
+  set_lane(x.value, lane, value);
+}
+
+/// Sets the parameters of one lane and rebuilds the law, so that derived members follow. Lists are shared by all lanes.
+template <class L>
+void assign(L& law, std::span<const Value> parameters, int lane) {
+  law = [&]<std::size_t... i>(std::index_sequence<i...>) {
+    const auto member = [&](const auto& f, std::size_t k) {
+      auto x = law.*(f.member);
+      if constexpr (std::is_same_v<decltype(x), std::vector<double>>)
+        x = std::get<std::vector<double>>(parameters[k]);
+      else
+        set_lane(x, lane, std::get<double>(parameters[k]));
+      return x;
+    };
+    return L{member(std::get<i>(L::parameters), i)...};
+  }(std::make_index_sequence<parameter_count<L>>());
+}
+
+/// ∂v/∂μ at fixed state.
+template <template <class> class L>
+double slip_rate_slope(const L<double>& law, double mu, double N, const double* state) {
+  if constexpr (HasSlipRate<L>) {
+    using Slope = Dual<double, 1>;
+    typename L<Slope>::State fixed;
+    for_each_field(L<Slope>::states, [&](const auto& f, std::size_t k) { fixed.*(f.member) = Slope(state[k]); });
+    return build<L<Slope>>(values_of(law)).slip_rate(Slope::variable(mu, 0), {Slope(0.0), Slope(N)}, fixed).slope[0];
+  } else {
+    return infinity;
+  }
+}
+
+/// The rows of a contact, g and F, for parameters and unknowns of scalar type T.
+template <template <class> class L>
+struct Rows {
+  static constexpr int states = count_states<L>();
+  bool with_friction;  ///< the first unknown is μ
+  bool equilibrium;    ///< states are those of steady sliding and not unknowns (λ = 0)
+
+  int unknowns() const { return (with_friction ? 1 : 0) + (equilibrium ? 0 : states); }
+
+  template <class T>
+  ROSIN_INLINE void operator()(const L<T>& law, const ContactInput<T>& in, const T& compliance, const T* z, T* g,
+                               T& F) const {
+    const T &u = in.slip_rate, &N = in.normal_load;
+    if constexpr (SetValued<L>) {
+      const T speed = max(in.direction * u, T(0.0));
+      F = in.direction * (N * law.friction(Sliding<T>{speed, N}));
+    } else if constexpr (states == 0) {
+      F = N * law.friction(Sliding<T>{u, N});
+    } else {
+      typename L<T>::State state;
+      if (with_friction) {
+        const T& mu = z[0];
+        read(z + 1, state);
+        const T v = slip_rate(law, mu, N, state);
+        g[0] = u - v - compliance * (mu * in.load_rate);  // d(Nμ)/dt = k_t (u − v)
+        write_rate(law.rate(Sliding<T>{v, N}, state), z + 1, g + 1);
+        F = N * mu;
+      } else {
+        const Sliding<T> at{u, N};
+        if (equilibrium) {
+          state = law.steady(at);
+        } else {
+          read(z, state);
+          write_rate(law.rate(at, state), z, g);
+        }
+        F = N * law.friction(at, state);
+      }
+    }
+  }
+
+ private:
+  /// States from unknowns: those with Scale::log are carried as logarithms.
+  template <class T>
+  ROSIN_INLINE static void read(const T* z, typename L<T>::State& state) {
+    for_each_field(L<T>::states, [&](const auto& f, std::size_t i) __attribute__((always_inline)) {
+      state.*(f.member) = f.scale == Scale::log ? exp(z[i]) : z[i];
+    });
+  }
+  template <class T>
+  ROSIN_INLINE static void write_rate(const typename L<T>::State& rate, const T* z, T* g) {
+    for_each_field(L<T>::states, [&](const auto& f, std::size_t i) __attribute__((always_inline)) {
+      g[i] = f.scale == Scale::log ? rate.*(f.member) * exp(-z[i]) : rate.*(f.member);
+    });
+  }
+  template <class T>
+  ROSIN_INLINE static T slip_rate(const L<T>& law, const T& mu, const T& N, const typename L<T>::State& state) {
+    if constexpr (HasSlipRate<L>)
+      return law.slip_rate(mu, Sliding<T>{T(0.0), N}, state);
+    else
+      return T(0.0);  // never reached: contacts of such laws are refused the friction unknown
+  }
+};
+
+}  // namespace detail
+
+/// Scalar type that a law is evaluated in, and how many of them make up a contact of type Real.
+template <class Real>
+struct Portion {
+  using Scalar = double;
+  static constexpr int count = 1;
+  static const double& of(const double& x, int) { return x; }
+  static double& of(double& x, int) { return x; }
+};
+template <>
+struct Portion<Lanes> {
+  using Scalar = Pack;
+  static constexpr int count = lane_packs;
+  ROSIN_INLINE static const Pack& of(const Lanes& x, int i) { return x.pack[i]; }
+  ROSIN_INLINE static Pack& of(Lanes& x, int i) { return x.pack[i]; }
+};
+
+/// The contact of law L for one system (Real = double) or for 32 (Real = Lanes).
+template <template <class> class L, class Real>
+class LawContact final : public Contact<Real> {
+  using Part = Portion<Real>;
+  using Scalar = typename Part::Scalar;
+  static constexpr int states = detail::count_states<L>();
+  static constexpr int directions = states + 3;  // derivatives by (μ, states), u and N
+  using Derivative = Dual<Scalar, directions>;
+  static_assert(states + 1 <= Slopes<Real>::capacity);
+
+ public:
+  LawContact(std::span<const Value> parameters, const ContactSetup& setup)
+      : rows_{setup.unknowns == Unknowns::friction, setup.unknowns != Unknowns::friction && setup.lambda == 0},
+        lambda_(setup.lambda),
+        compliance_(setup.compliance),
+        compliance_per_load_(setup.compliance_per_load) {
+    law_.fill(detail::build<L<Scalar>>(parameters));
+    derivative_law_.fill(detail::build<L<Derivative>>(parameters));
+    lane_law_.fill(detail::build<L<double>>(parameters));
+  }
+
+  int unknowns() const override { return rows_.unknowns(); }
+
+  void evaluate(const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const override {
+#if ROSIN_RUNTIME_INSTRUCTION_SETS
+    if constexpr (Part::count > 1) {
+      if (instruction_set() == InstructionSet::v4) return evaluate_v4(in, z, g, F);
+      if (instruction_set() == InstructionSet::v3) return evaluate_v3(in, z, g, F);
+    }
+#endif
+    evaluate_here(in, z, g, F);
+  }
+
+  void linearise(const ContactInput<Real>& in, const Real* z, Real* g, Real& F, Slopes<Real>& slopes) const override {
+#if ROSIN_RUNTIME_INSTRUCTION_SETS
+    if constexpr (Part::count > 1) {
+      if (instruction_set() == InstructionSet::v4) return linearise_v4(in, z, g, F, slopes);
+      if (instruction_set() == InstructionSet::v3) return linearise_v3(in, z, g, F, slopes);
+    }
+#endif
+    linearise_here(in, z, g, F, slopes);
+  }
+
+  void mass(const Real& N, Real* m) const override {
+    for (int p = 0; p < Part::count; ++p) {
+      int i = 0;
+      if (rows_.with_friction)
+        Part::of(m[i++], p) = Part::of(N, p) * Part::of(compliance_, p) + Part::of(compliance_per_load_, p);
+      while (i < unknowns()) Part::of(m[i++], p) = Part::of(lambda_, p);
+    }
+  }
+
+  void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) override {
+    const bool with_friction = setup.unknowns == Unknowns::friction;
+    if (with_friction != rows_.with_friction || (!with_friction && setup.lambda == 0) != rows_.equilibrium)
+      throw InputError("the lanes of one batch must carry the same unknowns");
+    lane_law_[lane] = detail::build<L<double>>(parameters);
+    detail::assign(law_[lane / pack_width], parameters, lane % pack_width);
+    detail::assign(derivative_law_[lane / pack_width], parameters, lane % pack_width);
+    detail::set_lane(lambda_, lane, setup.lambda);
+    detail::set_lane(compliance_, lane, setup.compliance);
+    detail::set_lane(compliance_per_load_, lane, setup.compliance_per_load);
+  }
+
+  void steady(int lane, double u, double N, double* z, double* weight) const override {
+    if constexpr (states > 0) {
+      const L<double>& law = lane_law_[lane];
+      const auto state = law.steady(Sliding<double>{u, N});
+      double values[states];
+      detail::for_each_field(L<double>::states,
+                             [&](const auto& f, std::size_t k) { values[k] = state.*(f.member); });
+      if (rows_.with_friction) {
+        // Friction errors are measured by ten times the direct effect, v·∂μ/∂v = v/(∂v/∂μ).
+        *z = law.friction(Sliding<double>{u, N}, state);
+        const double direct_effect = u / detail::slip_rate_slope(law, *z, N, values);
+        *weight = 10 * std::max(std::abs(direct_effect), 1e-3 * std::abs(*z));
+        ++z, ++weight;
+      }
+      if (rows_.equilibrium) return;
+      detail::for_each_field(L<double>::states, [&](const auto& f, std::size_t k) {
+        z[k] = f.scale == Scale::log ? std::log(values[k]) : values[k];
+        weight[k] = f.scale == Scale::log ? 1.0 : std::abs(values[k]);
+      });
+    }
+  }
+
+ private:
+  ROSIN_INLINE void evaluate_here(const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const {
+    for (int p = 0; p < Part::count; ++p) {
+      Scalar part_z[states + 1] = {}, part_g[states + 1] = {};
+      const int n = unknowns();
+      for (int i = 0; i < n; ++i) part_z[i] = Part::of(z[i], p);
+      rows_(law_[p],
+            ContactInput<Scalar>{Part::of(in.slip_rate, p), Part::of(in.normal_load, p), Part::of(in.load_rate, p),
+                                 in.direction},
+            Part::of(compliance_, p), part_z, part_g, Part::of(F, p));
+      for (int i = 0; i < n; ++i) Part::of(g[i], p) = part_g[i];
+    }
+  }
+
+  ROSIN_INLINE void linearise_here(const ContactInput<Real>& in, const Real* z, Real* g, Real& F,
+                                   Slopes<Real>& slopes) const {
+    for (int p = 0; p < Part::count; ++p) {
+      const int n = unknowns();
+      Derivative part_z[states + 1], part_g[states + 1], part_F;
+      for (int i = 0; i < n; ++i) part_z[i] = Derivative::variable(Part::of(z[i], p), i);
+      rows_(derivative_law_[p],
+            ContactInput<Derivative>{Derivative::variable(Part::of(in.slip_rate, p), n),
+                                     Derivative::variable(Part::of(in.normal_load, p), n + 1),
+                                     Derivative(Part::of(in.load_rate, p)), in.direction},
+            Derivative(Part::of(compliance_, p)), part_z, part_g, part_F);
+      for (int i = 0; i < n; ++i) {
+        Part::of(g[i], p) = part_g[i].value;
+        for (int j = 0; j < n; ++j) Part::of(slopes.g_z[i * n + j], p) = part_g[i].slope[j];
+        Part::of(slopes.g_u[i], p) = part_g[i].slope[n];
+        Part::of(slopes.g_N[i], p) = part_g[i].slope[n + 1];
+        Part::of(slopes.F_z[i], p) = part_F.slope[i];
+      }
+      Part::of(F, p) = part_F.value;
+      Part::of(slopes.F_u, p) = part_F.slope[n];
+      Part::of(slopes.F_N, p) = part_F.slope[n + 1];
+    }
+  }
+
+#if ROSIN_RUNTIME_INSTRUCTION_SETS
+  [[gnu::target("arch=x86-64-v4"), gnu::flatten]] void evaluate_v4(const ContactInput<Real>& in, const Real* z, Real* g,
+                                                                   Real& F) const {
+    evaluate_here(in, z, g, F);
+  }
+  [[gnu::target("arch=x86-64-v3"), gnu::flatten]] void evaluate_v3(const ContactInput<Real>& in, const Real* z, Real* g,
+                                                                   Real& F) const {
+    evaluate_here(in, z, g, F);
+  }
+  [[gnu::target("arch=x86-64-v4"), gnu::flatten]] void linearise_v4(const ContactInput<Real>& in, const Real* z, Real* g,
+                                                                    Real& F, Slopes<Real>& slopes) const {
+    linearise_here(in, z, g, F, slopes);
+  }
+  [[gnu::target("arch=x86-64-v3"), gnu::flatten]] void linearise_v3(const ContactInput<Real>& in, const Real* z, Real* g,
+                                                                    Real& F, Slopes<Real>& slopes) const {
+    linearise_here(in, z, g, F, slopes);
+  }
+#endif
+
+  detail::Rows<L> rows_;
+  std::array<L<Scalar>, Part::count> law_;
+  std::array<L<Derivative>, Part::count> derivative_law_;
+  Real lambda_, compliance_, compliance_per_load_;
+  std::array<L<double>, std::is_same_v<Real, Lanes> ? lane_count : 1> lane_law_;  ///< for starts, one lane at a time
+};
+
+/// The contact of law L in Tower arithmetic: values and derivatives to third order along a direction.
+template <template <class> class L>
+class LawTower final : public ContactValues<Tower> {
+ public:
+  LawTower(std::span<const Value> parameters, const ContactSetup& setup)
+      : rows_{setup.unknowns == Unknowns::friction, setup.unknowns != Unknowns::friction && setup.lambda == 0},
+        law_(detail::build<L<Tower>>(parameters)),
+        compliance_(setup.compliance) {}
+  int unknowns() const override { return rows_.unknowns(); }
+  void evaluate(const ContactInput<Tower>& in, const Tower* z, Tower* g, Tower& F) const override {
+    rows_(law_, in, compliance_, z, g, F);
+  }
+
+ private:
+  detail::Rows<L> rows_;
+  L<Tower> law_;
+  Tower compliance_;
+};
+
+/// Law L behind the abstract FrictionLaw.
+template <template <class> class L>
+class Law final : public FrictionLaw {
+  static constexpr int states_count = detail::count_states<L>();
+
+ public:
+  explicit Law(std::vector<Value> values) : values_(std::move(values)), law_(detail::build<L<double>>(values_)) {}
+
+  const Card& card() const override { return L<double>::card; }
+  const std::vector<Quantity>& parameters() const override {
+    static const auto list = detail::describe(L<double>::parameters);
+    return list;
+  }
+  const std::vector<Quantity>& states() const override {
+    static const auto list = [] {
+      if constexpr (HasStates<L>)
+        return detail::describe(L<double>::states);
+      else
+        return std::vector<Quantity>();
+    }();
+    return list;
+  }
+  const std::vector<Preset>& presets() const override {
+    static const auto list = [] {
+      std::vector<Preset> presets;
+      if constexpr (HasPresets<L>)
+        for (const auto& p : L<double>::presets())
+          presets.push_back({std::string(p.name), std::string(p.source), detail::values_of(p.law)});
+      return presets;
+    }();
+    return list;
+  }
+  const std::vector<Value>& values() const override { return values_; }
+
+  std::shared_ptr<const FrictionLaw> with(std::vector<Value> values) const override {
+    check_values(values);
+    return std::make_shared<Law>(std::move(values));
+  }
+
+  bool has_slip_rate() const override { return HasSlipRate<L>; }
+  bool set_valued() const override { return SetValued<L>; }
+
+  double friction(Sliding<double> at, std::span<const double> state) const override {
+    return checked("friction", at, [&] {
+      if constexpr (SetValued<L>)
+        return sign(at.slip_rate) * law_.friction(Sliding<double>{std::abs(at.slip_rate), at.normal_load});
+      else if constexpr (states_count == 0)
+        return law_.friction(at);
+      else
+        return law_.friction(at, state_of(state));
+    }());
+  }
+  std::vector<double> rate([[maybe_unused]] Sliding<double> at,
+                           [[maybe_unused]] std::span<const double> state) const override {
+    if constexpr (HasStates<L>) return numbers_of(at, "rate", law_.rate(at, state_of(state)));
+    else return {};
+  }
+  std::vector<double> steady([[maybe_unused]] Sliding<double> at) const override {
+    if constexpr (HasStates<L>) return numbers_of(at, "steady state", law_.steady(at));
+    else return {};
+  }
+  double slip_rate(double mu, double normal_load, std::span<const double> state) const override {
+    if constexpr (HasSlipRate<L>)
+      return law_.slip_rate(mu, Sliding<double>{0, normal_load}, state_of(state));
+    else
+      throw InputError(fmt::format("law '{}' has no explicit slip rate", card().name));
+  }
+  double static_limit(double normal_load) const override {
+    if constexpr (SetValued<L>)
+      return law_.static_limit(Sliding<double>{0, normal_load});
+    else
+      throw InputError(fmt::format("law '{}' has no static limit: its force at rest is unique", card().name));
+  }
+  Steady steady_friction(Sliding<double> at) const override {
+    using Slope = Dual<double, 1>;
+    const double direction = SetValued<L> && at.slip_rate < 0 ? -1 : 1;
+    const Slope mu = direction * steady_of<Slope>(detail::build<L<Slope>>(values_),
+                                                  {direction * Slope::variable(at.slip_rate, 0), at.normal_load});
+    return {checked("steady friction", at, mu.value), mu.slope[0]};
+  }
+  void steady_friction(std::span<const double> slip_rates, double normal_load,
+                       std::span<double> friction) const override {
+    const auto law = detail::build<L<Pack>>(values_);
+    for (std::size_t first = 0; first < slip_rates.size(); first += pack_width) {
+      const std::size_t count = std::min<std::size_t>(pack_width, slip_rates.size() - first);
+      Pack v(slip_rates[first]);
+      for (std::size_t i = 0; i < count; ++i) v.block[i] = slip_rates[first + i];
+      const Pack mu = steady_of<Pack>(law, {v, Pack(normal_load)});
+      for (std::size_t i = 0; i < count; ++i)
+        friction[first + i] = checked("steady friction", {v.block[i], normal_load}, mu.block[i]);
+    }
+  }
+
+  std::unique_ptr<Contact<double>> contact(const ContactSetup& setup) const override {
+    return std::make_unique<LawContact<L, double>>(values_, accepted(setup));
+  }
+  std::unique_ptr<Contact<Lanes>> lanes(const ContactSetup& setup) const override {
+    return std::make_unique<LawContact<L, Lanes>>(values_, accepted(setup));
+  }
+  std::unique_ptr<ContactValues<Tower>> tower(const ContactSetup& setup) const override {
+    return std::make_unique<LawTower<L>>(values_, accepted(setup));
+  }
+
+ private:
+  template <class T>
+  static T steady_of(const L<T>& law, const Sliding<T>& at) {
+    if constexpr (states_count == 0)
+      return law.friction(at);
+    else
+      return law.friction(at, law.steady(at));
+  }
+  static const ContactSetup& accepted(const ContactSetup& setup) {
+    if (setup.unknowns == Unknowns::friction && !HasSlipRate<L>)
+      throw InputError(fmt::format("law '{}' has no explicit slip rate: its contact cannot carry μ as unknown",
+                                   L<double>::card.name));
+    return setup;
+  }
+  auto state_of(std::span<const double> values) const {
+    if (int(values.size()) != states_count)
+      throw InputError(fmt::format("law '{}' has {} state(s), got {}", card().name, states_count, values.size()));
+    if constexpr (HasStates<L>) {
+      typename L<double>::State state;
+      detail::for_each_field(L<double>::states, [&](const auto& f, std::size_t i) { state.*(f.member) = values[i]; });
+      return state;
+    } else {
+      return 0;
+    }
+  }
+  std::vector<double> numbers_of(Sliding<double> at, const char* what, const auto& state) const {
+    std::vector<double> list;
+    detail::for_each_field(L<double>::states,
+                           [&](const auto& f, std::size_t) { list.push_back(checked(what, at, state.*(f.member))); });
+    return list;
+  }
+  double checked(const char* what, Sliding<double> at, double x) const {
+    if (!std::isfinite(x))
+      throw InputError(fmt::format("the {} of law '{}' is not finite at slip rate {} m/s and normal load {} N", what,
+                                   card().name, at.slip_rate, at.normal_load));
+    return x;
+  }
+  void check_values(const std::vector<Value>& values) const;
+
+  std::vector<Value> values_;
+  L<double> law_;
+};
+
+template <template <class> class L>
+void Law<L>::check_values(const std::vector<Value>& values) const {
+  const auto& fields = parameters();
+  if (values.size() != fields.size())
+    throw InputError(fmt::format("law '{}' takes {} parameters, got {}", card().name, fields.size(), values.size()));
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const auto path = fmt::format("law.{}", fields[i].name);
+    if (std::holds_alternative<double>(values[i]) == fields[i].is_list)
+      throw InputError(fmt::format("{} must be {}", path, fields[i].is_list ? "a list of numbers" : "a number"));
+    if (fields[i].is_list)
+      for (const double x : std::get<std::vector<double>>(values[i]))
+        require(x, fields[i].range, path, fields[i].meaning, fields[i].unit);
+    else
+      require(std::get<double>(values[i]), fields[i].range, path, fields[i].meaning, fields[i].unit);
+  }
+  if constexpr (requires { L<double>::check(law_); }) L<double>::check(detail::build<L<double>>(values));
+}
+
+/// Law L with its default parameter values, or with those of `law`.
+template <template <class> class L>
+std::shared_ptr<const FrictionLaw> make_law(const L<double>& law = {}) {
+  return Law<L>(detail::values_of(L<double>{})).with(detail::values_of(law));
+}
+
+}  // namespace rosin::laws

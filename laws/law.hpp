@@ -1,0 +1,89 @@
+/// Friction laws: what a law is, how it is asked, and the adapter that turns one written law into all its forms.
+///
+/// A law is a small value type over a scalar type (see docs/write-a-law.md and examples/your_own_law.cpp). It states
+///   card, parameters                          what it is
+///   friction(at[, state])                     coefficient of friction
+///   states, rate(at, state), steady(at)       only with states: −G, and the state of steady sliding
+///   slip_rate(mu, at, state)                  only where v can be solved from μ
+///   static_limit(at)                          only if set-valued at rest; then friction(at) is asked for v ≥ 0 alone
+/// General form: F = N·μ(v, ψ, N), λ·ψ̇ = −G(v, ψ, N). Signs: v > 0 along the drive, F on the slider along v.
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/contact.hpp"
+#include "core/error.hpp"
+#include "core/maths.hpp"
+#include "core/parameters.hpp"
+
+namespace rosin {
+
+/// The conditions at a contact that a law answers for.
+template <class Real>
+struct Sliding {
+  Real slip_rate;    ///< v, m/s
+  Real normal_load;  ///< N, newton
+};
+
+/// A named set of published parameter values.
+struct Preset {
+  std::string name, source;
+  std::vector<Value> values;  ///< in the order of the parameters
+};
+
+/// A friction law with its parameter values: immutable, shared, and asked through double-valued functions or, by
+/// solvers, through contacts. States are in natural units, in the order of `states()`.
+class FrictionLaw {
+ public:
+  virtual ~FrictionLaw() = default;
+
+  virtual const Card& card() const = 0;
+  virtual const std::vector<Quantity>& parameters() const = 0;
+  virtual const std::vector<Quantity>& states() const = 0;
+  virtual const std::vector<Preset>& presets() const = 0;
+  /// Values in the order of `parameters()`.
+  virtual const std::vector<Value>& values() const = 0;
+  /// The same law with other values. \throws InputError for a value outside its range or of the wrong kind.
+  virtual std::shared_ptr<const FrictionLaw> with(std::vector<Value> values) const = 0;
+
+  virtual bool has_slip_rate() const = 0;
+  /// True where the force at rest is any value up to ±static_limit·N (Coulomb, friction curves).
+  virtual bool set_valued() const = 0;
+
+  /// Coefficient of friction, odd in the slip rate (0 at rest for set-valued laws).
+  virtual double friction(Sliding<double> at, std::span<const double> state) const = 0;
+  /// dψ/dt for λ = 1.
+  virtual std::vector<double> rate(Sliding<double> at, std::span<const double> state) const = 0;
+  /// ψ of steady sliding.
+  virtual std::vector<double> steady(Sliding<double> at) const = 0;
+  /// Slip rate at the given coefficient. \throws InputError if the law has no explicit slip rate.
+  virtual double slip_rate(double mu, double normal_load, std::span<const double> state) const = 0;
+  /// Largest coefficient that holds at rest. \throws InputError if the law is not set-valued.
+  virtual double static_limit(double normal_load) const = 0;
+
+  /// Steady coefficient μ_ss(v) and its slope dμ_ss/dv (s/m).
+  struct Steady {
+    double friction, slope;
+  };
+  virtual Steady steady_friction(Sliding<double> at) const = 0;
+  /// Steady coefficients of many slip rates v > 0 at one load, eight at a time.
+  virtual void steady_friction(std::span<const double> slip_rates, double normal_load,
+                               std::span<double> friction) const = 0;
+
+  /// Contacts for solvers. \throws InputError if `Unknowns::friction` is asked of a law without slip_rate.
+  virtual std::unique_ptr<Contact<double>> contact(const ContactSetup&) const = 0;
+  virtual std::unique_ptr<Contact<Lanes>> lanes(const ContactSetup&) const = 0;
+  virtual std::unique_ptr<ContactValues<Tower>> tower(const ContactSetup&) const = 0;
+
+  bool has_states() const { return !states().empty(); }
+  /// Index of a parameter, or nothing.
+  std::optional<std::size_t> find(std::string_view parameter) const;
+  /// A scalar parameter by name. \throws InputError with the nearest name.
+  double parameter(std::string_view name) const;
+  /// The same law with one parameter changed. \throws InputError for an unknown name (with the nearest) or bad value.
+  std::shared_ptr<const FrictionLaw> with(std::string_view name, Value value) const;
+};
+
+}  // namespace rosin

@@ -1,0 +1,55 @@
+/// A model: a friction law, the slider that it acts on, and the drive; every number in it has a path.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/signal.hpp"
+#include "laws/law.hpp"
+
+namespace rosin::oscillators {
+
+/// Mass, spring and damper: m ẍ = −k x − c ẋ + F + f. The spring is fixed, x along the drive.
+struct Slider {
+  double mass = 1;       ///< kg; 0: quasi-static
+  double stiffness = 1;  ///< N/m; infinity with mass 0: the slip rate is imposed
+  double damping = 0;    ///< N s/m
+};
+
+/// What moves and loads the slider.
+struct Drive {
+  Signal speed = 1.0;        ///< V, m/s, of the driving surface
+  Signal normal_load = 1.0;  ///< N, newton
+  Signal force = 0.0;        ///< f, newton, along x
+  bool constant() const { return speed.constant() && normal_load.constant() && force.constant(); }
+};
+
+/// Tangential contact stiffness in series with the law; infinite: rigid contact.
+struct ContactStiffness {
+  double tangential = infinity;  ///< k_t independent of load, N/m
+  double per_load = infinity;    ///< k_t/N, 1/m
+};
+
+/// Law, slider and drive. A value: copy and change it freely.
+struct Model {
+  std::shared_ptr<const FrictionLaw> law;
+  double lambda = 1;  ///< clock factor of the law's states
+  ContactStiffness contact_stiffness;
+  Slider slider;
+  Drive drive;
+
+  /// Every scalar parameter: its path as name ("law.a", "drive.normal_load"), unit, accepted range and meaning.
+  std::vector<Quantity> parameters() const;
+  /// \throws InputError for an unknown path, with the nearest one.
+  Quantity describe(std::string_view path) const;
+  double get(std::string_view path) const;
+  /// The model with one parameter changed (the level, for a signal). \throws InputError outside its range.
+  Model with(std::string_view path, double value) const;
+  /// \throws InputError if parts do not fit together (a massless slider under a set-valued law, …).
+  void check() const;
+};
+
+/// Accepted ranges of the parameters that are not a law's, by path.
+const std::vector<Quantity>& mechanical_parameters();
+
+}  // namespace rosin::oscillators
