@@ -1,0 +1,55 @@
+/// Motion from a given start: an initial-value problem with its record, events and error estimate.
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/error.hpp"
+#include "oscillators/model.hpp"
+
+namespace rosin::analysis {
+
+using oscillators::Model;
+
+/// Where a run starts.
+struct Start {
+  enum class Kind { steady, rest, given } kind = Kind::steady;
+  std::optional<double> displacement, velocity, slip_rate;  ///< given: velocity or slip_rate, not both
+  std::map<std::string, double> states;                     ///< given: by name; missing ones are steady
+};
+
+struct RunOptions {
+  double duration = 1;          ///< s
+  std::vector<double> times;    ///< sample times, ascending; empty: `samples` equal intervals from 0 to duration
+  int samples = 1000;
+  Start start;
+  double tolerance = 1e-8;
+  std::string solver = "auto";  ///< "auto", "collocation", "cvode", "events"
+};
+
+struct RunEvent {
+  double time;
+  std::string kind;  ///< "stick", "slip", "reversal"
+};
+
+struct Run {
+  Outcome outcome;
+  std::vector<double> time;
+  std::vector<std::string> column_names;       ///< displacement, velocity, slip_rate, friction_force,
+                                               ///< friction_coefficient, then states
+  std::vector<std::string> column_units;
+  std::vector<std::vector<double>> columns;    ///< [column][sample]
+  std::vector<double> column_error;            ///< largest absolute difference to a run at a hundredth of the tolerance
+  std::vector<RunEvent> events;
+  std::map<std::string, double> metrics;       ///< of the record: extremes, means, stick time
+  std::string solver;                          ///< the one used
+  struct Cost {
+    long steps = 0, evaluations = 0;
+  } cost;
+};
+
+/// \throws InputError for a start that does not fit the model or an unknown solver.
+Run run(const Model&, const RunOptions&);
+
+}  // namespace rosin::analysis
