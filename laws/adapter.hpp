@@ -109,6 +109,16 @@ void assign(L& law, std::span<const Value> parameters, int lane) {
   }(std::make_index_sequence<parameter_count<L>>());
 }
 
+/// \throws InputError if a list in `parameters` differs from the law's.
+template <class L>
+void require_same_lists(const L& law, std::span<const Value> parameters) {
+  for_each_field(L::parameters, [&](const auto& f, std::size_t k) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(law.*(f.member))>, std::vector<double>>)
+      if (law.*(f.member) != std::get<std::vector<double>>(parameters[k]))
+        throw InputError(fmt::format("law.{} differs between the lanes of one batch: they must share lists", f.name));
+  });
+}
+
 /// ∂v/∂μ at fixed state.
 template <template <class> class L>
 double slip_rate_slope(const L<double>& law, double mu, double N, const double* state) {
@@ -129,7 +139,10 @@ struct Rows {
   bool with_friction;  ///< the first unknown is μ
   bool equilibrium;    ///< states are those of steady sliding and not unknowns (λ = 0)
 
-  int unknowns() const { return (with_friction ? 1 : 0) + (equilibrium ? 0 : states); }
+  int unknowns() const {
+    if constexpr (states == 0) return 0;
+    return (with_friction ? 1 : 0) + (equilibrium ? 0 : states);
+  }
 
   template <class T>
   ROSIN_INLINE void operator()(const L<T>& law, const ContactInput<T>& in, const T& compliance, const T* z, T* g,
@@ -259,6 +272,7 @@ class LawContact final : public Contact<Real> {
     const bool with_friction = setup.unknowns == Unknowns::friction;
     if (with_friction != rows_.with_friction || (!with_friction && setup.lambda == 0) != rows_.equilibrium)
       throw InputError("the lanes of one batch must carry the same unknowns");
+    if constexpr (Part::count > 1) detail::require_same_lists(law_[0], parameters);
     lane_law_[lane] = detail::build<L<double>>(parameters);
     detail::assign(law_[lane / pack_width], parameters, lane % pack_width);
     detail::assign(derivative_law_[lane / pack_width], parameters, lane % pack_width);
@@ -536,9 +550,8 @@ void Law<L>::check_values(const std::vector<Value>& values) const {
   if constexpr (requires { L<double>::check(law_); }) L<double>::check(detail::build<L<double>>(values));
 }
 
-/// Law L with its default parameter values, or with those of `law`.
 template <template <class> class L>
-std::shared_ptr<const FrictionLaw> make_law(const L<double>& law = {}) {
+std::shared_ptr<const FrictionLaw> make_law(const L<double>& law) {
   return Law<L>(detail::values_of(L<double>{})).with(detail::values_of(law));
 }
 

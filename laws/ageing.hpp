@@ -1,35 +1,29 @@
 /// Rate-and-state friction, ageing law: contacts strengthen with the logarithm of their age, also at rest.
 #pragma once
-#include "laws/law.hpp"
+#include "laws/rate_and_state.hpp"
 
 namespace rosin::laws {
 
 template <class Real = double>
 struct Ageing {
-  static constexpr Card card{
-      .name = "ageing",
-      .title = "Rate-and-state friction, ageing law",
-      .formula = R"(\mu = a\,\mathrm{asinh}\Bigl(\frac{v}{2v_0}e^{E}\Bigr),\quad
+  static constexpr Card card{.name = "ageing",
+                             .title = "Rate-and-state friction, ageing law",
+                             .formula = R"(\mu = a\,\mathrm{asinh}\Bigl(\frac{v}{2v_0}e^{E}\Bigr),\quad
 E = \frac{1}{a}\Bigl(\mu_0 + b\ln\frac{v_0\theta}{L}\Bigr),\quad \lambda\dot\theta = 1 - \frac{|v|\theta}{L})",
-      .source = "Dieterich (1979); asinh form after Rice, Lapusta & Ranjith (2001)",
-      .limits = "weakens without bound for b > a; contacts age without bound at rest"};
+                             .source = "Dieterich (1979); asinh form after Rice, Lapusta & Ranjith (2001)",
+                             .limits = "weakens without bound for b > a; contacts age without bound at rest"};
 
   Real mu0 = 0.6, a = 0.010, b = 0.015, L = 10e-6, v0 = 1e-6;
-
-  static constexpr auto parameters =
-      table(field(&Ageing::mu0, "mu0", "1", {0, 5}, "friction at the reference slip rate"),
-            field(&Ageing::a, "a", "1", {1e-4, 0.5}, "direct effect"),
-            field(&Ageing::b, "b", "1", {0, 0.5}, "evolution effect; steady weakening when b > a"),
-            field(&Ageing::L, "L", "m", {1e-10, 1}, "slip that renews the contacts"),
-            field(&Ageing::v0, "v0", "m/s", {1e-14, 10}, "reference slip rate"));
+  static constexpr auto parameters = one_state_parameters<Ageing>();
 
   struct State {
     Real theta;
   };
   static constexpr auto states =
-      table(field(&State::theta, "theta", "s", {1e-300, 1e300}, "mean age of the contacts", Scale::log));
+      table(field(&State::theta, "theta", "s", any_age, "mean age of the contacts", Scale::log));
 
-  Real exponent(State s) const { return (mu0 + b * log(v0 * s.theta / L)) / a - log(2.0 * v0); }
+  Real log_2v0 = log(2.0 * v0);
+  Real exponent(State s) const { return (mu0 + b * log(v0 * s.theta / L)) / a - log_2v0; }
 
   Real friction(Sliding<Real> at, State s) const { return a * asinh_exp(at.slip_rate, exponent(s)); }
   Real slip_rate(Real mu, Sliding<Real>, State s) const { return sinh_exp(Real(mu / a), exponent(s)); }

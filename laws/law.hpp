@@ -86,4 +86,12 @@ class FrictionLaw {
   std::shared_ptr<const FrictionLaw> with(std::string_view name, Value value) const;
 };
 
+namespace laws {
+
+/// Law L as a FrictionLaw, with its default parameter values or with those of `law`. Defined in laws/adapter.hpp and
+/// instantiated once in each shipped law's .cpp; for a law of your own, include the adapter.
+template <template <class> class L>
+std::shared_ptr<const FrictionLaw> make_law(const L<double>& law = {});
+
+}  // namespace laws
 }  // namespace rosin

@@ -17,14 +17,14 @@ E = \frac{1}{a}\Bigl[\mu_0 + b\ln\Bigl(c + \frac{\psi}{\psi_*}\Bigr)\Bigr],\quad
 
   Real mu0 = 0.369, a = 0.0349, b = 0.0489, L = 0.9e-6, v0 = 1e-6, c = 1e-3, t_heal = 90;
 
-  static constexpr auto parameters = table(
-      field(&Spinodal::mu0, "mu0", "1", {0, 5}, "friction at the reference slip rate (where c is negligible)"),
-      field(&Spinodal::a, "a", "1", {1e-4, 0.5}, "direct effect"),
-      field(&Spinodal::b, "b", "1", {0, 0.5}, "evolution effect; weakening somewhere needs b > a"),
-      field(&Spinodal::L, "L", "m", {1e-10, 1}, "slip that renews the contacts"),
-      field(&Spinodal::v0, "v0", "m/s", {1e-14, 10}, "reference slip rate"),
-      field(&Spinodal::c, "c", "1", {1e-12, 1}, "cut-off of the state at high slip rate"),
-      field(&Spinodal::t_heal, "t_heal", "s", {1e-6, 1e12}, "healing time of contacts at rest"));
+  static constexpr auto parameters =
+      table(field(&Spinodal::mu0, "mu0", "1", {0, 5}, "friction at the reference slip rate (where c is negligible)"),
+            field(&Spinodal::a, "a", "1", {1e-4, 0.5}, "direct effect"),
+            field(&Spinodal::b, "b", "1", {0, 0.5}, "evolution effect; weakening somewhere needs b > a"),
+            field(&Spinodal::L, "L", "m", {1e-10, 1}, "slip that renews the contacts"),
+            field(&Spinodal::v0, "v0", "m/s", {1e-14, 10}, "reference slip rate"),
+            field(&Spinodal::c, "c", "1", {1e-12, 1}, "cut-off of the state at high slip rate"),
+            field(&Spinodal::t_heal, "t_heal", "s", {1e-6, 1e12}, "healing time of contacts at rest"));
 
   struct State {
     Real psi;
@@ -37,13 +37,14 @@ E = \frac{1}{a}\Bigl[\mu_0 + b\ln\Bigl(c + \frac{\psi}{\psi_*}\Bigr)\Bigr],\quad
     Spinodal law;
   };
   static std::vector<Published> presets() {
-    return {{"bristol-board", "Woodhouse, Putelat & McKay (2015), Table 1; mu0 is not printed there: 0.369 reproduces Fig 1",
+    return {{"bristol-board",
+             "Woodhouse, Putelat & McKay (2015), Table 1; mu0 is not printed there: 0.369 reproduces Fig 1",
              Spinodal{}}};
   }
 
   Real psi_ref = L / (L + v0 * t_heal);  ///< ψ*, steady state at v0
-
-  Real exponent(State s) const { return (mu0 + b * log(c + s.psi / psi_ref)) / a - log(2.0 * v0); }
+  Real log_2v0 = log(2.0 * v0);
+  Real exponent(State s) const { return (mu0 + b * log(c + s.psi / psi_ref)) / a - log_2v0; }
 
   Real friction(Sliding<Real> at, State s) const { return a * asinh_exp(at.slip_rate, exponent(s)); }
   Real slip_rate(Real mu, Sliding<Real>, State s) const { return sinh_exp(Real(mu / a), exponent(s)); }

@@ -1,0 +1,39 @@
+/// Rate-and-state friction after Perrin, Rice and Zheng: heals at rest like the ageing law, weakens faster far from
+/// steady.
+#pragma once
+#include "laws/rate_and_state.hpp"
+
+namespace rosin::laws {
+
+template <class Real = double>
+struct Prz {
+  static constexpr Card card{.name = "prz",
+                             .title = "Rate-and-state friction, Perrin-Rice-Zheng law",
+                             .formula = R"(\mu = a\,\mathrm{asinh}\Bigl(\frac{v}{2v_0}e^{E}\Bigr),\quad
+E = \frac{1}{a}\Bigl(\mu_0 + b\ln\frac{v_0\theta}{2L}\Bigr),\quad
+\lambda\dot\theta = 1 - \Bigl(\frac{|v|\theta}{2L}\Bigr)^2)",
+                             .source = "Perrin, Rice & Zheng (1995); asinh form after Rice, Lapusta & Ranjith (2001)",
+                             .limits = "weakens without bound for b > a; contacts age without bound at rest"};
+
+  Real mu0 = 0.6, a = 0.010, b = 0.015, L = 10e-6, v0 = 1e-6;
+  static constexpr auto parameters = one_state_parameters<Prz>();
+
+  struct State {
+    Real theta;
+  };
+  static constexpr auto states =
+      table(field(&State::theta, "theta", "s", any_age, "mean age of the contacts", Scale::log));
+
+  Real log_2v0 = log(2.0 * v0);
+  Real exponent(State s) const { return (mu0 + b * log(v0 * s.theta / (2.0 * L))) / a - log_2v0; }
+
+  Real friction(Sliding<Real> at, State s) const { return a * asinh_exp(at.slip_rate, exponent(s)); }
+  Real slip_rate(Real mu, Sliding<Real>, State s) const { return sinh_exp(Real(mu / a), exponent(s)); }
+  State rate(Sliding<Real> at, State s) const {
+    const Real renewed = at.slip_rate * s.theta / (2.0 * L);
+    return {1.0 - renewed * renewed};
+  }
+  State steady(Sliding<Real> at) const { return {2.0 * L / abs(at.slip_rate)}; }
+};
+
+}  // namespace rosin::laws
