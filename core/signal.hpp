@@ -46,7 +46,8 @@ class Signal {
   bool constant() const { return std::holds_alternative<double>(form_); }
   /// Longest step of time that resolves the signal (1/16 of the shortest period); infinity if it has no period.
   double resolution() const;
-  /// All values stay within the range (checked at break points, and by the sum of amplitudes for harmonics).
+  /// All values stay within the range (checked at break points, by the sum of amplitudes for harmonics, and at its
+  /// start for a ramp, which has no end of its own).
   bool within(Range) const;
   /// The constant value or the mean of harmonics; the value at t = 0 for other forms.
   double level() const;

@@ -1,0 +1,108 @@
+/// Units by UDUNITS-2. The library keeps global parser state, so that one lock guards every call.
+#include "core/units.hpp"
+
+#include <fmt/format.h>
+#include <udunits2.h>
+
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "core/error.hpp"
+
+namespace rosin {
+
+namespace {
+
+using Unit = std::unique_ptr<ut_unit, decltype(&ut_free)>;
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blank = " \t";
+  const auto begin = text.find_first_not_of(blank);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(blank) - begin + 1);
+}
+
+/// The unit database, read once, and the lock that every use of it holds.
+class Database {
+ public:
+  static Database& get() {
+    static Database database;
+    return database;
+  }
+  std::mutex lock;
+
+  /// A null unit where the text is none.
+  Unit parse(std::string_view text) const {
+    const std::string copy(trimmed(text));
+    return {ut_parse(system_.get(), copy.c_str(), UT_UTF8), &ut_free};
+  }
+
+ private:
+  Database() : system_(nullptr, &ut_free_system) {
+    ut_set_error_message_handler(ut_ignore);  // it would write warnings to standard error
+    system_.reset(ut_read_xml(nullptr));
+    if (!system_)
+      throw InputError(
+          "the unit database of UDUNITS-2 is missing: install the package libudunits2-data, or point the "
+          "environment variable UDUNITS2_XML_PATH at udunits2.xml");
+  }
+  std::unique_ptr<ut_system, decltype(&ut_free_system)> system_;
+};
+
+/// UDUNITS also converts between reciprocal units (s and Hz); here only the same dimension counts.
+bool same_dimension(const Unit& a, const Unit& b) {
+  const Unit ratio{ut_divide(a.get(), b.get()), &ut_free};
+  return ratio && ut_are_convertible(a.get(), b.get()) && ut_is_dimensionless(ratio.get());
+}
+
+/// `x` in the other unit. Decimal prefixes below one divide by a whole number, so that 10 um is 1e-5 m to the last bit.
+double convert(double x, const Unit& from, const Unit& to) {
+  const std::unique_ptr<cv_converter, decltype(&cv_free)> converter{ut_get_converter(from.get(), to.get()), &cv_free};
+  const double factor = cv_convert_double(converter.get(), 1.0), whole = std::round(1 / factor);
+  const bool offset = cv_convert_double(converter.get(), 0.0) != 0;
+  if (!offset && factor < 1 && whole < 1e15 && std::abs(whole * factor - 1) < 1e-14) return x / whole;
+  return cv_convert_double(converter.get(), x);
+}
+
+}  // namespace
+
+double to_si(std::string_view text, std::string_view si_unit) {
+  const std::string_view body = trimmed(text);
+  const std::string_view digits = body.starts_with('+') ? body.substr(1) : body;
+  double number = 0;
+  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (problem == std::errc::result_out_of_range)
+    throw InputError(fmt::format("'{}' is too large or too small for a number", text));
+  if (problem != std::errc{})
+    throw InputError(fmt::format("'{}' is not a number with a unit, such as \"3 {}\"", text, si_unit));
+  const std::string_view unit = trimmed(digits.substr(static_cast<std::size_t>(end - digits.data())));
+  if (unit.empty()) return number;
+
+  auto& database = Database::get();
+  const std::lock_guard guard(database.lock);
+  const Unit given = database.parse(unit), wanted = database.parse(si_unit);
+  if (!wanted) throw InputError(fmt::format("'{}' is not a known unit", si_unit));
+  // A second number ("2 3 m") would silently multiply; only a reciprocal may begin with a digit.
+  const bool second_number = std::isdigit(static_cast<unsigned char>(unit.front())) && unit != "1" &&
+                             !unit.starts_with("1/") && !unit.starts_with("1 /");
+  if (!given || second_number)
+    throw InputError(
+        fmt::format("'{}' is not a known unit (in '{}'; needed is {})", unit, text, readable_unit(si_unit)));
+  if (!same_dimension(given, wanted))
+    throw InputError(fmt::format("'{}' is in {}, but needed is {}", text, unit, readable_unit(si_unit)));
+  if (si_unit == "rad/s" && unit.find("Hz") != std::string_view::npos)
+    throw InputError(
+        fmt::format("'{}' is a frequency, but an angular frequency is needed: rad/s is 2 pi times Hz", text));
+  return convert(number, given, wanted);
+}
+
+bool unit_known(std::string_view unit) {
+  auto& database = Database::get();
+  const std::lock_guard guard(database.lock);
+  return database.parse(unit) != nullptr;
+}
+
+}  // namespace rosin

@@ -1,0 +1,157 @@
+/// Paths into a model: describing, reading and changing each of its numbers, and checking that its parts fit together.
+#include "oscillators/model.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/error.hpp"
+
+namespace rosin::oscillators {
+
+namespace {
+
+/// A parameter that does not belong to a law: how it is described, read and changed.
+struct Entry {
+  Quantity quantity;
+  double (*get)(const Model&);
+  void (*set)(Model&, double);
+};
+
+const std::vector<Entry>& entries() {
+  constexpr Range positive{0, 1e15}, stiffness{1e-12, infinity}, force{-1e15, 1e15};
+  static const std::vector<Entry> list = {
+      {{"law.lambda", "1", positive, "clock factor of the law's states; 0: friction curve"},
+       [](const Model& m) { return m.lambda; },
+       [](Model& m, double x) { m.lambda = x; }},
+      {{"law.contact_stiffness.tangential", "N/m", stiffness, "tangential stiffness of the contact"},
+       [](const Model& m) { return m.contact_stiffness.tangential; },
+       [](Model& m, double x) { m.contact_stiffness.tangential = x; }},
+      {{"law.contact_stiffness.per_load", "1/m", stiffness, "tangential stiffness of the contact per unit load"},
+       [](const Model& m) { return m.contact_stiffness.per_load; },
+       [](Model& m, double x) { m.contact_stiffness.per_load = x; }},
+      {{"oscillator.mass", "kg", {0, 1e12}, "mass of the slider; 0: quasi-static"},
+       [](const Model& m) { return m.slider.mass; },
+       [](Model& m, double x) { m.slider.mass = x; }},
+      {{"oscillator.stiffness", "N/m", {0, infinity}, "stiffness of the spring; infinite: imposed slip rate"},
+       [](const Model& m) { return m.slider.stiffness; },
+       [](Model& m, double x) { m.slider.stiffness = x; }},
+      {{"oscillator.damping", "N s/m", positive, "damping of the slider's motion"},
+       [](const Model& m) { return m.slider.damping; },
+       [](Model& m, double x) { m.slider.damping = x; }},
+      {{"drive.speed", "m/s", {-1e4, 1e4}, "speed of the driving surface"},
+       [](const Model& m) { return m.drive.speed.level(); },
+       [](Model& m, double x) { m.drive.speed = m.drive.speed.with_level(x); }},
+      {{"drive.normal_load", "N", positive, "normal load"},
+       [](const Model& m) { return m.drive.normal_load.level(); },
+       [](Model& m, double x) { m.drive.normal_load = m.drive.normal_load.with_level(x); }},
+      {{"drive.force", "N", force, "force on the slider along its displacement"},
+       [](const Model& m) { return m.drive.force.level(); },
+       [](Model& m, double x) { m.drive.force = m.drive.force.with_level(x); }},
+  };
+  return list;
+}
+
+constexpr std::string_view lambda_path = "law.lambda";
+
+/// The entry of a path, or nullptr. λ is a parameter only of laws with states.
+const Entry* find_entry(const Model& model, std::string_view path) {
+  if (path == lambda_path && !model.law->has_states()) return nullptr;
+  for (const auto& entry : entries())
+    if (entry.quantity.name == path) return &entry;
+  return nullptr;
+}
+
+/// The index of the law's parameter that a path names, if it is a number and not a list.
+std::optional<std::size_t> find_in_law(const Model& model, std::string_view path) {
+  if (!path.starts_with("law.")) return std::nullopt;
+  const auto index = model.law->find(path.substr(4));
+  if (!index || model.law->parameters()[*index].is_list) return std::nullopt;
+  return index;
+}
+
+Quantity with_path(Quantity quantity) {
+  quantity.name = "law." + quantity.name;
+  return quantity;
+}
+
+[[noreturn]] void refuse_path(const Model& model, std::string_view path) {
+  std::vector<std::string> known;
+  for (const auto& quantity : model.parameters()) known.push_back(quantity.name);
+  const auto near = nearest_name(path, known);
+  throw InputError(fmt::format("unknown parameter '{}' of a slider with law '{}'{}", path, model.law->card().name,
+                               near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)));
+}
+
+}  // namespace
+
+const std::vector<Quantity>& mechanical_parameters() {
+  static const std::vector<Quantity> list = [] {
+    std::vector<Quantity> quantities;
+    for (const auto& entry : entries()) quantities.push_back(entry.quantity);
+    return quantities;
+  }();
+  return list;
+}
+
+std::vector<Quantity> Model::parameters() const {
+  std::vector<Quantity> list;
+  for (const auto& parameter : law->parameters())
+    if (!parameter.is_list) list.push_back(with_path(parameter));
+  for (const auto& quantity : mechanical_parameters())
+    if (find_entry(*this, quantity.name)) list.push_back(quantity);
+  return list;
+}
+
+Quantity Model::describe(std::string_view path) const {
+  if (const auto index = find_in_law(*this, path)) return with_path(law->parameters()[*index]);
+  if (const auto* entry = find_entry(*this, path)) return entry->quantity;
+  refuse_path(*this, path);
+}
+
+double Model::get(std::string_view path) const {
+  if (const auto index = find_in_law(*this, path)) return std::get<double>(law->values()[*index]);
+  if (const auto* entry = find_entry(*this, path)) return entry->get(*this);
+  refuse_path(*this, path);
+}
+
+Model Model::with(std::string_view path, double value) const {
+  const auto quantity = describe(path);
+  require(value, quantity.range, quantity.name, quantity.meaning, quantity.unit);
+  Model changed = *this;
+  if (const auto index = find_in_law(*this, path))
+    changed.law = law->with(law->parameters()[*index].name, value);
+  else
+    find_entry(*this, path)->set(changed, value);
+  return changed;
+}
+
+void Model::check() const {
+  if (!law) throw InputError("the model has no friction law");
+  for (const auto& quantity : mechanical_parameters()) {
+    if (!find_entry(*this, quantity.name)) continue;
+    require(get(quantity.name), quantity.range, quantity.name, quantity.meaning, quantity.unit);
+  }
+  const auto name = law->card().name;
+  if (slider.mass == 0 && law->set_valued())
+    throw InputError(
+        fmt::format("oscillator.mass = 0 does not go with law '{}', whose force at rest is any value up to "
+                    "its limit: a slider without mass would have to jump at slip; give it a mass",
+                    name));
+  if (slider.mass > 0 && std::isinf(slider.stiffness))
+    throw InputError("oscillator.stiffness = inf imposes the slip rate and needs oscillator.mass = 0");
+  if (slider.mass == 0 && slider.stiffness == 0 && slider.damping == 0)
+    throw InputError(
+        "oscillator: mass, stiffness and damping are all 0, so that nothing resists the friction force; "
+        "give one of them a value");
+  const bool tangential = std::isfinite(contact_stiffness.tangential);
+  const bool per_load = std::isfinite(contact_stiffness.per_load);
+  if (tangential && per_load) throw InputError("law.contact_stiffness: give tangential or per_load, not both");
+  if ((tangential || per_load) && !law->has_slip_rate())
+    throw InputError(
+        fmt::format("law.contact_stiffness needs a law that can be solved for the slip rate, and '{}' "
+                    "cannot; leave it out",
+                    name));
+}
+
+}  // namespace rosin::oscillators
