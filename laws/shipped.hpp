@@ -1,0 +1,32 @@
+/// The laws that rosin ships, as types, in the order in which they are listed: one line each.
+#pragma once
+#include "laws/ageing.hpp"
+#include "laws/coulomb.hpp"
+#include "laws/hyperbolic.hpp"
+#include "laws/prz.hpp"
+#include "laws/slip.hpp"
+#include "laws/spinodal.hpp"
+#include "laws/stribeck.hpp"
+#include "laws/tabulated.hpp"
+#include "laws/two_exponential.hpp"
+#include "laws/two_state_ageing.hpp"
+#include "laws/two_state_slip.hpp"
+
+namespace rosin::laws {
+
+template <template <class> class... L>
+struct LawList {};
+
+using Shipped = LawList<Coulomb,         //
+                        Stribeck,        //
+                        Hyperbolic,      //
+                        TwoExponential,  //
+                        Tabulated,       //
+                        Ageing,          //
+                        Slip,            //
+                        Prz,             //
+                        TwoStateAgeing,  //
+                        TwoStateSlip,    //
+                        Spinodal>;
+
+}  // namespace rosin::laws
