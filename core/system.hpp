@@ -1,0 +1,32 @@
+/// What a solver advances in time: M(t)·ẏ = f(t, y) with a diagonal M whose zero rows are algebraic.
+#pragma once
+#include <string>
+
+#include "core/parameters.hpp"
+
+namespace rosin {
+
+/// A system of ordinary differential and algebraic equations of index 1. Immutable during a solution.
+class System {
+ public:
+  virtual ~System() = default;
+  virtual int size() const = 0;
+  /// Diagonal of M at time t (size entries).
+  virtual void mass(double t, double* m) const = 0;
+  /// f(t, y).
+  virtual void evaluate(double t, const double* y, double* f) const = 0;
+  /// f and ∂f/∂y, row-major size × size.
+  virtual void linearise(double t, const double* y, double* f, double* jacobian) const = 0;
+  /// The sizes by which errors in each unknown are measured, at y.
+  virtual void scale(const double* y, double* s) const = 0;
+  /// Name of an unknown for messages.
+  virtual std::string unknown(int i) const = 0;
+  /// The next time after t at which the equations jump; infinity if none.
+  virtual double next_break(double) const { return infinity; }
+  /// Carries y across the break at t: continues what is continuous and makes algebraic unknowns consistent.
+  virtual void cross_break(double, double*) const {}
+  /// Longest step that resolves prescribed motion; infinity if none is prescribed.
+  virtual double resolution() const { return infinity; }
+};
+
+}  // namespace rosin

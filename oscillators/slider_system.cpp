@@ -1,0 +1,254 @@
+/// Assembly of the slider: right-hand side, Jacobian, masses, starts and what is observed.
+#include "oscillators/slider_system.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rosin::oscillators {
+
+namespace {
+Mechanics mechanics_of(const Slider& slider) {
+  if (slider.mass > 0) return Mechanics::inertial;
+  return slider.damping > 0 ? Mechanics::damped : Mechanics::elastic;
+}
+}  // namespace
+
+SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(model)) {
+  model_.check();
+  const auto& law = *model_.law;
+  mechanics_ = mechanics_of(model_.slider);
+  mechanical_ = mechanics_ == Mechanics::inertial ? 2 : mechanics_ == Mechanics::damped ? 1 : 0;
+  setup_.lambda = model_.lambda;
+  setup_.compliance = 1 / model_.contact_stiffness.tangential;
+  setup_.compliance_per_load = 1 / model_.contact_stiffness.per_load;
+  if (mechanics_ == Mechanics::elastic) setup_.compliance += 1 / model_.slider.stiffness;
+  // Only a friction unknown can carry a spring in series or answer for a slip rate that is not a coordinate.
+  const bool needs_friction = !rigid() || mechanics_ == Mechanics::damped;
+  setup_.unknowns = law.has_slip_rate() && (unknowns == Unknowns::friction || needs_friction) ? Unknowns::friction
+                                                                                              : Unknowns::states;
+  if (needs_friction && !law.has_slip_rate())
+    throw InputError(fmt::format(
+        "law '{}' has no explicit slip rate: it needs a slider with mass and a rigid contact", law.card().name));
+  contact_ = law.contact(setup_);
+
+  is_constant_ = model_.drive.constant();
+  if (is_constant_) {
+    const auto& d = model_.drive;
+    constant_ = {d.speed.level(), 0, d.normal_load.level(), 0, d.force.level(), 0};
+  }
+  const Forcing start = forcing(0);
+  reference_speed_ = std::max(std::abs(start.speed), std::abs(model_.drive.speed.level()));
+  if (reference_speed_ == 0) reference_speed_ = 1e-9;
+  contact_scale_.assign(Slopes<double>::capacity, 1.0);
+  double z[Slopes<double>::capacity];
+  contact_->steady(0, reference_speed_, start.load, z, contact_scale_.data());
+  const double friction_scale = carries_friction() ? contact_scale_[0] : 0.1;
+  const auto& s = model_.slider;
+  displacement_scale_ = mechanics_ == Mechanics::inertial && s.stiffness > 0
+                            ? reference_speed_ * std::sqrt(s.mass / s.stiffness) + start.load * friction_scale / s.stiffness
+                        : s.stiffness > 0 ? std::max(start.load, 1e-300) * friction_scale / s.stiffness
+                                          : reference_speed_;
+}
+
+SliderSystem::Forcing SliderSystem::forcing(double t) const {
+  if (is_constant_) return constant_;
+  const auto& d = model_.drive;
+  return {d.speed.value(t),           d.speed.rate(t),  d.normal_load.value(t),
+          d.normal_load.rate(t), d.force.value(t), d.force.rate(t)};
+}
+
+void SliderSystem::mass(double t, double* m) const {
+  const Forcing now = forcing(t);
+  if (mechanical_ > 0) m[0] = 1;
+  if (mechanical_ > 1) m[1] = model_.slider.mass;
+  contact_->mass(now.load, m + mechanical_);
+}
+
+double SliderSystem::imposed_slip_rate(const Forcing& now, const double* y, double F) const {
+  switch (mechanics_) {
+    case Mechanics::inertial: return y[1];
+    case Mechanics::damped: return now.speed - (F + now.force - model_.slider.stiffness * y[0]) / model_.slider.damping;
+    case Mechanics::elastic: return now.speed - now.force_rate / model_.slider.stiffness;
+  }
+  return 0;
+}
+
+void SliderSystem::evaluate(double t, const double* y, double* f) const {
+  const Forcing now = forcing(t);
+  const double* z = y + mechanical_;
+  const double known_force = mechanics_ == Mechanics::damped ? now.load * z[0] : 0;
+  const double u = imposed_slip_rate(now, y, known_force);
+  double F;
+  contact_->evaluate({u, now.load, now.load_rate, direction_}, z, f + mechanical_, F);
+  if (mechanical_ > 0) f[0] = now.speed - u;
+  if (mechanics_ == Mechanics::inertial) {
+    const auto& s = model_.slider;
+    f[1] = s.mass * now.speed_rate + s.stiffness * y[0] + s.damping * (now.speed - u) - F - now.force;
+  }
+}
+
+void SliderSystem::linearise(double t, const double* y, double* f, double* jacobian) const {
+  const Forcing now = forcing(t);
+  const int n = size(), nz = contact_->unknowns(), first = mechanical_;
+  const double* z = y + first;
+  const double known_force = mechanics_ == Mechanics::damped ? now.load * z[0] : 0;
+  const double u = imposed_slip_rate(now, y, known_force);
+  const auto& s = model_.slider;
+  double F;
+  Slopes<double> slopes;
+  contact_->linearise({u, now.load, now.load_rate, direction_}, z, f + first, F, slopes);
+  std::fill(jacobian, jacobian + n * n, 0.0);
+  const auto J = [&](int i, int j) -> double& { return jacobian[i * n + j]; };
+  for (int i = 0; i < nz; ++i)
+    for (int j = 0; j < nz; ++j) J(first + i, first + j) = slopes.g_z[i * nz + j];
+  if (mechanics_ == Mechanics::inertial) {
+    f[0] = now.speed - u;
+    f[1] = s.mass * now.speed_rate + s.stiffness * y[0] + s.damping * (now.speed - u) - F - now.force;
+    J(0, 1) = -1;
+    J(1, 0) = s.stiffness;
+    J(1, 1) = -s.damping - slopes.F_u;
+    for (int j = 0; j < nz; ++j) {
+      J(1, first + j) = -slopes.F_z[j];
+      J(first + j, 1) = slopes.g_u[j];
+    }
+  } else if (mechanics_ == Mechanics::damped) {
+    // u = V − (N μ + f − k x)/c
+    const double u_x = s.stiffness / s.damping, u_mu = -now.load / s.damping;
+    f[0] = now.speed - u;
+    J(0, 0) = -u_x;
+    J(0, 1) = -u_mu;
+    for (int i = 0; i < nz; ++i) {
+      J(first + i, 0) = slopes.g_u[i] * u_x;
+      J(first + i, first) += slopes.g_u[i] * u_mu;
+    }
+  }
+}
+
+void SliderSystem::scale(const double* y, double* s) const {
+  if (mechanical_ > 0) s[0] = displacement_scale_;
+  if (mechanical_ > 1) s[1] = std::max(reference_speed_, std::abs(y[1]));
+  for (int i = 0; i < contact_->unknowns(); ++i) s[mechanical_ + i] = contact_scale_[i];
+}
+
+std::string SliderSystem::unknown(int i) const {
+  if (i < mechanical_) return i == 0 ? "displacement" : "slip rate";
+  i -= mechanical_;
+  if (carries_friction() && i-- == 0) return "friction coefficient";
+  return model_.law->states()[i].name;
+}
+
+double SliderSystem::next_break(double t) const {
+  const auto& d = model_.drive;
+  return std::min({d.speed.next_break(t), d.normal_load.next_break(t), d.force.next_break(t)});
+}
+
+double SliderSystem::resolution() const {
+  const auto& d = model_.drive;
+  return std::min({d.speed.resolution(), d.normal_load.resolution(), d.force.resolution()});
+}
+
+void SliderSystem::read_states(const double* z, double* state) const {
+  const auto& fields = model_.law->states();
+  for (std::size_t i = 0; i < fields.size(); ++i) state[i] = fields[i].scale == Scale::log ? std::exp(z[i]) : z[i];
+}
+
+std::vector<double> SliderSystem::unknowns_at(double t, double x, double u, std::span<const double> state,
+                                              double friction) const {
+  const Forcing now = forcing(t);
+  const auto& law = *model_.law;
+  std::vector<double> y;
+  if (mechanical_ > 0) y.push_back(x);
+  if (mechanical_ > 1) y.push_back(u);
+  if (carries_friction()) {
+    if (rigid() && mechanics_ != Mechanics::damped)
+      y.push_back(law.friction({u, now.load}, state));
+    else
+      y.push_back(friction / now.load);
+  }
+  if (int(y.size()) < size())
+    for (std::size_t i = 0; i < law.states().size(); ++i)
+      y.push_back(law.states()[i].scale == Scale::log ? std::log(state[i]) : state[i]);
+  return y;
+}
+
+std::vector<double> SliderSystem::steady(double t) const {
+  const Forcing now = forcing(t);
+  const auto& law = *model_.law;
+  const auto state = law.steady({now.speed, now.load});
+  const double F = now.load * law.steady_friction({now.speed, now.load}).friction;
+  const double k = model_.slider.stiffness;
+  if (k == 0 && F + now.force != 0)
+    throw InputError("oscillator.stiffness = 0: without a spring the slider has no steady sliding (stiffness, N/m)");
+  return unknowns_at(t, k == 0 ? 0 : (F + now.force) / k, now.speed, state, F);
+}
+
+double SliderSystem::friction_coefficient(double t, const double* y) const {
+  if (carries_friction()) return y[mechanical_];
+  const Forcing now = forcing(t);
+  double g[Slopes<double>::capacity], F;
+  // At unit load, so that the coefficient exists for N = 0 too.
+  contact_->evaluate({imposed_slip_rate(now, y, 0), 1.0, 0, direction_}, y + mechanical_, g, F);
+  return F;
+}
+
+double SliderSystem::slip_rate(double t, const double* y) const {
+  const Forcing now = forcing(t);
+  if (mechanics_ == Mechanics::damped) return imposed_slip_rate(now, y, now.load * y[mechanical_]);
+  if (mechanics_ == Mechanics::inertial || rigid()) return imposed_slip_rate(now, y, 0);
+  // Elastic: ẋ = (Ḟ + ḟ)/k with Ḟ from the friction row.
+  double g[Slopes<double>::capacity], m[Slopes<double>::capacity], F;
+  contact_->evaluate({imposed_slip_rate(now, y, 0), now.load, now.load_rate, direction_}, y, g, F);
+  contact_->mass(now.load, m);
+  const double F_rate = now.load * g[0] / m[0] + now.load_rate * y[0];
+  return now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
+}
+
+Observation SliderSystem::observe(double t, const double* y) const {
+  const Forcing now = forcing(t);
+  Observation seen;
+  seen.friction_coefficient = friction_coefficient(t, y);
+  seen.friction_force = now.load * seen.friction_coefficient;
+  seen.slip_rate = slip_rate(t, y);
+  seen.velocity = now.speed - seen.slip_rate;
+  seen.displacement = mechanical_ > 0 ? y[0] : (seen.friction_force + now.force) / model_.slider.stiffness;
+  if (!model_.law->states().empty()) {
+    if (size() > mechanical_ + (carries_friction() ? 1 : 0)) {
+      seen.state.resize(model_.law->states().size());
+      read_states(y + mechanical_ + (carries_friction() ? 1 : 0), seen.state.data());
+    } else {
+      seen.state = model_.law->steady({seen.slip_rate, now.load});  // λ = 0: states follow the slip rate
+    }
+  }
+  return seen;
+}
+
+void SliderSystem::cross_break(double t, double* y) const {
+  const Forcing before = forcing(std::nextafter(t, -infinity)), after = forcing(t);
+  if (mechanics_ == Mechanics::inertial) y[1] += after.speed - before.speed;  // the slider's velocity is continuous
+  if (!carries_friction()) return;
+  double* z = y + mechanical_;
+  if (!rigid() || mechanics_ == Mechanics::damped) {
+    // The force in the spring is continuous, unless the force on a massless slider jumps.
+    double F = before.load * z[0];
+    if (mechanics_ == Mechanics::elastic && setup_.compliance > 0)
+      F -= (after.force - before.force) / (model_.slider.stiffness * setup_.compliance);
+    if (setup_.compliance_per_load == 0 || mechanics_ == Mechanics::damped) z[0] = F / after.load;
+    return;
+  }
+  // Rigid contact: the slip rate is given, friction follows from it.
+  const double u = mechanics_ == Mechanics::inertial ? y[1] : imposed_slip_rate(after, y, 0);
+  const auto& law = *model_.law;
+  std::vector<double> state(law.states().size());
+  if (setup_.lambda == 0) {
+    state = law.steady({u, after.load});
+    for (std::size_t i = 0; i < state.size(); ++i)
+      z[1 + i] = law.states()[i].scale == Scale::log ? std::log(state[i]) : state[i];
+  } else {
+    read_states(z + 1, state.data());
+  }
+  z[0] = law.friction({u, after.load}, state);
+}
+
+}  // namespace rosin::oscillators

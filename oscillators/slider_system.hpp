@@ -1,0 +1,89 @@
+/// The slider's equations: mechanics and contact assembled into a System.
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/system.hpp"
+#include "oscillators/model.hpp"
+
+namespace rosin::oscillators {
+
+/// Mechanical unknowns, before those of the contact.
+enum class Mechanics {
+  inertial,  ///< (x, u): m u̇ = m V̇ + k x + c (V − u) − F − f, ẋ = V − u
+  damped,    ///< (x): no mass; u = V − (F + f − k x)/c
+  elastic,   ///< none: no mass, no damper; k x = F + f, the spring acts in series with the contact
+};
+
+/// What can be seen of the slider at one instant.
+struct Observation {
+  double displacement, velocity, slip_rate, friction_force, friction_coefficient;
+  std::vector<double> state;  ///< natural units
+};
+
+/// A slider with one contact. u = V − ẋ is the slip rate that the slider imposes.
+class SliderSystem final : public System {
+ public:
+  /// `unknowns`: those of the contact; Unknowns::friction is replaced by states for laws without explicit slip rate.
+  explicit SliderSystem(Model model, Unknowns unknowns = Unknowns::friction);
+
+  int size() const override { return mechanical_ + contact_->unknowns(); }
+  void mass(double t, double* m) const override;
+  void evaluate(double t, const double* y, double* f) const override;
+  void linearise(double t, const double* y, double* f, double* jacobian) const override;
+  void scale(const double* y, double* s) const override;
+  std::string unknown(int i) const override;
+  double next_break(double t) const override;
+  void cross_break(double t, double* y) const override;
+  double resolution() const override;
+
+  const Model& model() const { return model_; }
+  Mechanics mechanics() const { return mechanics_; }
+  int mechanical_unknowns() const { return mechanical_; }
+  /// Unknowns in place of μ and the states: indices, or −1 where there is none.
+  int displacement_index() const { return mechanics_ == Mechanics::elastic ? -1 : 0; }
+  int slip_rate_index() const { return mechanics_ == Mechanics::inertial ? 1 : -1; }
+  bool carries_friction() const { return setup_.unknowns == Unknowns::friction; }
+  bool rigid() const { return setup_.compliance == 0 && setup_.compliance_per_load == 0; }
+
+  /// The unknowns at displacement x, slip rate u and natural states; friction from the law where the contact is rigid,
+  /// else `friction` (the force F in the contact spring).
+  std::vector<double> unknowns_at(double t, double x, double u, std::span<const double> state, double friction) const;
+  /// Steady sliding at time t.
+  std::vector<double> steady(double t) const;
+  /// What is seen at time t in y.
+  Observation observe(double t, const double* y) const;
+  /// Coefficient of friction, by the unknown or by the law.
+  double friction_coefficient(double t, const double* y) const;
+  /// Slip rate u at time t in y.
+  double slip_rate(double t, const double* y) const;
+
+  /// Direction of slip for a set-valued law: +1 or −1.
+  void set_direction(double direction) { direction_ = direction; }
+  double direction() const { return direction_; }
+  /// A speed that slip rates are measured against, > 0.
+  double reference_speed() const { return reference_speed_; }
+
+ private:
+  struct Forcing {
+    double speed, speed_rate, load, load_rate, force, force_rate;
+  };
+  Forcing forcing(double t) const;
+  double imposed_slip_rate(const Forcing&, const double* y, double F) const;
+  void read_states(const double* z, double* state) const;
+
+  Model model_;
+  Mechanics mechanics_;
+  int mechanical_ = 0;
+  ContactSetup setup_;
+  std::unique_ptr<Contact<double>> contact_;
+  double direction_ = 1;
+  double reference_speed_;
+  std::vector<double> contact_scale_;
+  double displacement_scale_ = 1;
+  Forcing constant_{};
+  bool is_constant_;
+};
+
+}  // namespace rosin::oscillators

@@ -1,0 +1,355 @@
+/// The collocation method: simplified Newton on decoupled blocks, error control, events, variational equations.
+#include "solvers/collocation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/lu.hpp"
+
+namespace rosin::solvers {
+
+namespace {
+constexpr int s = Collocation::stages;
+constexpr double rounding = 2.3e-16;
+constexpr int most_iterations = 12;
+constexpr double least_factor = 0.1, greatest_factor = 8, safety = 0.85;
+}  // namespace
+
+Collocation::Collocation(const System& system, double tolerance)
+    : system_(system), tableau_(RadauTableau::get()), n_(system.size()), tolerance_(std::max(tolerance, 1e-14)) {
+  // The embedded estimate falls with h^6, the error of the solution with h^9: ask of the estimate what makes the
+  // solution meet the tolerance (after the idea of Hairer & Wanner 1999 for their code of variable order).
+  estimate_tolerance_ = std::pow(tolerance_, 2.0 / 3);
+  const int n = n_;
+  for (auto* v : {&y_, &y_before_, &f0_, &mass_, &scale_, &work_}) v->assign(n, 0.0);
+  for (auto* v : {&Z_, &Z_trial_, &residual_, &stage_mass_}) v->assign(s * n, 0.0);
+  J_.assign(n * n, 0.0);
+  real_lu_.assign(n * n, 0.0);
+  real_pivot_.assign(n, 0);
+  pair_right_.assign(n, 0.0);
+  for (int k = 0; k < 2; ++k) {
+    pair_lu_[k].assign(n * n, 0.0);
+    pair_pivot_[k].assign(n, 0);
+  }
+  f_stage_.assign(n, 0.0);
+}
+
+double Collocation::norm(const double* v) const {
+  double sum = 0;
+  for (int i = 0; i < n_; ++i) {
+    const double e = v[i] / scale_[i];
+    sum += e * e;
+  }
+  return std::sqrt(sum / n_);  // NaN stays NaN
+}
+
+bool Collocation::start(double t, std::span<const double> y) {
+  t_ = t_before_ = t;
+  y_.assign(y.begin(), y.end());
+  y_before_ = y_;
+  h_next_ = 0;
+  fresh_ = true;
+  system_.mass(t, mass_.data());
+  // Newton on the algebraic rows in the algebraic unknowns.
+  std::vector<int> rows;
+  for (int i = 0; i < n_; ++i)
+    if (mass_[i] == 0) rows.push_back(i);
+  const int m = int(rows.size());
+  if (m == 0) return true;
+  std::vector<double> a(m * m), r(m);
+  std::vector<int> pivot(m);
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    system_.linearise(t, y_.data(), f0_.data(), J_.data());
+    ++count_.linearisations;
+    for (int i = 0; i < m; ++i) {
+      r[i] = -f0_[rows[i]];
+      for (int j = 0; j < m; ++j) a[i * m + j] = J_[rows[i] * n_ + rows[j]];
+    }
+    if (!factorise_lu(a, pivot, m)) return false;
+    solve_lu(a, pivot, m, r.data());
+    system_.scale(y_.data(), scale_.data());
+    double change = 0;
+    for (int i = 0; i < m; ++i) change = std::max(change, std::abs(r[i]) / scale_[rows[i]]);
+    if (!std::isfinite(change)) return false;
+    const double damping = std::min(1.0, 1.0 / change);  // exponentials: no step beyond one scale
+    for (int i = 0; i < m; ++i) y_[rows[i]] += damping * r[i];
+    if (change < 1e-13) break;
+  }
+  y_before_ = y_;
+  return true;
+}
+
+void Collocation::factorise(double h) {
+  const int n = n_;
+  ++count_.factorisations;
+  for (int i = 0; i < n * n; ++i) real_lu_[i] = -J_[i];
+  for (int k = 0; k < 2; ++k)
+    for (int i = 0; i < n * n; ++i) pair_lu_[k][i] = -J_[i];
+  for (int i = 0; i < n; ++i) {
+    real_lu_[i * n + i] += tableau_.gamma / h * mass_[i];
+    for (int k = 0; k < 2; ++k) pair_lu_[k][i * n + i] += tableau_.pair[k] / h * mass_[i];
+  }
+  if (!factorise_lu(real_lu_, real_pivot_, n)) real_lu_[0] = NAN;
+  for (int k = 0; k < 2; ++k)
+    if (!factorise_lu(pair_lu_[k], pair_pivot_[k], n)) pair_lu_[k][0] = NAN;
+}
+
+Collocation::Newton Collocation::solve_stages(double t, const double* y0, double h) {
+  const int n = n_;
+  for (int i = 0; i < s; ++i) system_.mass(t + tableau_.c[i] * h, &stage_mass_[i * n]);
+  const double goal = std::max(0.01 * tolerance_, 20 * rounding);
+  double previous = 0, rate = 1;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    iterations_ = iteration + 1;
+    // Residual f(Y_i) − M_i (A⁻¹ Z)_i / h.
+    for (int i = 0; i < s; ++i) {
+      for (int k = 0; k < n; ++k) work_[k] = y0[k] + Z_trial_[i * n + k];
+      system_.evaluate(t + tableau_.c[i] * h, work_.data(), &residual_[i * n]);
+      for (int k = 0; k < n; ++k) {
+        double sum = 0;
+        for (int j = 0; j < s; ++j) sum += tableau_.a_inverse[i][j] * Z_trial_[j * n + k];
+        residual_[i * n + k] -= stage_mass_[i * n + k] * sum / h;
+      }
+    }
+    count_.evaluations += s;
+    // Decoupled blocks: (λ_k M/h − J) w_k = (T⁻¹ residual)_k, ΔZ = T w.
+    double change = 0;
+    double real_part[16];
+    for (int k = 0; k < n; ++k) {
+      real_part[k] = 0;
+      for (int i = 0; i < s; ++i) real_part[k] += tableau_.real_row[i] * residual_[i * n + k];
+    }
+    solve_lu(real_lu_, real_pivot_, n, real_part);
+    std::complex<double> w[2][16];
+    for (int p = 0; p < 2; ++p) {
+      for (int k = 0; k < n; ++k) {
+        w[p][k] = 0;
+        for (int i = 0; i < s; ++i) w[p][k] += tableau_.pair_row[p][i] * residual_[i * n + k];
+      }
+      solve_lu(pair_lu_[p], pair_pivot_[p], n, w[p]);
+    }
+    for (int i = 0; i < s; ++i) {
+      for (int k = 0; k < n; ++k) {
+        const double delta = tableau_.real_column[i] * real_part[k] +
+                             2 * (product(tableau_.pair_column[0][i], w[0][k]).real() +
+                                  product(tableau_.pair_column[1][i], w[1][k]).real());
+        Z_trial_[i * n + k] += delta;
+        const double e = delta / scale_[k];
+        change += e * e;
+      }
+    }
+    change = std::sqrt(change / (s * n));
+    if (!std::isfinite(change)) return Newton::not_finite;
+    if (change <= 20 * rounding) return Newton::converged;
+    if (iteration > 0) {
+      rate = change / previous;
+      if (rate < 1 && change * rate / (1 - rate) <= goal) return Newton::converged;
+      if (rate > 0.99 && iteration > 2) return change < 1e3 * rounding ? Newton::converged : Newton::slow;
+      // Will the remaining iterations suffice?
+      if (iteration > 2 && rate < 1 &&
+          change * std::pow(rate, most_iterations - 1 - iteration) / (1 - rate) > goal)
+        return Newton::slow;
+    }
+    previous = change;
+  }
+  return Newton::slow;
+}
+
+double Collocation::estimate_error(double t, const double* y0, double h, bool refine) {
+  const int n = n_;
+  std::vector<double>& e = f_stage_;
+  const auto solve = [&](const double* f) {
+    for (int k = 0; k < n; ++k) {
+      double sum = 0;
+      for (int i = 0; i < s; ++i) sum += tableau_.error_weights[i] * Z_trial_[i * n + k];
+      e[k] = f[k] + tableau_.gamma / h * mass_[k] * sum;
+    }
+    solve_lu(real_lu_, real_pivot_, n, e.data());
+  };
+  solve(f0_.data());
+  double size = norm(e.data());
+  if (refine && size > estimate_tolerance_) {
+    // Filters the stiff components once more (Hairer & Wanner, IV.8).
+    for (int k = 0; k < n; ++k) work_[k] = y0[k] + e[k];
+    std::vector<double>& f = residual_;
+    system_.evaluate(t, work_.data(), f.data());
+    ++count_.evaluations;
+    solve(f.data());
+    size = norm(e.data());
+  }
+  return size / estimate_tolerance_;
+}
+
+double Collocation::first_step(double t_limit) {
+  // A step in which the solution changes by a tenth of its scale, from the differential rows.
+  double fastest = 0;
+  for (int i = 0; i < n_; ++i)
+    if (mass_[i] > 0) fastest = std::max(fastest, std::abs(f0_[i] / mass_[i]) / scale_[i]);
+  // Stiff rows decay on 1/|J|; the step may be longer, error control decides.
+  const double guess = fastest > 0 ? 0.01 / fastest : 1e-3 * (t_limit - t_);
+  return std::min({guess, 0.1 * (t_limit - t_), system_.resolution()});
+}
+
+Outcome Collocation::step(double t_limit) {
+  const int n = n_;
+  system_.mass(t_, mass_.data());
+  system_.linearise(t_, y_.data(), f0_.data(), J_.data());
+  ++count_.linearisations;
+  system_.scale(y_.data(), scale_.data());
+  for (int i = 0; i < n; ++i)
+    if (!std::isfinite(f0_[i]))
+      return {Ending::not_finite, fmt::format("at t = {:.9g} s in '{}'", t_, system_.unknown(i))};
+  double h = h_next_ > 0 ? h_next_ : first_step(t_limit);
+  h = std::min(h, system_.resolution());
+  bool rejected = false;
+  for (int attempt = 0;; ++attempt) {
+    const double remaining = t_limit - t_;
+    bool last = false;
+    if (h >= remaining * (1 - 1e-12)) h = remaining, last = true;
+    else if (h > 0.5 * remaining) h = 0.5 * remaining;  // no sliver at the end
+    if (h < 4 * rounding * std::max(std::abs(t_), 1e-300) || attempt > 200 || !(h > 0)) {
+      int worst = 0;
+      for (int i = 1; i < n; ++i)
+        if (std::abs(f_stage_[i]) / scale_[i] > std::abs(f_stage_[worst]) / scale_[worst]) worst = i;
+      return {Ending::tolerance_not_met,
+              fmt::format("at t = {:.9g} s the step fell to {:.3g} s in '{}'", t_, h, system_.unknown(worst))};
+    }
+    factorise(h);
+    // Start from the polynomial of the last step, extrapolated.
+    if (fresh_ || rejected) {
+      std::fill(Z_trial_.begin(), Z_trial_.end(), 0.0);
+    } else {
+      for (int i = 0; i < s; ++i) {
+        interpolate(1 + tableau_.c[i] * h / h_last_, &Z_trial_[i * n]);
+        for (int k = 0; k < n; ++k) Z_trial_[i * n + k] -= y_[k];
+      }
+      // An extrapolation that jumps by more than a scale is no help to Newton.
+      if (!(norm(&Z_trial_[(s - 1) * n]) < 1)) std::fill(Z_trial_.begin(), Z_trial_.end(), 0.0);
+    }
+    const Newton newton = solve_stages(t_, y_.data(), h);
+    if (newton != Newton::converged) {
+      ++count_.rejected;
+      h *= newton == Newton::not_finite ? 0.25 : 0.4;
+      rejected = true;
+      continue;
+    }
+    const double error = estimate_error(t_, y_.data(), h, fresh_ || rejected);
+    double factor = safety * std::pow(std::max(error, 1e-12), -1.0 / (s + 1));
+    if (!(error <= 1)) {
+      ++count_.rejected;
+      h *= std::isfinite(error) ? std::clamp(factor, least_factor, 0.9) : 0.2;
+      rejected = true;
+      continue;
+    }
+    // Predictive control (Gustafsson): the trend of the error over two steps.
+    if (!fresh_ && error_last_ > 0)
+      factor = std::min(factor, factor * (h / h_last_) * std::pow(error_last_ / std::max(error, 1e-12), 1.0 / (s + 1)));
+    // Steps that Newton barely managed are not lengthened, else the next one fails.
+    const double manageable = iterations_ >= 8 ? 0.95 : iterations_ >= 6 ? 1.15 : greatest_factor;
+    factor = std::clamp(factor, least_factor, rejected ? 1.0 : manageable);
+    error_last_ = std::max(error, 1e-3);
+    Z_.swap(Z_trial_);
+    y_before_ = y_;
+    t_before_ = t_;
+    for (int k = 0; k < n; ++k) y_[k] += Z_[(s - 1) * n + k];
+    t_ = last ? t_limit : t_ + h;
+    h_last_ = h;
+    // A step cut by the limit says nothing against the longer one that was planned.
+    h_next_ = last && h_next_ > h ? std::max(h_next_, h * factor) : h * factor;
+    fresh_ = false;
+    ++count_.steps;
+    return {};
+  }
+}
+
+void Collocation::interpolate(double theta, double* y) const {
+  for (int k = 0; k < n_; ++k) y[k] = y_before_[k];
+  for (int i = 0; i < s; ++i) {
+    double weight = 0;
+    for (int k = s - 1; k >= 0; --k) weight = (weight + tableau_.dense[i][k]) * theta;
+    for (int k = 0; k < n_; ++k) y[k] += weight * Z_[i * n_ + k];
+  }
+}
+
+void Collocation::stage(int i, double* y) const {
+  for (int k = 0; k < n_; ++k) y[k] = y_before_[k] + Z_[i * n_ + k];
+}
+
+void Collocation::stage_rate(int i, double* rate) const {
+  for (int k = 0; k < n_; ++k) {
+    double sum = 0;
+    for (int j = 0; j < s; ++j) sum += tableau_.a_inverse[i][j] * Z_[j * n_ + k];
+    rate[k] = sum / h_last_;
+  }
+}
+
+bool Collocation::solve_at(double theta, double* y) {
+  const int n = n_;
+  if (theta >= 1) {
+    std::copy(y_.begin(), y_.end(), y);
+    return true;
+  }
+  const double h = theta * h_last_;
+  // The Jacobian at the start of the step is still that of the last step's start unless a step was taken since.
+  system_.mass(t_before_, mass_.data());
+  system_.linearise(t_before_, y_before_.data(), f0_.data(), J_.data());
+  ++count_.linearisations;
+  factorise(h);
+  for (int i = 0; i < s; ++i) {
+    interpolate(theta * tableau_.c[i], &Z_trial_[i * n]);
+    for (int k = 0; k < n; ++k) Z_trial_[i * n + k] -= y_before_[k];
+  }
+  if (solve_stages(t_before_, y_before_.data(), h) == Newton::not_finite) return false;
+  for (int k = 0; k < n; ++k) y[k] = y_before_[k] + Z_trial_[(s - 1) * n + k];
+  return true;
+}
+
+bool Collocation::shorten(double theta) {
+  if (theta >= 1) return true;
+  std::vector<double> y(n_);
+  if (!solve_at(theta, y.data())) return false;
+  Z_.swap(Z_trial_);
+  y_ = y;
+  h_last_ *= theta;
+  t_ = t_before_ + h_last_;
+  h_next_ = std::max(h_next_, h_last_);
+  return true;
+}
+
+void Collocation::propagate(std::vector<double>& S, int columns) {
+  // (A⁻¹⊗M/h − J_i) δZ = J_i δy₀ stage by stage, with the exact Jacobians of the converged stages.
+  const int n = n_, m = s * n;
+  big_.assign(m * m, 0.0);
+  big_right_.assign(m * columns, 0.0);
+  big_pivot_.resize(m);
+  J_stage_.resize(n * n);
+  for (int i = 0; i < s; ++i) {
+    const double t = t_before_ + tableau_.c[i] * h_last_;
+    stage(i, work_.data());
+    system_.linearise(t, work_.data(), f_stage_.data(), J_stage_.data());
+    system_.mass(t, &stage_mass_[i * n]);
+    for (int k = 0; k < n; ++k) {
+      for (int j = 0; j < s; ++j)
+        big_[(i * n + k) * m + j * n + k] += tableau_.a_inverse[i][j] * stage_mass_[i * n + k] / h_last_;
+      for (int l = 0; l < n; ++l) {
+        big_[(i * n + k) * m + i * n + l] -= J_stage_[k * n + l];
+        for (int c = 0; c < columns; ++c)
+          big_right_[(i * n + k) * columns + c] += J_stage_[k * n + l] * S[l * columns + c];
+      }
+    }
+  }
+  count_.linearisations += s;
+  if (!factorise_lu(big_, big_pivot_, m)) {
+    std::fill(S.begin(), S.end(), NAN);
+    return;
+  }
+  solve_lu(big_, big_pivot_, m, big_right_.data(), columns);
+  for (int k = 0; k < n; ++k)
+    for (int c = 0; c < columns; ++c) S[k * columns + c] += big_right_[((s - 1) * n + k) * columns + c];
+}
+
+void Collocation::rate(double* rate) const { stage_rate(s - 1, rate); }
+
+}  // namespace rosin::solvers

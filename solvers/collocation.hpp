@@ -1,0 +1,81 @@
+/// Five-stage Radau IIA collocation (order 9) for stiff systems M·ẏ = f with algebraic rows.
+///
+/// One-step, so that return maps are smooth; stiffly accurate, so that near-stick and rigid contacts cost no order.
+/// Events are located by solving the step again with a shorter length, at the full order of the method.
+#pragma once
+#include <complex>
+#include <span>
+#include <vector>
+
+#include "core/error.hpp"
+#include "core/system.hpp"
+#include "solvers/radau_tableau.hpp"
+
+namespace rosin::solvers {
+
+class Collocation {
+ public:
+  static constexpr int stages = RadauTableau::stages;
+
+  /// `tolerance`: relative accuracy aimed at for the solution, in units of the system's scale.
+  Collocation(const System&, double tolerance);
+
+  /// Begins at (t, y); algebraic unknowns are made consistent by Newton's method where they are not.
+  /// \returns false if that fails.
+  bool start(double t, std::span<const double> y);
+  /// Takes one step, not past `t_limit`. On anything but reached_end the state is unchanged.
+  Outcome step(double t_limit);
+  /// Shortens the last step to `theta` of its length (0 < theta <= 1), solved again at full order.
+  bool shorten(double theta);
+
+  double time() const { return t_; }
+  double time_before() const { return t_before_; }
+  const std::vector<double>& state() const { return y_; }
+  const std::vector<double>& state_before() const { return y_before_; }
+  /// Stage values of the last step, at time_before() + node·length.
+  void stage(int i, double* y) const;
+  /// dy/dt of the collocation polynomial at a stage.
+  void stage_rate(int i, double* rate) const;
+  double stage_time(int i) const { return t_before_ + tableau_.c[i] * (t_ - t_before_); }
+  double stage_weight(int i) const { return tableau_.b[i] * (t_ - t_before_); }
+  /// The collocation polynomial of the last step, at time_before() + theta·length (order 5).
+  void interpolate(double theta, double* y) const;
+  /// The solution at time_before() + theta·length at the full order, by a step of that length from the last start.
+  bool solve_at(double theta, double* y);
+
+  /// Multiplies the columns of S (size × columns, row-major, differential unknowns) by the derivative of the last step
+  /// with respect to its start.
+  void propagate(std::vector<double>& S, int columns);
+  /// Derivative of the solution in time at the end of the last step, algebraic unknowns included.
+  void rate(double* rate) const;
+
+  struct Count {
+    long steps = 0, rejected = 0, evaluations = 0, linearisations = 0, factorisations = 0;
+  };
+  const Count& count() const { return count_; }
+
+ private:
+  enum class Newton { converged, slow, not_finite };
+  void factorise(double h);
+  Newton solve_stages(double t, const double* y0, double h);
+  double estimate_error(double t, const double* y0, double h, bool refine);
+  double norm(const double* v) const;
+  double first_step(double t_limit);
+
+  const System& system_;
+  const RadauTableau& tableau_;
+  int n_;
+  double tolerance_, estimate_tolerance_;
+  double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
+  bool fresh_ = true;  ///< no polynomial of an earlier step to start from
+  std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;
+  std::vector<double> real_lu_;
+  std::vector<std::complex<double>> pair_lu_[2], pair_right_;
+  std::vector<int> real_pivot_, pair_pivot_[2];
+  std::vector<double> big_, big_right_, f_stage_, J_stage_;
+  std::vector<int> big_pivot_;
+  int iterations_ = 0;  ///< of the last Newton solution
+  Count count_;
+};
+
+}  // namespace rosin::solvers

@@ -1,0 +1,32 @@
+/// Coefficients of the five-stage Radau IIA collocation method (order 9), computed rather than listed.
+#pragma once
+#include <array>
+#include <complex>
+
+namespace rosin::solvers {
+
+/// Radau IIA with s = 5. Hairer & Wanner (1996), Solving ODEs II, IV.5 and IV.8.
+struct RadauTableau {
+  static constexpr int stages = 5;
+  using Vector = std::array<double, stages>;
+  using Matrix = std::array<Vector, stages>;
+  using Complex = std::complex<double>;
+
+  Vector c;               ///< nodes, c[4] = 1
+  Matrix a_inverse;       ///< A⁻¹
+  Vector b;               ///< weights of the quadrature (last row of A)
+  double gamma;           ///< real eigenvalue of A⁻¹
+  std::array<Complex, 2> pair;  ///< one of each complex pair of eigenvalues
+  Vector real_column;     ///< eigenvector of gamma
+  std::array<std::array<Complex, stages>, 2> pair_column;
+  Vector real_row;        ///< rows of the inverse of the eigenvector matrix
+  std::array<std::array<Complex, stages>, 2> pair_row;
+  /// Weights on Z of the embedded error estimate of order 5: err = h/γ f₀ + Σ e_i Z_i.
+  Vector error_weights;
+  /// Lagrange basis through 0, c₁ … c₅ in monomials of θ: basis[i][k] multiplies θ^(k+1) Z_i.
+  Matrix dense;
+
+  static const RadauTableau& get();
+};
+
+}  // namespace rosin::solvers
