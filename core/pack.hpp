@@ -4,6 +4,7 @@
 /// compiled with -ffp-contract=off). Accuracy: exp, expm1, log, log1p within 2 ulp of the correctly rounded result.
 #pragma once
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 
 namespace rosin {
@@ -14,8 +15,9 @@ inline constexpr int lane_count = lane_packs * pack_width;
 
 #define ROSIN_INLINE [[gnu::always_inline]] inline
 
-using Block = double __attribute__((vector_size(8 * pack_width)));
-using BlockBits = std::int64_t __attribute__((vector_size(8 * pack_width)));
+// Aligned by name: without it the alignment, and so the layout, would depend on the instruction set of each file.
+using Block = double __attribute__((vector_size(8 * pack_width), aligned(8 * pack_width)));
+using BlockBits = std::int64_t __attribute__((vector_size(8 * pack_width), aligned(8 * pack_width)));
 
 /// One truth value per lane (all bits set: true).
 struct Mask {
