@@ -1,0 +1,436 @@
+/// What every friction law must satisfy, proved for each law of the catalogue: symmetry, dissipation, steady states,
+/// inverses, derivatives, lanes, documentation and refusals. A new law is covered by standing in the catalogue.
+#include <catch2/catch.hpp>
+#include <random>
+#include <regex>
+#include <set>
+
+#include "laws/adapter.hpp"
+#include "laws/catalogue.hpp"
+#include "laws/shipped.hpp"
+#include "tests/laws/long_double.hpp"
+
+using namespace rosin;
+
+namespace {
+
+using State = std::vector<double>;
+
+const double speeds[] = {2.3e-13, 7.1e-9, 4.1e-6, 7e-4, 0.021, 0.6};  // not near a knot of the tabulated law
+const double load = 1.7;
+
+/// States of steady sliding at other speeds: far from, near and at the steady state of a test speed.
+std::vector<State> states_of(const FrictionLaw& law) {
+  if (!law.has_states()) return {State()};
+  std::vector<State> list;
+  for (const double v : {1e-11, 4.1e-6, 3e-2}) list.push_back(law.steady({v, load}));
+  return list;
+}
+
+/// |a − b| ≤ tolerance·scale; false for NaN.
+bool near(double a, double b, double tolerance, double scale) { return std::abs(a - b) <= tolerance * scale; }
+
+/// df/dx by central differences with steps h, h/2, h/4, extrapolated: error of order h⁶.
+template <class F>
+double difference(F f, double x, double h) {
+  const auto central = [&](double step) { return (f(x + step) - f(x - step)) / (2 * step); };
+  const double d1 = central(h), d2 = central(h / 2), d4 = central(h / 4);
+  const double e1 = d2 + (d2 - d1) / 3, e2 = d4 + (d4 - d2) / 3;
+  return e2 + (e2 - e1) / 15;
+}
+
+/// The forms of contact that a law has.
+std::vector<ContactSetup> setups_of(const FrictionLaw& law) {
+  std::vector<ContactSetup> list{{.lambda = 1.5, .unknowns = Unknowns::states},
+                                 {.lambda = 0, .unknowns = Unknowns::states}};
+  if (law.has_slip_rate()) {
+    list.push_back({.lambda = 1.5, .compliance = 1e-6, .unknowns = Unknowns::friction});
+    list.push_back({.lambda = 0, .compliance_per_load = 1e-6, .unknowns = Unknowns::friction});
+  }
+  return list;
+}
+
+/// A point (u, N, z) beside steady sliding, and the size of each coordinate's natural step.
+struct Point {
+  ContactInput<double> in;
+  std::vector<double> z, weight;
+};
+Point point_near_steady(const Contact<double>& contact, double u, std::mt19937& random) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Point p{{u, load, 0.3, u < 0 ? -1.0 : 1.0}, {}, {}};
+  p.z.resize(contact.unknowns() + 1), p.weight.resize(contact.unknowns() + 1);
+  contact.steady(0, u, load, p.z.data(), p.weight.data());
+  p.z.resize(contact.unknowns()), p.weight.resize(contact.unknowns());
+  for (std::size_t i = 0; i < p.z.size(); ++i) {
+    p.weight[i] *= 0.1;
+    p.z[i] += p.weight[i] * uniform(random);
+  }
+  return p;
+}
+
+/// (g, F) at the point moved by `by` in direction number k of (z, u, N).
+std::vector<double> answer(const Contact<double>& contact, Point p, std::size_t k, double by) {
+  const std::size_t n = p.z.size();
+  (k < n ? p.z[k] : k == n ? p.in.slip_rate : p.in.normal_load) += by;
+  std::vector<double> g(n + 1);
+  double F = 0;
+  contact.evaluate(p.in, p.z.data(), g.data(), F);
+  g[n] = F;
+  return g;
+}
+
+double slope_of(const Slopes<double>& s, std::size_t n, std::size_t row, std::size_t k) {
+  if (row == n) return k < n ? s.F_z[k] : k == n ? s.F_u : s.F_N;
+  return k < n ? s.g_z[row * n + k] : k == n ? s.g_u[row] : s.g_N[row];
+}
+
+Tower along(double x, double direction) {
+  using First = Dual<double, 1>;
+  using Second = Dual<First, 1>;
+  const Tower t = Tower::variable(Second::variable(First::variable(0.0, 0), 0), 0);
+  return x + direction * t;
+}
+
+/// Other values of the same parameters, within their ranges.
+std::vector<Value> varied(const FrictionLaw& law, std::mt19937& random) {
+  std::uniform_real_distribution<double> uniform(0.9, 1.1);
+  auto values = law.values();
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (double* x = std::get_if<double>(&values[i])) *x = *x == 0 ? 0.1 * uniform(random) : *x * uniform(random);
+  return values;
+}
+
+std::string refusal(const FrictionLaw& law, const std::string& parameter, Value value) {
+  try {
+    law.with(parameter, std::move(value));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+}  // namespace
+
+TEST_CASE("every law of the catalogue keeps the promises of a friction law", "[laws]") {
+  std::set<std::string_view> names;
+  for (const auto& shared : laws::catalogue()) {
+    const FrictionLaw& law = *shared;
+    CHECK(names.insert(law.card().name).second);
+
+    DYNAMIC_SECTION(law.card().name << " says what it is") {
+      const Card& card = law.card();
+      CHECK(std::regex_match(std::string(card.name), std::regex("[a-z][a-z0-9-]*")));
+      for (const auto text : {card.title, card.formula, card.source, card.limits}) CHECK(text.size() > 5);
+      CHECK(std::regex_search(std::string(card.source), std::regex("1[5-9]\\d\\d|20\\d\\d")));
+      const std::set<std::string> units{"1", "m", "s", "m/s", "s/m", "1/m", "N", "N/m", "N s/m", "K", "1/s"};
+      auto quantities = law.parameters();
+      quantities.insert(quantities.end(), law.states().begin(), law.states().end());
+      std::set<std::string> own;
+      for (const auto& q : quantities) {
+        INFO(q.name);
+        CHECK(own.insert(q.name).second);
+        CHECK(units.count(q.unit) == 1);
+        CHECK(q.meaning.size() > 5);
+        CHECK(q.range.low < q.range.high);
+        if (q.scale == Scale::log) CHECK(q.range.low > 0);
+      }
+      REQUIRE(law.values().size() == law.parameters().size());
+    }
+
+    DYNAMIC_SECTION(law.card().name << " accepts its defaults and presets and refuses what lies outside") {
+      CHECK_NOTHROW(law.with(law.values()));
+      CHECK(laws::find_law(law.card().name) == shared);
+      for (const auto& p : law.presets()) {
+        const auto published = laws::preset(law, p.name);
+        CHECK(p.source.size() > 5);
+        CHECK(published->values() == p.values);
+        CHECK(published->steady_friction({1e-3, load}).friction > 0);
+      }
+      for (const auto& q : law.parameters()) {
+        INFO(q.name);
+        const auto wrong = [&](double x) { return q.is_list ? Value(State{0.1, x}) : Value(x); };
+        const double above = 3 * q.range.high + 1;
+        const auto message = refusal(law, q.name, wrong(above));
+        for (const auto& part :
+             {"law." + q.name, fmt::format("= {} ", above), fmt::format("{} … {}", q.range.low, q.range.high)})
+          CHECK_THAT(message, Catch::Contains(part));
+        CHECK_THAT(refusal(law, q.name, wrong(q.range.low - 1)), Catch::Contains("is outside"));
+        CHECK_THAT(refusal(law, q.name, wrong(NAN)), Catch::Contains("law." + q.name) && Catch::Contains("NaN"));
+        CHECK_THAT(refusal(law, q.name, q.is_list ? Value(1.0) : Value(State{1.0})), Catch::Contains("must be a"));
+        CHECK_THAT(refusal(law, q.name + "x", wrong(0)), Catch::Contains("did you mean"));
+      }
+    }
+
+    DYNAMIC_SECTION(law.card().name << " is odd in the slip rate and dissipates") {
+      for (const double v : speeds)
+        for (const State& state : states_of(law)) {
+          CAPTURE(v, state);
+          const double mu = law.friction({v, load}, state);
+          CHECK(mu >= 0);
+          CHECK(law.friction({-v, load}, state) == -mu);
+          CHECK(law.rate({-v, load}, state) == law.rate({v, load}, state));
+        }
+      for (const State& state : states_of(law)) CHECK(law.friction({0, load}, state) == 0);
+      if (law.set_valued())
+        for (const double v : {1e-14, 1e-12}) CHECK(law.static_limit(load) >= law.friction({v, load}, {}) * (1 - 1e-9));
+      else
+        CHECK_THROWS_AS(law.static_limit(load), InputError);
+    }
+
+    DYNAMIC_SECTION(law.card().name << " rests at its steady state, which the contact starts from") {
+      for (const double v : speeds) {
+        CAPTURE(v);
+        const State steady = law.steady({v, load}), rate = law.rate({v, load}, steady);
+        State doubled = steady;
+        for (double& x : doubled) x *= 2;
+        const State away = law.rate({v, load}, doubled);
+        for (std::size_t i = 0; i < rate.size(); ++i) CHECK(near(rate[i], 0, 1e-14, std::abs(away[i])));
+
+        const auto curve = law.steady_friction({v, load});
+        CHECK(near(curve.friction, law.friction({v, load}, steady), 1e-14, curve.friction));
+        const auto on_curve = [&](double x) { return law.steady_friction({x, load}).friction; };
+        CHECK(near(curve.slope, difference(on_curve, v, 0.01 * v), 1e-10, std::abs(curve.slope) + curve.friction / v));
+        CHECK(law.steady_friction({-v, load}).friction == -curve.friction);
+        CHECK(law.steady_friction({-v, load}).slope == curve.slope);
+
+        for (const auto& setup : setups_of(law)) {
+          const auto contact = law.contact(setup);
+          const int n = contact->unknowns();
+          std::vector<double> z(n + 1), weight(n + 1), g(n + 1), mass(n + 1);
+          double F;
+          Slopes<double> slopes;
+          contact->steady(0, v, load, z.data(), weight.data());
+          contact->linearise({v, load, 0, 1}, z.data(), g.data(), F, slopes);
+          CHECK(near(F, load * curve.friction, 1e-13, F));
+          for (int i = 0; i < n; ++i) {
+            CHECK(weight[i] > 0);
+            CHECK(near(g[i], 0, 1e-12, std::abs(slopes.g_z[i * n + i]) * weight[i]));
+          }
+          contact->mass(load, mass.data());
+          const bool with_friction = setup.unknowns == Unknowns::friction;
+          if (with_friction) CHECK(mass[0] == load * setup.compliance + setup.compliance_per_load);
+          for (int i = with_friction; i < n; ++i) CHECK(mass[i] == setup.lambda);
+          // λ = 0 without μ as unknown: the friction curve itself, in both directions.
+          if (!with_friction && setup.lambda == 0) {
+            CHECK(n == 0);
+            contact->evaluate({-v, load, 0, -1}, nullptr, nullptr, F);
+            CHECK(near(F, -load * curve.friction, 1e-14, load * curve.friction));
+          }
+        }
+      }
+      std::vector<double> batch(std::size(speeds));
+      law.steady_friction(speeds, load, batch);
+      for (std::size_t i = 0; i < batch.size(); ++i)
+        CHECK(near(batch[i], law.steady_friction({speeds[i], load}).friction, 1e-14, batch[i]));
+    }
+
+    DYNAMIC_SECTION(law.card().name << " inverts friction where it offers a slip rate") {
+      if (!law.has_slip_rate()) CHECK_THROWS_AS(law.slip_rate(0.1, load, {}), InputError);
+      if (law.has_slip_rate())
+        for (const State& state : states_of(law)) {
+          CHECK(law.slip_rate(0, load, state) == 0);
+          for (double v = 1e-30; v < 100; v *= 31.7)
+            for (const double slip : {v, -v}) {
+              CAPTURE(slip, state);
+              CHECK(near(law.slip_rate(law.friction({slip, load}, state), load, state), slip, 1e-12, v));
+            }
+        }
+    }
+
+    DYNAMIC_SECTION(law.card().name << " has the derivatives that differences give, to third order") {
+      std::mt19937 random(7);
+      for (const auto& setup : setups_of(law)) {
+        const auto contact = law.contact(setup);
+        const auto tower = law.tower(setup);
+        for (const double v : speeds)
+          for (const double u : {v, -v}) {
+            const Point p = point_near_steady(*contact, u, random);
+            const std::size_t n = p.z.size();
+            std::vector<double> g(n + 1), step(p.weight);
+            step.insert(step.end(), {0.01 * v, 0.01 * load});
+            const auto slopes_at = [&](double s) {
+              Point q = p;
+              for (std::size_t i = 0; i < n; ++i) q.z[i] += s * step[i];
+              q.in.slip_rate += s * step[n], q.in.normal_load += s * step[n + 1];
+              Slopes<double> slopes;
+              double F;
+              contact->linearise(q.in, q.z.data(), g.data(), F, slopes);
+              g[n] = F;
+              return slopes;
+            };
+            const auto slopes = slopes_at(0);
+            const auto linearised = g;
+            const auto evaluated = answer(*contact, p, 0, 0);
+
+            std::vector<Tower> tower_z(n + 1), tower_g(n + 1);
+            for (std::size_t i = 0; i < n; ++i) tower_z[i] = along(p.z[i], step[i]);
+            tower->evaluate({along(u, step[n]), along(load, step[n + 1]), p.in.load_rate, p.in.direction},
+                            tower_z.data(), tower_g.data(), tower_g[n]);
+
+            for (std::size_t row = 0; row <= n; ++row) {
+              // Terms of a row may cancel; errors are measured by their size.
+              double size = std::abs(evaluated[row]);
+              for (std::size_t k = 0; k < n + 2; ++k)
+                size = std::max(size, std::abs(slope_of(slopes, n, row, k)) * step[k]);
+              CAPTURE(setup.lambda, int(setup.unknowns), u, row, size);
+              CHECK(near(linearised[row], evaluated[row], 1e-14, size));
+              for (std::size_t k = 0; k < n + 2; ++k) {
+                CAPTURE(k);
+                const auto f = [&](double by) { return answer(*contact, p, k, by)[row]; };
+                const double h = 0.1 * step[k];
+                CHECK(near(slope_of(slopes, n, row, k), difference(f, 0, h), 1e-8, size / step[k]));
+              }
+              const auto first = [&](double s) {
+                const auto here = slopes_at(s);
+                double sum = 0;
+                for (std::size_t k = 0; k < n + 2; ++k) sum += slope_of(here, n, row, k) * step[k];
+                return sum;
+              };
+              const auto second = [&](double s) { return difference(first, s, 0.04); };
+              CHECK(near(tower_g[row].value.value.value, evaluated[row], 1e-14, size));
+              CHECK(near(tower_g[row].slope[0].value.value, first(0), 1e-12, size));
+              CHECK(near(tower_g[row].slope[0].slope[0].value, second(0), 1e-10, size));
+              CHECK(near(tower_g[row].slope[0].slope[0].slope[0], difference(second, 0, 0.04), 1e-9, size));
+            }
+          }
+      }
+    }
+
+    DYNAMIC_SECTION(law.card().name << " answers for 32 different lanes as for each alone") {
+      std::mt19937 random(11);
+      std::uniform_real_distribution<double> uniform(-1, 1);
+      for (auto setup : setups_of(law)) {
+        const auto lanes = law.lanes(setup);
+        const int n = lanes->unknowns();
+        REQUIRE(n == law.contact(setup)->unknowns());
+        for (const double direction : {1.0, -1.0}) {
+          std::vector<Point> points;
+          std::vector<std::unique_ptr<Contact<double>>> alone;
+          ContactInput<Lanes> in{0.0, 0.0, 0.0, direction};
+          std::vector<Lanes> z(n + 1), g(n + 1), mass(n + 1);
+          Lanes F;
+          for (int lane = 0; lane < lane_count; ++lane) {
+            const auto values = varied(law, random);
+            if (setup.lambda > 0) setup.lambda = 1 + 0.5 * uniform(random);
+            if (setup.compliance > 0) setup.compliance = 1e-6 * (2 + uniform(random));
+            alone.push_back(law.contact(setup));
+            alone.back()->load(0, values, setup);
+            lanes->load(lane, values, setup);
+            points.push_back(point_near_steady(*alone.back(), direction * speeds[lane % std::size(speeds)], random));
+            const Point& p = points.back();
+            in.slip_rate.set(lane, p.in.slip_rate);
+            in.normal_load.set(lane, p.in.normal_load);
+            in.load_rate.set(lane, p.in.load_rate);
+            for (int i = 0; i < n; ++i) z[i].set(lane, p.z[i]);
+          }
+          Slopes<Lanes> slopes;
+          lanes->evaluate(in, z.data(), g.data(), F);
+          const auto evaluated = g;
+          const Lanes evaluated_F = F;
+          lanes->linearise(in, z.data(), g.data(), F, slopes);
+          lanes->mass(in.normal_load, mass.data());
+          for (int lane = 0; lane < lane_count; ++lane) {
+            const Point& p = points[lane];
+            CAPTURE(setup.lambda, int(setup.unknowns), p.in.slip_rate, lane);
+            std::vector<double> one_g(n + 1), one_mass(n + 1);
+            double one_F;
+            Slopes<double> one;
+            alone[lane]->linearise(p.in, p.z.data(), one_g.data(), one_F, one);
+            alone[lane]->mass(p.in.normal_load, one_mass.data());
+            CHECK(near(F[lane], one_F, 1e-13, std::abs(one_F)));
+            CHECK(evaluated_F[lane] == F[lane]);
+            CHECK(near(slopes.F_u[lane], one.F_u, 1e-13, std::abs(one.F_u)));
+            CHECK(near(slopes.F_N[lane], one.F_N, 1e-13, std::abs(one.F_N)));
+            for (int i = 0; i < n; ++i) {
+              // g is a difference of terms as large as g_z·weight: these carry the rounding.
+              const double size = std::max(std::abs(one_g[i]), std::abs(one.g_z[i * n + i] * 10 * p.weight[i]));
+              CHECK(mass[i][lane] == one_mass[i]);
+              CHECK(near(g[i][lane], one_g[i], 1e-13, size));
+              CHECK(near(evaluated[i][lane], g[i][lane], 1e-14, size));
+              CHECK(near(slopes.g_u[i][lane], one.g_u[i], 1e-13, std::abs(one.g_u[i])));
+              CHECK(near(slopes.g_N[i][lane], one.g_N[i], 1e-13, std::abs(one.g_N[i])));
+              CHECK(near(slopes.F_z[i][lane], one.F_z[i], 1e-13, std::abs(one.F_z[i])));
+              for (int j = 0; j < n; ++j)
+                CHECK(near(slopes.g_z[i * n + j][lane], one.g_z[i * n + j], 1e-13, size / p.weight[j]));
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+// The same formulas in 80-bit arithmetic share neither the rounding nor the dual numbers of the library.
+namespace {
+
+using oracle::Long;
+
+/// A law's answers in scalar type T: friction, rates and (at that friction) the slip rate.
+template <template <class> class L, class T>
+std::vector<T> answers(const std::vector<Value>& values, const T& v, const std::vector<T>& state_values) {
+  const auto law = laws::detail::build<L<T>>(values);
+  const Sliding<T> at{v, T(load)};
+  if constexpr (laws::HasStates<L>) {
+    typename L<T>::State state;
+    laws::detail::for_each_field(L<T>::states,
+                                 [&](const auto& f, std::size_t i) { state.*(f.member) = state_values[i]; });
+    std::vector<T> list{law.friction(at, state)};
+    const auto rate = law.rate(at, state);
+    laws::detail::for_each_field(L<T>::states, [&](const auto& f, std::size_t) { list.push_back(rate.*(f.member)); });
+    if constexpr (laws::HasSlipRate<L>) list.push_back(law.slip_rate(list[0], at, state));
+    return list;
+  } else {
+    return {law.friction(at)};
+  }
+}
+
+template <template <class> class L>
+void agrees_with_long_double() {
+  const auto shared = laws::find_law(L<double>::card.name);
+  const auto& values = shared->values();
+  for (const double v : speeds)
+    for (const State& state : states_of(*shared)) {
+      INFO(L<double>::card.name);
+      CAPTURE(v, state);
+      using Slope = Dual<double, 3>;
+      const std::size_t n = state.size();
+      std::vector<Slope> state_slopes;
+      for (std::size_t i = 0; i < n; ++i) state_slopes.push_back(Slope::variable(state[i], int(i)));
+      const auto in_double = answers<L, Slope>(values, Slope::variable(v, 2), state_slopes);
+
+      const std::vector<Long> state_long(state.begin(), state.end());
+      const auto in_long = answers<L, Long>(values, Long(v), state_long);
+      const auto slope_long = [&](std::size_t k, std::size_t row) {
+        const auto moved = [&](Long h) {
+          auto s = state_long;
+          Long speed(v);
+          (k == 2 ? speed : s[k]) = (k == 2 ? speed : s[k]) * (1.0 + h);
+          return answers<L, Long>(values, speed, s)[row];
+        };
+        const Long h(1e-4), near = (moved(h) - moved(-h)) / (2.0 * h),
+                            wide = (moved(2.0 * h) - moved(-2.0 * h)) / (4.0 * h);
+        return double((4.0 * near - wide) / 3.0);  // derivative by ln x, error of order h⁴
+      };
+      for (std::size_t row = 0; row < in_long.size(); ++row) {
+        CAPTURE(row);
+        double size = std::abs(double(in_long[row]));
+        if (row == 0 || row == n + 1) CHECK(near(in_double[row].value, double(in_long[row]), 3e-14, size));
+        for (std::size_t k = 0; k < 3; ++k) {
+          if (k < 2 && k >= n) continue;
+          const double x = k == 2 ? v : state[k], exact = slope_long(k, row);
+          size = std::max(size, std::abs(exact));
+          CHECK(near(in_double[row].slope[k] * x, exact, 1e-12, size));
+        }
+        CHECK(near(in_double[row].value, double(in_long[row]), 3e-14, size));
+      }
+    }
+}
+
+template <template <class> class... L>
+void all_agree(laws::LawList<L...>) {
+  (agrees_with_long_double<L>(), ...);
+}
+
+}  // namespace
+
+TEST_CASE("every law agrees in value and derivative with 80-bit arithmetic", "[laws]") { all_agree(laws::Shipped{}); }
