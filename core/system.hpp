@@ -29,4 +29,21 @@ class System {
   virtual double resolution() const { return infinity; }
 };
 
+/// A system with one set-valued contact: it sticks, or slips in one of two directions, and a solver with event
+/// location sets which.
+class SwitchingSystem : public System {
+ public:
+  /// 0: stick; +1 or −1: slip in that direction.
+  virtual void set_direction(double direction) = 0;
+  virtual double direction() const = 0;
+  virtual double slip_rate(double t, const double* y) const = 0;
+  /// The force that keeps the contact from slipping, and the largest that it can bear (newton).
+  virtual double holding_force(double t, const double* y) const = 0;
+  virtual double holding_limit(double t) const = 0;
+  /// Sets the slip rate to exactly zero.
+  virtual void stop(double* y) const = 0;
+  /// A speed that slip rates are measured against, > 0.
+  virtual double reference_speed() const = 0;
+};
+
 }  // namespace rosin

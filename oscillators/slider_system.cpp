@@ -32,7 +32,9 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
     throw InputError(fmt::format(
         "law '{}' has no explicit slip rate: it needs a slider with mass and a rigid contact", law.card().name));
   contact_ = law.contact(setup_);
+  tower_ = law.tower(setup_);
 
+  set_valued_ = law.set_valued();
   is_constant_ = model_.drive.constant();
   if (is_constant_) {
     const auto& d = model_.drive;
@@ -77,6 +79,11 @@ double SliderSystem::imposed_slip_rate(const Forcing& now, const double* y, doub
 
 void SliderSystem::evaluate(double t, const double* y, double* f) const {
   const Forcing now = forcing(t);
+  if (sticking()) {  // the slider moves with the drive
+    f[0] = now.speed;
+    f[1] = 0;
+    return;
+  }
   const double* z = y + mechanical_;
   const double known_force = mechanics_ == Mechanics::damped ? now.load * z[0] : 0;
   const double u = imposed_slip_rate(now, y, known_force);
@@ -100,6 +107,7 @@ void SliderSystem::linearise(double t, const double* y, double* f, double* jacob
   Slopes<double> slopes;
   contact_->linearise({u, now.load, now.load_rate, direction_}, z, f + first, F, slopes);
   std::fill(jacobian, jacobian + n * n, 0.0);
+  if (sticking()) return evaluate(t, y, f);
   const auto J = [&](int i, int j) -> double& { return jacobian[i * n + j]; };
   for (int i = 0; i < nz; ++i)
     for (int j = 0; j < nz; ++j) J(first + i, first + j) = slopes.g_z[i * nz + j];
@@ -122,6 +130,58 @@ void SliderSystem::linearise(double t, const double* y, double* f, double* jacob
     for (int i = 0; i < nz; ++i) {
       J(first + i, 0) = slopes.g_u[i] * u_x;
       J(first + i, first) += slopes.g_u[i] * u_mu;
+    }
+  }
+}
+
+void SliderSystem::expand(double t, const double* y, const double* direction, double* second, double* third) const {
+  const Forcing now = forcing(t);
+  const int nz = contact_->unknowns();
+  // x + ε d with its three first-order parts, one per level of nesting.
+  const auto along = [](double x, double d) {
+    Tower tower(x);
+    tower.slope[0].value.value = d;
+    tower.value.slope[0].value = d;
+    tower.value.value.slope[0] = d;
+    return tower;
+  };
+  std::vector<double> gradient(size());
+  slip_rate_gradient(t, y, gradient.data());
+  double u = imposed_slip_rate(now, y, mechanics_ == Mechanics::damped ? now.load * y[mechanical_] : 0), u_d = 0;
+  if (mechanics_ != Mechanics::elastic)
+    for (int i = 0; i < size(); ++i) u_d += gradient[i] * direction[i];
+  Tower z[Slopes<double>::capacity], g[Slopes<double>::capacity], F;
+  for (int i = 0; i < nz; ++i) z[i] = along(y[mechanical_ + i], direction[mechanical_ + i]);
+  tower_->evaluate({along(u, u_d), Tower(now.load), Tower(now.load_rate), direction_}, z, g, F);
+  std::fill(second, second + size(), 0.0);
+  std::fill(third, third + size(), 0.0);
+  const auto curvature = [](const Tower& f) { return f.slope[0].slope[0].value; };
+  const auto jerk = [](const Tower& f) { return f.slope[0].slope[0].slope[0]; };
+  for (int i = 0; i < nz; ++i) {
+    second[mechanical_ + i] = curvature(g[i]);
+    third[mechanical_ + i] = jerk(g[i]);
+  }
+  if (mechanics_ == Mechanics::inertial) {  // everything else in the mechanics is linear
+    second[1] = -curvature(F);
+    third[1] = -jerk(F);
+  }
+}
+
+void SliderSystem::slip_rate_gradient(double t, const double* y, double* gradient) const {
+  std::fill(gradient, gradient + size(), 0.0);
+  switch (mechanics_) {
+    case Mechanics::inertial: gradient[1] = 1; break;
+    case Mechanics::damped:
+      gradient[0] = model_.slider.stiffness / model_.slider.damping;
+      gradient[1] = -forcing(t).load / model_.slider.damping;
+      break;
+    case Mechanics::elastic: {
+      // v = V − g₀ where the spring and the contact are in series.
+      std::vector<double> f(size()), J(size() * size());
+      linearise(t, y, f.data(), J.data());
+      if (carries_friction())
+        for (int j = 0; j < size(); ++j) gradient[j] = -J[j];
+      break;
     }
   }
 }
@@ -186,6 +246,7 @@ std::vector<double> SliderSystem::steady(double t) const {
 
 double SliderSystem::friction_coefficient(double t, const double* y) const {
   if (carries_friction()) return y[mechanical_];
+  if (sticking()) return holding_force(t, y) / forcing(t).load;
   const Forcing now = forcing(t);
   double g[Slopes<double>::capacity], F;
   // At unit load, so that the coefficient exists for N = 0 too.
@@ -203,6 +264,17 @@ double SliderSystem::slip_rate(double t, const double* y) const {
   contact_->mass(now.load, m);
   const double F_rate = now.load * g[0] / m[0] + now.load_rate * y[0];
   return now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
+}
+
+double SliderSystem::holding_force(double t, const double* y) const {
+  const Forcing now = forcing(t);
+  const auto& s = model_.slider;
+  return s.mass * now.speed_rate + s.stiffness * y[0] + s.damping * now.speed - now.force;
+}
+
+double SliderSystem::holding_limit(double t) const {
+  const double N = forcing(t).load;
+  return N * model_.law->static_limit(N);
 }
 
 Observation SliderSystem::observe(double t, const double* y) const {

@@ -23,7 +23,7 @@ struct Observation {
 };
 
 /// A slider with one contact. u = V − ẋ is the slip rate that the slider imposes.
-class SliderSystem final : public System {
+class SliderSystem final : public SwitchingSystem {
  public:
   /// `unknowns`: those of the contact; Unknowns::friction is replaced by states for laws without explicit slip rate.
   explicit SliderSystem(Model model, Unknowns unknowns = Unknowns::friction);
@@ -57,13 +57,20 @@ class SliderSystem final : public System {
   /// Coefficient of friction, by the unknown or by the law.
   double friction_coefficient(double t, const double* y) const;
   /// Slip rate u at time t in y.
-  double slip_rate(double t, const double* y) const;
+  double slip_rate(double t, const double* y) const override;
 
-  /// Direction of slip for a set-valued law: +1 or −1.
-  void set_direction(double direction) { direction_ = direction; }
-  double direction() const { return direction_; }
-  /// A speed that slip rates are measured against, > 0.
-  double reference_speed() const { return reference_speed_; }
+  /// Second and third derivative of f along a direction d: d²f(y + ε d)/dε² and d³f(y + ε d)/dε³ at ε = 0.
+  void expand(double t, const double* y, const double* direction, double* second, double* third) const;
+  /// ∂(slip rate)/∂y; the law's slip rate for elastic mechanics.
+  void slip_rate_gradient(double t, const double* y, double* gradient) const;
+
+  /// Direction of slip for a set-valued law, 0 for stick; without meaning for other laws.
+  void set_direction(double direction) override { direction_ = direction; }
+  double direction() const override { return direction_; }
+  double holding_force(double t, const double* y) const override;
+  double holding_limit(double t) const override;
+  void stop(double* y) const override { y[1] = 0; }
+  double reference_speed() const override { return reference_speed_; }
 
  private:
   struct Forcing {
@@ -78,12 +85,14 @@ class SliderSystem final : public System {
   int mechanical_ = 0;
   ContactSetup setup_;
   std::unique_ptr<Contact<double>> contact_;
+  std::unique_ptr<ContactValues<Tower>> tower_;
   double direction_ = 1;
   double reference_speed_;
   std::vector<double> contact_scale_;
   double displacement_scale_ = 1;
   Forcing constant_{};
-  bool is_constant_;
+  bool is_constant_, set_valued_;
+  bool sticking() const { return set_valued_ && direction_ == 0; }
 };
 
 }  // namespace rosin::oscillators

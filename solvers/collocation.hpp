@@ -3,7 +3,9 @@
 /// One-step, so that return maps are smooth; stiffly accurate, so that near-stick and rigid contacts cost no order.
 /// Events are located by solving the step again with a shorter length, at the full order of the method.
 #pragma once
+#include <cmath>
 #include <complex>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -43,6 +45,11 @@ class Collocation {
   /// The solution at time_before() + theta·length at the full order, by a step of that length from the last start.
   bool solve_at(double theta, double* y);
 
+  /// The part θ of the last step at which f(t, y) changes sign, given brackets in θ and the values there; solved at the
+  /// full order by the Illinois method to rounding. Nothing if a step cannot be solved.
+  template <class F>
+  std::optional<double> locate(F f, double low, double high, double f_low, double f_high);
+
   /// Multiplies the columns of S (size × columns, row-major, differential unknowns) by the derivative of the last step
   /// with respect to its start.
   void propagate(std::vector<double>& S, int columns);
@@ -77,5 +84,33 @@ class Collocation {
   int iterations_ = 0;  ///< of the last Newton solution
   Count count_;
 };
+
+template <class F>
+std::optional<double> Collocation::locate(F f, double low, double high, double f_low, double f_high) {
+  std::vector<double> y(n_);
+  double theta = high;
+  int kept = 0;  // which end stayed last time
+  for (int iteration = 0; iteration < 100 && high - low > 2e-16; ++iteration) {
+    theta = f_high != f_low ? (low * f_high - high * f_low) / (f_high - f_low) : 0.5 * (low + high);
+    if (!(theta > low && theta < high)) theta = 0.5 * (low + high);
+    if (theta == low || theta == high) break;
+    if (!solve_at(theta, y.data())) return std::nullopt;
+    const double value = f(t_before_ + theta * (t_ - t_before_), y.data());
+    if (value == 0) break;
+    if (!std::isfinite(value)) return std::nullopt;
+    if ((value > 0) == (f_high > 0)) {
+      if (std::abs(high - theta) < 1e-15) break;
+      high = theta, f_high = value;
+      if (kept == -1) f_low *= 0.5;
+      kept = -1;
+    } else {
+      if (std::abs(theta - low) < 1e-15) break;
+      low = theta, f_low = value;
+      if (kept == 1) f_high *= 0.5;
+      kept = 1;
+    }
+  }
+  return theta;
+}
 
 }  // namespace rosin::solvers

@@ -1,0 +1,300 @@
+/// Eigenvalues of steady sliding, Hopf points by closed form and by root finding, and their criticality.
+#include "analysis/stability.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/tools/roots.hpp>
+#include <cmath>
+
+#include "analysis/curve.hpp"
+#include "oscillators/slider_system.hpp"
+
+namespace rosin::analysis {
+
+using oscillators::Mechanics;
+using oscillators::SliderSystem;
+using Complex = std::complex<double>;
+using Matrix = Eigen::MatrixXd;
+using ComplexMatrix = Eigen::MatrixXcd;
+using Vector = Eigen::VectorXd;
+using ComplexVector = Eigen::VectorXcd;
+
+namespace {
+
+/// M ẏ = J y around steady sliding.
+struct Linearisation {
+  SliderSystem system;
+  std::vector<double> y;
+  Matrix J;
+  Vector mass, scale;
+
+  explicit Linearisation(const Model& model) : system(frozen(model), Unknowns::states) {
+    system.set_direction(model.drive.speed.level() < 0 ? -1 : 1);
+    y = system.steady(0);
+    const int n = system.size();
+    std::vector<double> f(n), jacobian(n * n);
+    mass.resize(n), scale.resize(n);
+    system.linearise(0, y.data(), f.data(), jacobian.data());
+    system.mass(0, mass.data());
+    system.scale(y.data(), scale.data());
+    J = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobian.data(), n, n);
+  }
+
+  /// Signals replaced by their levels.
+  static Model frozen(Model model) {
+    auto& d = model.drive;
+    d = {d.speed.level(), d.normal_load.level(), d.force.level()};
+    return model;
+  }
+
+  std::vector<Complex> eigenvalues() const {
+    // Algebraic rows are eliminated; unknowns are measured in their scales, which balances the matrix.
+    std::vector<int> dynamic, algebraic;
+    for (int i = 0; i < mass.size(); ++i) (mass[i] > 0 ? dynamic : algebraic).push_back(i);
+    Matrix A = J(dynamic, dynamic);
+    if (!algebraic.empty())
+      A -= J(dynamic, algebraic) * J(algebraic, algebraic).partialPivLu().solve(J(algebraic, dynamic));
+    for (std::size_t i = 0; i < dynamic.size(); ++i)
+      for (std::size_t j = 0; j < dynamic.size(); ++j)
+        A(i, j) *= scale[dynamic[j]] / (scale[dynamic[i]] * mass[dynamic[i]]);
+    if (!A.allFinite())
+      throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
+    const Eigen::EigenSolver<Matrix> solver(A, false);
+    std::vector<Complex> values(solver.eigenvalues().data(), solver.eigenvalues().data() + A.rows());
+    std::sort(values.begin(), values.end(), [](Complex a, Complex b) {
+      return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag();
+    });
+    return values;
+  }
+};
+
+/// Re c₁/ω at a Hopf point. Kuznetsov (2004), eq 5.34, in the form for M ẏ = f with algebraic rows.
+double first_lyapunov_coefficient(const Model& model, double omega) {
+  const Linearisation at(model);
+  const int n = at.system.size();
+  const ComplexMatrix M = at.mass.asDiagonal().toDenseMatrix().cast<Complex>(), J = at.J.cast<Complex>();
+  // Null vectors of J − iωM, by inverse iteration with scaled rows and columns.
+  const auto null_vector = [&](ComplexMatrix A) {
+    const Vector column = at.scale;
+    A = A * column.cast<Complex>().asDiagonal();
+    for (int i = 0; i < n; ++i) {
+      const double size = A.row(i).cwiseAbs().maxCoeff();
+      if (size > 0) A.row(i) /= size;
+    }
+    const Eigen::JacobiSVD<ComplexMatrix> svd(A, Eigen::ComputeFullV);
+    return ComplexVector(column.cast<Complex>().asDiagonal() * svd.matrixV().col(n - 1));
+  };
+  ComplexVector q = null_vector(J - Complex(0, omega) * M);
+  // The left null vector in scaled variables: rows are weighted by their own size.
+  ComplexMatrix left = (J - Complex(0, omega) * M) * at.scale.cast<Complex>().asDiagonal();
+  Vector row_size(n);
+  for (int i = 0; i < n; ++i) {
+    row_size[i] = std::max(left.row(i).cwiseAbs().maxCoeff(), 1e-300);
+    left.row(i) /= row_size[i];
+  }
+  const Eigen::JacobiSVD<ComplexMatrix> svd(left, Eigen::ComputeFullU);
+  ComplexVector p = svd.matrixU().col(n - 1);
+  for (int i = 0; i < n; ++i) p[i] /= row_size[i];
+
+  // w scaled so that the slip rate is V + Re(w) V.
+  Vector gradient(n);
+  at.system.slip_rate_gradient(0, at.y.data(), gradient.data());
+  const Complex q_v = gradient.cast<Complex>().dot(q);  // gradient is real
+  q *= 0.5 * model.drive.speed.level() / q_v;
+  p /= std::conj(p.dot(M * q));  // p^H M q = 1; Eigen's dot conjugates its left argument
+
+  const auto derivatives = [&](const Vector& d) {
+    Vector second(n), third(n);
+    at.system.expand(0, at.y.data(), d.data(), second.data(), third.data());
+    return std::pair{second, third};
+  };
+  const auto quadratic = [&](const Vector& a, const Vector& b) -> Vector {
+    return (derivatives(a + b).first - derivatives(a - b).first) / 4;
+  };
+  const auto bilinear = [&](const ComplexVector& a, const ComplexVector& b) -> ComplexVector {
+    const Vector ar = a.real(), ai = a.imag(), br = b.real(), bi = b.imag();
+    ComplexVector r(n);
+    r.real() = quadratic(ar, br) - quadratic(ai, bi);
+    r.imag() = quadratic(ar, bi) + quadratic(ai, br);
+    return r;
+  };
+  const Vector r = q.real(), i = q.imag();
+  const Vector sum = derivatives(r + i).second, difference = derivatives(r - i).second;
+  const Vector rrr = derivatives(r).second, iii = derivatives(i).second;
+  const Vector rri = (sum - difference - 2 * iii) / 6, rii = (sum + difference - 2 * rrr) / 6;
+  ComplexVector cubic(n);  // C(q, q, q̄)
+  cubic.real() = rrr + rii;
+  cubic.imag() = rri + iii;
+
+  const ComplexVector h11 = -J.partialPivLu().solve(bilinear(q, q.conjugate()));
+  const ComplexVector h20 = (Complex(0, 2 * omega) * M - J).partialPivLu().solve(bilinear(q, q));
+  const Complex c1 = 0.5 * p.dot(cubic + 2 * bilinear(q, h11) + bilinear(q.conjugate(), h20));
+  return c1.real() / omega;
+}
+
+/// What single-state laws need for closed forms, at steady sliding.
+struct SingleState {
+  double g, direct, slope;  ///< G_ψ/λ (1/s), ∂μ/∂v and dμ_ss/dv (s/m)
+};
+std::optional<SingleState> single_state(const Model& model) {
+  const auto& law = *model.law;
+  if (law.states().size() != 1 || model.lambda == 0 || law.set_valued()) return std::nullopt;
+  const double V = model.drive.speed.level(), N = model.drive.normal_load.level();
+  if (!(V != 0) || !(N > 0)) return std::nullopt;
+  const auto contact = law.contact({.lambda = model.lambda, .unknowns = Unknowns::states});
+  double z[1], weight[1], g[1], F;
+  Slopes<double> s;
+  contact->steady(0, V, N, z, weight);
+  contact->linearise({V, N, 0, 1}, z, g, F, s);
+  return SingleState{-s.g_z[0] / model.lambda, s.F_u / N, law.steady_friction({V, N}).slope};
+}
+
+/// The largest real part among the eigenvalues, and the frequency that goes with it.
+struct Growth {
+  double rate, frequency;
+  bool decided;  ///< the sign of the rate is beyond rounding
+};
+std::optional<Growth> growth(const Model& model) {
+  try {
+    const auto values = Linearisation(model).eigenvalues();
+    if (values.empty()) return std::nullopt;
+    double largest = 0;
+    for (const auto& e : values) largest = std::max(largest, std::abs(e));
+    const double rate = values.front().real();
+    return Growth{rate, std::abs(values.front().imag()), std::abs(rate) > 1e-14 * largest};
+  } catch (const InputError&) {
+    return std::nullopt;  // no steady sliding at this value
+  }
+}
+
+}  // namespace
+
+std::string name(Criticality c) {
+  return c == Criticality::supercritical ? "supercritical" : c == Criticality::subcritical ? "subcritical" : "degenerate";
+}
+
+SteadySliding steady_sliding(const Model& model) {
+  const double V = model.drive.speed.level(), N = model.drive.normal_load.level(), f = model.drive.force.level();
+  if (V == 0) throw InputError("drive.speed = 0: there is no steady sliding without a drive (speed, m/s)");
+  SteadySliding steady;
+  steady.slip_rate = V;
+  steady.friction_coefficient = model.law->steady_friction({V, N}).friction;
+  steady.friction_force = N * steady.friction_coefficient;
+  const double k = model.slider.stiffness;
+  if (k == 0)
+    throw InputError("oscillator.stiffness = 0: without a spring the slider has no steady sliding (stiffness, N/m)");
+  steady.displacement = (steady.friction_force + f) / k;
+  steady.state = model.law->steady({V, N});
+  return steady;
+}
+
+Stability stability(const Model& model) {
+  Stability result;
+  result.steady = steady_sliding(model);
+  result.eigenvalues = Linearisation(model).eigenvalues();
+  double largest = 0;
+  for (const auto& e : result.eigenvalues) largest = std::max(largest, std::abs(e));
+  const double rate = result.eigenvalues.empty() ? -infinity : result.eigenvalues.front().real();
+  result.marginal = std::abs(rate) <= 1e-14 * largest;
+  result.stable = !result.marginal && rate < 0;
+  return result;
+}
+
+std::optional<CriticalLoad> critical_load(const Model& model) {
+  const auto law = single_state(model);
+  const auto& slider = model.slider;
+  if (!law || slider.damping != 0 || !(law->slope < 0) || !std::isfinite(slider.stiffness)) return std::nullopt;
+  // ω_c² = −g² μ_ss'/μ_v; −g μ_ss' N_c = [1/(k − m ω_c²) + 1/k_t]⁻¹, and with k_t = κ N:
+  // N_c = (k − m ω_c²) [1/(−g μ_ss') − 1/κ].
+  const double omega = law->g * std::sqrt(-law->slope / law->direct), pull = -law->g * law->slope;
+  const double spring = slider.stiffness - slider.mass * omega * omega;
+  if (!(spring > 0)) return std::nullopt;
+  const auto& contact = model.contact_stiffness;
+  const double N = std::isfinite(contact.per_load) ? spring * (1 / pull - 1 / contact.per_load)
+                                                   : 1 / (1 / spring + 1 / contact.tangential) / pull;
+  if (!(N > 0)) return std::nullopt;
+  return CriticalLoad{N, omega};
+}
+
+namespace {
+/// The critical stiffness at the model's load, in closed form.
+std::optional<double> critical_stiffness(const Model& model) {
+  const auto law = single_state(model);
+  if (!law || model.slider.damping != 0 || !(law->slope < 0)) return std::nullopt;
+  const double N = model.drive.normal_load.level();
+  const double omega2 = -law->g * law->g * law->slope / law->direct, pull = -law->g * law->slope * N;
+  const auto& contact = model.contact_stiffness;
+  const double compliance = 1 / contact.tangential + 1 / (contact.per_load * N);
+  const double rest = 1 / pull - compliance;  // 1/(k − m ω²)
+  if (!(rest > 0)) return std::nullopt;
+  return model.slider.mass * omega2 + 1 / rest;
+}
+}  // namespace
+
+std::vector<HopfPoint> hopf_points(const Model& model, std::string_view parameter, double decades) {
+  const Quantity quantity = model.describe(parameter);
+  const double here = model.get(parameter);
+  if (!(here > 0) || !std::isfinite(here)) return {};
+  const double low = std::max(here * std::pow(10.0, -decades), std::max(quantity.range.low, 1e-290));
+  const double high = std::min(here * std::pow(10.0, decades), quantity.range.high);
+  const auto at = [&](double w) { return growth(model.with(parameter, std::clamp(std::exp(w), low, high))); };
+  std::vector<HopfPoint> found;
+  constexpr int points_per_decade = 12;
+  const int count = std::max(2, int(std::log10(high / low) * points_per_decade) + 1);
+  std::optional<Growth> before;
+  double w_before = 0;
+  for (int i = 0; i < count; ++i) {
+    const double w = std::log(low) + std::log(high / low) * i / (count - 1);
+    const auto now = at(w);
+    if (before && now && now->decided && (before->rate > 0) != (now->rate > 0)) {
+      std::uintmax_t iterations = 100;
+      const auto rate = [&](double x) {
+        const auto g = at(x);
+        return g ? g->rate : NAN;
+      };
+      const auto [a, b] = boost::math::tools::toms748_solve(rate, w_before, w, before->rate, now->rate,
+                                                            boost::math::tools::eps_tolerance<double>(52), iterations);
+      const double root = 0.5 * (a + b);
+      const auto there = at(root);
+      if (there && there->frequency > 0) {
+        HopfPoint point{std::string(parameter), std::exp(root), 0, there->frequency, {}, 0, false};
+        // Eigenvalues are good to rounding of the largest; the slope of the growth rate turns that into a value.
+        double largest = 0;
+        const Model critical = model.with(parameter, std::clamp(point.value, low, high));
+        for (const auto& e : Linearisation(critical).eigenvalues()) largest = std::max(largest, std::abs(e));
+        const double step = 1e-4;
+        const double slope = std::abs(rate(root + step) - rate(root - step)) / (2 * step);
+        point.value_error = point.value * ((b - a) + 1e-15 + 4e-16 * largest / std::max(slope, 1e-300));
+        const auto closed = parameter == "drive.normal_load" && model.slider.mass >= 0
+                                ? [&]() -> std::optional<double> {
+                                    const auto c = critical_load(model);
+                                    return c ? std::optional(c->normal_load) : std::nullopt;
+                                  }()
+                            : parameter == "oscillator.stiffness" ? critical_stiffness(model)
+                                                                  : std::nullopt;
+        if (closed && std::abs(*closed / point.value - 1) < 1e-6) {
+          point.value_error = std::max(std::abs(*closed - point.value), 4e-16 * *closed);
+          point.value = *closed;
+          point.closed_form = true;
+          if (parameter == "drive.normal_load") point.angular_frequency = critical_load(model)->angular_frequency;
+        }
+        point.first_lyapunov_coefficient = first_lyapunov_coefficient(
+            model.with(parameter, std::clamp(point.value, low, high)), point.angular_frequency);
+        const double l = point.first_lyapunov_coefficient;
+        point.criticality = !(std::abs(l) > 1e-10) ? Criticality::degenerate
+                            : l < 0                ? Criticality::supercritical
+                                                   : Criticality::subcritical;
+        found.push_back(point);
+      }
+    }
+    if (now && now->decided) before = now, w_before = w;
+  }
+  std::sort(found.begin(), found.end(), [&](const HopfPoint& a, const HopfPoint& b) {
+    return std::abs(std::log(a.value / here)) < std::abs(std::log(b.value / here));
+  });
+  return found;
+}
+
+}  // namespace rosin::analysis

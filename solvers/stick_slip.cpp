@@ -1,0 +1,88 @@
+/// Location of stick, slip and reversal, and the choice of what follows.
+#include "solvers/stick_slip.hpp"
+
+#include <cmath>
+
+namespace rosin::solvers {
+
+namespace {
+constexpr double rest = 1e-11;  ///< slip rates below this part of the reference speed are rounding noise at a switch
+}
+
+StickSlip::StickSlip(SwitchingSystem& system, double tolerance)
+    : system_(system), collocation_(system, tolerance), work_(system.size()) {}
+
+/// Positive while the present mode lasts.
+double StickSlip::indicator(double t, const double* y) const {
+  if (system_.direction() == 0) return system_.holding_limit(t) - std::abs(system_.holding_force(t, y));
+  return system_.direction() * system_.slip_rate(t, y);
+}
+
+void StickSlip::choose_mode(double t, const double* y, bool at_rest) {
+  const double u = system_.slip_rate(t, y), hold = system_.holding_force(t, y);
+  armed_ = false;
+  if (!at_rest) {
+    system_.set_direction(u > 0 ? 1 : -1);
+    armed_ = true;
+  } else if (std::abs(hold) <= system_.holding_limit(t)) {
+    system_.set_direction(0);
+  } else {
+    system_.set_direction(hold > 0 ? 1 : -1);
+  }
+}
+
+bool StickSlip::start(double t, std::span<const double> y) {
+  work_.assign(y.begin(), y.end());
+  choose_mode(t, work_.data(), std::abs(system_.slip_rate(t, work_.data())) <= rest * system_.reference_speed());
+  return collocation_.start(t, y);
+}
+
+Outcome StickSlip::step(double t_limit, Switch& switched) {
+  switched = Switch::none;
+  const double small = rest * system_.reference_speed();
+  const Outcome outcome = collocation_.step(t_limit);
+  if (!outcome.complete()) return outcome;
+  // The first node at which the mode has ended, if any.
+  const double t0 = collocation_.time_before(), h = collocation_.time() - t0;
+  double low = 0, high = -1, high_value = 0;
+  double low_value = indicator(t0, collocation_.state_before().data());
+  const bool sticking = system_.direction() == 0;
+  for (int i = 0; i < Collocation::stages; ++i) {
+    collocation_.stage(i, work_.data());
+    const double value = indicator(collocation_.stage_time(i), work_.data());
+    const double theta = (collocation_.stage_time(i) - t0) / h;
+    if (!sticking && !armed_) {
+      // Slip that has only just begun: rounding must not end it.
+      if (value > small) armed_ = true;
+      if (value > -small) {
+        low = theta, low_value = value;
+        continue;
+      }
+    }
+    if (value < 0) {
+      high = theta, high_value = value;
+      break;
+    }
+    low = theta, low_value = value;
+  }
+  if (high < 0) return {};
+  const auto located = collocation_.locate([&](double t, const double* y) { return indicator(t, y); }, low, high,
+                                           std::max(low_value, 0.0), high_value);
+  if (!located || !collocation_.shorten(*located)) return {Ending::not_finite, "while locating a switch"};
+  // Leave the switch by the balance of forces. At the end of stick the force is at its limit: slip follows its sign.
+  std::vector<double> y = collocation_.state();
+  const double t = collocation_.time(), was = system_.direction();
+  if (sticking) {
+    system_.set_direction(system_.holding_force(t, y.data()) > 0 ? 1 : -1);
+    armed_ = false;
+    switched = Switch::slip;
+  } else {
+    choose_mode(t, y.data(), true);
+    switched = system_.direction() == 0 ? Switch::stick : system_.direction() == was ? Switch::none : Switch::reversal;
+  }
+  system_.stop(y.data());
+  if (!collocation_.start(t, y)) return {Ending::not_finite, "after a switch"};
+  return {};
+}
+
+}  // namespace rosin::solvers

@@ -1,0 +1,34 @@
+/// Event-driven integration of a set-valued contact: smooth pieces of slip, exact stick, located switches.
+#pragma once
+#include <span>
+
+#include "solvers/collocation.hpp"
+
+namespace rosin::solvers {
+
+enum class Switch { none, stick, slip, reversal };
+
+/// Advances a SwitchingSystem piece by piece. Switches are located to rounding by solving the last step again; after
+/// each, the balance of forces decides between stick, reversal and going on (Leine & Nijmeijer 2004, chapter 6).
+class StickSlip {
+ public:
+  StickSlip(SwitchingSystem&, double tolerance);
+  /// Begins at (t, y). The mode follows from the slip rate: stick where it is zero and the contact can hold.
+  bool start(double t, std::span<const double> y);
+  /// One step, not past t_limit. `switched` tells whether it ended in a switch, at time().
+  Outcome step(double t_limit, Switch& switched);
+  const Collocation& stepper() const { return collocation_; }
+  Collocation& stepper() { return collocation_; }
+  double time() const { return collocation_.time(); }
+  const std::vector<double>& state() const { return collocation_.state(); }
+
+ private:
+  double indicator(double t, const double* y) const;
+  void choose_mode(double t, const double* y, bool at_rest);
+  SwitchingSystem& system_;
+  Collocation collocation_;
+  bool armed_ = false;  ///< slip has left the neighbourhood of rest that it started from
+  std::vector<double> work_;
+};
+
+}  // namespace rosin::solvers
