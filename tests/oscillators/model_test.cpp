@@ -12,7 +12,11 @@ using rosin::infinity;
 using rosin::oscillators::Model;
 
 namespace {
-Model slider(const char* law) { return {.law = rosin::laws::find_law(law)}; }
+Model slider(const char* law) {
+  Model model;
+  model.law = rosin::laws::find_law(law);
+  return model;
+}
 }  // namespace
 
 TEST_CASE("every parameter of a model can be read back after it was changed") {

@@ -1,0 +1,682 @@
+/// Reading scenes: every value is taken together with its place in the file, so that each refusal can name it.
+#include "app/scene.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "core/error.hpp"
+#include "core/units.hpp"
+#include "laws/catalogue.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t largest_scene = 10'000'000, largest_record = 200'000'000;  // bytes
+constexpr int most_points = 10'000'000;
+constexpr std::string_view override_mark = "--set ";
+
+std::string read_file(const fs::path& path, std::uintmax_t largest) {
+  std::error_code problem;
+  const auto status = fs::status(path, problem);
+  const auto shown = path.string();
+  if (!fs::exists(status)) throw InputError(fmt::format("{}: no such file", shown));
+  if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder, not a file", shown));
+  if (!fs::is_regular_file(status)) throw InputError(fmt::format("{}: is not a regular file", shown));
+  const auto size = fs::file_size(path, problem);
+  if (!problem && size > largest)
+    throw InputError(
+        fmt::format("{}: has {:.1f} MB, more than the {} MB that are read", shown, size / 1e6, largest / 1'000'000));
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) throw InputError(fmt::format("{}: cannot be read", shown));
+  return std::move(text).str();
+}
+
+/// "scene.toml:7:5", or the override that a value came from.
+std::string place(const toml::source_region& source) {
+  const std::string path = source.path ? *source.path : "scene";
+  if (path.starts_with(override_mark)) return path;
+  return fmt::format("{}:{}:{}", path, std::max(1u, source.begin.line), std::max(1u, source.begin.column));
+}
+
+/// An InputError that already begins with its place.
+class PlacedError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+template <class... Args>
+[[noreturn]] void fail(const toml::source_region& source, fmt::format_string<Args...> text, Args&&... args) {
+  throw PlacedError(place(source) + ": " + fmt::format(text, std::forward<Args>(args)...));
+}
+
+/// Calls `f`; an InputError from below gets the place in front, unless it names a more exact one already.
+template <class F>
+auto located(const toml::source_region& source, F f) {
+  try {
+    return f();
+  } catch (const PlacedError&) {
+    throw;
+  } catch (const InputError& error) {
+    throw PlacedError(place(source) + ": " + error.what());
+  }
+}
+
+std::string suggestion(std::string_view name, const std::vector<std::string>& known) {
+  const auto near = nearest_name(name, known);
+  return near.empty() ? fmt::format("; known here: {}", fmt::join(known, ", "))
+                      : fmt::format("; did you mean '{}'?", near);
+}
+
+std::string_view kind(const toml::node& node) {
+  if (node.is_string()) return "a text";
+  if (node.is_boolean()) return "a truth value";
+  if (node.is_array()) return "a list";
+  if (node.is_table()) return "a table";
+  if (node.is_number()) return "a number";
+  return "a date or time";
+}
+
+[[noreturn]] void wrong_kind(const toml::node& node, std::string_view path, std::string_view wanted) {
+  fail(node.source(), "{} is {}, but {} is needed", path, kind(node), wanted);
+}
+
+/// A number in SI units: plain, or a text with a unit.
+double number(const toml::node& node, const Quantity& quantity) {
+  double value = 0;
+  if (const auto* text = node.as_string())
+    value = located(node.source(), [&] {
+      try {
+        return to_si(text->get(), quantity.unit);
+      } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", quantity.name, error.what()));
+      }
+    });
+  else if (node.is_number())
+    value = *node.value<double>();
+  else
+    wrong_kind(node, quantity.name, fmt::format("a number ({}, {})", quantity.meaning, readable_unit(quantity.unit)));
+  located(node.source(), [&] { require(value, quantity.range, quantity.name, quantity.meaning, quantity.unit); });
+  return value;
+}
+
+int count(const toml::node& node, std::string_view path, int low, std::string_view meaning) {
+  if (!node.is_integer()) wrong_kind(node, path, fmt::format("a whole number ({})", meaning));
+  const auto value = *node.value<std::int64_t>();
+  if (value < low || value > most_points)
+    fail(node.source(), "{} = {} is outside {} … {} ({})", path, value, low, most_points, meaning);
+  return static_cast<int>(value);
+}
+
+std::string text(const toml::node& node, std::string_view path) {
+  if (const auto* value = node.as_string()) return value->get();
+  wrong_kind(node, path, "a text");
+}
+
+std::string choice(const toml::node& node, std::string_view path, const std::vector<std::string>& known) {
+  auto value = text(node, path);
+  if (std::ranges::find(known, value) == known.end())
+    fail(node.source(), "{} = '{}' is not known{}", path, value, suggestion(value, known));
+  return value;
+}
+
+const toml::array& list(const toml::node& node, std::string_view path, std::string_view of) {
+  if (const auto* array = node.as_array()) return *array;
+  wrong_kind(node, path, fmt::format("a list of {}", of));
+}
+
+std::vector<double> numbers(const toml::node& node, const Quantity& quantity) {
+  std::vector<double> values;
+  for (const auto& element : list(node, quantity.name, "numbers")) values.push_back(number(element, quantity));
+  return values;
+}
+
+std::vector<std::string> texts(const toml::node& node, std::string_view path) {
+  std::vector<std::string> values;
+  for (const auto& element : list(node, path, "texts")) values.push_back(text(element, path));
+  return values;
+}
+
+/// One table of a scene. Every key that is asked for becomes known; `finish` refuses the rest.
+class Table {
+ public:
+  Table(const toml::node& node, std::string path) : path_(std::move(path)) {
+    if (!node.is_table()) wrong_kind(node, path_, "a table");
+    table_ = node.as_table();
+  }
+
+  std::string path(std::string_view key) const {
+    return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+  }
+  const toml::source_region& source() const { return table_->source(); }
+
+  /// Makes keys known ahead, so that a misspelt key is reported before the one that it leaves missing.
+  Table& expect(std::initializer_list<std::string_view> keys) {
+    known_.assign(keys.begin(), keys.end());
+    expected_ = true;
+    return *this;
+  }
+  const toml::node* find(std::string_view key) {
+    known_.emplace_back(key);
+    return table_->get(key);
+  }
+  const toml::node& required(std::string_view key, std::string_view meaning) {
+    if (const auto* node = find(key)) return *node;
+    if (expected_) finish();
+    if (path_.empty()) fail(source(), "the scene has no [{}] ({})", key, meaning);
+    fail(source(), "[{}] has no '{}' ({})", path_, key, meaning);
+  }
+  /// Reads a number into `target` if the key is there.
+  void read(std::string_view key, double& target, Quantity quantity) {
+    quantity.name = path(key);
+    if (const auto* node = find(key)) target = number(*node, quantity);
+  }
+  void read(std::string_view key, std::optional<double>& target, Quantity quantity) {
+    quantity.name = path(key);
+    if (const auto* node = find(key)) target = number(*node, quantity);
+  }
+  void read(std::string_view key, int& target, int low, std::string_view meaning) {
+    if (const auto* node = find(key)) target = count(*node, path(key), low, meaning);
+  }
+  void refuse(std::string_view key) {
+    if (const auto* node = table_->get(key)) fail(node->source(), "{} is not available in this version", path(key));
+  }
+  std::optional<Table> table(std::string_view key) {
+    if (const auto* node = find(key)) return Table(*node, path(key));
+    return std::nullopt;
+  }
+  void finish() const {
+    for (const auto& [key, node] : *table_) {
+      if (std::ranges::find(known_, key.str()) != known_.end()) continue;
+      // an override's key has no place of its own, its value has
+      const auto& source = key.source().path ? key.source() : node.source();
+      fail(source, "unknown {} '{}'{}{}", node.is_table() ? "table" : "key", key.str(),
+           path_.empty() ? std::string() : fmt::format(" in [{}]", path_), suggestion(key.str(), known_));
+    }
+  }
+
+ private:
+  const toml::table* table_ = nullptr;
+  std::string path_;
+  std::vector<std::string> known_;
+  bool expected_ = false;
+};
+
+// ---------------------------------------------------------------- overrides
+
+/// Moves `node` to `key`; unlike a copy, a move keeps the place that the value came from.
+void place_at(toml::table& table, std::string_view key, toml::node& node) {
+  node.visit([&](auto& value) { table.insert_or_assign(key, std::move(value)); });
+}
+
+/// Parses "path=value" and puts the value into the scene.
+void apply_override(toml::table& scene, const std::string& given) {
+  const std::string origin = std::string(override_mark) + given;
+  const auto equals = given.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw InputError(fmt::format("{}: must read path=value, such as --set drive.speed=1e-5", origin));
+  const std::string path = given.substr(0, equals), value = given.substr(equals + 1);
+
+  toml::table parsed;
+  try {
+    parsed = toml::parse("value = " + value, origin);
+    if (parsed.size() != 1) throw InputError(fmt::format("{}: holds more than one value", origin));
+  } catch (const toml::parse_error& error) {
+    if (value.empty() || value.find_first_of("[]{}\"'\n") != std::string::npos)
+      throw InputError(fmt::format("{}: the value is not valid TOML: {}", origin, error.description()));
+    parsed = toml::parse("value = ''", origin);  // a bare word: a text that keeps the override as its place
+    parsed["value"].as_string()->get() = value;
+  }
+
+  toml::table* table = &scene;
+  std::size_t begin = 0;
+  for (std::size_t dot; (dot = path.find('.', begin)) != std::string::npos; begin = dot + 1) {
+    const auto key = path.substr(begin, dot - begin);
+    if (!table->contains(key)) {
+      auto empty = toml::parse("value = {}", origin);
+      place_at(*table, key, *empty.get("value"));
+      table->get(key)->as_table()->is_inline(false);
+    }
+    auto* next = table->get_as<toml::table>(key);
+    if (!next)
+      throw InputError(fmt::format("{}: {} is {}, not a table", origin, path.substr(0, dot), kind(*table->get(key))));
+    table = next;
+  }
+  if (begin == path.size()) throw InputError(fmt::format("{}: the path ends with a dot", origin));
+  place_at(*table, path.substr(begin), *parsed.get("value"));
+}
+
+// ---------------------------------------------------------------- signals
+
+/// Two numbers a line, separated by a comma or blanks; the first line may be a header. \throws InputError with the
+/// line.
+Signal::Table read_record(const fs::path& path) {
+  Signal::Table record;
+  std::istringstream lines(read_file(path, largest_record));
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const auto hash = line.find('#');
+    if (hash != std::string::npos) line.resize(hash);
+    std::ranges::replace_if(
+        line, [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
+    if (line.find_first_not_of(' ') == std::string::npos) continue;
+    std::vector<double> values;
+    const char *at = line.data(), *end = at + line.size();
+    while (at != end) {
+      if (*at == ' ') {
+        ++at;
+        continue;
+      }
+      double value = 0;
+      const auto [next, problem] = std::from_chars(at, end, value);
+      if (problem != std::errc{} || (next != end && *next != ' ')) break;
+      values.push_back(value);
+      at = next;
+    }
+    if (at != end && record.time.empty() && number == 1) continue;  // the header
+    if (at != end || values.size() != 2)
+      throw InputError(fmt::format("{}:{}: two numbers are needed, a time in s and a value", path.string(), number));
+    record.time.push_back(values[0]);
+    record.value.push_back(values[1]);
+  }
+  return record;
+}
+
+Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::path& folder) {
+  if (!node.is_table()) return number(node, quantity);
+  Table table(node, quantity.name);
+  const Quantity unbounded{quantity.name, quantity.unit, {-1e300, 1e300}, quantity.meaning};
+  const Quantity time{quantity.name, "s", {0, 1e300}, "time"};
+  const auto *steps = table.find("steps"), *ramp = table.find("ramp"), *file = table.find("table");
+  const auto *harmonics = table.find("harmonics"), *mean = table.find("mean");
+  table.refuse("noise");
+  table.finish();
+  const auto forms = std::ranges::count_if(std::array{steps, ramp, file, harmonics}, [](auto* form) { return form; });
+  if (forms != 1 || (mean && !harmonics))
+    fail(node.source(), "{} needs one of steps, ramp, table, or harmonics with a mean", quantity.name);
+
+  const Signal signal = located(node.source(), [&]() -> Signal {
+    if (steps) {
+      Signal::Steps form;
+      for (const auto& element : list(*steps, quantity.name + ".steps", "[time, value]")) {
+        const auto* pair = element.as_array();
+        if (!pair || pair->size() != 2) wrong_kind(element, quantity.name + ".steps", "[time, value]");
+        form.steps.push_back({number(*pair->get(0), time), number(*pair->get(1), quantity)});
+      }
+      return Signal(std::move(form));
+    }
+    if (ramp) {
+      Table keys(*ramp, quantity.name + ".ramp");
+      Signal::Ramp form{0, 0};
+      auto rate = unbounded;
+      rate.unit = quantity.unit + "/s";
+      keys.required("rate", "change per second, " + rate.unit);
+      keys.read("from", form.from, quantity);
+      keys.read("rate", form.rate, rate);
+      keys.finish();
+      return Signal(form);
+    }
+    if (file) {
+      const fs::path record = text(*file, quantity.name + ".table");
+      return Signal(
+          located(file->source(), [&] { return read_record(record.is_absolute() ? record : folder / record); }));
+    }
+    Signal::Harmonics form{0, {}};
+    if (mean) form.mean = number(*mean, unbounded);
+    for (const auto& element : list(*harmonics, quantity.name + ".harmonics", "tables")) {
+      Table keys(element, quantity.name + ".harmonics");
+      Signal::Harmonic term{0, 0, 0};
+      keys.required("amplitude", quantity.unit);
+      keys.required("angular_frequency", "rad/s");
+      keys.read("amplitude", term.amplitude, unbounded);
+      keys.read("angular_frequency", term.angular_frequency, {"", "rad/s", {0, 1e15}, "angular frequency"});
+      keys.read("phase", term.phase, {"", "rad", {-1e6, 1e6}, "phase of the cosine at t = 0"});
+      keys.finish();
+      form.terms.push_back(term);
+    }
+    return Signal(std::move(form));
+  });
+  if (!signal.within(quantity.range))
+    fail(node.source(), "{} leaves {} … {} ({}, {})", quantity.name, quantity.range.low, quantity.range.high,
+         quantity.meaning, quantity.unit);
+  return signal;
+}
+
+// ---------------------------------------------------------------- tables of a scene
+
+constexpr Range any{-1e15, 1e15};
+
+Quantity mechanical(std::string_view path) {
+  for (const auto& quantity : oscillators::mechanical_parameters())
+    if (quantity.name == path) return quantity;
+  throw std::logic_error("no mechanical parameter " + std::string(path));
+}
+
+void read_law(Table law, oscillators::Model& model) {
+  const auto& type = law.required("type", "name of a friction law; 'rosin laws' lists them");
+  auto prototype = located(type.source(), [&] { return laws::find_law(text(type, law.path("type"))); });
+  if (const auto* name = law.find("preset"))
+    prototype = located(name->source(), [&] { return laws::preset(*prototype, text(*name, law.path("preset"))); });
+  auto values = prototype->values();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    auto quantity = prototype->parameters()[i];
+    const auto* node = law.find(quantity.name);
+    if (!node) continue;
+    quantity.name = law.path(quantity.name);
+    if (quantity.is_list)
+      values[i] = numbers(*node, quantity);
+    else
+      values[i] = number(*node, quantity);
+  }
+  model.law = located(law.source(), [&] { return prototype->with(std::move(values)); });
+
+  if (const auto* node = law.find("lambda")) {
+    if (!model.law->has_states())
+      fail(node->source(), "law.lambda has no meaning for law '{}', which has no states; leave it out",
+           model.law->card().name);
+    model.lambda = number(*node, mechanical("law.lambda"));
+  }
+  if (auto spring = law.table("contact_stiffness")) {
+    spring->read("tangential", model.contact_stiffness.tangential, mechanical("law.contact_stiffness.tangential"));
+    spring->read("per_load", model.contact_stiffness.per_load, mechanical("law.contact_stiffness.per_load"));
+    spring->refuse("damping");
+    spring->finish();
+  }
+  law.refuse("load_memory");
+  law.finish();
+}
+
+void read_oscillator(Table table, oscillators::Slider& slider) {
+  table.expect({"type", "mass", "stiffness", "damping"});
+  if (const auto* type = table.find("type")) {
+    const auto name = choice(*type, table.path("type"), {"slider", "two-mass-belt", "mode-coupling", "modal"});
+    if (name != "slider")
+      fail(type->source(), "oscillator.type = '{}' is not available in this version; use 'slider'", name);
+  }
+  table.required("mass", "kg; 0: quasi-static");
+  table.required("stiffness", "N/m");
+  table.read("mass", slider.mass, mechanical("oscillator.mass"));
+  table.read("stiffness", slider.stiffness, mechanical("oscillator.stiffness"));
+  table.read("damping", slider.damping, mechanical("oscillator.damping"));
+  table.finish();
+}
+
+void read_drive(Table table, oscillators::Drive& drive, const fs::path& folder) {
+  table.expect({"speed", "normal_load", "force"});
+  drive.speed = read_signal(table.required("speed", "m/s"), mechanical("drive.speed"), folder);
+  drive.normal_load = read_signal(table.required("normal_load", "N"), mechanical("drive.normal_load"), folder);
+  if (const auto* force = table.find("force")) drive.force = read_signal(*force, mechanical("drive.force"), folder);
+  table.finish();
+}
+
+analysis::Start read_start(const toml::node& node, const std::string& path, const FrictionLaw& law) {
+  using Kind = analysis::Start::Kind;
+  if (node.is_string())
+    return {choice(node, path, {"steady", "rest"}) == "rest" ? Kind::rest : Kind::steady, {}, {}, {}, {}};
+  if (!node.is_table()) wrong_kind(node, path, "\"steady\", \"rest\" or a table");
+  analysis::Start start{Kind::given, {}, {}, {}, {}};
+  Table table(node, path);
+  table.read("displacement", start.displacement, {"", "m", any, "displacement of the slider"});
+  table.read("velocity", start.velocity, {"", "m/s", any, "velocity of the slider"});
+  table.read("slip_rate", start.slip_rate, {"", "m/s", any, "drive speed minus velocity of the slider"});
+  if (start.velocity && start.slip_rate) fail(node.source(), "{}: give velocity or slip_rate, not both", path);
+  const auto read_states = [&](Table& from) {
+    for (auto state : law.states()) {
+      std::optional<double> value;
+      from.read(state.name, value, state);
+      if (value) start.states[state.name] = *value;
+    }
+  };
+  if (const auto* state = table.find("state")) {
+    if (law.states().empty()) fail(state->source(), "{}.state: law '{}' has no states", path, law.card().name);
+    if (state->is_table()) {
+      Table states(*state, path + ".state");
+      read_states(states);
+      states.finish();
+    } else if (law.states().size() == 1) {
+      auto quantity = law.states().front();
+      const auto name = std::exchange(quantity.name, path + ".state");
+      start.states[name] = number(*state, quantity);
+    } else {
+      wrong_kind(*state, path + ".state", fmt::format("a table with the {} states by name", law.states().size()));
+    }
+  }
+  read_states(table);
+  table.finish();
+  return start;
+}
+
+void read_run(Table table, analysis::RunOptions& run, const FrictionLaw& law, bool needed) {
+  table.expect({"duration", "times", "samples", "start"});
+  const Quantity time{table.path("times"), "s", {0, 1e15}, "time of a sample"};
+  const auto* times = table.find("times");
+  if (times) {
+    run.times = numbers(*times, time);
+    if (run.times.empty()) fail(times->source(), "run.times is empty");
+    if (std::ranges::adjacent_find(run.times, std::greater_equal{}) != run.times.end())
+      fail(times->source(), "run.times must ascend");
+    run.duration = run.times.back();
+  } else if (needed) {
+    table.required("duration", "s");
+  }
+  table.read("duration", run.duration, {"", "s", {1e-15, 1e15}, "time that is computed"});
+  if (times && run.times.back() > run.duration)
+    fail(times->source(), "run.times ends at {} s, after run.duration = {} s", run.times.back(), run.duration);
+  table.read("samples", run.samples, 1, "equal intervals of the record");
+  if (const auto* start = table.find("start")) run.start = read_start(*start, table.path("start"), law);
+  table.finish();
+}
+
+void read_cycle(Table table, Scene& scene) {
+  table.read("stick_threshold", scene.cycle.stick_threshold, {"", "1", {1e-9, 1}, "stick is |v| <= threshold times V"});
+  if (const auto* start = table.find("start")) {
+    read_start(*start, table.path("start"), *scene.model.law);
+    scene.notes.push_back("cycle.start has no effect: the cycle that is reached from stick is sought");
+  }
+  table.finish();
+}
+
+analysis::Axis read_axis(Table table, const oscillators::Model& model) {
+  table.expect({"parameter", "from", "to", "points", "scale", "extra"});
+  const auto& parameter = table.required("parameter", "path, such as drive.normal_load");
+  const auto path = text(parameter, table.path("parameter"));
+  auto quantity = located(parameter.source(), [&] { return model.describe(path); });
+  quantity.meaning = path + ", " + quantity.meaning;
+  table.required("from", quantity.meaning);
+  table.required("to", quantity.meaning);
+  table.required("points", "number of values");
+  double from = 0, to = 0;
+  int points = 0;
+  table.read("from", from, quantity);
+  table.read("to", to, quantity);
+  table.read("points", points, 2, "number of values");
+  bool logarithmic = true;
+  if (const auto* scale = table.find("scale"))
+    logarithmic = choice(*scale, table.path("scale"), {"log", "linear"}) == "log";
+  std::vector<double> extra;
+  if (const auto* node = table.find("extra")) {
+    quantity.name = table.path("extra");
+    extra = numbers(*node, quantity);
+  }
+  table.finish();
+  return located(table.source(), [&] { return analysis::make_axis(path, from, to, points, logarithmic, extra); });
+}
+
+void read_map(Table table, Scene& scene) {
+  auto& map = scene.map;
+  table.expect({"x", "y", "metrics", "stick_threshold"});
+  const auto &x = table.required("x", "first axis"), &y = table.required("y", "second axis");
+  map.x = read_axis(Table(x, table.path("x")), scene.model);
+  map.y = read_axis(Table(y, table.path("y")), scene.model);
+  if (map.x.parameter == map.y.parameter)
+    fail(y.source(), "map.x and map.y are the same parameter, {}", map.y.parameter);
+  if (map.x.values.size() > most_points / map.y.values.size())
+    fail(table.source(), "map has {} x {} points, more than {}", map.x.values.size(), map.y.values.size(), most_points);
+  map.metrics = {"stick_fraction", "loop_area_normalised"};
+  if (const auto* metrics = table.find("metrics")) {
+    map.metrics = texts(*metrics, table.path("metrics"));
+    for (std::size_t i = 0; i < map.metrics.size(); ++i)
+      located(metrics->as_array()->get(i)->source(), [&] { analysis::find_metric(map.metrics[i]); });
+    for (auto name = map.metrics.begin(); name != map.metrics.end(); ++name)
+      if (std::find(map.metrics.begin(), name, *name) != name)
+        fail(metrics->source(), "map.metrics names '{}' twice", *name);
+    if (map.metrics.empty()) fail(metrics->source(), "map.metrics is empty");
+  }
+  map.stick_threshold = scene.cycle.stick_threshold;
+  table.read("stick_threshold", map.stick_threshold, {"", "1", {1e-9, 1}, "stick is |v| <= threshold times V"});
+  table.finish();
+}
+
+void read_curve(Table table, CurveOptions& curve) {
+  const Quantity speed{"", "m/s", {1e-15, 1e4}, "slip rate"};
+  table.read("from", curve.from, speed);
+  table.read("to", curve.to, speed);
+  if (!(curve.from < curve.to))
+    fail(table.source(), "curve.from = {} must be below curve.to = {}", curve.from, curve.to);
+  table.read("points", curve.points, 2, "number of slip rates");
+  table.read("normal_load", curve.normal_load, mechanical("drive.normal_load"));
+  table.finish();
+}
+
+void read_solver(Table table, analysis::RunOptions& run) {
+  static const std::vector<std::string> usable = {"auto", "collocation", "cvode", "events"};
+  static const std::vector<std::string> later = {"exact",     "lanes",   "cfm",  "o-fbfm", "r-fbfm",
+                                                 "aabg-sdfm", "tr-sdfm", "vlfm", "svlfm",  "meijaard"};
+  if (const auto* type = table.find("type")) {
+    auto known = usable;
+    known.insert(known.end(), later.begin(), later.end());
+    run.solver = choice(*type, table.path("type"), known);
+    if (std::ranges::find(later, run.solver) != later.end())
+      fail(type->source(), "solver.type = '{}' is not available in this version; use one of {}", run.solver,
+           fmt::join(usable, ", "));
+  }
+  for (const char* key : {"step", "smoothing"}) table.refuse(key);
+  table.finish();
+}
+
+// ---------------------------------------------------------------- the scene as resolved
+
+/// A value on one line. Numbers are the shortest that read back the same (the library prints seventeen digits).
+void write_value(std::string& out, const toml::node& node) {
+  if (node.is_number()) {
+    out += fmt::format("{}", *node.value<double>());
+  } else if (const auto* list = node.as_array()) {
+    out += '[';
+    for (const auto& element : *list) {
+      if (&element != &list->front()) out += ", ";
+      write_value(out, element);
+    }
+    out += ']';
+  } else if (const auto* table = node.as_table()) {
+    const char* separator = "{ ";
+    for (const auto& [key, value] : *table) {
+      out += std::exchange(separator, ", ");
+      out += fmt::format("{} = ", key.str());
+      write_value(out, value);
+    }
+    out += table->empty() ? "{}" : " }";
+  } else {
+    std::ostringstream text;
+    node.visit([&](const auto& value) { text << toml::toml_formatter(value); });
+    out += text.str();
+  }
+}
+
+/// Values first, then a section for each table of the first level, whose own tables stand on one line.
+void write_table(std::string& out, const toml::table& table, std::string_view name) {
+  if (!name.empty()) out += fmt::format("\n[{}]\n", name);
+  for (const auto& [key, value] : table) {
+    if (name.empty() && value.is_table()) continue;
+    out += fmt::format("{} = ", key.str());
+    write_value(out, value);
+    out += '\n';
+  }
+  for (const auto& [key, value] : table)
+    if (name.empty() && value.is_table()) write_table(out, *value.as_table(), key.str());
+}
+
+toml::table parse(const std::string& path, std::string_view content) {
+  try {
+    return toml::parse(content, path);
+  } catch (const toml::parse_error& error) {
+    fail(error.source(), "not valid TOML: {}", error.description());
+  }
+}
+
+}  // namespace
+
+Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb verb) {
+  const auto content = read_file(path, largest_scene);
+  if (content.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw InputError(fmt::format("{}:1:1: the file is empty; a scene needs at least [law] with a type", path));
+  toml::table document = parse(path, content);
+  for (const auto& override : overrides) apply_override(document, override);
+
+  Scene scene;
+  scene.path = path;
+  scene.name = fs::path(path).stem().string();
+  Table root(document, "");
+  for (const char* table : {"frf", "lab", "fit", "sweep", "branch", "compare", "lyapunov", "study"}) root.refuse(table);
+  root.expect({"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "solver"});
+  if (const auto* title = root.find("title")) scene.title = text(*title, "title");
+  read_law(Table(root.required("law", "the friction law"), "law"), scene.model);
+
+  const bool needs_slider = verb != Verb::curve && verb != Verb::plot;
+  const fs::path folder = fs::path(path).parent_path();
+  const toml::node* oscillator = root.find("oscillator");
+  if (needs_slider) root.required("oscillator", "mass, stiffness and damping of the slider");
+  if (oscillator) read_oscillator(Table(*oscillator, "oscillator"), scene.model.slider);
+  const toml::node* drive = root.find("drive");
+  if (needs_slider) root.required("drive", "speed and normal load");
+  if (drive) {
+    read_drive(Table(*drive, "drive"), scene.model.drive, folder);
+    scene.curve.normal_load = scene.model.drive.normal_load.level();
+  }
+  if (needs_slider) located(oscillator->source(), [&] { scene.model.check(); });
+
+  if (auto table = root.table("curve")) read_curve(*table, scene.curve);
+  if (auto table = root.table("stability")) {
+    if (const auto* parameters = table->find("parameters")) {
+      scene.hopf_parameters = texts(*parameters, "stability.parameters");
+      for (std::size_t i = 0; i < scene.hopf_parameters.size(); ++i)
+        located(parameters->as_array()->get(i)->source(), [&] { scene.model.describe(scene.hopf_parameters[i]); });
+    }
+    table->finish();
+  }
+  if (verb == Verb::run) root.required("run", "duration and start");
+  if (auto table = root.table("run")) read_run(*table, scene.run, *scene.model.law, verb == Verb::run);
+  if (auto table = root.table("cycle")) read_cycle(*table, scene);
+  if (verb == Verb::map) root.required("map", "the two axes and the metrics");
+  if (auto table = root.table("map")) read_map(*table, scene);
+  if (auto table = root.table("solver")) read_solver(*table, scene.run);
+  root.finish();
+
+  if (verb == Verb::run)  // a ramp has no end of its own: it must stay in range for as long as the run lasts
+    for (const auto& [signal, name] :
+         {std::pair{&scene.model.drive.speed, "speed"}, std::pair{&scene.model.drive.normal_load, "normal_load"},
+          std::pair{&scene.model.drive.force, "force"}}) {
+      const auto quantity = mechanical(std::string("drive.") + name);
+      if (!quantity.range.contains(signal->value(scene.run.duration)))
+        fail(drive->as_table()->get(name)->source(), "{} leaves {} … {} ({}, {}) before run.duration", quantity.name,
+             quantity.range.low, quantity.range.high, quantity.meaning, quantity.unit);
+    }
+
+  write_table(scene.resolved, document, "");
+  return scene;
+}
+
+}  // namespace rosin::app

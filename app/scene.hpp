@@ -1,0 +1,43 @@
+/// Scenes: what a user asks of a model, read from a TOML file and `--set` overrides, and checked before any work.
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/cycle.hpp"
+#include "analysis/map.hpp"
+#include "analysis/run.hpp"
+#include "oscillators/model.hpp"
+
+namespace rosin::app {
+
+/// What is asked of a scene; decides which tables must be there.
+enum class Verb { curve, stability, run, cycle, map, plot };
+
+/// The slip rates at which a steady curve is drawn, logarithmically spaced.
+struct CurveOptions {
+  double from = 1e-9, to = 1;  ///< m/s
+  int points = 541;            ///< 60 a decade
+  double normal_load = 1;      ///< N; the drive's, where the scene has one
+};
+
+struct Scene {
+  std::string path;  ///< as the user gave it
+  std::string name;  ///< the file's name without its ending: results go to out/<name>
+  std::string title;
+  oscillators::Model model;
+  CurveOptions curve;
+  std::vector<std::string> hopf_parameters;  ///< paths asked for besides the usual ones
+  analysis::RunOptions run;
+  analysis::CycleOptions cycle;
+  analysis::MapOptions map;
+  std::string resolved;            ///< the scene as TOML, overrides included
+  std::vector<std::string> notes;  ///< what was read but has no effect
+};
+
+/// \param overrides texts "path=value" of `--set`: the value is TOML, bare words are strings.
+/// \throws InputError that begins with file:line:column (or with the override) for anything that cannot be used.
+Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb);
+
+}  // namespace rosin::app
