@@ -5,6 +5,7 @@
 #include <regex>
 #include <set>
 
+#include "core/units.hpp"
 #include "laws/adapter.hpp"
 #include "laws/catalogue.hpp"
 #include "laws/shipped.hpp"
@@ -122,14 +123,13 @@ TEST_CASE("every law of the catalogue keeps the promises of a friction law", "[l
       CHECK(std::regex_match(std::string(card.name), std::regex("[a-z][a-z0-9-]*")));
       for (const auto text : {card.title, card.formula, card.source, card.limits}) CHECK(text.size() > 5);
       CHECK(std::regex_search(std::string(card.source), std::regex("1[5-9]\\d\\d|20\\d\\d")));
-      const std::set<std::string> units{"1", "m", "s", "m/s", "s/m", "1/m", "N", "N/m", "N s/m", "K", "1/s"};
       auto quantities = law.parameters();
       quantities.insert(quantities.end(), law.states().begin(), law.states().end());
       std::set<std::string> own;
       for (const auto& q : quantities) {
         INFO(q.name);
         CHECK(own.insert(q.name).second);
-        CHECK(units.count(q.unit) == 1);
+        CHECK(unit_known(q.unit));
         CHECK(q.meaning.size() > 5);
         CHECK(q.range.low < q.range.high);
         if (q.scale == Scale::log) CHECK(q.range.low > 0);
@@ -208,7 +208,13 @@ TEST_CASE("every law of the catalogue keeps the promises of a friction law", "[l
           }
           contact->mass(load, mass.data());
           const bool with_friction = setup.unknowns == Unknowns::friction;
-          if (with_friction) CHECK(mass[0] == load * setup.compliance + setup.compliance_per_load);
+          if (with_friction) {
+            // Balance of the series spring, d(Nμ)/dt = k_t (u − v): at v = u, μ̇ makes up for the load rate.
+            CHECK(mass[0] == load * setup.compliance + setup.compliance_per_load);
+            contact->evaluate({v, load, 2 * v, 1}, z.data(), g.data(), F);
+            const double expected = -setup.compliance * curve.friction * 2 * v;
+            CHECK(near(g[0], expected, 1e-12, v));
+          }
           for (int i = with_friction; i < n; ++i) CHECK(mass[i] == setup.lambda);
           // λ = 0 without μ as unknown: the friction curve itself, in both directions.
           if (!with_friction && setup.lambda == 0) {
@@ -388,7 +394,7 @@ template <template <class> class L>
 void agrees_with_long_double() {
   const auto shared = laws::find_law(L<double>::card.name);
   const auto& values = shared->values();
-  for (const double v : speeds)
+  for (double v = 1e-34; v < 1; v *= 17)  // from deep in the linear part of asinh
     for (const State& state : states_of(*shared)) {
       INFO(L<double>::card.name);
       CAPTURE(v, state);
