@@ -1,5 +1,4 @@
-/// Rate-and-state friction after Perrin, Rice and Zheng: heals at rest like the ageing law, weakens faster far from
-/// steady.
+/// Rate-and-state friction after Perrin, Rice and Zheng: heals at rest like ageing, steps up and down alike like slip.
 #pragma once
 #include "laws/rate_and_state.hpp"
 

@@ -1,5 +1,4 @@
-/// What every friction law must satisfy, proved for each law of the catalogue: symmetry, dissipation, steady states,
-/// inverses, derivatives, lanes, documentation and refusals. A new law is covered by standing in the catalogue.
+/// What every friction law must satisfy, proved for each law of the catalogue; a new law is covered by standing there.
 #include <catch2/catch.hpp>
 #include <random>
 #include <regex>

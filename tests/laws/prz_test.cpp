@@ -33,3 +33,18 @@ TEST_CASE("prz: one steady curve with ageing and slip, also beyond the range of 
       CHECK(curve("prz").slope == Approx(curve("slip").slope).epsilon(1e-12));
     }
 }
+
+TEST_CASE("prz: how far from steady sliding the three laws with one steady curve part", "[laws][prz]") {
+  // With w = ln(theta/steady theta): L dw/dx = -sinh w (prz), -w (slip), -(1 - e^{-w}) (ageing); equal for small w.
+  const double v = 1e-5, L = 10e-6;
+  for (const double w : {-5.0, -0.3, 1e-6, 0.3, 5.0}) {
+    const auto decay = [&](const char* name) {
+      const auto law = laws::find_law(name);
+      const double theta = law->steady({v, 1})[0] * std::exp(w);
+      return L * law->rate({v, 1}, std::vector{theta})[0] / theta / v;
+    };
+    CHECK(decay("prz") == Approx(-std::sinh(w)).epsilon(1e-9));
+    CHECK(decay("slip") == Approx(-w).epsilon(1e-9));
+    CHECK(decay("ageing") == Approx(std::expm1(-w)).epsilon(1e-9));
+  }
+}

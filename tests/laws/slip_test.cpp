@@ -1,4 +1,4 @@
-/// Slip law against Ruina (1983): no healing at rest, the same linearisation as the ageing law, symmetric steps.
+/// Slip law against Ruina (1983): no healing at rest, linearised like the ageing law, steps up and down alike.
 #include <catch2/catch.hpp>
 #include <cmath>
 

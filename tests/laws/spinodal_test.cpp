@@ -1,5 +1,4 @@
-/// Spinodal law against 40-digit arithmetic and the closed forms for Bristol board of Woodhouse, Putelat & McKay
-/// (2015).
+/// Spinodal law against 40-digit arithmetic and the closed forms of Woodhouse, Putelat & McKay (2015).
 #include <catch2/catch.hpp>
 #include <cmath>
 
