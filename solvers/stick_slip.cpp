@@ -18,27 +18,33 @@ double StickSlip::indicator(double t, const double* y) const {
   return system_.direction() * system_.slip_rate(t, y);
 }
 
-void StickSlip::choose_mode(double t, const double* y, bool at_rest) {
-  const double u = system_.slip_rate(t, y), hold = system_.holding_force(t, y);
-  armed_ = false;
-  if (!at_rest) {
-    system_.set_direction(u > 0 ? 1 : -1);
-    armed_ = true;
-  } else if (std::abs(hold) <= system_.holding_limit(t)) {
-    system_.set_direction(0);
-  } else {
-    system_.set_direction(hold > 0 ? 1 : -1);
-  }
+/// The balance of forces at rest: stick if the contact can hold, else slip along the force that it cannot hold.
+double StickSlip::mode_at_rest(double t, const double* y, double direction) const {
+  const double hold = system_.holding_force(t, y);
+  if (direction == 0) return hold > 0 ? 1 : -1;  // stick has just reached its limit
+  return std::abs(hold) <= system_.holding_limit(t) ? 0 : hold > 0 ? 1 : -1;
 }
 
 bool StickSlip::start(double t, std::span<const double> y) {
   work_.assign(y.begin(), y.end());
-  choose_mode(t, work_.data(), std::abs(system_.slip_rate(t, work_.data())) <= rest * system_.reference_speed());
+  const double u = system_.slip_rate(t, work_.data());
+  armed_ = std::abs(u) > rest * system_.reference_speed();
+  system_.set_direction(1);
+  upcoming_ = armed_ ? (u > 0 ? 1 : -1) : mode_at_rest(t, work_.data(), 1);
+  system_.set_direction(upcoming_);
+  switched_ = false;
   return collocation_.start(t, y);
 }
 
 Outcome StickSlip::step(double t_limit, Switch& switched) {
   switched = Switch::none;
+  if (switched_) {
+    std::vector<double> y = collocation_.state();
+    system_.stop(y.data());
+    system_.set_direction(upcoming_);
+    armed_ = switched_ = false;
+    if (!collocation_.start(collocation_.time(), y)) return {Ending::not_finite, "after a switch"};
+  }
   const double small = rest * system_.reference_speed();
   const Outcome outcome = collocation_.step(t_limit);
   if (!outcome.complete()) return outcome;
@@ -69,19 +75,10 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   const auto located = collocation_.locate([&](double t, const double* y) { return indicator(t, y); }, low, high,
                                            std::max(low_value, 0.0), high_value);
   if (!located || !collocation_.shorten(*located)) return {Ending::not_finite, "while locating a switch"};
-  // Leave the switch by the balance of forces. At the end of stick the force is at its limit: slip follows its sign.
-  std::vector<double> y = collocation_.state();
-  const double t = collocation_.time(), was = system_.direction();
-  if (sticking) {
-    system_.set_direction(system_.holding_force(t, y.data()) > 0 ? 1 : -1);
-    armed_ = false;
-    switched = Switch::slip;
-  } else {
-    choose_mode(t, y.data(), true);
-    switched = system_.direction() == 0 ? Switch::stick : system_.direction() == was ? Switch::none : Switch::reversal;
-  }
-  system_.stop(y.data());
-  if (!collocation_.start(t, y)) return {Ending::not_finite, "after a switch"};
+  const double was = system_.direction();
+  upcoming_ = mode_at_rest(collocation_.time(), collocation_.state().data(), was);
+  switched_ = true;
+  switched = was == 0 ? Switch::slip : upcoming_ == 0 ? Switch::stick : upcoming_ == was ? Switch::none : Switch::reversal;
   return {};
 }
 

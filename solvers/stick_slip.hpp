@@ -15,8 +15,11 @@ class StickSlip {
   StickSlip(SwitchingSystem&, double tolerance);
   /// Begins at (t, y). The mode follows from the slip rate: stick where it is zero and the contact can hold.
   bool start(double t, std::span<const double> y);
-  /// One step, not past t_limit. `switched` tells whether it ended in a switch, at time().
+  /// One step, not past t_limit. `switched` tells whether it ended in a switch, at time(). Until the next call the
+  /// system and the stepper still show the step as it was taken; then the mode `upcoming()` begins.
   Outcome step(double t_limit, Switch& switched);
+  /// Direction of the mode that the next step is taken in.
+  double upcoming() const { return upcoming_; }
   const Collocation& stepper() const { return collocation_; }
   Collocation& stepper() { return collocation_; }
   double time() const { return collocation_.time(); }
@@ -24,9 +27,11 @@ class StickSlip {
 
  private:
   double indicator(double t, const double* y) const;
-  void choose_mode(double t, const double* y, bool at_rest);
+  double mode_at_rest(double t, const double* y, double direction) const;
   SwitchingSystem& system_;
   Collocation collocation_;
+  double upcoming_ = 0;
+  bool switched_ = false;  ///< the last step ended in a switch: begin anew
   bool armed_ = false;  ///< slip has left the neighbourhood of rest that it started from
   std::vector<double> work_;
 };

@@ -1,0 +1,494 @@
+/// Periodic orbits: from stick to the attracting cycle by the return map and Newton's method; errors by two tolerances.
+#include "analysis/cycle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "analysis/return_map.hpp"
+#include "analysis/stability.hpp"
+#include "solvers/stick_slip.hpp"
+
+namespace rosin::analysis {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using oscillators::SliderSystem;
+
+const std::vector<MetricName>& metric_names() {
+  static const std::vector<MetricName> list = {
+      {"period", "s", "period of the motion", &Metrics::period},
+      {"slip_rate_max", "m/s", "largest slip rate", &Metrics::slip_rate_max},
+      {"slip_rate_min", "m/s", "smallest slip rate", &Metrics::slip_rate_min},
+      {"friction_max", "1", "largest coefficient of friction", &Metrics::friction_max},
+      {"friction_min", "1", "smallest coefficient of friction", &Metrics::friction_min},
+      {"friction_mean", "1", "mean coefficient of friction", &Metrics::friction_mean},
+      {"stick_fraction", "1", "part of the period with |v| <= threshold * V", &Metrics::stick_fraction},
+      {"stick_fraction_001", "1", "part of the period with |v| <= 0.01 V", &Metrics::stick_fraction_001},
+      {"stick_fraction_05", "1", "part of the period with |v| <= 0.5 V", &Metrics::stick_fraction_05},
+      {"loop_area", "m/s", "area enclosed by the friction-velocity loop", &Metrics::loop_area},
+      {"loop_area_normalised", "1", "loop area over largest slip rate and friction", &Metrics::loop_area_normalised},
+      {"slip_rate_mean", "m/s", "mean slip rate (the drive speed, on a true cycle)", &Metrics::slip_rate_mean},
+  };
+  return list;
+}
+
+const MetricName& find_metric(std::string_view name) {
+  std::vector<std::string> known;
+  for (const auto& metric : metric_names()) {
+    if (name == metric.name) return metric;
+    known.emplace_back(metric.name);
+  }
+  const auto near = nearest_name(name, known);
+  throw InputError(fmt::format("unknown metric '{}'{}", name,
+                               near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)));
+}
+
+namespace {
+
+constexpr double loose = 1e-6;      ///< tolerance of the search for motions of the size of the drive speed
+constexpr double collapsed = 1e-5;  ///< amplitudes |v − V|/V below this are steady sliding
+
+/// Small motions are followed more closely: what matters are errors against their drift, which falls with A².
+double search_tolerance(double amplitude) { return loose * std::clamp(amplitude * amplitude, 1e-6, 1.0); }
+
+/// A fixed point of the return map.
+struct FixedPoint {
+  std::vector<double> y;
+  MatrixXd derivative;
+  int turns = 1;
+  double amplitude = 0;
+};
+
+/// Moduli of the multipliers, largest first.
+std::vector<std::complex<double>> multipliers_of(const MatrixXd& derivative, const VectorXd& scale) {
+  const MatrixXd balanced = scale.cwiseInverse().asDiagonal() * derivative * scale.asDiagonal();
+  const Eigen::EigenSolver<MatrixXd> solver(balanced, false);
+  std::vector<std::complex<double>> values(solver.eigenvalues().data(),
+                                           solver.eigenvalues().data() + balanced.rows());
+  std::sort(values.begin(), values.end(), [](auto a, auto b) {
+    return std::abs(a) != std::abs(b) ? std::abs(a) > std::abs(b) : a.imag() > b.imag();
+  });
+  values.pop_back();  // the projection's own zero: the direction off the section
+  return values;
+}
+
+double spectral_radius(const FixedPoint& point, const ReturnMap& map) {
+  const auto values = multipliers_of(point.derivative, map.scale());
+  return values.empty() ? 0 : std::abs(values.front());
+}
+
+/// Newton's method for y = P(y), kept from falling onto steady sliding, which is a fixed point too.
+std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turns, double amplitude) {
+  const double least_amplitude = 0.4 * amplitude, tolerance = search_tolerance(amplitude);
+  const VectorXd scale = map.scale();
+  const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
+  std::vector<double> last = y;
+  VectorXd step;
+  double residual = infinity, factor = 1;
+  int halvings = 0;
+  for (int iteration = 0; iteration < 14; ++iteration) {
+    const auto passage = map.follow(y, tolerance, turns, true, true);
+    const double now = passage.outcome.complete() ? map.distance(passage.end, y) / std::max(passage.amplitude, 1e-12)
+                                                  : infinity;
+    if (passage.amplitude < least_amplitude || !(now < residual)) {
+      if (iteration == 0 || ++halvings > 2) return std::nullopt;
+      factor *= 0.3;
+      y = map.moved(last, step, factor);
+      continue;
+    }
+    halvings = 0;
+    const MatrixXd A = scale.cwiseInverse().asDiagonal() * (I - passage.derivative) * scale.asDiagonal();
+    step = scale.asDiagonal() * A.partialPivLu().solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, y));
+    if (!step.allFinite()) return std::nullopt;
+    const double length = (step.array() / scale.array()).matrix().norm() / std::max(passage.amplitude, 1e-12);
+    if (length < std::max(30 * tolerance, 1e-8))
+      return FixedPoint{map.moved(y, step, 1), passage.derivative, turns, passage.amplitude};
+    last = y;
+    residual = std::max(now, 1e-3 * tolerance);
+    factor = std::min(1.0, 0.5 / length);
+    y = map.moved(last, step, factor);
+  }
+  return std::nullopt;
+}
+
+/// Near a Hopf point the amplitude drifts slowly along one direction. This finds where the drift per passage,
+/// r(A) = ln(A'/A), falls through zero: a stable cycle. A is the distance of the section point from steady sliding,
+/// which is smooth. `y` lies on the section at an amplitude of falling drift. Returns a section point near the cycle.
+std::optional<std::vector<double>> balance_of_drift(ReturnMap& map, const std::vector<double>& y, double amplitude,
+                                                    double drift_at_rest) {
+  const auto steady = map.system().steady(0);
+  const double start = map.distance(y, steady), least = 0.02 * start / amplitude;
+  VectorXd direction = map.difference(y, steady) / start;
+  struct Drift {
+    double size, rate;
+    std::vector<double> y;
+  };
+  // Two passages: the first relaxes the fast directions, the second shows the drift.
+  const auto drift = [&](double size) -> std::optional<Drift> {
+    const double tolerance = search_tolerance(amplitude * size / start);
+    const auto first = map.follow(map.moved(steady, direction, size), tolerance, 1, true);
+    if (!first.outcome.complete()) return std::nullopt;
+    const auto second = map.follow(first.end, tolerance, 1, true);
+    if (!second.outcome.complete()) return std::nullopt;
+    const double a = map.distance(first.end, steady), b = map.distance(second.end, steady);
+    if (!(a > 0 && b > 0)) return std::nullopt;
+    direction = map.difference(second.end, steady) / b;
+    return Drift{a, std::log(b / a), second.end};
+  };
+  auto high = drift(start);
+  if (!high) return std::nullopt;
+  if (high->rate >= 0) return high->y;
+  // The lower end: drift that grows. At rest it is that of the linear mode; above a stable steady state it is sought.
+  double low = 0, low_rate = drift_at_rest;
+  for (double size = 0.8 * high->size; low_rate <= 0 && size > least; size *= 0.8) {
+    const auto here = drift(size);
+    if (!here) return std::nullopt;
+    if (here->rate > 0)
+      low = here->size, low_rate = here->rate;
+    else
+      high = here;
+  }
+  if (low_rate <= 0) return std::nullopt;
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    // Drift is nearly linear in the squared amplitude.
+    const double l2 = low * low, h2 = high->size * high->size, width = h2 - l2;
+    const double a2 = std::clamp(l2 + width * low_rate / (low_rate - high->rate), l2 + 1e-4 * width, h2 - 1e-4 * width);
+    const auto here = drift(std::sqrt(a2));
+    if (!here) return std::nullopt;
+    if (std::abs(here->rate) < 0.02 * low_rate || width < 1e-3 * h2) return here->y;
+    if (here->rate > 0)
+      low = here->size, low_rate = here->rate;
+    else
+      high = here;
+  }
+  return high->y;
+}
+
+/// What a search ends with: a stable fixed point, or why there is none.
+struct Search {
+  std::optional<FixedPoint> point;
+  Outcome outcome;
+};
+
+/// `drift_at_rest`: growth of a small oscillation about steady sliding in one period, ln(A'/A).
+Search search(ReturnMap& map, double drift_at_rest, int max_cycles) {
+  Search result;
+  const bool steady_is_stable = drift_at_rest < 0;
+  const double V = map.drive_speed();
+  // From stick with the state of steady sliding; where sliding is stable also from long stick, whose larger first slip
+  // can lie in the basin that the first start misses.
+  std::vector<double> ages = {V};
+  if (steady_is_stable) ages.push_back(1e-4 * V), max_cycles = std::min(max_cycles, 12);
+  const auto accept = [&](const std::vector<double>& y, int turns, double amplitude) {
+    const auto found = newton(map, y, turns, amplitude);
+    if (!found || found->amplitude < collapsed || !(spectral_radius(*found, map) < 1)) return false;
+    result.point = found;
+    result.outcome = {};
+    return true;
+  };
+  for (const double aged_at : ages) {
+    std::vector<double> y;
+    try {
+      y = map.stick(aged_at);
+    } catch (const InputError& e) {
+      result.outcome = {Ending::not_finite, e.what()};
+      continue;
+    }
+    result.outcome = steady_is_stable
+                         ? Outcome{Ending::none_exists, "the motion started from stick dies out onto steady sliding"}
+                         : Outcome{Ending::budget_spent,
+                                   fmt::format("no periodic motion within {} passages", max_cycles)};
+    std::vector<std::vector<double>> visited;
+    int next_attempt = 2;
+    for (int k = 0; k < max_cycles; ++k) {
+      const auto passage = map.follow(y, loose, 1, k > 0);
+      if (!passage.outcome.complete()) {
+        if (passage.outcome.ending != Ending::budget_spent || !steady_is_stable) result.outcome = passage.outcome;
+        break;
+      }
+      y = passage.end;
+      visited.push_back(y);
+      const double amplitude = passage.amplitude;
+      if (k > 0 && amplitude < (steady_is_stable ? 0.02 : collapsed)) break;
+      const double change = k > 0 ? map.distance(y, visited[k - 1]) / amplitude : infinity;
+      if (k < next_attempt && !(k > 0 && change < 1e-3)) continue;
+      next_attempt = k + std::max(2, k / 2);
+      if (accept(y, 1, amplitude)) return result;
+      // Several passages in a period: as many as bring the motion nearly back.
+      for (int turns = 2; turns <= 8 && turns < k; ++turns)
+        if (map.distance(y, visited[k - turns]) < 0.2 * map.distance(y, visited[k - 1]) && accept(y, turns, amplitude))
+          return result;
+      if (k >= 6 || (steady_is_stable && k >= 3)) {
+        const auto balanced = balance_of_drift(map, y, amplitude, drift_at_rest);
+        if (balanced) {
+          const auto there = map.follow(*balanced, loose, 1, true);
+          if (there.outcome.complete() && accept(there.end, 1, there.amplitude)) return result;
+        }
+        if (!balanced && steady_is_stable) break;
+      }
+    }
+  }
+  return result;
+}
+
+/// Metrics of the cycle through `point` at one tolerance; moves the point onto the cycle.
+struct Refined {
+  Metrics metrics;
+  double closure;  ///< remaining change of the section point, in scales
+  std::vector<CyclePoint> orbit;
+  Outcome outcome;
+};
+Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick_threshold, bool keep_orbit) {
+  Refined result{{}, infinity, {}, {}};
+  const VectorXd scale = map.scale();
+  const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
+  const auto lu = MatrixXd(scale.cwiseInverse().asDiagonal() * (I - point.derivative) * scale.asDiagonal()).partialPivLu();
+  for (int iteration = 0; iteration < 12; ++iteration) {
+    const auto passage = map.follow(point.y, tolerance, point.turns, true);
+    if (!passage.outcome.complete()) {
+      result.outcome = passage.outcome;
+      return result;
+    }
+    const VectorXd step =
+        scale.asDiagonal() * lu.solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, point.y));
+    const double length = (step.array() / scale.array()).matrix().norm();
+    if (!std::isfinite(length) || length > 0.5 * result.closure) break;  // rounding reached
+    point.y = map.moved(point.y, step, 1);
+    result.closure = length;
+    if (length < 0.1 * tolerance * std::min(1.0, point.amplitude)) break;
+  }
+  Recorder recorder(map.system(), stick_threshold, keep_orbit);
+  const auto passage = map.follow(point.y, tolerance, point.turns, true, false, &recorder);
+  result.outcome = passage.outcome;
+  result.metrics = recorder.finish(passage.duration);
+  result.orbit = std::move(recorder.orbit);
+  return result;
+}
+
+/// Sizes that relative errors of metrics are taken against.
+double size_of(const MetricName& metric, const Metrics& m, double V) {
+  const double value = std::abs(m.*metric.member);
+  if (metric.member == &Metrics::slip_rate_min) return std::max(value, V);
+  if (metric.unit[0] == '1' && metric.member != &Metrics::loop_area_normalised) return 1;
+  if (metric.member == &Metrics::loop_area) return std::max(value, 1e-3 * m.slip_rate_max * m.friction_max);
+  if (metric.member == &Metrics::loop_area_normalised) return std::max(value, 1e-3);
+  return value;
+}
+
+bool is_stick(const MetricName& metric) {
+  return metric.member == &Metrics::stick_fraction || metric.member == &Metrics::stick_fraction_001 ||
+         metric.member == &Metrics::stick_fraction_05;
+}
+
+/// Errors of `fine` by its difference to `coarse`, a result at ten times the tolerance; never below what the tolerance
+/// and rounding allow. Returns the worst ratio of error to size.
+double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolerance, double closure, double V,
+                       bool stick_is_ill_conditioned, Metrics& error, std::string& worst) {
+  double largest = 0;
+  for (const auto& metric : metric_names()) {
+    const double size = size_of(metric, fine, V), value = fine.*metric.member;
+    double e = 2 * std::abs(coarse.*metric.member - value);
+    if (value != 0) e += (3 * tolerance + 5e-14 + closure) * (metric.member == &Metrics::slip_rate_min ? std::abs(value) : size);
+    error.*metric.member = e;
+    if (is_stick(metric) && stick_is_ill_conditioned) continue;
+    if (e / size > largest) largest = e / size, worst = metric.name;
+  }
+  return largest;
+}
+
+Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
+  Cycle cycle;
+  // Growth in one turn of the leading oscillation; of one e-folding time where it does not oscillate.
+  const auto leading = stability(model).eigenvalues.front();
+  const double turn = 2 * std::numbers::pi / std::max(std::abs(leading.imag()), std::abs(leading.real()));
+  ReturnMap map(model);
+  auto found = search(map, leading.real() * turn, options.max_cycles);
+  cycle.cost = map.cost();
+  if (!found.point) {
+    cycle.outcome = found.outcome;
+    return cycle;
+  }
+  FixedPoint& point = *found.point;
+  const double V = map.drive_speed();
+  // Small or weakly attracting cycles magnify errors by 1/A and 1/(1 − ρ).
+  const double magnified = std::min(1.0, point.amplitude) * std::min(1.0, 1 - spectral_radius(point, map));
+  double tolerance = std::max(0.1 * options.tolerance * magnified, 1e-13);
+  Refined coarse = refine(map, point, tolerance, options.stick_threshold, false);
+  std::string worst;
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    tolerance = std::max(0.1 * tolerance, 2e-14);
+    const bool last_possible = tolerance <= 2e-14;
+    Refined fine = refine(map, point, tolerance, options.stick_threshold, true);
+    if (!coarse.outcome.complete() || !fine.outcome.complete()) {
+      cycle.outcome = coarse.outcome.complete() ? fine.outcome : coarse.outcome;
+      break;
+    }
+    const double lowest = fine.metrics.slip_rate_min;
+    cycle.ill_conditioned_stick = false;
+    for (const double e : {options.stick_threshold, 0.01, 0.5})
+      if (std::abs(std::abs(lowest) - e * V) < 1e-4 * e * V) cycle.ill_conditioned_stick = true;
+    const double reached = estimate_errors(coarse.metrics, fine.metrics, tolerance, fine.closure, V,
+                                           cycle.ill_conditioned_stick, cycle.error, worst);
+    cycle.metrics = fine.metrics;
+    cycle.orbit = std::move(fine.orbit);
+    cycle.outcome = {};
+    if (reached <= options.tolerance) break;
+    cycle.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
+    if (last_possible) break;
+    coarse = std::move(fine);
+  }
+  if (options.multipliers) {
+    const auto passage = map.follow(point.y, std::max(tolerance, 1e-10), point.turns, true, true);
+    if (passage.outcome.complete()) point.derivative = passage.derivative;
+  }
+  cycle.multipliers = multipliers_of(point.derivative, map.scale());
+  cycle.stable = cycle.multipliers.empty() || std::abs(cycle.multipliers.front()) < 1;
+  const auto at_section = map.system().observe(0, point.y.data());
+  cycle.section_displacement = at_section.displacement;
+  cycle.section_state = at_section.state;
+  cycle.cost = map.cost();
+  return cycle;
+}
+
+/// One period of stick–slip: from one onset of slip along the drive to the next. Stick forgets the past, so the first
+/// full period is the cycle.
+struct StickSlipPeriod {
+  Outcome outcome;
+  Metrics metrics;
+  std::vector<CyclePoint> orbit;
+  double onset_displacement = 0;
+  bool found = false;
+  long steps = 0, evaluations = 0;
+};
+StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double stick_threshold) {
+  StickSlipPeriod result;
+  SliderSystem system(model);
+  solvers::StickSlip solver(system, tolerance);
+  const double V = model.drive.speed.level(), f = model.drive.force.level();
+  const auto& s = model.slider;
+  // At rest on the drive, half way to the onset of slip.
+  const double onset = (system.holding_limit(0) - s.damping * V + f) / s.stiffness;
+  const double half = (-s.damping * V + f) / s.stiffness + 0.5 * system.holding_limit(0) / s.stiffness;
+  if (!solver.start(0, system.unknowns_at(0, half, 0, {}, 0))) {
+    result.outcome = {Ending::not_finite, "at the start"};
+    return result;
+  }
+  const double natural = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
+  const double longest = 300 * natural + 10 * std::abs(onset) / V;
+  Recorder recorder(system, stick_threshold, true);
+  double began = -1, stuck_since = -1, stuck = 0;
+  while (solver.time() < longest && solver.stepper().count().steps < 200'000) {
+    solvers::Switch switched;
+    const Outcome outcome = solver.step(longest, switched);
+    if (!outcome.complete()) {
+      result.outcome = outcome;
+      break;
+    }
+    if (began >= 0) recorder.step(solver.stepper());
+    if (switched == solvers::Switch::stick) stuck_since = solver.time();
+    if (switched == solvers::Switch::slip) {
+      if (began >= 0 && stuck_since >= 0) stuck += solver.time() - stuck_since;
+      if (solver.upcoming() > 0) {
+        if (began >= 0 && stuck > 0) {
+          result.metrics = recorder.finish(solver.time() - began);
+          result.metrics.stick_fraction = stuck / (solver.time() - began);
+          result.orbit = std::move(recorder.orbit);
+          result.onset_displacement = system.observe(solver.time(), solver.state().data()).displacement;
+          result.found = true;
+          break;
+        }
+        began = solver.time();
+        stuck = 0, stuck_since = -1;
+      }
+    }
+  }
+  result.steps = solver.stepper().count().steps;
+  result.evaluations = solver.stepper().count().evaluations;
+  return result;
+}
+
+Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
+  Cycle cycle;
+  const double V = model.drive.speed.level();
+  double tolerance = std::max(0.1 * options.tolerance, 1e-13);
+  StickSlipPeriod coarse = stick_slip_period(model, tolerance, options.stick_threshold);
+  std::string worst;
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    tolerance = std::max(0.1 * tolerance, 2e-14);
+    const bool last_possible = tolerance <= 2e-14;
+    StickSlipPeriod fine = stick_slip_period(model, tolerance, options.stick_threshold);
+    cycle.cost.steps += fine.steps + coarse.steps;
+    cycle.cost.evaluations += fine.evaluations + coarse.evaluations;
+    ++cycle.cost.cycles;
+    if (!fine.outcome.complete()) {
+      cycle.outcome = fine.outcome;
+      return cycle;
+    }
+    if (!fine.found) {
+      cycle.outcome = {Ending::none_exists, "slip started from stick does not come to stick again"};
+      return cycle;
+    }
+    const double reached =
+        estimate_errors(coarse.metrics, fine.metrics, tolerance, 0, V, false, cycle.error, worst);
+    cycle.metrics = fine.metrics;
+    cycle.orbit = fine.orbit;
+    cycle.section_displacement = fine.onset_displacement;
+    cycle.outcome = {};
+    if (reached <= options.tolerance) break;
+    cycle.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
+    if (last_possible) break;
+    coarse = std::move(fine);
+  }
+  cycle.multipliers = {0.0};  // stick ends at one and the same state, whatever came before
+  cycle.stable = true;
+  return cycle;
+}
+
+/// The mirror image: drive, force, displacement, slip rate and friction with the other sign.
+void mirror(Cycle& cycle) {
+  for (Metrics* m : {&cycle.metrics, &cycle.error}) {
+    std::swap(m->slip_rate_max, m->slip_rate_min);
+    std::swap(m->friction_max, m->friction_min);
+  }
+  Metrics& m = cycle.metrics;
+  for (auto member : {&Metrics::slip_rate_max, &Metrics::slip_rate_min, &Metrics::friction_max, &Metrics::friction_min,
+                      &Metrics::friction_mean, &Metrics::slip_rate_mean})
+    m.*member = -(m.*member);
+  cycle.section_displacement = -cycle.section_displacement;
+  for (auto& p : cycle.orbit)
+    p.displacement = -p.displacement, p.slip_rate = -p.slip_rate, p.friction_coefficient = -p.friction_coefficient;
+}
+
+}  // namespace
+
+Cycle find_cycle(const Model& model, const CycleOptions& options) {
+  model.check();
+  require(options.tolerance, {1e-13, 0.1}, "tolerance", "relative accuracy of a cycle", "1");
+  require(options.stick_threshold, {1e-6, 0.999}, "cycle.stick_threshold", "stick threshold over the drive speed", "1");
+  const auto& drive = model.drive;
+  if (!drive.constant())
+    throw InputError("a cycle is sought under a constant drive, but drive.speed, drive.normal_load or drive.force varies");
+  const double V = drive.speed.level();
+  Cycle cycle;
+  if (V == 0) {
+    cycle.outcome = {Ending::none_exists, "drive.speed = 0: without a drive the slider comes to rest"};
+  } else if (drive.normal_load.level() == 0) {
+    cycle.outcome = {Ending::none_exists, "drive.normal_load = 0: there is no friction"};
+  } else if (!(model.slider.stiffness > 0) || !std::isfinite(model.slider.stiffness)) {
+    cycle.outcome = {Ending::none_exists, "without a spring of finite stiffness there is no oscillation"};
+  } else if (V < 0) {
+    Model mirrored = model;
+    mirrored.drive.speed = -V;
+    mirrored.drive.force = -drive.force.level();
+    cycle = find_cycle(mirrored, options);
+    mirror(cycle);
+  } else {
+    cycle = model.law->set_valued() ? find_stick_slip_cycle(model, options) : find_smooth_cycle(model, options);
+  }
+  return cycle;
+}
+
+}  // namespace rosin::analysis

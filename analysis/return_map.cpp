@@ -1,0 +1,293 @@
+/// Passages through the section v = V, their derivative, and the metrics recorded on the way.
+#include "analysis/return_map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rosin::analysis {
+
+using oscillators::Mechanics;
+using oscillators::SliderSystem;
+using solvers::Collocation;
+using solvers::RadauTableau;
+
+Recorder::Recorder(const SliderSystem& system, double stick_threshold, bool keep_orbit)
+    : system_(system), threshold_{stick_threshold, 0.01, 0.5}, keep_orbit_(keep_orbit) {
+  const auto& model = system.model();
+  follows_steady_curve_ = system.rigid() && (model.lambda == 0 || !model.law->has_states());
+  sums_.slip_rate_max = sums_.friction_max = -infinity;
+  sums_.slip_rate_min = sums_.friction_min = infinity;
+}
+
+namespace {
+/// Value at θ of the polynomial through the samples (θ = 0 and the nodes).
+template <class Samples, class Quantity>
+double polynomial(const Samples& samples, Quantity quantity, double theta) {
+  const auto& t = RadauTableau::get();
+  const double base = samples[0].*quantity;
+  double value = base;
+  for (int i = 0; i < RadauTableau::stages; ++i) {
+    double weight = 0;
+    for (int k = RadauTableau::stages - 1; k >= 0; --k) weight = (weight + t.dense[i][k]) * theta;
+    value += weight * (samples[i + 1].*quantity - base);
+  }
+  return value;
+}
+}  // namespace
+
+void Recorder::extreme(Collocation& solver, const std::vector<Sample>& samples, double Sample::*quantity, double& low,
+                       double& high) {
+  for (const auto& sample : samples) {
+    low = std::min(low, sample.*quantity);
+    high = std::max(high, sample.*quantity);
+  }
+  // An extreme between nodes: the polynomial says about where, parabolas through the step solved again say how much.
+  const auto solved = [&](double theta) {
+    std::vector<double> y(system_.size());
+    if (!solver.solve_at(theta, y.data())) return polynomial(samples, quantity, theta);
+    const double t = solver.time_before() + theta * (solver.time() - solver.time_before());
+    return quantity == &Sample::slip_rate ? system_.slip_rate(t, y.data()) : system_.friction_coefficient(t, y.data());
+  };
+  constexpr int fine = 8;
+  const auto slope = [&](double theta) {
+    constexpr double d = 1e-5;
+    return polynomial(samples, quantity, theta + d) - polynomial(samples, quantity, theta - d);
+  };
+  double before = slope(0);
+  for (int i = 1; i <= fine; ++i) {
+    const double after = slope(double(i) / fine);
+    if ((before > 0) != (after > 0)) {
+      double left = double(i - 1) / fine, right = double(i) / fine;
+      for (int k = 0; k < 20; ++k) {
+        const double middle = 0.5 * (left + right);
+        ((slope(middle) > 0) == (before > 0) ? left : right) = middle;
+      }
+      double theta = 0.5 * (left + right), width = 0.02;
+      const double guess = polynomial(samples, quantity, theta), reach = 1e-3 * (high - low);
+      const bool matters = before > 0 ? guess + reach > high : guess - reach < low;
+      for (int refine = 0; matters && refine < 3; ++refine, width *= 0.2) {
+        theta = std::clamp(theta, 1e-3, 1.0);
+        const double inside = std::min({width, 0.5 * theta, 1 - theta});
+        const double middle = solved(theta);
+        low = std::min(low, middle);
+        high = std::max(high, middle);
+        if (inside < 1e-6) break;  // at the end of the step: the value there is already counted
+        const double l = solved(theta - inside), r = solved(theta + inside), bend = l - 2 * middle + r;
+        low = std::min({low, l, r});
+        high = std::max({high, l, r});
+        if (bend == 0) break;
+        theta += inside * std::clamp(0.5 * (l - r) / bend, -2.0, 2.0);
+      }
+    }
+    before = after;
+  }
+}
+
+double Recorder::time_within(Collocation& solver, const std::vector<Sample>& samples, double threshold) const {
+  const double h = solver.time() - solver.time_before();
+  std::vector<double> marks{0.0};
+  for (const double level : {threshold, -threshold})
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      const double a = samples[i - 1].slip_rate - level, b = samples[i].slip_rate - level;
+      if ((a < 0) == (b < 0) || a == 0) continue;
+      const auto theta = solver.locate([&](double t, const double* y) { return system_.slip_rate(t, y) - level; },
+                                       samples[i - 1].theta, samples[i].theta, a, b);
+      if (theta) marks.push_back(*theta);
+    }
+  marks.push_back(1.0);
+  std::sort(marks.begin(), marks.end());
+  double within = 0;
+  for (std::size_t i = 1; i < marks.size(); ++i) {
+    const double middle = 0.5 * (marks[i - 1] + marks[i]);
+    if (std::abs(polynomial(samples, &Sample::slip_rate, middle)) <= threshold) within += (marks[i] - marks[i - 1]) * h;
+  }
+  return within;
+}
+
+void Recorder::step(Collocation& solver) {
+  constexpr int s = Collocation::stages;
+  const auto& tableau = RadauTableau::get();
+  const double t0 = solver.time_before(), h = solver.time() - t0;
+  std::vector<Sample> samples;
+  std::vector<double> y(system_.size());
+  const auto take = [&](double theta, double t, const double* state) {
+    samples.push_back({theta, system_.slip_rate(t, state), system_.friction_coefficient(t, state)});
+    if (!keep_orbit_) return;
+    const auto seen = system_.observe(t, state);
+    orbit.push_back({elapsed_ + t - t0, seen.displacement, seen.slip_rate, seen.friction_coefficient, seen.state});
+  };
+  if (keep_orbit_ && !orbit.empty()) orbit.pop_back();  // the end of the last step is the start of this one
+  take(0, t0, solver.state_before().data());
+  for (int i = 0; i < s; ++i) {
+    solver.stage(i, y.data());
+    take(tableau.c[i], solver.stage_time(i), y.data());
+  }
+  for (int i = 0; i < s; ++i) {
+    const Sample& at = samples[i + 1];
+    const double weight = tableau.b[i] * h;
+    sums_.friction_mean += weight * at.friction;
+    sums_.slip_rate_mean += weight * at.slip_rate;
+    if (follows_steady_curve_) continue;
+    // dv/dt from the polynomial: the force balance would lose it to cancellation in near-stick.
+    double rate = 0;
+    for (int j = 0; j < s; ++j) rate += tableau.a_inverse[i][j] * (samples[j + 1].slip_rate - samples[0].slip_rate);
+    const double steady =
+        at.slip_rate == 0
+            ? at.friction
+            : system_.model().law->steady_friction({at.slip_rate, system_.model().drive.normal_load.level()}).friction;
+    sums_.loop_area += tableau.b[i] * (at.friction - steady) * rate;
+  }
+  extreme(solver, samples, &Sample::slip_rate, sums_.slip_rate_min, sums_.slip_rate_max);
+  extreme(solver, samples, &Sample::friction, sums_.friction_min, sums_.friction_max);
+  const double V = std::abs(system_.model().drive.speed.level());
+  sums_.stick_fraction += time_within(solver, samples, threshold_[0] * V);
+  sums_.stick_fraction_001 += time_within(solver, samples, threshold_[1] * V);
+  sums_.stick_fraction_05 += time_within(solver, samples, threshold_[2] * V);
+  elapsed_ += h;
+}
+
+Metrics Recorder::finish(double period) const {
+  Metrics m = sums_;
+  m.period = period;
+  m.friction_mean /= period;
+  m.slip_rate_mean /= period;
+  m.stick_fraction /= period;
+  m.stick_fraction_001 /= period;
+  m.stick_fraction_05 /= period;
+  m.loop_area = std::abs(m.loop_area);
+  m.loop_area_normalised = m.loop_area / (m.slip_rate_max * m.friction_max);
+  return m;
+}
+
+ReturnMap::ReturnMap(const Model& model) : system_(model), speed_(model.drive.speed.level()) {
+  const int n = system_.size();
+  std::vector<double> mass(n), scale(n);
+  const auto y = system_.steady(0);
+  system_.mass(0, mass.data());
+  system_.scale(y.data(), scale.data());
+  for (int i = 0; i < n; ++i)
+    if (mass[i] > 0) differential_.push_back(i);
+  scale_.resize(differential_.size());
+  for (std::size_t i = 0; i < differential_.size(); ++i) scale_[i] = scale[differential_[i]];
+  // No passage takes longer than many natural periods and many times the loading of the spring to the friction force.
+  const auto& s = model.slider;
+  const double N = model.drive.normal_load.level();
+  const double loading = s.stiffness > 0 ? N / (s.stiffness * speed_) : 0;
+  const double natural = s.mass > 0 && s.stiffness > 0 ? 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness) : 0;
+  longest_passage_ = 1e3 * (natural + loading + s.damping / std::max(s.stiffness, 1e-300));
+}
+
+std::vector<double> ReturnMap::stick(double aged_at) const {
+  const auto& model = system_.model();
+  const double N = model.drive.normal_load.level(), f = model.drive.force.level(), u = 1e-3 * speed_;
+  const auto state = model.law->steady({aged_at, N});
+  const double F = N * model.law->friction({u, N}, state);
+  const double x = system_.mechanics() == Mechanics::damped
+                       ? (F + f - model.slider.damping * (speed_ - u)) / model.slider.stiffness
+                       : system_.steady(0)[0];
+  return system_.unknowns_at(0, x, u, state, F);
+}
+
+double ReturnMap::distance(const std::vector<double>& a, const std::vector<double>& b) const {
+  return (difference(a, b).array() / scale_.array()).matrix().norm();
+}
+
+Eigen::VectorXd ReturnMap::difference(const std::vector<double>& a, const std::vector<double>& b) const {
+  Eigen::VectorXd d(differential_.size());
+  for (std::size_t i = 0; i < differential_.size(); ++i) d[i] = a[differential_[i]] - b[differential_[i]];
+  return d;
+}
+
+std::vector<double> ReturnMap::moved(const std::vector<double>& a, const Eigen::VectorXd& step, double factor) const {
+  auto y = a;
+  for (std::size_t i = 0; i < differential_.size(); ++i) y[differential_[i]] += factor * step[i];
+  if (system_.slip_rate_index() >= 0) y[system_.slip_rate_index()] = speed_;
+  return y;
+}
+
+ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double tolerance, int turns, bool from_section,
+                                     bool derivative, Recorder* recorder) {
+  Passage passage;
+  const int n = system_.size(), columns = int(differential_.size());
+  Collocation solver(system_, tolerance);
+  if (!solver.start(0, y0)) {
+    passage.outcome = {Ending::not_finite, "the start cannot be made consistent"};
+    return passage;
+  }
+  std::vector<double> S, work(n);
+  if (derivative) {
+    S.assign(n * columns, 0.0);
+    for (int c = 0; c < columns; ++c) S[differential_[c] * columns + c] = 1;
+  }
+  const auto section = [&](double t, const double* y) { return system_.slip_rate(t, y) - speed_; };
+  // Below the section by more than rounding: from then on a rising zero is a passage.
+  const double noise = 1e-10 * speed_;
+  bool below = !from_section && section(0, solver.state().data()) < -noise;
+  constexpr long most_steps = 40'000;
+  while (turns > 0) {
+    const Outcome outcome = solver.step(longest_passage_);
+    if (!outcome.complete()) {
+      passage.outcome = outcome;
+      break;
+    }
+    const double t0 = solver.time_before(), h = solver.time() - t0;
+    double low = 0, low_value = section(t0, solver.state_before().data());
+    bool passed = false;
+    for (int i = 0; i < Collocation::stages && !passed; ++i) {
+      solver.stage(i, work.data());
+      const double theta = (solver.stage_time(i) - t0) / h, value = section(solver.stage_time(i), work.data());
+      passage.amplitude = std::max(passage.amplitude, std::abs(value) / speed_);
+      if (below && value >= 0) {
+        const auto located = solver.locate(section, low, theta, std::min(low_value, -1e-300), value);
+        if (--turns == 0 && (!located || !solver.shorten(*located))) {
+          passage.outcome = {Ending::not_finite, "while locating the section"};
+          turns = 0;
+        }
+        passed = turns == 0;
+        below = false;
+      }
+      if (value < -noise) below = true;
+      low = theta, low_value = value;
+    }
+    if (derivative) solver.propagate(S, columns);
+    if (recorder) recorder->step(solver);
+    if (turns > 0 && (solver.time() >= longest_passage_ || solver.count().steps > most_steps)) {
+      passage.outcome = {Ending::budget_spent,
+                         fmt::format("no passage through v = V within {:.3g} s and {} steps", solver.time(),
+                                     solver.count().steps)};
+      break;
+    }
+  }
+  cost_.steps += solver.count().steps;
+  cost_.evaluations += solver.count().evaluations + solver.count().linearisations;
+  ++cost_.cycles;
+  passage.duration = solver.time();
+  passage.end = solver.state();
+  for (const double x : passage.end)
+    if (!std::isfinite(x) && passage.outcome.complete()) passage.outcome = {Ending::not_finite, "at the section"};
+  if (derivative && passage.outcome.complete()) {
+    // Projection along the flow onto the section: D = S − ẏ (∇v·S)/(∇v·ẏ).
+    std::vector<double> rate(n), f(n), mass(n), gradient(n);
+    solver.rate(rate.data());
+    system_.evaluate(0, passage.end.data(), f.data());
+    system_.mass(0, mass.data());
+    for (const int i : differential_) rate[i] = f[i] / mass[i];
+    system_.slip_rate_gradient(0, passage.end.data(), gradient.data());
+    double along = 0;
+    for (int i = 0; i < n; ++i) along += gradient[i] * rate[i];
+    passage.derivative.resize(columns, columns);
+    for (int c = 0; c < columns; ++c) {
+      double cross = 0;
+      for (int i = 0; i < n; ++i) cross += gradient[i] * S[i * columns + c];
+      for (int r = 0; r < columns; ++r)
+        passage.derivative(r, c) = S[differential_[r] * columns + c] - rate[differential_[r]] * cross / along;
+    }
+    if (!passage.derivative.allFinite()) passage.outcome = {Ending::not_finite, "in the derivative of the return map"};
+  }
+  return passage;
+}
+
+}  // namespace rosin::analysis

@@ -1,0 +1,73 @@
+/// The map from one passage through v = V (v rising) to the next, with its derivative and a recorder of metrics.
+#pragma once
+#include <Eigen/Dense>
+#include <vector>
+
+#include "analysis/cycle.hpp"
+#include "oscillators/slider_system.hpp"
+#include "solvers/collocation.hpp"
+
+namespace rosin::analysis {
+
+/// Collects the metrics of one period from the steps that solve it. Extremes and threshold crossings are located by
+/// solving the step again, integrals by the quadrature of the collocation nodes, both at the order of the solution.
+class Recorder {
+ public:
+  Recorder(const oscillators::SliderSystem&, double stick_threshold, bool keep_orbit);
+  void step(solvers::Collocation&);
+  Metrics finish(double period) const;
+  std::vector<CyclePoint> orbit;
+
+ private:
+  struct Sample {
+    double theta, slip_rate, friction;
+  };
+  void extreme(solvers::Collocation&, const std::vector<Sample>&, double Sample::*quantity, double& low, double& high);
+  double time_within(solvers::Collocation&, const std::vector<Sample>&, double threshold) const;
+
+  const oscillators::SliderSystem& system_;
+  double threshold_[3];
+  bool keep_orbit_;
+  bool follows_steady_curve_;  ///< friction is a function of the slip rate: the loop has no area
+  Metrics sums_;
+  double elapsed_ = 0;
+};
+
+/// Section-to-section map of a slider with a smooth law under a constant drive with V > 0.
+class ReturnMap {
+ public:
+  explicit ReturnMap(const Model&);
+
+  struct Passage {
+    Outcome outcome;
+    double duration = 0;
+    std::vector<double> end;      ///< unknowns at the section
+    double amplitude = 0;         ///< largest |v − V|/V seen
+    Eigen::MatrixXd derivative;   ///< of the differential unknowns, if asked
+  };
+  /// Follows the motion from y through `turns` passages. `from_section`: y lies on the section.
+  Passage follow(const std::vector<double>& y, double tolerance, int turns, bool from_section, bool derivative = false,
+                 Recorder* recorder = nullptr);
+
+  const oscillators::SliderSystem& system() const { return system_; }
+  /// Unknowns with the slider almost stuck (slip rate 1e-3 V) and the state of steady sliding at `aged_at`.
+  std::vector<double> stick(double aged_at) const;
+  /// Distance of two points in units of the system's scale, over differential unknowns.
+  double distance(const std::vector<double>& a, const std::vector<double>& b) const;
+  /// a + factor·step in the differential unknowns, put back on the section where that is a coordinate.
+  std::vector<double> moved(const std::vector<double>& a, const Eigen::VectorXd& step, double factor) const;
+  Eigen::VectorXd difference(const std::vector<double>& a, const std::vector<double>& b) const;
+  const std::vector<int>& differential() const { return differential_; }
+  const Eigen::VectorXd& scale() const { return scale_; }
+  const Cycle::Cost& cost() const { return cost_; }
+  double drive_speed() const { return speed_; }
+
+ private:
+  oscillators::SliderSystem system_;
+  double speed_, longest_passage_;
+  std::vector<int> differential_;
+  Eigen::VectorXd scale_;  ///< of the differential unknowns
+  Cycle::Cost cost_;
+};
+
+}  // namespace rosin::analysis

@@ -1,0 +1,305 @@
+/// Initial-value problems: the chosen solver, samples at the asked times, events, and errors by a second tolerance.
+#include "analysis/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "oscillators/slider_system.hpp"
+#include "solvers/collocation.hpp"
+#include "solvers/cvode.hpp"
+#include "solvers/stick_slip.hpp"
+
+namespace rosin::analysis {
+
+using oscillators::Mechanics;
+using oscillators::SliderSystem;
+using solvers::Collocation;
+
+namespace {
+
+constexpr long most_steps = 5'000'000;
+
+/// The start in natural quantities, then as unknowns of the system.
+std::vector<double> starting_point(const SliderSystem& system, const Start& start) {
+  const Model& model = system.model();
+  const auto& law = *model.law;
+  const double V = model.drive.speed.value(0), N = model.drive.normal_load.value(0), f = model.drive.force.value(0);
+  if (start.kind == Start::Kind::steady) {
+    if (V == 0) throw InputError("run.start = \"steady\" needs drive.speed other than 0 at t = 0 (speed, m/s)");
+    return system.steady(0);
+  }
+  constexpr double long_rest = 1e-12;  // m/s; states as after steady creep that slow
+  double x = 0, u = 0, F = 0;
+  std::vector<double> state;
+  if (start.kind == Start::Kind::rest) {
+    state = law.steady({long_rest, N});
+  } else {
+    if (start.velocity && start.slip_rate) throw InputError("run.start takes velocity or slip_rate, not both");
+    u = start.slip_rate ? *start.slip_rate : V - start.velocity.value_or(0);
+    state = law.steady({u != 0 ? u : V != 0 ? V : long_rest, N});
+    std::vector<std::string> known;
+    for (const auto& s : law.states()) known.push_back(s.name);
+    for (const auto& [name, value] : start.states) {
+      const auto at = std::find(known.begin(), known.end(), name);
+      if (at == known.end()) {
+        const auto near = nearest_name(name, known);
+        throw InputError(fmt::format("run.start: law '{}' has no state '{}'{}", law.card().name, name,
+                                     near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)));
+      }
+      const auto& field = law.states()[at - known.begin()];
+      require(value, field.range, "run.start." + name, field.meaning, field.unit);
+      state[at - known.begin()] = value;
+    }
+    F = u == 0 ? 0 : N * law.friction({u, N}, state);
+    // Without inertia the displacement is the spring's, and the spring carries the friction force.
+    x = start.displacement.value_or(model.slider.stiffness > 0 && std::isfinite(model.slider.stiffness)
+                                        ? (F + f - model.slider.damping * (V - u)) / model.slider.stiffness
+                                        : 0);
+    if (system.mechanics() == Mechanics::elastic && start.displacement && std::isfinite(model.slider.stiffness))
+      F = model.slider.stiffness * x - f;
+  }
+  return system.unknowns_at(0, x, u, state, F);
+}
+
+/// One pass at one tolerance: fills samples and events.
+class Pass {
+ public:
+  Pass(const Model& model, const RunOptions& options, const std::string& solver, const std::vector<double>& times)
+      : options_(options),
+        times_(times),
+        system_(model, solver == "cvode" ? Unknowns::states : Unknowns::friction),
+        solver_(solver) {
+    columns_.resize(5 + model.law->states().size());
+    for (auto& c : columns_) c.reserve(times.size());
+  }
+
+  Outcome run(double tolerance) {
+    const auto y = starting_point(system_, options_.start);
+    if (solver_ == "events") return with_events(y, tolerance);
+    if (solver_ == "cvode") return with_cvode(y, tolerance);
+    return with_collocation(y, tolerance);
+  }
+
+  std::vector<std::vector<double>> columns_;
+  std::vector<RunEvent> events_;
+  Run::Cost cost_;
+  std::map<std::string, double> metrics_;
+
+ private:
+  /// Samples due strictly before `t` (and at `t` too, if `closed`), from θ ↦ y of the present step.
+  template <class SolutionAt>
+  void sample_until(double t, bool closed, SolutionAt solution_at) {
+    while (next_ < times_.size() && (times_[next_] < t || (closed && times_[next_] == t))) {
+      record(times_[next_], solution_at(times_[next_]));
+      ++next_;
+    }
+  }
+  void record(double t, const double* y) {
+    const auto seen = system_.observe(t, y);
+    const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
+                             seen.friction_coefficient};
+    for (int i = 0; i < 5; ++i) columns_[i].push_back(values[i]);
+    for (std::size_t i = 0; i < seen.state.size(); ++i) columns_[5 + i].push_back(seen.state[i]);
+  }
+
+  /// Steps of any solver, cut at breaks of the drive, where values are those after the break.
+  template <class Solver, class Advance>
+  Outcome between_breaks(Solver& solver, std::vector<double> y, Advance advance) {
+    const double end = times_.empty() ? options_.duration : std::max(options_.duration, times_.back());
+    double t = 0;
+    while (true) {
+      start(solver, t, y);
+      const double limit = std::min(end, system_.next_break(t));
+      while (solver.time() < limit) {
+        if (++steps_ > most_steps)
+          return {Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s", most_steps, solver.time())};
+        const Outcome outcome = advance(limit);
+        if (!outcome.complete()) return outcome;
+      }
+      y = solver.state();
+      t = limit;
+      if (t >= end) {
+        sample_until(end, true, [&](double) { return y.data(); });
+        return {};
+      }
+      system_.cross_break(t, y.data());
+    }
+  }
+  bool start(Collocation& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
+  bool start(solvers::StickSlip& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
+  bool start(solvers::Cvode& solver, double t, const std::vector<double>& y) {
+    solver.start(t, y);
+    return true;
+  }
+
+  /// Sample and, for smooth laws, find reversals in the last step of a collocation.
+  void look_at(Collocation& step, bool reversals) {
+    std::vector<double> y(system_.size());
+    const double t0 = step.time_before(), h = step.time() - t0;
+    if (h <= 0) return;
+    if (reversals) {
+      double low = 0, before = system_.slip_rate(t0, step.state_before().data());
+      for (int i = 0; i < Collocation::stages; ++i) {
+        step.stage(i, y.data());
+        const double theta = (step.stage_time(i) - t0) / h, here = system_.slip_rate(step.stage_time(i), y.data());
+        if ((before < 0 && here > 0) || (before > 0 && here < 0)) {
+          const auto at = step.locate([&](double t, const double* z) { return system_.slip_rate(t, z); }, low, theta,
+                                      before, here);
+          if (at) events_.push_back({t0 + *at * h, "reversal"});
+        }
+        low = theta, before = here;
+      }
+    }
+    sample_until(step.time(), false, [&](double t) {
+      step.solve_at((t - t0) / h, y.data());
+      return y.data();
+    });
+  }
+
+  Outcome with_collocation(const std::vector<double>& y, double tolerance) {
+    Collocation solver(system_, tolerance);
+    const Outcome outcome = between_breaks(solver, y, [&](double limit) {
+      const Outcome o = solver.step(limit);
+      if (o.complete()) look_at(solver, true);
+      return o;
+    });
+    cost_ = {solver.count().steps, solver.count().evaluations + solver.count().linearisations};
+    return outcome;
+  }
+
+  Outcome with_events(const std::vector<double>& y, double tolerance) {
+    solvers::StickSlip solver(system_, tolerance);
+    double stuck_since = 0, stuck = 0;
+    const Outcome outcome = between_breaks(solver, y, [&](double limit) {
+      const bool sticking_before = system_.direction() == 0;
+      solvers::Switch switched;
+      const Outcome o = solver.step(limit, switched);
+      if (!o.complete()) return o;
+      look_at(solver.stepper(), false);
+      const bool sticking = system_.direction() == 0;
+      if (sticking && !sticking_before) stuck_since = solver.stepper().time_before();
+      if (sticking) {
+        stuck += solver.time() - std::max(stuck_since, solver.stepper().time_before());
+      }
+      if (switched == solvers::Switch::stick) events_.push_back({solver.time(), "stick"});
+      if (switched == solvers::Switch::slip) events_.push_back({solver.time(), "slip"});
+      if (switched == solvers::Switch::reversal) events_.push_back({solver.time(), "reversal"});
+      return o;
+    });
+    metrics_["stick_time"] = stuck;
+    cost_ = {solver.stepper().count().steps,
+             solver.stepper().count().evaluations + solver.stepper().count().linearisations};
+    return outcome;
+  }
+
+  Outcome with_cvode(const std::vector<double>& y, double tolerance) {
+    solvers::Cvode solver(system_, tolerance, 1,
+                          [&](double t, const double* z, double* value) { *value = system_.slip_rate(t, z); });
+    std::vector<double> z(system_.size());
+    const Outcome outcome = between_breaks(solver, y, [&](double limit) {
+      const Outcome o = solver.step(limit);
+      if (!o.complete()) return o;
+      sample_until(solver.time(), false, [&](double t) {
+        solver.interpolate(t, z.data());
+        return z.data();
+      });
+      if (o.ending == Ending::event) events_.push_back({solver.time(), "reversal"});
+      return o;
+    });
+    cost_ = {solver.count().steps, solver.count().evaluations};
+    return outcome;
+  }
+
+  const RunOptions& options_;
+  const std::vector<double>& times_;
+  SliderSystem system_;
+  std::string solver_;
+  std::size_t next_ = 0;
+  long steps_ = 0;
+};
+
+std::string choose_solver(const Model& model, const std::string& asked) {
+  const std::vector<std::string> known = {"auto", "collocation", "cvode", "events"};
+  if (std::find(known.begin(), known.end(), asked) == known.end()) {
+    const auto near = nearest_name(asked, known);
+    throw InputError(fmt::format("unknown solver '{}' (known: auto, collocation, cvode, events){}", asked,
+                                 near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)));
+  }
+  const bool set_valued = model.law->set_valued();
+  if (asked == "auto") return set_valued ? "events" : "collocation";
+  if (set_valued != (asked == "events"))
+    throw InputError(fmt::format("solver '{}' does not fit law '{}', which is {} at rest; use '{}'", asked,
+                                 model.law->card().name, set_valued ? "set-valued" : "smooth",
+                                 set_valued ? "events" : "collocation"));
+  return asked;
+}
+
+std::vector<double> sample_times(const RunOptions& options) {
+  if (!options.times.empty()) {
+    double before = -1;
+    for (const double t : options.times) {
+      if (!(t > before) || !std::isfinite(t) || t < 0)
+        throw InputError(fmt::format("run.times must ascend from 0 or later, got {} s after {} s", t, before));
+      before = t;
+    }
+    return options.times;
+  }
+  require(options.duration, {1e-300, 1e300}, "run.duration", "time to run", "s");
+  require(options.samples, {1, 1e8}, "run.samples", "number of intervals between samples", "1");
+  std::vector<double> times(options.samples + 1);
+  for (int i = 0; i <= options.samples; ++i) times[i] = options.duration * i / options.samples;
+  return times;
+}
+
+}  // namespace
+
+Run run(const Model& model, const RunOptions& options) {
+  model.check();
+  require(options.tolerance, {1e-13, 0.1}, "tolerance", "relative accuracy of a run", "1");
+  Run result;
+  result.solver = choose_solver(model, options.solver);
+  const auto times = sample_times(options);
+  // BDF's errors exceed its tolerance about tenfold; collocation stays below it.
+  const double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
+  Pass coarse(model, options, result.solver, times), fine(model, options, result.solver, times);
+  coarse.run(tolerance);
+  result.outcome = fine.run(std::max(0.01 * tolerance, 2e-14));
+
+  result.columns = std::move(fine.columns_);
+  result.time.assign(times.begin(), times.begin() + result.columns[0].size());
+  result.column_names = {"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"};
+  result.column_units = {"m", "m/s", "m/s", "N", "1"};
+  for (const auto& s : model.law->states()) {
+    result.column_names.push_back(s.name);
+    result.column_units.push_back(s.unit);
+  }
+  for (std::size_t c = 0; c < result.columns.size(); ++c) {
+    double largest = 0, size = 0;
+    const auto& a = result.columns[c];
+    const auto& b = coarse.columns_[c];
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      size = std::max(size, std::abs(a[i]));
+      if (i < b.size()) largest = std::max(largest, std::abs(a[i] - b[i]));
+    }
+    if (b.size() < a.size()) largest = infinity;
+    result.column_error.push_back(largest + 1e-15 * size);
+    if (a.empty()) continue;
+    const auto [low, high] = std::minmax_element(a.begin(), a.end());
+    if (c < 5) {
+      result.metrics[result.column_names[c] + "_min"] = *low;
+      result.metrics[result.column_names[c] + "_max"] = *high;
+    }
+  }
+  result.events = std::move(fine.events_);
+  for (const auto& [name, value] : fine.metrics_) result.metrics[name] = value;
+  result.cost = {coarse.cost_.steps + fine.cost_.steps, coarse.cost_.evaluations + fine.cost_.evaluations};
+  for (std::size_t c = 0; c < result.columns.size(); ++c)
+    for (const double x : result.columns[c])
+      if (!std::isfinite(x) && result.outcome.complete())
+        result.outcome = {Ending::not_finite, fmt::format("in column '{}'", result.column_names[c])};
+  return result;
+}
+
+}  // namespace rosin::analysis
