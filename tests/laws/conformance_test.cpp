@@ -1,7 +1,6 @@
 /// What every friction law must satisfy, proved for each law of the catalogue; a new law is covered by standing there.
 #include <catch2/catch.hpp>
 #include <random>
-#include <regex>
 #include <set>
 
 #include "core/units.hpp"
@@ -119,9 +118,10 @@ TEST_CASE("every law of the catalogue keeps the promises of a friction law", "[l
 
     DYNAMIC_SECTION(law.card().name << " says what it is") {
       const Card& card = law.card();
-      CHECK(std::regex_match(std::string(card.name), std::regex("[a-z][a-z0-9-]*")));
+      CHECK(card.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz-") == std::string_view::npos);
       for (const auto text : {card.title, card.formula, card.source, card.limits}) CHECK(text.size() > 5);
-      CHECK(std::regex_search(std::string(card.source), std::regex("1[5-9]\\d\\d|20\\d\\d")));
+      CHECK((card.source.find("(1") != std::string_view::npos ||
+             card.source.find("(2") != std::string_view::npos));  // a year
       auto quantities = law.parameters();
       quantities.insert(quantities.end(), law.states().begin(), law.states().end());
       std::set<std::string> own;
