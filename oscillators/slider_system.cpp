@@ -256,13 +256,21 @@ double SliderSystem::friction_coefficient(double t, const double* y) const {
 
 double SliderSystem::slip_rate(double t, const double* y) const {
   const Forcing now = forcing(t);
-  if (mechanics_ == Mechanics::damped) return imposed_slip_rate(now, y, now.load * y[mechanical_]);
-  if (mechanics_ == Mechanics::inertial || rigid()) return imposed_slip_rate(now, y, 0);
-  // Elastic: ẋ = (Ḟ + ḟ)/k with Ḟ from the friction row.
+  if (mechanics_ == Mechanics::inertial) return y[1];
+  if (!carries_friction()) return imposed_slip_rate(now, y, 0);
+  // Without mass the contact's own slip rate is known from friction, free of the cancellation in V − ẋ.
+  const double* z = y + mechanical_;
+  double state[Slopes<double>::capacity];
+  read_states(z + 1, state);
+  const double v = model_.law->slip_rate(z[0], now.load, {state, model_.law->states().size()});
+  const auto& spring = model_.contact_stiffness;
+  if (std::isinf(spring.tangential) && std::isinf(spring.per_load)) return v;
+  if (mechanics_ == Mechanics::damped) return imposed_slip_rate(now, y, now.load * z[0]);
+  // u = v + Ḟ_t/k_t, the spring of the contact and that of the slider in series.
   double g[Slopes<double>::capacity], m[Slopes<double>::capacity], F;
-  contact_->evaluate({imposed_slip_rate(now, y, 0), now.load, now.load_rate, direction_}, y, g, F);
+  contact_->evaluate({imposed_slip_rate(now, y, 0), now.load, now.load_rate, direction_}, z, g, F);
   contact_->mass(now.load, m);
-  const double F_rate = now.load * g[0] / m[0] + now.load_rate * y[0];
+  const double F_rate = now.load * g[0] / m[0] + now.load_rate * z[0];
   return now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
 }
 

@@ -98,7 +98,7 @@ void Collocation::factorise(double h) {
 
 Collocation::Newton Collocation::solve_stages(double t, const double* y0, double h) {
   const int n = n_;
-  for (int i = 0; i < s; ++i) system_.mass(t + tableau_.c[i] * h, &stage_mass_[i * n]);
+  for (int i = 0; i < s; ++i) system_.mass(node_time(t, tableau_.c[i] * h), &stage_mass_[i * n]);
   const double goal = std::max(0.01 * tolerance_, 20 * rounding);
   double previous = 0, rate = 1;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
@@ -106,7 +106,7 @@ Collocation::Newton Collocation::solve_stages(double t, const double* y0, double
     // Residual f(Y_i) − M_i (A⁻¹ Z)_i / h.
     for (int i = 0; i < s; ++i) {
       for (int k = 0; k < n; ++k) work_[k] = y0[k] + Z_trial_[i * n + k];
-      system_.evaluate(t + tableau_.c[i] * h, work_.data(), &residual_[i * n]);
+      system_.evaluate(node_time(t, tableau_.c[i] * h), work_.data(), &residual_[i * n]);
       for (int k = 0; k < n; ++k) {
         double sum = 0;
         for (int j = 0; j < s; ++j) sum += tableau_.a_inverse[i][j] * Z_trial_[j * n + k];
@@ -194,6 +194,7 @@ double Collocation::first_step(double t_limit) {
 
 Outcome Collocation::step(double t_limit) {
   const int n = n_;
+  last_moment_ = std::nextafter(t_limit, t_);
   system_.mass(t_, mass_.data());
   system_.linearise(t_, y_.data(), f0_.data(), J_.data());
   ++count_.linearisations;
@@ -287,8 +288,9 @@ void Collocation::stage_rate(int i, double* rate) const {
 
 bool Collocation::solve_at(double theta, double* y) {
   const int n = n_;
-  if (theta >= 1) {
-    std::copy(y_.begin(), y_.end(), y);
+  if (theta <= 0 || theta >= 1) {
+    const auto& end = theta <= 0 ? y_before_ : y_;
+    std::copy(end.begin(), end.end(), y);
     return true;
   }
   const double h = theta * h_last_;
@@ -326,7 +328,7 @@ void Collocation::propagate(std::vector<double>& S, int columns) {
   big_pivot_.resize(m);
   J_stage_.resize(n * n);
   for (int i = 0; i < s; ++i) {
-    const double t = t_before_ + tableau_.c[i] * h_last_;
+    const double t = stage_time(i);
     stage(i, work_.data());
     system_.linearise(t, work_.data(), f_stage_.data(), J_stage_.data());
     system_.mass(t, &stage_mass_[i * n]);

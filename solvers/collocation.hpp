@@ -3,6 +3,7 @@
 /// One-step, so that return maps are smooth; stiffly accurate, so that near-stick and rigid contacts cost no order.
 /// Events are located by solving the step again with a shorter length, at the full order of the method.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <optional>
@@ -38,7 +39,7 @@ class Collocation {
   void stage(int i, double* y) const;
   /// dy/dt of the collocation polynomial at a stage.
   void stage_rate(int i, double* rate) const;
-  double stage_time(int i) const { return t_before_ + tableau_.c[i] * (t_ - t_before_); }
+  double stage_time(int i) const { return node_time(t_before_, tableau_.c[i] * (t_ - t_before_)); }
   double stage_weight(int i) const { return tableau_.b[i] * (t_ - t_before_); }
   /// The collocation polynomial of the last step, at time_before() + theta·length (order 5).
   void interpolate(double theta, double* y) const;
@@ -62,6 +63,8 @@ class Collocation {
   const Count& count() const { return count_; }
 
  private:
+  /// t + dt, but before the limit of the step: a drive that jumps there must not be seen early.
+  double node_time(double t, double dt) const { return std::min(t + dt, last_moment_); }
   enum class Newton { converged, slow, not_finite };
   void factorise(double h);
   Newton solve_stages(double t, const double* y0, double h);
@@ -73,6 +76,7 @@ class Collocation {
   const RadauTableau& tableau_;
   int n_;
   double tolerance_, estimate_tolerance_;
+  double last_moment_ = infinity;  ///< just before the limit of the last step
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
   bool fresh_ = true;  ///< no polynomial of an earlier step to start from
   std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;

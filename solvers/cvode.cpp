@@ -21,7 +21,7 @@ struct Cvode::Core {
   SUNMatrix matrix = nullptr;
   SUNLinearSolver linear = nullptr;
   void* memory = nullptr;
-  double t = 0, t_stop = infinity;
+  double t = 0, last_moment = infinity;  // just before the limit of the step: a jump there must not be seen early
   std::vector<double> y, mass, scale, jacobian, f;
   std::vector<int> found;
   mutable N_Vector inside = nullptr;
@@ -51,6 +51,7 @@ struct Cvode::Core {
   static int right_hand_side(realtype t, N_Vector y, N_Vector ydot, void* data) {
     Core& core = *static_cast<Core*>(data);
     double* rate = N_VGetArrayPointer(ydot);
+    t = std::min(t, core.last_moment);
     core.system.evaluate(t, N_VGetArrayPointer(y), rate);
     core.system.mass(t, core.mass.data());
     for (int i = 0; i < core.system.size(); ++i) {
@@ -62,6 +63,7 @@ struct Cvode::Core {
   static int jacobian_function(realtype t, N_Vector y, N_Vector, SUNMatrix J, void* data, N_Vector, N_Vector, N_Vector) {
     Core& core = *static_cast<Core*>(data);
     const int n = core.system.size();
+    t = std::min(t, core.last_moment);
     core.system.linearise(t, N_VGetArrayPointer(y), core.f.data(), core.jacobian.data());
     core.system.mass(t, core.mass.data());
     for (int i = 0; i < n; ++i)
@@ -111,6 +113,7 @@ void Cvode::start(double t, std::span<const double> y) {
 Outcome Cvode::step(double t_limit) {
   Core& c = *core_;
   CVodeSetStopTime(c.memory, t_limit);
+  c.last_moment = std::nextafter(t_limit, c.t);
   const int flag = CVode(c.memory, t_limit, c.vector, &c.t, CV_ONE_STEP);
   std::copy_n(N_VGetArrayPointer(c.vector), c.system.size(), c.y.begin());
   c.found.clear();
