@@ -635,7 +635,7 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   if (const auto* title = root.find("title")) scene.title = text(*title, "title");
   read_law(Table(root.required("law", "the friction law"), "law"), scene.model);
 
-  const bool needs_slider = verb != Verb::curve && verb != Verb::plot;
+  const bool needs_slider = verb != Verb::curve;
   const fs::path folder = fs::path(path).parent_path();
   const toml::node* oscillator = root.find("oscillator");
   if (needs_slider) root.required("oscillator", "mass, stiffness and damping of the slider");

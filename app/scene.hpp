@@ -13,7 +13,7 @@
 namespace rosin::app {
 
 /// What is asked of a scene; decides which tables must be there.
-enum class Verb { curve, stability, run, cycle, map, plot };
+enum class Verb { curve, stability, run, cycle, map };
 
 /// The slip rates at which a steady curve is drawn, logarithmically spaced.
 struct CurveOptions {

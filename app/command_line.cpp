@@ -1,0 +1,106 @@
+/// Parsing by CLI11, with suggestions for misspelt verbs and options.
+#include "app/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <thread>
+
+#include "core/error.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+constexpr int wrong_usage = 2;
+
+int refuse(const std::string& text) {
+  fmt::print(stderr, "rosin: {}\n", text);
+  return wrong_usage;
+}
+
+std::string did_you_mean(std::string_view name, const std::vector<std::string>& known) {
+  const auto near = nearest_name(name, known);
+  return near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near);
+}
+
+struct VerbHelp {
+  const char *name, *target, *help;
+};
+constexpr VerbHelp verbs[] = {
+    {"laws", "LAW", "list friction laws with parameters, units, ranges and sources"},
+    {"curve", "SCENE", "steady friction curve and its extrema"},
+    {"stability", "SCENE", "steady sliding, its eigenvalues and Hopf points"},
+    {"run", "SCENE", "motion from a given start"},
+    {"cycle", "SCENE", "periodic motion, its multipliers and metrics"},
+    {"map", "SCENE", "regimes and metrics over a parameter plane"},
+    {"plot", "PATH", "draw the pictures of a results folder, or of a scene's results, again"},
+};
+
+}  // namespace
+
+std::variant<Request, int> parse_command_line(int argc, char** argv) {
+  std::vector<std::string> names;
+  for (const auto& verb : verbs) names.emplace_back(verb.name);
+  if (argc > 1 && argv[1][0] != '-' && std::ranges::find(names, argv[1]) == names.end())
+    return refuse(fmt::format("unknown command '{}'{}\nCommands: {}", argv[1], did_you_mean(argv[1], names),
+                              fmt::join(names, ", ")));
+
+  Request request;
+  request.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  CLI::App app("rosin: dynamic friction on the command line", "rosin");
+  app.set_version_flag("--version", fmt::format("rosin {}", ROSIN_VERSION));
+  app.require_subcommand(1);
+  app.allow_extras();
+  for (const auto& verb : verbs) {
+    auto* command = app.add_subcommand(verb.name, verb.help);
+    command->allow_extras();
+    const std::string name = verb.name;
+    command->callback([&request, name] { request.verb = name; });
+    auto* target = command->add_option(verb.target, request.target);
+    if (name == "laws") {
+      target->description("one law; all if left out");
+    } else {
+      target->required()->description(name == "plot" ? "results folder or scene" : "scene file (TOML)");
+      command->add_option("--out", request.out, "results folder; default out/<scene>/");
+      command->add_flag("--quiet", request.quiet, "say nothing but errors");
+    }
+    if (name != "plot") command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
+    if (name == "laws" || name == "plot") continue;
+    command->add_option("--set", request.overrides, "path=value: change the scene, such as drive.speed=1e-5")
+        ->allow_extra_args(false);
+    command->add_option("--tolerance", request.tolerance, "relative accuracy of every result");
+    command->add_option("--threads", request.threads, "threads of a map; results do not depend on it")
+        ->capture_default_str();
+    command->add_flag("--explain", request.explain, "say on standard error what is computed how, and what is skipped");
+  }
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    return refuse(fmt::format("{}\nSee 'rosin --help'.", error.what()));
+  }
+  const auto* command = app.get_subcommands().front();
+  for (const auto& extra : app.remaining(true)) {
+    std::vector<std::string> options;
+    for (const auto* option : command->get_options())
+      for (const auto& name : option->get_lnames()) options.push_back("--" + name);
+    const auto word = extra.substr(0, extra.find('='));
+    return refuse(extra.starts_with('-')
+                      ? fmt::format("'{}' has no option '{}'{}", request.verb, word, did_you_mean(word, options))
+                      : fmt::format("'{}' takes one {}, '{}' is too much", request.verb,
+                                    request.verb == "laws" ? "law" : "path", extra));
+  }
+  try {
+    if (request.tolerance) require(*request.tolerance, {1e-13, 0.1}, "--tolerance", "relative accuracy", "1");
+    require(request.threads, {1, 4096}, "--threads", "number of threads", "1");
+  } catch (const InputError& error) {
+    return refuse(error.what());
+  }
+  return request;
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,24 @@
+/// The command line of `rosin`.
+#pragma once
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace rosin::app {
+
+/// What the user asked for.
+struct Request {
+  std::string verb;    ///< "laws", "curve", …
+  std::string target;  ///< scene file; a law's name for "laws"; a folder or scene for "plot"
+  std::vector<std::string> overrides;
+  std::optional<double> tolerance;
+  int threads = 1;
+  std::string out;
+  bool json = false, explain = false, quiet = false;
+};
+
+/// The request, or the exit status where everything is said already (--help, --version, wrong usage).
+std::variant<Request, int> parse_command_line(int argc, char** argv);
+
+}  // namespace rosin::app

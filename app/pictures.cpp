@@ -1,0 +1,475 @@
+/// Writing gnuplot scripts and running gnuplot.
+#include "app/pictures.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/files.hpp"
+
+extern char** environ;
+
+namespace rosin::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A text for gnuplot in single quotes: markup characters are shown as they are, control characters dropped.
+std::string single_quoted(std::string_view text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) continue;
+    if (std::string_view("_^{}@&~\\").find(c) != std::string_view::npos) out += '\\';
+    if (c == '\'') out += '\'';
+    out += c;
+  }
+  return out + '\'';
+}
+
+/// "normal load (N)"; what follows a semicolon in a meaning explains more than an axis has room for.
+std::string label(std::string_view meaning, std::string_view unit) {
+  return single_quoted(column_header(meaning.substr(0, meaning.find(';')), unit));
+}
+
+std::string label(const Quantity& quantity) { return label(quantity.meaning, quantity.unit); }
+
+/// What every script begins with. `format` and `output` may be set by the caller: gnuplot -e "format='png'" map.gp
+std::string preamble(const std::string& name, std::string_view what, int width, int height) {
+  return fmt::format(R"(# {what}. Redraw with: gnuplot {name}.gp   or   gnuplot -e "format='png'" {name}.gp
+if (!exists("format")) format = 'svg'
+if (!exists("output")) output = '{name}.'.format
+if (format eq 'png') {{ set terminal pngcairo size {width},{height} font 'sans,11' background 'white'
+}} else {{ set terminal svg size {width},{height} font 'sans,13' background 'white' }}
+set output output
+set datafile separator ','
+set datafile missing 'nan'
+set encoding utf8
+set border linewidth 0.8
+set tics nomirror out
+set key samplen 2.5 spacing 1.1
+# Lines differ in dash as well as in colour: readable in grey and by the colour-blind.
+set style line 1 linecolor '#00336F' linewidth 1.8 dashtype solid
+set style line 2 linecolor '#B0560F' linewidth 1.6 dashtype (8,4)
+set style line 3 linecolor '#555555' linewidth 1.2 dashtype (2,3)
+)",
+                     fmt::arg("what", what), fmt::arg("name", name), fmt::arg("width", width),
+                     fmt::arg("height", height));
+}
+
+/// A unit with the prefix that suits the largest value: ticks read 20, 40 µm/s instead of 2e-05, 4e-05 m/s.
+struct Scaled {
+  double factor;  ///< multiplies SI values
+  std::string unit;
+};
+Scaled scaled(const std::string& unit, double largest) {
+  struct Prefix {
+    double size;
+    const char* name;
+  };
+  const bool prefixable = unit == "m" || unit == "m/s" || unit == "s" || unit == "N";
+  if (prefixable && largest < 1e5)
+    for (const auto& [size, name] : {Prefix{1, ""}, Prefix{1e-3, "m"}, Prefix{1e-6, "µ"}, Prefix{1e-9, "n"}})
+      if (largest >= size) return {1 / size, name + unit};
+  return {1, unit};
+}
+
+/// "slip_rate" as it is read on an axis.
+std::string readable(std::string name) {
+  std::ranges::replace(name, '_', ' ');
+  return name;
+}
+
+bool spans_decades(double low, double high) { return low > 0 && high / low > 50; }
+
+/// Makes an axis logarithmic, with decades as ticks, or linear.
+std::string axis_scale(char axis, bool decades) {
+  return fmt::format("{0} logscale {1}\nset format {1} '{2}'", decades ? "set" : "unset", axis,
+                     decades ? "10^{%T}" : "%g");
+}
+
+// ---------------------------------------------------------------- maps
+
+/// An axis as it is drawn: decades along a logarithmic scale; values outside the scale stand below it, after a gap.
+class DrawnAxis {
+ public:
+  explicit DrawnAxis(const analysis::Axis& axis) : axis_(axis) {
+    const auto regular = static_cast<std::size_t>(axis.regular);
+    for (std::size_t i = 0; i < regular; ++i) centre_.push_back(coordinate(axis.values[i]));
+    cell_ = (centre_.back() - centre_.front()) / double(regular - 1);
+    const auto [low, high] = std::minmax(centre_.front(), centre_.back());
+    low_ = low, high_ = high;
+    for (std::size_t i = regular; i < axis.values.size(); ++i)
+      centre_.push_back(low - (2.5 + 1.5 * double(axis.values.size() - 1 - i)) * thickness());
+  }
+  double coordinate(double value) const { return axis_.logarithmic ? std::log10(value) : value; }
+  double centre(std::size_t i) const { return centre_[i]; }
+  double half_width(std::size_t i) const { return outside(i) ? thickness() / 2 : std::abs(cell_) / 2; }
+  bool outside(std::size_t i) const { return i >= static_cast<std::size_t>(axis_.regular); }
+  /// Lowest and highest coordinate of a cell's border.
+  std::pair<double, double> ends() const {
+    const double margin = std::abs(cell_) / 2;
+    double low = low_ - margin;
+    for (std::size_t i = 0; i < centre_.size(); ++i) low = std::min(low, centre_[i] - half_width(i));
+    return {low, high_ + margin};
+  }
+  /// Ticks as gnuplot takes them: whole decades, and the values outside the scale by themselves.
+  std::string ticks() const {
+    std::vector<std::string> list;
+    if (axis_.logarithmic) {
+      const int first = static_cast<int>(std::ceil(low_ - 1e-9)), last = static_cast<int>(std::floor(high_ + 1e-9));
+      const int every = std::max(1, (last - first + 7) / 8);
+      for (int decade = first; decade <= last; ++decade) {
+        const bool labelled = (decade - first) % every == 0;
+        list.push_back(labelled ? fmt::format("'10^{{{}}}' {}", decade, decade) : fmt::format("'' {} 1", decade));
+      }
+      if (last - first < 1)  // less than two decades: label the ends themselves
+        for (const double end : {low_, high_}) list.push_back(fmt::format("'{:.3g}' {}", std::pow(10, end), end));
+    } else {
+      constexpr int intervals = 5;
+      for (int i = 0; i <= intervals; ++i) {
+        const double at = low_ + (high_ - low_) * i / intervals;
+        list.push_back(fmt::format("'{:.4g}' {}", at, at));
+      }
+    }
+    for (std::size_t i = 0; i < centre_.size(); ++i)
+      if (outside(i)) list.push_back(fmt::format("'{:g}' {}", axis_.values[i], centre_[i]));
+    return fmt::format("({})", fmt::join(list, ", "));
+  }
+
+ private:
+  double thickness() const { return std::max(std::abs(cell_), (high_ - low_) / 40); }
+  analysis::Axis axis_;
+  std::vector<double> centre_;
+  double cell_ = 0, low_ = 0, high_ = 0;
+};
+
+void write_cells(const fs::path& path, const Scene& scene, const analysis::Map& map, const DrawnAxis& x,
+                 const DrawnAxis& y) {
+  const auto width = map.x.values.size();
+  std::vector<std::vector<double>> columns(9 + scene.map.metrics.size(), std::vector<double>(map.points.size()));
+  for (std::size_t i = 0; i < map.points.size(); ++i) {
+    const auto ix = i % width, iy = i / width;
+    const double cell[] = {double(ix),
+                           double(iy),
+                           double(map.points[i].regime),
+                           x.centre(ix),
+                           y.centre(iy),
+                           x.centre(ix) - x.half_width(ix),
+                           x.centre(ix) + x.half_width(ix),
+                           y.centre(iy) - y.half_width(iy),
+                           y.centre(iy) + y.half_width(iy)};
+    for (std::size_t c = 0; c < std::size(cell); ++c) columns[c][i] = cell[c];
+    for (std::size_t m = 0; m < scene.map.metrics.size(); ++m)
+      columns[std::size(cell) + m][i] = map.points[i].metrics.*analysis::find_metric(scene.map.metrics[m]).member;
+  }
+  std::vector<Column> table;
+  std::vector<std::string> names = {"ix", "iy", "regime", "x", "y", "x_low", "x_high", "y_low", "y_high"};
+  names.insert(names.end(), scene.map.metrics.begin(), scene.map.metrics.end());
+  for (std::size_t c = 0; c < columns.size(); ++c) table.push_back({names[c], columns[c]});
+  write_csv(path, table);
+}
+
+void write_threshold(const fs::path& path, const analysis::Map& map, const DrawnAxis& x, const DrawnAxis& y) {
+  std::string text = "x,y\n";
+  for (std::size_t i = 0; i < map.threshold_x.size(); ++i) {
+    if (std::isnan(map.threshold_x[i]))
+      text += '\n';
+    else
+      text += fmt::format("{},{}\n", x.coordinate(map.threshold_x[i]), y.coordinate(map.threshold_y[i]));
+  }
+  write_whole(path, text);
+}
+
+// ---------------------------------------------------------------- gnuplot
+
+/// Runs gnuplot in the folder. \returns its exit status, or nothing if it cannot be started.
+std::optional<int> run_gnuplot(const fs::path& folder, const std::string& setting, const std::string& script) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  for (const int stream : {1, 2}) posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_WRONLY, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);  // the command blocks signals, gnuplot must not
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  std::string arguments[] = {"gnuplot", "-e", setting, script};
+  char* argv[] = {arguments[0].data(), arguments[1].data(), arguments[2].data(), arguments[3].data(), nullptr};
+  pid_t child;
+  const int problem = posix_spawnp(&child, "gnuplot", &actions, &attributes, argv, environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (problem != 0) return std::nullopt;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) return std::nullopt;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+}  // namespace
+
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const Curve& curve) {
+  std::string script = preamble("curve", "The steady friction curve with its extrema", 720, 480);
+  script += fmt::format("set title {}\n", single_quoted(scene.title));
+  script += "set logscale x\nset format x '10^{%T}'\nset xlabel 'slip rate (m/s)'\n";
+  script += "set ylabel 'steady friction coefficient'\nset grid linecolor '#CCCCCC' linewidth 0.6\n";
+  std::string marks;
+  for (const auto& e : curve.extrema)
+    marks += fmt::format("{},{},{},{:.3g} m/s\n", e.slip_rate, e.friction_coefficient, e.maximum ? 1 : 2, e.slip_rate);
+  if (!marks.empty()) script += "$extrema << EOD\n" + marks + "EOD\n";
+  script += "set offsets graph 0, 0, 0.12, 0.12\nplot 'curve.csv' using 1:2 with lines linestyle 1 notitle";
+  if (!marks.empty())
+    script += R"(, \
+     $extrema using 1:($3==1 ? $2 : NaN) with points pointtype 9 pointsize 1.4 linecolor '#B0560F' title 'maximum', \
+     $extrema using 1:($3==2 ? $2 : NaN) with points pointtype 11 pointsize 1.4 linecolor '#B0560F' title 'minimum', \
+     $extrema using 1:($3==1 ? $2 : NaN):4 with labels offset 0,1.1 notitle, \
+     $extrema using 1:($3==2 ? $2 : NaN):4 with labels offset 0,-1.2 notitle)";
+  script += '\n';
+  write_whole(folder / "curve.gp", script);
+  return {"curve.gp"};
+}
+
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Run& run) {
+  std::vector<std::size_t> shown;
+  for (std::size_t c = 0; c < run.columns.size(); ++c)
+    if (run.column_names[c] != "velocity" && run.column_names[c] != "friction_force") shown.push_back(c);
+  std::string events;
+  for (const auto& event : run.events) events += fmt::format("{},{}\n", event.time, event.kind);
+  write_whole(folder / "run-events.csv", "time (s),kind\n" + events);
+
+  const int panels = static_cast<int>(shown.size());
+  std::string script = preamble("run", "Every column of a run against time, with its events", 820, 90 + 170 * panels);
+  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,0.08,0.93 spacing 0,0.03\n", panels,
+                        single_quoted(scene.title));
+  script += "set grid x linecolor '#CCCCCC' linewidth 0.6\nset key outside top right horizontal\n";
+  if (run.time.size() > 1) script += fmt::format("set xrange [{}:{}]\n", run.time.front(), run.time.back());
+  constexpr std::size_t most_lines = 200;  // more would hide the curve
+  struct Kind {
+    const char *name, *dash, *colour;
+  };
+  std::vector<Kind> kinds = {
+      {"stick", "solid", "#888888"}, {"slip", "(6,4)", "#B0560F"}, {"reversal", "(2,3)", "#000000"}};
+  std::erase_if(kinds, [&](const Kind& kind) {
+    return run.events.size() > most_lines ||
+           std::ranges::none_of(run.events, [&](const auto& event) { return event.kind == kind.name; });
+  });
+  for (const auto c : shown) {
+    const auto [low, high] = std::ranges::minmax(run.columns[c]);
+    const bool decades = spans_decades(low, high);
+    const auto [factor, unit] =
+        decades ? Scaled{1, run.column_units[c]} : scaled(run.column_units[c], std::max(std::abs(low), std::abs(high)));
+    script +=
+        fmt::format("\n{}\nset ylabel {}\n", axis_scale('y', decades), label(readable(run.column_names[c]), unit));
+    script += c == shown.back() ? "set xlabel 'time (s)'\nset format x '%g'\n" : "set format x ''\n";
+    script += fmt::format("plot 'run.csv' using 1:(${}*{}) with lines linestyle 1 notitle", c + 2, factor);
+    for (const auto& kind : kinds)  // a line over the height of the curve
+      script += fmt::format(
+          ", \\\n     'run-events.csv' using 1:(strcol(2) eq '{}' ? {} : NaN):(0):({}) with vectors nohead "
+          "linecolor '{}' linewidth 0.8 dashtype {} {}",
+          kind.name, low * factor, (high - low) * factor, kind.colour, kind.dash,
+          c == shown.front() ? fmt::format("title '{}'", kind.name) : "notitle");
+    script += '\n';
+  }
+  write_whole(folder / "run.gp", script + "unset multiplot\n");
+  return {"run-events.csv", "run.gp"};
+}
+
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Cycle& cycle) {
+  const double low = cycle.metrics.slip_rate_min, high = cycle.metrics.slip_rate_max, period = cycle.metrics.period;
+  const double speed = scene.model.drive.speed.level(), load = scene.model.drive.normal_load.level();
+  // the steady curve over the slip rates of the cycle, for comparison
+  constexpr int points = 400;
+  const double sign = speed < 0 ? -1 : 1, fastest = sign > 0 ? high : -low;
+  const double slowest = std::max(sign > 0 ? low : -high, 1e-6 * fastest);
+  std::vector<double> rates(points), steady(points);
+  for (int i = 0; i < points; ++i)
+    rates[static_cast<std::size_t>(i)] = slowest * std::pow(fastest / slowest, double(i) / (points - 1));
+  scene.model.law->steady_friction(rates, load, steady);
+  for (auto& v : rates) v *= sign;
+  for (auto& mu : steady) mu *= sign;
+  write_csv(folder / "cycle-steady.csv", {{"slip_rate (m/s)", rates}, {"friction_coefficient", steady}});
+
+  double farthest = 0;
+  for (const auto& point : cycle.orbit) farthest = std::max(farthest, std::abs(point.displacement));
+  const auto time = scaled("s", 2 * period), way = scaled("m", farthest);
+  const auto rate = scaled("m/s", std::max(std::abs(low), std::abs(high)));
+  // a logarithmic axis keeps SI units
+  const bool decades = spans_decades(low, high);
+  const auto decade_rate = decades ? Scaled{1, "m/s"} : rate;
+
+  std::string script =
+      preamble("cycle", "One periodic motion: in time, against slip rate, and in the phase plane", 940, 760);
+  script += fmt::format("period = {}\nspeed = {}\n# from SI to the units of the axes\nT = {}\nX = {}\n", period, speed,
+                        time.factor, way.factor);
+  script += fmt::format("set multiplot layout 2,2 title {} margins 0.10,0.97,0.09,0.90 spacing 0.13,0.16\n",
+                        single_quoted(scene.title));
+  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at graph 1,1.02 right bottom horizontal\n";
+
+  script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'slip rate ({})'\n", time.unit, decade_rate.unit);
+  script += fmt::format("V = {}\n{}\n", decade_rate.factor, axis_scale('y', decades));
+  script += R"(set xrange [0:2*period*T]
+plot 'cycle.csv' using ($1*T):($3*V) with lines linestyle 1 notitle, \
+     'cycle.csv' using (($1+period)*T):($3*V) with lines linestyle 1 notitle, \
+     speed*V with lines linestyle 3 title 'drive'
+set autoscale x
+)";
+  script += fmt::format("\nset xlabel 'slip rate ({})'\nV = {}\n{}\n", rate.unit, rate.factor, axis_scale('y', false));
+  script += R"(set ylabel 'friction coefficient'
+plot 'cycle.csv' using ($3*V):4 with lines linestyle 1 title 'cycle', \
+     'cycle-steady.csv' using ($1*V):2 with lines linestyle 2 title 'steady sliding'
+)";
+  script += fmt::format("\nset xlabel 'displacement ({})'\nset ylabel 'slip rate ({})'\n", way.unit, decade_rate.unit);
+  script += fmt::format("V = {}\n{}\n", decade_rate.factor, axis_scale('y', decades));
+  script += R"(plot 'cycle.csv' using ($2*X):($3*V) with lines linestyle 1 title 'cycle', \
+     speed*V with lines linestyle 3 title 'drive'
+)";
+  script += fmt::format("\n{}\n{}\n", axis_scale('y', false), axis_scale('x', true));
+  script += R"(set xlabel '|slip rate| (m/s)'
+set ylabel 'friction coefficient'
+plot 'cycle.csv' using (abs($3)):4 with lines linestyle 1 title 'cycle', \
+     'cycle-steady.csv' using (abs($1)):2 with lines linestyle 2 title 'steady sliding'
+unset multiplot
+)";
+  write_whole(folder / "cycle.gp", script);
+  return {"cycle-steady.csv", "cycle.gp"};
+}
+
+namespace {
+
+/// The colour scale of a metric: from zero for fractions, decades where the values span some.
+std::string colour_scale(const analysis::Map& map, const analysis::MetricName& metric) {
+  const bool fraction = std::string_view(metric.unit) == "1";
+  double low = infinity, high = -infinity;
+  for (const auto& point : map.points)
+    if (const double value = point.metrics.*metric.member; std::isfinite(value))
+      low = std::min(low, value), high = std::max(high, value);
+  const bool decades = !fraction && spans_decades(low, high);
+  const char* range = !std::isfinite(low) ? "[0:1]" : fraction && low >= 0 ? "[0:*]" : "[*:*]";
+  return fmt::format("set cblabel {}\n{} logscale cb\nset format cb '{}'\nset cbrange {}\n",
+                     label(readable(metric.name), metric.unit), decades ? "set" : "unset", decades ? "10^{%T}" : "%g",
+                     range);
+}
+
+/// Marks of the points of each regime and the threshold: further curves of each panel, and one key for all panels.
+struct Marks {
+  std::string curves, key;
+};
+Marks marks(const analysis::Map& map) {
+  struct Mark {
+    analysis::Regime regime;
+    const char *condition, *style, *title;
+  };
+  using analysis::Regime;
+  // black on white, so that marks and lines show on every colour
+  const Mark list[] = {
+      {Regime::cycle, " && thin($1,$2)", "pointtype 1 pointsize 0.65 linewidth 2.6 linecolor '#FFFFFF'", ""},
+      {Regime::cycle, " && thin($1,$2)", "pointtype 1 pointsize 0.6 linewidth 0.9 linecolor '#000000'", "cycle"},
+      {Regime::bistable, "", "pointtype 7 pointsize 0.55 linecolor '#FFFFFF'", ""},
+      {Regime::bistable, "", "pointtype 6 pointsize 0.55 linewidth 1.2 linecolor '#000000'", "bistable"},
+      {Regime::failed, "", "pointtype 2 pointsize 0.7 linewidth 1.8 linecolor '#D01C00'", "failed"}};
+  Marks result;
+  double at = 0.05;  // of the key's entries, across the picture
+  for (const auto& mark : list) {
+    if (std::ranges::none_of(map.points, [&](const auto& point) { return point.regime == mark.regime; })) continue;
+    result.curves += fmt::format(", \\\n     'map-cells.csv' using 4:($3=={}{} ? $5 : NaN) with points {} notitle",
+                                 int(mark.regime), mark.condition, mark.style);
+    if (std::string_view(mark.title).empty()) continue;
+    result.key +=
+        fmt::format("set label '{}' at screen {:.3f},0.045 left offset 1.2,0 point {}\n", mark.title, at, mark.style);
+    at += 0.13;
+  }
+  if (map.threshold_x.empty()) return result;
+  result.curves +=
+      ", \\\n     'map-threshold.csv' using 1:2 with lines linewidth 5 linecolor '#FFFFFF' notitle"
+      ", \\\n     'map-threshold.csv' using 1:2 with lines linewidth 2 linecolor '#000000' notitle";
+  result.key +=
+      fmt::format("set arrow from screen {:.3f},0.045 to screen {:.3f},0.045 nohead linewidth 2\n", at, at + 0.04);
+  result.key += fmt::format("set label 'threshold of steady sliding' at screen {:.3f},0.045 left\n", at + 0.05);
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Map& map) {
+  const DrawnAxis x(map.x), y(map.y);
+  write_cells(folder / "map-cells.csv", scene, map, x, y);
+  write_threshold(folder / "map-threshold.csv", map, x, y);
+  const int count = static_cast<int>(scene.map.metrics.size()), across = std::min(count, 2), down = (count + 1) / 2;
+  std::string script = preamble("map", "Metrics over a parameter plane", 60 + 540 * across, 90 + 440 * down);
+  const auto [x_low, x_high] = x.ends();
+  const auto [y_low, y_high] = y.ends();
+  script += fmt::format("set multiplot layout {},{} title {} margins {},{},{},{} spacing 0.19,{}\n", down, across,
+                        single_quoted(scene.title), across == 1 ? 0.14 : 0.075, across == 1 ? 0.82 : 0.91, 0.2 / down,
+                        1 - 0.1 / down, 0.24 / down);
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
+  script += fmt::format("set xtics {}\nset ytics {}\n", x.ticks(), y.ticks());
+  script += fmt::format("set xlabel {}\nset ylabel {}\n", label(scene.model.describe(map.x.parameter)),
+                        label(scene.model.describe(map.y.parameter)));
+  // marks at most 24 a side: more would cover the colours
+  const auto every = [](std::size_t n) { return (n + 23) / 24; };
+  script += fmt::format("thin(ix, iy) = (int(ix) % {} == 0 && int(iy) % {} == 0)\n", every(map.x.values.size()),
+                        every(map.y.values.size()));
+  script += R"(# cividis: even steps of lightness, the same for the colour-blind and in grey
+set palette defined (0 '#00204D', 1 '#00336F', 2 '#39486B', 3 '#575C6D', 4 '#707173', \
+                     5 '#8A8779', 6 '#A69D75', 7 '#C4B56C', 8 '#E4CF5B', 9 '#FFEA46')
+set style fill solid 1 noborder
+over(low, high) = high + 0.1*(high - low)  # cells overlap a little: no seams between them
+unset key
+set cblabel offset 1,0
+)";
+  const auto [curves, key] = marks(map);
+  script += key;
+  for (int m = 0; m < count; ++m) {
+    script += '\n' + colour_scale(map, analysis::find_metric(scene.map.metrics[static_cast<std::size_t>(m)]));
+    script += fmt::format(
+        "plot 'map-cells.csv' using 4:5:6:(over($6,$7)):8:(over($8,$9)):{} with boxxyerror linecolor palette notitle",
+        10 + m);
+    script += curves + "\nunset label\nunset arrow\n";
+  }
+  write_whole(folder / "map.gp", script + "unset multiplot\n");
+  return {"map-cells.csv", "map-threshold.csv", "map.gp"};
+}
+
+Drawn draw(const fs::path& folder, const std::string& script) {
+  Drawn drawn;
+  std::vector<std::string> scripts;
+  if (!script.empty())
+    scripts.push_back(script);
+  else
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.path().extension() == ".gp") scripts.push_back(entry.path().filename().string());
+  std::ranges::sort(scripts);
+  for (const auto& name : scripts)
+    for (const std::string format : {"svg", "png"}) {
+      const auto picture = fs::path(name).replace_extension(format);
+      std::optional<int> status;
+      try {
+        write_whole(folder / picture, [&](const fs::path& temporary) {
+          status =
+              run_gnuplot(folder, fmt::format("format='{}'; output='{}'", format, temporary.filename().string()), name);
+          if (status != 0) throw std::runtime_error("gnuplot failed");
+        });
+        drawn.files.push_back(picture.string());
+      } catch (const std::exception&) {
+        if (!status) {
+          drawn.problems.push_back(
+              "no pictures: gnuplot is not there (install the package gnuplot-nox); "
+              "'rosin plot' draws them later");
+          return drawn;
+        }
+        drawn.problems.push_back(fmt::format("gnuplot could not draw {}; run 'gnuplot {}' in {} to see why",
+                                             picture.string(), name, folder.string()));
+      }
+    }
+  return drawn;
+}
+
+}  // namespace rosin::app

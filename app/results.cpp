@@ -1,0 +1,245 @@
+/// The JSON documents of every verb.
+#include "app/results.hpp"
+
+#include <complex>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+namespace rosin::app {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string text(const ordered_json& document) {
+  return document.dump(1, ' ', false, ordered_json::error_handler_t::replace) + '\n';  // paths need not be UTF-8
+}
+
+ordered_json pair(std::complex<double> z) { return {z.real(), z.imag()}; }
+
+ordered_json pairs(const std::vector<std::complex<double>>& list) {
+  auto array = ordered_json::array();
+  for (const auto& z : list) array.push_back(pair(z));
+  return array;
+}
+
+/// What every document of a scene begins with.
+ordered_json begin(const Scene& scene, const char* verb, const Outcome& outcome = {}) {
+  ordered_json document{{"title", scene.title},
+                        {"verb", verb},
+                        {"law", scene.model.law->card().name},
+                        {"version", ROSIN_VERSION},
+                        {"outcome", name(outcome.ending)}};
+  if (!outcome.detail.empty()) document["outcome_detail"] = outcome.detail;
+  return document;
+}
+
+ordered_json values(const std::vector<Quantity>& names, const std::vector<Value>& list) {
+  auto object = ordered_json::object();
+  for (std::size_t i = 0; i < names.size(); ++i)
+    std::visit([&](const auto& value) { object[names[i].name] = value; }, list[i]);
+  return object;
+}
+
+ordered_json states(const FrictionLaw& law, std::span<const double> state) {
+  auto object = ordered_json::object();
+  for (std::size_t i = 0; i < state.size(); ++i) object[law.states()[i].name] = state[i];
+  return object;
+}
+
+ordered_json metrics(const analysis::Metrics& values) {
+  auto object = ordered_json::object();
+  for (const auto& metric : analysis::metric_names()) object[metric.name] = values.*metric.member;
+  return object;
+}
+
+ordered_json axis(const analysis::Axis& axis, const oscillators::Model& model) {
+  return {{"parameter", axis.parameter},
+          {"unit", model.describe(axis.parameter).unit},
+          {"scale", axis.logarithmic ? "log" : "linear"},
+          {"values", axis.values}};
+}
+
+/// Row by row: [iy][ix] of f(point).
+template <class F>
+ordered_json rows(const analysis::Map& map, F f) {
+  auto table = ordered_json::array();
+  const auto width = map.x.values.size();
+  for (std::size_t iy = 0; iy < map.y.values.size(); ++iy) {
+    auto row = ordered_json::array();
+    for (std::size_t ix = 0; ix < width; ++ix) row.push_back(f(map.points[iy * width + ix]));
+    table.push_back(std::move(row));
+  }
+  return table;
+}
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char buffer[32];
+  std::strftime(buffer, sizeof buffer, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return buffer;
+}
+
+}  // namespace
+
+std::string to_json(std::span<const std::shared_ptr<const FrictionLaw>> laws) {
+  auto document = ordered_json::array();
+  for (const auto& law : laws) {
+    auto parameters = ordered_json::array(), states = ordered_json::array(), presets = ordered_json::array();
+    for (std::size_t i = 0; i < law->parameters().size(); ++i) {
+      const auto& p = law->parameters()[i];
+      ordered_json entry{{"name", p.name}, {"unit", p.unit}};
+      std::visit([&](const auto& value) { entry["default"] = value; }, law->values()[i]);
+      entry.update({{"minimum", p.range.low}, {"maximum", p.range.high}, {"meaning", p.meaning}});
+      parameters.push_back(std::move(entry));
+    }
+    for (const auto& s : law->states()) states.push_back({{"name", s.name}, {"unit", s.unit}, {"meaning", s.meaning}});
+    for (const auto& p : law->presets())
+      presets.push_back({{"name", p.name}, {"source", p.source}, {"values", values(law->parameters(), p.values)}});
+    const auto& card = law->card();
+    document.push_back({{"name", card.name},
+                        {"title", card.title},
+                        {"formula", card.formula},
+                        {"source", card.source},
+                        {"limits", card.limits},
+                        {"set_valued", law->set_valued()},
+                        {"parameters", std::move(parameters)},
+                        {"states", std::move(states)},
+                        {"presets", std::move(presets)}});
+  }
+  return text(document);
+}
+
+std::string to_json(const Scene& scene, const Curve& curve) {
+  auto document = begin(scene, "curve");
+  document["normal_load"] = scene.curve.normal_load;
+  document["slip_rate"] = curve.slip_rate;
+  document["friction_coefficient"] = curve.friction_coefficient;
+  auto& extrema = document["extrema"] = ordered_json::array();
+  for (const auto& e : curve.extrema)
+    extrema.push_back({{"kind", e.maximum ? "maximum" : "minimum"},
+                       {"slip_rate", e.slip_rate},
+                       {"friction_coefficient", e.friction_coefficient},
+                       {"error", {{"slip_rate", e.slip_rate_error}}}});
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
+std::string to_json(const Scene& scene, const StabilityResult& result) {
+  auto document = begin(scene, "stability");
+  const auto& steady = result.stability.steady;
+  document["steady"] = {{"slip_rate", steady.slip_rate},
+                        {"friction_coefficient", steady.friction_coefficient},
+                        {"friction_force", steady.friction_force},
+                        {"displacement", steady.displacement},
+                        {"state", states(*scene.model.law, steady.state)}};
+  document["eigenvalues"] = pairs(result.stability.eigenvalues);
+  document["stable"] = result.stability.stable;
+  document["marginal"] = result.stability.marginal;
+  auto& hopf = document["hopf"] = ordered_json::array();
+  for (const auto& point : result.hopf)
+    hopf.push_back({{"parameter", point.parameter},
+                    {"value", point.value},
+                    {"angular_frequency", point.angular_frequency},
+                    {"criticality", name(point.criticality)},
+                    {"first_lyapunov_coefficient", point.first_lyapunov_coefficient},
+                    {"closed_form", point.closed_form},
+                    {"error", {{"value", point.value_error}}}});
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
+std::string to_json(const Scene& scene, const analysis::Run& run) {
+  auto document = begin(scene, "run", run.outcome);
+  document["time"] = run.time;
+  auto columns = ordered_json::object(), units = columns, error = columns;
+  for (std::size_t i = 0; i < run.column_names.size(); ++i) {
+    columns[run.column_names[i]] = run.columns[i];
+    units[run.column_names[i]] = run.column_units[i];
+    if (i < run.column_error.size()) error[run.column_names[i]] = run.column_error[i];
+  }
+  document["columns"] = std::move(columns);
+  document["units"] = std::move(units);
+  document["error"] = std::move(error);
+  auto& events = document["events"] = ordered_json::array();
+  for (const auto& event : run.events) events.push_back({{"time", event.time}, {"kind", event.kind}});
+  document["metrics"] = run.metrics;
+  document["solver"] = run.solver;
+  document["cost"] = {{"steps", run.cost.steps}, {"evaluations", run.cost.evaluations}};
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
+std::string to_json(const Scene& scene, const analysis::Cycle& cycle) {
+  auto document = begin(scene, "cycle", cycle.outcome);
+  const bool found = cycle.outcome.complete();
+  const auto none = [] {
+    analysis::Metrics absent;
+    for (const auto& metric : analysis::metric_names()) absent.*metric.member = std::nan("");
+    return absent;
+  };
+  document.update(metrics(found ? cycle.metrics : none()));
+  document["stick_threshold"] = scene.cycle.stick_threshold;
+  document["ill_conditioned_stick"] = cycle.ill_conditioned_stick;
+  document["multipliers"] = pairs(cycle.multipliers);
+  document["stable"] = found ? ordered_json(cycle.stable) : ordered_json();
+  document["section"] = {{"displacement", found ? cycle.section_displacement : std::nan("")},
+                         {"state", states(*scene.model.law, cycle.section_state)}};
+  document["error"] = metrics(found ? cycle.error : none());
+  document["cost"] = {
+      {"steps", cycle.cost.steps}, {"evaluations", cycle.cost.evaluations}, {"cycles", cycle.cost.cycles}};
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
+std::string to_json(const Scene& scene, const MapResult& result) {
+  const auto& map = result.map;
+  auto document = begin(scene, "map", map.outcome);
+  document["x"] = axis(map.x, scene.model);
+  document["y"] = axis(map.y, scene.model);
+  document["regime"] = rows(map, [](const auto& point) { return name(point.regime); });
+  auto values = ordered_json::object(), error = values;
+  for (const auto& wanted : scene.map.metrics) {
+    const auto member = analysis::find_metric(wanted).member;
+    values[wanted] = rows(map, [=](const auto& point) { return point.metrics.*member; });
+    error[wanted] = rows(map, [=](const auto& point) { return point.error.*member; });
+  }
+  document["metrics"] = std::move(values);
+  document["error"] = std::move(error);
+  document["threshold"] = {{"x", map.threshold_x}, {"y", map.threshold_y}};
+  auto& failures = document["failures"] = ordered_json::array();
+  for (std::size_t i = 0; i < map.points.size(); ++i)
+    if (map.points[i].regime == analysis::Regime::failed)
+      failures.push_back(
+          {{"ix", i % map.x.values.size()}, {"iy", i / map.x.values.size()}, {"why", map.points[i].why}});
+  document["stick_threshold"] = scene.map.stick_threshold;
+  document["tolerance"] = scene.map.tolerance;
+  document["cost"] = {{"seconds", result.seconds},
+                      {"points", map.points.size()},
+                      {"integrated", map.integrated},
+                      {"skipped", map.skipped}};
+  auto notes = scene.notes;
+  notes.insert(notes.end(), map.notes.begin(), map.notes.end());
+  document["notes"] = notes;
+  return text(document);
+}
+
+std::string to_json(const Scene& scene, const Manifest& manifest) {
+  auto document = begin(scene, manifest.verb.c_str(), manifest.outcome);
+  document["date"] = utc_now();
+  document["scene"] = scene.path;
+  document["overrides"] = manifest.overrides;
+  document["scene_resolved"] = scene.resolved;
+  auto& parameters = document["parameters"] = ordered_json::object();
+  for (const auto& quantity : scene.model.parameters())
+    parameters[quantity.name] = {{"value", scene.model.get(quantity.name)}, {"unit", quantity.unit}};
+  document["tolerance"] = {{"asked", manifest.tolerance_asked}, {"reached", manifest.tolerance_reached}};
+  document["cost"] = manifest.cost;
+  document["files"] = manifest.files;
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
+}  // namespace rosin::app

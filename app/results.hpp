@@ -1,0 +1,49 @@
+/// Results as JSON: the same text stands in result.json and is printed by --json.
+#pragma once
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/curve.hpp"
+#include "analysis/stability.hpp"
+#include "app/scene.hpp"
+
+namespace rosin::app {
+
+/// A steady curve as sampled.
+struct Curve {
+  std::vector<double> slip_rate, friction_coefficient;
+  std::vector<analysis::Extremum> extrema;
+};
+
+struct StabilityResult {
+  analysis::Stability stability;
+  std::vector<analysis::HopfPoint> hopf;
+};
+
+struct MapResult {
+  analysis::Map map;
+  double seconds = 0;
+};
+
+/// How a result came about.
+struct Manifest {
+  std::string verb;
+  double tolerance_asked = 0, tolerance_reached = 0;  ///< relative; 0: exact to rounding
+  std::map<std::string, double> cost;
+  Outcome outcome;
+  std::vector<std::string> overrides, files;
+};
+
+// Numbers are printed so that they read back the same; what is absent or not finite is null.
+std::string to_json(std::span<const std::shared_ptr<const FrictionLaw>> laws);
+std::string to_json(const Scene&, const Curve&);
+std::string to_json(const Scene&, const StabilityResult&);
+std::string to_json(const Scene&, const analysis::Run&);
+std::string to_json(const Scene&, const analysis::Cycle&);
+std::string to_json(const Scene&, const MapResult&);
+std::string to_json(const Scene&, const Manifest&);
+
+}  // namespace rosin::app

@@ -1,0 +1,443 @@
+/// The verbs of the command.
+#include "app/verbs.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "app/files.hpp"
+#include "app/partial.hpp"
+#include "app/pictures.hpp"
+#include "app/planes.hpp"
+#include "app/progress.hpp"
+#include "app/results.hpp"
+#include "app/scene.hpp"
+#include "laws/catalogue.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+using analysis::Regime;
+
+/// A value with the digits that its error leaves meaningful: "22.58705580 ± 3e-08".
+std::string justified(double value, double error, std::string_view unit) {
+  const auto suffix = unit == "1" ? std::string() : fmt::format(" {}", unit);
+  if (!std::isfinite(value)) return "none";
+  if (!(error > 0) || !std::isfinite(error) || value == 0) return fmt::format("{:.10g}{}", value, suffix);
+  const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(error)) + 1;
+  return fmt::format("{:.{}g} ± {:.0e}{}", value, static_cast<int>(std::clamp(digits, 1.0, 16.0)), error, suffix);
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// The largest of |error/value| where both are known.
+class Reached {
+ public:
+  void add(double value, double error) {
+    if (std::isfinite(value) && std::isfinite(error) && value != 0)
+      largest_ = std::max(largest_, std::abs(error / value));
+  }
+  double value() const { return largest_; }
+
+ private:
+  double largest_ = 0;
+};
+
+fs::path results_folder(const Request& request, const std::string& scene_name) {
+  return request.out.empty() ? fs::path("out") / scene_name : fs::path(request.out);
+}
+
+/// One verb at work on one scene: where its results go and who is told.
+class Job {
+ public:
+  Job(const Request& request, Verb verb)
+      : request_(request),
+        scene_(read_scene(request.target, request.overrides, verb)),
+        folder_(results_folder(request, scene_.name)) {
+    std::error_code problem;
+    fs::create_directories(folder_, problem);
+    if (problem) throw InputError(fmt::format("--out {}: cannot be made: {}", folder_.string(), problem.message()));
+    for (const auto& text : scene_.notes) note(text);
+    manifest_.verb = request.verb;
+    manifest_.overrides = request.overrides;
+  }
+
+  Scene& scene() { return scene_; }
+  const fs::path& folder() const { return folder_; }
+  Manifest& manifest() { return manifest_; }
+
+  /// A line of the summary.
+  template <class... Args>
+  void say(fmt::format_string<Args...> text, Args&&... args) const {
+    if (request_.json || request_.quiet) return;
+    fmt::print(text, std::forward<Args>(args)...);
+    std::fputc('\n', stdout);
+  }
+  void note(std::string_view text) const {
+    if (!request_.quiet) fmt::print(stderr, "note: {}\n", text);
+  }
+  template <class... Args>
+  void explain(fmt::format_string<Args...> text, Args&&... args) const {
+    if (!request_.explain) return;
+    fmt::print(stderr, "plan: ");
+    fmt::print(stderr, text, std::forward<Args>(args)...);
+    std::fputc('\n', stderr);
+  }
+
+  /// What all plans have in common: the unknowns that are kept.
+  void explain_model() const {
+    if (!request_.explain) return;
+    const auto& model = scene_.model;
+    const auto& law = *model.law;
+    std::vector<std::string> states;
+    for (const auto& state : law.states())
+      states.push_back(state.name + (state.scale == Scale::log ? " (as its logarithm)" : ""));
+    explain("law '{}': {}", law.card().name,
+            states.empty()      ? std::string("no states")
+            : model.lambda == 0 ? std::string("lambda = 0, so its states are in equilibrium: a friction curve")
+                                : fmt::format("states {}", fmt::join(states, ", ")));
+    explain("contact: {}", law.has_slip_rate()
+                               ? "the friction coefficient is an unknown, because the slip rate is explicit"
+                           : law.set_valued() ? "sticks exactly; switches between stick and slip are located events"
+                                              : "friction follows from slip rate and states");
+    const bool spring =
+        std::isfinite(model.contact_stiffness.tangential) || std::isfinite(model.contact_stiffness.per_load);
+    explain("contact stiffness: {}", spring ? "a series spring" : "none, the contact is rigid");
+    if (model.slider.mass == 0) explain("slider without mass: inertia is left out");
+  }
+
+  /// Writes result.json, the manifest and the pictures; prints the document if asked. Call last.
+  Status finish(const std::string& document, std::vector<std::string> files, const std::string& script,
+                const Outcome& outcome) {
+    if (!script.empty()) {
+      auto drawn = draw(folder_, script);
+      for (const auto& problem : drawn.problems) note(problem);
+      files.insert(files.end(), drawn.files.begin(), drawn.files.end());
+    }
+    files.push_back("result.json");
+    manifest_.files = std::move(files);
+    manifest_.outcome = outcome;
+    write_whole(folder_ / "manifest.json", to_json(scene_, manifest_));
+    write_whole(folder_ / "result.json", document);
+    if (request_.json) std::fwrite(document.data(), 1, document.size(), stdout);
+    if (!outcome.complete() && !request_.quiet)
+      fmt::print(stderr, "{}: {}{}{}\n", scene_.path, name(outcome.ending), outcome.detail.empty() ? "" : ": ",
+                 outcome.detail);
+    say("Results: {}", (folder_ / "").string());
+    return outcome.complete() ? done : ended_short;
+  }
+
+ private:
+  const Request& request_;
+  Scene scene_;
+  fs::path folder_;
+  Manifest manifest_;
+};
+
+// ---------------------------------------------------------------- laws
+
+void print_law(const FrictionLaw& law) {
+  const auto& card = law.card();
+  fmt::print("{}: {}\n  {}\n  source: {}\n  limits: {}\n", card.name, card.title, card.formula, card.source,
+             card.limits);
+  for (std::size_t i = 0; i < law.parameters().size(); ++i) {
+    const auto& p = law.parameters()[i];
+    const auto value = std::visit([](const auto& v) { return fmt::format("{}", v); }, law.values()[i]);
+    fmt::print("  {:<12} {:<22} {} … {}  {}\n", p.name, column_header(value, p.unit), p.range.low, p.range.high,
+               p.meaning);
+  }
+  for (const auto& s : law.states()) fmt::print("  state {:<6} {}  {}\n", s.name, readable_unit(s.unit), s.meaning);
+  for (const auto& p : law.presets()) fmt::print("  preset \"{}\": {}\n", p.name, p.source);
+  fmt::print("\n");
+}
+
+Status list_laws(const Request& request) {
+  std::vector<std::shared_ptr<const FrictionLaw>> laws = laws::catalogue();
+  if (!request.target.empty()) laws = {laws::find_law(request.target)};
+  if (request.json)
+    fmt::print("{}", to_json(laws));
+  else
+    for (const auto& law : laws) print_law(*law);
+  return done;
+}
+
+// ---------------------------------------------------------------- curve, stability
+
+Status curve(const Request& request) {
+  Job job(request, Verb::curve);
+  const auto& scene = job.scene();
+  const auto& options = scene.curve;
+  const auto& law = *scene.model.law;
+  job.explain("steady curve of '{}' at {} slip rates from {} to {} m/s under {} N; no states, no integration",
+              law.card().name, options.points, options.from, options.to, options.normal_load);
+  Curve curve;
+  curve.slip_rate.resize(static_cast<std::size_t>(options.points));
+  curve.friction_coefficient.resize(curve.slip_rate.size());
+  for (int i = 0; i < options.points; ++i)
+    curve.slip_rate[static_cast<std::size_t>(i)] =
+        options.from * std::pow(options.to / options.from, double(i) / (options.points - 1));
+  curve.slip_rate.back() = options.to;
+  law.steady_friction(curve.slip_rate, options.normal_load, curve.friction_coefficient);
+  curve.extrema = analysis::steady_extrema(law, options.from, options.to, options.normal_load);
+
+  Reached reached;
+  for (const auto& e : curve.extrema) {
+    reached.add(e.slip_rate, e.slip_rate_error);
+    job.say("{} at {}, friction coefficient {:.10g}", e.maximum ? "maximum" : "minimum",
+            justified(e.slip_rate, e.slip_rate_error, "m/s"), e.friction_coefficient);
+  }
+  if (curve.extrema.empty()) job.say("no extrema between {} and {} m/s", options.from, options.to);
+  job.manifest().tolerance_reached = reached.value();
+  write_csv(job.folder() / "curve.csv",
+            {{"slip_rate (m/s)", curve.slip_rate}, {"friction_coefficient", curve.friction_coefficient}});
+  auto files = write_picture(job.folder(), scene, curve);
+  files.push_back("curve.csv");
+  return job.finish(to_json(scene, curve), std::move(files), "curve.gp", {});
+}
+
+Status stability(const Request& request) {
+  Job job(request, Verb::stability);
+  const auto& scene = job.scene();
+  const auto& model = scene.model;
+  std::vector<std::string> paths = {"drive.normal_load", "oscillator.stiffness", "drive.speed"};
+  if (model.law->has_states()) paths.push_back("law.lambda");
+  for (const auto& path : scene.hopf_parameters)
+    if (std::ranges::find(paths, path) == paths.end()) paths.push_back(path);
+  job.explain_model();
+  job.explain("eigenvalues of the linearised slider; Hopf points in {}; no integration", fmt::join(paths, ", "));
+  if (!model.drive.constant()) job.note("the drive varies: stability is that of its mean, or of its start");
+
+  StabilityResult result;
+  result.stability = analysis::stability(model);
+  const auto& steady = result.stability.steady;
+  job.say("steady sliding at {} m/s: friction coefficient {:.10g}, force {:.10g} N", steady.slip_rate,
+          steady.friction_coefficient, steady.friction_force);
+  job.say("{}", result.stability.marginal ? "marginal: small disturbances neither grow nor decay"
+                : result.stability.stable ? "stable"
+                                          : "unstable");
+  for (const auto& z : result.stability.eigenvalues) job.say("  eigenvalue {:.8g} {:+.8g} i 1/s", z.real(), z.imag());
+  Reached reached;
+  for (const auto& path : paths) {
+    const auto points = analysis::hopf_points(model, path);
+    for (const auto& point : points) {
+      reached.add(point.value, point.value_error);
+      job.say("Hopf point at {} = {}, {:.8g} rad/s, {}", path,
+              justified(point.value, point.value_error, model.describe(path).unit), point.angular_frequency,
+              name(point.criticality));
+    }
+    if (points.empty()) job.say("no Hopf point in {}", path);
+    result.hopf.insert(result.hopf.end(), points.begin(), points.end());
+  }
+  job.manifest().tolerance_reached = reached.value();
+  return job.finish(to_json(scene, result), {}, "", {});
+}
+
+// ---------------------------------------------------------------- run, cycle
+
+Status run(const Request& request) {
+  Job job(request, Verb::run);
+  auto& scene = job.scene();
+  scene.run.tolerance = request.tolerance.value_or(scene.run.tolerance);
+  job.explain_model();
+  job.explain("solver: {}; tolerance {}; every column is checked by a second run at a hundredth of it",
+              scene.run.solver, scene.run.tolerance);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto run = analysis::run(scene.model, scene.run);
+  job.explain("solver used: {}, {} steps", run.solver, run.cost.steps);
+
+  std::vector<Column> table{{"time (s)", run.time}};
+  Reached reached;
+  for (std::size_t c = 0; c < run.columns.size(); ++c) {
+    table.push_back({column_header(run.column_names[c], run.column_units[c]), run.columns[c]});
+    double largest = 0;
+    for (const double value : run.columns[c]) largest = std::max(largest, std::abs(value));
+    if (c < run.column_error.size()) reached.add(largest, run.column_error[c]);
+  }
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = scene.run.tolerance;
+  manifest.tolerance_reached = reached.value();
+  manifest.cost = {{"seconds", seconds_since(begin)},
+                   {"steps", double(run.cost.steps)},
+                   {"evaluations", double(run.cost.evaluations)}};
+  job.say("{} samples over {:.6g} s, {} events, solver {}", run.time.size(), run.time.empty() ? 0 : run.time.back(),
+          run.events.size(), run.solver);
+  for (std::size_t c = 0; c < run.columns.size(); ++c)
+    if (!run.columns[c].empty())
+      job.say(
+          "  {:<22} ends at {}", run.column_names[c],
+          justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
+  write_csv(job.folder() / "run.csv", table);
+  auto files = write_picture(job.folder(), scene, run);
+  files.push_back("run.csv");
+  return job.finish(to_json(scene, run), std::move(files), "run.gp", run.outcome);
+}
+
+Status cycle(const Request& request) {
+  Job job(request, Verb::cycle);
+  auto& scene = job.scene();
+  scene.cycle.tolerance = request.tolerance.value_or(scene.cycle.tolerance);
+  job.explain_model();
+  job.explain("the cycle that is reached from stick, tolerance {} of every metric, at most {} cycles of transient",
+              scene.cycle.tolerance, scene.cycle.max_cycles);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto cycle = analysis::find_cycle(scene.model, scene.cycle);
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = scene.cycle.tolerance;
+  manifest.cost = {{"seconds", seconds_since(begin)},
+                   {"steps", double(cycle.cost.steps)},
+                   {"evaluations", double(cycle.cost.evaluations)},
+                   {"cycles", double(cycle.cost.cycles)}};
+  if (!cycle.outcome.complete()) return job.finish(to_json(scene, cycle), {}, "", cycle.outcome);
+
+  Reached reached;
+  for (const auto& metric : analysis::metric_names()) {
+    const double value = cycle.metrics.*metric.member, error = cycle.error.*metric.member;
+    reached.add(value, error);
+    job.say("{:<22} {}", metric.name, justified(value, error, metric.unit));
+  }
+  manifest.tolerance_reached = reached.value();
+  if (cycle.ill_conditioned_stick)
+    job.note("the lowest speed touches the stick threshold: the stick fraction jumps nearby");
+  if (!cycle.multipliers.empty())
+    job.say("{}: largest multiplier {:.6g}", cycle.stable ? "stable" : "unstable", std::abs(cycle.multipliers.front()));
+
+  const auto states = scene.model.law->states().size();
+  std::vector<std::vector<double>> columns(4 + states);
+  for (const auto& point : cycle.orbit) {
+    const double numbers[] = {point.time, point.displacement, point.slip_rate, point.friction_coefficient};
+    for (std::size_t c = 0; c < 4; ++c) columns[c].push_back(numbers[c]);
+    for (std::size_t s = 0; s < states; ++s)
+      columns[4 + s].push_back(s < point.state.size() ? point.state[s] : std::nan(""));
+  }
+  std::vector<Column> table = {{"time (s)", columns[0]},
+                               {"displacement (m)", columns[1]},
+                               {"slip_rate (m/s)", columns[2]},
+                               {"friction_coefficient", columns[3]}};
+  for (std::size_t s = 0; s < states; ++s) {
+    const auto& state = scene.model.law->states()[s];
+    table.push_back({column_header(state.name, state.unit), columns[4 + s]});
+  }
+  write_csv(job.folder() / "cycle.csv", table);
+  auto files = write_picture(job.folder(), scene, cycle);
+  files.push_back("cycle.csv");
+  return job.finish(to_json(scene, cycle), std::move(files), "cycle.gp", cycle.outcome);
+}
+
+// ---------------------------------------------------------------- map
+
+/// Everything that determines a map: two runs with the same key have the same points.
+std::string map_key(const Scene& scene) {
+  std::string key = fmt::format("rosin {}, {} bytes a point\ntolerance {}\n", ROSIN_VERSION, sizeof(analysis::Metrics),
+                                scene.map.tolerance);
+  for (const auto& quantity : scene.model.parameters())
+    key += fmt::format("{} = {}\n", quantity.name, scene.model.get(quantity.name));
+  return key + scene.resolved;
+}
+
+Status map(const Request& request, std::stop_token stop) {
+  Job job(request, Verb::map);
+  auto& scene = job.scene();
+  auto& options = scene.map;
+  options.tolerance = request.tolerance.value_or(options.tolerance);
+  options.threads = request.threads;
+  const auto nx = options.x.values.size(), ny = options.y.values.size(), total = nx * ny;
+  job.explain_model();
+  job.explain("{} x {} points of {} and {}, tolerance {} of {}", nx, ny, options.x.parameter, options.y.parameter,
+              options.tolerance, fmt::join(options.metrics, ", "));
+  job.explain("where steady sliding is stable and no cycle can exist beside it, nothing is integrated");
+
+  Partial partial(job.folder() / "map.partial", map_key(scene), total);
+  if (const auto known = partial.known_count()) job.note(fmt::format("going on from {} finished points", known));
+  const auto begin = std::chrono::steady_clock::now();
+  MapResult result;
+  {
+    Progress progress(request.quiet);
+    result.map = analysis::compute_map(
+        scene.model, options,
+        {.known = [&](std::size_t i) { return partial.known(i); },
+         .finished = [&](std::size_t i, const analysis::MapPoint& point) { partial.append(i, point); },
+         .progress = [&](std::size_t points, std::size_t of) { progress.show(points, of); },
+         .stop = stop});
+  }
+  auto& map = result.map;
+  result.seconds = seconds_since(begin);
+  if (map.outcome.ending == Ending::interrupted) {
+    fmt::print(stderr, "interrupted: {} of {} points are kept; the same command goes on from there\n",
+               std::ranges::count_if(map.points, [](const auto& point) { return point.done; }), total);
+    return interrupted;
+  }
+  for (const auto& text : map.notes) job.explain("{}", text);
+  job.explain("{} points integrated, {} decided without integration", map.integrated, map.skipped);
+
+  Reached reached;
+  std::array<std::size_t, 4> regimes{};
+  for (const auto& point : map.points) {
+    ++regimes[static_cast<std::size_t>(point.regime)];
+    for (const auto& metric : options.metrics) {
+      const auto member = analysis::find_metric(metric).member;
+      reached.add(point.metrics.*member, point.error.*member);
+    }
+  }
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = options.tolerance;
+  manifest.tolerance_reached = reached.value();
+  manifest.cost = {{"seconds", result.seconds},
+                   {"points", double(total)},
+                   {"integrated", double(map.integrated)},
+                   {"skipped", double(map.skipped)},
+                   {"threads", double(options.threads)}};
+  job.say("{} x {} points in {:.3g} s: {} integrated, {} decided without", nx, ny, result.seconds, map.integrated,
+          map.skipped);
+  for (const Regime regime : {Regime::stable, Regime::cycle, Regime::bistable, Regime::failed})
+    if (const auto count = regimes[static_cast<std::size_t>(regime)]) job.say("  {:<9} {}", name(regime), count);
+  job.say("largest relative error of a metric: {:.1e}", reached.value());
+
+  write_plane(job.folder() / "map.nc", scene, map);
+  auto files = write_picture(job.folder(), scene, map);
+  files.push_back("map.nc");
+  const auto status = job.finish(to_json(scene, result), std::move(files), "map.gp", map.outcome);
+  partial.remove();
+  return status;
+}
+
+// ---------------------------------------------------------------- plot
+
+Status plot(const Request& request) {
+  const fs::path path = request.target;
+  if (!fs::exists(path)) throw InputError(fmt::format("{}: no such file or folder", path.string()));
+  const fs::path folder = fs::is_directory(path) ? path : results_folder(request, path.stem().string());
+  if (!fs::exists(folder / "result.json"))
+    throw InputError(fmt::format("{}: holds no results; compute them first, such as with 'rosin map {}'",
+                                 (folder / "").string(), path.string()));
+  const auto drawn = draw(folder);
+  if (!request.quiet) {
+    for (const auto& problem : drawn.problems) fmt::print(stderr, "note: {}\n", problem);
+    for (const auto& file : drawn.files) fmt::print("{}\n", (folder / file).string());
+  }
+  return done;
+}
+
+}  // namespace
+
+bool can_stop(const Request& request) { return request.verb == "map"; }
+
+Status execute(const Request& request, std::stop_token stop) {
+  if (request.verb == "laws") return list_laws(request);
+  if (request.verb == "curve") return curve(request);
+  if (request.verb == "stability") return stability(request);
+  if (request.verb == "run") return run(request);
+  if (request.verb == "cycle") return cycle(request);
+  if (request.verb == "map") return map(request, std::move(stop));
+  return plot(request);
+}
+
+}  // namespace rosin::app
