@@ -1,0 +1,252 @@
+/// Parameter planes: points decided by linear stability where that suffices, cycles elsewhere, threshold traced.
+#include "analysis/map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <boost/math/tools/roots.hpp>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "analysis/coexistence.hpp"
+#include "analysis/stability.hpp"
+
+namespace rosin::analysis {
+
+std::string name(Regime regime) {
+  switch (regime) {
+    case Regime::stable: return "stable";
+    case Regime::cycle: return "cycle";
+    case Regime::bistable: return "bistable";
+    case Regime::failed: return "failed";
+  }
+  return "failed";
+}
+
+Axis make_axis(std::string parameter, double from, double to, int points, bool logarithmic,
+               const std::vector<double>& extra) {
+  const auto refuse = [&](const std::string& why) { throw InputError(fmt::format("map axis '{}': {}", parameter, why)); };
+  if (points < 2) refuse(fmt::format("points = {} must be at least 2", points));
+  if (!std::isfinite(from) || !std::isfinite(to)) refuse(fmt::format("from = {} and to = {} must be finite", from, to));
+  if (from == to) refuse(fmt::format("from and to are both {}", from));
+  if (logarithmic && !(from > 0 && to > 0))
+    refuse(fmt::format("from = {} and to = {} must be positive on a logarithmic scale", from, to));
+  Axis axis{std::move(parameter), {}, points, logarithmic};
+  for (int i = 0; i < points; ++i) {
+    const double w = double(i) / (points - 1);
+    axis.values.push_back(i == 0            ? from
+                          : i == points - 1 ? to
+                          : logarithmic     ? from * std::pow(to / from, w)
+                                            : from + (to - from) * w);
+  }
+  axis.values.insert(axis.values.end(), extra.begin(), extra.end());
+  return axis;
+}
+
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+Metrics no_metrics() {
+  Metrics m;
+  for (const auto& metric : metric_names()) m.*metric.member = nothing;
+  return m;
+}
+
+MapPoint compute_point(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence) {
+  MapPoint point;
+  point.done = true;
+  point.metrics = point.error = no_metrics();
+  try {
+    const Stability sliding = stability(model);
+    const bool attracts = sliding.stable || sliding.marginal;
+    if (attracts && coexistence.ask(model).answer == Coexistence::Answer::none) {
+      point.regime = Regime::stable;
+      return point;
+    }
+    point.integrated = true;
+    const Cycle cycle = find_cycle(
+        model, {.tolerance = options.tolerance, .stick_threshold = options.stick_threshold, .multipliers = false});
+    if (cycle.metrics.period > 0 && cycle.stable) {
+      point.regime = attracts ? Regime::bistable : Regime::cycle;
+      point.metrics = cycle.metrics;
+      point.error = cycle.error;
+      if (!cycle.outcome.complete()) point.why = cycle.outcome.detail;  // found, less accurately than asked
+    } else if (attracts && cycle.outcome.ending == Ending::none_exists) {
+      point.regime = Regime::stable;
+    } else {
+      point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
+    }
+  } catch (const InputError& e) {
+    point.why = e.what();
+  }
+  return point;
+}
+
+/// The border of stability on the grid lines, joined to polylines.
+class Threshold {
+ public:
+  Threshold(const Model& model, const Axis& x, const Axis& y) : model_(model), x_(x), y_(y) {}
+
+  void trace(std::vector<double>& line_x, std::vector<double>& line_y) {
+    const int nx = x_.regular, ny = y_.regular;
+    std::vector<double> growth(nx * ny);
+    for (int j = 0; j < ny; ++j)
+      for (int i = 0; i < nx; ++i) growth[j * nx + i] = growth_at(x_.values[i], y_.values[j]);
+    // Zeros on the edges of the grid: horizontal edges first, then vertical ones.
+    std::vector<std::optional<Point>> crossing(nx * ny * 2);
+    const auto edge = [&](int i, int j, bool vertical) { return (j * nx + i) * 2 + vertical; };
+    for (int j = 0; j < ny; ++j)
+      for (int i = 0; i < nx; ++i) {
+        if (i + 1 < nx) crossing[edge(i, j, false)] = locate(growth[j * nx + i], growth[j * nx + i + 1], i, j, false);
+        if (j + 1 < ny) crossing[edge(i, j, true)] = locate(growth[j * nx + i], growth[(j + 1) * nx + i], i, j, true);
+      }
+    // Within each cell the line runs from crossing to crossing.
+    std::vector<std::vector<int>> neighbours(crossing.size());
+    for (int j = 0; j + 1 < ny; ++j)
+      for (int i = 0; i + 1 < nx; ++i) {
+        std::vector<int> met;  // around the cell
+        for (const int e : {edge(i, j, false), edge(i + 1, j, true), edge(i, j + 1, false), edge(i, j, true)})
+          if (crossing[e]) met.push_back(e);
+        for (std::size_t k = 0; k + 1 < met.size(); k += 2) {
+          neighbours[met[k]].push_back(met[k + 1]);
+          neighbours[met[k + 1]].push_back(met[k]);
+        }
+      }
+    std::vector<bool> used(crossing.size());
+    const auto follow = [&](int first) {
+      if (!line_x.empty()) line_x.push_back(nothing), line_y.push_back(nothing);
+      for (int at = first; at >= 0;) {
+        used[at] = true;
+        line_x.push_back(crossing[at]->x);
+        line_y.push_back(crossing[at]->y);
+        int next = -1;
+        for (const int n : neighbours[at])
+          if (!used[n]) next = n;
+        at = next;
+      }
+    };
+    for (const bool ends_only : {true, false})  // open lines from an end, then closed ones
+      for (int e = 0; e < int(crossing.size()); ++e)
+        if (crossing[e] && !used[e] && (!ends_only || neighbours[e].size() < 2)) follow(e);
+  }
+
+ private:
+  struct Point {
+    double x, y;
+  };
+  /// Largest real part of the eigenvalues; NaN where sliding has none or it is within rounding of zero.
+  double growth_at(double x, double y) const {
+    try {
+      const auto s = stability(model_.with(x_.parameter, x).with(y_.parameter, y));
+      return s.eigenvalues.empty() || s.marginal ? nothing : s.eigenvalues.front().real();
+    } catch (const InputError&) {
+      return nothing;
+    }
+  }
+  std::optional<Point> locate(double low, double high, int i, int j, bool vertical) const {
+    if (!std::isfinite(low) || !std::isfinite(high) || (low > 0) == (high > 0)) return std::nullopt;
+    const Axis& axis = vertical ? y_ : x_;
+    const int first = vertical ? j : i;
+    const double a = axis.values[first], b = axis.values[first + 1];
+    const auto value = [&](double w) { return axis.logarithmic ? std::exp(w) : w; };
+    const auto coordinate = [&](double v) { return axis.logarithmic ? std::log(v) : v; };
+    const auto point = [&](double v) {
+      return vertical ? Point{x_.values[i], v} : Point{v, y_.values[j]};
+    };
+    std::uintmax_t iterations = 100;
+    const auto rate = [&](double w) {
+      const Point p = point(value(w));
+      const double g = growth_at(p.x, p.y);
+      return std::isfinite(g) ? g : 0.0;  // within rounding of zero: found
+    };
+    const auto [l, h] = boost::math::tools::toms748_solve(rate, coordinate(a), coordinate(b), low, high,
+                                                          boost::math::tools::eps_tolerance<double>(52), iterations);
+    const Point numeric = point(value(0.5 * (l + h)));
+    // Where the load is one of the axes, its closed form is free of the eigenvalues' rounding.
+    for (const bool load_is_y : {false, true}) {
+      if ((load_is_y ? y_ : x_).parameter != "drive.normal_load") continue;
+      const auto closed = critical_load(model_.with(x_.parameter, numeric.x).with(y_.parameter, numeric.y));
+      const double here = load_is_y ? numeric.y : numeric.x;
+      if (closed && std::abs(closed->normal_load / here - 1) < 1e-6)
+        return load_is_y ? Point{numeric.x, closed->normal_load} : Point{closed->normal_load, numeric.y};
+    }
+    return numeric;
+  }
+
+  const Model& model_;
+  const Axis &x_, &y_;
+};
+
+}  // namespace
+
+Map compute_map(const Model& model, const MapOptions& options, const MapHooks& hooks) {
+  Map map;
+  map.x = options.x;
+  map.y = options.y;
+  if (map.x.parameter == map.y.parameter)
+    throw InputError(fmt::format("both map axes are '{}'", map.x.parameter));
+  for (const auto& metric : options.metrics) find_metric(metric);
+  for (const Axis* axis : {&map.x, &map.y})
+    for (const double v : axis->values) (void)model.with(axis->parameter, v);  // refuses values out of range
+  require(options.threads, {1, 4096}, "threads", "number of threads", "1");
+
+  const std::size_t nx = map.x.values.size(), total = nx * map.y.values.size();
+  map.points.resize(total);
+  CoexistenceSearch coexistence;
+  std::mutex hook_mutex;
+  std::size_t done = 0;
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < total; ++i) {
+    if (const MapPoint* known = hooks.known ? hooks.known(i) : nullptr) {
+      map.points[i] = *known;
+      ++done;
+    } else {
+      open.push_back(i);
+    }
+  }
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    while (!hooks.stop.stop_requested()) {
+      const std::size_t k = next++;
+      if (k >= open.size()) return;
+      const std::size_t i = open[k];
+      MapPoint point = compute_point(
+          model.with(map.x.parameter, map.x.values[i % nx]).with(map.y.parameter, map.y.values[i / nx]), options,
+          coexistence);
+      const std::scoped_lock lock(hook_mutex);
+      map.points[i] = std::move(point);
+      ++done;
+      if (hooks.finished) hooks.finished(i, map.points[i]);
+      if (hooks.progress) hooks.progress(done, total);
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
+    work();
+  }
+  if (done < total) {
+    map.outcome = {Ending::interrupted, fmt::format("{} of {} points are done", done, total)};
+    return map;
+  }
+  Threshold(model, map.x, map.y).trace(map.threshold_x, map.threshold_y);
+  std::size_t failed = 0;
+  for (const auto& point : map.points) {
+    (point.integrated ? map.integrated : map.skipped) += 1;
+    failed += point.regime == Regime::failed;
+  }
+  map.notes.push_back(fmt::format(
+      "{} of {} points were decided without integration: steady sliding is stable there and no cycle can coexist, "
+      "because the border in normal load is supercritical, or the load lies below the fold of cycles, or friction "
+      "strengthens everywhere",
+      map.skipped, total));
+  if (failed > 0) map.outcome = {Ending::budget_spent, fmt::format("{} of {} points failed", failed, total)};
+  return map;
+}
+
+}  // namespace rosin::analysis
