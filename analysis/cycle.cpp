@@ -260,7 +260,7 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
     result.closure = length;
     if (length < 0.1 * tolerance * std::min(1.0, point.amplitude)) break;
   }
-  Recorder recorder(map.system(), stick_threshold, keep_orbit);
+  Recorder recorder(map.system(), tolerance, stick_threshold, keep_orbit);
   const auto passage = map.follow(point.y, tolerance, point.turns, true, false, &recorder);
   result.outcome = passage.outcome;
   result.metrics = recorder.finish(passage.duration);
@@ -290,7 +290,7 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
   double largest = 0;
   for (const auto& metric : metric_names()) {
     const double size = size_of(metric, fine, V), value = fine.*metric.member;
-    double e = 2 * std::abs(coarse.*metric.member - value);
+    double e = 3 * std::abs(coarse.*metric.member - value);
     if (value != 0) e += (3 * tolerance + 5e-14 + closure) * (metric.member == &Metrics::slip_rate_min ? std::abs(value) : size);
     error.*metric.member = e;
     if (is_stick(metric) && stick_is_ill_conditioned) continue;
@@ -378,7 +378,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   }
   const double natural = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
   const double longest = 300 * natural + 10 * std::abs(onset) / V;
-  Recorder recorder(system, stick_threshold, true);
+  Recorder recorder(system, tolerance, stick_threshold, true);
   double began = -1, stuck_since = -1, stuck = 0;
   while (solver.time() < longest && solver.stepper().count().steps < 200'000) {
     solvers::Switch switched;

@@ -13,7 +13,8 @@ namespace rosin::analysis {
 /// solving the step again, integrals by the quadrature of the collocation nodes, both at the order of the solution.
 class Recorder {
  public:
-  Recorder(const oscillators::SliderSystem&, double stick_threshold, bool keep_orbit);
+  /// `tolerance`: of the steps that will be recorded; the loop integral is refined to it.
+  Recorder(const oscillators::SliderSystem&, double tolerance, double stick_threshold, bool keep_orbit);
   void step(solvers::Collocation&);
   Metrics finish(double period) const;
   std::vector<CyclePoint> orbit;
@@ -23,10 +24,18 @@ class Recorder {
     double theta, slip_rate, friction;
   };
   void extreme(solvers::Collocation&, const std::vector<Sample>&, double Sample::*quantity, double& low, double& high);
+  Sample sample_at(solvers::Collocation&, double theta) const;
+  /// ∫ (μ − μ_ss(v)) dv over the interval of the samples, with the value of a rule on part of the nodes.
+  struct Loop {
+    double integral, check, magnitude;
+  };
+  double loop_tolerance() const;
+  Loop loop(const std::vector<Sample>&) const;
+  double refined_loop(solvers::Collocation&, double begin, double end, double coarse, int depth) const;
   double time_within(solvers::Collocation&, const std::vector<Sample>&, double threshold) const;
 
   const oscillators::SliderSystem& system_;
-  double threshold_[3];
+  double tolerance_, threshold_[3];
   bool keep_orbit_;
   bool follows_steady_curve_;  ///< friction is a function of the slip rate: the loop has no area
   Metrics sums_;
