@@ -1,0 +1,241 @@
+/// The command as a user runs it: exit statuses, clean JSON, the same files for any number of threads and after a kill.
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+extern char** environ;
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+/// A folder of its own for each test, removed at its end.
+struct Folder {
+  fs::path path = fs::temp_directory_path() / ("rosin-command-" + std::to_string(getpid()));
+  Folder() {
+    fs::remove_all(path);
+    fs::create_directories(path);
+  }
+  ~Folder() { fs::remove_all(path); }
+};
+
+std::string content(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+pid_t start(const fs::path& folder, Arguments arguments) {
+  arguments.insert(arguments.begin(), ROSIN_COMMAND);
+  std::vector<char*> argv;
+  for (auto& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  constexpr int flags = O_WRONLY | O_CREAT | O_TRUNC;
+  posix_spawn_file_actions_addopen(&actions, 1, "stdout.txt", flags, 0600);
+  posix_spawn_file_actions_addopen(&actions, 2, "stderr.txt", flags, 0600);
+  pid_t child = 0;
+  REQUIRE(posix_spawn(&child, ROSIN_COMMAND, &actions, nullptr, argv.data(), environ) == 0);
+  posix_spawn_file_actions_destroy(&actions);
+  return child;
+}
+
+/// Exit status, or minus the signal that ended the process.
+int wait(pid_t child) {
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+/// True once the process has ended; its status can still be waited for.
+bool ended(pid_t child) {
+  siginfo_t info{};
+  return waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != 0;
+}
+
+struct Answer {
+  int status;
+  std::string out, error;
+};
+Answer rosin(const Folder& folder, const Arguments& arguments) {
+  const int status = wait(start(folder.path, arguments));
+  return {status, content(folder.path / "stdout.txt"), content(folder.path / "stderr.txt")};
+}
+
+std::string example(const std::string& name) { return ROSIN_SOURCE_DIR "/examples/" + name + ".toml"; }
+
+/// The plane of the examples with few points, and few seconds.
+Arguments small_map(const std::string& out, const std::string& threads) {
+  return {"map",
+          example("bristol-board-plane"),
+          "--quiet",
+          "--out",
+          out,
+          "--threads",
+          threads,
+          "--set",
+          "map.x.points=8",
+          "--set",
+          "map.y.points=6",
+          "--tolerance=1e-5"};
+}
+
+/// result.json without the one number that depends on the clock.
+json timeless(const fs::path& path) {
+  auto document = json::parse(content(path));
+  document["cost"].erase("seconds");
+  return document;
+}
+
+}  // namespace
+
+TEST_CASE("the command answers for itself") {
+  const Folder folder;
+  CHECK(rosin(folder, {"--version"}).out.starts_with("rosin 0."));
+  CHECK(rosin(folder, {"--help"}).status == 0);
+  CHECK(rosin(folder, {"map", "--help"}).status == 0);
+}
+
+TEST_CASE("wrong usage ends with status 2 and says what to try") {
+  const Folder folder;
+  const auto scene = example("bristol-board-cycle");
+  const std::vector<std::pair<Arguments, std::string>> cases = {
+      {{}, "See 'rosin --help'"},
+      {{"cycel", scene}, "unknown command 'cycel'; did you mean 'cycle'?"},
+      {{"cycle", scene, "--tolerence", "1e-6"}, "did you mean '--tolerance'?"},
+      {{"cycle", scene, "other.toml"}, "'other.toml' is too much"},
+      {{"cycle"}, "SCENE is required"},
+      {{"cycle", scene, "--tolerance", "3"}, "--tolerance = 3 is outside"},
+      {{"cycle", scene, "--tolerance", "nan"}, "--tolerance"},
+      {{"cycle", scene, "--threads", "0"}, "--threads = 0 is outside"},
+      {{"cycle", "none.toml"}, "none.toml: no such file"},
+      {{"cycle", scene, "--set", "law.a=3"}, "--set law.a=3: law.a = 3 is outside 0.0001 … 0.5"},
+      {{"map", scene}, "the scene has no [map]"},
+      {{"cycle", scene, "--out", "/proc/none"}, "--out /proc/none: cannot be made"},
+      {{"laws", "coulom"}, "did you mean 'coulomb'?"},
+      {{"plot", scene}, "holds no results"},
+  };
+  for (const auto& [arguments, message] : cases) {
+    const auto answer = rosin(folder, arguments);
+    CAPTURE(message);
+    CHECK(answer.status == 2);
+    CHECK_THAT(answer.error, Catch::Contains(message));
+    CHECK(answer.out.empty());
+  }
+}
+
+TEST_CASE("--json prints one document, the same as result.json, and nothing else") {
+  const Folder folder;
+  struct Case {
+    Arguments arguments;
+    std::vector<std::string> fields;
+  };
+  const auto board = example("bristol-board-cycle");
+  const std::vector<Case> cases = {
+      {{"curve", board}, {"slip_rate", "friction_coefficient", "extrema"}},
+      {{"stability", board, "--explain"}, {"steady", "eigenvalues", "stable", "hopf"}},
+      {{"run", board, "--set", "run.duration=20", "--set", "run.samples=10"},
+       {"time", "columns", "events", "outcome", "metrics"}},
+      {{"cycle", board, "--tolerance", "1e-6"},
+       {"period", "slip_rate_max", "slip_rate_min", "stick_fraction", "loop_area", "loop_area_normalised",
+        "multipliers", "error"}},
+  };
+  for (auto [arguments, fields] : cases) {
+    CAPTURE(arguments.front());
+    arguments.insert(arguments.end(), {"--json", "--out", "results"});
+    const auto answer = rosin(folder, arguments);
+    CHECK(answer.status == 0);
+    CHECK(answer.out == content(folder.path / "results/result.json"));
+    const auto document = json::parse(answer.out);
+    for (const auto& field : fields) CHECK(document.contains(field));
+    CHECK(fs::exists(folder.path / "results/manifest.json"));
+  }
+  const auto laws = json::parse(rosin(folder, {"laws", "--json"}).out);
+  CHECK(laws.size() >= 10);
+  for (const auto& law : laws)
+    for (const char* field : {"name", "title", "formula", "source", "parameters", "states", "presets"})
+      CHECK(law.contains(field));
+}
+
+TEST_CASE("a cycle that does not exist ends with status 1 and keeps its result") {
+  const Folder folder;
+  const auto answer =
+      rosin(folder, {"cycle", example("bristol-board-cycle"), "--out", "r", "--set", "drive.normal_load=1e-6"});
+  CHECK(answer.status == 1);
+  CHECK_THAT(answer.error, Catch::Contains("none exists"));
+  const auto document = json::parse(content(folder.path / "r/result.json"));
+  CHECK(document["outcome"] == "none exists");
+  CHECK(document["period"].is_null());
+}
+
+TEST_CASE("results go to out/ and the name of the scene, with pictures and without leftovers") {
+  const Folder folder;
+  REQUIRE(rosin(folder, {"curve", example("bristol-board-cycle")}).status == 0);
+  const auto results = folder.path / "out/bristol-board-cycle";
+  for (const char* name : {"result.json", "manifest.json", "curve.csv", "curve.gp"}) CHECK(fs::exists(results / name));
+  for (const auto& entry : fs::directory_iterator(results))
+    CHECK_FALSE(entry.path().filename().string().starts_with('.'));
+  CHECK(content(results / "curve.csv").starts_with("slip_rate (m/s),friction_coefficient\n"));
+  CHECK(rosin(folder, {"plot", results.string()}).status == 0);
+  CHECK(rosin(folder, {"plot", example("bristol-board-cycle")}).status == 0);
+}
+
+TEST_CASE("a map does not depend on threads, nor on being killed and taken up again") {
+  const Folder folder;
+  REQUIRE(rosin(folder, small_map("one", "1")).status == 0);
+  REQUIRE(rosin(folder, small_map("three", "3")).status == 0);
+  CHECK(content(folder.path / "one/map.nc") == content(folder.path / "three/map.nc"));
+  CHECK(timeless(folder.path / "one/result.json") == timeless(folder.path / "three/result.json"));
+  const auto document = timeless(folder.path / "one/result.json");
+  CHECK(document["regime"].size() == 6);
+  CHECK(document["regime"][0].size() == 8);
+  CHECK_FALSE(fs::exists(folder.path / "one/map.partial"));
+
+  const auto journal = folder.path / "killed/map.partial";
+  const auto size = [&] { return fs::exists(journal) ? fs::file_size(journal) : 0; };
+  const pid_t child = start(folder.path, small_map("killed", "1"));
+  constexpr std::uintmax_t some_records = 2000;  // bytes beyond the header
+  std::uintmax_t header = 0;
+  while (!ended(child) && (header == 0 || size() < header + some_records)) {
+    if (header == 0) header = size();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  kill(child, SIGKILL);
+  wait(child);
+  const bool killed_in_time = fs::exists(journal);
+  CHECK(killed_in_time == !fs::exists(folder.path / "killed/result.json"));
+  if (killed_in_time) std::ofstream(journal, std::ios::app | std::ios::binary) << "torn record";
+  REQUIRE(rosin(folder, small_map("killed", "2")).status == 0);
+  CHECK(content(folder.path / "killed/map.nc") == content(folder.path / "one/map.nc"));
+  CHECK(timeless(folder.path / "killed/result.json") == timeless(folder.path / "one/result.json"));
+}
+
+TEST_CASE("an interrupted map ends in order with status 130 and says how to go on") {
+  const Folder folder;
+  auto arguments = small_map("stopped", "1");
+  arguments.insert(arguments.end(), {"--set", "map.x.points=200", "--set", "map.y.points=200"});
+  const pid_t child = start(folder.path, arguments);
+  while (!ended(child) && !fs::exists(folder.path / "stopped/map.partial"))
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  kill(child, SIGINT);
+  CHECK(wait(child) == 130);
+  CHECK_THAT(content(folder.path / "stderr.txt"), Catch::Contains("the same command goes on from there"));
+  CHECK(fs::exists(folder.path / "stopped/map.partial"));
+  CHECK_FALSE(fs::exists(folder.path / "stopped/result.json"));
+}

@@ -1,0 +1,328 @@
+/// Scenes: what is read, and that every wrong scene is refused with its place, the value and what to try.
+#include "app/scene.hpp"
+
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "core/error.hpp"
+
+using rosin::app::read_scene;
+using rosin::app::Scene;
+using rosin::app::Verb;
+
+namespace {
+
+/// A scene in a file "scene.toml" of a folder of its own, read with that folder as the working directory.
+Scene read(const std::string& text, Verb verb, const std::vector<std::string>& overrides = {}) {
+  namespace fs = std::filesystem;
+  const auto before = fs::current_path();
+  const auto folder = fs::temp_directory_path() / ("rosin-scene-" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  fs::current_path(folder);
+  std::ofstream("scene.toml", std::ios::binary) << text;
+  std::ofstream("record.csv") << "time,load\n0,1\n2.5,4\n";
+  std::ofstream("torn.csv") << "0,1\n2.5\n";
+  struct Return {
+    fs::path to;
+    ~Return() { fs::current_path(to); }
+  } on_exit{before};
+  return read_scene("scene.toml", overrides, verb);
+}
+
+std::string refusal(const std::string& text, Verb verb, const std::vector<std::string>& overrides = {}) {
+  try {
+    read(text, verb, overrides);
+  } catch (const rosin::InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+const std::string spinodal = "[law]\ntype = 'spinodal'\n";
+const std::string slider = "[oscillator]\nmass = 1\nstiffness = 1.09\n[drive]\nspeed = 1e-5\nnormal_load = 1e-3\n";
+const std::string plane =
+    "[map]\nx = { parameter = 'drive.normal_load', from = 1e-6, to = 1, points = 4 }\n"
+    "y = { parameter = 'law.lambda', from = 1e-2, to = 10, points = 3, extra = [0] }\n";
+
+}  // namespace
+
+TEST_CASE("the scene of the contract is read in SI units") {
+  const Scene scene = read(R"(title = "Bristol board"
+[law]
+type = "spinodal"
+preset = "bristol-board"
+lambda = 10
+b = "4.5 %"
+[law.contact_stiffness]
+tangential = "1 N/um"
+[oscillator]
+type = "slider"
+mass = "1000 g"
+stiffness = 1.09
+[drive]
+speed = "0.01 mm/s"
+normal_load = 9.81e-4
+[run]
+duration = "2 min"
+samples = 20
+start = { displacement = "1 mm", velocity = 0, psi = 0.01 }
+[cycle]
+stick_threshold = 0.2
+[stability]
+parameters = ["law.lambda"]
+[map]
+x = { parameter = "drive.normal_load", from = "1 uN", to = "1 N", points = 7, scale = "log" }
+y = { parameter = "law.lambda", from = 1e-4, to = 1e2, points = 4, extra = [0] }
+metrics = ["stick_fraction", "loop_area"]
+)",
+                           Verb::map);
+  CHECK(scene.title == "Bristol board");
+  CHECK(scene.name == "scene");
+  CHECK(scene.model.lambda == 10);
+  CHECK(scene.model.get("law.b") == 0.045);
+  CHECK(scene.model.get("law.a") == 0.0349);
+  CHECK(scene.model.contact_stiffness.tangential == Approx(1e6));
+  CHECK(scene.model.slider.mass == 1);
+  CHECK(scene.model.drive.speed.level() == 1e-5);
+  CHECK(scene.run.duration == 120);
+  CHECK(scene.run.samples == 20);
+  CHECK(scene.run.start.displacement == 1e-3);
+  CHECK(scene.run.start.states.at("psi") == 0.01);
+  CHECK(scene.cycle.stick_threshold == 0.2);
+  CHECK(scene.map.stick_threshold == 0.2);
+  CHECK(scene.map.x.values.size() == 7);
+  CHECK(scene.map.y.values.back() == 0);
+  CHECK(scene.map.metrics == std::vector<std::string>{"stick_fraction", "loop_area"});
+  CHECK(scene.hopf_parameters == std::vector<std::string>{"law.lambda"});
+}
+
+TEST_CASE("a law alone is enough for its curve") {
+  CHECK(read("[law]\ntype = 'coulomb'", Verb::curve).model.law->card().name == "coulomb");
+  CHECK(read("[law]\ntype = 'tabulated'\nslip_rate = [0, '1 mm/s']\nfriction = [0.4, 0.3]", Verb::curve)
+            .model.law->friction({5e-4, 1}, {}) < 0.4);
+}
+
+TEST_CASE("drive signals are read in every form") {
+  const auto drive = [](const std::string& load) {
+    return read(spinodal + "[oscillator]\nmass = 1\nstiffness = 1\n[drive]\nspeed = 1\nnormal_load = " + load,
+                Verb::stability)
+        .model.drive.normal_load;
+  };
+  CHECK(drive("'2 kN'").level() == 2000);
+  CHECK(drive("{ steps = [[0, '1 kN'], ['100 ms', 3]] }").value(0.1) == 3);
+  CHECK(drive("{ steps = [[0, '1 kN'], ['100 ms', 3]] }").value(0.05) == 1000);
+  CHECK(drive("{ ramp = { from = 1, rate = '2 N/min' } }").value(60) == Approx(3));
+  CHECK(drive("{ mean = 9.8, harmonics = [{ amplitude = 5, angular_frequency = 15 }] }").value(0) == 14.8);
+  CHECK(drive("{ table = 'record.csv' }").value(1.25) == 2.5);
+}
+
+TEST_CASE("starts are read in every form") {
+  const auto start = [](const std::string& text) {
+    return read(spinodal + slider + "[run]\nduration = 1\nstart = " + text, Verb::run).run.start;
+  };
+  using Kind = rosin::analysis::Start::Kind;
+  CHECK(start("'steady'").kind == Kind::steady);
+  CHECK(start("'rest'").kind == Kind::rest);
+  CHECK(start("{ state = 0.5 }").states.at("psi") == 0.5);
+  CHECK(start("{ state = { psi = 0.5 } }").states.at("psi") == 0.5);
+  CHECK(start("{ slip_rate = '1 mm/s' }").slip_rate == 1e-3);
+}
+
+TEST_CASE("overrides replace values and may be bare words") {
+  const Scene scene = read(spinodal + slider + "[run]\nduration = 1", Verb::run,
+                           {"law.a=0.03", "drive.speed=2 mm/s", "run.start=rest", "cycle.stick_threshold=0.5",
+                            "oscillator.mass=\"3 g\"", "drive.force={ steps = [[0, 1], [1, 2]] }"});
+  CHECK(scene.model.get("law.a") == 0.03);
+  CHECK(scene.model.drive.speed.level() == 2e-3);
+  CHECK(scene.run.start.kind == rosin::analysis::Start::Kind::rest);
+  CHECK(scene.cycle.stick_threshold == 0.5);
+  CHECK(scene.model.slider.mass == 3e-3);
+  CHECK(scene.model.drive.force.value(1) == 2);
+  CHECK(scene.resolved.find("0.03") != std::string::npos);
+}
+
+TEST_CASE("the resolved scene is a scene with the same content") {
+  const std::vector<std::string> changes = {"law.a=0.03", "run.start={ displacement = '1 mm' }"};
+  const Scene scene = read(spinodal + slider + "[run]\nduration = 1\n" + plane, Verb::map, changes);
+  const Scene again = read(scene.resolved, Verb::map);
+  CHECK(again.resolved == scene.resolved);
+  CHECK(again.model.get("law.a") == 0.03);
+  CHECK(again.map.x.values == scene.map.x.values);
+}
+
+TEST_CASE("a wrong scene is refused with its place and what to try") {
+  struct Case {
+    Verb verb;
+    std::string text, message;
+  };
+  const auto law = [](const std::string& line) { return spinodal + line; };
+  const auto run = [](const std::string& line) { return spinodal + slider + line; };
+  const auto map = [](const std::string& x) {
+    return spinodal + slider + "[map]\nx = " + x +
+           "\ny = { parameter = 'law.lambda', from = 1, to = 10, points = 3 }\n";
+  };
+  const std::vector<Case> cases = {
+      // keys and tables
+      {Verb::stability, law("[oscillator]\nmass = 1\n  stifness = 1"),
+       "scene.toml:5:3: unknown key 'stifness' in [oscillator]; did you mean 'stiffness'?"},
+      {Verb::stability, law("[oscillator]\nmass = 1\nstiffness = 1\n  dampin = 1\n[drive]\nspeed=1\nnormal_load=1"),
+       "scene.toml:6:3: unknown key 'dampin' in [oscillator]; did you mean 'damping'?"},
+      {Verb::stability, law("[oscillator]\nmass = 1"), "scene.toml:3:1: [oscillator] has no 'stiffness' (N/m)"},
+      {Verb::curve, law("aa = 3"), "scene.toml:3:1: unknown key 'aa' in [law]; did you mean 'a'?"},
+      {Verb::curve, law("[mapp]\nx = 1"), "scene.toml:3:2: unknown table 'mapp'; did you mean 'map'?"},
+      {Verb::curve, "titel = 'x'\n" + spinodal, "scene.toml:1:1: unknown key 'titel'; did you mean 'title'?"},
+      {Verb::curve, law("[frf]\nfrequencies = [1]"), "scene.toml:3:1: frf is not available in this version"},
+      {Verb::curve, "[oscillator]\nmass = 1", "the scene has no [law]"},
+      {Verb::curve, "law = 3", "scene.toml:1:7: law is a number, but a table is needed"},
+      {Verb::curve, "[law]\na = 0.1", "scene.toml:1:1: [law] has no 'type'"},
+      {Verb::run, spinodal, "the scene has no [oscillator]"},
+      {Verb::run, law("[oscillator]\nmass = 1\nstiffness = 1\n"), "the scene has no [drive]"},
+      {Verb::run, run(""), "the scene has no [run]"},
+      {Verb::map, run(""), "the scene has no [map]"},
+      {Verb::run, run("[run]\nsamples = 3"), "scene.toml:9:1: [run] has no 'duration' (s)"},
+      // the law
+      {Verb::curve, "[law]\ntype = 'spinodl'",
+       "scene.toml:2:8: unknown friction law 'spinodl'; did you mean 'spinodal'?"},
+      {Verb::curve, "[law]\ntype = 3", "scene.toml:2:8: law.type is a number, but a text is needed"},
+      {Verb::curve, law("preset = 'bristolboard'"), "did you mean 'bristol-board'?"},
+      {Verb::curve, law("a = 3"), "scene.toml:3:5: law.a = 3 is outside 0.0001 … 0.5 (direct effect, dimensionless)"},
+      {Verb::curve, law("a = nan"), "scene.toml:3:5: law.a is not a number (NaN)"},
+      {Verb::curve, law("a = inf"), "scene.toml:3:5: law.a = inf is outside"},
+      {Verb::curve, law("a = true"), "scene.toml:3:5: law.a is a truth value, but a number (direct effect, "},
+      {Verb::curve, law("a = [1]"), "scene.toml:3:5: law.a is a list, but a number"},
+      {Verb::curve, law("a = 1979-05-27"), "scene.toml:3:5: law.a is a date or time, but a number"},
+      {Verb::curve, law("L = '5 MPa'"), "scene.toml:3:5: law.L: '5 MPa' is in MPa, but needed is m"},
+      {Verb::curve, law("L = 'long'"), "scene.toml:3:5: law.L: 'long' is not a number with a unit"},
+      {Verb::curve, law("L = '3 parsnip'"), "scene.toml:3:5: law.L: 'parsnip' is not a known unit"},
+      {Verb::curve, "[law]\ntype = 'coulomb'\nmu_s = 0.1", "scene.toml:1:1: law.mu_s = 0.1 is below law.mu_d"},
+      {Verb::curve, "[law]\ntype = 'coulomb'\nlambda = 2", "scene.toml:3:10: law.lambda has no meaning"},
+      {Verb::curve, "[law]\ntype = 'tabulated'\nslip_rate = 3",
+       "scene.toml:3:13: law.slip_rate is a number, but a list"},
+      {Verb::curve, "[law]\ntype = 'tabulated'\nfriction = [1, 99]", "scene.toml:3:16: law.friction = 99 is outside"},
+      {Verb::curve, law("[law.contact_stiffness]\ndamping = 1"), "law.contact_stiffness.damping is not available"},
+      {Verb::curve, law("load_memory = { alpha = 1 }"), "scene.toml:3:15: law.load_memory is not available"},
+      {Verb::curve, law("[law.contact_stiffness]\ntangental = 1"), "did you mean 'tangential'?"},
+      // slider and drive
+      {Verb::stability, law("[oscillator]\ntype = 'modal'"),
+       "scene.toml:4:8: oscillator.type = 'modal' is not available"},
+      {Verb::stability, law("[oscillator]\ntype = 'slyder'"), "did you mean 'slider'?"},
+      {Verb::stability,
+       "[law]\ntype = 'coulomb'\n[oscillator]\nmass = 0\nstiffness = 1\n[drive]\nspeed = 1\nnormal_load = 1",
+       "scene.toml:3:1: oscillator.mass = 0 does not go with law 'coulomb'"},
+      {Verb::run, run("force = { noise = { rms = 1 } }"),
+       "scene.toml:9:19: drive.force.noise is not available in this version"},
+      {Verb::run, run("force = { steps = [[0, 1], [0, 2]] }"), "scene.toml:9:9: times must ascend"},
+      {Verb::run, run("force = { steps = [[0, '1 m']] }"),
+       "scene.toml:9:24: drive.force: '1 m' is in m, but needed is N"},
+      {Verb::run, run("force = { steps = [[0]] }"),
+       "scene.toml:9:20: drive.force.steps is a list, but [time, value] is needed"},
+      {Verb::run, run("force = {}"), "scene.toml:9:9: drive.force needs one of steps, ramp, table, or harmonics"},
+      {Verb::run, run("force = { table = 'none.csv' }"), "scene.toml:9:19: none.csv: no such file"},
+      {Verb::run, run("force = { table = 'torn.csv' }"), "scene.toml:9:19: torn.csv:2: two numbers are needed"},
+      {Verb::run, run("force = { mean = 1, harmonics = [{ amplitude = 1, angular_frequency = '3 Hz' }] }"),
+       "angular frequency"},
+      {Verb::run,
+       law("[oscillator]\nmass = 1\nstiffness = 1\n[drive]\nspeed = 1\n"
+           "normal_load = { mean = 1, harmonics = [{ amplitude = 5, angular_frequency = 3 }] }"),
+       "scene.toml:8:15: drive.normal_load leaves 0 … 1"},
+      {Verb::run,
+       law("[oscillator]\nmass = 1\nstiffness = 1\n[drive]\nspeed = 1\n"
+           "normal_load = { ramp = { from = 5, rate = -1 } }\n[run]\nduration = 6"),
+       "scene.toml:8:15: drive.normal_load leaves"},
+      // runs
+      {Verb::run, run("[run]\nduration = 0"), "scene.toml:10:12: run.duration = 0 is outside"},
+      {Verb::run, run("[run]\nduration = 1\nsamples = 2.5"),
+       "scene.toml:11:11: run.samples is a number, but a whole number"},
+      {Verb::run, run("[run]\nduration = 1\nsamples = 0"), "scene.toml:11:11: run.samples = 0 is outside 1 …"},
+      {Verb::run, run("[run]\ntimes = [0, 2, 1]"), "scene.toml:10:9: run.times must ascend"},
+      {Verb::run, run("[run]\nduration = 1\nstart = 'stedy'"),
+       "run.start = 'stedy' is not known; did you mean 'steady'?"},
+      {Verb::run, run("[run]\nduration = 1\nstart = { velocity = 1, slip_rate = 1 }"),
+       "velocity or slip_rate, not both"},
+      {Verb::run, run("[run]\nduration = 1\nstart = { psi = 2 }"), "scene.toml:11:17: run.start.psi = 2 is outside"},
+      {Verb::run, run("[run]\nduration = 1\nstart = { state = 2 }"),
+       "scene.toml:11:19: run.start.state = 2 is outside"},
+      {Verb::run, run("[run]\nduration = 1\nstart = { theta = 2 }"), "unknown key 'theta' in [run.start]"},
+      {Verb::run, run("[run]\nduration = 1\n[solver]\ntype = 'cvod'"), "did you mean 'cvode'?"},
+      {Verb::run, run("[run]\nduration = 1\n[solver]\ntype = 'vlfm'"), "is not available in this version"},
+      // maps
+      {Verb::map, map("{ parameter = 'drive.normal', from = 1, to = 2, points = 3 }"),
+       "scene.toml:10:19: unknown parameter 'drive.normal'"},
+      {Verb::map, map("{ parameter = 'drive.normal_loud', from = 1, to = 2, points = 3 }"),
+       "did you mean 'drive.normal_load'?"},
+      {Verb::map, map("{ parameter = 'law.a', from = 1e-9, to = 0.1, points = 3 }"),
+       "scene.toml:10:35: map.x.from = 1e-09 is outside 0.0001 … 0.5 (law.a, direct effect, dimensionless)"},
+      {Verb::map, map("{ parameter = 'law.a', from = 1e-3, to = 2, points = 3 }"),
+       "scene.toml:10:46: map.x.to = 2 is outside"},
+      {Verb::map, map("{ parameter = 'law.a', from = 1e-3, to = 0.1, points = 1 }"), "map.x.points = 1 is outside 2 …"},
+      {Verb::map, map("{ parameter = 'law.b', from = 0, to = 0.1, points = 3 }"), "scene.toml:10:5: "},
+      {Verb::map, map("{ parameter = 'law.a', from = 0.1, to = 0.1, points = 3 }"), "scene.toml:10:5: "},
+      {Verb::map, map("{ parameter = 'law.lambda', from = 1, to = 9, points = 3 }"), "are the same parameter"},
+      {Verb::map, map("{ parameter = 'law.a', from = 1e-3, to = 0.1, points = 3, scale = 'lin' }"),
+       "map.x.scale = 'lin'"},
+      {Verb::map, map("{ parameter = 'law.a', from = 1e-3, to = 0.1, points = 3, extra = [9] }"),
+       "map.x.extra = 9 is outside"},
+      {Verb::map, run(plane + "metrics = ['stick_fractoin']"), "scene.toml:12:12: unknown metric 'stick_fractoin'"},
+      {Verb::map, run(plane + "metrics = ['period', 'period']"), "names 'period' twice"},
+      {Verb::map, run("[map]\nx = 3\ny = 4"), "scene.toml:10:5: map.x is a number, but a table is needed"},
+      {Verb::stability, run("[stability]\nparameters = ['law.c', 'law.q']"),
+       "scene.toml:10:24: unknown parameter 'law.q'"},
+      {Verb::curve, law("[curve]\nfrom = 1\nto = 0.1"), "scene.toml:3:1: curve.from = 1 must be below curve.to = 0.1"},
+      // files
+      {Verb::curve, "", "scene.toml:1:1: the file is empty"},
+      {Verb::curve, " \n\t", "scene.toml:1:1: the file is empty"},
+      {Verb::curve, "[law\ntype = 3", "scene.toml:1:5: not valid TOML"},
+      {Verb::curve, "[law]\ntype = 'spinodal'\ntype = 'slip'", "scene.toml:3:"},
+      {Verb::curve, "[law]\ntype = '\xff\xfe'", "scene.toml:2:"},
+      {Verb::curve, std::string(5000, '['), "scene.toml:1:"},
+      {Verb::curve, "[law]\ntype = 'spinodal'\na = 1e", "scene.toml:3:"},
+  };
+  for (const auto& c : cases) {
+    CAPTURE(c.text);
+    CHECK_THAT(refusal(c.text, c.verb), Catch::Contains(c.message));
+    CHECK_THAT(refusal(c.text, c.verb), Catch::StartsWith("scene.toml:"));
+  }
+}
+
+TEST_CASE("files that are no scenes are refused before they are read") {
+  namespace fs = std::filesystem;
+  const auto refuse = [](const std::string& path) {
+    try {
+      read_scene(path, {}, Verb::curve);
+    } catch (const rosin::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  CHECK(refuse("no/such.toml") == "no/such.toml: no such file");
+  CHECK(refuse("/") == "/: is a folder, not a file");
+  CHECK(refuse("/dev/zero") == "/dev/zero: is not a regular file");
+  const auto large = fs::temp_directory_path() / ("rosin-large-" + std::to_string(getpid()));
+  std::ofstream(large).put('x');
+  fs::resize_file(large, 11'000'000);
+  CHECK_THAT(refuse(large.string()), Catch::Contains("has 11.0 MB, more than the 10 MB that are read"));
+  fs::remove(large);
+}
+
+TEST_CASE("wrong overrides are refused with the override as their place") {
+  const auto refuse = [](const std::string& override) {
+    return refusal(spinodal + slider + "[run]\nduration = 1", Verb::run, {override});
+  };
+  CHECK(refuse("law.a=3") == "--set law.a=3: law.a = 3 is outside 0.0001 … 0.5 (direct effect, dimensionless)");
+  CHECK(refuse("law.aa=3") == "--set law.aa=3: unknown key 'aa' in [law]; did you mean 'a'?");
+  CHECK_THAT(refuse("oscilator.mass=3"), Catch::Contains("unknown table 'oscilator'; did you mean 'oscillator'?"));
+  CHECK_THAT(refuse("law.a"), Catch::StartsWith("--set law.a: must read path=value"));
+  CHECK_THAT(refuse("=3"), Catch::Contains("must read path=value"));
+  CHECK_THAT(refuse("law.=3"), Catch::Contains("path ends with a dot"));
+  CHECK_THAT(refuse("law.a.b=3"), Catch::Contains("unknown key 'b'") || Catch::Contains("law.a is a table"));
+  CHECK_THAT(refuse("law.type.x=3"), Catch::Contains("law.type is a text, not a table"));
+  CHECK_THAT(refuse("law.a=[1,"), Catch::Contains("not valid TOML"));
+  CHECK_THAT(refuse("law.a="), Catch::Contains("not valid TOML"));
+  CHECK_THAT(refuse("law.a=1\nb=2"), Catch::Contains("more than one value"));
+  CHECK_THAT(refuse("law.L=5 MPa"), Catch::StartsWith("--set law.L=5 MPa: law.L: '5 MPa' is in MPa"));
+  CHECK_THAT(refuse("law.type=slipp"), Catch::Contains("did you mean 'slip'?"));
+}
