@@ -4,7 +4,9 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <new>
+#include <stdexcept>
 #include <stop_token>
 #include <thread>
 
@@ -41,7 +43,9 @@ int main(int argc, char** argv) {
     const auto& request = std::get<Request>(parsed);
     const std::stop_source stop;
     watch_signals(stop, can_stop(request));
-    return execute(request, stop.get_token());
+    const Status status = execute(request, stop.get_token());
+    if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+    return status;
   } catch (const rosin::InputError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return wrong_input;

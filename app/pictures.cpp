@@ -237,6 +237,16 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   return {"curve.gp"};
 }
 
+constexpr int run_panel = 170, run_margin = 110;  // pixels: height of a panel, and of the texts around them all
+
+/// A step between ticks that leaves about four: 1, 2 or 5 times a power of ten.
+double tick_step(double low, double high) {
+  const double step = (high - low) / 4;
+  if (!(step > 0)) return 1;
+  const double decade = std::pow(10, std::floor(std::log10(step)));
+  return decade * (step < 1.5 * decade ? 1 : step < 3.5 * decade ? 2 : step < 7.5 * decade ? 5 : 10);
+}
+
 std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Run& run) {
   std::vector<std::size_t> shown;
   for (std::size_t c = 0; c < run.columns.size(); ++c)
@@ -246,9 +256,11 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   write_whole(folder / "run-events.csv", "time (s),kind\n" + events);
 
   const int panels = static_cast<int>(shown.size());
-  std::string script = preamble("run", "Every column of a run against time, with its events", 820, 90 + 170 * panels);
-  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,0.08,0.93 spacing 0,0.03\n", panels,
-                        single_quoted(scene.title));
+  std::string script =
+      preamble("run", "Every column of a run against time, with its events", 820, run_margin + run_panel * panels);
+  const int height = run_margin + run_panel * panels;
+  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n", panels,
+                        single_quoted(scene.title), 65.0 / height, 1 - 45.0 / height);
   script += "set grid x linecolor '#CCCCCC' linewidth 0.6\nset key outside top right horizontal\n";
   if (run.time.size() > 1) script += fmt::format("set xrange [{}:{}]\n", run.time.front(), run.time.back());
   constexpr std::size_t most_lines = 200;  // more would hide the curve
@@ -268,6 +280,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
         decades ? Scaled{1, run.column_units[c]} : scaled(run.column_units[c], std::max(std::abs(low), std::abs(high)));
     script +=
         fmt::format("\n{}\nset ylabel {}\n", axis_scale('y', decades), label(readable(run.column_names[c]), unit));
+    script +=
+        decades ? "set ytics autofreq\n" : fmt::format("set ytics {:g}\n", tick_step(low * factor, high * factor));
     script += c == shown.back() ? "set xlabel 'time (s)'\nset format x '%g'\n" : "set format x ''\n";
     script += fmt::format("plot 'run.csv' using 1:(${}*{}) with lines linestyle 1 notitle", c + 2, factor);
     for (const auto& kind : kinds)  // a line over the height of the curve
@@ -358,11 +372,12 @@ std::string colour_scale(const analysis::Map& map, const analysis::MetricName& m
                      range);
 }
 
-/// Marks of the points of each regime and the threshold: further curves of each panel, and one key for all panels.
+/// Marks of the points of each regime and the threshold: further curves of each panel, and one key for all panels,
+/// at a height of the picture.
 struct Marks {
   std::string curves, key;
 };
-Marks marks(const analysis::Map& map) {
+Marks marks(const analysis::Map& map, double key_height) {
   struct Mark {
     analysis::Regime regime;
     const char *condition, *style, *title;
@@ -382,17 +397,22 @@ Marks marks(const analysis::Map& map) {
     result.curves += fmt::format(", \\\n     'map-cells.csv' using 4:($3=={}{} ? $5 : NaN) with points {} notitle",
                                  int(mark.regime), mark.condition, mark.style);
     if (std::string_view(mark.title).empty()) continue;
-    result.key +=
-        fmt::format("set label '{}' at screen {:.3f},0.045 left offset 1.2,0 point {}\n", mark.title, at, mark.style);
+    result.key += fmt::format("set label '{}' at screen {:.3f},{:.4f} left offset 1.2,0 point {}\n", mark.title, at,
+                              key_height, mark.style);
     at += 0.13;
   }
-  if (map.threshold_x.empty()) return result;
-  result.curves +=
-      ", \\\n     'map-threshold.csv' using 1:2 with lines linewidth 5 linecolor '#FFFFFF' notitle"
-      ", \\\n     'map-threshold.csv' using 1:2 with lines linewidth 2 linecolor '#000000' notitle";
-  result.key +=
-      fmt::format("set arrow from screen {:.3f},0.045 to screen {:.3f},0.045 nohead linewidth 2\n", at, at + 0.04);
-  result.key += fmt::format("set label 'threshold of steady sliding' at screen {:.3f},0.045 left\n", at + 0.05);
+  if (!map.threshold_x.empty()) {
+    result.curves +=
+        ", \\\n     'map-threshold.csv' using 1:2 with lines linewidth 5 linecolor '#FFFFFF' notitle"
+        ", \\\n     'map-threshold.csv' using 1:2 with lines linewidth 2 linecolor '#000000' notitle";
+    result.key += fmt::format("set arrow from screen {0:.3f},{1:.4f} to screen {2:.3f},{1:.4f} nohead linewidth 2\n",
+                              at, key_height, at + 0.04);
+    result.key +=
+        fmt::format("set label 'threshold of steady sliding' at screen {:.3f},{:.4f} left\n", at + 0.05, key_height);
+  } else if (result.curves.empty()) {
+    result.key = fmt::format("set label 'steady sliding is stable everywhere here' at screen {:.3f},{:.4f} left\n", at,
+                             key_height);
+  }
   return result;
 }
 
@@ -403,12 +423,13 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   write_cells(folder / "map-cells.csv", scene, map, x, y);
   write_threshold(folder / "map-threshold.csv", map, x, y);
   const int count = static_cast<int>(scene.map.metrics.size()), across = std::min(count, 2), down = (count + 1) / 2;
-  std::string script = preamble("map", "Metrics over a parameter plane", 60 + 540 * across, 90 + 440 * down);
+  const int height = 90 + 440 * down;
+  std::string script = preamble("map", "Metrics over a parameter plane", 60 + 540 * across, height);
   const auto [x_low, x_high] = x.ends();
   const auto [y_low, y_high] = y.ends();
-  script += fmt::format("set multiplot layout {},{} title {} margins {},{},{},{} spacing 0.19,{}\n", down, across,
-                        single_quoted(scene.title), across == 1 ? 0.14 : 0.075, across == 1 ? 0.82 : 0.91, 0.2 / down,
-                        1 - 0.1 / down, 0.24 / down);
+  script += fmt::format("set multiplot layout {},{} title {} margins {},{},{:.4f},{:.4f} spacing 0.19,{:.4f}\n", down,
+                        across, single_quoted(scene.title), across == 1 ? 0.14 : 0.075, across == 1 ? 0.82 : 0.91,
+                        105.0 / height, 1 - 50.0 / height, 80.0 / height);
   script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
   script += fmt::format("set xtics {}\nset ytics {}\n", x.ticks(), y.ticks());
   script += fmt::format("set xlabel {}\nset ylabel {}\n", label(scene.model.describe(map.x.parameter)),
@@ -421,16 +442,17 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
 set palette defined (0 '#00204D', 1 '#00336F', 2 '#39486B', 3 '#575C6D', 4 '#707173', \
                      5 '#8A8779', 6 '#A69D75', 7 '#C4B56C', 8 '#E4CF5B', 9 '#FFEA46')
 set style fill solid 1 noborder
-over(low, high) = high + 0.1*(high - low)  # cells overlap a little: no seams between them
 unset key
 set cblabel offset 1,0
 )";
-  const auto [curves, key] = marks(map);
+  script += fmt::format("# cells overlap by a trifle, so that no seams show\nover_x = {:g}\nover_y = {:g}\n",
+                        0.002 * (x_high - x_low), 0.002 * (y_high - y_low));
+  const auto [curves, key] = marks(map, 24.0 / height);
   script += key;
   for (int m = 0; m < count; ++m) {
     script += '\n' + colour_scale(map, analysis::find_metric(scene.map.metrics[static_cast<std::size_t>(m)]));
     script += fmt::format(
-        "plot 'map-cells.csv' using 4:5:6:(over($6,$7)):8:(over($8,$9)):{} with boxxyerror linecolor palette notitle",
+        "plot 'map-cells.csv' using 4:5:6:($7+over_x):8:($9+over_y):{} with boxxyerror linecolor palette notitle",
         10 + m);
     script += curves + "\nunset label\nunset arrow\n";
   }

@@ -378,18 +378,10 @@ Status map(const Request& request, std::stop_token stop) {
   for (const auto& text : map.notes) job.explain("{}", text);
   job.explain("{} points integrated, {} decided without integration", map.integrated, map.skipped);
 
-  Reached reached;
   std::array<std::size_t, 4> regimes{};
-  for (const auto& point : map.points) {
-    ++regimes[static_cast<std::size_t>(point.regime)];
-    for (const auto& metric : options.metrics) {
-      const auto member = analysis::find_metric(metric).member;
-      reached.add(point.metrics.*member, point.error.*member);
-    }
-  }
+  for (const auto& point : map.points) ++regimes[static_cast<std::size_t>(point.regime)];
   auto& manifest = job.manifest();
   manifest.tolerance_asked = options.tolerance;
-  manifest.tolerance_reached = reached.value();
   manifest.cost = {{"seconds", result.seconds},
                    {"points", double(total)},
                    {"integrated", double(map.integrated)},
@@ -399,7 +391,13 @@ Status map(const Request& request, std::stop_token stop) {
           map.skipped);
   for (const Regime regime : {Regime::stable, Regime::cycle, Regime::bistable, Regime::failed})
     if (const auto count = regimes[static_cast<std::size_t>(regime)]) job.say("  {:<9} {}", name(regime), count);
-  job.say("largest relative error of a metric: {:.1e}", reached.value());
+  for (const auto& metric : options.metrics) {
+    const auto member = analysis::find_metric(metric).member;
+    Reached reached;
+    for (const auto& point : map.points) reached.add(point.metrics.*member, point.error.*member);
+    manifest.tolerance_reached = std::max(manifest.tolerance_reached, reached.value());
+    job.say("  {:<22} relative error at most {:.1e}", metric, reached.value());
+  }
 
   write_plane(job.folder() / "map.nc", scene, map);
   auto files = write_picture(job.folder(), scene, map);
@@ -421,6 +419,8 @@ Status plot(const Request& request) {
   const auto drawn = draw(folder);
   if (!request.quiet) {
     for (const auto& problem : drawn.problems) fmt::print(stderr, "note: {}\n", problem);
+    if (drawn.files.empty() && drawn.problems.empty())
+      fmt::print(stderr, "note: {} holds no pictures\n", (folder / "").string());
     for (const auto& file : drawn.files) fmt::print("{}\n", (folder / file).string());
   }
   return done;

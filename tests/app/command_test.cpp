@@ -192,6 +192,8 @@ TEST_CASE("results go to out/ and the name of the scene, with pictures and witho
     CHECK_FALSE(entry.path().filename().string().starts_with('.'));
   CHECK(content(results / "curve.csv").starts_with("slip_rate (m/s),friction_coefficient\n"));
   CHECK(rosin(folder, {"plot", results.string()}).status == 0);
+  CHECK(fs::exists(results / "curve.svg"));
+  CHECK(fs::exists(results / "curve.png"));
   CHECK(rosin(folder, {"plot", example("bristol-board-cycle")}).status == 0);
 }
 
