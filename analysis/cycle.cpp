@@ -299,6 +299,10 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
   return largest;
 }
 
+/// The next factor on the tolerance where the error found is to fall by `wanted`: errors of moderately stiff unknowns
+/// follow the estimate, which is the tolerance to the power 2/3.
+double next_sharpening(double wanted) { return std::clamp(0.3 * std::pow(wanted, 1.5), 1e-4, 0.1); }
+
 Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   Cycle cycle;
   // Growth in one turn of the leading oscillation; of one e-folding time where it does not oscillate.
@@ -318,9 +322,10 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   double tolerance = std::max(0.1 * options.tolerance * magnified, 1e-13);
   Refined coarse = refine(map, point, tolerance, options.stick_threshold, false);
   std::string worst;
+  double sharpening = 0.1;
   for (int attempt = 0; attempt < 4; ++attempt) {
-    tolerance = std::max(0.1 * tolerance, 2e-14);
-    const bool last_possible = tolerance <= 2e-14;
+    tolerance = std::max(sharpening * tolerance, solvers::Collocation::least_tolerance);
+    const bool last_possible = tolerance <= solvers::Collocation::least_tolerance;
     Refined fine = refine(map, point, tolerance, options.stick_threshold, true);
     if (!coarse.outcome.complete() || !fine.outcome.complete()) {
       cycle.outcome = coarse.outcome.complete() ? fine.outcome : coarse.outcome;
@@ -338,6 +343,7 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     if (reached <= options.tolerance) break;
     cycle.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
     if (last_possible) break;
+    sharpening = next_sharpening(options.tolerance / reached);
     coarse = std::move(fine);
   }
   if (options.multipliers) {
@@ -416,9 +422,10 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   double tolerance = std::max(0.1 * options.tolerance, 1e-13);
   StickSlipPeriod coarse = stick_slip_period(model, tolerance, options.stick_threshold);
   std::string worst;
+  double sharpening = 0.1;
   for (int attempt = 0; attempt < 4; ++attempt) {
-    tolerance = std::max(0.1 * tolerance, 2e-14);
-    const bool last_possible = tolerance <= 2e-14;
+    tolerance = std::max(sharpening * tolerance, solvers::Collocation::least_tolerance);
+    const bool last_possible = tolerance <= solvers::Collocation::least_tolerance;
     StickSlipPeriod fine = stick_slip_period(model, tolerance, options.stick_threshold);
     cycle.cost.steps += fine.steps + coarse.steps;
     cycle.cost.evaluations += fine.evaluations + coarse.evaluations;
@@ -440,6 +447,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     if (reached <= options.tolerance) break;
     cycle.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
     if (last_possible) break;
+    sharpening = next_sharpening(options.tolerance / reached);
     coarse = std::move(fine);
   }
   cycle.multipliers = {0.0};  // stick ends at one and the same state, whatever came before

@@ -19,6 +19,8 @@ namespace rosin::solvers {
 class Collocation {
  public:
   static constexpr int stages = RadauTableau::stages;
+  /// Smaller tolerances bring no more accuracy: the estimate is then held to 1e-12.
+  static constexpr double least_tolerance = 1e-18;
 
   /// `tolerance`: relative accuracy aimed at for the solution, in units of the system's scale.
   Collocation(const System&, double tolerance);
@@ -67,7 +69,7 @@ class Collocation {
   double node_time(double t, double dt) const { return std::min(t + dt, last_moment_); }
   enum class Newton { converged, slow, not_finite };
   void factorise(double h);
-  Newton solve_stages(double t, const double* y0, double h);
+  Newton solve_stages(double t, const double* y0, double h, int most_iterations);
   double estimate_error(double t, const double* y0, double h, bool refine);
   double norm(const double* v) const;
   double first_step(double t_limit);

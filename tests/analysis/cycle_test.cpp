@@ -1,0 +1,158 @@
+/// Periodic orbits against shooting with other integrators at 1e-13, closed forms, and exact event calculations.
+#include "analysis/cycle.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "tests/bristol_board.hpp"
+
+using namespace rosin;
+using namespace rosin::analysis;
+using rosin::tests::bristol_board;
+using rosin::tests::slider_under;
+
+namespace {
+/// A number, with the digits that are sure in the reference.
+struct Reference {
+  double Metrics::*member;
+  double value, uncertainty;
+};
+void check(const Cycle& cycle, const std::vector<Reference>& references) {
+  for (const auto& r : references) {
+    INFO(r.value);
+    const double difference = std::abs(cycle.metrics.*r.member - r.value);
+    CHECK(difference <= cycle.error.*r.member + r.uncertainty);
+    CHECK(cycle.error.*r.member <= 1e-6 * std::abs(r.value));
+  }
+}
+}  // namespace
+
+TEST_CASE("the cycle of Fig 1 has the period, extremes and metrics of an independent shooting", "[cycle]") {
+  // Radau at 1e-11 and DOP853 at 1e-13 agree on all digits given.
+  const std::vector<Reference> references = {
+      {&Metrics::period, 22.58705579716, 1e-11},           {&Metrics::slip_rate_max, 8.45069499589e-5, 1e-16},
+      {&Metrics::slip_rate_min, 1.924206428998e-7, 1e-18}, {&Metrics::friction_max, 0.40512742399316, 1e-13},
+      {&Metrics::friction_min, 0.23543502159642, 1e-13},   {&Metrics::stick_fraction, 0.5843785080036, 1e-12},
+      {&Metrics::stick_fraction_05, 0.7665463331584, 1e-12}, {&Metrics::loop_area, 4.17176638243e-6, 1e-17},
+      {&Metrics::loop_area_normalised, 0.12185291141429, 1e-13}};
+  const double tolerance = GENERATE(1e-6, 1e-10);
+  const auto cycle = find_cycle(bristol_board(1e-4, 10), {.tolerance = tolerance});
+  REQUIRE(cycle.outcome.complete());
+  check(cycle, references);
+  CHECK(cycle.error.period <= tolerance * cycle.metrics.period);
+  CHECK(std::abs(cycle.metrics.period - 22.58705579716) <= 10 * tolerance * 22.6);
+  CHECK(cycle.metrics.stick_fraction_001 == 0);
+  CHECK(cycle.stable);
+  CHECK(cycle.multipliers.front().real() == Approx(0.404064).epsilon(1e-4));
+  CHECK(cycle.section_displacement == Approx(3.6983426076181e-4).epsilon(1e-9));
+  CHECK(cycle.section_state.at(0) == Approx(3.77111979388e-3).epsilon(1e-9));
+  // Identity: a periodic motion slips as far as the drive moves.
+  CHECK(cycle.metrics.slip_rate_mean == Approx(1e-5).epsilon(10 * tolerance));
+}
+
+TEST_CASE("a relaxation cycle over seven decades of slip rate", "[cycle]") {
+  const auto cycle = find_cycle(bristol_board(1e-2, 10), {.tolerance = 1e-9});
+  REQUIRE(cycle.outcome.complete());
+  check(cycle, {{&Metrics::period, 2009.591946018, 5e-9},
+                {&Metrics::slip_rate_max, 1.031523017493e-2, 1e-14},
+                {&Metrics::slip_rate_min, 5.6181170541e-10, 1e-19},
+                {&Metrics::friction_max, 0.460745590772, 2e-11},
+                {&Metrics::stick_fraction, 0.99450887923, 1e-11},
+                {&Metrics::stick_fraction_001, 0.96106902156, 1e-11},
+                {&Metrics::loop_area, 9.215200034e-5, 1e-14},
+                {&Metrics::loop_area_normalised, 0.01938941275, 1e-11}});
+  CHECK(cycle.multipliers.front().real() == Approx(0.04399).epsilon(1e-3));
+}
+
+TEST_CASE("lambda = 0 is the friction curve as a model of its own, without loop area", "[cycle]") {
+  const auto cycle = find_cycle(bristol_board(1e-4, 0), {.tolerance = 1e-9});
+  REQUIRE(cycle.outcome.complete());
+  check(cycle, {{&Metrics::period, 20.0875412888, 4e-10},
+                {&Metrics::slip_rate_min, 2.11490392e-11, 1e-19},
+                {&Metrics::stick_fraction, 0.8376873255, 1e-10},
+                {&Metrics::friction_max, 0.40467912319143, 1e-13}});
+  CHECK(cycle.metrics.loop_area == 0);
+  CHECK(std::abs(cycle.multipliers.front()) < 1e-7);
+}
+
+TEST_CASE("cycles at other loads and clocks agree with the published table", "[cycle]") {
+  struct Case {
+    double load_exponent, lambda, period, slip_rate_max;
+  };
+  const auto c = GENERATE(Case{-4.25, 10, 11.322421702, 2.59408137e-5}, Case{-4, 1, 33.823272129, 1.6732858e-4},
+                          Case{-4, 1e-3, 20.893750698, 1.024853147e-4},
+                          Case{-3.5, 31.622776601683793, 64.122726376, 2.2385792e-4},
+                          Case{0, 1e-3, 92764.07057, 0});
+  const auto cycle = find_cycle(bristol_board(std::pow(10, c.load_exponent), c.lambda), {.tolerance = 1e-8});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.metrics.period == Approx(c.period).epsilon(3e-8));
+  if (c.slip_rate_max > 0) CHECK(cycle.metrics.slip_rate_max == Approx(c.slip_rate_max).epsilon(1e-7));
+}
+
+TEST_CASE("stick-slip coexists with stable sliding above the minimum of the steady curve", "[cycle]") {
+  const auto cycle = find_cycle(bristol_board(1e-2, 1, 1e-3), {.tolerance = 1e-8});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.metrics.period == Approx(21.782286).epsilon(3e-8));
+  CHECK(cycle.metrics.slip_rate_max / 1e-3 == Approx(10.59632).epsilon(6e-7));
+  CHECK(cycle.metrics.stick_fraction == Approx(0.846885).epsilon(1e-6));
+}
+
+TEST_CASE("a cycle is found next to the Hopf point and none on the other side", "[cycle]") {
+  const double critical = 0.00040877514056773;
+  const auto at = [&](double factor) {
+    return find_cycle(bristol_board(1, 10).with("drive.normal_load", factor * critical), {.tolerance = 1e-6});
+  };
+  // Supercritical with Re c₁/ω = −0.0383434: A² = Re s/(0.0383434 ω).
+  const auto near = at(1.0003);
+  REQUIRE(near.outcome.complete());
+  const double growth = 0.3 * 6.3107e-5, amplitude = std::sqrt(growth / (0.0383434 * 0.69102));
+  CHECK((near.metrics.slip_rate_max - near.metrics.slip_rate_min) / 2e-5 == Approx(amplitude).epsilon(0.02));
+  const auto beyond = at(0.98);
+  CHECK(beyond.outcome.ending == Ending::none_exists);
+  CHECK(beyond.metrics.period == 0);
+}
+
+TEST_CASE("Coulomb stick-slip has the closed-form slip and stick times", "[cycle]") {
+  // A = (μ_s − μ_d) N/k: slip (2/ω)(π − atan(A ω/V)), stick 2A/V, peak V + √(V² + A²ω²).
+  const double tolerance = GENERATE(1e-6, 1e-11);
+  const auto cycle =
+      find_cycle(slider_under("coulomb", {0.4, 0.3}, {1, 1.09, 0}, 0.01, 2), {.tolerance = tolerance});
+  REQUIRE(cycle.outcome.complete());
+  check(cycle, {{&Metrics::period, 39.806257042379, 1e-12},
+                {&Metrics::slip_rate_max, 0.20182608713734, 1e-14},
+                {&Metrics::stick_fraction, 0.92189646636089, 1e-14}});
+}
+
+TEST_CASE("Leine's belt block sticks and slips with the exactly known times", "[cycle]") {
+  const auto cycle = find_cycle(slider_under("hyperbolic", {1.0, 3.0}, {1, 1, 0}, 0.2, 1), {.tolerance = 1e-10});
+  REQUIRE(cycle.outcome.complete());
+  check(cycle, {{&Metrics::period, 12.00103129483, 2e-11}});
+  CHECK((1 - cycle.metrics.stick_fraction) * cycle.metrics.period == Approx(4.29599952548).epsilon(1e-11));
+  CHECK(cycle.metrics.stick_fraction * cycle.metrics.period == Approx(7.70503176935).epsilon(1e-11));
+  const auto slower = find_cycle(slider_under("hyperbolic", {1.0, 3.0}, {1, 1, 0}, 0.1, 1), {.tolerance = 1e-10});
+  check(slower, {{&Metrics::period, 17.86599024642, 2e-11}});
+}
+
+TEST_CASE("a drive in the other direction gives the mirror image", "[cycle]") {
+  const auto forward = find_cycle(bristol_board(1e-4, 10)), back = find_cycle(bristol_board(1e-4, 10, -1e-5));
+  CHECK(back.metrics.period == forward.metrics.period);
+  CHECK(back.metrics.slip_rate_min == -forward.metrics.slip_rate_max);
+  CHECK(back.metrics.friction_min == -forward.metrics.friction_max);
+  CHECK(back.section_displacement == -forward.section_displacement);
+}
+
+TEST_CASE("where no cycle can be, the outcome says why", "[cycle]") {
+  CHECK(find_cycle(bristol_board(1e-4, 10, 0)).outcome.ending == Ending::none_exists);
+  CHECK(find_cycle(bristol_board(0, 10)).outcome.ending == Ending::none_exists);
+  // Strengthening friction.
+  const auto rock = slider_under("ageing", {0.6, 0.015, 0.010, 1e-5, 1e-6}, {1, 1e3, 0}, 1e-5, 1);
+  CHECK(find_cycle(rock).outcome.ending == Ending::none_exists);
+  auto varying = bristol_board(1e-4, 10);
+  varying.drive.speed = Signal(Signal::Ramp{1e-5, 1e-7});
+  CHECK_THROWS_AS(find_cycle(varying), InputError);
+  CHECK_THROWS_AS(find_cycle(bristol_board(1e-4, 10), {.tolerance = 0}), InputError);
+}
+
+TEST_CASE("metrics are found by name, with the nearest suggested", "[cycle]") {
+  CHECK(find_metric("loop_area").member == &Metrics::loop_area);
+  CHECK_THROWS_WITH(find_metric("loop_aera"), Catch::Contains("did you mean 'loop_area'"));
+}

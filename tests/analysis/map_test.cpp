@@ -1,0 +1,158 @@
+/// Parameter planes: regimes, threshold, folds, independence of threads, resumption.
+#include "analysis/map.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "analysis/coexistence.hpp"
+#include "analysis/stability.hpp"
+#include "tests/bristol_board.hpp"
+
+using namespace rosin;
+using namespace rosin::analysis;
+using rosin::tests::bristol_board;
+using rosin::tests::slider_under;
+
+namespace {
+MapOptions small_plane(int points) {
+  MapOptions options;
+  options.x = make_axis("drive.normal_load", 9.81e-8, 9.81, points, true, {});
+  options.y = make_axis("law.lambda", 1e-4, 1e2, points, true, {0});
+  options.metrics = {"stick_fraction", "loop_area"};
+  return options;
+}
+}  // namespace
+
+TEST_CASE("a coarse plane of Fig 2: regimes by the closed form, metrics by the cycle", "[map]") {
+  const auto model = bristol_board(1e-4, 10);
+  const auto options = small_plane(9);
+  const Map map = compute_map(model, options);
+  REQUIRE(map.outcome.complete());
+  const std::size_t nx = map.x.values.size();
+  for (std::size_t i = 0; i < map.points.size(); ++i) {
+    const auto here = model.with("drive.normal_load", map.x.values[i % nx]).with("law.lambda", map.y.values[i / nx]);
+    const auto critical = critical_load(here);
+    const bool stable = critical && here.drive.normal_load.level() < critical->normal_load;
+    INFO(map.x.values[i % nx] << " " << map.y.values[i / nx]);
+    CHECK(map.points[i].regime == (stable ? Regime::stable : Regime::cycle));
+    CHECK(map.points[i].integrated == !stable);  // what linear stability decides is not integrated
+  }
+  CHECK(map.integrated + map.skipped == long(map.points.size()));
+  // Scattered points against a hundred-thousandfold finer tolerance.
+  for (const std::size_t i : {3ul, 22ul, 40ul, 61ul, 85ul}) {
+    const auto here = model.with("drive.normal_load", map.x.values[i % nx]).with("law.lambda", map.y.values[i / nx]);
+    const Cycle fine = find_cycle(here, {.tolerance = 1e-10});
+    const auto& point = map.points[i];
+    for (const auto& metric : metric_names()) {
+      INFO(metric.name << " at " << i);
+      CHECK(std::abs(point.metrics.*metric.member - fine.metrics.*metric.member) <=
+            point.error.*metric.member + fine.error.*metric.member);
+    }
+  }
+}
+
+TEST_CASE("the threshold line is the closed form to rounding", "[map]") {
+  auto options = small_plane(7);
+  const auto model = bristol_board(1e-4, 10);
+  const Map map = compute_map(model, options);
+  int points = 0;
+  for (std::size_t i = 0; i < map.threshold_x.size(); ++i) {
+    if (std::isnan(map.threshold_x[i])) continue;
+    // N_c = A λ − B/λ with A, B by Newton in 40 digits.
+    const double lambda = map.threshold_y[i], expected = 7.27463458903e-5 * lambda - 3.18688318336e-3 / lambda;
+    CHECK(std::abs(map.threshold_x[i] - expected) < 1e-10 * map.threshold_x[i] + 1e-11 * lambda * 7.3e-5);
+    ++points;
+  }
+  CHECK(points >= 5);
+}
+
+TEST_CASE("a numerically traced threshold equals the closed form", "[map]") {
+  // The load kept out of the axes: λ against stiffness.
+  const auto model = bristol_board(1e-4, 10);
+  MapOptions options;
+  options.x = make_axis("oscillator.stiffness", 0.6, 6, 6, true, {});
+  options.y = make_axis("law.lambda", 5, 50, 4, true, {});
+  options.metrics = {"period"};
+  const Map map = compute_map(model, options);
+  int points = 0;
+  for (std::size_t i = 0; i < map.threshold_x.size(); ++i) {
+    if (std::isnan(map.threshold_x[i])) continue;
+    const auto here =
+        model.with("oscillator.stiffness", map.threshold_x[i]).with("law.lambda", map.threshold_y[i]);
+    REQUIRE(critical_load(here));
+    CHECK(critical_load(here)->normal_load == Approx(model.drive.normal_load.level()).epsilon(1e-10));
+    ++points;
+  }
+  CHECK(points >= 4);
+}
+
+TEST_CASE("results do not depend on threads, and known points are not computed again", "[map]") {
+  const auto model = bristol_board(1e-4, 10);
+  auto options = small_plane(4);
+  const Map one = compute_map(model, options);
+  options.threads = 3;
+  int computed = 0;
+  MapHooks hooks;
+  hooks.known = [&](std::size_t i) { return i % 2 == 0 ? &one.points[i] : nullptr; };
+  hooks.finished = [&](std::size_t, const MapPoint&) { ++computed; };
+  const Map resumed = compute_map(model, options, hooks);
+  CHECK(computed == int(one.points.size() / 2));
+  for (std::size_t i = 0; i < one.points.size(); ++i) {
+    CHECK(one.points[i].regime == resumed.points[i].regime);
+    for (const auto& metric : metric_names()) {
+      const double a = one.points[i].metrics.*metric.member, b = resumed.points[i].metrics.*metric.member;
+      CHECK((a == b || (std::isnan(a) && std::isnan(b))));
+    }
+  }
+}
+
+TEST_CASE("a stop is obeyed and said", "[map]") {
+  std::stop_source stop;
+  MapHooks hooks;
+  hooks.finished = [&](std::size_t, const MapPoint&) { stop.request_stop(); };
+  hooks.stop = stop.get_token();
+  CHECK(compute_map(bristol_board(1e-4, 10), small_plane(4), hooks).outcome.ending == Ending::interrupted);
+}
+
+TEST_CASE("folds below subcritical borders", "[map]") {
+  // V = 1e-6 m/s, log10 λ = 0.6: N_fold/N_Hopf = 0.99617; V = 1e-5 m/s: down to 0.99963 within log10 λ = 1.32 … 1.57.
+  const auto slow = bristol_board(1e-4, std::pow(10, 0.6), 1e-6);
+  const double hopf = critical_load(slow)->normal_load;
+  CHECK(fold_of_cycles(slow, hopf) / hopf == Approx(0.99617).margin(5e-6));
+  double lowest = 1;
+  for (const double exponent : {1.41, 1.43, 1.45, 1.47}) {
+    const auto model = bristol_board(1e-4, std::pow(10, exponent));
+    const double border = critical_load(model)->normal_load;
+    lowest = std::min(lowest, fold_of_cycles(model, border) / border);
+  }
+  CHECK(lowest == Approx(0.99963).margin(1e-5));
+}
+
+TEST_CASE("cycles beside stable sliding: a bistable point", "[map]") {
+  MapOptions options;
+  options.x = make_axis("drive.normal_load", 0.09, 0.0981, 2, false, {});
+  options.y = make_axis("law.lambda", 0.5, 1, 2, false, {});
+  options.metrics = {"period"};
+  const Map map = compute_map(bristol_board(1e-2, 1, 1e-3), options);
+  for (const auto& point : map.points) CHECK(point.regime == Regime::bistable);
+  CHECK(map.points.back().metrics.period == Approx(21.782286).epsilon(1e-6));
+  // Inside the subcritical strip: 0.99975 of the Hopf load at log10 λ = 1.45.
+  const auto strip = bristol_board(1e-4, std::pow(10, 1.45));
+  const double load = 0.99975 * critical_load(strip)->normal_load;
+  options.x = make_axis("drive.normal_load", 0.5 * load, load, 2, false, {});
+  options.y = make_axis("law.lambda", strip.lambda, 1.001 * strip.lambda, 2, false, {});
+  const Map border = compute_map(strip, options);
+  CHECK(border.points[0].regime == Regime::stable);
+  CHECK_FALSE(border.points[0].integrated);
+  CHECK(border.points[1].regime == Regime::bistable);
+}
+
+TEST_CASE("axes that cannot be are refused", "[map]") {
+  CHECK_THROWS_AS(make_axis("drive.speed", 1, 2, 1, true, {}), InputError);
+  CHECK_THROWS_AS(make_axis("drive.speed", -1, 2, 5, true, {}), InputError);
+  CHECK_THROWS_AS(make_axis("drive.speed", 1, 1, 5, true, {}), InputError);
+  auto options = small_plane(3);
+  options.x = make_axis("law.a", 0.01, 3, 3, true, {});
+  CHECK_THROWS_WITH(compute_map(bristol_board(1e-4, 10), options), Catch::Contains("law.a = 3"));
+}

@@ -1,0 +1,166 @@
+/// Histories against exact velocity steps, a published rate-and-state case, and closed-form stick–slip.
+#include "analysis/run.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+
+#include "tests/bristol_board.hpp"
+
+using namespace rosin;
+using namespace rosin::analysis;
+using rosin::tests::bristol_board;
+using rosin::tests::slider_under;
+
+namespace {
+constexpr int friction_column = 4;
+
+/// An imposed step of slip rate at t = 1 s, sampled at the given times after it.
+std::vector<double> after_step(const char* law, std::vector<Value> values, double lambda, double before, double after,
+                               std::vector<double> times, const std::string& solver) {
+  auto model = slider_under(law, std::move(values), {0, infinity, 0}, before, 1);
+  model.lambda = lambda;
+  model.drive.speed = Signal(Signal::Steps{{{0, before}, {1, after}}});
+  for (double& t : times) t += 1;
+  RunOptions options;
+  options.times = times;
+  options.duration = times.back();
+  options.tolerance = 1e-10;
+  options.solver = solver;
+  const Run result = run(model, options);
+  REQUIRE(result.outcome.complete());
+  CHECK(result.column_error[friction_column] < 1e-10);
+  return result.columns[friction_column];
+}
+void check(const std::vector<double>& found, const std::vector<double>& expected) {
+  REQUIRE(found.size() == expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) CHECK(std::abs(found[i] - expected[i]) < 1e-11);
+}
+}  // namespace
+
+TEST_CASE("velocity steps are exact for ageing, slip and spinodal laws", "[run]") {
+  const std::string solver = GENERATE("auto", "cvode");
+  const std::vector<Value> rock = {0.6, 0.010, 0.015, 1e-5, 1e-6};
+  check(after_step("ageing", rock, 1, 1e-6, 1e-5, {0, 0.05, 0.5, 1, 3, 10}, solver),
+        {0.62302585092994, 0.62235256109141, 0.61646867178205, 0.61040432711105, 0.59404069010018, 0.58849320227374});
+  check(after_step("slip", rock, 1, 1e-6, 1e-5, {0, 0.05, 0.5, 1, 3, 10}, solver),
+        {0.62302585092994, 0.62134137492812, 0.6094359013675, 0.60119318029393, 0.59020665895675, 0.58848864259305});
+  check(after_step("slip", rock, 1, 1e-5, 1e-6, {0, 1, 10, 30}, solver),
+        {0.56546122360509, 0.56874802274471, 0.58729389424109, 0.59828041557828});
+  const auto board = laws::find_law("spinodal")->values();
+  check(after_step("spinodal", board, 1, 1e-6, 1e-5, {0, 0.03, 0.3, 1, 5}, solver),
+        {0.44940909531201, 0.4350257152238, 0.35102675108649, 0.33769013789609, 0.33768376115358});
+  check(after_step("spinodal", board, 10, 1e-5, 1e-6, {0, 1, 5, 20, 60}, solver),
+        {0.25732355502907, 0.28964440243281, 0.33391676336368, 0.36415700064572, 0.36899655579644});
+}
+
+TEST_CASE("rsfmodel's published velocity step through a loading spring", "[run]") {
+  // Leeman, May & Marone (2016): a 0.005, b 0.01, Dc 10 µm, k/N = 1e-3 per µm, 1 to 10 µm/s at t = 10 s.
+  auto model = slider_under("ageing", {0.6, 0.005, 0.01, 1e-5, 1e-6}, {0, 1e3, 0}, 1e-6, 1);
+  model.drive.speed = Signal(Signal::Steps{{{0, 1e-6}, {10, 1e-5}}});
+  RunOptions options;
+  options.duration = 40;
+  options.samples = 40;
+  options.tolerance = 1e-9;
+  options.solver = GENERATE("auto", "cvode");
+  const Run result = run(model, options);
+  REQUIRE(result.outcome.complete());
+  const auto& mu = result.columns[friction_column];
+  CHECK(std::abs(mu[11] - 0.60720485) < 1e-8);
+  CHECK(std::abs(mu[13] - 0.58400910) < 1e-8);
+  CHECK(*std::min_element(mu.begin(), mu.end()) == mu[13]);
+  CHECK(std::abs(mu[40] - 0.58848708) < 1e-8);
+  CHECK(result.column_error[friction_column] < 1e-9);
+}
+
+TEST_CASE("a stiffer loading spring, ageing and slip", "[run]") {
+  struct Case {
+    const char* law;
+    std::vector<double> friction;
+  };
+  const auto c = GENERATE(
+      Case{"ageing", {0.605207233704, 0.617672038645, 0.606071407260, 0.588166623558, 0.588487074534}},
+      Case{"slip", {0.605206832460, 0.615352660316, 0.585160247282, 0.588611242538, 0.588487074535}});
+  auto model = slider_under(c.law, {0.6, 0.010, 0.015, 1e-5, 1e-6}, {0, 3e3, 0}, 1e-6, 1);
+  model.drive.speed = Signal(Signal::Steps{{{0, 1e-6}, {1, 1e-5}}});
+  RunOptions options;
+  options.times = {1.2, 2, 3, 6, 21};
+  options.duration = 21;
+  options.tolerance = 1e-10;
+  const Run result = run(model, options);
+  for (int i = 0; i < 5; ++i) CHECK(std::abs(result.columns[friction_column][i] - c.friction[i]) < 1e-11);
+}
+
+TEST_CASE("an earthquake cycle with radiation damping keeps the creep that follows to many digits", "[run]") {
+  // The single-degree stick–slip case of QDYN (Luo et al. 2017), per unit area; ln v after 5000 s.
+  auto model = slider_under("ageing", {0.6, 0.01, 0.025, 1e-5, 1e-6}, {0, 2e9, 2e10 / 6000}, 1e-6, 5e6);
+  RunOptions options;
+  options.duration = 5000;
+  options.samples = 2;
+  options.tolerance = 1e-9;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 0.9e-6;
+  options.start.states["theta"] = 10;
+  const Run result = run(model, options);
+  REQUIRE(result.outcome.complete());
+  CHECK(std::log(result.columns[2].back()) == Approx(-27.8503968).epsilon(1e-8));
+}
+
+TEST_CASE("Coulomb stick-slip from rest switches at the closed-form times", "[run]") {
+  RunOptions options;
+  options.duration = 200;
+  options.samples = 400;
+  options.start.kind = Start::Kind::rest;
+  const Run result = run(slider_under("coulomb", {0.4, 0.3}, {1, 1.09, 0}, 0.01, 2), options);
+  REQUIRE(result.outcome.complete());
+  REQUIRE(result.events.size() == 8);
+  const double first = 0.4 * 2 / 1.09 / 0.01, slip = 3.1090093359567, period = 39.806257042379;
+  for (int i = 0; i < 8; ++i) {
+    CHECK(result.events[i].kind == (i % 2 == 0 ? "slip" : "stick"));
+    CHECK(result.events[i].time == Approx(first + i / 2 * period + i % 2 * slip).epsilon(1e-11));
+  }
+  // In stick the slip rate is exactly zero.
+  CHECK(result.columns[2][10] == 0);
+}
+
+TEST_CASE("a force that turns over makes a block reverse, and weak ones leave it at rest", "[run]") {
+  auto model = slider_under("coulomb", {0.4, 0.4}, {1, 1, 0.1}, 1, 1);
+  model.drive.speed = 0.0;
+  RunOptions options;
+  options.duration = 20;
+  options.start.kind = Start::Kind::rest;
+  model.drive.force = Signal(Signal::Harmonics{0, {{0.39, 1.0, 0.0}}});
+  const Run held = run(model, options);
+  CHECK(held.events.empty());
+  CHECK(held.metrics.at("slip_rate_max") == 0);
+  model.drive.force = Signal(Signal::Harmonics{0, {{2.0, 1.0, 0.0}}});
+  const Run moved = run(model, options);
+  REQUIRE(moved.outcome.complete());
+  int turns = 0;
+  for (const auto& e : moved.events) turns += e.kind == "reversal" || e.kind == "slip";
+  CHECK(turns >= 6);
+  CHECK(moved.metrics.at("slip_rate_min") < -0.1);
+  // Energy: the force works against friction and damper, the spring returns what it took (checked over the record).
+  CHECK(moved.column_error[0] < 1e-6);
+}
+
+TEST_CASE("wrong runs are refused before any work", "[run]") {
+  const auto model = bristol_board(1e-4, 10);
+  RunOptions options;
+  options.solver = "cvod";
+  CHECK_THROWS_WITH(run(model, options), Catch::Contains("did you mean 'cvode'"));
+  options.solver = "events";
+  CHECK_THROWS_WITH(run(model, options), Catch::Contains("set-valued") || Catch::Contains("smooth"));
+  options.solver = "auto";
+  options.duration = -1;
+  CHECK_THROWS_AS(run(model, options), InputError);
+  options.duration = 1;
+  options.start.kind = Start::Kind::given;
+  options.start.states["phi"] = 0.5;
+  CHECK_THROWS_WITH(run(model, options), Catch::Contains("no state 'phi'"));
+  options.start.states = {{"psi", 2.0}};
+  CHECK_THROWS_WITH(run(model, options), Catch::Contains("outside"));
+  options = {};
+  options.duration = NAN;
+  CHECK_THROWS_AS(run(model, options), InputError);
+}

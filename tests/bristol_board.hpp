@@ -1,0 +1,32 @@
+/// The slider of Woodhouse, Putelat & McKay (2015), Figs 1 and 2, for tests.
+#pragma once
+#include <cmath>
+
+#include "laws/catalogue.hpp"
+#include "oscillators/model.hpp"
+
+namespace rosin::tests {
+
+inline constexpr double gravity = 9.81;
+
+/// Bristol board at N/(mg) and λ; mass 1 kg, spring 1.09 N/m, drive 0.01 mm/s.
+inline oscillators::Model bristol_board(double load_over_weight, double lambda, double speed = 1e-5) {
+  oscillators::Model model;
+  model.law = laws::find_law("spinodal");
+  model.lambda = lambda;
+  model.slider = {.mass = 1, .stiffness = 1.09, .damping = 0};
+  model.drive = {.speed = speed, .normal_load = load_over_weight * gravity, .force = 0.0};
+  return model;
+}
+
+/// Law `name` with parameter values in the order of its table, on a slider.
+inline oscillators::Model slider_under(const char* name, std::vector<Value> values, oscillators::Slider slider,
+                                       double speed, double load) {
+  oscillators::Model model;
+  model.law = laws::find_law(name)->with(std::move(values));
+  model.slider = slider;
+  model.drive = {.speed = speed, .normal_load = load, .force = 0.0};
+  return model;
+}
+
+}  // namespace rosin::tests

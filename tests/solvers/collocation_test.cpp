@@ -1,0 +1,167 @@
+/// The collocation method: orders, stiff and algebraic rows, events, variational equations.
+#include "solvers/collocation.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <tuple>
+
+using namespace rosin;
+using solvers::Collocation;
+
+namespace {
+
+/// ẏ₀ = −k (y₀ − cos t) − sin t (Prothero & Robinson 1974), 0 = y₁ − y₀²: solution cos t and its square.
+struct ProtheroRobinson final : System {
+  double k;
+  explicit ProtheroRobinson(double rate) : k(rate) {}
+  int size() const override { return 2; }
+  void mass(double, double* m) const override { m[0] = 1, m[1] = 0; }
+  void evaluate(double t, const double* y, double* f) const override {
+    f[0] = -k * (y[0] - std::cos(t)) - std::sin(t);
+    f[1] = y[1] - y[0] * y[0];
+  }
+  void linearise(double t, const double* y, double* f, double* J) const override {
+    evaluate(t, y, f);
+    J[0] = -k, J[1] = 0, J[2] = -2 * y[0], J[3] = 1;
+  }
+  void scale(const double*, double* s) const override { s[0] = s[1] = 1; }
+  std::string unknown(int i) const override { return i == 0 ? "y" : "square"; }
+};
+
+/// The pendulum ẋ = v, v̇ = −sin x.
+struct Pendulum final : System {
+  int size() const override { return 2; }
+  void mass(double, double* m) const override { m[0] = m[1] = 1; }
+  void evaluate(double, const double* y, double* f) const override { f[0] = y[1], f[1] = -std::sin(y[0]); }
+  void linearise(double t, const double* y, double* f, double* J) const override {
+    evaluate(t, y, f);
+    J[0] = 0, J[1] = 1, J[2] = -std::cos(y[0]), J[3] = 0;
+  }
+  void scale(const double*, double* s) const override { s[0] = s[1] = 1; }
+  std::string unknown(int i) const override { return i == 0 ? "angle" : "speed"; }
+};
+
+/// ẏ = y², which reaches infinity at t = 1 from y = 1.
+struct BlowUp final : System {
+  int size() const override { return 1; }
+  void mass(double, double* m) const override { m[0] = 1; }
+  void evaluate(double, const double* y, double* f) const override { f[0] = y[0] * y[0]; }
+  void linearise(double t, const double* y, double* f, double* J) const override {
+    evaluate(t, y, f);
+    J[0] = 2 * y[0];
+  }
+  void scale(const double* y, double* s) const override { s[0] = 1 + std::abs(y[0]); }
+  std::string unknown(int) const override { return "y"; }
+};
+
+std::vector<double> advance(Collocation& solver, double end) {
+  while (solver.time() < end) REQUIRE(solver.step(end).complete());
+  return solver.state();
+}
+}  // namespace
+
+TEST_CASE("the tableau integrates and interpolates polynomials exactly", "[collocation]") {
+  const auto& t = solvers::RadauTableau::get();
+  for (int degree = 0; degree <= 8; ++degree) {
+    double sum = 0;
+    for (int i = 0; i < 5; ++i) sum += t.b[i] * std::pow(t.c[i], degree);
+    CHECK(sum == Approx(1.0 / (degree + 1)).epsilon(1e-14));
+  }
+  CHECK(t.c[4] == 1);
+  CHECK(t.c[0] == Approx(0.05710419611452).epsilon(1e-12));  // Hairer & Wanner (1999)
+  CHECK(t.gamma == Approx(6.286704751729276).epsilon(1e-12));
+}
+
+TEST_CASE("stiff and algebraic rows keep their accuracy", "[collocation]") {
+  for (const double rate : {1.0, 1e3, 1e8}) {
+    const ProtheroRobinson system(rate);
+    Collocation solver(system, 1e-10);
+    const double start[] = {1, 0.3};  // the algebraic unknown is made consistent
+    REQUIRE(solver.start(0, start));
+    const auto y = advance(solver, 10);
+    INFO(rate);
+    // Moderately stiff forcing reduces the order to that of the stages; the estimate, tolerance^(2/3), still bounds it.
+    const double allowed = rate == 1e3 ? 1e-6 : 1e-9;
+    CHECK(std::abs(y[0] - std::cos(10)) < allowed);
+    CHECK(std::abs(y[1] - std::cos(10) * std::cos(10)) < allowed);
+    CHECK(solver.count().steps < 60);
+  }
+}
+
+TEST_CASE("smaller tolerances give proportionally smaller errors", "[collocation]") {
+  // Period of the pendulum from amplitude 2: 4 K(sin 1) = 8.34975… (elliptic integral by AGM).
+  double a = 1, g = std::cos(1.0);
+  for (int i = 0; i < 8; ++i) std::tie(a, g) = std::pair{(a + g) / 2, std::sqrt(a * g)};
+  const double period = 2 * M_PI / a;
+  const Pendulum system;
+  double last = 1;
+  for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
+    Collocation solver(system, tolerance);
+    const double start[] = {2, 0};
+    solver.start(0, start);
+    const auto y = advance(solver, 5 * period);
+    const double error = std::hypot(y[0] - 2, y[1]);
+    INFO(tolerance);
+    CHECK(error < 100 * tolerance);
+    CHECK(error < last);
+    last = error;
+  }
+}
+
+TEST_CASE("events inside a step are located at the order of the method", "[collocation]") {
+  const Pendulum system;
+  Collocation solver(system, 1e-12);
+  double a = 1, g = std::cos(1.0);
+  for (int i = 0; i < 8; ++i) std::tie(a, g) = std::pair{(a + g) / 2, std::sqrt(a * g)};
+  const double quarter = M_PI / 2 / a;
+  const double start[] = {2, 0};
+  solver.start(0, start);
+  for (double before = 2; solver.step(100).complete(); before = solver.state()[0]) {
+    if (solver.state()[0] > 0) continue;
+    const auto theta =
+        solver.locate([](double, const double* y) { return y[0]; }, 0, 1, before, solver.state()[0]);
+    REQUIRE(theta);
+    REQUIRE(solver.shorten(*theta));
+    CHECK(solver.time() == Approx(quarter).epsilon(1e-12));
+    CHECK(std::abs(solver.state()[0]) < 1e-14);
+    break;
+  }
+}
+
+TEST_CASE("the derivative of the flow is that of neighbouring solutions", "[collocation]") {
+  const Pendulum system;
+  const auto end = [&](double x, double v) {
+    Collocation solver(system, 1e-13);
+    const double start[] = {x, v};
+    solver.start(0, start);
+    return advance(solver, 7);
+  };
+  Collocation solver(system, 1e-12);
+  const double start[] = {1.5, 0.4};
+  solver.start(0, start);
+  std::vector<double> S = {1, 0, 0, 1};
+  while (solver.time() < 7) {
+    REQUIRE(solver.step(7).complete());
+    solver.propagate(S, 2);
+  }
+  const double h = 1e-5;
+  const auto left = end(1.5 - h, 0.4), right = end(1.5 + h, 0.4), down = end(1.5, 0.4 - h), up = end(1.5, 0.4 + h);
+  for (int i = 0; i < 2; ++i) {
+    CHECK(S[i * 2] == Approx((right[i] - left[i]) / (2 * h)).epsilon(1e-7));
+    CHECK(S[i * 2 + 1] == Approx((up[i] - down[i]) / (2 * h)).epsilon(1e-7));
+  }
+  CHECK(S[0] * S[3] - S[1] * S[2] == Approx(1).epsilon(1e-11));  // Hamiltonian: area is kept
+}
+
+TEST_CASE("a solution that ceases to exist ends in a typed outcome", "[collocation]") {
+  const BlowUp system;
+  Collocation solver(system, 1e-8);
+  const double start[] = {1};
+  solver.start(0, start);
+  Outcome outcome;
+  for (int i = 0; i < 100000 && outcome.complete() && solver.time() < 2; ++i) outcome = solver.step(2);
+  CHECK_FALSE(outcome.complete());
+  CHECK(solver.time() == Approx(1).epsilon(1e-6));
+  CHECK_THAT(outcome.detail, Catch::Contains("'y'"));
+}
