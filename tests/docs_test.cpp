@@ -1,0 +1,180 @@
+/// What the docs show is true: commands run, quoted output was printed, quoted code is compiled, links lead somewhere.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path root = ROSIN_SOURCE_DIR;
+
+std::string content(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// README, CONTRIBUTING and everything in docs/.
+std::vector<fs::path> pages() {
+  std::vector<fs::path> found = {root / "README.md", root / "CONTRIBUTING.md"};
+  for (const auto& entry : fs::recursive_directory_iterator(root / "docs"))
+    if (entry.path().extension() == ".md") found.push_back(entry.path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// A fenced block of a page: ```language … ```.
+struct Block {
+  std::string language;
+  std::vector<std::string> lines;
+};
+std::vector<Block> blocks_of(const fs::path& page) {
+  std::vector<Block> blocks;
+  bool inside = false;
+  for (const auto& line : lines_of(content(page))) {
+    if (line.rfind("```", 0) == 0) {
+      inside = !inside;
+      if (inside) blocks.push_back({line.substr(3), {}});
+    } else if (inside) {
+      blocks.back().lines.push_back(line);
+    }
+  }
+  return blocks;
+}
+
+/// The command of a line of shell, as it stands behind `rosin`; empty if the line is not one.
+std::string arguments_of(const std::string& line) {
+  for (const std::string word : {"rosin ", "build/release/rosin "})
+    if (line.rfind(word, 0) == 0) return line.substr(word.size());
+  return {};
+}
+
+/// True if the pieces of `pattern` between "…" stand in one line of the output, in their order.
+bool printed(const std::string& pattern, const std::vector<std::string>& output) {
+  const std::string gap = "…";
+  for (const auto& line : output) {
+    std::size_t at = 0, begin = 0;
+    while (at != std::string::npos && begin <= pattern.size()) {
+      const auto end = std::min(pattern.find(gap, begin), pattern.size());
+      const auto piece = pattern.substr(begin, end - begin);
+      at = line.find(piece, at);
+      if (at != std::string::npos) at += piece.size();
+      begin = end + gap.size();
+    }
+    if (at != std::string::npos) return true;
+  }
+  return false;
+}
+
+void check_printed(const Block& quoted, const std::vector<std::string>& output) {
+  for (const auto& line : quoted.lines) {
+    INFO("not printed: " << line);
+    CHECK(printed(line, output));
+  }
+}
+
+/// What a line of shell prints, and its exit status (−1: none).
+struct Ran {
+  std::vector<std::string> output;
+  int status;
+};
+Ran run(const std::string& command, const fs::path& folder) {
+  const auto file = folder / "printed";
+  const auto line = "cd '" + folder.string() + "' && " + command + " >'" + file.string() + "' 2>&1 </dev/null";
+  const int status = std::system(line.c_str());
+  return {lines_of(content(file)), WIFEXITED(status) ? WEXITSTATUS(status) : -1};
+}
+
+/// A new folder in which the commands of a page find the examples and leave their results.
+struct Workplace {
+  fs::path path = fs::temp_directory_path() / ("rosin-docs-" + std::to_string(getpid()));
+  Workplace() {
+    fs::remove_all(path);
+    fs::create_directories(path);
+    fs::create_directory_symlink(root / "examples", path / "examples");
+  }
+  ~Workplace() { fs::remove_all(path); }
+};
+
+}  // namespace
+
+#ifdef ROSIN_COMMAND
+const std::string command = "'" ROSIN_COMMAND "' ";
+
+TEST_CASE("every command in the docs runs, and prints what is quoted below it") {
+  int commands = 0;
+  for (const auto& page : pages()) {
+    const Workplace workplace;
+    std::vector<std::string> output;
+    for (const auto& block : blocks_of(page)) {
+      INFO(fs::relative(page, root).string());
+      if (block.language == "text") {
+        if (!output.empty()) check_printed(block, output);
+        continue;
+      }
+      output.clear();
+      if (block.language != "sh") continue;
+      for (const auto& line : block.lines) {
+        const auto arguments = arguments_of(line);
+        if (arguments.empty()) continue;
+        INFO(line);
+        const auto ran = run(command + arguments, workplace.path);
+        CHECK(ran.status == 0);
+        output.insert(output.end(), ran.output.begin(), ran.output.end());
+        ++commands;
+      }
+    }
+  }
+  CHECK(commands > 10);
+}
+#endif
+
+TEST_CASE("the README shows examples/readme.cpp as it is compiled, and what it prints") {
+  const auto example = lines_of(content(root / "examples/readme.cpp"));
+  int shown = 0;
+  const auto blocks = blocks_of(root / "README.md");
+  for (std::size_t i = 0; i + 1 < blocks.size(); ++i) {
+    if (blocks[i].language != "cpp") continue;
+    CHECK(blocks[i].lines == example);
+    ++shown;
+#ifdef ROSIN_COMMAND
+    const auto program = fs::path(ROSIN_COMMAND).parent_path() / "examples/example_readme";
+    if (!fs::exists(program)) continue;  // only the tests were built
+    const Workplace workplace;
+    const auto ran = run("'" + program.string() + "'", workplace.path);
+    CHECK(ran.status == 0);
+    check_printed(blocks[i + 1], ran.output);
+#endif
+  }
+  CHECK(shown == 1);
+}
+
+TEST_CASE("links within the docs lead to files") {
+  for (const auto& page : pages()) {
+    const auto text = content(page);
+    for (std::size_t at = 0; (at = text.find("](", at)) != std::string::npos;) {
+      at += 2;
+      auto target = text.substr(at, text.find(')', at) - at);
+      target.resize(std::min(target.size(), target.find('#')));
+      if (target.empty() || target.find("://") != std::string::npos) continue;
+      INFO(fs::relative(page, root).string() << " links to " << target);
+      CHECK(fs::exists(page.parent_path() / target));
+    }
+  }
+}
