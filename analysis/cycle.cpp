@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/tools/roots.hpp>
 #include <cmath>
 #include <numbers>
 
@@ -49,6 +50,7 @@ const MetricName& find_metric(std::string_view name) {
 namespace {
 
 constexpr double loose = 1e-6;      ///< tolerance of the search for motions of the size of the drive speed
+constexpr long most_steps = 300'000;  ///< of one search
 constexpr double collapsed = 1e-5;  ///< amplitudes |v − V|/V below this are steady sliding
 
 /// Small motions are followed more closely: what matters are errors against their drift, which falls with A².
@@ -209,6 +211,10 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles) {
         if (passage.outcome.ending != Ending::budget_spent || !steady_is_stable) result.outcome = passage.outcome;
         break;
       }
+      if (map.cost().steps > most_steps) {
+        result.outcome = {Ending::budget_spent, fmt::format("no periodic motion within {} steps", most_steps)};
+        break;
+      }
       y = passage.end;
       visited.push_back(y);
       const double amplitude = passage.amplitude;
@@ -283,15 +289,19 @@ bool is_stick(const MetricName& metric) {
          metric.member == &Metrics::stick_fraction_05;
 }
 
-/// Errors of `fine` by its difference to `coarse`, a result at ten times the tolerance; never below what the tolerance
+/// Errors of `fine` by its difference to `coarse`, a result at a hundred times the tolerance or more; never below what the tolerance
 /// and rounding allow. Returns the worst ratio of error to size.
 double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolerance, double closure, double V,
                        bool stick_is_ill_conditioned, Metrics& error, std::string& worst) {
   double largest = 0;
   for (const auto& metric : metric_names()) {
     const double size = size_of(metric, fine, V), value = fine.*metric.member;
-    double e = 3 * std::abs(coarse.*metric.member - value);
+    double e = 2 * std::abs(coarse.*metric.member - value);
     if (value != 0) e += (3 * tolerance + 5e-14 + closure) * (metric.member == &Metrics::slip_rate_min ? std::abs(value) : size);
+    // Divided steps are each summed to a small part of the tolerance.
+    if (value != 0 && metric.member == &Metrics::loop_area)
+      e += 0.3 * std::max(tolerance, 1e-13) * fine.slip_rate_max * fine.friction_max;
+    if (value != 0 && metric.member == &Metrics::loop_area_normalised) e += 0.3 * std::max(tolerance, 1e-13);
     error.*metric.member = e;
     if (is_stick(metric) && stick_is_ill_conditioned) continue;
     if (e / size > largest) largest = e / size, worst = metric.name;
@@ -301,7 +311,7 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
 
 /// The next factor on the tolerance where the error found is to fall by `wanted`: errors of moderately stiff unknowns
 /// follow the estimate, which is the tolerance to the power 2/3.
-double next_sharpening(double wanted) { return std::clamp(0.3 * std::pow(wanted, 1.5), 1e-4, 0.1); }
+double next_sharpening(double wanted) { return std::clamp(0.3 * std::pow(wanted, 1.5), 1e-4, 0.01); }
 
 Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   Cycle cycle;
@@ -319,10 +329,10 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   const double V = map.drive_speed();
   // Small or weakly attracting cycles magnify errors by 1/A and 1/(1 − ρ).
   const double magnified = std::min(1.0, point.amplitude) * std::min(1.0, 1 - spectral_radius(point, map));
-  double tolerance = std::max(0.1 * options.tolerance * magnified, 1e-13);
+  double tolerance = 0.2 * options.tolerance * magnified;
   Refined coarse = refine(map, point, tolerance, options.stick_threshold, false);
   std::string worst;
-  double sharpening = 0.1;
+  double sharpening = 0.01;
   for (int attempt = 0; attempt < 4; ++attempt) {
     tolerance = std::max(sharpening * tolerance, solvers::Collocation::least_tolerance);
     const bool last_possible = tolerance <= solvers::Collocation::least_tolerance;
@@ -384,8 +394,11 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   }
   const double natural = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
   const double longest = 300 * natural + 10 * std::abs(onset) / V;
+  solver.bound_slip_step(0.1 * natural);
   Recorder recorder(system, tolerance, stick_threshold, true);
-  double began = -1, stuck_since = -1, stuck = 0;
+  // Durations are sums of steps: the clock, which also counts the first stick, may be too coarse for a short slip.
+  bool began = false;
+  double period = 0, stuck = 0;
   while (solver.time() < longest && solver.stepper().count().steps < 200'000) {
     solvers::Switch switched;
     const Outcome outcome = solver.step(longest, switched);
@@ -393,22 +406,73 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       result.outcome = outcome;
       break;
     }
-    if (began >= 0) recorder.step(solver.stepper());
-    if (switched == solvers::Switch::stick) stuck_since = solver.time();
-    if (switched == solvers::Switch::slip) {
-      if (began >= 0 && stuck_since >= 0) stuck += solver.time() - stuck_since;
-      if (solver.upcoming() > 0) {
-        if (began >= 0 && stuck > 0) {
-          result.metrics = recorder.finish(solver.time() - began);
-          result.metrics.stick_fraction = stuck / (solver.time() - began);
-          result.orbit = std::move(recorder.orbit);
-          result.onset_displacement = system.observe(solver.time(), solver.state().data()).displacement;
-          result.found = true;
-          break;
-        }
-        began = solver.time();
-        stuck = 0, stuck_since = -1;
+    if (began) {
+      recorder.step(solver.stepper());
+      period += solver.stepper().length();
+      if (system.direction() == 0) stuck += solver.stepper().length();
+    }
+    if (switched != solvers::Switch::slip || solver.upcoming() < 0) continue;
+    if (began) {
+      result.metrics = recorder.finish(period);
+      result.metrics.stick_fraction = stuck / period;
+      result.orbit = std::move(recorder.orbit);
+      result.onset_displacement = system.observe(solver.time(), solver.state().data()).displacement;
+      result.found = true;
+      break;
+    }
+    began = true;
+  }
+  result.steps = solver.stepper().count().steps;
+  result.evaluations = solver.stepper().count().evaluations;
+  return result;
+}
+
+/// A passage of slip, which may reverse but does not stick for long, from v = V rising at a displacement `swing` above
+/// that of steady sliding to the next such passage. Two mechanical unknowns, so the section is a line.
+StickSlipPeriod slip_passage(const Model& model, double swing, double tolerance, double stick_threshold, bool record) {
+  StickSlipPeriod result;
+  SliderSystem system(model);
+  solvers::StickSlip solver(system, tolerance);
+  const double V = model.drive.speed.level(), x_steady = steady_sliding(model).displacement;
+  const double natural = 2 * std::numbers::pi * std::sqrt(model.slider.mass / model.slider.stiffness);
+  solver.bound_slip_step(0.1 * natural);
+  if (!solver.start(0, system.unknowns_at(0, x_steady + swing, V, {}, 0))) {
+    result.outcome = {Ending::not_finite, "at the start"};
+    return result;
+  }
+  Recorder recorder(system, tolerance, stick_threshold, true);
+  const auto section = [&](double t, const double* y) { return system.slip_rate(t, y) - V; };
+  const double longest = 100 * natural + 10 * system.holding_limit(0) / (model.slider.stiffness * V);
+  bool below = false;
+  double period = 0, stuck = 0;
+  std::vector<double> y(system.size());
+  while (!result.found && solver.time() < longest && solver.stepper().count().steps < 5'000) {
+    solvers::Switch switched;
+    result.outcome = solver.step(longest, switched);
+    if (!result.outcome.complete()) break;
+    auto& step = solver.stepper();
+    double low = 0, low_value = section(step.time_before(), step.state_before().data());
+    for (int i = 0; i < solvers::Collocation::stages; ++i) {
+      step.stage(i, y.data());
+      const double value = section(step.stage_time(i), y.data());
+      if (below && value >= 0) {
+        const auto located = step.locate(section, low, step.node(i), std::min(low_value, -1e-300), value);
+        result.found = located && step.shorten(*located);
+        break;
       }
+      if (value < -1e-10 * V) below = true;
+      low = step.node(i), low_value = value;
+    }
+    period += step.length();
+    if (system.direction() == 0) stuck += step.length();
+    if (record) recorder.step(step);
+  }
+  if (result.found) {
+    result.onset_displacement = solver.state()[0] - x_steady;  // the next swing
+    if (record) {
+      result.metrics = recorder.finish(period);
+      result.metrics.stick_fraction = stuck / period;
+      result.orbit = std::move(recorder.orbit);
     }
   }
   result.steps = solver.stepper().count().steps;
@@ -416,17 +480,55 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   return result;
 }
 
+/// The swing at which slip that never sticks repeats itself: where the drift ln(A'/A) falls through zero.
+std::optional<double> balanced_swing(const Model& model, double tolerance) {
+  const double natural = std::sqrt(model.slider.mass / model.slider.stiffness);
+  const double largest = model.drive.speed.level() * natural +
+                         2 * model.drive.normal_load.level() *
+                             model.law->static_limit(model.drive.normal_load.level()) / model.slider.stiffness;
+  const auto drift = [&](double log_swing) {
+    const auto passage = slip_passage(model, std::exp(log_swing), tolerance, 0.1, false);
+    return passage.found && passage.onset_displacement > 0 ? std::log(passage.onset_displacement) - log_swing : -1.0;
+  };
+  double high = std::log(8 * largest), f_high = drift(high);
+  for (double low = high - 0.25; low > high - 12 && f_high < 0; low -= 0.25) {
+    const double f_low = drift(low);
+    if (f_low <= 0) {
+      high = low, f_high = f_low;
+      continue;
+    }
+    std::uintmax_t iterations = 100;
+    const auto [a, b] = boost::math::tools::toms748_solve(drift, low, high, f_low, f_high,
+                                                          boost::math::tools::eps_tolerance<double>(50), iterations);
+    return std::exp(0.5 * (a + b));
+  }
+  return std::nullopt;
+}
+
 Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   Cycle cycle;
   const double V = model.drive.speed.level();
-  double tolerance = std::max(0.1 * options.tolerance, 1e-13);
-  StickSlipPeriod coarse = stick_slip_period(model, tolerance, options.stick_threshold);
+  double tolerance = 0.2 * options.tolerance;
+  bool sticks = true;
+  const auto period_at = [&](double tol) -> StickSlipPeriod {
+    if (sticks) return stick_slip_period(model, tol, options.stick_threshold);
+    const auto swing = balanced_swing(model, tol);
+    if (!swing) return {};
+    auto period = slip_passage(model, *swing, tol, options.stick_threshold, true);
+    period.onset_displacement = steady_sliding(model).displacement + *swing;
+    return period;
+  };
+  StickSlipPeriod coarse = period_at(tolerance);
+  if (!coarse.found && coarse.outcome.complete() && stability(model).eigenvalues.front().real() > 0) {
+    sticks = false;
+    coarse = period_at(tolerance);
+  }
   std::string worst;
-  double sharpening = 0.1;
+  double sharpening = 0.01;
   for (int attempt = 0; attempt < 4; ++attempt) {
     tolerance = std::max(sharpening * tolerance, solvers::Collocation::least_tolerance);
     const bool last_possible = tolerance <= solvers::Collocation::least_tolerance;
-    StickSlipPeriod fine = stick_slip_period(model, tolerance, options.stick_threshold);
+    StickSlipPeriod fine = coarse.found ? period_at(tolerance) : coarse;
     cycle.cost.steps += fine.steps + coarse.steps;
     cycle.cost.evaluations += fine.evaluations + coarse.evaluations;
     ++cycle.cost.cycles;
@@ -435,11 +537,10 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       return cycle;
     }
     if (!fine.found) {
-      cycle.outcome = {Ending::none_exists, "slip started from stick does not come to stick again"};
+      cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;
     }
-    const double reached =
-        estimate_errors(coarse.metrics, fine.metrics, tolerance, 0, V, false, cycle.error, worst);
+    const double reached = estimate_errors(coarse.metrics, fine.metrics, tolerance, 0, V, false, cycle.error, worst);
     cycle.metrics = fine.metrics;
     cycle.orbit = fine.orbit;
     cycle.section_displacement = fine.onset_displacement;
@@ -451,7 +552,13 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     coarse = std::move(fine);
   }
   cycle.multipliers = {0.0};  // stick ends at one and the same state, whatever came before
-  cycle.stable = true;
+  if (!sticks) {
+    const double swing = cycle.section_displacement - steady_sliding(model).displacement, h = 1e-4 * swing;
+    const auto left = slip_passage(model, swing - h, 1e-10, options.stick_threshold, false);
+    const auto right = slip_passage(model, swing + h, 1e-10, options.stick_threshold, false);
+    cycle.multipliers = {(right.onset_displacement - left.onset_displacement) / (2 * h)};
+  }
+  cycle.stable = std::abs(cycle.multipliers.front()) < 1;
   return cycle;
 }
 

@@ -164,7 +164,10 @@ class Threshold {
       const double g = growth_at(p.x, p.y);
       return std::isfinite(g) ? g : 0.0;  // within rounding of zero: found
     };
-    const auto [l, h] = boost::math::tools::toms748_solve(rate, coordinate(a), coordinate(b), low, high,
+    const bool ascending = a < b;  // as the root finder wants it, whichever way the axis runs
+    const auto [l, h] = boost::math::tools::toms748_solve(rate, coordinate(ascending ? a : b),
+                                                          coordinate(ascending ? b : a), ascending ? low : high,
+                                                          ascending ? high : low,
                                                           boost::math::tools::eps_tolerance<double>(52), iterations);
     const Point numeric = point(value(0.5 * (l + h)));
     // Where the load is one of the axes, its closed form is free of the eigenvalues' rounding.
@@ -191,6 +194,8 @@ Map compute_map(const Model& model, const MapOptions& options, const MapHooks& h
   if (map.x.parameter == map.y.parameter)
     throw InputError(fmt::format("both map axes are '{}'", map.x.parameter));
   for (const auto& metric : options.metrics) find_metric(metric);
+  if (!model.drive.constant())
+    throw InputError("a map is computed under a constant drive, but drive.speed, drive.normal_load or drive.force varies");
   for (const Axis* axis : {&map.x, &map.y})
     for (const double v : axis->values) (void)model.with(axis->parameter, v);  // refuses values out of range
   require(options.threads, {1, 4096}, "threads", "number of threads", "1");

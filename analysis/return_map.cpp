@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/stability.hpp"
+
 namespace rosin::analysis {
 
 using oscillators::Mechanics;
@@ -27,15 +29,9 @@ namespace {
 /// Value at θ of the polynomial through the samples (θ = 0 and the nodes).
 template <class Samples, class Quantity>
 double polynomial(const Samples& samples, Quantity quantity, double theta) {
-  const auto& t = RadauTableau::get();
-  const double base = samples[0].*quantity;
-  double value = base;
-  for (int i = 0; i < RadauTableau::stages; ++i) {
-    double weight = 0;
-    for (int k = RadauTableau::stages - 1; k >= 0; --k) weight = (weight + t.dense[i][k]) * theta;
-    value += weight * (samples[i + 1].*quantity - base);
-  }
-  return value;
+  std::array<double, RadauTableau::stages + 1> values;
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = samples[i].*quantity;
+  return RadauTableau::get().interpolate(values, theta);
 }
 }  // namespace
 
@@ -91,7 +87,7 @@ double Recorder::loop_tolerance() const {
 Recorder::Sample Recorder::sample_at(Collocation& solver, double theta) const {
   std::vector<double> y(system_.size());
   solver.solve_at(theta, y.data());
-  const double t = solver.time_before() + theta * (solver.time() - solver.time_before());
+  const double t = solver.time_at(theta);
   return {theta, system_.slip_rate(t, y.data()), system_.friction_coefficient(t, y.data())};
 }
 
@@ -137,7 +133,7 @@ double Recorder::refined_loop(Collocation& solver, double begin, double end, dou
 }
 
 double Recorder::time_within(Collocation& solver, const std::vector<Sample>& samples, double threshold) const {
-  const double h = solver.time() - solver.time_before();
+  const double h = solver.length();
   std::vector<double> marks{0.0};
   for (const double level : {threshold, -threshold})
     for (std::size_t i = 1; i < samples.size(); ++i) {
@@ -160,14 +156,14 @@ double Recorder::time_within(Collocation& solver, const std::vector<Sample>& sam
 void Recorder::step(Collocation& solver) {
   constexpr int s = Collocation::stages;
   const auto& tableau = RadauTableau::get();
-  const double t0 = solver.time_before(), h = solver.time() - t0;
+  const double t0 = solver.time_before(), h = solver.length();
   std::vector<Sample> samples;
   std::vector<double> y(system_.size());
   const auto take = [&](double theta, double t, const double* state) {
     samples.push_back({theta, system_.slip_rate(t, state), system_.friction_coefficient(t, state)});
     if (!keep_orbit_) return;
     const auto seen = system_.observe(t, state);
-    orbit.push_back({elapsed_ + t - t0, seen.displacement, seen.slip_rate, seen.friction_coefficient, seen.state});
+    orbit.push_back({elapsed_ + theta * h, seen.displacement, seen.slip_rate, seen.friction_coefficient, seen.state});
   };
   if (keep_orbit_ && !orbit.empty()) orbit.pop_back();  // the end of the last step is the start of this one
   take(0, t0, solver.state_before().data());
@@ -212,6 +208,8 @@ Metrics Recorder::finish(double period) const {
 }
 
 ReturnMap::ReturnMap(const Model& model) : system_(model), speed_(model.drive.speed.level()) {
+  for (const auto& e : stability(model).eigenvalues)
+    if (e.real() > 0) growth_time_ = std::min(growth_time_, 1 / std::abs(e));
   const int n = system_.size();
   std::vector<double> mass(n), scale(n);
   const auto y = system_.steady(0);
@@ -277,17 +275,20 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
   bool below = !from_section && section(0, solver.state().data()) < -noise;
   constexpr long most_steps = 40'000;
   while (turns > 0) {
+    // An implicit step over many growth times would damp what grows.
+    const bool near_steady = std::abs(section(solver.time(), solver.state().data())) < 0.9 * speed_;
+    solver.bound_step(near_steady ? growth_time_ : infinity);
     const Outcome outcome = solver.step(longest_passage_);
     if (!outcome.complete()) {
       passage.outcome = outcome;
       break;
     }
-    const double t0 = solver.time_before(), h = solver.time() - t0;
+    const double t0 = solver.time_before();
     double low = 0, low_value = section(t0, solver.state_before().data());
     bool passed = false;
     for (int i = 0; i < Collocation::stages && !passed; ++i) {
       solver.stage(i, work.data());
-      const double theta = (solver.stage_time(i) - t0) / h, value = section(solver.stage_time(i), work.data());
+      const double theta = solver.node(i), value = section(solver.stage_time(i), work.data());
       passage.amplitude = std::max(passage.amplitude, std::abs(value) / speed_);
       if (below && value >= 0) {
         const auto located = solver.locate(section, low, theta, std::min(low_value, -1e-300), value);

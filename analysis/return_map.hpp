@@ -74,6 +74,7 @@ class ReturnMap {
  private:
   oscillators::SliderSystem system_;
   double speed_, longest_passage_;
+  double growth_time_ = infinity;  ///< 1/|s| of the fastest growing mode of steady sliding
   std::vector<int> differential_;
   Eigen::VectorXd scale_;  ///< of the differential unknowns
   Cycle::Cost cost_;

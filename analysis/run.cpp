@@ -138,13 +138,12 @@ class Pass {
   /// Sample and, for smooth laws, find reversals in the last step of a collocation.
   void look_at(Collocation& step, bool reversals) {
     std::vector<double> y(system_.size());
-    const double t0 = step.time_before(), h = step.time() - t0;
-    if (h <= 0) return;
+    const double t0 = step.time_before(), h = step.length();
     if (reversals) {
       double low = 0, before = system_.slip_rate(t0, step.state_before().data());
       for (int i = 0; i < Collocation::stages; ++i) {
         step.stage(i, y.data());
-        const double theta = (step.stage_time(i) - t0) / h, here = system_.slip_rate(step.stage_time(i), y.data());
+        const double theta = step.node(i), here = system_.slip_rate(step.stage_time(i), y.data());
         if ((before < 0 && here > 0) || (before > 0 && here < 0)) {
           const auto at = step.locate([&](double t, const double* z) { return system_.slip_rate(t, z); }, low, theta,
                                       before, here);
@@ -303,6 +302,9 @@ Run run(const Model& model, const RunOptions& options) {
     for (std::size_t c = 0; c < fine->columns_.size(); ++c) {
       double size = 0;
       for (const double x : fine->columns_[c]) size = std::max(size, std::abs(x));
+      // The slider's velocity, which may be nothing but rounding, is measured by the slip rate.
+      if (c == 1)
+        for (const double x : fine->columns_[2]) size = std::max(size, std::abs(x));
       ratio.push_back(size > 0 ? result.column_error[c] / size : 0);
       if (ratio[c] > ratio[worst]) worst = c;
     }

@@ -25,6 +25,8 @@ class System {
   virtual double next_break(double) const { return infinity; }
   /// Carries y across the break at t: continues what is continuous and makes algebraic unknowns consistent.
   virtual void cross_break(double, double*) const {}
+  /// True if the equations do not change with time: then steps may be shorter than the clock can show.
+  virtual bool autonomous() const { return false; }
   /// Longest step that resolves prescribed motion; infinity if none is prescribed.
   virtual double resolution() const { return infinity; }
 };

@@ -36,6 +36,7 @@ class SliderSystem final : public SwitchingSystem {
   std::string unknown(int i) const override;
   double next_break(double t) const override;
   void cross_break(double t, double* y) const override;
+  bool autonomous() const override { return is_constant_; }
   double resolution() const override;
 
   const Model& model() const { return model_; }

@@ -205,14 +205,16 @@ Outcome Collocation::step(double t_limit) {
     if (!std::isfinite(f0_[i]))
       return {Ending::not_finite, fmt::format("at t = {:.9g} s in '{}'", t_, system_.unknown(i))};
   double h = h_next_ > 0 ? h_next_ : first_step(t_limit);
-  h = std::min(h, system_.resolution());
+  h = std::min({h, system_.resolution(), longest_step_});
+  // Where nothing depends on time, steps may be shorter than the clock shows, as in a fast slip after a long stick.
+  const double shortest = (system_.autonomous() ? 1e-9 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
   bool rejected = false;
   for (int attempt = 0;; ++attempt) {
     const double remaining = t_limit - t_;
     bool last = false;
-    if (h >= remaining * (1 - 1e-12)) h = remaining, last = true;
+    if (h >= remaining * (1 - 1e-12) && remaining <= longest_step_) h = remaining, last = true;
     else if (h > 0.5 * remaining) h = 0.5 * remaining;  // no sliver at the end
-    if (h < 4 * rounding * std::max(std::abs(t_), 1e-300) || attempt > 200 || !(h > 0)) {
+    if (h < shortest || attempt > 200 || !(h > 0)) {
       int worst = 0;
       for (int i = 1; i < n; ++i)
         if (std::abs(f_stage_[i]) / scale_[i] > std::abs(f_stage_[worst]) / scale_[worst]) worst = i;

@@ -30,6 +30,8 @@ class Collocation {
   bool start(double t, std::span<const double> y);
   /// Takes one step, not past `t_limit`. On anything but reached_end the state is unchanged.
   Outcome step(double t_limit);
+  /// No step may be longer; infinity to lift the bound.
+  void bound_step(double longest) { longest_step_ = longest; }
   /// Shortens the last step to `theta` of its length (0 < theta <= 1), solved again at full order.
   bool shorten(double theta);
 
@@ -41,8 +43,11 @@ class Collocation {
   void stage(int i, double* y) const;
   /// dy/dt of the collocation polynomial at a stage.
   void stage_rate(int i, double* rate) const;
-  double stage_time(int i) const { return node_time(t_before_, tableau_.c[i] * (t_ - t_before_)); }
-  double stage_weight(int i) const { return tableau_.b[i] * (t_ - t_before_); }
+  double node(int i) const { return tableau_.c[i]; }
+  double stage_time(int i) const { return node_time(t_before_, tableau_.c[i] * h_last_); }
+  double time_at(double theta) const { return theta >= 1 ? t_ : node_time(t_before_, theta * h_last_); }
+  /// Length of the last step; time() − time_before() but for the rounding of the clock.
+  double length() const { return h_last_; }
   /// The collocation polynomial of the last step, at time_before() + theta·length (order 5).
   void interpolate(double theta, double* y) const;
   /// The solution at time_before() + theta·length at the full order, by a step of that length from the last start.
@@ -78,6 +83,7 @@ class Collocation {
   const RadauTableau& tableau_;
   int n_;
   double tolerance_, estimate_tolerance_;
+  double longest_step_ = infinity;
   double last_moment_ = infinity;  ///< just before the limit of the last step
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
   bool fresh_ = true;  ///< no polynomial of an earlier step to start from
@@ -101,7 +107,7 @@ std::optional<double> Collocation::locate(F f, double low, double high, double f
     if (!(theta > low && theta < high)) theta = 0.5 * (low + high);
     if (theta == low || theta == high) break;
     if (!solve_at(theta, y.data())) return std::nullopt;
-    const double value = f(t_before_ + theta * (t_ - t_before_), y.data());
+    const double value = f(time_at(theta), y.data());
     if (value == 0) break;
     if (!std::isfinite(value)) return std::nullopt;
     if ((value > 0) == (f_high > 0)) {

@@ -26,6 +26,17 @@ struct RadauTableau {
   /// Lagrange basis through 0, c₁ … c₅ in monomials of θ: basis[i][k] multiplies θ^(k+1) Z_i.
   Matrix dense;
 
+  /// Value at θ of the polynomial through values[0] at 0 and values[i + 1] at the nodes.
+  double interpolate(const std::array<double, stages + 1>& values, double theta) const {
+    double result = values[0];
+    for (int i = 0; i < stages; ++i) {
+      double weight = 0;
+      for (int k = stages - 1; k >= 0; --k) weight = (weight + dense[i][k]) * theta;
+      result += weight * (values[i + 1] - values[0]);
+    }
+    return result;
+  }
+
   static const RadauTableau& get();
 };
 

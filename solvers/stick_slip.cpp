@@ -1,6 +1,8 @@
 /// Location of stick, slip and reversal, and the choice of what follows.
 #include "solvers/stick_slip.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace rosin::solvers {
@@ -10,7 +12,22 @@ constexpr double rest = 1e-11;  ///< slip rates below this part of the reference
 }
 
 StickSlip::StickSlip(SwitchingSystem& system, double tolerance)
-    : system_(system), collocation_(system, tolerance), work_(system.size()) {}
+    : system_(system),
+      collocation_(system, tolerance),
+      work_(system.size()),
+      jacobian_(system.size() * system.size()),
+      mass_(system.size()) {}
+
+/// Time in which slip that feeds its own growth, on a weakening branch, grows by e: a long implicit step would damp it.
+double StickSlip::growth_time() {
+  const int n = system_.size();
+  system_.linearise(time(), state().data(), work_.data(), jacobian_.data());
+  system_.mass(time(), mass_.data());
+  double shortest = infinity;
+  for (int i = 0; i < n; ++i)
+    if (jacobian_[i * n + i] > 0) shortest = std::min(shortest, mass_[i] / jacobian_[i * n + i]);
+  return shortest;
+}
 
 /// Positive while the present mode lasts.
 double StickSlip::indicator(double t, const double* y) const {
@@ -46,17 +63,18 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
     if (!collocation_.start(collocation_.time(), y)) return {Ending::not_finite, "after a switch"};
   }
   const double small = rest * system_.reference_speed();
+  collocation_.bound_step(system_.direction() == 0 ? infinity : std::min(longest_slip_step_, growth_time()));
   const Outcome outcome = collocation_.step(t_limit);
   if (!outcome.complete()) return outcome;
   // The first node at which the mode has ended, if any.
-  const double t0 = collocation_.time_before(), h = collocation_.time() - t0;
   double low = 0, high = -1, high_value = 0;
-  double low_value = indicator(t0, collocation_.state_before().data());
+  std::array<double, Collocation::stages + 1> values;
+  double low_value = values[0] = indicator(collocation_.time_before(), collocation_.state_before().data());
   const bool sticking = system_.direction() == 0;
   for (int i = 0; i < Collocation::stages; ++i) {
     collocation_.stage(i, work_.data());
-    const double value = indicator(collocation_.stage_time(i), work_.data());
-    const double theta = (collocation_.stage_time(i) - t0) / h;
+    const double value = values[i + 1] = indicator(collocation_.stage_time(i), work_.data());
+    const double theta = collocation_.node(i);
     if (!sticking && !armed_) {
       // Slip that has only just begun: rounding must not end it.
       if (value > small) armed_ = true;
@@ -70,6 +88,32 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
       break;
     }
     low = theta, low_value = value;
+  }
+  if (high < 0 && (sticking || armed_)) {
+    // The mode may end and begin again between two nodes and not show at either: look at the lowest point between.
+    constexpr int fine = 32;
+    const auto between = [&](double theta) { return RadauTableau::get().interpolate(values, theta); };
+    double lowest = 0;
+    for (int i = 1; i < fine; ++i)
+      if (between(double(i) / fine) < between(lowest)) lowest = double(i) / fine;
+    if (lowest > 0 && between(lowest) < 0.05 * *std::max_element(values.begin(), values.end())) {
+      double left = lowest - 1.0 / fine, right = lowest + 1.0 / fine;
+      for (int i = 0; i < 40; ++i) {  // ternary search
+        const double a = left + (right - left) / 3, b = right - (right - left) / 3;
+        if (between(a) < between(b))
+          right = b;
+        else
+          left = a;
+      }
+      const double theta = 0.5 * (left + right);
+      if (!collocation_.solve_at(theta, work_.data())) return {Ending::not_finite, "while looking for a switch"};
+      const double value = indicator(collocation_.time_at(theta), work_.data());
+      if (value < 0) {
+        high = theta, high_value = value, low = 0, low_value = values[0];
+        for (int i = 0; i < Collocation::stages; ++i)
+          if (collocation_.node(i) < theta) low = collocation_.node(i), low_value = values[i + 1];
+      }
+    }
   }
   if (high < 0) return {};
   const auto located = collocation_.locate([&](double t, const double* y) { return indicator(t, y); }, low, high,

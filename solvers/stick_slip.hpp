@@ -13,6 +13,8 @@ enum class Switch { none, stick, slip, reversal };
 class StickSlip {
  public:
   StickSlip(SwitchingSystem&, double tolerance);
+  /// No step of slip may be longer (stick is as long as it is); infinity to lift the bound.
+  void bound_slip_step(double longest) { longest_slip_step_ = longest; }
   /// Begins at (t, y). The mode follows from the slip rate: stick where it is zero and the contact can hold.
   bool start(double t, std::span<const double> y);
   /// One step, not past t_limit. `switched` tells whether it ended in a switch, at time(). Until the next call the
@@ -28,12 +30,14 @@ class StickSlip {
  private:
   double indicator(double t, const double* y) const;
   double mode_at_rest(double t, const double* y, double direction) const;
+  double growth_time();
   SwitchingSystem& system_;
   Collocation collocation_;
+  double longest_slip_step_ = infinity;
   double upcoming_ = 0;
   bool switched_ = false;  ///< the last step ended in a switch: begin anew
   bool armed_ = false;  ///< slip has left the neighbourhood of rest that it started from
-  std::vector<double> work_;
+  std::vector<double> work_, jacobian_, mass_;
 };
 
 }  // namespace rosin::solvers

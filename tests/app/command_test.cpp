@@ -139,7 +139,7 @@ TEST_CASE("wrong usage ends with status 2 and says what to try") {
   }
 }
 
-TEST_CASE("--json prints one document, the same as result.json, and nothing else") {
+TEST_CASE("with --json one document is printed, the same as result.json, and nothing else") {
   const Folder folder;
   struct Case {
     Arguments arguments;
