@@ -176,7 +176,7 @@ struct Search {
 };
 
 /// `drift_at_rest`: growth of a small oscillation about steady sliding in one period, ln(A'/A).
-Search search(ReturnMap& map, double drift_at_rest, int max_cycles) {
+Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::optional<Start>& start) {
   Search result;
   const bool steady_is_stable = drift_at_rest < 0;
   const double V = map.drive_speed();
@@ -191,16 +191,17 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles) {
     result.outcome = {};
     return true;
   };
+  if (start) ages = {V};
   for (const double aged_at : ages) {
     std::vector<double> y;
     try {
-      y = map.stick(aged_at);
+      y = start ? starting_point(map.system(), *start) : map.stick(aged_at);
     } catch (const InputError& e) {
       result.outcome = {Ending::not_finite, e.what()};
       continue;
     }
     result.outcome = steady_is_stable
-                         ? Outcome{Ending::none_exists, "the motion started from stick dies out onto steady sliding"}
+                         ? Outcome{Ending::none_exists, fmt::format("the motion started from {} dies out onto steady sliding", start ? "the given start" : "stick")}
                          : Outcome{Ending::budget_spent,
                                    fmt::format("no periodic motion within {} passages", max_cycles)};
     std::vector<std::vector<double>> visited;
@@ -319,7 +320,7 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   const auto leading = stability(model).eigenvalues.front();
   const double turn = 2 * std::numbers::pi / std::max(std::abs(leading.imag()), std::abs(leading.real()));
   ReturnMap map(model);
-  auto found = search(map, leading.real() * turn, options.max_cycles);
+  auto found = search(map, leading.real() * turn, options.max_cycles, options.start);
   cycle.cost = map.cost();
   if (!found.point) {
     cycle.outcome = found.outcome;

@@ -4,12 +4,10 @@
 #include <complex>
 #include <vector>
 
+#include "analysis/start.hpp"
 #include "core/error.hpp"
-#include "oscillators/model.hpp"
 
 namespace rosin::analysis {
-
-using oscillators::Model;
 
 /// Numbers that describe one period. The same type holds their absolute errors.
 struct Metrics {
@@ -41,6 +39,7 @@ struct CycleOptions {
   double stick_threshold = 0.1;  ///< ε
   bool multipliers = true;
   int max_cycles = 400;          ///< transient cycles integrated before giving up
+  std::optional<Start> start = std::nullopt;  ///< where the search starts; else from stick. Set-valued laws: always from stick
 };
 
 /// One sample of a cycle for pictures.
@@ -63,7 +62,7 @@ struct Cycle {
   } cost;
 };
 
-/// The attracting cycle reached from stick. Steady sliding must not be assumed unstable: coexisting cycles are found.
+/// The attracting cycle reached from stick, or from the start given. Steady sliding must not be assumed unstable: coexisting cycles are found.
 Cycle find_cycle(const Model&, const CycleOptions& = {});
 
 }  // namespace rosin::analysis

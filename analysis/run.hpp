@@ -1,23 +1,13 @@
 /// Motion from a given start: an initial-value problem with its record, events and error estimate.
 #pragma once
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "analysis/start.hpp"
 #include "core/error.hpp"
-#include "oscillators/model.hpp"
 
 namespace rosin::analysis {
-
-using oscillators::Model;
-
-/// Where a run starts.
-struct Start {
-  enum class Kind { steady, rest, given } kind = Kind::steady;
-  std::optional<double> displacement, velocity, slip_rate;  ///< given: velocity or slip_rate, not both
-  std::map<std::string, double> states;                     ///< given: by name; missing ones are steady
-};
 
 struct RunOptions {
   double duration = 1;          ///< s

@@ -482,10 +482,11 @@ void read_run(Table table, analysis::RunOptions& run, const FrictionLaw& law, bo
 }
 
 void read_cycle(Table table, Scene& scene) {
-  table.read("stick_threshold", scene.cycle.stick_threshold, {"", "1", {1e-9, 1}, "stick is |v| <= threshold times V"});
+  table.read("stick_threshold", scene.cycle.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
   if (const auto* start = table.find("start")) {
-    read_start(*start, table.path("start"), *scene.model.law);
-    scene.notes.push_back("cycle.start has no effect: the cycle that is reached from stick is sought");
+    scene.cycle.start = read_start(*start, table.path("start"), *scene.model.law);
+    if (scene.model.law->set_valued())
+      scene.notes.push_back("cycle.start has no effect under a set-valued law: stick forgets how the motion began");
   }
   table.finish();
 }
@@ -537,7 +538,7 @@ void read_map(Table table, Scene& scene) {
     if (map.metrics.empty()) fail(metrics->source(), "map.metrics is empty");
   }
   map.stick_threshold = scene.cycle.stick_threshold;
-  table.read("stick_threshold", map.stick_threshold, {"", "1", {1e-9, 1}, "stick is |v| <= threshold times V"});
+  table.read("stick_threshold", map.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
   table.finish();
 }
 

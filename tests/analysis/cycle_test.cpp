@@ -96,6 +96,15 @@ TEST_CASE("stick-slip coexists with stable sliding above the minimum of the stea
   CHECK(cycle.metrics.stick_fraction == Approx(0.846885).epsilon(1e-6));
 }
 
+TEST_CASE("the start decides between stable sliding and the cycle beside it", "[cycle]") {
+  const auto model = bristol_board(1e-2, 1, 1e-3);
+  CycleOptions options;
+  options.start = Start{Start::Kind::given, {}, {}, 1.05e-3, {}};
+  CHECK(find_cycle(model, options).outcome.ending == Ending::none_exists);
+  options.start = Start{Start::Kind::rest, {}, {}, {}, {}};
+  CHECK(find_cycle(model, options).metrics.period == Approx(21.782286).epsilon(3e-8));
+}
+
 TEST_CASE("a cycle is found next to the Hopf point and none on the other side", "[cycle]") {
   const double critical = 0.00040877514056773;
   const auto at = [&](double factor) {
