@@ -226,12 +226,15 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
     marks += fmt::format("{},{},{},{:.3g} m/s\n", e.slip_rate, e.friction_coefficient, e.maximum ? 1 : 2, e.slip_rate);
   if (!marks.empty()) script += "$extrema << EOD\n" + marks + "EOD\n";
   script += "set offsets graph 0, 0, 0.12, 0.12\nplot 'curve.csv' using 1:2 with lines linestyle 1 notitle";
-  if (!marks.empty())
-    script += R"(, \
-     $extrema using 1:($3==1 ? $2 : NaN) with points pointtype 9 pointsize 1.4 linecolor '#B0560F' title 'maximum', \
-     $extrema using 1:($3==2 ? $2 : NaN) with points pointtype 11 pointsize 1.4 linecolor '#B0560F' title 'minimum', \
-     $extrema using 1:($3==1 ? $2 : NaN):4 with labels offset 0,1.1 notitle, \
-     $extrema using 1:($3==2 ? $2 : NaN):4 with labels offset 0,-1.2 notitle)";
+  // Only kinds that occur: gnuplot 5.4 crashes on labels without a point.
+  for (const bool maximum : {true, false}) {
+    const auto is_kind = [&](const analysis::Extremum& e) { return e.maximum == maximum; };
+    if (std::none_of(curve.extrema.begin(), curve.extrema.end(), is_kind)) continue;
+    const auto chosen = fmt::format("$extrema using 1:($3=={} ? $2 : NaN)", maximum ? 1 : 2);
+    script += fmt::format(", \\\n     {} with points pointtype {} pointsize 1.4 linecolor '#B0560F' title '{}'", chosen,
+                          maximum ? 9 : 11, maximum ? "maximum" : "minimum");
+    script += fmt::format(", \\\n     {}:4 with labels offset 0,{} notitle", chosen, maximum ? 1.1 : -1.2);
+  }
   script += '\n';
   write_whole(folder / "curve.gp", script);
   return {"curve.gp"};
