@@ -84,8 +84,8 @@ double fold_of_cycles(const Model& model, double hopf_load) {
   }
   if (!(best < 0)) return 0;
   const auto objective = [&](double log_size) { return load_of(std::exp(log_size)).value_or(1.0); };
-  const auto [at, lowest] = boost::math::tools::brent_find_minima(
-      objective, std::log(best_size / growth), std::log(best_size * growth), 24);
+  const auto [at, lowest] =
+      boost::math::tools::brent_find_minima(objective, std::log(best_size / growth), std::log(best_size * growth), 24);
   return hopf_load * std::exp(std::min(lowest, best));
 }
 

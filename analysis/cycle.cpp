@@ -49,9 +49,9 @@ const MetricName& find_metric(std::string_view name) {
 
 namespace {
 
-constexpr double loose = 1e-6;      ///< tolerance of the search for motions of the size of the drive speed
+constexpr double loose = 1e-6;        ///< tolerance of the search for motions of the size of the drive speed
 constexpr long most_steps = 300'000;  ///< of one search
-constexpr double collapsed = 1e-5;  ///< amplitudes |v − V|/V below this are steady sliding
+constexpr double collapsed = 1e-5;    ///< amplitudes |v − V|/V below this are steady sliding
 
 /// Small motions are followed more closely: what matters are errors against their drift, which falls with A².
 double search_tolerance(double amplitude) { return loose * std::clamp(amplitude * amplitude, 1e-6, 1.0); }
@@ -68,8 +68,7 @@ struct FixedPoint {
 std::vector<std::complex<double>> multipliers_of(const MatrixXd& derivative, const VectorXd& scale) {
   const MatrixXd balanced = scale.cwiseInverse().asDiagonal() * derivative * scale.asDiagonal();
   const Eigen::EigenSolver<MatrixXd> solver(balanced, false);
-  std::vector<std::complex<double>> values(solver.eigenvalues().data(),
-                                           solver.eigenvalues().data() + balanced.rows());
+  std::vector<std::complex<double>> values(solver.eigenvalues().data(), solver.eigenvalues().data() + balanced.rows());
   std::sort(values.begin(), values.end(), [](auto a, auto b) {
     return std::abs(a) != std::abs(b) ? std::abs(a) > std::abs(b) : a.imag() > b.imag();
   });
@@ -93,8 +92,8 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
   int halvings = 0;
   for (int iteration = 0; iteration < 14; ++iteration) {
     const auto passage = map.follow(y, tolerance, turns, true, true);
-    const double now = passage.outcome.complete() ? map.distance(passage.end, y) / std::max(passage.amplitude, 1e-12)
-                                                  : infinity;
+    const double now =
+        passage.outcome.complete() ? map.distance(passage.end, y) / std::max(passage.amplitude, 1e-12) : infinity;
     if (passage.amplitude < least_amplitude || !(now < residual)) {
       if (iteration == 0 || ++halvings > 2) return std::nullopt;
       factor *= 0.3;
@@ -103,7 +102,8 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
     }
     halvings = 0;
     const MatrixXd A = scale.cwiseInverse().asDiagonal() * (I - passage.derivative) * scale.asDiagonal();
-    step = scale.asDiagonal() * A.partialPivLu().solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, y));
+    step =
+        scale.asDiagonal() * A.partialPivLu().solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, y));
     if (!step.allFinite()) return std::nullopt;
     const double length = (step.array() / scale.array()).matrix().norm() / std::max(passage.amplitude, 1e-12);
     if (length < std::max(30 * tolerance, 1e-8))
@@ -200,10 +200,11 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
       result.outcome = {Ending::not_finite, e.what()};
       continue;
     }
-    result.outcome = steady_is_stable
-                         ? Outcome{Ending::none_exists, fmt::format("the motion started from {} dies out onto steady sliding", start ? "the given start" : "stick")}
-                         : Outcome{Ending::budget_spent,
-                                   fmt::format("no periodic motion within {} passages", max_cycles)};
+    result.outcome =
+        steady_is_stable
+            ? Outcome{Ending::none_exists, fmt::format("the motion started from {} dies out onto steady sliding",
+                                                       start ? "the given start" : "stick")}
+            : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", max_cycles)};
     std::vector<std::vector<double>> visited;
     int next_attempt = 2;
     for (int k = 0; k < max_cycles; ++k) {
@@ -252,7 +253,8 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
   Refined result{{}, infinity, {}, {}};
   const VectorXd scale = map.scale();
   const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
-  const auto lu = MatrixXd(scale.cwiseInverse().asDiagonal() * (I - point.derivative) * scale.asDiagonal()).partialPivLu();
+  const auto lu =
+      MatrixXd(scale.cwiseInverse().asDiagonal() * (I - point.derivative) * scale.asDiagonal()).partialPivLu();
   for (int iteration = 0; iteration < 12; ++iteration) {
     const auto passage = map.follow(point.y, tolerance, point.turns, true);
     if (!passage.outcome.complete()) {
@@ -290,15 +292,16 @@ bool is_stick(const MetricName& metric) {
          metric.member == &Metrics::stick_fraction_05;
 }
 
-/// Errors of `fine` by its difference to `coarse`, a result at a hundred times the tolerance or more; never below what the tolerance
-/// and rounding allow. Returns the worst ratio of error to size.
+/// Errors of `fine` by its difference to `coarse`, a result at a hundred times the tolerance or more; never below what
+/// the tolerance and rounding allow. Returns the worst ratio of error to size.
 double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolerance, double closure, double V,
                        bool stick_is_ill_conditioned, Metrics& error, std::string& worst) {
   double largest = 0;
   for (const auto& metric : metric_names()) {
     const double size = size_of(metric, fine, V), value = fine.*metric.member;
     double e = 2 * std::abs(coarse.*metric.member - value);
-    if (value != 0) e += (3 * tolerance + 5e-14 + closure) * (metric.member == &Metrics::slip_rate_min ? std::abs(value) : size);
+    if (value != 0)
+      e += (3 * tolerance + 5e-14 + closure) * (metric.member == &Metrics::slip_rate_min ? std::abs(value) : size);
     // Divided steps are each summed to a small part of the tolerance.
     if (value != 0 && metric.member == &Metrics::loop_area)
       e += 0.3 * std::max(tolerance, 1e-13) * fine.slip_rate_max * fine.friction_max;
@@ -586,7 +589,8 @@ Cycle find_cycle(const Model& model, const CycleOptions& options) {
   require(options.stick_threshold, {1e-6, 0.999}, "cycle.stick_threshold", "stick threshold over the drive speed", "1");
   const auto& drive = model.drive;
   if (!drive.constant())
-    throw InputError("a cycle is sought under a constant drive, but drive.speed, drive.normal_load or drive.force varies");
+    throw InputError(
+        "a cycle is sought under a constant drive, but drive.speed, drive.normal_load or drive.force varies");
   const double V = drive.speed.level();
   Cycle cycle;
   if (V == 0) {

@@ -11,18 +11,18 @@ namespace rosin::analysis {
 
 /// Numbers that describe one period. The same type holds their absolute errors.
 struct Metrics {
-  double period = 0;                  ///< s
-  double slip_rate_max = 0;           ///< m/s
-  double slip_rate_min = 0;           ///< m/s
-  double friction_max = 0;            ///< coefficient
+  double period = 0;         ///< s
+  double slip_rate_max = 0;  ///< m/s
+  double slip_rate_min = 0;  ///< m/s
+  double friction_max = 0;   ///< coefficient
   double friction_min = 0;
   double friction_mean = 0;
-  double stick_fraction = 0;          ///< part of the period with |v| <= ε V; time of exact stick for set-valued laws
-  double stick_fraction_001 = 0;      ///< the same at ε = 0.01
-  double stick_fraction_05 = 0;       ///< the same at ε = 0.5
-  double loop_area = 0;               ///< |∮ (μ − μ_ss(v)) dv|, m/s
-  double loop_area_normalised = 0;    ///< loop_area / (slip_rate_max · friction_max)
-  double slip_rate_mean = 0;          ///< equals the drive speed on a true cycle
+  double stick_fraction = 0;        ///< part of the period with |v| <= ε V; time of exact stick for set-valued laws
+  double stick_fraction_001 = 0;    ///< the same at ε = 0.01
+  double stick_fraction_05 = 0;     ///< the same at ε = 0.5
+  double loop_area = 0;             ///< |∮ (μ − μ_ss(v)) dv|, m/s
+  double loop_area_normalised = 0;  ///< loop_area / (slip_rate_max · friction_max)
+  double slip_rate_mean = 0;        ///< equals the drive speed on a true cycle
 };
 
 /// Names of metrics as scenes and results spell them, with unit and meaning.
@@ -38,8 +38,9 @@ struct CycleOptions {
   double tolerance = 1e-8;       ///< relative accuracy asked of every metric
   double stick_threshold = 0.1;  ///< ε
   bool multipliers = true;
-  int max_cycles = 400;          ///< transient cycles integrated before giving up
-  std::optional<Start> start = std::nullopt;  ///< where the search starts; else from stick. Set-valued laws: always from stick
+  int max_cycles = 400;  ///< transient cycles integrated before giving up
+  std::optional<Start> start =
+      std::nullopt;  ///< where the search starts; else from stick. Set-valued laws: always from stick
 };
 
 /// One sample of a cycle for pictures.
@@ -51,18 +52,19 @@ struct CyclePoint {
 struct Cycle {
   Outcome outcome;  ///< none_exists: no periodic motion was found (steady sliding is reached, or rest)
   Metrics metrics, error;
-  bool ill_conditioned_stick = false;  ///< the lowest speed touches ε·V: the stick fraction jumps nearby
+  bool ill_conditioned_stick = false;             ///< the lowest speed touches ε·V: the stick fraction jumps nearby
   std::vector<std::complex<double>> multipliers;  ///< Floquet, largest modulus first; without the trivial 1
   bool stable = false;
   double section_displacement = 0;  ///< at v = V with v rising (slip onset for set-valued laws)
   std::vector<double> section_state;
-  std::vector<CyclePoint> orbit;    ///< one period from the section, at the solver's own steps
+  std::vector<CyclePoint> orbit;  ///< one period from the section, at the solver's own steps
   struct Cost {
     long steps = 0, evaluations = 0, cycles = 0;
   } cost;
 };
 
-/// The attracting cycle reached from stick, or from the start given. Steady sliding must not be assumed unstable: coexisting cycles are found.
+/// The attracting cycle reached from stick, or from the start given. Steady sliding must not be assumed unstable:
+/// coexisting cycles are found.
 Cycle find_cycle(const Model&, const CycleOptions& = {});
 
 }  // namespace rosin::analysis

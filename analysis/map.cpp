@@ -19,17 +19,23 @@ namespace rosin::analysis {
 
 std::string name(Regime regime) {
   switch (regime) {
-    case Regime::stable: return "stable";
-    case Regime::cycle: return "cycle";
-    case Regime::bistable: return "bistable";
-    case Regime::failed: return "failed";
+    case Regime::stable:
+      return "stable";
+    case Regime::cycle:
+      return "cycle";
+    case Regime::bistable:
+      return "bistable";
+    case Regime::failed:
+      return "failed";
   }
   return "failed";
 }
 
 Axis make_axis(std::string parameter, double from, double to, int points, bool logarithmic,
                const std::vector<double>& extra) {
-  const auto refuse = [&](const std::string& why) { throw InputError(fmt::format("map axis '{}': {}", parameter, why)); };
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(fmt::format("map axis '{}': {}", parameter, why));
+  };
   if (points < 2) refuse(fmt::format("points = {} must be at least 2", points));
   if (!std::isfinite(from) || !std::isfinite(to)) refuse(fmt::format("from = {} and to = {} must be finite", from, to));
   if (from == to) refuse(fmt::format("from and to are both {}", from));
@@ -155,9 +161,7 @@ class Threshold {
     const double a = axis.values[first], b = axis.values[first + 1];
     const auto value = [&](double w) { return axis.logarithmic ? std::exp(w) : w; };
     const auto coordinate = [&](double v) { return axis.logarithmic ? std::log(v) : v; };
-    const auto point = [&](double v) {
-      return vertical ? Point{x_.values[i], v} : Point{v, y_.values[j]};
-    };
+    const auto point = [&](double v) { return vertical ? Point{x_.values[i], v} : Point{v, y_.values[j]}; };
     std::uintmax_t iterations = 100;
     const auto rate = [&](double w) {
       const Point p = point(value(w));
@@ -165,10 +169,9 @@ class Threshold {
       return std::isfinite(g) ? g : 0.0;  // within rounding of zero: found
     };
     const bool ascending = a < b;  // as the root finder wants it, whichever way the axis runs
-    const auto [l, h] = boost::math::tools::toms748_solve(rate, coordinate(ascending ? a : b),
-                                                          coordinate(ascending ? b : a), ascending ? low : high,
-                                                          ascending ? high : low,
-                                                          boost::math::tools::eps_tolerance<double>(52), iterations);
+    const auto [l, h] = boost::math::tools::toms748_solve(
+        rate, coordinate(ascending ? a : b), coordinate(ascending ? b : a), ascending ? low : high,
+        ascending ? high : low, boost::math::tools::eps_tolerance<double>(52), iterations);
     const Point numeric = point(value(0.5 * (l + h)));
     // Where the load is one of the axes, its closed form is free of the eigenvalues' rounding.
     for (const bool load_is_y : {false, true}) {
@@ -191,11 +194,11 @@ Map compute_map(const Model& model, const MapOptions& options, const MapHooks& h
   Map map;
   map.x = options.x;
   map.y = options.y;
-  if (map.x.parameter == map.y.parameter)
-    throw InputError(fmt::format("both map axes are '{}'", map.x.parameter));
+  if (map.x.parameter == map.y.parameter) throw InputError(fmt::format("both map axes are '{}'", map.x.parameter));
   for (const auto& metric : options.metrics) find_metric(metric);
   if (!model.drive.constant())
-    throw InputError("a map is computed under a constant drive, but drive.speed, drive.normal_load or drive.force varies");
+    throw InputError(
+        "a map is computed under a constant drive, but drive.speed, drive.normal_load or drive.force varies");
   for (const Axis* axis : {&map.x, &map.y})
     for (const double v : axis->values) (void)model.with(axis->parameter, v);  // refuses values out of range
   require(options.threads, {1, 4096}, "threads", "number of threads", "1");
@@ -220,9 +223,9 @@ Map compute_map(const Model& model, const MapOptions& options, const MapHooks& h
       const std::size_t k = next++;
       if (k >= open.size()) return;
       const std::size_t i = open[k];
-      MapPoint point = compute_point(
-          model.with(map.x.parameter, map.x.values[i % nx]).with(map.y.parameter, map.y.values[i / nx]), options,
-          coexistence);
+      MapPoint point =
+          compute_point(model.with(map.x.parameter, map.x.values[i % nx]).with(map.y.parameter, map.y.values[i / nx]),
+                        options, coexistence);
       const std::scoped_lock lock(hook_mutex);
       map.points[i] = std::move(point);
       ++done;

@@ -37,8 +37,8 @@ struct MapPoint {
   Regime regime = Regime::failed;
   bool integrated = false;  ///< false: decided by linear stability and the fold bounds alone
   bool done = false;
-  Metrics metrics, error;   ///< NaN where there is no cycle
-  std::string why;          ///< of a failure
+  Metrics metrics, error;  ///< NaN where there is no cycle
+  std::string why;         ///< of a failure
 };
 
 struct Map {
@@ -53,10 +53,10 @@ struct Map {
 
 /// Hooks for the caller; all may be empty. Called from one thread at a time.
 struct MapHooks {
-  std::function<const MapPoint*(std::size_t)> known;              ///< a point computed earlier, or nullptr
-  std::function<void(std::size_t, const MapPoint&)> finished;     ///< a point is done: keep it safe
+  std::function<const MapPoint*(std::size_t)> known;           ///< a point computed earlier, or nullptr
+  std::function<void(std::size_t, const MapPoint&)> finished;  ///< a point is done: keep it safe
   std::function<void(std::size_t done, std::size_t total)> progress;
-  std::stop_token stop;                                           ///< asks for an early, orderly end
+  std::stop_token stop;  ///< asks for an early, orderly end
 };
 
 /// Computes the plane. Results do not depend on the number of threads. \throws InputError for unknown paths or metrics

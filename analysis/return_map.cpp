@@ -97,7 +97,9 @@ Recorder::Loop Recorder::loop(const std::vector<Sample>& samples) const {
   // Weights of the rule on the first, third and fifth node, exact to degree 2.
   static const std::array<double, 3> part = [&] {
     const double a = tableau.c[0], b = tableau.c[2], c = tableau.c[4];
-    const auto weight = [](double x, double y, double z) { return (1.0 / 3 - (y + z) / 2 + y * z) / ((x - y) * (x - z)); };
+    const auto weight = [](double x, double y, double z) {
+      return (1.0 / 3 - (y + z) / 2 + y * z) / ((x - y) * (x - z));
+    };
     return std::array{weight(a, b, c), weight(b, a, c), weight(c, a, b)};
   }();
   Loop result{0, 0, 0};
@@ -305,9 +307,8 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     if (derivative) solver.propagate(S, columns);
     if (recorder) recorder->step(solver);
     if (turns > 0 && (solver.time() >= longest_passage_ || solver.count().steps > most_steps)) {
-      passage.outcome = {Ending::budget_spent,
-                         fmt::format("no passage through v = V within {:.3g} s and {} steps", solver.time(),
-                                     solver.count().steps)};
+      passage.outcome = {Ending::budget_spent, fmt::format("no passage through v = V within {:.3g} s and {} steps",
+                                                           solver.time(), solver.count().steps)};
       break;
     }
   }

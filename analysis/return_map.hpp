@@ -50,9 +50,9 @@ class ReturnMap {
   struct Passage {
     Outcome outcome;
     double duration = 0;
-    std::vector<double> end;      ///< unknowns at the section
-    double amplitude = 0;         ///< largest |v − V|/V seen
-    Eigen::MatrixXd derivative;   ///< of the differential unknowns, if asked
+    std::vector<double> end;     ///< unknowns at the section
+    double amplitude = 0;        ///< largest |v − V|/V seen
+    Eigen::MatrixXd derivative;  ///< of the differential unknowns, if asked
   };
   /// Follows the motion from y through `turns` passages. `from_section`: y lies on the section.
   Passage follow(const std::vector<double>& y, double tolerance, int turns, bool from_section, bool derivative = false,

@@ -103,8 +103,8 @@ class Pass {
         step.stage(i, y.data());
         const double theta = step.node(i), here = system_.slip_rate(step.stage_time(i), y.data());
         if ((before < 0 && here > 0) || (before > 0 && here < 0)) {
-          const auto at = step.locate([&](double t, const double* z) { return system_.slip_rate(t, z); }, low, theta,
-                                      before, here);
+          const auto at =
+              step.locate([&](double t, const double* z) { return system_.slip_rate(t, z); }, low, theta, before, here);
           if (at) events_.push_back({t0 + *at * h, "reversal"});
         }
         low = theta, before = here;
@@ -268,8 +268,8 @@ Run run(const Model& model, const RunOptions& options) {
     }
     if (ratio[worst] <= options.tolerance) break;
     if (attempt == 2 || tolerance <= least) {
-      result.outcome = {Ending::tolerance_not_met,
-                        fmt::format("{} is known to {:.1e} of its size only", result.column_names[worst], ratio[worst])};
+      result.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} of its size only",
+                                                               result.column_names[worst], ratio[worst])};
       break;
     }
     coarse = std::move(fine);

@@ -10,8 +10,8 @@
 namespace rosin::analysis {
 
 struct RunOptions {
-  double duration = 1;          ///< s
-  std::vector<double> times;    ///< sample times, ascending; empty: `samples` equal intervals from 0 to duration
+  double duration = 1;        ///< s
+  std::vector<double> times;  ///< sample times, ascending; empty: `samples` equal intervals from 0 to duration
   int samples = 1000;
   Start start;
   double tolerance = 1e-8;
@@ -26,14 +26,14 @@ struct RunEvent {
 struct Run {
   Outcome outcome;
   std::vector<double> time;
-  std::vector<std::string> column_names;       ///< displacement, velocity, slip_rate, friction_force,
-                                               ///< friction_coefficient, then states
+  std::vector<std::string> column_names;  ///< displacement, velocity, slip_rate, friction_force,
+                                          ///< friction_coefficient, then states
   std::vector<std::string> column_units;
-  std::vector<std::vector<double>> columns;    ///< [column][sample]
-  std::vector<double> column_error;            ///< largest absolute difference to a run at a hundredth of the tolerance
+  std::vector<std::vector<double>> columns;  ///< [column][sample]
+  std::vector<double> column_error;          ///< largest absolute difference to a run at a hundredth of the tolerance
   std::vector<RunEvent> events;
-  std::map<std::string, double> metrics;       ///< of the record: extremes, means, stick time
-  std::string solver;                          ///< the one used
+  std::map<std::string, double> metrics;  ///< of the record: extremes, means, stick time
+  std::string solver;                     ///< the one used
   struct Cost {
     long steps = 0, evaluations = 0;
   } cost;

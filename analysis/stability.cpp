@@ -59,13 +59,11 @@ struct Linearisation {
     for (std::size_t i = 0; i < dynamic.size(); ++i)
       for (std::size_t j = 0; j < dynamic.size(); ++j)
         A(i, j) *= scale[dynamic[j]] / (scale[dynamic[i]] * mass[dynamic[i]]);
-    if (!A.allFinite())
-      throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
+    if (!A.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
     const Eigen::EigenSolver<Matrix> solver(A, false);
     std::vector<Complex> values(solver.eigenvalues().data(), solver.eigenvalues().data() + A.rows());
-    std::sort(values.begin(), values.end(), [](Complex a, Complex b) {
-      return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag();
-    });
+    std::sort(values.begin(), values.end(),
+              [](Complex a, Complex b) { return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag(); });
     return values;
   }
 };
@@ -172,7 +170,9 @@ std::optional<Growth> growth(const Model& model) {
 }  // namespace
 
 std::string name(Criticality c) {
-  return c == Criticality::supercritical ? "supercritical" : c == Criticality::subcritical ? "subcritical" : "degenerate";
+  return c == Criticality::supercritical ? "supercritical"
+         : c == Criticality::subcritical ? "subcritical"
+                                         : "degenerate";
 }
 
 SteadySliding steady_sliding(const Model& model) {
@@ -267,13 +267,13 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
         const double step = 1e-4;
         const double slope = std::abs(rate(root + step) - rate(root - step)) / (2 * step);
         point.value_error = point.value * ((b - a) + 1e-15 + 4e-16 * largest / std::max(slope, 1e-300));
-        const auto closed = parameter == "drive.normal_load" && model.slider.mass >= 0
-                                ? [&]() -> std::optional<double> {
-                                    const auto c = critical_load(model);
-                                    return c ? std::optional(c->normal_load) : std::nullopt;
-                                  }()
-                            : parameter == "oscillator.stiffness" ? critical_stiffness(model)
-                                                                  : std::nullopt;
+        const auto closed =
+            parameter == "drive.normal_load" && model.slider.mass >= 0 ? [&]() -> std::optional<double> {
+          const auto c = critical_load(model);
+          return c ? std::optional(c->normal_load) : std::nullopt;
+        }()
+            : parameter == "oscillator.stiffness" ? critical_stiffness(model)
+                                                  : std::nullopt;
         if (closed && std::abs(*closed / point.value - 1) < 1e-6) {
           point.value_error = std::max(std::abs(*closed - point.value), 4e-16 * *closed);
           point.value = *closed;

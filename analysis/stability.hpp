@@ -16,11 +16,11 @@ using oscillators::Model;
 
 /// Steady sliding at the drive's speed and load (levels of the signals).
 struct SteadySliding {
-  double slip_rate;             ///< m/s
+  double slip_rate;  ///< m/s
   double friction_coefficient;
-  double friction_force;        ///< N
-  double displacement;          ///< m; 0 for an imposed slip rate
-  std::vector<double> state;    ///< natural units, in the order of the law's states
+  double friction_force;      ///< N
+  double displacement;        ///< m; 0 for an imposed slip rate
+  std::vector<double> state;  ///< natural units, in the order of the law's states
 };
 /// \throws InputError at zero drive speed or where the law has no finite steady state.
 SteadySliding steady_sliding(const Model&);
@@ -41,13 +41,13 @@ std::string name(Criticality);
 struct HopfPoint {
   std::string parameter;
   double value;
-  double value_error;          ///< absolute estimate
-  double angular_frequency;    ///< rad/s
+  double value_error;        ///< absolute estimate
+  double angular_frequency;  ///< rad/s
   Criticality criticality;
-  /// Re c₁/ω of the normal form ẇ = iω w + c₁ w|w|², w scaled so that the slip rate is V(1 + |w| cos ωt): dimensionless,
-  /// negative: stable small cycles on the unstable side (supercritical).
+  /// Re c₁/ω of the normal form ẇ = iω w + c₁ w|w|², w scaled so that the slip rate is V(1 + |w| cos ωt):
+  /// dimensionless, negative: stable small cycles on the unstable side (supercritical).
   double first_lyapunov_coefficient;
-  bool closed_form;            ///< value from the closed form (single-state laws), else located numerically
+  bool closed_form;  ///< value from the closed form (single-state laws), else located numerically
 };
 
 /// Hopf points in one parameter, nearest (in ratio) to the model's value first; empty if there is none within

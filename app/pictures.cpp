@@ -322,12 +322,14 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   const bool decades = spans_decades(low, high);
   const auto decade_rate = decades ? Scaled{1, "m/s"} : rate;
 
-  std::string script =
-      preamble("cycle", "One periodic motion: in time, against slip rate, and in the phase plane", 940, 760);
+  // A law with memory moves in three dimensions: a panel more.
+  const bool space = scene.model.law->has_states() && scene.model.lambda > 0;
+  std::string script = preamble("cycle", "One periodic motion: in time, against slip rate, and in the phase plane",
+                                space ? 1400 : 940, 760);
   script += fmt::format("period = {}\nspeed = {}\n# from SI to the units of the axes\nT = {}\nX = {}\n", period, speed,
                         time.factor, way.factor);
-  script += fmt::format("set multiplot layout 2,2 title {} margins 0.10,0.97,0.09,0.90 spacing 0.13,0.16\n",
-                        single_quoted(scene.title));
+  script += fmt::format("set multiplot layout 2,2 title {} margins {},{},0.09,0.90 spacing {},0.16\n",
+                        single_quoted(scene.title), space ? 0.067 : 0.10, space ? 0.65 : 0.97, space ? 0.09 : 0.13);
   script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at graph 1,1.02 right bottom horizontal\n";
 
   script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'slip rate ({})'\n", time.unit, decade_rate.unit);
@@ -343,8 +345,9 @@ set autoscale x
 plot 'cycle.csv' using ($3*V):4 with lines linestyle 1 title 'cycle', \
      'cycle-steady.csv' using ($1*V):2 with lines linestyle 2 title 'steady sliding'
 )";
-  script += fmt::format("\nset xlabel 'displacement ({})'\nset ylabel 'slip rate ({})'\n", way.unit, decade_rate.unit);
-  script += fmt::format("V = {}\n{}\n", decade_rate.factor, axis_scale('y', decades));
+  const std::string plane = fmt::format("\nset xlabel 'displacement ({})'\nset ylabel 'slip rate ({})'\nV = {}\n{}\n",
+                                        way.unit, decade_rate.unit, decade_rate.factor, axis_scale('y', decades));
+  script += plane;
   script += R"(plot 'cycle.csv' using ($2*X):($3*V) with lines linestyle 1 title 'cycle', \
      speed*V with lines linestyle 3 title 'drive'
 )";
@@ -353,8 +356,27 @@ plot 'cycle.csv' using ($3*V):4 with lines linestyle 1 title 'cycle', \
 set ylabel 'friction coefficient'
 plot 'cycle.csv' using (abs($3)):4 with lines linestyle 1 title 'cycle', \
      'cycle-steady.csv' using (abs($1)):2 with lines linestyle 2 title 'steady sliding'
-unset multiplot
 )";
+  if (space) {
+    const auto& state = scene.model.law->states().front();
+    script += fmt::format("\n{}", axis_scale('x', false)) + plane;
+    script += fmt::format("set zlabel '{} ({})' rotate by 90 offset -2,0\n", state.name, readable_unit(state.unit));
+    script += R"(set origin 0.655,0.12
+set size 0.345,0.78
+set lmargin 8
+set rmargin 3
+set tmargin 0
+set bmargin 3
+set view 62,35
+set xyplane 0
+set xtics offset -1,-0.5
+set xlabel offset -1,-1.5
+set ylabel offset 2,-1.5
+unset key
+splot 'cycle.csv' using ($2*X):($3*V):5 with lines linestyle 1
+)";
+  }
+  script += "unset multiplot\n";
   write_whole(folder / "cycle.gp", script);
   return {"cycle-steady.csv", "cycle.gp"};
 }

@@ -27,10 +27,10 @@ struct ContactSetup {
 /// What the oscillator imposes on a contact.
 template <class Real>
 struct ContactInput {
-  Real slip_rate;     ///< u, m/s
-  Real normal_load;   ///< N, newton
-  Real load_rate;     ///< dN/dt, N/s; matters only to a series spring that does not scale with load
-  double direction;   ///< +1 or −1: direction of slip, used by set-valued laws only
+  Real slip_rate;    ///< u, m/s
+  Real normal_load;  ///< N, newton
+  Real load_rate;    ///< dN/dt, N/s; matters only to a series spring that does not scale with load
+  double direction;  ///< +1 or −1: direction of slip, used by set-valued laws only
 };
 
 /// ∂g/∂(z, u, N) and ∂F/∂(z, u, N). Row-major; `g_z` is unknowns × unknowns.

@@ -30,9 +30,7 @@ struct Dual {
   ROSIN_INLINE Dual(double x) : value(x) {
     for (auto& s : slope) s = Real(0.0);
   }
-  ROSIN_INLINE Dual(const Real& x)
-    requires(!std::is_same_v<Real, double>)
-      : value(x) {
+  ROSIN_INLINE Dual(const Real& x) requires(!std::is_same_v<Real, double>) : value(x) {
     for (auto& s : slope) s = Real(0.0);
   }
   /// The independent variable number `direction`, at x.
@@ -63,7 +61,9 @@ ROSIN_INLINE Dual<Real, n> chain(const Dual<Real, n>& a, const Dual<Real, n>& b,
 }  // namespace detail
 
 // Operands are taken as (Dual, Dual); a double on either side converts through these friends-like overloads.
-#define ROSIN_DUAL template <class Real, int n> ROSIN_INLINE
+#define ROSIN_DUAL             \
+  template <class Real, int n> \
+  ROSIN_INLINE
 
 ROSIN_DUAL Dual<Real, n> operator+(const Dual<Real, n>& a, const Dual<Real, n>& b) {
   Dual<Real, n> r;
@@ -90,11 +90,15 @@ ROSIN_DUAL Dual<Real, n> operator/(const Dual<Real, n>& a, const Dual<Real, n>& 
   const Real inverse = 1.0 / b.value, quotient = a.value / b.value;
   return detail::chain(a, b, quotient, inverse, Real(-quotient * inverse));
 }
-ROSIN_DUAL Dual<Real, n> operator+(const Dual<Real, n>& a, double b) { return detail::chain(a, Real(a.value + b), Real(1.0)); }
+ROSIN_DUAL Dual<Real, n> operator+(const Dual<Real, n>& a, double b) {
+  return detail::chain(a, Real(a.value + b), Real(1.0));
+}
 ROSIN_DUAL Dual<Real, n> operator+(double a, const Dual<Real, n>& b) { return b + a; }
 ROSIN_DUAL Dual<Real, n> operator-(const Dual<Real, n>& a, double b) { return a + (-b); }
 ROSIN_DUAL Dual<Real, n> operator-(double a, const Dual<Real, n>& b) { return -b + a; }
-ROSIN_DUAL Dual<Real, n> operator*(const Dual<Real, n>& a, double b) { return detail::chain(a, Real(a.value * b), Real(b)); }
+ROSIN_DUAL Dual<Real, n> operator*(const Dual<Real, n>& a, double b) {
+  return detail::chain(a, Real(a.value * b), Real(b));
+}
 ROSIN_DUAL Dual<Real, n> operator*(double a, const Dual<Real, n>& b) { return b * a; }
 ROSIN_DUAL Dual<Real, n> operator/(const Dual<Real, n>& a, double b) {
   return detail::chain(a, Real(a.value / b), Real(1.0 / b));
@@ -124,8 +128,12 @@ ROSIN_DUAL Dual<Real, n> exp(const Dual<Real, n>& a) {
   const Real e = exp(a.value);
   return detail::chain(a, e, e);
 }
-ROSIN_DUAL Dual<Real, n> expm1(const Dual<Real, n>& a) { return detail::chain(a, Real(expm1(a.value)), Real(exp(a.value))); }
-ROSIN_DUAL Dual<Real, n> log(const Dual<Real, n>& a) { return detail::chain(a, Real(log(a.value)), Real(1.0 / a.value)); }
+ROSIN_DUAL Dual<Real, n> expm1(const Dual<Real, n>& a) {
+  return detail::chain(a, Real(expm1(a.value)), Real(exp(a.value)));
+}
+ROSIN_DUAL Dual<Real, n> log(const Dual<Real, n>& a) {
+  return detail::chain(a, Real(log(a.value)), Real(1.0 / a.value));
+}
 ROSIN_DUAL Dual<Real, n> log1p(const Dual<Real, n>& a) {
   return detail::chain(a, Real(log1p(a.value)), Real(1.0 / (1.0 + a.value)));
 }

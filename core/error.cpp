@@ -11,22 +11,29 @@ namespace rosin {
 
 std::string name(Ending ending) {
   switch (ending) {
-    case Ending::reached_end: return "reached the end";
-    case Ending::event: return "event";
-    case Ending::none_exists: return "none exists";
-    case Ending::tolerance_not_met: return "tolerance not met";
-    case Ending::budget_spent: return "budget spent";
-    case Ending::not_finite: return "not finite";
-    case Ending::interrupted: return "interrupted";
+    case Ending::reached_end:
+      return "reached the end";
+    case Ending::event:
+      return "event";
+    case Ending::none_exists:
+      return "none exists";
+    case Ending::tolerance_not_met:
+      return "tolerance not met";
+    case Ending::budget_spent:
+      return "budget spent";
+    case Ending::not_finite:
+      return "not finite";
+    case Ending::interrupted:
+      return "interrupted";
   }
   return "unknown";
 }
 
 std::string readable_unit(std::string_view unit) { return unit == "1" ? "dimensionless" : std::string(unit); }
 
-void require(double value, const Range& range, std::string_view path, std::string_view meaning,
-             std::string_view unit) {
-  if (std::isnan(value)) throw InputError(fmt::format("{} is not a number (NaN) ({}, {})", path, meaning, readable_unit(unit)));
+void require(double value, const Range& range, std::string_view path, std::string_view meaning, std::string_view unit) {
+  if (std::isnan(value))
+    throw InputError(fmt::format("{} is not a number (NaN) ({}, {})", path, meaning, readable_unit(unit)));
   if (range.contains(value)) return;
   throw InputError(fmt::format("{} = {} is outside {} … {} ({}, {})", path, value, range.low, range.high, meaning,
                                readable_unit(unit)));

@@ -34,7 +34,8 @@ struct Outcome {
   bool complete() const { return ending == Ending::reached_end || ending == Ending::event; }
 };
 
-/// Throws InputError unless `range` contains `value`: "law.a = 3 is outside 0.0001 … 0.5 (direct effect, dimensionless)".
+/// Throws InputError unless `range` contains `value`: "law.a = 3 is outside 0.0001 … 0.5 (direct effect,
+/// dimensionless)".
 void require(double value, const Range& range, std::string_view path, std::string_view meaning, std::string_view unit);
 
 /// The unit as it is read in a sentence: "dimensionless" for "1".

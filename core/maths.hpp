@@ -45,7 +45,8 @@ ROSIN_INLINE Dual<Real, n> asinh_exp(const Dual<Real, n>& v, const Dual<Real, n>
   return detail::chain(v, E, asinh_exp(v.value, E.value), by_v, by_E);
 }
 
-/// e^{-E}·sinh(p), the inverse of asinh_exp: p = asinh_exp(v, E) gives v. No cancellation near p = 0, no early overflow.
+/// e^{-E}·sinh(p), the inverse of asinh_exp: p = asinh_exp(v, E) gives v. No cancellation near p = 0, no early
+/// overflow.
 template <class Real>
 ROSIN_INLINE Real sinh_exp(const Real& p, const Real& E) {
   const Real q = abs(p);

@@ -1,4 +1,5 @@
-/// SIMD lanes: packs of eight doubles in GCC vector extensions, four to a batch, with the elementary functions that laws use.
+/// SIMD lanes: packs of eight doubles in GCC vector extensions, four to a batch, with the elementary functions that
+/// laws use.
 ///
 /// The functions are written in plain arithmetic, so that every instruction set gives the same bits (the library is
 /// compiled with -ffp-contract=off). Accuracy: exp, expm1, log, log1p within 2 ulp of the correctly rounded result.

@@ -13,7 +13,7 @@ inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// What a law (or any named model) says of itself.
 struct Card {
-  std::string_view name;     ///< the user's word: file, type, scene key, anchor in the docs
+  std::string_view name;  ///< the user's word: file, type, scene key, anchor in the docs
   std::string_view title;
   std::string_view formula;  ///< LaTeX
   std::string_view source;   ///< paper and equations

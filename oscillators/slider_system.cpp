@@ -26,11 +26,11 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   if (mechanics_ == Mechanics::elastic) setup_.compliance += 1 / model_.slider.stiffness;
   // Only a friction unknown can carry a spring in series or answer for a slip rate that is not a coordinate.
   const bool needs_friction = !rigid() || mechanics_ == Mechanics::damped;
-  setup_.unknowns = law.has_slip_rate() && (unknowns == Unknowns::friction || needs_friction) ? Unknowns::friction
-                                                                                              : Unknowns::states;
+  setup_.unknowns =
+      law.has_slip_rate() && (unknowns == Unknowns::friction || needs_friction) ? Unknowns::friction : Unknowns::states;
   if (needs_friction && !law.has_slip_rate())
-    throw InputError(fmt::format(
-        "law '{}' has no explicit slip rate: it needs a slider with mass and a rigid contact", law.card().name));
+    throw InputError(fmt::format("law '{}' has no explicit slip rate: it needs a slider with mass and a rigid contact",
+                                 law.card().name));
   contact_ = law.contact(setup_);
   tower_ = law.tower(setup_);
 
@@ -48,16 +48,17 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   contact_->steady(0, reference_speed_, start.load, z, contact_scale_.data());
   const double friction_scale = carries_friction() ? contact_scale_[0] : 0.1;
   const auto& s = model_.slider;
-  displacement_scale_ = mechanics_ == Mechanics::inertial && s.stiffness > 0
-                            ? reference_speed_ * std::sqrt(s.mass / s.stiffness) + start.load * friction_scale / s.stiffness
-                        : s.stiffness > 0 ? std::max(start.load, 1e-300) * friction_scale / s.stiffness
-                                          : reference_speed_;
+  displacement_scale_ =
+      mechanics_ == Mechanics::inertial && s.stiffness > 0
+          ? reference_speed_ * std::sqrt(s.mass / s.stiffness) + start.load * friction_scale / s.stiffness
+      : s.stiffness > 0 ? std::max(start.load, 1e-300) * friction_scale / s.stiffness
+                        : reference_speed_;
 }
 
 SliderSystem::Forcing SliderSystem::forcing(double t) const {
   if (is_constant_) return constant_;
   const auto& d = model_.drive;
-  return {d.speed.value(t),           d.speed.rate(t),  d.normal_load.value(t),
+  return {d.speed.value(t),      d.speed.rate(t),  d.normal_load.value(t),
           d.normal_load.rate(t), d.force.value(t), d.force.rate(t)};
 }
 
@@ -70,9 +71,12 @@ void SliderSystem::mass(double t, double* m) const {
 
 double SliderSystem::imposed_slip_rate(const Forcing& now, const double* y, double F) const {
   switch (mechanics_) {
-    case Mechanics::inertial: return y[1];
-    case Mechanics::damped: return now.speed - (F + now.force - model_.slider.stiffness * y[0]) / model_.slider.damping;
-    case Mechanics::elastic: return now.speed - now.force_rate / model_.slider.stiffness;
+    case Mechanics::inertial:
+      return y[1];
+    case Mechanics::damped:
+      return now.speed - (F + now.force - model_.slider.stiffness * y[0]) / model_.slider.damping;
+    case Mechanics::elastic:
+      return now.speed - now.force_rate / model_.slider.stiffness;
   }
   return 0;
 }
@@ -170,7 +174,9 @@ void SliderSystem::expand(double t, const double* y, const double* direction, do
 void SliderSystem::slip_rate_gradient(double t, const double* y, double* gradient) const {
   std::fill(gradient, gradient + size(), 0.0);
   switch (mechanics_) {
-    case Mechanics::inertial: gradient[1] = 1; break;
+    case Mechanics::inertial:
+      gradient[1] = 1;
+      break;
     case Mechanics::damped:
       gradient[0] = model_.slider.stiffness / model_.slider.damping;
       gradient[1] = -forcing(t).load / model_.slider.damping;

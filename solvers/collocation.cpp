@@ -13,13 +13,16 @@ namespace rosin::solvers {
 namespace {
 constexpr int s = Collocation::stages;
 constexpr double rounding = 2.3e-16;
-constexpr int step_iterations = 12;   ///< more are not worth it: a shorter step converges faster
+constexpr int step_iterations = 12;     ///< more are not worth it: a shorter step converges faster
 constexpr int patient_iterations = 60;  ///< where the length is given
 constexpr double least_factor = 0.1, greatest_factor = 8, safety = 0.85;
 }  // namespace
 
 Collocation::Collocation(const System& system, double tolerance)
-    : system_(system), tableau_(RadauTableau::get()), n_(system.size()), tolerance_(std::max(tolerance, least_tolerance)) {
+    : system_(system),
+      tableau_(RadauTableau::get()),
+      n_(system.size()),
+      tolerance_(std::max(tolerance, least_tolerance)) {
   // The embedded estimate falls with h^6, the error of the solution with h^9: ask of the estimate what makes the
   // solution meet the tolerance (after the idea of Hairer & Wanner 1999 for their code of variable order). Unknowns
   // that are moderately stiff, such as the slip rate in slow stick, keep an error of the size of the estimate.
@@ -134,9 +137,9 @@ Collocation::Newton Collocation::solve_stages(double t, const double* y0, double
     }
     for (int i = 0; i < s; ++i) {
       for (int k = 0; k < n; ++k) {
-        const double delta = tableau_.real_column[i] * real_part[k] +
-                             2 * (product(tableau_.pair_column[0][i], w[0][k]).real() +
-                                  product(tableau_.pair_column[1][i], w[1][k]).real());
+        const double delta =
+            tableau_.real_column[i] * real_part[k] + 2 * (product(tableau_.pair_column[0][i], w[0][k]).real() +
+                                                          product(tableau_.pair_column[1][i], w[1][k]).real());
         Z_trial_[i * n + k] += delta;
         const double e = delta / scale_[k];
         change += e * e;
@@ -150,8 +153,7 @@ Collocation::Newton Collocation::solve_stages(double t, const double* y0, double
       if (rate < 1 && change * rate / (1 - rate) <= goal) return Newton::converged;
       if (rate > 0.99 && iteration > 2) return change < 1e3 * rounding ? Newton::converged : Newton::slow;
       // Will the remaining iterations suffice?
-      if (iteration > 2 && rate < 1 &&
-          change * std::pow(rate, most_iterations - 1 - iteration) / (1 - rate) > goal)
+      if (iteration > 2 && rate < 1 && change * std::pow(rate, most_iterations - 1 - iteration) / (1 - rate) > goal)
         return Newton::slow;
     }
     previous = change;
@@ -212,8 +214,10 @@ Outcome Collocation::step(double t_limit) {
   for (int attempt = 0;; ++attempt) {
     const double remaining = t_limit - t_;
     bool last = false;
-    if (h >= remaining * (1 - 1e-12) && remaining <= longest_step_) h = remaining, last = true;
-    else if (h > 0.5 * remaining) h = 0.5 * remaining;  // no sliver at the end
+    if (h >= remaining * (1 - 1e-12) && remaining <= longest_step_)
+      h = remaining, last = true;
+    else if (h > 0.5 * remaining)
+      h = 0.5 * remaining;  // no sliver at the end
     if (h < shortest || attempt > 200 || !(h > 0)) {
       int worst = 0;
       for (int i = 1; i < n; ++i)

@@ -60,7 +60,8 @@ struct Cvode::Core {
     }
     return 0;
   }
-  static int jacobian_function(realtype t, N_Vector y, N_Vector, SUNMatrix J, void* data, N_Vector, N_Vector, N_Vector) {
+  static int jacobian_function(realtype t, N_Vector y, N_Vector, SUNMatrix J, void* data, N_Vector, N_Vector,
+                               N_Vector) {
     Core& core = *static_cast<Core*>(data);
     const int n = core.system.size();
     t = std::min(t, core.last_moment);
@@ -73,8 +74,7 @@ struct Cvode::Core {
   static int weights(N_Vector y, N_Vector w, void* data) {
     Core& core = *static_cast<Core*>(data);
     core.system.scale(N_VGetArrayPointer(y), core.scale.data());
-    for (int i = 0; i < core.system.size(); ++i)
-      N_VGetArrayPointer(w)[i] = 1 / (core.tolerance * core.scale[i]);
+    for (int i = 0; i < core.system.size(); ++i) N_VGetArrayPointer(w)[i] = 1 / (core.tolerance * core.scale[i]);
     return 0;
   }
   static int root_function(realtype t, N_Vector y, realtype* values, void* data) {
@@ -124,7 +124,8 @@ Outcome Cvode::step(double t_limit) {
   }
   if (flag >= 0) return {};
   const auto where = fmt::format("at t = {:.9g} s, CVODE: {}", c.t, CVodeGetReturnFlagName(flag));
-  return {flag == CV_RHSFUNC_FAIL || flag == CV_UNREC_RHSFUNC_ERR ? Ending::not_finite : Ending::tolerance_not_met, where};
+  return {flag == CV_RHSFUNC_FAIL || flag == CV_UNREC_RHSFUNC_ERR ? Ending::not_finite : Ending::tolerance_not_met,
+          where};
 }
 
 double Cvode::time() const { return core_->t; }

@@ -12,14 +12,14 @@ struct RadauTableau {
   using Matrix = std::array<Vector, stages>;
   using Complex = std::complex<double>;
 
-  Vector c;               ///< nodes, c[4] = 1
-  Matrix a_inverse;       ///< A⁻¹
-  Vector b;               ///< weights of the quadrature (last row of A)
-  double gamma;           ///< real eigenvalue of A⁻¹
+  Vector c;                     ///< nodes, c[4] = 1
+  Matrix a_inverse;             ///< A⁻¹
+  Vector b;                     ///< weights of the quadrature (last row of A)
+  double gamma;                 ///< real eigenvalue of A⁻¹
   std::array<Complex, 2> pair;  ///< one of each complex pair of eigenvalues
-  Vector real_column;     ///< eigenvector of gamma
+  Vector real_column;           ///< eigenvector of gamma
   std::array<std::array<Complex, stages>, 2> pair_column;
-  Vector real_row;        ///< rows of the inverse of the eigenvector matrix
+  Vector real_row;  ///< rows of the inverse of the eigenvector matrix
   std::array<std::array<Complex, stages>, 2> pair_row;
   /// Weights on Z of the embedded error estimate of order 5: err = h/γ f₀ + Σ e_i Z_i.
   Vector error_weights;

@@ -122,7 +122,10 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   const double was = system_.direction();
   upcoming_ = mode_at_rest(collocation_.time(), collocation_.state().data(), was);
   switched_ = true;
-  switched = was == 0 ? Switch::slip : upcoming_ == 0 ? Switch::stick : upcoming_ == was ? Switch::none : Switch::reversal;
+  switched = was == 0           ? Switch::slip
+             : upcoming_ == 0   ? Switch::stick
+             : upcoming_ == was ? Switch::none
+                                : Switch::reversal;
   return {};
 }
 

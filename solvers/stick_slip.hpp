@@ -36,7 +36,7 @@ class StickSlip {
   double longest_slip_step_ = infinity;
   double upcoming_ = 0;
   bool switched_ = false;  ///< the last step ended in a switch: begin anew
-  bool armed_ = false;  ///< slip has left the neighbourhood of rest that it started from
+  bool armed_ = false;     ///< slip has left the neighbourhood of rest that it started from
   std::vector<double> work_, jacobian_, mass_;
 };
 

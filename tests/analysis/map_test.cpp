@@ -2,7 +2,6 @@
 #include "analysis/map.hpp"
 
 #include <catch2/catch.hpp>
-
 #include <cmath>
 
 #include "analysis/coexistence.hpp"
@@ -78,8 +77,7 @@ TEST_CASE("a numerically traced threshold equals the closed form", "[map]") {
   int points = 0;
   for (std::size_t i = 0; i < map.threshold_x.size(); ++i) {
     if (std::isnan(map.threshold_x[i])) continue;
-    const auto here =
-        model.with("oscillator.stiffness", map.threshold_x[i]).with("law.lambda", map.threshold_y[i]);
+    const auto here = model.with("oscillator.stiffness", map.threshold_x[i]).with("law.lambda", map.threshold_y[i]);
     REQUIRE(critical_load(here));
     CHECK(critical_load(here)->normal_load == Approx(model.drive.normal_load.level()).epsilon(1e-10));
     ++points;

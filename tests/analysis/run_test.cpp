@@ -1,9 +1,8 @@
 /// Histories against exact velocity steps, a published rate-and-state case, and closed-form stick–slip.
 #include "analysis/run.hpp"
 
-#include <catch2/catch.hpp>
-
 #include <algorithm>
+#include <catch2/catch.hpp>
 
 #include "tests/bristol_board.hpp"
 
@@ -78,9 +77,9 @@ TEST_CASE("a stiffer loading spring, ageing and slip", "[run]") {
     const char* law;
     std::vector<double> friction;
   };
-  const auto c = GENERATE(
-      Case{"ageing", {0.605207233704, 0.617672038645, 0.606071407260, 0.588166623558, 0.588487074534}},
-      Case{"slip", {0.605206832460, 0.615352660316, 0.585160247282, 0.588611242538, 0.588487074535}});
+  const auto c =
+      GENERATE(Case{"ageing", {0.605207233704, 0.617672038645, 0.606071407260, 0.588166623558, 0.588487074534}},
+               Case{"slip", {0.605206832460, 0.615352660316, 0.585160247282, 0.588611242538, 0.588487074535}});
   auto model = slider_under(c.law, {0.6, 0.010, 0.015, 1e-5, 1e-6}, {0, 3e3, 0}, 1e-6, 1);
   model.drive.speed = Signal(Signal::Steps{{{0, 1e-6}, {1, 1e-5}}});
   RunOptions options;

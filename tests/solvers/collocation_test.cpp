@@ -2,7 +2,6 @@
 #include "solvers/collocation.hpp"
 
 #include <catch2/catch.hpp>
-
 #include <cmath>
 #include <tuple>
 
@@ -119,8 +118,7 @@ TEST_CASE("events inside a step are located at the order of the method", "[collo
   solver.start(0, start);
   for (double before = 2; solver.step(100).complete(); before = solver.state()[0]) {
     if (solver.state()[0] > 0) continue;
-    const auto theta =
-        solver.locate([](double, const double* y) { return y[0]; }, 0, 1, before, solver.state()[0]);
+    const auto theta = solver.locate([](double, const double* y) { return y[0]; }, 0, 1, before, solver.state()[0]);
     REQUIRE(theta);
     REQUIRE(solver.shorten(*theta));
     CHECK(solver.time() == Approx(quarter).epsilon(1e-12));
