@@ -180,10 +180,11 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
   Search result;
   const bool steady_is_stable = drift_at_rest < 0;
   const double V = map.drive_speed();
-  // From stick with the state of steady sliding; where sliding is stable also from long stick, whose larger first slip
-  // can lie in the basin that the first start misses.
+  // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin of a
+  // cycle beside stable sliding that the first start misses, and does not fall straight onto an unstable steady state.
   std::vector<double> ages = {V};
-  if (steady_is_stable) ages.push_back(1e-4 * V), max_cycles = std::min(max_cycles, 12);
+  if (steady_is_stable) max_cycles = std::min(max_cycles, 12);
+  ages.push_back((steady_is_stable ? 1e-4 : 0.1) * V);
   const auto accept = [&](const std::vector<double>& y, int turns, double amplitude) {
     const auto found = newton(map, y, turns, amplitude);
     if (!found || found->amplitude < collapsed || !(spectral_radius(*found, map) < 1)) return false;
@@ -207,6 +208,7 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
             : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", max_cycles)};
     std::vector<std::vector<double>> visited;
     int next_attempt = 2;
+    bool enlarged = false;
     for (int k = 0; k < max_cycles; ++k) {
       const auto passage = map.follow(y, loose, 1, k > 0);
       if (!passage.outcome.complete()) {
@@ -220,7 +222,15 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
       y = passage.end;
       visited.push_back(y);
       const double amplitude = passage.amplitude;
-      if (k > 0 && amplitude < (steady_is_stable ? 0.02 : collapsed)) break;
+      if (k > 0 && steady_is_stable && amplitude < 0.02) break;
+      if (!steady_is_stable && !enlarged && amplitude < 1e-3) {
+        // An overdamped start has all but reached steady sliding, which repels: go on from where growth would lead.
+        if (amplitude < 1e-11) break;
+        const auto steady = map.system().steady(0);
+        y = map.moved(steady, map.difference(y, steady), 0.1 / amplitude);
+        enlarged = true;
+        continue;
+      }
       const double change = k > 0 ? map.distance(y, visited[k - 1]) / amplitude : infinity;
       if (k < next_attempt && !(k > 0 && change < 1e-3)) continue;
       next_attempt = k + std::max(2, k / 2);
