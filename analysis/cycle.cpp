@@ -180,8 +180,9 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
   Search result;
   const bool steady_is_stable = drift_at_rest < 0;
   const double V = map.drive_speed();
-  // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin of a
-  // cycle beside stable sliding that the first start misses, and does not fall straight onto an unstable steady state.
+  // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin of
+  // a cycle beside stable sliding that the first start misses, and does not fall straight onto an unstable steady
+  // state.
   std::vector<double> ages = {V};
   if (steady_is_stable) max_cycles = std::min(max_cycles, 12);
   ages.push_back((steady_is_stable ? 1e-4 : 0.1) * V);
@@ -318,7 +319,7 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
     if (value != 0 && metric.member == &Metrics::loop_area_normalised) e += 0.3 * std::max(tolerance, 1e-13);
     error.*metric.member = e;
     if (is_stick(metric) && stick_is_ill_conditioned) continue;
-    if (e / size > largest) largest = e / size, worst = metric.name;
+    if (!(e / size <= largest)) largest = e / size, worst = metric.name;  // NaN counts as worst
   }
   return largest;
 }

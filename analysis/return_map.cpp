@@ -120,7 +120,7 @@ Recorder::Loop Recorder::loop(const std::vector<Sample>& samples) const {
   return result;
 }
 
-double Recorder::refined_loop(Collocation& solver, double begin, double end, double coarse, int depth) const {
+double Recorder::refined_loop(Collocation& solver, double begin, double end, double coarse, double last_change) {
   const auto& tableau = RadauTableau::get();
   const auto part = [&](double from, double to) {
     std::vector<Sample> samples{sample_at(solver, from)};
@@ -128,10 +128,11 @@ double Recorder::refined_loop(Collocation& solver, double begin, double end, dou
     return loop(samples).integral;
   };
   const double middle = 0.5 * (begin + end), left = part(begin, middle), right = part(middle, end);
-  if (depth >= 30 ||
-      std::abs(left + right - coarse) <= std::max(loop_tolerance(), 1e-14 * (std::abs(left) + std::abs(right))))
-    return left + right;
-  return refined_loop(solver, begin, middle, left, depth + 1) + refined_loop(solver, middle, end, right, depth + 1);
+  const double change = std::abs(left + right - coarse);
+  // Small parts that no longer change less are at rounding.
+  const bool rounding = end - begin < 0.01 && change > 0.5 * last_change;
+  if (change <= loop_tolerance() || rounding || --divisions_left_ < 0) return left + right;
+  return refined_loop(solver, begin, middle, left, change) + refined_loop(solver, middle, end, right, change);
 }
 
 double Recorder::time_within(Collocation& solver, const std::vector<Sample>& samples, double threshold) const {
@@ -185,7 +186,7 @@ void Recorder::step(Collocation& solver) {
     // reverses, μ_ss turns over within a tiny part of a step, unseen by the solver, and the step is divided.
     const double ratio = std::abs(whole.integral - whole.check) / std::max(whole.magnitude, 1e-300);
     const bool resolved = std::pow(ratio, 2.5) * whole.magnitude <= loop_tolerance();
-    sums_.loop_area += resolved ? whole.integral : refined_loop(solver, 0, 1, whole.integral, 0);
+    sums_.loop_area += resolved ? whole.integral : refined_loop(solver, 0, 1, whole.integral, infinity);
   }
   extreme(solver, samples, &Sample::slip_rate, sums_.slip_rate_min, sums_.slip_rate_max);
   extreme(solver, samples, &Sample::friction, sums_.friction_min, sums_.friction_max);
@@ -253,7 +254,7 @@ Eigen::VectorXd ReturnMap::difference(const std::vector<double>& a, const std::v
 std::vector<double> ReturnMap::moved(const std::vector<double>& a, const Eigen::VectorXd& step, double factor) const {
   auto y = a;
   for (std::size_t i = 0; i < differential_.size(); ++i) y[differential_[i]] += factor * step[i];
-  if (system_.slip_rate_index() >= 0) y[system_.slip_rate_index()] = speed_;
+  if (system_.slip_rate_index() >= 0 && system_.rigid()) y[system_.slip_rate_index()] = speed_;
   return y;
 }
 
@@ -271,7 +272,7 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     S.assign(n * columns, 0.0);
     for (int c = 0; c < columns; ++c) S[differential_[c] * columns + c] = 1;
   }
-  const auto section = [&](double t, const double* y) { return system_.slip_rate(t, y) - speed_; };
+  const auto section = [&](double t, const double* y) { return system_.contact_slip_rate(t, y) - speed_; };
   // Below the section by more than rounding: from then on a rising zero is a passage.
   const double noise = 1e-10 * speed_;
   bool below = !from_section && section(0, solver.state().data()) < -noise;

@@ -31,7 +31,7 @@ class Recorder {
   };
   double loop_tolerance() const;
   Loop loop(const std::vector<Sample>&) const;
-  double refined_loop(solvers::Collocation&, double begin, double end, double coarse, int depth) const;
+  double refined_loop(solvers::Collocation&, double begin, double end, double coarse, double last_change);
   double time_within(solvers::Collocation&, const std::vector<Sample>&, double threshold) const;
 
   const oscillators::SliderSystem& system_;
@@ -40,6 +40,7 @@ class Recorder {
   bool follows_steady_curve_;  ///< friction is a function of the slip rate: the loop has no area
   Metrics sums_;
   double elapsed_ = 0;
+  int divisions_left_ = 4000;  ///< of steps for the loop integral, so that rounding cannot ask for more and more
 };
 
 /// Section-to-section map of a slider with a smooth law under a constant drive with V > 0.

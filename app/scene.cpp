@@ -482,7 +482,8 @@ void read_run(Table table, analysis::RunOptions& run, const FrictionLaw& law, bo
 }
 
 void read_cycle(Table table, Scene& scene) {
-  table.read("stick_threshold", scene.cycle.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
+  table.read("stick_threshold", scene.cycle.stick_threshold,
+             {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
   if (const auto* start = table.find("start")) {
     scene.cycle.start = read_start(*start, table.path("start"), *scene.model.law);
     if (scene.model.law->set_valued())

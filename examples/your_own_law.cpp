@@ -48,9 +48,8 @@ int main() {
              F, g, slopes.F_z[0], slopes.g_z[0]);
 
   // 4. Everything else follows: the load at which sliding on a spring loses stability, and the cycle beyond it.
-  oscillators::Model machine{.law = law,
-                             .slider = {.mass = 1, .stiffness = 1e3},
-                             .drive = {.speed = 1e-5, .normal_load = 1.0, .force = 0.0}};
+  oscillators::Model machine{
+      .law = law, .slider = {.mass = 1, .stiffness = 1e3}, .drive = {.speed = 1e-5, .normal_load = 1.0, .force = 0.0}};
   const auto hopf = analysis::hopf_points(machine, "drive.normal_load");
   if (hopf.empty()) return 1;
   fmt::print("\nsliding at 10 um/s is unstable above {:.6g} N, {} ({:.4g} rad/s)\n", hopf[0].value,

@@ -20,13 +20,21 @@
 namespace rosin::laws {
 
 template <template <class> class L>
-concept HasStates = requires { L<double>::states; };
+concept HasStates = requires {
+  L<double>::states;
+};
 template <template <class> class L>
-concept HasPresets = requires { L<double>::presets(); };
+concept HasPresets = requires {
+  L<double>::presets();
+};
 template <template <class> class L>
-concept HasSlipRate = requires(const L<double> law, Sliding<double> at) { law.slip_rate(0.0, at, {}); };
+concept HasSlipRate = requires(const L<double> law, Sliding<double> at) {
+  law.slip_rate(0.0, at, {});
+};
 template <template <class> class L>
-concept SetValued = requires(const L<double> law, Sliding<double> at) { law.static_limit(at); };
+concept SetValued = requires(const L<double> law, Sliding<double> at) {
+  law.static_limit(at);
+};
 
 /// Which instruction set the lanes run on; found once.
 enum class InstructionSet { baseline, v3, v4 };
@@ -48,8 +56,8 @@ constexpr int count_states() {
 /// Applies f(field, index) to each field of a table.
 template <class Table, class F>
 void for_each_field(const Table& fields, F f) {
-  [&]<std::size_t... i>(std::index_sequence<i...>) { (f(std::get<i>(fields), i), ...); }(
-      std::make_index_sequence<std::tuple_size_v<Table>>());
+  [&]<std::size_t... i>(std::index_sequence<i...>) { (f(std::get<i>(fields), i), ...); }
+  (std::make_index_sequence<std::tuple_size_v<Table>>());
 }
 
 template <class Member>
@@ -63,8 +71,10 @@ Member convert(const Value& value) {
 template <class L>
 L build(std::span<const Value> values) {
   return [&]<std::size_t... i>(std::index_sequence<i...>) {
-    return L{convert<std::remove_cvref_t<decltype(std::declval<L>().*(std::get<i>(L::parameters).member))>>(values[i])...};
-  }(std::make_index_sequence<parameter_count<L>>());
+    return L{
+        convert<std::remove_cvref_t<decltype(std::declval<L>().*(std::get<i>(L::parameters).member))>>(values[i])...};
+  }
+  (std::make_index_sequence<parameter_count<L>>());
 }
 
 template <class L>
@@ -106,7 +116,8 @@ void assign(L& law, std::span<const Value> parameters, int lane) {
       return x;
     };
     return L{member(std::get<i>(L::parameters), i)...};
-  }(std::make_index_sequence<parameter_count<L>>());
+  }
+  (std::make_index_sequence<parameter_count<L>>());
 }
 
 /// \throws InputError if a list in `parameters` differs from the law's.
@@ -179,15 +190,17 @@ struct Rows {
   /// States from unknowns: those with Scale::log are carried as logarithms.
   template <class T>
   ROSIN_INLINE static void read(const T* z, typename L<T>::State& state) {
-    for_each_field(L<T>::states, [&](const auto& f, std::size_t i) __attribute__((always_inline)) {
-      state.*(f.member) = f.scale == Scale::log ? exp(z[i]) : z[i];
-    });
+    for_each_field(
+        L<T>::states, [&](const auto& f, std::size_t i) __attribute__((always_inline)) {
+          state.*(f.member) = f.scale == Scale::log ? exp(z[i]) : z[i];
+        });
   }
   template <class T>
   ROSIN_INLINE static void write_rate(const typename L<T>::State& rate, const T* z, T* g) {
-    for_each_field(L<T>::states, [&](const auto& f, std::size_t i) __attribute__((always_inline)) {
-      g[i] = f.scale == Scale::log ? rate.*(f.member) * exp(-z[i]) : rate.*(f.member);
-    });
+    for_each_field(
+        L<T>::states, [&](const auto& f, std::size_t i) __attribute__((always_inline)) {
+          g[i] = f.scale == Scale::log ? rate.*(f.member) * exp(-z[i]) : rate.*(f.member);
+        });
   }
   template <class T>
   ROSIN_INLINE static T slip_rate(const L<T>& law, const T& mu, const T& N, const typename L<T>::State& state) {
@@ -286,8 +299,7 @@ class LawContact final : public Contact<Real> {
       const L<double>& law = lane_law_[lane];
       const auto state = law.steady(Sliding<double>{u, N});
       double values[states];
-      detail::for_each_field(L<double>::states,
-                             [&](const auto& f, std::size_t k) { values[k] = state.*(f.member); });
+      detail::for_each_field(L<double>::states, [&](const auto& f, std::size_t k) { values[k] = state.*(f.member); });
       if (rows_.with_friction) {
         // Friction errors are measured by ten times the direct effect, v·∂μ/∂v = v/(∂v/∂μ).
         *z = law.friction(Sliding<double>{u, N}, state);
@@ -350,12 +362,12 @@ class LawContact final : public Contact<Real> {
                                                                    Real& F) const {
     evaluate_here(in, z, g, F);
   }
-  [[gnu::target("arch=x86-64-v4"), gnu::flatten]] void linearise_v4(const ContactInput<Real>& in, const Real* z, Real* g,
-                                                                    Real& F, Slopes<Real>& slopes) const {
+  [[gnu::target("arch=x86-64-v4"), gnu::flatten]] void linearise_v4(const ContactInput<Real>& in, const Real* z,
+                                                                    Real* g, Real& F, Slopes<Real>& slopes) const {
     linearise_here(in, z, g, F, slopes);
   }
-  [[gnu::target("arch=x86-64-v3"), gnu::flatten]] void linearise_v3(const ContactInput<Real>& in, const Real* z, Real* g,
-                                                                    Real& F, Slopes<Real>& slopes) const {
+  [[gnu::target("arch=x86-64-v3"), gnu::flatten]] void linearise_v3(const ContactInput<Real>& in, const Real* z,
+                                                                    Real* g, Real& F, Slopes<Real>& slopes) const {
     linearise_here(in, z, g, F, slopes);
   }
 #endif
@@ -440,12 +452,16 @@ class Law final : public FrictionLaw {
   }
   std::vector<double> rate([[maybe_unused]] Sliding<double> at,
                            [[maybe_unused]] std::span<const double> state) const override {
-    if constexpr (HasStates<L>) return numbers_of(at, "rate", law_.rate(at, state_of(state)));
-    else return {};
+    if constexpr (HasStates<L>)
+      return numbers_of(at, "rate", law_.rate(at, state_of(state)));
+    else
+      return {};
   }
   std::vector<double> steady([[maybe_unused]] Sliding<double> at) const override {
-    if constexpr (HasStates<L>) return numbers_of(at, "steady state", law_.steady(at));
-    else return {};
+    if constexpr (HasStates<L>)
+      return numbers_of(at, "steady state", law_.steady(at));
+    else
+      return {};
   }
   double slip_rate(double mu, double normal_load, std::span<const double> state) const override {
     if constexpr (HasSlipRate<L>)

@@ -149,11 +149,11 @@ void SliderSystem::expand(double t, const double* y, const double* direction, do
     tower.value.value.slope[0] = d;
     return tower;
   };
-  std::vector<double> gradient(size());
-  slip_rate_gradient(t, y, gradient.data());
-  double u = imposed_slip_rate(now, y, mechanics_ == Mechanics::damped ? now.load * y[mechanical_] : 0), u_d = 0;
-  if (mechanics_ != Mechanics::elastic)
-    for (int i = 0; i < size(); ++i) u_d += gradient[i] * direction[i];
+  const double u = imposed_slip_rate(now, y, mechanics_ == Mechanics::damped ? now.load * y[mechanical_] : 0);
+  const double u_d = mechanics_ == Mechanics::inertial ? direction[1]
+                     : mechanics_ == Mechanics::damped
+                         ? (model_.slider.stiffness * direction[0] - now.load * direction[1]) / model_.slider.damping
+                         : 0.0;
   Tower z[Slopes<double>::capacity], g[Slopes<double>::capacity], F;
   for (int i = 0; i < nz; ++i) z[i] = along(y[mechanical_ + i], direction[mechanical_ + i]);
   tower_->evaluate({along(u, u_d), Tower(now.load), Tower(now.load_rate), direction_}, z, g, F);
@@ -173,22 +173,18 @@ void SliderSystem::expand(double t, const double* y, const double* direction, do
 
 void SliderSystem::slip_rate_gradient(double t, const double* y, double* gradient) const {
   std::fill(gradient, gradient + size(), 0.0);
-  switch (mechanics_) {
-    case Mechanics::inertial:
-      gradient[1] = 1;
-      break;
-    case Mechanics::damped:
-      gradient[0] = model_.slider.stiffness / model_.slider.damping;
-      gradient[1] = -forcing(t).load / model_.slider.damping;
-      break;
-    case Mechanics::elastic: {
-      // v = V − g₀ where the spring and the contact are in series.
-      std::vector<double> f(size()), J(size() * size());
-      linearise(t, y, f.data(), J.data());
-      if (carries_friction())
-        for (int j = 0; j < size(); ++j) gradient[j] = -J[j];
-      break;
-    }
+  if (mechanics_ == Mechanics::inertial && rigid()) {
+    gradient[1] = 1;
+  } else if (mechanics_ == Mechanics::damped && rigid()) {
+    gradient[0] = model_.slider.stiffness / model_.slider.damping;
+    gradient[1] = -forcing(t).load / model_.slider.damping;
+  } else if (carries_friction()) {
+    // g₀ = u − v(μ, ψ) at a steady load.
+    std::vector<double> f(size()), J(size() * size());
+    linearise(t, y, f.data(), J.data());
+    const int row = mechanical_;
+    for (int j = mechanical_; j < size(); ++j) gradient[j] = -J[row * size() + j];
+    if (mechanics_ == Mechanics::damped) gradient[mechanical_] -= forcing(t).load / model_.slider.damping;
   }
 }
 
@@ -278,6 +274,14 @@ double SliderSystem::slip_rate(double t, const double* y) const {
   contact_->mass(now.load, m);
   const double F_rate = now.load * g[0] / m[0] + now.load_rate * z[0];
   return now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
+}
+
+double SliderSystem::contact_slip_rate(double t, const double* y) const {
+  if (rigid() || !carries_friction()) return slip_rate(t, y);
+  const double* z = y + mechanical_;
+  double state[Slopes<double>::capacity];
+  read_states(z + 1, state);
+  return model_.law->slip_rate(z[0], forcing(t).load, {state, model_.law->states().size()});
 }
 
 double SliderSystem::holding_force(double t, const double* y) const {

@@ -59,10 +59,13 @@ class SliderSystem final : public SwitchingSystem {
   double friction_coefficient(double t, const double* y) const;
   /// Slip rate u at time t in y.
   double slip_rate(double t, const double* y) const override;
+  /// The slip rate of the contact itself, u where the contact is rigid. Behind a contact spring the slider rings, and
+  /// u passes the drive speed many times in one stick; this does not.
+  double contact_slip_rate(double t, const double* y) const;
 
   /// Second and third derivative of f along a direction d: d²f(y + ε d)/dε² and d³f(y + ε d)/dε³ at ε = 0.
   void expand(double t, const double* y, const double* direction, double* second, double* third) const;
-  /// ∂(slip rate)/∂y; the law's slip rate for elastic mechanics.
+  /// ∂(contact slip rate)/∂y.
   void slip_rate_gradient(double t, const double* y, double* gradient) const;
 
   /// Direction of slip for a set-valued law, 0 for stick; without meaning for other laws.

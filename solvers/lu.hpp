@@ -17,7 +17,15 @@ inline std::complex<double> product(const std::complex<double>& a, const std::co
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
-/// Factorises the row-major n × n matrix in place. \returns false if it is singular or not finite.
+/// 1/a, scaled so that it neither overflows early nor calls a library function.
+inline double reciprocal(double a) { return 1 / a; }
+inline std::complex<double> reciprocal(const std::complex<double>& a) {
+  const double size = pivot_size(a), x = a.real() / size, y = a.imag() / size, norm = (x * x + y * y) * size;
+  return {x / norm, -y / norm};
+}
+
+/// Factorises the row-major n × n matrix in place; the diagonal holds the reciprocals of the pivots.
+/// \returns false if it is singular or not finite.
 template <class Number>
 bool factorise_lu(std::vector<Number>& a, std::vector<int>& pivot, int n) {
   for (int k = 0; k < n; ++k) {
@@ -29,7 +37,7 @@ bool factorise_lu(std::vector<Number>& a, std::vector<int>& pivot, int n) {
     pivot[k] = best;
     if (best != k)
       for (int j = 0; j < n; ++j) std::swap(a[k * n + j], a[best * n + j]);
-    const Number inverse = 1.0 / a[k * n + k];
+    const Number inverse = a[k * n + k] = reciprocal(a[k * n + k]);
     for (int i = k + 1; i < n; ++i) {
       const Number factor = product(a[i * n + k], inverse);
       a[i * n + k] = factor;
@@ -52,7 +60,7 @@ void solve_lu(const std::vector<Number>& a, const std::vector<int>& pivot, int n
   for (int i = n - 1; i >= 0; --i) {
     for (int k = i + 1; k < n; ++k)
       for (int c = 0; c < columns; ++c) x[i * columns + c] -= product(a[i * n + k], x[k * columns + c]);
-    const Number inverse = 1.0 / a[i * n + i];
+    const Number& inverse = a[i * n + i];
     for (int c = 0; c < columns; ++c) x[i * columns + c] = product(x[i * columns + c], inverse);
   }
 }
