@@ -10,6 +10,7 @@
 
 #include "analysis/return_map.hpp"
 #include "analysis/stability.hpp"
+#include "core/eigenpairs.hpp"
 #include "solvers/stick_slip.hpp"
 
 namespace rosin::analysis {
@@ -67,8 +68,8 @@ struct FixedPoint {
 /// Moduli of the multipliers, largest first.
 std::vector<std::complex<double>> multipliers_of(const MatrixXd& derivative, const VectorXd& scale) {
   const MatrixXd balanced = scale.cwiseInverse().asDiagonal() * derivative * scale.asDiagonal();
-  const Eigen::EigenSolver<MatrixXd> solver(balanced, false);
-  std::vector<std::complex<double>> values(solver.eigenvalues().data(), solver.eigenvalues().data() + balanced.rows());
+  const auto found = eigenpairs(balanced).values;
+  std::vector<std::complex<double>> values(found.data(), found.data() + found.size());
   std::sort(values.begin(), values.end(), [](auto a, auto b) {
     return std::abs(a) != std::abs(b) ? std::abs(a) > std::abs(b) : a.imag() > b.imag();
   });

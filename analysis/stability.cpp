@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "analysis/curve.hpp"
+#include "core/eigenpairs.hpp"
 #include "oscillators/slider_system.hpp"
 
 namespace rosin::analysis {
@@ -60,8 +61,9 @@ struct Linearisation {
       for (std::size_t j = 0; j < dynamic.size(); ++j)
         A(i, j) *= scale[dynamic[j]] / (scale[dynamic[i]] * mass[dynamic[i]]);
     if (!A.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
-    const Eigen::EigenSolver<Matrix> solver(A, false);
-    std::vector<Complex> values(solver.eigenvalues().data(), solver.eigenvalues().data() + A.rows());
+    const auto found = eigenpairs(A).values;
+    if (!found.allFinite()) throw InputError("the eigenvalues of steady sliding could not be computed here");
+    std::vector<Complex> values(found.data(), found.data() + found.size());
     std::sort(values.begin(), values.end(),
               [](Complex a, Complex b) { return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag(); });
     return values;
@@ -73,28 +75,21 @@ double first_lyapunov_coefficient(const Model& model, double omega) {
   const Linearisation at(model);
   const int n = at.system.size();
   const ComplexMatrix M = at.mass.asDiagonal().toDenseMatrix().cast<Complex>(), J = at.J.cast<Complex>();
-  // Null vectors of J − iωM, by inverse iteration with scaled rows and columns.
-  const auto null_vector = [&](ComplexMatrix A) {
-    const Vector column = at.scale;
-    A = A * column.cast<Complex>().asDiagonal();
-    for (int i = 0; i < n; ++i) {
-      const double size = A.row(i).cwiseAbs().maxCoeff();
-      if (size > 0) A.row(i) /= size;
-    }
-    const Eigen::JacobiSVD<ComplexMatrix> svd(A, Eigen::ComputeFullV);
-    return ComplexVector(column.cast<Complex>().asDiagonal() * svd.matrixV().col(n - 1));
-  };
-  ComplexVector q = null_vector(J - Complex(0, omega) * M);
-  // The left null vector in scaled variables: rows are weighted by their own size.
-  ComplexMatrix left = (J - Complex(0, omega) * M) * at.scale.cast<Complex>().asDiagonal();
+  // Null vectors of J − iωM by inverse iteration, with columns measured in their scales and rows in their own sizes.
+  ComplexMatrix K = (J - Complex(0, omega) * M) * at.scale.cast<Complex>().asDiagonal();
   Vector row_size(n);
   for (int i = 0; i < n; ++i) {
-    row_size[i] = std::max(left.row(i).cwiseAbs().maxCoeff(), 1e-300);
-    left.row(i) /= row_size[i];
+    row_size[i] = std::max(K.row(i).cwiseAbs().maxCoeff(), 1e-300);
+    K.row(i) /= row_size[i];
   }
-  const Eigen::JacobiSVD<ComplexMatrix> svd(left, Eigen::ComputeFullU);
-  ComplexVector p = svd.matrixU().col(n - 1);
-  for (int i = 0; i < n; ++i) p[i] /= row_size[i];
+  const auto null_vector = [&](const ComplexMatrix& A) {
+    const auto lu = ComplexMatrix(A + 1e-14 * ComplexMatrix::Identity(n, n)).partialPivLu();
+    ComplexVector x = ComplexVector::LinSpaced(n, Complex(1, 0.3), Complex(0.7, -0.4));
+    for (int k = 0; k < 4; ++k) x = lu.solve(x).normalized();
+    return x;
+  };
+  ComplexVector q = at.scale.cast<Complex>().asDiagonal() * null_vector(K);
+  ComplexVector p = row_size.cwiseInverse().cast<Complex>().asDiagonal() * null_vector(K.adjoint());
 
   // w scaled so that the slip rate is V + Re(w) V.
   Vector gradient(n);

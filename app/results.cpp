@@ -174,7 +174,7 @@ std::string to_json(const Scene& scene, const analysis::Run& run) {
 
 std::string to_json(const Scene& scene, const analysis::Cycle& cycle) {
   auto document = begin(scene, "cycle", cycle.outcome);
-  const bool found = cycle.outcome.complete();
+  const bool found = cycle.metrics.period > 0;  // known, if less accurately than asked
   const auto none = [] {
     analysis::Metrics absent;
     for (const auto& metric : analysis::metric_names()) absent.*metric.member = std::nan("");

@@ -296,7 +296,7 @@ Status cycle(const Request& request) {
                    {"steps", double(cycle.cost.steps)},
                    {"evaluations", double(cycle.cost.evaluations)},
                    {"cycles", double(cycle.cost.cycles)}};
-  if (!cycle.outcome.complete()) return job.finish(to_json(scene, cycle), {}, "", cycle.outcome);
+  if (!(cycle.metrics.period > 0)) return job.finish(to_json(scene, cycle), {}, "", cycle.outcome);
 
   Reached reached;
   for (const auto& metric : analysis::metric_names()) {

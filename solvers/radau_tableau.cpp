@@ -4,6 +4,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "core/eigenpairs.hpp"
+
 namespace rosin::solvers {
 
 namespace {
@@ -54,11 +56,11 @@ RadauTableau compute() {
     }
   const MatrixX A = moments * powers.inverse(), A_inverse = A.inverse();
 
-  const Eigen::EigenSolver<Eigen::Matrix<double, s, s>> eigen(A_inverse.cast<double>());
-  const Eigen::Matrix<std::complex<double>, s, s> T = eigen.eigenvectors(), T_inverse = T.inverse();
+  const auto [values, T] = eigenpairs(A_inverse.cast<double>(), true);
+  const Eigen::MatrixXcd T_inverse = T.inverse();
   int pair = 0;
   for (int k = 0; k < s; ++k) {
-    const std::complex<double> value = eigen.eigenvalues()[k];
+    const std::complex<double> value = values[k];
     if (std::abs(value.imag()) < 1e-10) {
       // The real eigenvector may come with a complex factor; the factor cancels against that of the row.
       const std::complex<double> factor = T(0, k) / std::abs(T(0, k));
