@@ -142,6 +142,25 @@ TEST_CASE("Leine's belt block sticks and slips with the exactly known times", "[
   check(slower, {{&Metrics::period, 17.86599024642, 2e-11}});
 }
 
+TEST_CASE("a load too weak to hold the slider gives a cycle of slip that reverses and never sticks", "[cycle]") {
+  const auto cycle = find_cycle(slider_under("hyperbolic", {0.4, 3.0}, {0.0215408, 6.97031, 0}, 0.0159042, 1.02754e-4));
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.metrics.stick_fraction == 0);
+  CHECK(cycle.metrics.slip_rate_min < 0);
+  CHECK(cycle.metrics.slip_rate_mean == Approx(0.0159042).epsilon(1e-9));
+  // A weak load leaves the period near that of the free slider.
+  CHECK(cycle.metrics.period == Approx(2 * M_PI * std::sqrt(0.0215408 / 6.97031)).epsilon(0.02));
+  CHECK(std::abs(cycle.multipliers.front()) < 1);
+}
+
+TEST_CASE("an overdamped slider that starts onto unstable sliding leaves it for its cycle", "[cycle]") {
+  const auto cycle = find_cycle(slider_under("ageing", {0.6, 0.01, 0.015, 1e-5, 1e-6}, {1, 1e4, 10}, 1e-8, 30));
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.stable);
+  CHECK(cycle.metrics.slip_rate_max > 10 * 1e-8);
+  CHECK(cycle.metrics.slip_rate_mean == Approx(1e-8).epsilon(1e-7));
+}
+
 TEST_CASE("a drive in the other direction gives the mirror image", "[cycle]") {
   const auto forward = find_cycle(bristol_board(1e-4, 10)), back = find_cycle(bristol_board(1e-4, 10, -1e-5));
   CHECK(back.metrics.period == forward.metrics.period);
