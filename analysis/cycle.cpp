@@ -320,7 +320,8 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
     if (value != 0 && metric.member == &Metrics::loop_area_normalised) e += 0.3 * std::max(tolerance, 1e-13);
     error.*metric.member = e;
     if (is_stick(metric) && stick_is_ill_conditioned) continue;
-    if (!(e / size <= largest)) largest = e / size, worst = metric.name;  // NaN counts as worst
+    const double ratio = std::isfinite(e / size) ? e / size : infinity;
+    if (ratio > largest) largest = ratio, worst = metric.name;
   }
   return largest;
 }
@@ -552,6 +553,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       cycle.outcome = fine.outcome;
       return cycle;
     }
+    if (!fine.found && attempt > 0) break;  // what was found before stays, as it was known
     if (!fine.found) {
       cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;
@@ -619,6 +621,14 @@ Cycle find_cycle(const Model& model, const CycleOptions& options) {
     mirror(cycle);
   } else {
     cycle = model.law->set_valued() ? find_stick_slip_cycle(model, options) : find_smooth_cycle(model, options);
+    for (const auto& metric : metric_names())
+      if (!std::isfinite(cycle.metrics.*metric.member) || !std::isfinite(cycle.error.*metric.member)) {
+        const auto cost = cycle.cost;
+        cycle = {};
+        cycle.cost = cost;
+        cycle.outcome = {Ending::not_finite, fmt::format("in {}", metric.name)};
+        break;
+      }
   }
   return cycle;
 }
