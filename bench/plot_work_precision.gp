@@ -24,11 +24,11 @@ do for [format in "svg png"] {
   set output sprintf("%s.%s", stem, format)
   set multiplot
   set logscale xy
-  set format x "10^{%T}"
   set format y "10^{%T}"
-  set xrange [1e-1:1e-13] reverse
-  set xrange [1:1e-12]
-  set xtics 1e-12, 100, 1
+  set xrange [1:1e-14]  # better to the right
+  set xtics ("1" 1)
+  set for [e = 1:7] xtics add (sprintf("10^{%d}", -2 * e) 10**(-2 * e))
+  set mytics 2
   set grid lc rgb "#dddddd" lw 0.6 dt 1
   set border 3
   set tics nomirror out
@@ -37,27 +37,27 @@ do for [format in "svg png"] {
   unset key
 
   set lmargin at screen 0.085
-  set rmargin at screen 0.495
+  set rmargin at screen 0.48
   set yrange [1e-4:1e2]
-  set title "One cycle: N = 10^{-4} mg, λ = 10" offset 0, -0.5
-  set xlabel "largest true error of period, stick fraction, loop area" offset 0, 0.3
+  set title "One cycle: N = 10^{−4} m g, λ = 10" offset 0, -0.5
+  set xlabel "largest true error of period, stick fraction, loop area" offset 0, 0.4
   set ylabel "processor time, s" offset 0.5, 0
   plot for [i = 1:8] stem . ".cycle.dat" index (name(i) . ";") using 1:2 with linespoints lt i
 
-  set lmargin at screen 0.575
-  set rmargin at screen 0.985
-  set title "Plane: N = 10^{-8} … 1 mg, λ = 10^{-4} … 10^2"
-  set xlabel "the same, nine cycles in ten are better"
-  set ylabel "processor time for each point with a cycle, s"
+  set lmargin at screen 0.56
+  set rmargin at screen 0.97
+  set title "Plane: N/(m g) = 10^{−8} … 1, λ = 10^{−4} … 10^2"
+  set xlabel "the same, met by nine cycles in ten" offset 0, 0.4
+  set ylabel "processor time per cycle, s"
   plot for [i = 1:8] stem . ".plane.dat" index (name(i) . ";") using 1:2 with linespoints lt i
 
   # One key for both panels, below them.
   unset title; unset xlabel; unset ylabel; unset border; unset tics; unset grid
   unset logscale
   set xrange [0:1]; set yrange [0:1]
-  set lmargin at screen 0.04; set rmargin at screen 0.99
+  set lmargin at screen 0.02; set rmargin at screen 0.98
   set tmargin at screen 0.155; set bmargin at screen 0.01
-  set key inside center center vertical maxrows 2 width -1 samplen 4 spacing 1.5
+  set key inside center center vertical maxrows 2 Left reverse width -2 samplen 3 spacing 1.4 font ",12"
   plot for [i = 1:8] NaN with linespoints lt i title name(i)
   unset multiplot
   unset output
