@@ -41,9 +41,7 @@ class SliderSystem final : public SwitchingSystem {
 
   const Model& model() const { return model_; }
   Mechanics mechanics() const { return mechanics_; }
-  int mechanical_unknowns() const { return mechanical_; }
-  /// Unknowns in place of μ and the states: indices, or −1 where there is none.
-  int displacement_index() const { return mechanics_ == Mechanics::elastic ? -1 : 0; }
+  /// Index of the slip rate among the unknowns, or −1 where it is none.
   int slip_rate_index() const { return mechanics_ == Mechanics::inertial ? 1 : -1; }
   bool carries_friction() const { return setup_.unknowns == Unknowns::friction; }
   bool rigid() const { return setup_.compliance == 0 && setup_.compliance_per_load == 0; }

@@ -33,9 +33,10 @@ Collocation::Collocation(const System& system, double tolerance)
   J_.assign(n * n, 0.0);
   real_lu_.assign(n * n, 0.0);
   real_pivot_.assign(n, 0);
-  pair_right_.assign(n, 0.0);
+  real_right_.assign(n, 0.0);
   for (int k = 0; k < 2; ++k) {
     pair_lu_[k].assign(n * n, 0.0);
+    pair_right_[k].assign(n, 0.0);
     pair_pivot_[k].assign(n, 0);
   }
   f_stage_.assign(n, 0.0);
@@ -121,19 +122,19 @@ Collocation::Newton Collocation::solve_stages(double t, const double* y0, double
     count_.evaluations += s;
     // Decoupled blocks: (λ_k M/h − J) w_k = (T⁻¹ residual)_k, ΔZ = T w.
     double change = 0;
-    double real_part[16];
+    auto& real_part = real_right_;
     for (int k = 0; k < n; ++k) {
       real_part[k] = 0;
       for (int i = 0; i < s; ++i) real_part[k] += tableau_.real_row[i] * residual_[i * n + k];
     }
-    solve_lu(real_lu_, real_pivot_, n, real_part);
-    std::complex<double> w[2][16];
+    solve_lu(real_lu_, real_pivot_, n, real_part.data());
+    auto& w = pair_right_;
     for (int p = 0; p < 2; ++p) {
       for (int k = 0; k < n; ++k) {
         w[p][k] = 0;
         for (int i = 0; i < s; ++i) w[p][k] += tableau_.pair_row[p][i] * residual_[i * n + k];
       }
-      solve_lu(pair_lu_[p], pair_pivot_[p], n, w[p]);
+      solve_lu(pair_lu_[p], pair_pivot_[p], n, w[p].data());
     }
     for (int i = 0; i < s; ++i) {
       for (int k = 0; k < n; ++k) {
@@ -286,10 +287,10 @@ void Collocation::stage(int i, double* y) const {
   for (int k = 0; k < n_; ++k) y[k] = y_before_[k] + Z_[i * n_ + k];
 }
 
-void Collocation::stage_rate(int i, double* rate) const {
+void Collocation::rate(double* rate) const {
   for (int k = 0; k < n_; ++k) {
     double sum = 0;
-    for (int j = 0; j < s; ++j) sum += tableau_.a_inverse[i][j] * Z_[j * n_ + k];
+    for (int j = 0; j < s; ++j) sum += tableau_.a_inverse[s - 1][j] * Z_[j * n_ + k];
     rate[k] = sum / h_last_;
   }
 }
@@ -359,7 +360,5 @@ void Collocation::propagate(std::vector<double>& S, int columns) {
   for (int k = 0; k < n; ++k)
     for (int c = 0; c < columns; ++c) S[k * columns + c] += big_right_[((s - 1) * n + k) * columns + c];
 }
-
-void Collocation::rate(double* rate) const { stage_rate(s - 1, rate); }
 
 }  // namespace rosin::solvers

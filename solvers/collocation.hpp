@@ -41,8 +41,6 @@ class Collocation {
   const std::vector<double>& state_before() const { return y_before_; }
   /// Stage values of the last step, at time_before() + node·length.
   void stage(int i, double* y) const;
-  /// dy/dt of the collocation polynomial at a stage.
-  void stage_rate(int i, double* rate) const;
   double node(int i) const { return tableau_.c[i]; }
   double stage_time(int i) const { return node_time(t_before_, tableau_.c[i] * h_last_); }
   double time_at(double theta) const { return theta >= 1 ? t_ : node_time(t_before_, theta * h_last_); }
@@ -88,8 +86,8 @@ class Collocation {
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
   bool fresh_ = true;  ///< no polynomial of an earlier step to start from
   std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;
-  std::vector<double> real_lu_;
-  std::vector<std::complex<double>> pair_lu_[2], pair_right_;
+  std::vector<double> real_lu_, real_right_;
+  std::vector<std::complex<double>> pair_lu_[2], pair_right_[2];
   std::vector<int> real_pivot_, pair_pivot_[2];
   std::vector<double> big_, big_right_, f_stage_, J_stage_;
   std::vector<int> big_pivot_;
