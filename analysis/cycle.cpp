@@ -48,6 +48,20 @@ const MetricName& find_metric(std::string_view name) {
                                near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)));
 }
 
+double size_of(const MetricName& metric, const Metrics& m, double V) {
+  const double value = std::abs(m.*metric.member);
+  if (metric.member == &Metrics::slip_rate_min) return std::max(value, V);
+  if (metric.unit[0] == '1' && metric.member != &Metrics::loop_area_normalised) return 1;
+  if (metric.member == &Metrics::loop_area) return std::max(value, 1e-3 * m.slip_rate_max * m.friction_max);
+  if (metric.member == &Metrics::loop_area_normalised) return std::max(value, 1e-3);
+  return value;
+}
+
+bool is_stick(const MetricName& metric) {
+  return metric.member == &Metrics::stick_fraction || metric.member == &Metrics::stick_fraction_001 ||
+         metric.member == &Metrics::stick_fraction_05;
+}
+
 namespace {
 
 constexpr double loose = 1e-6;        ///< tolerance of the search for motions of the size of the drive speed
@@ -287,21 +301,6 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
   result.metrics = recorder.finish(passage.duration);
   result.orbit = std::move(recorder.orbit);
   return result;
-}
-
-/// Sizes that relative errors of metrics are taken against.
-double size_of(const MetricName& metric, const Metrics& m, double V) {
-  const double value = std::abs(m.*metric.member);
-  if (metric.member == &Metrics::slip_rate_min) return std::max(value, V);
-  if (metric.unit[0] == '1' && metric.member != &Metrics::loop_area_normalised) return 1;
-  if (metric.member == &Metrics::loop_area) return std::max(value, 1e-3 * m.slip_rate_max * m.friction_max);
-  if (metric.member == &Metrics::loop_area_normalised) return std::max(value, 1e-3);
-  return value;
-}
-
-bool is_stick(const MetricName& metric) {
-  return metric.member == &Metrics::stick_fraction || metric.member == &Metrics::stick_fraction_001 ||
-         metric.member == &Metrics::stick_fraction_05;
 }
 
 /// Errors of `fine` by its difference to `coarse`, a result at a hundred times the tolerance or more; never below what

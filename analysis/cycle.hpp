@@ -34,6 +34,11 @@ const std::vector<MetricName>& metric_names();
 /// \throws InputError for an unknown name, with the nearest one.
 const MetricName& find_metric(std::string_view name);
 
+/// The size that the relative error of a metric is taken against; V: drive speed.
+double size_of(const MetricName&, const Metrics&, double V);
+/// True for the stick fractions, which jump where the lowest speed touches their threshold.
+bool is_stick(const MetricName&);
+
 struct CycleOptions {
   double tolerance = 1e-8;       ///< relative accuracy asked of every metric
   double stick_threshold = 0.1;  ///< ε

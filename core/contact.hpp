@@ -30,7 +30,7 @@ struct ContactInput {
   Real slip_rate;    ///< u, m/s
   Real normal_load;  ///< N, newton
   Real load_rate;    ///< dN/dt, N/s; matters only to a series spring that does not scale with load
-  double direction;  ///< +1 or −1: direction of slip, used by set-valued laws only
+  Real direction;    ///< +1 or −1: direction of slip, used by set-valued laws only
 };
 
 /// ∂g/∂(z, u, N) and ∂F/∂(z, u, N). Row-major; `g_z` is unknowns × unknowns.
@@ -57,6 +57,8 @@ template <class Real>
 class Contact : public ContactValues<Real> {
  public:
   virtual void linearise(const ContactInput<Real>& in, const Real* z, Real* g, Real& F, Slopes<Real>& slopes) const = 0;
+  /// Coefficient of steady sliding at slip rate u and load N.
+  virtual void steady_friction(const Real& u, const Real& N, Real& mu) const = 0;
   /// Diagonal of M at load N: N/k_t for the friction row, λ for states; 0 marks an algebraic row.
   virtual void mass(const Real& N, Real* m) const = 0;
   /// Replaces the parameters of one lane (lane 0 of a double contact). `parameters` in the order of the law's table.
@@ -64,6 +66,8 @@ class Contact : public ContactValues<Real> {
   virtual void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) = 0;
   /// Steady sliding at slip rate u and load N: z, and for each unknown the size that an error is measured by.
   virtual void steady(int lane, double u, double N, double* z, double* weight) const = 0;
+  /// ∂μ/∂z of each state unknown at fixed slip rate, in steady sliding at u and N.
+  virtual void friction_slopes(int lane, double u, double N, double* slopes) const = 0;
 };
 
 }  // namespace rosin

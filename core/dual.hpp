@@ -47,6 +47,7 @@ template <class Real, int n>
 ROSIN_INLINE Dual<Real, n> chain(const Dual<Real, n>& a, const Real& value, const Real& derivative) {
   Dual<Real, n> r;
   r.value = value;
+  ROSIN_UNROLL
   for (int i = 0; i < n; ++i) r.slope[i] = derivative * a.slope[i];
   return r;
 }
@@ -55,6 +56,7 @@ ROSIN_INLINE Dual<Real, n> chain(const Dual<Real, n>& a, const Dual<Real, n>& b,
                                  const Real& by_b) {
   Dual<Real, n> r;
   r.value = value;
+  ROSIN_UNROLL
   for (int i = 0; i < n; ++i) r.slope[i] = by_a * a.slope[i] + by_b * b.slope[i];
   return r;
 }
@@ -68,18 +70,21 @@ ROSIN_INLINE Dual<Real, n> chain(const Dual<Real, n>& a, const Dual<Real, n>& b,
 ROSIN_DUAL Dual<Real, n> operator+(const Dual<Real, n>& a, const Dual<Real, n>& b) {
   Dual<Real, n> r;
   r.value = a.value + b.value;
+  ROSIN_UNROLL
   for (int i = 0; i < n; ++i) r.slope[i] = a.slope[i] + b.slope[i];
   return r;
 }
 ROSIN_DUAL Dual<Real, n> operator-(const Dual<Real, n>& a, const Dual<Real, n>& b) {
   Dual<Real, n> r;
   r.value = a.value - b.value;
+  ROSIN_UNROLL
   for (int i = 0; i < n; ++i) r.slope[i] = a.slope[i] - b.slope[i];
   return r;
 }
 ROSIN_DUAL Dual<Real, n> operator-(const Dual<Real, n>& a) {
   Dual<Real, n> r;
   r.value = -a.value;
+  ROSIN_UNROLL
   for (int i = 0; i < n; ++i) r.slope[i] = -a.slope[i];
   return r;
 }
@@ -117,6 +122,7 @@ template <class Condition, class Real, int n>
 ROSIN_INLINE Dual<Real, n> select(const Condition& which, const Dual<Real, n>& a, const Dual<Real, n>& b) {
   Dual<Real, n> r;
   r.value = select(which, a.value, b.value);
+  ROSIN_UNROLL
   for (int i = 0; i < n; ++i) r.slope[i] = select(which, a.slope[i], b.slope[i]);
   return r;
 }

@@ -15,6 +15,8 @@ inline constexpr int lane_packs = 4;
 inline constexpr int lane_count = lane_packs * pack_width;
 
 #define ROSIN_INLINE [[gnu::always_inline]] inline
+/// Before a short loop over unknowns or derivatives: keeps their values in registers, which -O2 alone does not.
+#define ROSIN_UNROLL _Pragma("GCC unroll 16")
 
 // Aligned by name: without it the alignment, and so the layout, would depend on the instruction set of each file.
 using Block = double __attribute__((vector_size(8 * pack_width), aligned(8 * pack_width)));
@@ -53,6 +55,8 @@ ROSIN_INLINE Pack operator/(const Pack& a, const Pack& b) { return Pack(a.block 
 ROSIN_INLINE Pack operator-(const Pack& a) { return Pack(-a.block); }
 ROSIN_INLINE Mask operator<(const Pack& a, const Pack& b) { return {a.block < b.block}; }
 ROSIN_INLINE Mask operator>(const Pack& a, const Pack& b) { return {a.block > b.block}; }
+ROSIN_INLINE Mask operator&(const Mask& a, const Mask& b) { return {a.bits & b.bits}; }
+ROSIN_INLINE Mask operator!(const Mask& a) { return {~a.bits}; }
 ROSIN_INLINE Pack select(const Mask& m, const Pack& a, const Pack& b) { return Pack(m.bits ? a.block : b.block); }
 
 ROSIN_INLINE Pack abs(const Pack& a) {
@@ -87,13 +91,16 @@ ROSIN_INLINE Reduced reduce_exp(Block x) {
   return {high - low, (high - (high - low)) - low, bits_to_double((half + 1023) << 52),
           bits_to_double((n - half + 1023) << 52)};
 }
-/// (e^r - 1 - r - r²/2)/r³ on |r| <= ln2/2, Taylor to r^13 (remainder below 1e-17).
+/// (e^r - 1 - r - r²/2)/r³ on |r| <= ln2/2 by the Chebyshev interpolant of degree 9 (error of e^r - 1 below 3e-18
+/// relative), summed in pairs, which waits less than Horner's chain.
 ROSIN_INLINE Block exp_tail(Block r) {
-  Block p = Block{} + 1.0 / 6227020800.0;
-  for (const double c : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040,
-                         1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6})
-    p = p * r + c;
-  return p;
+  constexpr double c[] = {0.16666666666666669,   0.041666666666666664,  0.008333333333330051,  0.0013888888888886545,
+                          0.00019841269863105968, 2.4801587317181886e-05, 2.7557268378684192e-06,
+                          2.755728291148268e-07,  2.5100424157005067e-08, 2.0911264239196083e-09};
+  const Block r2 = r * r, r4 = r2 * r2;
+  const Block low = (c[0] + c[1] * r) + r2 * (c[2] + c[3] * r);
+  const Block middle = (c[4] + c[5] * r) + r2 * (c[6] + c[7] * r);
+  return low + r4 * (middle + r4 * (c[8] + c[9] * r));
 }
 ROSIN_INLINE Block expm1_reduced(Block r, Block low) { return r + (low + r * r * (0.5 + r * exp_tail(r))); }
 
@@ -130,11 +137,11 @@ ROSIN_INLINE Block log_block(Block x, Block correction) {
   Block exponent = bits_to_double(double_to_bits(Block{} + round_shift) + k) - round_shift;
   exponent = tiny ? exponent - 54.0 : exponent;
   const Block f = m - 1.0, s = f / (2.0 + f), z = s * s, half = 0.5 * f * f;
-  Block p = Block{} + 1.479819860511658591e-01;
-  for (const double c : {1.531383769920937332e-01, 1.818357216161805012e-01, 2.222219843214978396e-01,
-                         2.857142874366239149e-01, 3.999999999940941908e-01, 6.666666666666735130e-01})
-    p = p * z + c;
-  const Block r = exponent * ln2_high - ((half - (s * (half + z * p) + (exponent * ln2_low + correction))) - f);
+  const Block w = z * z;
+  const Block even = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01));
+  const Block odd = 6.666666666666735130e-01 +
+                    w * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01));
+  const Block r = exponent * ln2_high - ((half - (s * (half + (z * odd + even)) + (exponent * ln2_low + correction))) - f);
   const Block infinity = Block{} + std::numeric_limits<double>::infinity();
   Block result = x == infinity ? x : r;
   result = x == 0.0 ? -infinity : result;

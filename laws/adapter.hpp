@@ -5,17 +5,12 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
+#include "core/instruction_set.hpp"
 #include "laws/law.hpp"
-
-/// Lanes are compiled once per instruction set and chosen at run time.
-#if defined(__x86_64__) && !defined(__clang__)
-#define ROSIN_RUNTIME_INSTRUCTION_SETS 1
-#else
-#define ROSIN_RUNTIME_INSTRUCTION_SETS 0
-#endif
 
 namespace rosin::laws {
 
@@ -35,10 +30,6 @@ template <template <class> class L>
 concept SetValued = requires(const L<double> law, Sliding<double> at) {
   law.static_limit(at);
 };
-
-/// Which instruction set the lanes run on; found once.
-enum class InstructionSet { baseline, v3, v4 };
-InstructionSet instruction_set();
 
 namespace detail {
 
@@ -140,6 +131,19 @@ double slip_rate_slope(const L<double>& law, double mu, double N, const double* 
     return build<L<Slope>>(values_of(law)).slip_rate(Slope::variable(mu, 0), {Slope(0.0), Slope(N)}, fixed).slope[0];
   } else {
     return infinity;
+  }
+}
+
+/// μ_ss of steady sliding at slip rate v; odd in v for set-valued laws too.
+template <template <class> class L, class T>
+ROSIN_INLINE T steady_coefficient(const L<T>& law, const Sliding<T>& at) {
+  if constexpr (SetValued<L>) {
+    const T direction = sign(at.slip_rate);
+    return direction * law.friction(Sliding<T>{direction * at.slip_rate, at.normal_load});
+  } else if constexpr (count_states<L>() == 0) {
+    return law.friction(at);
+  } else {
+    return law.friction(at, law.steady(at));
   }
 }
 
@@ -253,23 +257,18 @@ class LawContact final : public Contact<Real> {
   int unknowns() const override { return rows_.unknowns(); }
 
   void evaluate(const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const override {
-#if ROSIN_RUNTIME_INSTRUCTION_SETS
-    if constexpr (Part::count > 1) {
-      if (instruction_set() == InstructionSet::v4) return evaluate_v4(in, z, g, F);
-      if (instruction_set() == InstructionSet::v3) return evaluate_v3(in, z, g, F);
-    }
-#endif
-    evaluate_here(in, z, g, F);
+    on_lanes([&] { evaluate_here(in, z, g, F); });
   }
 
   void linearise(const ContactInput<Real>& in, const Real* z, Real* g, Real& F, Slopes<Real>& slopes) const override {
-#if ROSIN_RUNTIME_INSTRUCTION_SETS
-    if constexpr (Part::count > 1) {
-      if (instruction_set() == InstructionSet::v4) return linearise_v4(in, z, g, F, slopes);
-      if (instruction_set() == InstructionSet::v3) return linearise_v3(in, z, g, F, slopes);
-    }
-#endif
-    linearise_here(in, z, g, F, slopes);
+    on_lanes([&] { linearise_here(in, z, g, F, slopes); });
+  }
+
+  void steady_friction(const Real& u, const Real& N, Real& mu) const override {
+    on_lanes([&] {
+      for (int p = 0; p < Part::count; ++p)
+        Part::of(mu, p) = detail::steady_coefficient<L>(law_[p], {Part::of(u, p), Part::of(N, p)});
+    });
   }
 
   void mass(const Real& N, Real* m) const override {
@@ -315,6 +314,25 @@ class LawContact final : public Contact<Real> {
     }
   }
 
+  void friction_slopes(int lane, double u, double N, double* slopes) const override {
+    if constexpr (states > 0) {
+      using Slope = Dual<double, states>;
+      const auto steady = lane_law_[lane].steady(Sliding<double>{u, N});
+      typename L<Slope>::State state;
+      detail::for_each_field(L<Slope>::states, [&](const auto& f, std::size_t k) {
+        double value = 0;
+        detail::for_each_field(L<double>::states, [&](const auto& g, std::size_t j) {
+          if (j == k) value = steady.*(g.member);
+        });
+        state.*(f.member) = Slope::variable(value, int(k));
+        if (f.scale == Scale::log) (state.*(f.member)).slope[k] = value;
+      });
+      const auto law = detail::build<L<Slope>>(detail::values_of(lane_law_[lane]));
+      const Slope mu = law.friction(Sliding<Slope>{Slope(u), Slope(N)}, state);
+      std::copy(mu.slope, mu.slope + states, slopes);
+    }
+  }
+
  private:
   ROSIN_INLINE void evaluate_here(const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const {
     for (int p = 0; p < Part::count; ++p) {
@@ -323,7 +341,7 @@ class LawContact final : public Contact<Real> {
       for (int i = 0; i < n; ++i) part_z[i] = Part::of(z[i], p);
       rows_(law_[p],
             ContactInput<Scalar>{Part::of(in.slip_rate, p), Part::of(in.normal_load, p), Part::of(in.load_rate, p),
-                                 in.direction},
+                                 Part::of(in.direction, p)},
             Part::of(compliance_, p), part_z, part_g, Part::of(F, p));
       for (int i = 0; i < n; ++i) Part::of(g[i], p) = part_g[i];
     }
@@ -338,7 +356,8 @@ class LawContact final : public Contact<Real> {
       rows_(derivative_law_[p],
             ContactInput<Derivative>{Derivative::variable(Part::of(in.slip_rate, p), n),
                                      Derivative::variable(Part::of(in.normal_load, p), n + 1),
-                                     Derivative(Part::of(in.load_rate, p)), in.direction},
+                                     Derivative(Part::of(in.load_rate, p)),
+                                     Derivative(Part::of(in.direction, p))},
             Derivative(Part::of(compliance_, p)), part_z, part_g, part_F);
       for (int i = 0; i < n; ++i) {
         Part::of(g[i], p) = part_g[i].value;
@@ -353,24 +372,13 @@ class LawContact final : public Contact<Real> {
     }
   }
 
-#if ROSIN_RUNTIME_INSTRUCTION_SETS
-  [[gnu::target("arch=x86-64-v4"), gnu::flatten]] void evaluate_v4(const ContactInput<Real>& in, const Real* z, Real* g,
-                                                                   Real& F) const {
-    evaluate_here(in, z, g, F);
+  template <class Kernel>
+  static void on_lanes(const Kernel& kernel) {
+    if constexpr (Part::count > 1)
+      run_on_lanes(kernel);
+    else
+      kernel();
   }
-  [[gnu::target("arch=x86-64-v3"), gnu::flatten]] void evaluate_v3(const ContactInput<Real>& in, const Real* z, Real* g,
-                                                                   Real& F) const {
-    evaluate_here(in, z, g, F);
-  }
-  [[gnu::target("arch=x86-64-v4"), gnu::flatten]] void linearise_v4(const ContactInput<Real>& in, const Real* z,
-                                                                    Real* g, Real& F, Slopes<Real>& slopes) const {
-    linearise_here(in, z, g, F, slopes);
-  }
-  [[gnu::target("arch=x86-64-v3"), gnu::flatten]] void linearise_v3(const ContactInput<Real>& in, const Real* z,
-                                                                    Real* g, Real& F, Slopes<Real>& slopes) const {
-    linearise_here(in, z, g, F, slopes);
-  }
-#endif
 
   detail::Rows<L> rows_;
   std::array<L<Scalar>, Part::count> law_;
@@ -477,6 +485,7 @@ class Law final : public FrictionLaw {
   }
   Steady steady_friction(Sliding<double> at) const override {
     using Slope = Dual<double, 1>;
+    // At rest, a set-valued law is seen from the side of slip along the drive.
     const double direction = SetValued<L> && at.slip_rate < 0 ? -1 : 1;
     const Slope mu = direction * steady_of<Slope>(detail::build<L<Slope>>(values_),
                                                   {direction * Slope::variable(at.slip_rate, 0), at.normal_load});

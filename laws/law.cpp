@@ -1,9 +1,7 @@
-/// Looking up parameters by name, and the instruction set of the lanes.
+/// Looking up parameters by name.
 #include "laws/law.hpp"
 
 #include <fmt/format.h>
-
-#include "laws/adapter.hpp"
 
 namespace rosin {
 
@@ -36,18 +34,5 @@ std::shared_ptr<const FrictionLaw> FrictionLaw::with(std::string_view name, Valu
   changed[index_or_throw(*this, name)] = std::move(value);
   return with(std::move(changed));
 }
-
-namespace laws {
-InstructionSet instruction_set() {
-#if ROSIN_RUNTIME_INSTRUCTION_SETS
-  static const InstructionSet found = __builtin_cpu_supports("x86-64-v4")   ? InstructionSet::v4
-                                      : __builtin_cpu_supports("x86-64-v3") ? InstructionSet::v3
-                                                                            : InstructionSet::baseline;
-  return found;
-#else
-  return InstructionSet::baseline;
-#endif
-}
-}  // namespace laws
 
 }  // namespace rosin

@@ -41,6 +41,7 @@ class SliderSystem final : public SwitchingSystem {
 
   const Model& model() const { return model_; }
   Mechanics mechanics() const { return mechanics_; }
+  const ContactSetup& contact_setup() const { return setup_; }
   /// Index of the slip rate among the unknowns, or −1 where it is none.
   int slip_rate_index() const { return mechanics_ == Mechanics::inertial ? 1 : -1; }
   bool carries_friction() const { return setup_.unknowns == Unknowns::friction; }

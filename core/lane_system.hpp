@@ -1,0 +1,24 @@
+/// What the ensemble solver advances: 32 systems of one kind that differ in parameters.
+#pragma once
+#include "core/pack.hpp"
+
+namespace rosin {
+
+/// 32 systems M·ẏ = f(y) with diagonal M whose zero rows are algebraic, one in each lane. Arrays hold one Lanes for each
+/// unknown.
+class LaneSystem {
+ public:
+  virtual ~LaneSystem() = default;
+  virtual int size() const = 0;
+  /// Diagonal of M.
+  virtual void mass(Lanes* m) const = 0;
+  /// f(y).
+  virtual void evaluate(const Lanes* y, Lanes* f) const = 0;
+  /// f and ∂f/∂y, row-major size × size. Solvers eliminate the unknowns in their order and without pivoting: mechanics
+  /// first, which are never stiff, then those of the contact.
+  virtual void linearise(const Lanes* y, Lanes* f, Lanes* jacobian) const = 0;
+  /// The sizes by which errors in each unknown are measured, at y.
+  virtual void scale(const Lanes* y, Lanes* s) const = 0;
+};
+
+}  // namespace rosin

@@ -1,0 +1,169 @@
+/// Mechanics of 32 sliders around one batch of contacts.
+#include "oscillators/slider_lanes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/instruction_set.hpp"
+
+namespace rosin::oscillators {
+
+namespace {
+/// Applies an operation to each pack of the lanes.
+template <class Kernel>
+void for_each_pack(const Kernel& kernel) {
+  run_on_lanes([&] {
+    for (int p = 0; p < lane_packs; ++p) kernel(p);
+  });
+}
+}  // namespace
+
+SliderLanes::SliderLanes(const SliderSystem& pattern)
+    : law_(pattern.model().law),
+      setup_(pattern.contact_setup()),
+      mechanics_(pattern.mechanics()),
+      rigid_(pattern.rigid()),
+      contact_(law_->lanes(setup_)) {
+  if (!pattern.autonomous()) throw InputError("sliders in lanes need a drive that is constant in time");
+  mechanical_ = pattern.size() - contact_->unknowns();
+  scale_.resize(size());
+  for (int lane = 0; lane < lane_count; ++lane) load(lane, pattern);
+}
+
+bool SliderLanes::fits(const SliderSystem& slider) const {
+  const auto& setup = slider.contact_setup();
+  if (!slider.autonomous() || slider.mechanics() != mechanics_ || setup.unknowns != setup_.unknowns ||
+      slider.size() != size() || slider.rigid() != rigid_)
+    return false;
+  const auto& law = *slider.model().law;
+  if (law.card().name != law_->card().name) return false;
+  for (std::size_t i = 0; i < law.values().size(); ++i)  // lists are shared by all lanes
+    if (law.parameters()[i].is_list && law.values()[i] != law_->values()[i]) return false;
+  return true;
+}
+
+void SliderLanes::load(int lane, const SliderSystem& slider) {
+  const auto& model = slider.model();
+  contact_->load(lane, model.law->values(), slider.contact_setup());
+  mass_.set(lane, model.slider.mass);
+  stiffness_.set(lane, model.slider.stiffness);
+  damping_.set(lane, model.slider.damping);
+  speed_.set(lane, model.drive.speed.level());
+  load_.set(lane, model.drive.normal_load.level());
+  force_.set(lane, model.drive.force.level());
+  double rest[Slopes<double>::capacity + 2] = {}, s[Slopes<double>::capacity + 2];
+  slider.scale(rest, s);  // at zero slip rate: the drive speed for speeds
+  if (setup_.unknowns == Unknowns::friction) {
+    // A state that hardly matters to friction need not be known better than friction.
+    double slopes[Slopes<double>::capacity];
+    contact_->friction_slopes(lane, slider.reference_speed(), model.drive.normal_load.level(), slopes);
+    for (int i = mechanical_ + 1; i < size(); ++i)
+      s[i] = std::clamp(s[mechanical_] / std::abs(slopes[i - mechanical_ - 1]), s[i], 10 * s[i]);
+  }
+  for (int i = 0; i < size(); ++i) scale_[i].set(lane, s[i]);
+}
+
+void SliderLanes::mass(Lanes* m) const {
+  if (mechanical_ > 0) m[0] = 1.0;
+  if (mechanical_ > 1) m[1] = mass_;
+  contact_->mass(load_, m + mechanical_);
+}
+
+void SliderLanes::imposed_slip_rate(const Lanes* y, Lanes& u) const {
+  if (mechanics_ == Mechanics::inertial) {
+    u = y[1];
+  } else if (mechanics_ == Mechanics::elastic) {
+    u = speed_;
+  } else {
+    for_each_pack([&](int p) __attribute__((always_inline)) {
+      const Pack F = load_.pack[p] * y[1].pack[p];
+      u.pack[p] = speed_.pack[p] - (F + force_.pack[p] - stiffness_.pack[p] * y[0].pack[p]) / damping_.pack[p];
+    });
+  }
+}
+
+/// The rows of displacement and slip rate.
+void SliderLanes::mechanics(const Lanes* y, const Lanes& F, Lanes* f) const {
+  if (mechanics_ != Mechanics::inertial) return;
+  for_each_pack([&](int p) __attribute__((always_inline)) {
+    const Pack velocity = speed_.pack[p] - y[1].pack[p];
+    f[0].pack[p] = velocity;
+    f[1].pack[p] =
+        stiffness_.pack[p] * y[0].pack[p] + damping_.pack[p] * velocity - F.pack[p] - force_.pack[p];
+  });
+}
+
+void SliderLanes::evaluate(const Lanes* y, Lanes* f) const {
+  Lanes u, F;
+  imposed_slip_rate(y, u);
+  contact_->evaluate({u, load_, none_, direction_}, y + mechanical_, f + mechanical_, F);
+  mechanics(y, F, f);
+  if (mechanics_ == Mechanics::damped)
+    for_each_pack([&](int p) __attribute__((always_inline)) { f[0].pack[p] = speed_.pack[p] - u.pack[p]; });
+}
+
+void SliderLanes::linearise(const Lanes* y, Lanes* f, Lanes* jacobian) const {
+  const int n = size(), nz = contact_->unknowns(), first = mechanical_;
+  Lanes u, F;
+  Slopes<Lanes> slopes;
+  imposed_slip_rate(y, u);
+  contact_->linearise({u, load_, none_, direction_}, y + first, f + first, F, slopes);
+  mechanics(y, F, f);
+  for_each_pack([&](int p) __attribute__((always_inline)) {
+    const auto J = [&](int i, int j) __attribute__((always_inline))->Pack& { return jacobian[i * n + j].pack[p]; };
+    for (int i = 0; i < nz; ++i)
+      for (int j = 0; j < nz; ++j) J(first + i, first + j) = slopes.g_z[i * nz + j].pack[p];
+    if (mechanics_ == Mechanics::inertial) {
+      J(0, 0) = 0.0;
+      J(0, 1) = -1.0;
+      J(1, 0) = stiffness_.pack[p];
+      J(1, 1) = -damping_.pack[p] - slopes.F_u.pack[p];
+      for (int j = 0; j < nz; ++j) {
+        J(0, first + j) = 0.0;
+        J(1, first + j) = -slopes.F_z[j].pack[p];
+        J(first + j, 0) = 0.0;
+        J(first + j, 1) = slopes.g_u[j].pack[p];
+      }
+    } else if (mechanics_ == Mechanics::damped) {
+      // u = V − (N μ + f − k x)/c
+      const Pack u_x = stiffness_.pack[p] / damping_.pack[p], u_mu = -load_.pack[p] / damping_.pack[p];
+      f[0].pack[p] = speed_.pack[p] - u.pack[p];
+      J(0, 0) = -u_x;
+      J(0, 1) = -u_mu;
+      for (int j = 2; j < n; ++j) J(0, j) = 0.0;
+      for (int i = 0; i < nz; ++i) {
+        J(first + i, 0) = slopes.g_u[i].pack[p] * u_x;
+        J(first + i, first) = J(first + i, first) + slopes.g_u[i].pack[p] * u_mu;
+      }
+    }
+  });
+}
+
+void SliderLanes::scale(const Lanes* y, Lanes* s) const {
+  for (int i = 0; i < size(); ++i) s[i] = scale_[i];
+  if (mechanical_ > 1)
+    for_each_pack([&](int p) __attribute__((always_inline)) { s[1].pack[p] = max(s[1].pack[p], abs(y[1].pack[p])); });
+}
+
+void SliderLanes::contact_slip_rate(const Lanes* y, Lanes& v) const {
+  imposed_slip_rate(y, v);
+  if (rigid_ || setup_.unknowns != Unknowns::friction) return;
+  // The friction row is g₀ = u − v.
+  Lanes f[Slopes<double>::capacity], F;
+  contact_->evaluate({v, load_, none_, direction_}, y + mechanical_, f, F);
+  for_each_pack([&](int p) __attribute__((always_inline)) { v.pack[p] = v.pack[p] - f[0].pack[p]; });
+}
+
+void SliderLanes::friction_coefficient(const Lanes* y, Lanes& mu) const {
+  if (setup_.unknowns == Unknowns::friction) {
+    mu = y[mechanical_];
+    return;
+  }
+  Lanes u, F, f[Slopes<double>::capacity];
+  imposed_slip_rate(y, u);
+  contact_->evaluate({u, load_, none_, direction_}, y + mechanical_, f, F);
+  for_each_pack([&](int p) __attribute__((always_inline)) { mu.pack[p] = F.pack[p] / load_.pack[p]; });
+}
+
+}  // namespace rosin::oscillators
