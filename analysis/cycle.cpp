@@ -52,8 +52,8 @@ double size_of(const MetricName& metric, const Metrics& m, double V) {
   const double value = std::abs(m.*metric.member);
   if (metric.member == &Metrics::slip_rate_min) return std::max(value, V);
   if (metric.unit[0] == '1' && metric.member != &Metrics::loop_area_normalised) return 1;
-  if (metric.member == &Metrics::loop_area) return std::max(value, 1e-3 * m.slip_rate_max * m.friction_max);
-  if (metric.member == &Metrics::loop_area_normalised) return std::max(value, 1e-3);
+  if (metric.member == &Metrics::loop_area) return std::max(value, 0.1 * m.slip_rate_max * m.friction_max);
+  if (metric.member == &Metrics::loop_area_normalised) return std::max(value, 0.1);
   return value;
 }
 

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "analysis/coexistence.hpp"
+#include "analysis/cycle_lanes.hpp"
 #include "analysis/stability.hpp"
 
 namespace rosin::analysis {
@@ -63,18 +64,28 @@ Metrics no_metrics() {
   return m;
 }
 
-MapPoint compute_point(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence) {
+/// What linear stability and the folds of cycles say of a point before any integration.
+enum class Verdict { stable, look_for_cycle, look_beside_steady };
+Verdict judge(const Model& model, CoexistenceSearch& coexistence) {
+  const Stability sliding = stability(model);
+  if (!sliding.stable && !sliding.marginal) return Verdict::look_for_cycle;
+  return coexistence.ask(model).answer == Coexistence::Answer::none ? Verdict::stable : Verdict::look_beside_steady;
+}
+
+MapPoint stable_point() {
   MapPoint point;
   point.done = true;
+  point.regime = Regime::stable;
   point.metrics = point.error = no_metrics();
+  return point;
+}
+
+/// A point by itself, at the full order of the collocation.
+MapPoint compute_point(const Model& model, const MapOptions& options, bool attracts) {
+  MapPoint point = stable_point();
+  point.integrated = true;
+  point.regime = Regime::failed;
   try {
-    const Stability sliding = stability(model);
-    const bool attracts = sliding.stable || sliding.marginal;
-    if (attracts && coexistence.ask(model).answer == Coexistence::Answer::none) {
-      point.regime = Regime::stable;
-      return point;
-    }
-    point.integrated = true;
     const Cycle cycle = find_cycle(
         model, {.tolerance = options.tolerance, .stick_threshold = options.stick_threshold, .multipliers = false});
     if (cycle.metrics.period > 0 && cycle.stable) {
@@ -92,6 +103,34 @@ MapPoint compute_point(const Model& model, const MapOptions& options, Coexistenc
   }
   return point;
 }
+
+/// The plane in tiles: what is computed together, so that neighbours help each other to a start.
+class Tiles {
+ public:
+  static constexpr int edge = 32;  ///< most points of a tile along one axis
+  Tiles(const Axis& x, const Axis& y) : columns_(cut(x)), rows_(cut(y)), width_(x.values.size()) {}
+  int count() const { return int(columns_.size() * rows_.size()); }
+  /// Calls f(index of the point, its place) for each point of a tile.
+  template <class F>
+  void for_each(int tile, F f) const {
+    const auto [x0, x1] = columns_[tile % columns_.size()];
+    const auto [y0, y1] = rows_[tile / columns_.size()];
+    for (int iy = y0; iy < y1; ++iy)
+      for (int ix = x0; ix < x1; ++ix) f(std::size_t(iy) * width_ + ix, GridPlace{tile, ix - x0, iy - y0});
+  }
+
+ private:
+  /// Even pieces of the regular scale, then each extra value by itself.
+  static std::vector<std::pair<int, int>> cut(const Axis& axis) {
+    std::vector<std::pair<int, int>> pieces;
+    const int n = axis.regular, parts = (n + edge - 1) / edge;
+    for (int k = 0; k < parts; ++k) pieces.emplace_back(n * k / parts, n * (k + 1) / parts);
+    for (int i = n; i < int(axis.values.size()); ++i) pieces.emplace_back(i, i + 1);
+    return pieces;
+  }
+  std::vector<std::pair<int, int>> columns_, rows_;
+  std::size_t width_;
+};
 
 /// The border of stability on the grid lines, joined to polylines.
 class Threshold {
@@ -208,29 +247,69 @@ Map compute_map(const Model& model, const MapOptions& options, const MapHooks& h
   CoexistenceSearch coexistence;
   std::mutex hook_mutex;
   std::size_t done = 0;
-  std::vector<std::size_t> open;
-  for (std::size_t i = 0; i < total; ++i) {
+  for (std::size_t i = 0; i < total; ++i)
     if (const MapPoint* known = hooks.known ? hooks.known(i) : nullptr) {
       map.points[i] = *known;
       ++done;
-    } else {
-      open.push_back(i);
     }
+  const auto model_at = [&](std::size_t i) {
+    return model.with(map.x.parameter, map.x.values[i % nx]).with(map.y.parameter, map.y.values[i / nx]);
+  };
+  const auto finish = [&](std::size_t i, MapPoint point) {
+    const std::scoped_lock lock(hook_mutex);
+    if (map.points[i].done) return;  // known from before
+    map.points[i] = std::move(point);
+    ++done;
+    if (hooks.finished) hooks.finished(i, map.points[i]);
+    if (hooks.progress) hooks.progress(done, total);
+  };
+  // Tiles are independent of each other, so that neither threads nor an interruption show in the result. Several at a
+  // time keep the lanes full.
+  const Tiles tiles(map.x, map.y);
+  std::vector<int> open;
+  for (int tile = 0; tile < tiles.count(); ++tile) {
+    bool missing = false;
+    tiles.for_each(tile, [&](std::size_t i, GridPlace) { missing |= !map.points[i].done; });
+    if (missing) open.push_back(tile);
   }
+  const std::size_t together = std::clamp<std::size_t>(open.size() / options.threads, 1, 4);
+  const LaneCycleOptions lane_options{options.tolerance, options.stick_threshold, options.metrics};
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     while (!hooks.stop.stop_requested()) {
-      const std::size_t k = next++;
-      if (k >= open.size()) return;
-      const std::size_t i = open[k];
-      MapPoint point =
-          compute_point(model.with(map.x.parameter, map.x.values[i % nx]).with(map.y.parameter, map.y.values[i / nx]),
-                        options, coexistence);
-      const std::scoped_lock lock(hook_mutex);
-      map.points[i] = std::move(point);
-      ++done;
-      if (hooks.finished) hooks.finished(i, map.points[i]);
-      if (hooks.progress) hooks.progress(done, total);
+      const std::size_t first = next.fetch_add(together);
+      if (first >= open.size()) return;
+      std::vector<Model> models;
+      std::vector<GridPlace> places;
+      std::vector<std::size_t> indices, alone;
+      for (std::size_t k = first; k < std::min(first + together, open.size()); ++k)
+        tiles.for_each(open[k], [&](std::size_t i, GridPlace place) {
+          try {
+            Model here = model_at(i);
+            const Verdict verdict = judge(here, coexistence);
+            if (verdict == Verdict::stable) return finish(i, stable_point());
+            if (verdict == Verdict::look_beside_steady) return alone.push_back(i);
+            models.push_back(std::move(here));
+            places.push_back(place);
+            indices.push_back(i);
+          } catch (const InputError& e) {
+            MapPoint point = stable_point();
+            point.regime = Regime::failed;
+            point.why = e.what();
+            finish(i, std::move(point));
+          }
+        });
+      const auto cycles = find_cycles(models, lane_options, places);
+      for (std::size_t k = 0; k < cycles.size() && !hooks.stop.stop_requested(); ++k) {
+        MapPoint point = stable_point();
+        point.integrated = true;
+        point.regime = Regime::cycle;
+        point.metrics = cycles[k].metrics;
+        point.error = cycles[k].error;
+        finish(indices[k], cycles[k].found ? std::move(point) : compute_point(models[k], options, false));
+      }
+      for (std::size_t k = 0; k < alone.size() && !hooks.stop.stop_requested(); ++k)
+        if (!map.points[alone[k]].done) finish(alone[k], compute_point(model_at(alone[k]), options, true));
     }
   };
   {

@@ -71,6 +71,10 @@ class ReturnMap {
   const Eigen::VectorXd& scale() const { return scale_; }
   const Cycle::Cost& cost() const { return cost_; }
   double drive_speed() const { return speed_; }
+  /// Time in which the fastest growing mode of steady sliding grows e-fold (s), infinite where none grows.
+  double growth_time() const { return growth_time_; }
+  /// No passage takes longer (s).
+  double longest_passage() const { return longest_passage_; }
 
  private:
   oscillators::SliderSystem system_;

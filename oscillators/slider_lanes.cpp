@@ -1,9 +1,6 @@
 /// Mechanics of 32 sliders around one batch of contacts.
 #include "oscillators/slider_lanes.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/error.hpp"
 #include "core/instruction_set.hpp"
 
@@ -52,15 +49,8 @@ void SliderLanes::load(int lane, const SliderSystem& slider) {
   speed_.set(lane, model.drive.speed.level());
   load_.set(lane, model.drive.normal_load.level());
   force_.set(lane, model.drive.force.level());
-  double rest[Slopes<double>::capacity + 2] = {}, s[Slopes<double>::capacity + 2];
-  slider.scale(rest, s);  // at zero slip rate: the drive speed for speeds
-  if (setup_.unknowns == Unknowns::friction) {
-    // A state that hardly matters to friction need not be known better than friction.
-    double slopes[Slopes<double>::capacity];
-    contact_->friction_slopes(lane, slider.reference_speed(), model.drive.normal_load.level(), slopes);
-    for (int i = mechanical_ + 1; i < size(); ++i)
-      s[i] = std::clamp(s[mechanical_] / std::abs(slopes[i - mechanical_ - 1]), s[i], 10 * s[i]);
-  }
+  double s[Slopes<double>::capacity + 2];
+  slider.relevance_scale(s);  // speeds are measured by the drive's, or their own
   for (int i = 0; i < size(); ++i) scale_[i].set(lane, s[i]);
 }
 
@@ -148,7 +138,7 @@ void SliderLanes::scale(const Lanes* y, Lanes* s) const {
 
 void SliderLanes::contact_slip_rate(const Lanes* y, Lanes& v) const {
   imposed_slip_rate(y, v);
-  if (rigid_ || setup_.unknowns != Unknowns::friction) return;
+  if ((rigid_ && mechanics_ == Mechanics::inertial) || setup_.unknowns != Unknowns::friction) return;
   // The friction row is g₀ = u − v.
   Lanes f[Slopes<double>::capacity], F;
   contact_->evaluate({v, load_, none_, direction_}, y + mechanical_, f, F);

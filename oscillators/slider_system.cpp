@@ -194,6 +194,16 @@ void SliderSystem::scale(const double* y, double* s) const {
   for (int i = 0; i < contact_->unknowns(); ++i) s[mechanical_ + i] = contact_scale_[i];
 }
 
+void SliderSystem::relevance_scale(double* s) const {
+  const std::vector<double> rest(size());
+  scale(rest.data(), s);
+  if (!carries_friction()) return;
+  double slopes[Slopes<double>::capacity];
+  contact_->friction_slopes(0, reference_speed_, constant_.load, slopes);
+  for (int i = mechanical_ + 1; i < size(); ++i)
+    s[i] = std::clamp(s[mechanical_] / std::abs(slopes[i - mechanical_ - 1]), s[i], 10 * s[i]);
+}
+
 std::string SliderSystem::unknown(int i) const {
   if (i < mechanical_) return i == 0 ? "displacement" : "slip rate";
   i -= mechanical_;

@@ -52,6 +52,11 @@ class SliderSystem final : public SwitchingSystem {
   std::vector<double> unknowns_at(double t, double x, double u, std::span<const double> state, double friction) const;
   /// Steady sliding at time t.
   std::vector<double> steady(double t) const;
+  /// As scale() at rest, but states that hardly matter to friction are measured by it, up to ten times looser: for
+  /// methods whose stiff unknowns are no better than their error estimate.
+  void relevance_scale(double* s) const;
+  /// Makes friction in y agree with slip rate and states where it is algebraic; for constant drives.
+  void make_consistent(double* y) const { cross_break(0, y); }
   /// What is seen at time t in y.
   Observation observe(double t, const double* y) const;
   /// Coefficient of friction, by the unknown or by the law.

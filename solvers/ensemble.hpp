@@ -13,7 +13,7 @@ namespace rosin::solvers {
 
 class Ensemble {
  public:
-  using Method = Rodas4;
+  using Method = Rodas5;
   static constexpr int capacity = 8;  ///< most unknowns
 
   /// \throws InputError for more unknowns than `capacity`.
@@ -28,8 +28,6 @@ class Ensemble {
   void attempt();
   /// True if the last try succeeded. Lanes that nobody started try too; their results have no meaning.
   bool accepted(int lane) const { return accepted_[lane] != 0; }
-  /// All lanes, one after the other: all bits set where the last try succeeded.
-  const std::int64_t* accepted() const { return accepted_.data(); }
 
   /// Takes back the last step of a lane, which succeeded; the next try has `theta` of its length.
   void retake(int lane, double theta);
@@ -38,10 +36,11 @@ class Ensemble {
 
   double time(int lane) const { return time_[lane]; }
   /// Length of the last try.
-  double length(int lane) const { return length_[lane]; }
+  const Lanes& length() const { return length_; }
   double next_length(int lane) const { return h_[lane]; }
   /// Unknown i of all lanes now, and before the last try.
   const Lanes& unknown(int i) const { return y_[i]; }
+  const Lanes* unknowns() const { return y_.data(); }
   const Lanes& unknown_before(int i) const { return before_[i]; }
   /// Unknown i of one lane at `theta` of the last step that succeeded, and its derivative by theta.
   double interpolate(int lane, int i, double theta) const { return polynomial(lane, i).value(theta); }

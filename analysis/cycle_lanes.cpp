@@ -1,0 +1,440 @@
+/// A small state machine for each slider: settle at a loose tolerance, settle at a tight one, compare.
+#include "analysis/cycle_lanes.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "analysis/return_map.hpp"
+#include "core/eigenpairs.hpp"
+
+namespace rosin::analysis {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double coarser = 10;        ///< ratio of the tolerances that are compared
+constexpr double loosest = 1e-3;       ///< tolerance: above it steps go astray
+constexpr int most_passages = 60;     ///< of one slider
+constexpr double collapsed = 1e-3;    ///< amplitudes |v − V|/V below this are left to the search for small cycles
+
+Recording recording_for(const LaneCycleOptions& options) {
+  Recording r;
+  r.stick_threshold = options.stick_threshold;
+  for (const auto& name : options.metrics) {
+    const auto member = find_metric(name).member;
+    const auto is = [&](auto... candidates) { return ((member == candidates) || ...); };
+    r.stick_fraction |= is(&Metrics::stick_fraction);
+    r.stick_fraction_001 |= is(&Metrics::stick_fraction_001);
+    r.stick_fraction_05 |= is(&Metrics::stick_fraction_05);
+    r.loop_area |= is(&Metrics::loop_area, &Metrics::loop_area_normalised);
+    r.extremes |= is(&Metrics::slip_rate_max, &Metrics::slip_rate_min, &Metrics::friction_max, &Metrics::friction_min,
+                     &Metrics::loop_area_normalised);
+    r.means |= is(&Metrics::friction_mean, &Metrics::slip_rate_mean);
+  }
+  return r;
+}
+
+/// One passage through the return map P: start z, image P(z), and the metrics measured between them. Points in units of
+/// the scale, differential unknowns only.
+struct Visit {
+  VectorXd start, image;
+  VectorXd metrics;
+  double noise;  ///< by which images scatter
+};
+
+/// One slider on its way to its cycle, by Newton's method on z = P(z) with the derivative learned from the passages
+/// themselves (Broyden's update). What the metrics change with z is learned likewise, so that they can be carried on to
+/// the fixed point.
+struct Search {
+  explicit Search(const Model& model) : map(model), scale(map.differential().size()) {
+    double s[solvers::Ensemble::capacity];
+    map.system().relevance_scale(s);
+    for (int k = 0; k < scale.size(); ++k) scale[k] = s[map.differential()[k]];
+  }
+  ReturnMap map;
+  VectorXd scale;  ///< of the differential unknowns
+  LanePassage passage;
+  enum class Stage { from_stick, coarse, fine } stage = Stage::from_stick;
+  int passages = 0, visits = 0;  ///< in all; at the tolerance in use
+  double tolerance = 0, sharpening = 0;  ///< in use; ratio to the one before
+  std::optional<Visit> last;
+  MatrixXd derivative, sensitivity;  ///< of P and of the metrics by z
+  VectorXd coarse;                   ///< metrics at the tolerance before
+  VectorXd fixed_point;              ///< of the finest tolerance reached
+  double amplitude = 1;              ///< |v − V|/V, as neighbours have it
+  bool hinted = false;               ///< started from what the neighbours know
+
+  VectorXd point() const {
+    const auto& differential = map.differential();
+    VectorXd z(differential.size());
+    for (std::size_t k = 0; k < differential.size(); ++k) z[k] = passage.y[differential[k]] / scale[k];
+    return z;
+  }
+  VectorXd steady() const {
+    const auto y = map.system().steady(0);
+    VectorXd z(map.differential().size());
+    for (int k = 0; k < z.size(); ++k) z[k] = y[map.differential()[k]] / scale[k];
+    return z;
+  }
+  /// The next passage starts at z, with friction in agreement where it is algebraic.
+  void start_at(const VectorXd& z) {
+    const auto& system = map.system();
+    const auto& differential = map.differential();
+    for (std::size_t k = 0; k < differential.size(); ++k) passage.y[differential[k]] = z[k] * scale[k];
+    if (system.rigid()) {
+      passage.y[system.slip_rate_index()] = map.drive_speed();
+      system.make_consistent(passage.y.data());
+    }
+    // Small motions are followed more closely: what matters are errors against their drift, which falls with A².
+    // And a motion that settles slowly, by the factor ρ a turn, sums up the errors of 1/(1 − ρ) turns.
+    const double A = passage.amplitude;
+    passage.tolerance = tolerance * std::clamp(A * A, 1e-6, 1.0) * std::clamp(3 * (1 - slowest), 0.02, 1.0);
+    // A start a little off the cycle may pass V at once again: that is no turn.
+    passage.dip = 0.1 * std::min(1.0, A);
+    begun = z;
+  }
+  VectorXd begun;
+
+  void learn(const Visit& visit) {
+    const int n = int(visit.start.size());
+    if (derivative.size() == 0) {
+      derivative = MatrixXd::Zero(n, n);
+      sensitivity = MatrixXd::Zero(visit.metrics.size(), n);
+    }
+    if (last) {
+      const VectorXd moved = visit.start - last->start;
+      const double square = moved.squaredNorm(), noise = visit.noise + last->noise;
+      if (square > 100 * noise * noise) {
+        derivative += (visit.image - last->image - derivative * moved) * moved.transpose() / square;
+        sensitivity += (visit.metrics - last->metrics - sensitivity * moved) * moved.transpose() / square;
+      }
+    }
+    last = visit;
+    slowest = derivative.norm();
+  }
+  double slowest = 0;  ///< bound on the multipliers, as far as known
+  /// How far the fixed point is from the start of a visit.
+  VectorXd newton_step(const Visit& visit) const {
+    const VectorXd change = visit.image - visit.start;
+    const MatrixXd A = MatrixXd::Identity(change.size(), change.size()) - derivative;
+    VectorXd step = A.partialPivLu().solve(change);
+    // Backwards: towards a fixed point that repels. Ahead, then.
+    if (!step.allFinite() || step.dot(change) < 0) step = 4 * change;
+    const double longest = 0.3 * (visit.start - steady()).norm() + change.norm();
+    return step.norm() > longest ? VectorXd(step * (longest / step.norm())) : step;
+  }
+};
+
+class Settling final : public PassageQueue {
+ public:
+  Settling(std::vector<std::unique_ptr<Search>>& searches, std::vector<std::size_t> open,
+           const LaneCycleOptions& options, std::vector<LaneCycle>& cycles)
+      : searches_(searches), open_(std::move(open)), options_(options), cycles_(cycles) {
+    for (const auto& name : options.metrics) metrics_.push_back(&find_metric(name));
+    metrics_.push_back(&find_metric("period"));
+  }
+
+  LanePassage* next() override {
+    if (!again_.empty()) {
+      const std::size_t i = again_.back();
+      again_.pop_back();
+      return &searches_[i]->passage;
+    }
+    while (next_ < open_.size()) {
+      const std::size_t i = open_[next_++];
+      if (begin(*searches_[i])) {
+        searches_[i]->passage.label = i;
+        return &searches_[i]->passage;
+      }
+    }
+    return nullptr;
+  }
+
+  void finished(LanePassage& passage) override {
+    const std::size_t i = passage.label;
+    cycles_[i].tries += passage.tries;
+    Search& search = *searches_[i];
+    if (go_on(search, cycles_[i])) {
+      again_.push_back(i);
+    } else if (!cycles_[i].found && search.hinted) {  // misled: from stick, then
+      search.hinted = false;
+      if (begin(search)) again_.push_back(i);
+    }
+  }
+
+ private:
+  bool begin(Search& search) const {
+    search.tolerance = std::min(coarser * options_.tolerance, loosest);
+    search.passages = search.visits = 0;
+    search.last.reset();
+    LanePassage& p = search.passage;
+    p.slider = &search.map.system();
+    p.growth_time = search.map.growth_time();
+    p.longest = search.map.longest_passage();
+    p.first_step = 1e-4 * std::min(1.0, p.growth_time);
+    if (search.hinted) {
+      search.stage = Search::Stage::coarse;
+      p.amplitude = search.amplitude;
+      p.from_section = p.record = true;
+      search.start_at(search.fixed_point);
+      return true;
+    }
+    search.stage = Search::Stage::from_stick;
+    search.slowest = 0;
+    search.derivative.resize(0, 0);
+    p.tolerance = search.tolerance;
+    p.from_section = p.record = false;
+    p.dip = 1e-10;
+    try {
+      const auto y = search.map.stick(search.map.drive_speed());
+      std::copy(y.begin(), y.end(), p.y.begin());
+    } catch (const InputError&) {
+      return false;
+    }
+    return true;
+  }
+
+  /// True if another passage is wanted.
+  bool go_on(Search& search, LaneCycle& cycle) const {
+    LanePassage& passage = search.passage;
+    if (passage.ending != Ending::reached_end || passage.amplitude < collapsed || ++search.passages > most_passages)
+      return false;
+    const VectorXd image = search.point();
+    if (!image.allFinite()) return false;
+    passage.first_step = std::min(passage.last_step, 0.01 * passage.duration);
+    if (search.stage == Search::Stage::from_stick) {
+      search.stage = Search::Stage::coarse;
+      passage.from_section = true;
+      passage.record = true;
+      search.start_at(image);
+      return true;
+    }
+    const double size = (image - search.steady()).norm();
+    const Visit visit{search.begun, image, vector_of(passage.metrics), passage.tolerance * size};
+    search.learn(visit);
+    if (search.passages == 2 && !search.hinted && weakly_coupled(search)) {
+      // Contraction may be slow in a direction that the way here does not show: look along the amplitude.
+      search.start_at(image + 0.02 * (image - search.steady()));
+      return true;
+    }
+    const VectorXd step = search.newton_step(visit);
+    const bool fine = search.stage == Search::Stage::fine;
+    // Metrics are measured on a passage that starts off the cycle by the step; carried on to it they are off by a
+    // fraction of that.
+    const double off = 0.2 * step.norm() / size;
+    const VectorXd next = visit.start + step;
+    // Where changes have come down to the scatter of the map, more passages bring no more.
+    const bool scatter = ++search.visits > 5 && off < 5 * search.tolerance;
+    if (off > (fine ? 0.3 : 1.5) * search.tolerance && !scatter) {
+      search.start_at(next);
+      return true;
+    }
+    search.visits = 0;
+    const VectorXd metrics = visit.metrics + search.sensitivity * step;
+    double sharpening = coarser;
+    if (fine) {
+      const double reached = judge(search, metrics, cycle, off);
+      search.fixed_point = next;
+      if (reached <= options_.tolerance) {
+        cycle.found = true;
+        for (const auto multiplier : eigenpairs(search.derivative).values) cycle.found &= std::abs(multiplier) < 1;
+        return false;
+      }
+      sharpening = std::clamp(1.5 * reached / options_.tolerance, 2.0, 30.0);
+      if (!(search.tolerance / sharpening > 1e-13)) return false;
+    }
+    search.coarse = metrics;
+    search.sharpening = sharpening;
+    search.stage = Search::Stage::fine;
+    search.tolerance /= sharpening;
+    search.start_at(next);
+    return true;
+  }
+
+  /// True if friction changes the motion of one turn only a little, so that the amplitude may settle slowly.
+  static bool weakly_coupled(const Search& search) {
+    const auto& model = search.map.system().model();
+    const double swing = search.map.drive_speed() * std::sqrt(model.slider.mass / model.slider.stiffness);
+    return search.scale[0] < 4 * swing;
+  }
+
+  VectorXd vector_of(const Metrics& m) const {
+    VectorXd values(metrics_.size());
+    for (std::size_t k = 0; k < metrics_.size(); ++k) values[k] = m.*metrics_[k]->member;
+    return values;
+  }
+
+  /// Fills in metrics and errors; returns the worst relative error. Errors fall nearly in proportion to the tolerance:
+  /// three times that is stated, and not less than what the tolerance makes likely.
+  double judge(const Search& search, const VectorXd& fine, LaneCycle& cycle, double off) const {
+    const double V = search.map.drive_speed(), lowest = search.passage.metrics.slip_rate_min;
+    for (const auto& metric : metric_names()) cycle.metrics.*metric.member = cycle.error.*metric.member = nothing;
+    Metrics sizes = search.passage.metrics;
+    for (std::size_t k = 0; k < metrics_.size(); ++k) sizes.*metrics_[k]->member = fine[k];
+    if (sizes.friction_max == 0) sizes.friction_max = search.map.system().friction_coefficient(0, search.passage.y.data());
+    cycle.ill_conditioned_stick = false;
+    for (const double e : {options_.stick_threshold, 0.01, 0.5})
+      if (std::abs(std::abs(lowest) - e * V) < 1e-3 * e * V) cycle.ill_conditioned_stick = true;
+    const VectorXd change = (fine - search.coarse).cwiseAbs();
+    double largest = 0, worst = 0;
+    const auto counts = [&](const MetricName& metric) { return !(is_stick(metric) && cycle.ill_conditioned_stick); };
+    for (std::size_t k = 0; k < metrics_.size(); ++k)
+      if (counts(*metrics_[k])) largest = std::max(largest, change[k] / size_of(*metrics_[k], sizes, V));
+    for (std::size_t k = 0; k < metrics_.size(); ++k) {
+      const MetricName& metric = *metrics_[k];
+      const double size = size_of(metric, sizes, V);
+      cycle.metrics.*metric.member = fine[k];
+      // The loop integral scatters more.
+      const bool is_loop = metric.member == &Metrics::loop_area || metric.member == &Metrics::loop_area_normalised;
+      cycle.error.*metric.member = (is_loop ? 2 : 1) * (3 / search.sharpening * change[k] +
+                                                        (0.1 * largest + 0.25 * search.tolerance + off) * size);
+      if (!counts(metric)) continue;
+      const double relative = cycle.error.*metric.member / size;
+      if (!std::isfinite(relative)) return std::numeric_limits<double>::infinity();
+      worst = std::max(worst, relative);
+    }
+    return worst;
+  }
+
+  static constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::unique_ptr<Search>>& searches_;
+  std::vector<std::size_t> open_, again_;
+  std::size_t next_ = 0;
+  const LaneCycleOptions& options_;
+  std::vector<LaneCycle>& cycles_;
+  std::vector<const MetricName*> metrics_;
+};
+
+}  // namespace
+
+namespace {
+
+constexpr int coarsest_stride = 8;
+
+/// The order in which the points of a tile are worked on: first a coarse grid, then the points half way between those
+/// that are done, along the axes and then amid them.
+int phase_of(const GridPlace& place) {
+  const auto power = [](int i) {
+    int p = 1;
+    while (p < coarsest_stride && i % (2 * p) == 0) p *= 2;
+    return p;
+  };
+  const int x = power(place.column), y = power(place.row), stride = std::min(x, y);
+  int level = 0;
+  for (int s = coarsest_stride; s > stride; s /= 2) ++level;
+  return 2 * level - (level > 0 && x != y);
+}
+constexpr int phases = 7;
+
+/// What the neighbours in a tile know of a cycle, brought to the place of another by polynomials along both axes.
+class Neighbours {
+ public:
+  Neighbours(std::span<const GridPlace> places, const std::vector<std::unique_ptr<Search>>& searches,
+             const std::vector<LaneCycle>& cycles)
+      : places_(places), searches_(searches), cycles_(cycles) {}
+  /// The points of these indices are done.
+  void add(const std::vector<std::size_t>& indices) {
+    for (const std::size_t i : indices)
+      if (cycles_[i].found) at_[key(places_[i])] = i;
+  }
+  /// Gives the search a start, if neighbours are near enough.
+  void advise(std::size_t i, int phase) const {
+    const int stride = coarsest_stride >> ((phase + 1) / 2);
+    std::vector<std::pair<double, std::size_t>> members;  // weight, index
+    for (const bool along_row : {true, false}) add_line(places_[i], stride, along_row, members);
+    if (members.empty()) return;
+    Search& search = *searches_[i];
+    const Search& first = *searches_[members.front().second];
+    VectorXd z = VectorXd::Zero(first.fixed_point.size());
+    MatrixXd D = MatrixXd::Zero(z.size(), z.size()), S = MatrixXd::Zero(first.sensitivity.rows(), z.size());
+    double sum = 0, amplitude = infinity;
+    for (const auto& [weight, k] : members) {
+      const Search& other = *searches_[k];
+      if (other.fixed_point.size() != z.size()) return;
+      z += weight * other.fixed_point;
+      D += weight * other.derivative;
+      S += weight * other.sensitivity;
+      amplitude = std::min(amplitude, other.passage.amplitude);
+      sum += weight;
+    }
+    search.fixed_point = z / sum;
+    search.derivative = D / sum;
+    search.sensitivity = S / sum;
+    search.slowest = search.derivative.norm();
+    search.amplitude = amplitude;
+    search.hinted = search.slowest < 1;
+  }
+
+ private:
+  static std::array<int, 3> key(const GridPlace& p) { return {p.tile, p.column, p.row}; }
+  /// Points on one line through `place` at odd multiples of the stride, with the weights of Lagrange's polynomial.
+  void add_line(const GridPlace& place, int stride, bool along_row,
+                std::vector<std::pair<double, std::size_t>>& members) const {
+    std::vector<std::pair<int, std::size_t>> found;
+    for (const int step : {-1, 1, -3, 3}) {
+      GridPlace other = place;
+      (along_row ? other.column : other.row) += step * stride;
+      const auto it = at_.find(key(other));
+      if (it != at_.end()) found.emplace_back(step, it->second);
+    }
+    if (found.size() < 2 || std::abs(found[0].first) != 1) return;
+    if (found.size() == 3) found.pop_back();
+    for (const auto& [a, i] : found) {
+      double weight = 1;
+      for (const auto& [b, j] : found)
+        if (b != a) weight *= double(-b) / (a - b);
+      members.emplace_back(weight, i);
+    }
+  }
+  std::span<const GridPlace> places_;
+  const std::vector<std::unique_ptr<Search>>& searches_;
+  const std::vector<LaneCycle>& cycles_;
+  std::map<std::array<int, 3>, std::size_t> at_;
+};
+
+}  // namespace
+
+std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycleOptions& options,
+                                   std::span<const GridPlace> places) {
+  const Recording recording = recording_for(options);
+  std::vector<LaneCycle> cycles(models.size());
+  std::vector<std::unique_ptr<Search>> searches(models.size());
+  // Sliders of one kind share lanes.
+  struct Kind {
+    PassageLanes lanes;
+    std::array<std::vector<std::size_t>, phases> members;
+  };
+  std::vector<std::unique_ptr<Kind>> kinds;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    auto search = std::make_unique<Search>(models[i]);
+    const auto& slider = search->map.system();
+    if (!PassageLanes::serves(slider)) continue;
+    auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k->lanes.fits(slider); });
+    if (kind == kinds.end()) {
+      kinds.push_back(std::unique_ptr<Kind>(new Kind{PassageLanes(slider, recording), {}}));
+      kind = kinds.end() - 1;
+    }
+    (*kind)->members[places.empty() ? 0 : phase_of(places[i])].push_back(i);
+    searches[i] = std::move(search);
+  }
+  for (auto& kind : kinds) {
+    Neighbours neighbours(places, searches, cycles);
+    for (int phase = 0; phase < phases; ++phase) {
+      const auto& members = kind->members[phase];
+      if (phase > 0)
+        for (const std::size_t i : members) neighbours.advise(i, phase);
+      Settling queue(searches, members, options, cycles);
+      kind->lanes.run(queue);
+      if (!places.empty()) neighbours.add(members);
+    }
+  }
+  return cycles;
+}
+
+}  // namespace rosin::analysis

@@ -1,0 +1,38 @@
+/// Periodic motion of many sliders at once: the accelerated return map in SIMD lanes, each cycle certified by a second,
+/// tighter tolerance.
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "analysis/cycle.hpp"
+#include "analysis/passage_lanes.hpp"
+
+namespace rosin::analysis {
+
+/// The attracting cycle of one of many sliders.
+struct LaneCycle {
+  bool found = false;  ///< false: not served by lanes, or not settled; find_cycle() will say more
+  Metrics metrics, error;  ///< of the metrics asked for; NaN for others
+  bool ill_conditioned_stick = false;
+  long tries = 0;  ///< step attempts
+};
+
+struct LaneCycleOptions {
+  double tolerance = 1e-6;  ///< relative, of every metric asked for
+  double stick_threshold = 0.1;
+  std::vector<std::string> metrics;  ///< names; the period is always found
+};
+
+/// Where a slider lies among the others: neighbours in one tile of a parameter plane help each other to a start.
+struct GridPlace {
+  int tile = 0, column = 0, row = 0;
+};
+
+/// Cycles reached from stick, for sliders whose steady sliding is unstable. Results do not depend on which sliders share
+/// the lanes, only on the members of their own tile. `places`: one for each slider, or none. \throws InputError for
+/// unknown metrics.
+std::vector<LaneCycle> find_cycles(std::span<const Model>, const LaneCycleOptions&,
+                                   std::span<const GridPlace> places = {});
+
+}  // namespace rosin::analysis

@@ -1,0 +1,343 @@
+/// Following motions from section to section in lanes: events by taking the step again so that it ends on them.
+#include "analysis/passage_lanes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/instruction_set.hpp"
+
+namespace rosin::analysis {
+
+using oscillators::Mechanics;
+using oscillators::SliderSystem;
+
+namespace {
+constexpr int slip_rate_index = 1;
+/// A landing that misses by more of the step than this is no landing.
+constexpr double largest_miss = 0.02;
+}  // namespace
+
+bool PassageLanes::serves(const SliderSystem& slider) {
+  return slider.mechanics() == Mechanics::inertial && !slider.model().law->set_valued() && slider.autonomous() &&
+         slider.size() <= solvers::Ensemble::capacity;
+}
+
+PassageLanes::PassageLanes(const SliderSystem& pattern, const Recording& recording)
+    : sliders_(pattern),
+      ensemble_(sliders_),
+      recording_(recording),
+      friction_index_(pattern.carries_friction() ? 2 : -1),
+      rigid_(pattern.rigid() || !pattern.carries_friction()) {
+  if (recording.stick_fraction) levels_.push_back({recording.stick_threshold, &Metrics::stick_fraction});
+  if (recording.stick_fraction_001) levels_.push_back({0.01, &Metrics::stick_fraction_001});
+  if (recording.stick_fraction_05) levels_.push_back({0.5, &Metrics::stick_fraction_05});
+}
+
+template <class F>
+double PassageLanes::bisect(F f, double low, double high) {
+  const bool rising = f(low) < 0;
+  for (int i = 0; i < 45; ++i) {
+    const double middle = 0.5 * (low + high);
+    ((f(middle) < 0) == rising ? low : high) = middle;
+  }
+  return high;
+}
+
+/// Contact slip rate less V at `theta` of the last step.
+double PassageLanes::section_value(int lane, double theta) const {
+  if (rigid_) return ensemble_.interpolate(lane, slip_rate_index, theta) - lanes_[lane].V;
+  std::array<double, solvers::Ensemble::capacity> y;
+  for (int i = 0; i < sliders_.size(); ++i) y[i] = ensemble_.interpolate(lane, i, theta);
+  return lanes_[lane].loaded->contact_slip_rate(0, y.data()) - lanes_[lane].V;
+}
+
+bool PassageLanes::take(int lane, PassageQueue& queue) {
+  Lane& at = lanes_[lane];
+  at.passage = queue.next();
+  if (!at.passage) return false;
+  LanePassage& passage = *at.passage;
+  if (at.loaded != passage.slider) {
+    sliders_.load(lane, *passage.slider);
+    at.loaded = passage.slider;
+    at.V = passage.slider->model().drive.speed.level();
+  }
+  ensemble_.start(lane, passage.y.data(), passage.tolerance, passage.first_step);
+  passage.tries = 0;
+  passage.amplitude = 0;
+  at.landing = {};
+  const double v = passage.slider->contact_slip_rate(0, passage.y.data());
+  at.below = !passage.from_section && v < at.V * (1 - passage.dip);
+  if (passage.record) {
+    const double u = passage.y[slip_rate_index];
+    passage.metrics = {};
+    passage.metrics.slip_rate_max = passage.metrics.slip_rate_min = u;
+    passage.metrics.friction_max = passage.metrics.friction_min = passage.slider->friction_coefficient(0, passage.y.data());
+    for (std::size_t k = 0; k < levels_.size(); ++k) at.inside[k] = std::abs(u) <= levels_[k].factor * at.V;
+    for (Lanes* sum : {&loop_, &friction_sum_, &slip_rate_sum_}) sum->set(lane, 0);
+  }
+  return true;
+}
+
+PassageLanes::Event PassageLanes::look_for_events(int lane) {
+  Lane& at = lanes_[lane];
+  Event first;
+  const auto consider = [&](Landing kind, int level, double theta) {
+    if (theta < first.theta) first = {kind, level, theta};
+  };
+  if (at.below && section_[lane] >= at.V)
+    consider(Landing::section, 0, bisect([&](double theta) { return section_value(lane, theta); }, 0, 1));
+  if (!at.passage->record) return first;
+  const double u0 = ensemble_.unknown_before(slip_rate_index)[lane], u1 = ensemble_.unknown(slip_rate_index)[lane];
+  const auto crossing = [&](double value) {
+    return bisect([&](double theta) { return ensemble_.interpolate(lane, slip_rate_index, theta) - value; }, 0, 1);
+  };
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    const double threshold = levels_[k].factor * at.V;
+    if (at.inside[k] != (std::abs(u0) <= threshold)) {
+      // Just landed there, a little short; or it only grazed the threshold.
+      if (at.inside[k] != (std::abs(u1) <= threshold))
+        cross(lane, int(k), ensemble_.time(lane) - ensemble_.length()[lane]);
+      continue;
+    }
+    if (at.inside[k]) {
+      if (std::abs(u1) > threshold) consider(Landing::level, int(k), crossing(u1 > 0 ? threshold : -threshold));
+    } else if (std::abs(u1) <= threshold || (u0 < 0) != (u1 < 0)) {
+      consider(Landing::level, int(k), crossing(u0 > 0 ? threshold : -threshold));
+    }
+  }
+  if (recording_.loop_area && (u0 < 0) != (u1 < 0) && std::abs(u0) > 1e-12 * at.V)
+    consider(Landing::reversal, 0, crossing(0));
+  if (recording_.extremes) {
+    const auto turning = [&](int unknown) {
+      const auto q = ensemble_.polynomial(lane, unknown);
+      return bisect([&](double theta) { return q.slope(theta); }, 0, 1);
+    };
+    if ((slip_rate_slope_[0][lane] > 0) != (slip_rate_slope_[1][lane] > 0))
+      consider(Landing::slip_rate_extreme, 0, turning(slip_rate_index));
+    if (friction_index_ >= 0 && (friction_slope_[0][lane] > 0) != (friction_slope_[1][lane] > 0))
+      consider(Landing::friction_extreme, 0, turning(friction_index_));
+  }
+  return first;
+}
+
+void PassageLanes::cross(int lane, int level, double moment) {
+  Lane& at = lanes_[lane];
+  bool& inside = at.inside[level];
+  if (inside)
+    at.passage->metrics.*levels_[level].member += moment - at.entered[level];
+  else
+    at.entered[level] = moment;
+  inside = !inside;
+}
+
+PassageLanes::Arrival PassageLanes::arrive(int lane) {
+  Lane& at = lanes_[lane];
+  const Event event = at.landing;
+  // Where exactly the event lies, near the end of the step.
+  double theta = 1;
+  const auto newton = [&](auto value, auto slope) {
+    for (int i = 0; i < 4; ++i) theta -= value(theta) / slope(theta);
+  };
+  const auto land_on = [&](double level) {
+    const auto q = ensemble_.polynomial(lane, slip_rate_index);
+    newton([&](double t) { return q.value(t) - level; }, [&](double t) { return q.slope(t); });
+  };
+  if (event.kind == Landing::section) {
+    constexpr double d = 1e-4;
+    if (rigid_)
+      land_on(at.V);
+    else
+      newton([&](double t) { return section_value(lane, t); },
+             [&](double t) { return (section_value(lane, t + d) - section_value(lane, t - d)) / (2 * d); });
+  } else if (event.kind == Landing::level) {
+    const double threshold = levels_[event.level].factor * at.V;
+    land_on(ensemble_.unknown(slip_rate_index)[lane] > 0 ? threshold : -threshold);
+  }
+  if (!(std::abs(theta - 1) < largest_miss)) {
+    if (theta > 0 && theta < 1) {  // passed already: shorter
+      ensemble_.retake(lane, theta);
+      return Arrival::retaken;
+    }
+    at.landing = {};  // not yet there: the next step will cross
+    return Arrival::go_on;
+  }
+  at.landing = {};
+  if (event.kind == Landing::level)
+    cross(lane, event.level, ensemble_.time(lane) + (theta - 1) * ensemble_.length()[lane]);
+  if (event.kind != Landing::section) return Arrival::go_on;
+  if (at.passage->record && recording_.loop_area && friction_index_ >= 0) {
+    // The step is summed to its end; the section lies a little off.
+    const auto& model = at.loaded->model();
+    const double steady = model.law->steady_friction({at.V, model.drive.normal_load.level()}).friction;
+    const double off = (theta - 1) * ensemble_.slope(lane, slip_rate_index, 1);
+    loop_.set(lane, loop_[lane] + (ensemble_.unknown(friction_index_)[lane] - steady) * off);
+  }
+  ensemble_.adjust(lane, theta);
+  return Arrival::finished;
+}
+
+/// Takes note of where the last step has led.
+void PassageLanes::see(int lane) {
+  Lane& at = lanes_[lane];
+  LanePassage& passage = *at.passage;
+  const double v = section_[lane], departure = std::abs(v - at.V);
+  passage.amplitude = std::max(passage.amplitude, departure / at.V);
+  if (v < at.V * (1 - passage.dip)) at.below = true;
+  ensemble_.bound_step(lane, departure < 0.9 * at.V ? passage.growth_time : infinity);
+  if (!passage.record) return;
+  counted_.set(lane, 1);
+  Metrics& m = passage.metrics;
+  const double u = ensemble_.unknown(slip_rate_index)[lane];
+  m.slip_rate_max = std::max(m.slip_rate_max, u);
+  m.slip_rate_min = std::min(m.slip_rate_min, u);
+  if (!recording_.extremes || friction_index_ < 0) return;
+  const double mu = ensemble_.unknown(friction_index_)[lane];
+  m.friction_max = std::max(m.friction_max, mu);
+  m.friction_min = std::min(m.friction_min, mu);
+}
+
+void PassageLanes::end(int lane, PassageQueue& queue) {
+  Lane& at = lanes_[lane];
+  LanePassage& passage = *at.passage;
+  passage.duration = ensemble_.time(lane);
+  passage.last_step = ensemble_.next_length(lane);
+  for (int i = 0; i < sliders_.size(); ++i) passage.y[i] = ensemble_.unknown(i)[lane];
+  if (rigid_ && passage.ending == Ending::reached_end) passage.y[slip_rate_index] = at.V;
+  if (passage.record) {
+    Metrics& m = passage.metrics;
+    m.period = passage.duration;
+    for (std::size_t k = 0; k < levels_.size(); ++k) {
+      double& stuck = m.*levels_[k].member;
+      if (at.inside[k]) stuck += passage.duration - at.entered[k];
+      stuck /= passage.duration;
+    }
+    m.loop_area = std::abs(loop_[lane]);
+    m.friction_mean = friction_sum_[lane] / passage.duration;
+    m.slip_rate_mean = slip_rate_sum_[lane] / passage.duration;
+    m.loop_area_normalised = m.loop_area / (m.slip_rate_max * m.friction_max);
+  }
+  at.passage = nullptr;
+  queue.finished(passage);
+}
+
+/// Slopes of slip rate and friction at both ends of the last step.
+void PassageLanes::measure_steps() {
+  run_on_lanes([&] {
+    for (int p = 0; p < lane_packs; ++p)
+      for (int end = 0; end < 2; ++end) {
+        slip_rate_slope_[end].pack[p] = ensemble_.polynomial_of_pack(p, slip_rate_index).slope(Pack(double(end)));
+        if (friction_index_ >= 0)
+          friction_slope_[end].pack[p] = ensemble_.polynomial_of_pack(p, friction_index_).slope(Pack(double(end)));
+      }
+  });
+}
+
+/// Adds the integrals over the last step of the lanes that count: Gauss's rule with three nodes on the dense output.
+void PassageLanes::accumulate() {
+  constexpr int nodes = 3;
+  constexpr double node[nodes] = {0.1127016653792583, 0.5, 0.8872983346207417};
+  constexpr double weight[nodes] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+  Lanes u[nodes], u_slope[nodes], mu[nodes], steady[nodes];
+  run_on_lanes([&] {
+    for (int p = 0; p < lane_packs; ++p) {
+      const auto slip_rate = ensemble_.polynomial_of_pack(p, slip_rate_index);
+      for (int k = 0; k < nodes; ++k) {
+        u[k].pack[p] = slip_rate.value(Pack(node[k]));
+        u_slope[k].pack[p] = slip_rate.slope(Pack(node[k]));
+      }
+      if (friction_index_ >= 0) {
+        const auto friction = ensemble_.polynomial_of_pack(p, friction_index_);
+        for (int k = 0; k < nodes; ++k) mu[k].pack[p] = friction.value(Pack(node[k]));
+      }
+    }
+  });
+  if (friction_index_ < 0) {
+    std::array<Lanes, solvers::Ensemble::capacity> y;
+    for (int k = 0; k < nodes; ++k) {
+      run_on_lanes([&] {
+        for (int p = 0; p < lane_packs; ++p)
+          for (int i = 0; i < sliders_.size(); ++i)
+            y[i].pack[p] = ensemble_.polynomial_of_pack(p, i).value(Pack(node[k]));
+      });
+      sliders_.friction_coefficient(y.data(), mu[k]);
+    }
+  }
+  if (recording_.loop_area)
+    for (int k = 0; k < nodes; ++k) sliders_.steady_friction(u[k], steady[k]);
+  run_on_lanes([&] {
+    for (int p = 0; p < lane_packs; ++p) {
+      const Mask counts = counted_.pack[p] > Pack(0.0);
+      const auto add = [&](Lanes& sum, const Pack& part)
+          __attribute__((always_inline)) { sum.pack[p] = sum.pack[p] + select(counts, part, Pack(0.0)); };
+      if (recording_.loop_area) {
+        Pack part = 0.0;
+        for (int k = 0; k < nodes; ++k)
+          part = part + weight[k] * ((mu[k].pack[p] - steady[k].pack[p]) * u_slope[k].pack[p]);
+        add(loop_, part);
+      }
+      if (recording_.means) {
+        const Pack h = ensemble_.length().pack[p];
+        Pack friction = 0.0, slip = 0.0;
+        for (int k = 0; k < nodes; ++k) {
+          friction = friction + weight[k] * mu[k].pack[p];
+          slip = slip + weight[k] * u[k].pack[p];
+        }
+        add(friction_sum_, h * friction);
+        add(slip_rate_sum_, h * slip);
+      }
+    }
+  });
+}
+
+void PassageLanes::run(PassageQueue& queue) {
+  int working = 0;
+  for (int lane = 0; lane < lane_count; ++lane) working += take(lane, queue);
+  while (working > 0) {
+    ensemble_.attempt();
+    ++attempts_;
+    sliders_.contact_slip_rate(ensemble_.unknowns(), section_);
+    if (recording_.extremes) measure_steps();
+    counted_ = 0.0;
+    std::array<bool, lane_count> ended{};
+    bool any_ended = false, any_counted = false;
+    for (int lane = 0; lane < lane_count; ++lane) {
+      Lane& at = lanes_[lane];
+      if (!at.passage) continue;
+      if (++at.passage->tries > most_tries || ensemble_.time(lane) > at.passage->longest) {
+        at.passage->ending = Ending::budget_spent;
+        any_ended = ended[lane] = true;
+        continue;
+      }
+      if (!ensemble_.accepted(lane)) {
+        at.landing = {};  // a step that was to land has failed: look again
+        continue;
+      }
+      bool finished = false;
+      if (at.landing.kind == Landing::none) {
+        const Event event = look_for_events(lane);
+        if (event.theta < 1) {
+          ensemble_.retake(lane, std::max(event.theta, 1e-6));
+          at.landing = event;
+          continue;
+        }
+      } else {
+        const Arrival arrival = arrive(lane);
+        if (arrival == Arrival::retaken) continue;
+        finished = arrival == Arrival::finished;
+      }
+      see(lane);
+      any_counted |= at.passage->record;
+      if (!finished) continue;
+      at.passage->ending = Ending::reached_end;
+      any_ended = ended[lane] = true;
+    }
+    if (any_counted && (recording_.loop_area || recording_.means)) accumulate();
+    if (!any_ended) continue;
+    for (int lane = 0; lane < lane_count; ++lane)
+      if (ended[lane]) end(lane, queue);
+    for (int lane = 0; lane < lane_count; ++lane)
+      if (ended[lane] || !lanes_[lane].passage) working += take(lane, queue) - ended[lane];
+  }
+}
+
+}  // namespace rosin::analysis
