@@ -18,10 +18,10 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double coarser = 10;        ///< ratio of the tolerances that are compared
-constexpr double loosest = 1e-3;       ///< tolerance: above it steps go astray
-constexpr int most_passages = 60;     ///< of one slider
-constexpr double collapsed = 1e-3;    ///< amplitudes |v − V|/V below this are left to the search for small cycles
+constexpr double coarser = 10;      ///< ratio of the tolerances that are compared
+constexpr double loosest = 1e-3;    ///< tolerance: above it steps go astray
+constexpr int most_passages = 60;   ///< of one slider
+constexpr double collapsed = 1e-3;  ///< amplitudes |v − V|/V below this are left to the search for small cycles
 
 Recording recording_for(const LaneCycleOptions& options) {
   Recording r;
@@ -61,7 +61,7 @@ struct Search {
   VectorXd scale;  ///< of the differential unknowns
   LanePassage passage;
   enum class Stage { from_stick, coarse, fine } stage = Stage::from_stick;
-  int passages = 0, visits = 0;  ///< in all; at the tolerance in use
+  int passages = 0, visits = 0;          ///< in all; at the tolerance in use
   double tolerance = 0, sharpening = 0;  ///< in use; ratio to the one before
   std::optional<Visit> last;
   MatrixXd derivative, sensitivity;  ///< of P and of the metrics by z
@@ -170,7 +170,7 @@ class Settling final : public PassageQueue {
 
  private:
   bool begin(Search& search) const {
-    search.tolerance = std::min(coarser * options_.tolerance, loosest);
+    search.tolerance = std::min(0.5 * coarser * options_.tolerance, loosest);
     search.passages = search.visits = 0;
     search.last.reset();
     LanePassage& p = search.passage;
@@ -227,7 +227,7 @@ class Settling final : public PassageQueue {
     const bool fine = search.stage == Search::Stage::fine;
     // Metrics are measured on a passage that starts off the cycle by the step; carried on to it they are off by a
     // fraction of that.
-    const double off = 0.2 * step.norm() / size;
+    const double off = 0.05 * step.norm() / size;
     const VectorXd next = visit.start + step;
     // Where changes have come down to the scatter of the map, more passages bring no more.
     const bool scatter = ++search.visits > 5 && off < 5 * search.tolerance;
@@ -277,7 +277,8 @@ class Settling final : public PassageQueue {
     for (const auto& metric : metric_names()) cycle.metrics.*metric.member = cycle.error.*metric.member = nothing;
     Metrics sizes = search.passage.metrics;
     for (std::size_t k = 0; k < metrics_.size(); ++k) sizes.*metrics_[k]->member = fine[k];
-    if (sizes.friction_max == 0) sizes.friction_max = search.map.system().friction_coefficient(0, search.passage.y.data());
+    if (sizes.friction_max == 0)
+      sizes.friction_max = search.map.system().friction_coefficient(0, search.passage.y.data());
     cycle.ill_conditioned_stick = false;
     for (const double e : {options_.stick_threshold, 0.01, 0.5})
       if (std::abs(std::abs(lowest) - e * V) < 1e-3 * e * V) cycle.ill_conditioned_stick = true;

@@ -62,17 +62,27 @@ bool PassageLanes::take(int lane, PassageQueue& queue) {
     at.V = passage.slider->model().drive.speed.level();
   }
   ensemble_.start(lane, passage.y.data(), passage.tolerance, passage.first_step);
-  passage.tries = 0;
-  passage.amplitude = 0;
   at.landing = {};
+  at.begun = attempts_;
   const double v = passage.slider->contact_slip_rate(0, passage.y.data());
-  at.below = !passage.from_section && v < at.V * (1 - passage.dip);
+  V_.set(lane, at.V);
+  floor_.set(lane, at.V * (1 - passage.dip));
+  growth_time_.set(lane, passage.growth_time);
+  longest_.set(lane, passage.longest);
+  active_.set(lane, 1);
+  landing_.set(lane, 0);
+  amplitude_.set(lane, 0);
+  records_.set(lane, passage.record);
+  below_.set(lane, !passage.from_section && v < floor_[lane]);
   if (passage.record) {
-    const double u = passage.y[slip_rate_index];
+    const double u = passage.y[slip_rate_index], mu = passage.slider->friction_coefficient(0, passage.y.data());
     passage.metrics = {};
-    passage.metrics.slip_rate_max = passage.metrics.slip_rate_min = u;
-    passage.metrics.friction_max = passage.metrics.friction_min = passage.slider->friction_coefficient(0, passage.y.data());
-    for (std::size_t k = 0; k < levels_.size(); ++k) at.inside[k] = std::abs(u) <= levels_[k].factor * at.V;
+    for (Lanes* extreme : {&slip_rate_max_, &slip_rate_min_}) extreme->set(lane, u);
+    for (Lanes* extreme : {&friction_max_, &friction_min_}) extreme->set(lane, mu);
+    for (std::size_t k = 0; k < levels_.size(); ++k) {
+      thresholds_[k].set(lane, levels_[k].factor * at.V);
+      inside_[k].set(lane, std::abs(u) <= thresholds_[k][lane]);
+    }
     for (Lanes* sum : {&loop_, &friction_sum_, &slip_rate_sum_}) sum->set(lane, 0);
   }
   return true;
@@ -84,7 +94,7 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
   const auto consider = [&](Landing kind, int level, double theta) {
     if (theta < first.theta) first = {kind, level, theta};
   };
-  if (at.below && section_[lane] >= at.V)
+  if (below_[lane] > 0 && section_[lane] >= at.V)
     consider(Landing::section, 0, bisect([&](double theta) { return section_value(lane, theta); }, 0, 1));
   if (!at.passage->record) return first;
   const double u0 = ensemble_.unknown_before(slip_rate_index)[lane], u1 = ensemble_.unknown(slip_rate_index)[lane];
@@ -92,14 +102,12 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
     return bisect([&](double theta) { return ensemble_.interpolate(lane, slip_rate_index, theta) - value; }, 0, 1);
   };
   for (std::size_t k = 0; k < levels_.size(); ++k) {
-    const double threshold = levels_[k].factor * at.V;
-    if (at.inside[k] != (std::abs(u0) <= threshold)) {
+    const double threshold = thresholds_[k][lane];
+    const bool inside = inside_[k][lane] > 0;
+    if (inside != (std::abs(u0) <= threshold)) {
       // Just landed there, a little short; or it only grazed the threshold.
-      if (at.inside[k] != (std::abs(u1) <= threshold))
-        cross(lane, int(k), ensemble_.time(lane) - ensemble_.length()[lane]);
-      continue;
-    }
-    if (at.inside[k]) {
+      if (inside != (std::abs(u1) <= threshold)) cross(lane, int(k), ensemble_.time(lane) - ensemble_.length()[lane]);
+    } else if (inside) {
       if (std::abs(u1) > threshold) consider(Landing::level, int(k), crossing(u1 > 0 ? threshold : -threshold));
     } else if (std::abs(u1) <= threshold || (u0 < 0) != (u1 < 0)) {
       consider(Landing::level, int(k), crossing(u0 > 0 ? threshold : -threshold));
@@ -122,12 +130,12 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
 
 void PassageLanes::cross(int lane, int level, double moment) {
   Lane& at = lanes_[lane];
-  bool& inside = at.inside[level];
+  const bool inside = inside_[level][lane] > 0;
   if (inside)
     at.passage->metrics.*levels_[level].member += moment - at.entered[level];
   else
     at.entered[level] = moment;
-  inside = !inside;
+  inside_[level].set(lane, !inside);
 }
 
 PassageLanes::Arrival PassageLanes::arrive(int lane) {
@@ -150,7 +158,7 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
       newton([&](double t) { return section_value(lane, t); },
              [&](double t) { return (section_value(lane, t + d) - section_value(lane, t - d)) / (2 * d); });
   } else if (event.kind == Landing::level) {
-    const double threshold = levels_[event.level].factor * at.V;
+    const double threshold = thresholds_[event.level][lane];
     land_on(ensemble_.unknown(slip_rate_index)[lane] > 0 ? threshold : -threshold);
   }
   if (!(std::abs(theta - 1) < largest_miss)) {
@@ -176,29 +184,68 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
   return Arrival::finished;
 }
 
-/// Takes note of where the last step has led.
-void PassageLanes::see(int lane) {
-  Lane& at = lanes_[lane];
-  LanePassage& passage = *at.passage;
-  const double v = section_[lane], departure = std::abs(v - at.V);
-  passage.amplitude = std::max(passage.amplitude, departure / at.V);
-  if (v < at.V * (1 - passage.dip)) at.below = true;
-  ensemble_.bound_step(lane, departure < 0.9 * at.V ? passage.growth_time : infinity);
-  if (!passage.record) return;
-  counted_.set(lane, 1);
-  Metrics& m = passage.metrics;
-  const double u = ensemble_.unknown(slip_rate_index)[lane];
-  m.slip_rate_max = std::max(m.slip_rate_max, u);
-  m.slip_rate_min = std::min(m.slip_rate_min, u);
-  if (!recording_.extremes || friction_index_ < 0) return;
-  const double mu = ensemble_.unknown(friction_index_)[lane];
-  m.friction_max = std::max(m.friction_max, mu);
-  m.friction_min = std::min(m.friction_min, mu);
+void PassageLanes::screen() {
+  const int levels = int(levels_.size());
+  const bool extremes = recording_.extremes, reversals = recording_.loop_area, friction = friction_index_ >= 0;
+  run_on_lanes([&] {
+    const Pack zero = 0.0, one = 1.0;
+    for (int p = 0; p < lane_packs; ++p) {
+      const auto holds = [&](const Lanes& x) __attribute__((always_inline)) { return x.pack[p] > zero; };
+      const Pack v = section_.pack[p], V = V_.pack[p];
+      const Pack u0 = ensemble_.unknown_before(slip_rate_index).pack[p];
+      const Pack u1 = ensemble_.unknown(slip_rate_index).pack[p];
+      const Mask accepted = ensemble_.accepted_of_pack(p), records = holds(records_);
+      Mask event = holds(below_) & !(v < V);
+      for (int k = 0; k < levels; ++k) {
+        const Mask inside = holds(inside_[k]), now = !(abs(u1) > thresholds_[k].pack[p]);
+        event = event | (records & (inside ^ now)) | (records & !inside & ((u0 < zero) ^ (u1 < zero)));
+      }
+      if (reversals) event = event | (records & ((u0 < zero) ^ (u1 < zero)));
+      if (extremes) {
+        event = event | (records & ((slip_rate_slope_[0].pack[p] > zero) ^ (slip_rate_slope_[1].pack[p] > zero)));
+        if (friction)
+          event = event | (records & ((friction_slope_[0].pack[p] > zero) ^ (friction_slope_[1].pack[p] > zero)));
+      }
+      const Mask late = ensemble_.times().pack[p] > longest_.pack[p];
+      const Mask active = holds(active_);
+      const Mask special = active & (late | holds(landing_) | (accepted & event));
+      flagged_.pack[p] = select(special, one, zero);
+      counted_.pack[p] = select(active & accepted & records & !special, one, zero);
+    }
+  });
+}
+
+/// Takes note of where the last step has led, in the lanes that are not flagged any more.
+void PassageLanes::see() {
+  run_on_lanes([&] {
+    const Pack zero = 0.0, one = 1.0;
+    for (int p = 0; p < lane_packs; ++p) {
+      const Mask good = ensemble_.accepted_of_pack(p) & !(flagged_.pack[p] > zero);
+      const Pack v = section_.pack[p], V = V_.pack[p], departure = abs(v - V);
+      const auto update = [&](Lanes & x, const Pack& value) __attribute__((always_inline)) {
+        x.pack[p] = select(good, value, x.pack[p]);
+      };
+      update(amplitude_, max(amplitude_.pack[p], departure / V));
+      update(below_, select(v < floor_.pack[p], one, below_.pack[p]));
+      const Pack u = ensemble_.unknown(slip_rate_index).pack[p];
+      update(slip_rate_max_, max(slip_rate_max_.pack[p], u));
+      update(slip_rate_min_, min(slip_rate_min_.pack[p], u));
+      if (friction_index_ >= 0 && recording_.extremes) {
+        const Pack mu = ensemble_.unknown(friction_index_).pack[p];
+        update(friction_max_, max(friction_max_.pack[p], mu));
+        update(friction_min_, min(friction_min_.pack[p], mu));
+      }
+      bounds_.pack[p] = select(departure < 0.9 * V, growth_time_.pack[p], Pack(infinity));
+    }
+  });
+  ensemble_.bound_steps(bounds_);
 }
 
 void PassageLanes::end(int lane, PassageQueue& queue) {
   Lane& at = lanes_[lane];
   LanePassage& passage = *at.passage;
+  passage.tries = attempts_ - at.begun;
+  passage.amplitude = amplitude_[lane];
   passage.duration = ensemble_.time(lane);
   passage.last_step = ensemble_.next_length(lane);
   for (int i = 0; i < sliders_.size(); ++i) passage.y[i] = ensemble_.unknown(i)[lane];
@@ -206,9 +253,13 @@ void PassageLanes::end(int lane, PassageQueue& queue) {
   if (passage.record) {
     Metrics& m = passage.metrics;
     m.period = passage.duration;
+    m.slip_rate_max = slip_rate_max_[lane];
+    m.slip_rate_min = slip_rate_min_[lane];
+    m.friction_max = friction_max_[lane];
+    m.friction_min = friction_min_[lane];
     for (std::size_t k = 0; k < levels_.size(); ++k) {
       double& stuck = m.*levels_[k].member;
-      if (at.inside[k]) stuck += passage.duration - at.entered[k];
+      if (inside_[k][lane] > 0) stuck += passage.duration - at.entered[k];
       stuck /= passage.duration;
     }
     m.loop_area = std::abs(loop_[lane]);
@@ -217,6 +268,7 @@ void PassageLanes::end(int lane, PassageQueue& queue) {
     m.loop_area_normalised = m.loop_area / (m.slip_rate_max * m.friction_max);
   }
   at.passage = nullptr;
+  active_.set(lane, 0);
   queue.finished(passage);
 }
 
@@ -267,8 +319,9 @@ void PassageLanes::accumulate() {
   run_on_lanes([&] {
     for (int p = 0; p < lane_packs; ++p) {
       const Mask counts = counted_.pack[p] > Pack(0.0);
-      const auto add = [&](Lanes& sum, const Pack& part)
-          __attribute__((always_inline)) { sum.pack[p] = sum.pack[p] + select(counts, part, Pack(0.0)); };
+      const auto add = [&](Lanes & sum, const Pack& part) __attribute__((always_inline)) {
+        sum.pack[p] = sum.pack[p] + select(counts, part, Pack(0.0));
+      };
       if (recording_.loop_area) {
         Pack part = 0.0;
         for (int k = 0; k < nodes; ++k)
@@ -297,41 +350,46 @@ void PassageLanes::run(PassageQueue& queue) {
     ++attempts_;
     sliders_.contact_slip_rate(ensemble_.unknowns(), section_);
     if (recording_.extremes) measure_steps();
-    counted_ = 0.0;
+    screen();
     std::array<bool, lane_count> ended{};
-    bool any_ended = false, any_counted = false;
+    bool any_ended = false;
     for (int lane = 0; lane < lane_count; ++lane) {
       Lane& at = lanes_[lane];
-      if (!at.passage) continue;
-      if (++at.passage->tries > most_tries || ensemble_.time(lane) > at.passage->longest) {
+      if (at.passage && attempts_ - at.begun > most_tries) flagged_.set(lane, 1);
+      if (!(flagged_[lane] > 0)) continue;
+      if (ensemble_.time(lane) > at.passage->longest || attempts_ - at.begun > most_tries) {
         at.passage->ending = Ending::budget_spent;
         any_ended = ended[lane] = true;
         continue;
       }
       if (!ensemble_.accepted(lane)) {
         at.landing = {};  // a step that was to land has failed: look again
+        landing_.set(lane, 0);
         continue;
       }
-      bool finished = false;
       if (at.landing.kind == Landing::none) {
         const Event event = look_for_events(lane);
         if (event.theta < 1) {
           ensemble_.retake(lane, std::max(event.theta, 1e-6));
           at.landing = event;
+          landing_.set(lane, 1);
           continue;
         }
       } else {
         const Arrival arrival = arrive(lane);
         if (arrival == Arrival::retaken) continue;
-        finished = arrival == Arrival::finished;
+        landing_.set(lane, 0);
+        if (arrival == Arrival::finished) {
+          at.passage->ending = Ending::reached_end;
+          any_ended = ended[lane] = true;
+        }
       }
-      see(lane);
-      any_counted |= at.passage->record;
-      if (!finished) continue;
-      at.passage->ending = Ending::reached_end;
-      any_ended = ended[lane] = true;
+      flagged_.set(lane, 0);
+      counted_.set(lane, records_[lane]);
     }
-    if (any_counted && (recording_.loop_area || recording_.means)) accumulate();
+    see();
+    const bool any_counted = any(counted_);
+    if ((recording_.loop_area || recording_.means) && any_counted) accumulate();
     if (!any_ended) continue;
     for (int lane = 0; lane < lane_count; ++lane)
       if (ended[lane]) end(lane, queue);

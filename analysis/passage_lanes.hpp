@@ -23,11 +23,11 @@ struct LanePassage {
   const oscillators::SliderSystem* slider = nullptr;
   std::array<double, solvers::Ensemble::capacity> y{};  ///< unknowns: start, then end, on the section
   double tolerance = 1e-6;
-  double first_step = 0;            ///< s
-  double growth_time = infinity;    ///< of steady sliding, s: near it no step may be longer
-  double longest = infinity;        ///< s, before the passage is given up
-  bool from_section = true;         ///< y lies on the section
-  double dip = 1e-10;               ///< part of V that v must fall below V before a rise counts
+  double first_step = 0;          ///< s
+  double growth_time = infinity;  ///< of steady sliding, s: near it no step may be longer
+  double longest = infinity;      ///< s, before the passage is given up
+  bool from_section = true;       ///< y lies on the section
+  double dip = 1e-10;             ///< part of V that v must fall below V before a rise counts
   bool record = false;
   std::size_t label = 0;  ///< for the queue to know it by
 
@@ -78,10 +78,9 @@ class PassageLanes {
     LanePassage* passage = nullptr;
     const oscillators::SliderSystem* loaded = nullptr;
     double V = 0;
-    bool below = false;  ///< the slip rate has been below V
-    Event landing;       ///< what the next step is to end on
-    bool inside[most_levels] = {};
+    Event landing;  ///< what the next step is to end on
     double entered[most_levels] = {};
+    long begun = 0;  ///< attempts before this passage
   };
 
   bool take(int lane, PassageQueue&);
@@ -91,7 +90,9 @@ class PassageLanes {
   /// Handles the event that the last step was to end on.
   Arrival arrive(int lane);
   void cross(int lane, int level, double moment);
-  void see(int lane);
+  /// Flags the lanes whose last step needs a closer look, all at once.
+  void screen();
+  void see();
   void end(int lane, PassageQueue&);
   void measure_steps();
   void accumulate();
@@ -108,6 +109,12 @@ class PassageLanes {
   std::array<Lane, lane_count> lanes_;
   Lanes section_;                                 ///< contact slip rate
   Lanes slip_rate_slope_[2], friction_slope_[2];  ///< at both ends of the step, by θ
+  Lanes V_ = 1.0, floor_ = 0.0, growth_time_ = infinity, longest_ = infinity, thresholds_[most_levels];
+  // 1 or 0: has been below V; follows a passage; is to land on an event; records; lies within a stick threshold.
+  Lanes below_ = 0.0, active_ = 0.0, landing_ = 0.0, records_ = 0.0, inside_[most_levels];
+  Lanes amplitude_ = 0.0, slip_rate_max_, slip_rate_min_, friction_max_, friction_min_;
+  Lanes bounds_;
+  Lanes flagged_ = 0.0;  ///< needs a closer look
   Lanes counted_ = 0.0, loop_, friction_sum_, slip_rate_sum_;
   long attempts_ = 0;
 };

@@ -4,8 +4,8 @@
 
 namespace rosin {
 
-/// 32 systems M·ẏ = f(y) with diagonal M whose zero rows are algebraic, one in each lane. Arrays hold one Lanes for each
-/// unknown.
+/// 32 systems M·ẏ = f(y) with diagonal M whose zero rows are algebraic, one in each lane. Arrays hold one Lanes for
+/// each unknown.
 class LaneSystem {
  public:
   virtual ~LaneSystem() = default;

@@ -56,8 +56,19 @@ ROSIN_INLINE Pack operator-(const Pack& a) { return Pack(-a.block); }
 ROSIN_INLINE Mask operator<(const Pack& a, const Pack& b) { return {a.block < b.block}; }
 ROSIN_INLINE Mask operator>(const Pack& a, const Pack& b) { return {a.block > b.block}; }
 ROSIN_INLINE Mask operator&(const Mask& a, const Mask& b) { return {a.bits & b.bits}; }
+ROSIN_INLINE Mask operator|(const Mask& a, const Mask& b) { return {a.bits | b.bits}; }
+ROSIN_INLINE Mask operator^(const Mask& a, const Mask& b) { return {a.bits ^ b.bits}; }
 ROSIN_INLINE Mask operator!(const Mask& a) { return {~a.bits}; }
 ROSIN_INLINE Pack select(const Mask& m, const Pack& a, const Pack& b) { return Pack(m.bits ? a.block : b.block); }
+
+/// True if a lane holds anything but zero.
+inline bool any(const Lanes& x) {
+  BlockBits bits{};
+  for (const Pack& p : x.pack) bits |= p.block != 0.0;
+  std::int64_t all = 0;
+  for (int i = 0; i < pack_width; ++i) all |= bits[i];
+  return all != 0;
+}
 
 ROSIN_INLINE Pack abs(const Pack& a) {
   return Pack(__builtin_bit_cast(Block, __builtin_bit_cast(BlockBits, a.block) & INT64_MAX));
@@ -94,9 +105,9 @@ ROSIN_INLINE Reduced reduce_exp(Block x) {
 /// (e^r - 1 - r - r²/2)/r³ on |r| <= ln2/2 by the Chebyshev interpolant of degree 9 (error of e^r - 1 below 3e-18
 /// relative), summed in pairs, which waits less than Horner's chain.
 ROSIN_INLINE Block exp_tail(Block r) {
-  constexpr double c[] = {0.16666666666666669,   0.041666666666666664,  0.008333333333330051,  0.0013888888888886545,
-                          0.00019841269863105968, 2.4801587317181886e-05, 2.7557268378684192e-06,
-                          2.755728291148268e-07,  2.5100424157005067e-08, 2.0911264239196083e-09};
+  constexpr double c[] = {0.16666666666666669,    0.041666666666666664,   0.008333333333330051,   0.0013888888888886545,
+                          0.00019841269863105968, 2.4801587317181886e-05, 2.7557268378684192e-06, 2.755728291148268e-07,
+                          2.5100424157005067e-08, 2.0911264239196083e-09};
   const Block r2 = r * r, r4 = r2 * r2;
   const Block low = (c[0] + c[1] * r) + r2 * (c[2] + c[3] * r);
   const Block middle = (c[4] + c[5] * r) + r2 * (c[6] + c[7] * r);
@@ -141,7 +152,8 @@ ROSIN_INLINE Block log_block(Block x, Block correction) {
   const Block even = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01));
   const Block odd = 6.666666666666735130e-01 +
                     w * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01));
-  const Block r = exponent * ln2_high - ((half - (s * (half + (z * odd + even)) + (exponent * ln2_low + correction))) - f);
+  const Block r =
+      exponent * ln2_high - ((half - (s * (half + (z * odd + even)) + (exponent * ln2_low + correction))) - f);
   const Block infinity = Block{} + std::numeric_limits<double>::infinity();
   Block result = x == infinity ? x : r;
   result = x == 0.0 ? -infinity : result;

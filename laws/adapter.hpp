@@ -356,8 +356,7 @@ class LawContact final : public Contact<Real> {
       rows_(derivative_law_[p],
             ContactInput<Derivative>{Derivative::variable(Part::of(in.slip_rate, p), n),
                                      Derivative::variable(Part::of(in.normal_load, p), n + 1),
-                                     Derivative(Part::of(in.load_rate, p)),
-                                     Derivative(Part::of(in.direction, p))},
+                                     Derivative(Part::of(in.load_rate, p)), Derivative(Part::of(in.direction, p))},
             Derivative(Part::of(compliance_, p)), part_z, part_g, part_F);
       for (int i = 0; i < n; ++i) {
         Part::of(g[i], p) = part_g[i].value;

@@ -79,8 +79,7 @@ void SliderLanes::mechanics(const Lanes* y, const Lanes& F, Lanes* f) const {
   for_each_pack([&](int p) __attribute__((always_inline)) {
     const Pack velocity = speed_.pack[p] - y[1].pack[p];
     f[0].pack[p] = velocity;
-    f[1].pack[p] =
-        stiffness_.pack[p] * y[0].pack[p] + damping_.pack[p] * velocity - F.pack[p] - force_.pack[p];
+    f[1].pack[p] = stiffness_.pack[p] * y[0].pack[p] + damping_.pack[p] * velocity - F.pack[p] - force_.pack[p];
   });
 }
 

@@ -7,8 +7,8 @@
 
 namespace rosin::oscillators {
 
-/// Sliders under constant drives that share law, mechanics and unknowns and differ in parameters: SliderSystem in lanes,
-/// with the same unknowns in the same order.
+/// Sliders under constant drives that share law, mechanics and unknowns and differ in parameters: SliderSystem in
+/// lanes, with the same unknowns in the same order.
 class SliderLanes final : public LaneSystem {
  public:
   /// All lanes begin as `pattern`. \throws InputError if its drive varies with time.

@@ -78,9 +78,8 @@ ROSIN_INLINE void Ensemble::factorise_pack(int p) {
     }
   }
   ROSIN_UNROLL
-  for (int i = 0; i < n; ++i)
-    ROSIN_UNROLL
-    for (int j = 0; j < n; ++j) factors_[i * n + j].pack[p] = A[i][j];
+  for (int i = 0; i < n; ++i) ROSIN_UNROLL
+  for (int j = 0; j < n; ++j) factors_[i * n + j].pack[p] = A[i][j];
 }
 
 /// U_s of one pack, and the next stage's argument (y₁ after the last).
@@ -108,9 +107,8 @@ ROSIN_INLINE void Ensemble::solve_stage(int p) {
   ROSIN_UNROLL
   for (int i = 0; i < n; ++i) x[i] = f_[i].pack[p] + mass_[i].pack[p] * x[i];
   ROSIN_UNROLL
-  for (int i = 1; i < n; ++i)
-    ROSIN_UNROLL
-    for (int j = 0; j < i; ++j) x[i] = x[i] - factors_[i * n + j].pack[p] * x[j];
+  for (int i = 1; i < n; ++i) ROSIN_UNROLL
+  for (int j = 0; j < i; ++j) x[i] = x[i] - factors_[i * n + j].pack[p] * x[j];
   ROSIN_UNROLL
   for (int i = n - 1; i >= 0; --i) {
     ROSIN_UNROLL
@@ -144,8 +142,9 @@ ROSIN_INLINE void Ensemble::decide(int p) {
   const Pack error = 0.5 * log(max(squares * (1.0 / n) / (tolerance * tolerance), Pack(1e-12))) + poison;
   const Pack h = length_.pack[p], last_h = accepted_length_.pack[p];
   const Mask good = error < Pack(0.0), finite = error < Pack(600.0);
-  const auto bounded = [&](const Pack& factor)
-      __attribute__((always_inline)) { return min(max(factor, Pack(least_factor)), Pack(largest_factor)); };
+  const auto bounded = [&](const Pack& factor) __attribute__((always_inline)) {
+    return min(max(factor, Pack(least_factor)), Pack(largest_factor));
+  };
   Pack factor = bounded(safety * exp(error * (-1 / order)));
   const Pack predicted = bounded(safety * (h / last_h) * exp((accepted_error_.pack[p] - 2.0 * error) * (1 / order)));
   factor = select(good & (last_h > Pack(0.0)), min(factor, predicted), factor);
@@ -164,7 +163,7 @@ ROSIN_INLINE void Ensemble::decide(int p) {
     tried_[i].pack[p] = stage_[i].pack[p];
     y_[i].pack[p] = select(good, stage_[i].pack[p], y_[i].pack[p]);
   }
-  __builtin_memcpy(&accepted_[p * pack_width], &good.bits, sizeof good.bits);
+  accepted_[p] = good;
 }
 
 template <int n>

@@ -21,13 +21,14 @@ class Ensemble {
 
   /// Begins at y in one lane. Errors are measured by `tolerance` times the system's scale.
   void start(int lane, const double* y, double tolerance, double first_step);
-  /// Steps of this lane must not exceed `longest` (s).
-  void bound_step(int lane, double longest) { longest_.set(lane, longest); }
+  /// Steps of each lane must not exceed `longest` (s).
+  void bound_steps(const Lanes& longest) { longest_ = longest; }
 
   /// Tries one step in every lane; lanes where it fails keep their state and try a shorter one next time.
   void attempt();
   /// True if the last try succeeded. Lanes that nobody started try too; their results have no meaning.
-  bool accepted(int lane) const { return accepted_[lane] != 0; }
+  bool accepted(int lane) const { return accepted_[lane / pack_width].bits[lane % pack_width] != 0; }
+  const Mask& accepted_of_pack(int p) const { return accepted_[p]; }
 
   /// Takes back the last step of a lane, which succeeded; the next try has `theta` of its length.
   void retake(int lane, double theta);
@@ -35,6 +36,7 @@ class Ensemble {
   void adjust(int lane, double theta);
 
   double time(int lane) const { return time_[lane]; }
+  const Lanes& times() const { return time_; }
   /// Length of the last try.
   const Lanes& length() const { return length_; }
   double next_length(int lane) const { return h_[lane]; }
@@ -78,16 +80,15 @@ class Ensemble {
   std::array<Lanes, capacity * capacity> factors_;  ///< LU without pivoting; the diagonal holds reciprocals
   std::array<std::array<Lanes, capacity>, Method::stages> U_;
   Lanes h_, longest_, time_, time_before_, tolerance_;
-  Lanes length_;           ///< of the last try
+  Lanes length_;                            ///< of the last try
   Lanes accepted_error_, accepted_length_;  ///< of the last success, for the predictive step control; length 0: none
-  alignas(64) std::array<std::int64_t, lane_count> accepted_{};
+  std::array<Mask, lane_packs> accepted_{};
 };
 
 ROSIN_INLINE Ensemble::Polynomial<Pack> Ensemble::polynomial_of_pack(int p, int i) const {
   Polynomial<Pack> q{before_[i].pack[p], tried_[i].pack[p], {0.0, 0.0, 0.0}};
   for (int term = 0; term < Method::dense_terms; ++term)
-    for (int s = 0; s < Method::stages; ++s)
-      q.k[term] = q.k[term] + Method::dense[term][s] * U_[s][i].pack[p];
+    for (int s = 0; s < Method::stages; ++s) q.k[term] = q.k[term] + Method::dense[term][s] * U_[s][i].pack[p];
   return q;
 }
 
