@@ -338,6 +338,10 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   const auto leading = stability(model).eigenvalues.front();
   const double turn = 2 * std::numbers::pi / std::max(std::abs(leading.imag()), std::abs(leading.real()));
   ReturnMap map(model);
+  if (map.differential().size() < 2) {
+    cycle.outcome = {Ending::none_exists, "one unknown alone evolves, and that cannot oscillate (no mass, no memory)"};
+    return cycle;
+  }
   auto found = search(map, leading.real() * turn, options.max_cycles, options.start);
   cycle.cost = map.cost();
   if (!found.point) {
@@ -538,7 +542,8 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     return period;
   };
   StickSlipPeriod coarse = period_at(tolerance);
-  if (!coarse.found && coarse.outcome.complete() && stability(model).eigenvalues.front().real() > 0) {
+  const auto sliding = stability(model);
+  if (!coarse.found && coarse.outcome.complete() && !sliding.stable && !sliding.marginal) {
     sticks = false;
     coarse = period_at(tolerance);
   }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/motion_end.hpp"
 #include "analysis/stability.hpp"
 
 namespace rosin::analysis {
@@ -225,7 +226,9 @@ ReturnMap::ReturnMap(const Model& model) : system_(model), speed_(model.drive.sp
   // No passage takes longer than many natural periods and many times the loading of the spring to the friction force.
   const auto& s = model.slider;
   const double N = model.drive.normal_load.level();
-  const double loading = s.stiffness > 0 ? N / (s.stiffness * speed_) : 0;
+  const auto& contact = model.contact_stiffness;
+  const double loading =
+      s.stiffness > 0 ? N * (1 / s.stiffness + 1 / contact.tangential + 1 / (contact.per_load * N)) / speed_ : 0;
   const double natural = s.mass > 0 && s.stiffness > 0 ? 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness) : 0;
   longest_passage_ = 1e3 * (natural + loading + s.damping / std::max(s.stiffness, 1e-300));
 }
@@ -283,7 +286,8 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     solver.bound_step(near_steady ? growth_time_ : infinity);
     const Outcome outcome = solver.step(longest_passage_);
     if (!outcome.complete()) {
-      passage.outcome = outcome;
+      const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
+      passage.outcome = end ? Outcome{Ending::none_exists, *end} : outcome;
       break;
     }
     const double t0 = solver.time_before();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "analysis/motion_end.hpp"
 #include "oscillators/slider_system.hpp"
 #include "solvers/collocation.hpp"
 #include "solvers/cvode.hpp"
@@ -75,7 +76,10 @@ class Pass {
         if (++steps_ > most_steps)
           return {Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s", most_steps, solver.time())};
         const Outcome outcome = advance(limit);
-        if (!outcome.complete()) return outcome;
+        if (!outcome.complete()) {
+          const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
+          return end ? Outcome{Ending::none_exists, *end} : outcome;
+        }
       }
       y = solver.state();
       t = limit;
@@ -211,9 +215,10 @@ std::vector<double> sample_times(const RunOptions& options) {
   return times;
 }
 
-/// Largest absolute difference of each column, with rounding; infinite where the coarse pass ended earlier.
+/// Largest absolute difference of each column, with rounding and the tolerance of the fine pass; infinite where the
+/// coarse pass ended earlier.
 std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
-                                const std::vector<std::vector<double>>& fine) {
+                                const std::vector<std::vector<double>>& fine, double tolerance) {
   std::vector<double> list;
   for (std::size_t c = 0; c < fine.size(); ++c) {
     double largest = 0, size = 0;
@@ -221,7 +226,10 @@ std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
       size = std::max(size, std::abs(fine[c][i]));
       largest = i < coarse[c].size() ? std::max(largest, std::abs(fine[c][i] - coarse[c][i])) : infinity;
     }
-    list.push_back(largest + 1e-15 * size);
+    // The velocity is the drive's speed less the slip rate, and known as well as that.
+    if (c == 1)
+      for (const double v : fine[2]) size = std::max(size, std::abs(v));
+    list.push_back(largest + (3 * tolerance + 5e-14) * size);
   }
   return list;
 }
@@ -253,7 +261,7 @@ Run run(const Model& model, const RunOptions& options) {
     result.outcome = fine->run(tolerance);
     result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
     result.cost.evaluations += fine->cost_.evaluations + (attempt == 0 ? coarse->cost_.evaluations : 0);
-    result.column_error = differences(coarse->columns_, fine->columns_);
+    result.column_error = differences(coarse->columns_, fine->columns_, tolerance);
     if (!result.outcome.complete()) break;
     std::size_t worst = 0;
     std::vector<double> ratio;

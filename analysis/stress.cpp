@@ -288,9 +288,9 @@ Judgement by_ratio(double ratio, std::string_view worst) {
 }
 
 /// The eigenvalue equation in the form of impedances: the spring and mass of the slider against the contact's dynamic
-/// stiffness s·Z(s), Z = F_u + F_z (sΛ − g_z)⁻¹ g_u, in series with the contact spring. Returns the residual over the
-/// sum of the magnitudes of its terms. Independent of the assembled Jacobian.
-double impedance_residual(const Model& model, Complex s) {
+/// stiffness s·Z(s), Z = F_u + F_z (sΛ − g_z)⁻¹ g_u, in series with the contact spring; times det(sΛ − g_z), so that it
+/// has no poles. Independent of the assembled Jacobian.
+Complex impedance(const Model& model, Complex s) {
   const double V = model.drive.speed.level(), N = model.drive.normal_load.level();
   const auto contact = model.law->contact({.lambda = model.lambda, .unknowns = Unknowns::states});
   constexpr int most = Slopes<double>::capacity;
@@ -305,12 +305,14 @@ double impedance_residual(const Model& model, Complex s) {
     for (int j = 0; j < n; ++j) A[i * n + j] = (i == j ? s * model.lambda : Complex(0)) - d.g_z[i * n + j];
     x[i] = d.g_u[i];
   }
+  Complex determinant = 1;
   for (int c = 0; c < n; ++c) {
     int pivot = c;
     for (int r = c + 1; r < n; ++r)
       if (std::abs(A[r * n + c]) > std::abs(A[pivot * n + c])) pivot = r;
     for (int j = 0; j < n; ++j) std::swap(A[c * n + j], A[pivot * n + j]);
     std::swap(x[c], x[pivot]);
+    determinant *= pivot == c ? A[c * n + c] : -A[c * n + c];
     for (int r = c + 1; r < n; ++r) {
       const Complex f = A[r * n + c] / A[c * n + c];
       for (int j = c; j < n; ++j) A[r * n + j] -= f * A[c * n + j];
@@ -322,31 +324,33 @@ double impedance_residual(const Model& model, Complex s) {
     x[r] /= A[r * n + r];
   }
   Complex Z = d.F_u;
-  double Z_size = std::abs(d.F_u);
-  for (int i = 0; i < n; ++i) Z += d.F_z[i] * x[i], Z_size += std::abs(d.F_z[i] * x[i]);
+  for (int i = 0; i < n; ++i) Z += d.F_z[i] * x[i];
   const auto& o = model.slider;
   const double compliance = 1 / model.contact_stiffness.tangential + 1 / (model.contact_stiffness.per_load * N);
   // Slider: D(s) = m s² + c s + k; contact: s Z; series spring: 1/k_t. D (1 + sZ/k_t) + s Z = 0.
   const Complex D = o.mass * s * s + o.damping * s + o.stiffness;
-  const double D_size = std::abs(o.mass * s * s) + std::abs(o.damping * s) + o.stiffness;
-  const Complex residual = D * (1.0 + s * Z * compliance) + s * Z;
-  const double size = D_size * (1 + std::abs(s) * Z_size * compliance) + std::abs(s) * Z_size;
-  return std::abs(residual) / size;
+  return determinant * (D * (1.0 + s * Z * compliance) + s * Z);
+}
+
+/// How far an eigenvalue is from the next root of the impedance equation: one step of Newton's method.
+double distance_to_root(const Model& model, Complex s) {
+  const double h = 1e-6 * std::abs(s);
+  const Complex here = impedance(model, s);
+  if (h == 0 || here == 0.0) return 0;  // s = 0 is a root where the equation lacks its constant: no spring
+  const Complex slope = (impedance(model, s + h) - impedance(model, s - h)) / (2 * h);
+  return std::abs(here / slope);
 }
 
 Judgement judge_stability(const Model& model) {
   const auto found = stability(model);
   for (const auto& e : found.eigenvalues)
     if (!std::isfinite(e.real()) || !std::isfinite(e.imag())) return {Verdict::not_finite, "an eigenvalue"};
-  // Rounding of an eigenvalue is that of the largest: only what stands out of it is known by its residual.
-  double largest = 0;
-  for (const auto& e : found.eigenvalues) largest = std::max(largest, std::abs(e));
   double ratio = 0;
   std::string worst;
-  for (const auto& e : found.eigenvalues) {
-    if (std::abs(e) < 1e-6 * largest) continue;
-    const double residual = impedance_residual(model, e), allowed = 1e-12 * largest / std::abs(e);
-    if (!(residual <= ratio * allowed)) ratio = residual / allowed, worst = "the residual of an eigenvalue";
+  for (std::size_t i = 0; i < found.eigenvalues.size(); ++i) {
+    const auto e = found.eigenvalues[i];
+    const double distance = distance_to_root(model, e), stated = found.eigenvalue_errors[i] + 1e-12 * std::abs(e);
+    if (distance > ratio * stated) ratio = distance / stated, worst = "an eigenvalue";
   }
   if (const auto closed = critical_load(model)) {
     const double N = model.drive.normal_load.level(), distance = N / closed->normal_load - 1;

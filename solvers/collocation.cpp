@@ -27,6 +27,7 @@ Collocation::Collocation(const System& system, double tolerance)
   // solution meet the tolerance (after the idea of Hairer & Wanner 1999 for their code of variable order). Unknowns
   // that are moderately stiff, such as the slip rate in slow stick, keep an error of the size of the estimate.
   estimate_tolerance_ = std::pow(tolerance_, 2.0 / 3);
+  bound_share_ = std::min(1.0, std::pow(tolerance_ / 1e-6, 1.0 / 9));
   const int n = n_;
   for (auto* v : {&y_, &y_before_, &f0_, &mass_, &scale_, &work_}) v->assign(n, 0.0);
   for (auto* v : {&Z_, &Z_trial_, &residual_, &stage_mass_}) v->assign(s * n, 0.0);
@@ -209,8 +210,9 @@ Outcome Collocation::step(double t_limit) {
       return {Ending::not_finite, fmt::format("at t = {:.9g} s in '{}'", t_, system_.unknown(i))};
   double h = h_next_ > 0 ? h_next_ : first_step(t_limit);
   h = std::min({h, system_.resolution(), longest_step_});
-  // Where nothing depends on time, steps may be shorter than the clock shows, as in a fast slip after a long stick.
-  const double shortest = (system_.autonomous() ? 1e-9 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
+  // Where nothing depends on time, steps may be shorter than the clock shows, as in a fast slip after a long stick, or
+  // while friction turns over in a reversal.
+  const double shortest = (system_.autonomous() ? 1e-16 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
   bool rejected = false;
   for (int attempt = 0;; ++attempt) {
     const double remaining = t_limit - t_;
