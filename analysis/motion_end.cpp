@@ -21,18 +21,15 @@ std::optional<std::string> why_motion_ends(const oscillators::SliderSystem& syst
   const auto& law = *model.law;
   if (!law.has_states()) return std::nullopt;
   const double N = model.drive.normal_load.value(t);
-  const auto& slider = model.slider;
   constexpr double out_of_hand = 1e8;  // times the drive speed
   const double V = std::max(std::abs(model.drive.speed.level()), 1e-12);
-  if (slider.mass == 0 && slider.damping == 0 && std::abs(system.slip_rate(t, y)) > out_of_hand * V)
+  if (!system.rigid() && std::abs(system.contact_slip_rate(t, y)) > out_of_hand * V)
     return fmt::format(
-        "with neither mass nor damping to limit it, slip reaches infinite speed at t = {:.9g} s; give the slider mass, "
-        "or damping (of radiation)",
+        "between friction and a spring is neither mass nor damping: slip reaches infinite speed at t = {:.9g} s; give "
+        "the slider mass or damping (of radiation), and leave out a contact stiffness as low as this",
         t);
   if (model.lambda != 0) return std::nullopt;
-  const auto& spring = model.contact_stiffness;
-  const bool rigid = std::isinf(spring.tangential) && std::isinf(spring.per_load);
-  if (!(rigid && slider.mass > 0) && weakens_somewhere(law, N))
+  if (!(system.rigid() && model.slider.mass > 0) && weakens_somewhere(law, N))
     return fmt::format(
         "law.lambda = 0 leaves '{}' a friction curve that weakens, and between it and a spring is no mass: at t = "
         "{:.9g} s, where the curve turns back, slip would have to jump; give the law its memory (lambda > 0), or mass "

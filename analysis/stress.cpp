@@ -246,6 +246,7 @@ StressScene draw_scene(const Laws& laws, std::uint64_t seed, long index) {
     if (m > 0) duration = std::min(duration, 300 * fastest);
     scene.run.duration = std::clamp(duration, 1e-15, 1e15);
     scene.run.samples = 20;
+    scene.run.most_steps = 300'000;
     scene.run.tolerance = 1e-6;
     const double kind = dice.uniform(0, 1);
     if (kind < 0.2) {
