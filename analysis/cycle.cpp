@@ -370,7 +370,9 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     cycle.ill_conditioned_stick = false;
     for (const double e : {options.stick_threshold, 0.01, 0.5})
       if (std::abs(std::abs(lowest) - e * V) < 1e-4 * e * V) cycle.ill_conditioned_stick = true;
-    const double reached = estimate_errors(coarse.metrics, fine.metrics, tolerance, fine.closure, V,
+    // Rounding in one passage returns with every one that the cycle takes to forget it.
+    const double forgetting = 1e-14 / std::max(1 - spectral_radius(point, map), 1e-14);
+    const double reached = estimate_errors(coarse.metrics, fine.metrics, tolerance, fine.closure + forgetting, V,
                                            cycle.ill_conditioned_stick, cycle.error, worst);
     cycle.metrics = fine.metrics;
     cycle.orbit = std::move(fine.orbit);
@@ -455,6 +457,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     if (began) {
       result.metrics = recorder.finish(period);
       result.metrics.stick_fraction = stuck / period;
+      // Stick is rest; the end of a located slip is rest but for rounding.
+      if (std::abs(result.metrics.slip_rate_min) < 1e-10 * V) result.metrics.slip_rate_min = 0;
       result.orbit = std::move(recorder.orbit);
       result.onset_displacement = system.observe(solver.time(), solver.state().data()).displacement;
       result.found = true;

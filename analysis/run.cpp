@@ -213,21 +213,31 @@ std::vector<double> sample_times(const RunOptions& options) {
   return times;
 }
 
+/// The size that errors in each column are measured by: the largest value in it. The slip rate of a mass, and the
+/// velocity that is the drive's speed less it, may be nothing but rounding and are measured by `least_speed` too.
+std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, double least_speed) {
+  std::vector<double> sizes;
+  for (const auto& column : columns) {
+    double size = 0;
+    for (const double x : column) size = std::max(size, std::abs(x));
+    sizes.push_back(size);
+  }
+  sizes[2] = std::max(sizes[2], least_speed);
+  sizes[1] = std::max(sizes[1], sizes[2]);
+  return sizes;
+}
+
 /// Largest absolute difference of each column, with rounding and the least relative error of the fine pass; infinite
 /// where the coarse pass ended earlier.
 std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
-                                const std::vector<std::vector<double>>& fine, double least) {
+                                const std::vector<std::vector<double>>& fine, const std::vector<double>& sizes,
+                                double least) {
   std::vector<double> list;
   for (std::size_t c = 0; c < fine.size(); ++c) {
-    double largest = 0, size = 0;
-    for (std::size_t i = 0; i < fine[c].size(); ++i) {
-      size = std::max(size, std::abs(fine[c][i]));
+    double largest = 0;
+    for (std::size_t i = 0; i < fine[c].size(); ++i)
       largest = i < coarse[c].size() ? std::max(largest, std::abs(fine[c][i] - coarse[c][i])) : infinity;
-    }
-    // The velocity is the drive's speed less the slip rate, and known as well as that.
-    if (c == 1)
-      for (const double v : fine[2]) size = std::max(size, std::abs(v));
-    list.push_back(largest + (least + 5e-14) * size);
+    list.push_back(largest + (least + 5e-14) * sizes[c]);
   }
   return list;
 }
@@ -250,6 +260,8 @@ Run run(const Model& model, const RunOptions& options) {
   // error found: the pair of passes is tightened until it meets the tolerance.
   const double least = result.solver == "cvode" ? 3e-15 : Collocation::least_tolerance;
   double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
+  // Without mass the slip rate follows from friction, to its own last digit.
+  const double least_speed = model.slider.mass > 0 ? std::abs(model.drive.speed.level()) : 0;
   auto coarse = std::make_unique<Pass>(model, options, result.solver, times);
   coarse->run(tolerance);
   std::unique_ptr<Pass> fine;
@@ -259,18 +271,14 @@ Run run(const Model& model, const RunOptions& options) {
     result.outcome = fine->run(tolerance);
     result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
     result.cost.evaluations += fine->cost_.evaluations + (attempt == 0 ? coarse->cost_.evaluations : 0);
+    const auto sizes = sizes_of(fine->columns_, least_speed);
     result.column_error =
-        differences(coarse->columns_, fine->columns_, (result.solver == "cvode" ? 30 : 3) * tolerance);
+        differences(coarse->columns_, fine->columns_, sizes, (result.solver == "cvode" ? 30 : 3) * tolerance);
     if (!result.outcome.complete()) break;
     std::size_t worst = 0;
     std::vector<double> ratio;
     for (std::size_t c = 0; c < fine->columns_.size(); ++c) {
-      double size = 0;
-      for (const double x : fine->columns_[c]) size = std::max(size, std::abs(x));
-      // The slider's velocity, which may be nothing but rounding, is measured by the slip rate.
-      if (c == 1)
-        for (const double x : fine->columns_[2]) size = std::max(size, std::abs(x));
-      ratio.push_back(size > 0 ? result.column_error[c] / size : 0);
+      ratio.push_back(sizes[c] > 0 ? result.column_error[c] / sizes[c] : 0);
       if (ratio[c] > ratio[worst]) worst = c;
     }
     if (ratio[worst] <= options.tolerance) break;
