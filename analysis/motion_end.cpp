@@ -11,7 +11,7 @@ namespace rosin::analysis {
 
 bool unbounded_at_rest(const FrictionLaw& law, double normal_load) {
   if (law.set_valued()) return false;
-  constexpr double nearly_rest = 1e-250;  // m/s: ages L/v stay finite
+  constexpr double nearly_rest = 1e-140;  // m/s: ages L/v and their slopes stay finite
   const auto there = law.steady_friction({nearly_rest, normal_load});
   return !(there.slope > 0) && there.friction > 0;
 }
