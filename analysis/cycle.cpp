@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/curve.hpp"
 #include "analysis/return_map.hpp"
 #include "analysis/stability.hpp"
 #include "core/eigenpairs.hpp"
@@ -243,7 +244,8 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
         // An overdamped start has all but reached steady sliding, which repels: go on from where growth would lead.
         if (amplitude < 1e-11) break;
         const auto steady = map.system().steady(0);
-        y = map.moved(steady, map.difference(y, steady), 0.1 / amplitude);
+        // States that changed more than the speed did are not carried away by it.
+        y = map.moved(steady, map.difference(y, steady), std::min(0.1 / amplitude, 1 / map.distance(y, steady)));
         enlarged = true;
         continue;
       }
@@ -337,6 +339,10 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   const auto leading = stability(model).eigenvalues.front();
   const double turn = 2 * std::numbers::pi / std::max(std::abs(leading.imag()), std::abs(leading.real()));
   ReturnMap map(model);
+  if (map.differential().size() < 2) {
+    cycle.outcome = {Ending::none_exists, "one unknown alone evolves, and that cannot oscillate (no mass, no memory)"};
+    return cycle;
+  }
   auto found = search(map, leading.real() * turn, options.max_cycles, options.start);
   cycle.cost = map.cost();
   if (!found.point) {
@@ -363,7 +369,9 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     cycle.ill_conditioned_stick = false;
     for (const double e : {options.stick_threshold, 0.01, 0.5})
       if (std::abs(std::abs(lowest) - e * V) < 1e-4 * e * V) cycle.ill_conditioned_stick = true;
-    const double reached = estimate_errors(coarse.metrics, fine.metrics, tolerance, fine.closure, V,
+    // Rounding in one passage returns with every one that the cycle takes to forget it.
+    const double forgetting = 1e-14 / std::max(1 - spectral_radius(point, map), 1e-14);
+    const double reached = estimate_errors(coarse.metrics, fine.metrics, tolerance, fine.closure + forgetting, V,
                                            cycle.ill_conditioned_stick, cycle.error, worst);
     cycle.metrics = fine.metrics;
     cycle.orbit = std::move(fine.orbit);
@@ -395,6 +403,7 @@ struct StickSlipPeriod {
   std::vector<CyclePoint> orbit;
   double onset_displacement = 0;
   bool found = false;
+  double closest = infinity;  ///< lowest slip rate after the first half of a slip, over the drive speed
   long steps = 0, evaluations = 0;
 };
 StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double stick_threshold) {
@@ -412,12 +421,21 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   }
   const double natural = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
   const double longest = 300 * natural + 10 * std::abs(onset) / V;
-  solver.bound_slip_step(0.1 * natural);
+  // Without oscillation, under strong damping, nothing comes and goes within a natural period.
+  const bool overdamped = s.damping > 2 * std::sqrt(s.mass * s.stiffness);
+  solver.bound_slip_step(0.1 * (overdamped ? s.damping / s.stiffness : natural));
+  const auto sliding = stability(model);
+  const double frequency = std::sqrt(s.stiffness / s.mass);
+  constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
   Recorder recorder(system, tolerance, stick_threshold, true);
   // Durations are sums of steps: the clock, which also counts the first stick, may be too coarse for a short slip.
-  bool began = false;
+  bool began = false, fast = false;
   double period = 0, stuck = 0;
-  while (solver.time() < longest && solver.stepper().count().steps < 200'000) {
+  while (solver.time() < longest) {
+    if (solver.stepper().count().steps > 200'000) {
+      result.outcome = {Ending::budget_spent, "no period of stick and slip within 200000 steps"};
+      break;
+    }
     solvers::Switch switched;
     const Outcome outcome = solver.step(longest, switched);
     if (!outcome.complete()) {
@@ -429,10 +447,17 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       period += solver.stepper().length();
       if (system.direction() == 0) stuck += solver.stepper().length();
     }
+    const double u = system.slip_rate(solver.time(), solver.state().data());
+    fast = fast || u > V;
+    const double away = std::hypot(u - V, frequency * (solver.state()[0] - sliding.steady.displacement));
+    if (sliding.stable && away < settled * V) break;
+    if (fast && switched == solvers::Switch::none) result.closest = std::min(result.closest, std::abs(u) / V);
     if (switched != solvers::Switch::slip || solver.upcoming() < 0) continue;
     if (began) {
       result.metrics = recorder.finish(period);
       result.metrics.stick_fraction = stuck / period;
+      // Stick is rest; the end of a located slip is rest but for rounding.
+      if (std::abs(result.metrics.slip_rate_min) < 1e-10 * V) result.metrics.slip_rate_min = 0;
       result.orbit = std::move(recorder.orbit);
       result.onset_displacement = system.observe(solver.time(), solver.state().data()).displacement;
       result.found = true;
@@ -523,13 +548,33 @@ std::optional<double> balanced_swing(const Model& model, double tolerance) {
   return std::nullopt;
 }
 
+/// True where friction never falls with slip rate, not even from rest: then two motions never part, and none repeats
+/// itself but steady sliding (or free oscillation about it, which nothing attracts).
+bool never_weakens(const Model& model) {
+  const double N = model.drive.normal_load.level();
+  constexpr double nearly_rest = 1e-14, rounding = 1e-12;
+  return !weakens_somewhere(*model.law, N) &&
+         model.law->static_limit(N) <= model.law->steady_friction({nearly_rest, N}).friction * (1 + rounding);
+}
+
 Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   Cycle cycle;
+  if (never_weakens(model)) {
+    cycle.outcome = {Ending::none_exists, "friction nowhere falls with slip rate: nothing feeds an oscillation"};
+    return cycle;
+  }
   const double V = model.drive.speed.level();
   double tolerance = 0.2 * options.tolerance;
   bool sticks = true;
   const auto period_at = [&](double tol) -> StickSlipPeriod {
-    if (sticks) return stick_slip_period(model, tol, options.stick_threshold);
+    if (sticks) {
+      // Slip that only just comes to rest is missed by a solution that is not better than the miss.
+      auto period = stick_slip_period(model, tol, options.stick_threshold);
+      constexpr double grazing = 1e-3, sharp = 1e-14;
+      if (!period.found && period.outcome.complete() && period.closest < grazing && tol > sharp)
+        period = stick_slip_period(model, sharp, options.stick_threshold);
+      return period;
+    }
     const auto swing = balanced_swing(model, tol);
     if (!swing) return {};
     auto period = slip_passage(model, *swing, tol, options.stick_threshold, true);
@@ -537,7 +582,8 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     return period;
   };
   StickSlipPeriod coarse = period_at(tolerance);
-  if (!coarse.found && coarse.outcome.complete() && stability(model).eigenvalues.front().real() > 0) {
+  const auto sliding = stability(model);
+  if (!coarse.found && coarse.outcome.complete() && !sliding.stable && !sliding.marginal) {
     sticks = false;
     coarse = period_at(tolerance);
   }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/motion_end.hpp"
 #include "analysis/stability.hpp"
 
 namespace rosin::analysis {
@@ -225,8 +226,20 @@ ReturnMap::ReturnMap(const Model& model) : system_(model), speed_(model.drive.sp
   // No passage takes longer than many natural periods and many times the loading of the spring to the friction force.
   const auto& s = model.slider;
   const double N = model.drive.normal_load.level();
-  const double loading = s.stiffness > 0 ? N / (s.stiffness * speed_) : 0;
+  const auto& contact = model.contact_stiffness;
+  const double loading =
+      s.stiffness > 0 ? N * (1 / s.stiffness + 1 / contact.tangential + 1 / (contact.per_load * N)) / speed_ : 0;
   const double natural = s.mass > 0 && s.stiffness > 0 ? 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness) : 0;
+  if (s.mass > 0 && !system_.rigid()) {
+    const double k_t = 1 / (1 / contact.tangential + 1 / (contact.per_load * N));
+    const double ringing = 2 * std::numbers::pi * std::sqrt(s.mass / (s.stiffness + k_t));
+    if (loading > 100 * ringing && s.damping < 1e-3 * std::sqrt(s.mass * (s.stiffness + k_t)))
+      ringing_ = fmt::format(
+          ": the slider rings on the contact spring, with a period of {:.3g} s and hardly damped, while the contact "
+          "loads "
+          "for {:.3g} s",
+          ringing, loading);
+  }
   longest_passage_ = 1e3 * (natural + loading + s.damping / std::max(s.stiffness, 1e-300));
 }
 
@@ -235,6 +248,15 @@ std::vector<double> ReturnMap::stick(double aged_at) const {
   const double N = model.drive.normal_load.level(), f = model.drive.force.level(), u = 1e-3 * speed_;
   const auto state = model.law->steady({aged_at, N});
   const double F = N * model.law->friction({u, N}, state);
+  const auto& spring = model.contact_stiffness;
+  if (system_.mechanics() == Mechanics::inertial && !system_.rigid()) {
+    // While the contact sticks, its spring and the slider's share the motion of the drive. Any other start rings, and
+    // nothing might damp it.
+    const auto& s = model.slider;
+    const double k_t = 1 / (1 / spring.tangential + 1 / (spring.per_load * N));
+    const double imposed = speed_ * s.stiffness / (s.stiffness + k_t);
+    return system_.unknowns_at(0, (F + f - s.damping * (speed_ - imposed)) / s.stiffness, imposed, state, F);
+  }
   const double x = system_.mechanics() == Mechanics::damped
                        ? (F + f - model.slider.damping * (speed_ - u)) / model.slider.stiffness
                        : system_.steady(0)[0];
@@ -283,7 +305,8 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     solver.bound_step(near_steady ? growth_time_ : infinity);
     const Outcome outcome = solver.step(longest_passage_);
     if (!outcome.complete()) {
-      passage.outcome = outcome;
+      const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
+      passage.outcome = end ? Outcome{Ending::none_exists, *end} : outcome;
       break;
     }
     const double t0 = solver.time_before();
@@ -308,8 +331,8 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     if (derivative) solver.propagate(S, columns);
     if (recorder) recorder->step(solver);
     if (turns > 0 && (solver.time() >= longest_passage_ || solver.count().steps > most_steps)) {
-      passage.outcome = {Ending::budget_spent, fmt::format("no passage through v = V within {:.3g} s and {} steps",
-                                                           solver.time(), solver.count().steps)};
+      passage.outcome = {Ending::budget_spent, fmt::format("no passage through v = V within {:.3g} s and {} steps{}",
+                                                           solver.time(), solver.count().steps, ringing_)};
       break;
     }
   }

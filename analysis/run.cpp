@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "analysis/motion_end.hpp"
 #include "oscillators/slider_system.hpp"
 #include "solvers/collocation.hpp"
 #include "solvers/cvode.hpp"
@@ -19,8 +20,6 @@ using oscillators::SliderSystem;
 using solvers::Collocation;
 
 namespace {
-
-constexpr long most_steps = 5'000'000;
 
 /// One pass at one tolerance: fills samples and events.
 class Pass {
@@ -72,10 +71,13 @@ class Pass {
       start(solver, t, y);
       const double limit = std::min(end, system_.next_break(t));
       while (solver.time() < limit) {
-        if (++steps_ > most_steps)
-          return {Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s", most_steps, solver.time())};
+        if (++steps_ > options_.most_steps)
+          return {Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s", options_.most_steps, solver.time())};
         const Outcome outcome = advance(limit);
-        if (!outcome.complete()) return outcome;
+        if (!outcome.complete()) {
+          const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
+          return end ? Outcome{Ending::none_exists, *end} : outcome;
+        }
       }
       y = solver.state();
       t = limit;
@@ -211,17 +213,31 @@ std::vector<double> sample_times(const RunOptions& options) {
   return times;
 }
 
-/// Largest absolute difference of each column, with rounding; infinite where the coarse pass ended earlier.
+/// The size that errors in each column are measured by: the largest value in it. The slip rate of a mass, and the
+/// velocity that is the drive's speed less it, may be nothing but rounding and are measured by `least_speed` too.
+std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, double least_speed) {
+  std::vector<double> sizes;
+  for (const auto& column : columns) {
+    double size = 0;
+    for (const double x : column) size = std::max(size, std::abs(x));
+    sizes.push_back(size);
+  }
+  sizes[2] = std::max(sizes[2], least_speed);
+  sizes[1] = std::max(sizes[1], sizes[2]);
+  return sizes;
+}
+
+/// Largest absolute difference of each column, with rounding and the least relative error of the fine pass; infinite
+/// where the coarse pass ended earlier.
 std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
-                                const std::vector<std::vector<double>>& fine) {
+                                const std::vector<std::vector<double>>& fine, const std::vector<double>& sizes,
+                                double least) {
   std::vector<double> list;
   for (std::size_t c = 0; c < fine.size(); ++c) {
-    double largest = 0, size = 0;
-    for (std::size_t i = 0; i < fine[c].size(); ++i) {
-      size = std::max(size, std::abs(fine[c][i]));
+    double largest = 0;
+    for (std::size_t i = 0; i < fine[c].size(); ++i)
       largest = i < coarse[c].size() ? std::max(largest, std::abs(fine[c][i] - coarse[c][i])) : infinity;
-    }
-    list.push_back(largest + 1e-15 * size);
+    list.push_back(largest + (least + 5e-14) * sizes[c]);
   }
   return list;
 }
@@ -244,6 +260,8 @@ Run run(const Model& model, const RunOptions& options) {
   // error found: the pair of passes is tightened until it meets the tolerance.
   const double least = result.solver == "cvode" ? 3e-15 : Collocation::least_tolerance;
   double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
+  // Without mass the slip rate follows from friction, to its own last digit.
+  const double least_speed = model.slider.mass > 0 ? std::abs(model.drive.speed.level()) : 0;
   auto coarse = std::make_unique<Pass>(model, options, result.solver, times);
   coarse->run(tolerance);
   std::unique_ptr<Pass> fine;
@@ -253,17 +271,14 @@ Run run(const Model& model, const RunOptions& options) {
     result.outcome = fine->run(tolerance);
     result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
     result.cost.evaluations += fine->cost_.evaluations + (attempt == 0 ? coarse->cost_.evaluations : 0);
-    result.column_error = differences(coarse->columns_, fine->columns_);
+    const auto sizes = sizes_of(fine->columns_, least_speed);
+    result.column_error =
+        differences(coarse->columns_, fine->columns_, sizes, (result.solver == "cvode" ? 30 : 3) * tolerance);
     if (!result.outcome.complete()) break;
     std::size_t worst = 0;
     std::vector<double> ratio;
     for (std::size_t c = 0; c < fine->columns_.size(); ++c) {
-      double size = 0;
-      for (const double x : fine->columns_[c]) size = std::max(size, std::abs(x));
-      // The slider's velocity, which may be nothing but rounding, is measured by the slip rate.
-      if (c == 1)
-        for (const double x : fine->columns_[2]) size = std::max(size, std::abs(x));
-      ratio.push_back(size > 0 ? result.column_error[c] / size : 0);
+      ratio.push_back(sizes[c] > 0 ? result.column_error[c] / sizes[c] : 0);
       if (ratio[c] > ratio[worst]) worst = c;
     }
     if (ratio[worst] <= options.tolerance) break;

@@ -15,6 +15,7 @@ struct RunOptions {
   int samples = 1000;
   Start start;
   double tolerance = 1e-8;
+  long most_steps = 5'000'000;  ///< of one pass
   std::string solver = "auto";  ///< "auto", "collocation", "cvode", "events"
 };
 

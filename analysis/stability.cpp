@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "analysis/curve.hpp"
+#include "core/characteristic.hpp"
 #include "core/eigenpairs.hpp"
 #include "oscillators/slider_system.hpp"
 
@@ -50,7 +51,38 @@ struct Linearisation {
     return model;
   }
 
-  std::vector<Complex> eigenvalues() const {
+  struct Eigenvalue {
+    Complex value;
+    double error, real_error;
+  };
+  /// Largest real part first.
+  std::vector<Eigenvalue> eigenvalues() const {
+    if (!J.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
+    std::vector<Eigenvalue> list;
+    if (constexpr int largest_expanded = 6; mass.size() <= largest_expanded) {
+      const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = J;
+      const auto roots =
+          characteristic_roots({rows.data(), std::size_t(rows.size())}, {mass.data(), std::size_t(mass.size())});
+      for (std::size_t i = 0; i < roots.values.size(); ++i)
+        list.push_back({roots.values[i], roots.errors[i], roots.real_errors[i]});
+    } else {
+      const auto values = by_iteration();
+      double largest = 0;
+      for (const auto& e : values) largest = std::max(largest, std::abs(e));
+      for (const auto& e : values) list.push_back({e, 1e-14 * largest, 1e-14 * largest});
+    }
+    for (const auto& e : list)
+      if (!std::isfinite(e.value.real()) || !std::isfinite(e.value.imag()))
+        throw InputError("the eigenvalues of steady sliding could not be computed here");
+    std::sort(list.begin(), list.end(), [](const Eigenvalue& a, const Eigenvalue& b) {
+      return a.value.real() != b.value.real() ? a.value.real() > b.value.real() : a.value.imag() > b.value.imag();
+    });
+    return list;
+  }
+
+ private:
+  /// By QR, for systems too large to expand their determinant: good to rounding of the largest.
+  std::vector<Complex> by_iteration() const {
     // Algebraic rows are eliminated; unknowns are measured in their scales, which balances the matrix.
     std::vector<int> dynamic, algebraic;
     for (int i = 0; i < mass.size(); ++i) (mass[i] > 0 ? dynamic : algebraic).push_back(i);
@@ -60,13 +92,8 @@ struct Linearisation {
     for (std::size_t i = 0; i < dynamic.size(); ++i)
       for (std::size_t j = 0; j < dynamic.size(); ++j)
         A(i, j) *= scale[dynamic[j]] / (scale[dynamic[i]] * mass[dynamic[i]]);
-    if (!A.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
     const auto found = eigenpairs(A).values;
-    if (!found.allFinite()) throw InputError("the eigenvalues of steady sliding could not be computed here");
-    std::vector<Complex> values(found.data(), found.data() + found.size());
-    std::sort(values.begin(), values.end(),
-              [](Complex a, Complex b) { return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag(); });
-    return values;
+    return {found.data(), found.data() + found.size()};
   }
 };
 
@@ -146,17 +173,15 @@ std::optional<SingleState> single_state(const Model& model) {
 
 /// The largest real part among the eigenvalues, and the frequency that goes with it.
 struct Growth {
-  double rate, frequency;
-  bool decided;  ///< the sign of the rate is beyond rounding
+  double rate, frequency, error;
+  bool decided() const { return std::abs(rate) > 4 * error; }  ///< the sign of the rate is beyond rounding
 };
 std::optional<Growth> growth(const Model& model) {
   try {
     const auto values = Linearisation(model).eigenvalues();
     if (values.empty()) return std::nullopt;
-    double largest = 0;
-    for (const auto& e : values) largest = std::max(largest, std::abs(e));
-    const double rate = values.front().real();
-    return Growth{rate, std::abs(values.front().imag()), std::abs(rate) > 1e-14 * largest};
+    const auto& leading = values.front();
+    return Growth{leading.value.real(), std::abs(leading.value.imag()), leading.real_error};
   } catch (const InputError&) {
     return std::nullopt;  // no steady sliding at this value
   }
@@ -188,12 +213,17 @@ SteadySliding steady_sliding(const Model& model) {
 Stability stability(const Model& model) {
   Stability result;
   result.steady = steady_sliding(model);
-  result.eigenvalues = Linearisation(model).eigenvalues();
-  double largest = 0;
-  for (const auto& e : result.eigenvalues) largest = std::max(largest, std::abs(e));
-  const double rate = result.eigenvalues.empty() ? -infinity : result.eigenvalues.front().real();
-  result.marginal = std::abs(rate) <= 1e-14 * largest;
-  result.stable = !result.marginal && rate < 0;
+  result.stable = true;
+  result.marginal = false;
+  for (const auto& e : Linearisation(model).eigenvalues()) {
+    result.eigenvalues.push_back(e.value);
+    result.eigenvalue_errors.push_back(e.error);
+    const bool decided = std::abs(e.value.real()) > 4 * e.real_error;
+    if (decided && e.value.real() > 0) result.stable = false;
+    if (!decided) result.marginal = true;
+  }
+  if (!result.stable) result.marginal = false;
+  if (result.marginal) result.stable = false;
   return result;
 }
 
@@ -243,7 +273,7 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
   for (int i = 0; i < count; ++i) {
     const double w = std::log(low) + std::log(high / low) * i / (count - 1);
     const auto now = at(w);
-    if (before && now && now->decided && (before->rate > 0) != (now->rate > 0)) {
+    if (before && now && now->decided() && (before->rate > 0) != (now->rate > 0)) {
       std::uintmax_t iterations = 100;
       const auto rate = [&](double x) {
         const auto g = at(x);
@@ -255,13 +285,10 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
       const auto there = at(root);
       if (there && there->frequency > 0) {
         HopfPoint point{std::string(parameter), std::exp(root), 0, there->frequency, {}, 0, false};
-        // Eigenvalues are good to rounding of the largest; the slope of the growth rate turns that into a value.
-        double largest = 0;
-        const Model critical = model.with(parameter, std::clamp(point.value, low, high));
-        for (const auto& e : Linearisation(critical).eigenvalues()) largest = std::max(largest, std::abs(e));
+        // The slope of the growth rate turns its error into one of the value.
         const double step = 1e-4;
         const double slope = std::abs(rate(root + step) - rate(root - step)) / (2 * step);
-        point.value_error = point.value * ((b - a) + 1e-15 + 4e-16 * largest / std::max(slope, 1e-300));
+        point.value_error = point.value * ((b - a) + 1e-15 + there->error / std::max(slope, 1e-300));
         const auto closed =
             parameter == "drive.normal_load" && model.slider.mass >= 0 ? [&]() -> std::optional<double> {
           const auto c = critical_load(model);
@@ -284,7 +311,7 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
         found.push_back(point);
       }
     }
-    if (now && now->decided) before = now, w_before = w;
+    if (now && now->decided()) before = now, w_before = w;
   }
   std::sort(found.begin(), found.end(), [&](const HopfPoint& a, const HopfPoint& b) {
     return std::abs(std::log(a.value / here)) < std::abs(std::log(b.value / here));

@@ -28,6 +28,7 @@ SteadySliding steady_sliding(const Model&);
 struct Stability {
   SteadySliding steady;
   std::vector<std::complex<double>> eigenvalues;  ///< 1/s, largest real part first
+  std::vector<double> eigenvalue_errors;          ///< absolute, 1/s: what rounding of the linearised equations allows
   bool stable;                                    ///< all real parts < 0
   /// Steady sliding is a continuum of equilibria or marginal (undamped Coulomb friction): |Re| within rounding of 0.
   bool marginal;

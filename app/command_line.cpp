@@ -35,6 +35,7 @@ constexpr VerbHelp verbs[] = {
     {"run", "SCENE", "motion from a given start"},
     {"cycle", "SCENE", "periodic motion, its multipliers and metrics"},
     {"map", "SCENE", "regimes and metrics over a parameter plane"},
+    {"stress", "", "random scenes over ten decades, each certified by a second method or refused with a reason"},
     {"plot", "PATH", "draw the pictures of a results folder, or of a scene's results, again"},
 };
 
@@ -58,6 +59,16 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     command->allow_extras();
     const std::string name = verb.name;
     command->callback([&request, name] { request.verb = name; });
+    if (name == "stress") {
+      command->add_option("--seed", request.seed, "of the random scenes")->capture_default_str();
+      command->add_option("--scenes", request.scenes, "number of scenes")->capture_default_str();
+      command->add_option("--only", request.only, "one scene by its number");
+      command->add_option("--threads", request.threads, "threads; results do not depend on it")->capture_default_str();
+      command->add_option("--out", request.out, "results folder; default out/stress-SEED/");
+      command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
+      command->add_flag("--quiet", request.quiet, "say nothing but errors");
+      continue;
+    }
     auto* target = command->add_option(verb.target, request.target);
     if (name == "laws") {
       target->description("one law; all if left out");
@@ -91,8 +102,11 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     const auto word = extra.substr(0, extra.find('='));
     return refuse(extra.starts_with('-')
                       ? fmt::format("'{}' has no option '{}'{}", request.verb, word, did_you_mean(word, options))
-                      : fmt::format("'{}' takes one {}, '{}' is too much", request.verb,
-                                    request.verb == "laws" ? "law" : "path", extra));
+                      : fmt::format("'{}' takes {}, '{}' is too much", request.verb,
+                                    request.verb == "stress" ? "no scene"
+                                    : request.verb == "laws" ? "one law"
+                                                             : "one path",
+                                    extra));
   }
   try {
     if (request.tolerance) require(*request.tolerance, {1e-13, 0.1}, "--tolerance", "relative accuracy", "1");

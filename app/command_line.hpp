@@ -1,5 +1,6 @@
 /// The command line of `rosin`.
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -14,6 +15,8 @@ struct Request {
   std::vector<std::string> overrides;
   std::optional<double> tolerance;
   int threads = 1;
+  std::uint64_t seed = 1;  ///< of "stress": its first random scenes, or one of them
+  long scenes = 1000, only = -1;
   std::string out;
   bool json = false, explain = false, quiet = false;
 };

@@ -11,6 +11,7 @@ class Progress {
   ~Progress();
   Progress(const Progress&) = delete;
   void show(std::size_t done, std::size_t total);
+  bool visible() const { return visible_; }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -17,6 +17,7 @@
 #include "app/progress.hpp"
 #include "app/results.hpp"
 #include "app/scene.hpp"
+#include "app/stress.hpp"
 #include "laws/catalogue.hpp"
 
 namespace rosin::app {
@@ -428,7 +429,7 @@ Status plot(const Request& request) {
 
 }  // namespace
 
-bool can_stop(const Request& request) { return request.verb == "map"; }
+bool can_stop(const Request& request) { return request.verb == "map" || request.verb == "stress"; }
 
 Status execute(const Request& request, std::stop_token stop) {
   if (request.verb == "laws") return list_laws(request);
@@ -437,6 +438,7 @@ Status execute(const Request& request, std::stop_token stop) {
   if (request.verb == "run") return run(request);
   if (request.verb == "cycle") return cycle(request);
   if (request.verb == "map") return map(request, std::move(stop));
+  if (request.verb == "stress") return stress(request, std::move(stop));
   return plot(request);
 }
 

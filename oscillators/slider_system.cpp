@@ -13,6 +13,10 @@ Mechanics mechanics_of(const Slider& slider) {
   if (slider.mass > 0) return Mechanics::inertial;
   return slider.damping > 0 ? Mechanics::damped : Mechanics::elastic;
 }
+
+constexpr double creep_share =
+    1e-14;  ///< of the reference speed: slip beside the law's at the friction of steady sliding
+constexpr double nearly_stuck = 1e-6;  ///< of the reference speed: below it the slip rate is read from friction
 }  // namespace
 
 SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(model)) {
@@ -48,6 +52,8 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   contact_->steady(0, reference_speed_, start.load, z, contact_scale_.data());
   const double friction_scale = carries_friction() ? contact_scale_[0] : 0.1;
   const auto& s = model_.slider;
+  if (mechanics_ == Mechanics::inertial && rigid() && carries_friction())
+    creep_ = creep_share * reference_speed_ / std::max(std::abs(z[0]), 0.1 * friction_scale);
   displacement_scale_ =
       mechanics_ == Mechanics::inertial && s.stiffness > 0
           ? reference_speed_ * std::sqrt(s.mass / s.stiffness) + start.load * friction_scale / s.stiffness
@@ -93,6 +99,7 @@ void SliderSystem::evaluate(double t, const double* y, double* f) const {
   const double u = imposed_slip_rate(now, y, known_force);
   double F;
   contact_->evaluate({u, now.load, now.load_rate, direction_}, z, f + mechanical_, F);
+  if (creep_ > 0) f[mechanical_] -= creep_ * z[0];
   if (mechanical_ > 0) f[0] = now.speed - u;
   if (mechanics_ == Mechanics::inertial) {
     const auto& s = model_.slider;
@@ -115,6 +122,10 @@ void SliderSystem::linearise(double t, const double* y, double* f, double* jacob
   const auto J = [&](int i, int j) -> double& { return jacobian[i * n + j]; };
   for (int i = 0; i < nz; ++i)
     for (int j = 0; j < nz; ++j) J(first + i, first + j) = slopes.g_z[i * nz + j];
+  if (creep_ > 0) {
+    f[first] -= creep_ * z[0];
+    J(first, first) -= creep_;
+  }
   if (mechanics_ == Mechanics::inertial) {
     f[0] = now.speed - u;
     f[1] = s.mass * now.speed_rate + s.stiffness * y[0] + s.damping * (now.speed - u) - F - now.force;
@@ -268,7 +279,8 @@ double SliderSystem::friction_coefficient(double t, const double* y) const {
 
 double SliderSystem::slip_rate(double t, const double* y) const {
   const Forcing now = forcing(t);
-  if (mechanics_ == Mechanics::inertial) return y[1];
+  if (mechanics_ == Mechanics::inertial && !(creep_ > 0 && std::abs(y[1]) < nearly_stuck * reference_speed_))
+    return y[1];
   if (!carries_friction()) return imposed_slip_rate(now, y, 0);
   // Without mass the contact's own slip rate is known from friction, free of the cancellation in V − ẋ.
   const double* z = y + mechanical_;

@@ -98,6 +98,10 @@ class SliderSystem final : public SwitchingSystem {
   double reference_speed_;
   std::vector<double> contact_scale_;
   double displacement_scale_ = 1;
+  /// Slip beside the law's, δ per unit of friction coefficient (m/s), far below what any result shows. The direct
+  /// effect turns friction over within e^(−μ/a) of the slip rate, which no arithmetic resolves where a mass reverses;
+  /// with δ the turn is as wide as rounding.
+  double creep_ = 0;
   Forcing constant_{};
   bool is_constant_, set_valued_;
   bool sticking() const { return set_valued_ && direction_ == 0; }

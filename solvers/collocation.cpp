@@ -27,8 +27,9 @@ Collocation::Collocation(const System& system, double tolerance)
   // solution meet the tolerance (after the idea of Hairer & Wanner 1999 for their code of variable order). Unknowns
   // that are moderately stiff, such as the slip rate in slow stick, keep an error of the size of the estimate.
   estimate_tolerance_ = std::pow(tolerance_, 2.0 / 3);
+  bound_share_ = std::min(1.0, std::pow(tolerance_ / 1e-6, 1.0 / 9));
   const int n = n_;
-  for (auto* v : {&y_, &y_before_, &f0_, &mass_, &scale_, &work_}) v->assign(n, 0.0);
+  for (auto* v : {&carry_, &y_, &y_before_, &f0_, &mass_, &scale_, &work_}) v->assign(n, 0.0);
   for (auto* v : {&Z_, &Z_trial_, &residual_, &stage_mass_}) v->assign(s * n, 0.0);
   J_.assign(n * n, 0.0);
   real_lu_.assign(n * n, 0.0);
@@ -55,6 +56,7 @@ bool Collocation::start(double t, std::span<const double> y) {
   t_ = t_before_ = t;
   y_.assign(y.begin(), y.end());
   y_before_ = y_;
+  std::fill(carry_.begin(), carry_.end(), 0.0);
   h_next_ = 0;
   fresh_ = true;
   system_.mass(t, mass_.data());
@@ -66,7 +68,7 @@ bool Collocation::start(double t, std::span<const double> y) {
   if (m == 0) return true;
   std::vector<double> a(m * m), r(m);
   std::vector<int> pivot(m);
-  for (int iteration = 0; iteration < 50; ++iteration) {
+  for (int iteration = 0; iteration < 200; ++iteration) {
     system_.linearise(t, y_.data(), f0_.data(), J_.data());
     ++count_.linearisations;
     for (int i = 0; i < m; ++i) {
@@ -194,7 +196,8 @@ double Collocation::first_step(double t_limit) {
     if (mass_[i] > 0) fastest = std::max(fastest, std::abs(f0_[i] / mass_[i]) / scale_[i]);
   // Stiff rows decay on 1/|J|; the step may be longer, error control decides.
   const double guess = fastest > 0 ? 0.01 / fastest : 1e-3 * (t_limit - t_);
-  return std::min({guess, 0.1 * (t_limit - t_), system_.resolution()});
+  // Shorter at smaller tolerances, so that two of them never take the same steps.
+  return std::min({guess, 0.1 * bound_share_ * (t_limit - t_), system_.resolution()});
 }
 
 Outcome Collocation::step(double t_limit) {
@@ -209,8 +212,9 @@ Outcome Collocation::step(double t_limit) {
       return {Ending::not_finite, fmt::format("at t = {:.9g} s in '{}'", t_, system_.unknown(i))};
   double h = h_next_ > 0 ? h_next_ : first_step(t_limit);
   h = std::min({h, system_.resolution(), longest_step_});
-  // Where nothing depends on time, steps may be shorter than the clock shows, as in a fast slip after a long stick.
-  const double shortest = (system_.autonomous() ? 1e-9 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
+  // Where nothing depends on time, steps may be shorter than the clock shows, as in a fast slip after a long stick, or
+  // while friction turns over in a reversal.
+  const double shortest = (system_.autonomous() ? 1e-16 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
   bool rejected = false;
   for (int attempt = 0;; ++attempt) {
     const double remaining = t_limit - t_;
@@ -263,7 +267,11 @@ Outcome Collocation::step(double t_limit) {
     Z_.swap(Z_trial_);
     y_before_ = y_;
     t_before_ = t_;
-    for (int k = 0; k < n; ++k) y_[k] += Z_[(s - 1) * n + k];
+    for (int k = 0; k < n; ++k) {
+      const double change = Z_[(s - 1) * n + k] + carry_[k];
+      y_[k] += change;
+      carry_[k] = change - (y_[k] - y_before_[k]);
+    }
     t_ = last ? t_limit : t_ + h;
     h_last_ = h;
     // A step cut by the limit says nothing against the longer one that was planned.
@@ -323,6 +331,7 @@ bool Collocation::shorten(double theta) {
   if (!solve_at(theta, y.data())) return false;
   Z_.swap(Z_trial_);
   y_ = y;
+  std::fill(carry_.begin(), carry_.end(), 0.0);
   h_last_ *= theta;
   t_ = t_before_ + h_last_;
   h_next_ = std::max(h_next_, h_last_);

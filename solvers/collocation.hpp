@@ -30,8 +30,9 @@ class Collocation {
   bool start(double t, std::span<const double> y);
   /// Takes one step, not past `t_limit`. On anything but reached_end the state is unchanged.
   Outcome step(double t_limit);
-  /// No step may be longer; infinity to lift the bound.
-  void bound_step(double longest) { longest_step_ = longest; }
+  /// No step may be longer; infinity to lift the bound. At tolerances below 1e-6 the bound shrinks as steps do: if it
+  /// alone set the length, two tolerances would take the same steps and their difference would show no error.
+  void bound_step(double longest) { longest_step_ = longest * bound_share_; }
   /// Shortens the last step to `theta` of its length (0 < theta <= 1), solved again at full order.
   bool shorten(double theta);
 
@@ -81,10 +82,11 @@ class Collocation {
   const RadauTableau& tableau_;
   int n_;
   double tolerance_, estimate_tolerance_;
-  double longest_step_ = infinity;
+  double longest_step_ = infinity, bound_share_;
   double last_moment_ = infinity;  ///< just before the limit of the last step
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
-  bool fresh_ = true;  ///< no polynomial of an earlier step to start from
+  bool fresh_ = true;          ///< no polynomial of an earlier step to start from
+  std::vector<double> carry_;  ///< what rounding left out of y_: a load that creeps up must not stand still
   std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;
   std::vector<double> real_lu_, real_right_;
   std::vector<std::complex<double>> pair_lu_[2], pair_right_[2];

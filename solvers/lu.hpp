@@ -1,5 +1,6 @@
-/// Dense LU factorisation with partial pivoting for the small matrices of implicit steps, real or complex.
+/// Dense LU factorisation with scaled partial pivoting for the small matrices of implicit steps, real or complex.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <utility>
@@ -24,17 +25,27 @@ inline std::complex<double> reciprocal(const std::complex<double>& a) {
   return {x / norm, -y / norm};
 }
 
-/// Factorises the row-major n × n matrix in place; the diagonal holds the reciprocals of the pivots.
-/// \returns false if it is singular or not finite.
+inline constexpr int largest_lu = 64;  ///< rows
+
+/// Factorises the row-major n × n matrix in place; the diagonal holds the reciprocals of the pivots. Pivots are
+/// compared as parts of the largest entry of their row: rows of short steps and of stuck contacts are fifty decades
+/// apart. \returns false if it is singular or not finite.
 template <class Number>
 bool factorise_lu(std::vector<Number>& a, std::vector<int>& pivot, int n) {
+  double weight[largest_lu];
+  for (int i = 0; i < n; ++i) {
+    double largest = 0;
+    for (int j = 0; j < n; ++j) largest = std::max(largest, pivot_size(a[i * n + j]));
+    weight[i] = 1 / largest;
+  }
   for (int k = 0; k < n; ++k) {
     int best = k;
-    double size = pivot_size(a[k * n + k]);
+    double size = pivot_size(a[k * n + k]) * weight[k];
     for (int i = k + 1; i < n; ++i)
-      if (const double s = pivot_size(a[i * n + k]); s > size) best = i, size = s;
+      if (const double s = pivot_size(a[i * n + k]) * weight[i]; s > size) best = i, size = s;
     if (!(size > 0) || !std::isfinite(size)) return false;
     pivot[k] = best;
+    std::swap(weight[k], weight[best]);
     if (best != k)
       for (int j = 0; j < n; ++j) std::swap(a[k * n + j], a[best * n + j]);
     const Number inverse = a[k * n + k] = reciprocal(a[k * n + k]);

@@ -29,6 +29,18 @@ double StickSlip::growth_time() {
   return shortest;
 }
 
+/// Time in which slip that slows down halves. Friction may turn over within a small part of the reference speed just
+/// before rest, which a step from far above would not see. Call after growth_time(), which evaluates the rates.
+double StickSlip::landing_time() const {
+  const double u = system_.slip_rate(time(), state().data());
+  double rate = 0;  // of the slip rate; the unknown that it is follows from its value
+  for (int i = 0; i < system_.size(); ++i)
+    if (state()[i] == u && mass_[i] > 0) rate = work_[i] / mass_[i];
+  const bool slows = u * rate < 0 && std::abs(u) > 1e-8 * system_.reference_speed();
+  const double clock = system_.autonomous() ? 0 : 1e-12 * std::abs(time());  // a drive's time must still advance
+  return slows ? std::max(0.5 * std::abs(u / rate), clock) : infinity;
+}
+
 /// Positive while the present mode lasts.
 double StickSlip::indicator(double t, const double* y) const {
   if (system_.direction() == 0) return system_.holding_limit(t) - std::abs(system_.holding_force(t, y));
@@ -63,7 +75,8 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
     if (!collocation_.start(collocation_.time(), y)) return {Ending::not_finite, "after a switch"};
   }
   const double small = rest * system_.reference_speed();
-  collocation_.bound_step(system_.direction() == 0 ? infinity : std::min(longest_slip_step_, growth_time()));
+  collocation_.bound_step(system_.direction() == 0 ? infinity
+                                                   : std::min({longest_slip_step_, growth_time(), landing_time()}));
   const Outcome outcome = collocation_.step(t_limit);
   if (!outcome.complete()) return outcome;
   // The first node at which the mode has ended, if any.

@@ -31,6 +31,7 @@ class StickSlip {
   double indicator(double t, const double* y) const;
   double mode_at_rest(double t, const double* y, double direction) const;
   double growth_time();
+  double landing_time() const;
   SwitchingSystem& system_;
   Collocation collocation_;
   double longest_slip_step_ = infinity;

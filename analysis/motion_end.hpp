@@ -1,0 +1,21 @@
+/// Models whose motion ends in finite time, though every number in them is in range.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "oscillators/slider_system.hpp"
+
+namespace rosin::analysis {
+
+/// True where μ_ss(v) does not fall to 0 with v → 0 although the law is not set-valued: a power of v, b >= a, that
+/// weakens down to rest. Without its state such a law has no friction at rest, only a jump from −∞ to +∞.
+bool unbounded_at_rest(const FrictionLaw&, double normal_load);
+
+/// Why no integration gets beyond the unknowns y at time t, or nothing where the equations give no reason:
+/// - λ = 0 under a curve that rises without bound toward rest: once at rest, nothing slips again;
+/// - λ = 0 under a weakening curve with no mass between it and a spring: where the curve turns back, slip would jump;
+/// - neither mass nor damping between friction and a spring: slip that weakens faster than the spring unloads reaches
+///   infinite speed in finite time (Rice & Gu 1983).
+std::optional<std::string> why_motion_ends(const oscillators::SliderSystem&, double t, const double* y);
+
+}  // namespace rosin::analysis

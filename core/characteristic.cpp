@@ -1,0 +1,160 @@
+/// The determinant expanded into a polynomial, and its roots by the Ehrlich–Aberth iteration.
+#include "core/characteristic.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace rosin {
+
+namespace {
+
+using Real = long double;  // for its exponents: products of rates leave the range of double
+using Complex = std::complex<Real>;
+constexpr Real entry_rounding = 2e-15L;
+
+/// Coefficients of a polynomial in s, and the sum of the magnitudes that each was summed from.
+struct Polynomial {
+  std::vector<Real> value, size;
+};
+
+/// Adds to `sum` the terms of det(J − s M) by permutations of the rows from `row` on; `term` is the product so far.
+void expand(std::span<const double> J, std::span<const double> mass, std::size_t row, unsigned columns_left, Real sign,
+            const std::vector<Real>& term, Polynomial& sum) {
+  const std::size_t n = mass.size();
+  if (row == n) {
+    for (std::size_t k = 0; k <= n; ++k) {
+      sum.value[k] += sign * term[k];
+      sum.size[k] += std::abs(term[k]);
+    }
+    return;
+  }
+  int transpositions = 0;
+  for (std::size_t column = 0; column < n; ++column) {
+    if (!(columns_left >> column & 1)) continue;
+    const Real entry = J[row * n + column], inertia = row == column ? Real(mass[row]) : Real(0);
+    if (entry != 0 || inertia != 0) {
+      std::vector<Real> product(n + 1, 0);
+      for (std::size_t k = 0; k <= n; ++k) {
+        product[k] += entry * term[k];
+        if (k < n) product[k + 1] -= inertia * term[k];
+      }
+      // The entry and the inertia of one diagonal element are summed only after the product: they may cancel.
+      expand(J, mass, row + 1, columns_left & ~(1u << column), transpositions % 2 ? -sign : sign, product, sum);
+    }
+    ++transpositions;
+  }
+}
+
+/// Starting points on circles whose radii follow from the Newton polygon of the coefficients (Bini 1996).
+std::vector<Complex> starts(const std::vector<Real>& a) {
+  const int degree = int(a.size()) - 1;
+  std::vector<int> hull;
+  for (int k = 0; k <= degree; ++k) {
+    if (a[k] == 0) continue;
+    while (hull.size() >= 2) {
+      const int i = hull[hull.size() - 2], j = hull.back();
+      const Real slope_ij = (std::log(std::abs(a[j])) - std::log(std::abs(a[i]))) / (j - i);
+      const Real slope_jk = (std::log(std::abs(a[k])) - std::log(std::abs(a[j]))) / (k - j);
+      if (slope_jk < slope_ij) break;
+      hull.pop_back();
+    }
+    hull.push_back(k);
+  }
+  std::vector<Complex> points;
+  for (std::size_t e = 0; e + 1 < hull.size(); ++e) {
+    const int count = hull[e + 1] - hull[e];
+    const Real radius = std::exp((std::log(std::abs(a[hull[e]])) - std::log(std::abs(a[hull[e + 1]]))) / count);
+    for (int i = 0; i < count; ++i)
+      points.push_back(std::polar(radius, 2 * std::numbers::pi_v<Real> * i / count + Real(0.7) * (e + 1)));
+  }
+  return points;
+}
+
+/// Newton's correction p/p' at x, without overflow at large |x| (the reversed polynomial is used there).
+Complex newton_correction(const std::vector<Real>& a, Complex x) {
+  const int degree = int(a.size()) - 1;
+  Complex p = a[degree], d = 0;
+  for (int k = degree - 1; k >= 0; --k) d = d * x + p, p = p * x + a[k];
+  return p / d;
+}
+
+}  // namespace
+
+CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::span<const double> mass) {
+  const std::size_t n = mass.size();
+  Polynomial p{std::vector<Real>(n + 1, 0), std::vector<Real>(n + 1, 0)};
+  std::vector<Real> one(n + 1, 0);
+  one[0] = 1;
+  expand(jacobian, mass, 0, (1u << n) - 1, 1, one, p);
+  // What is no more than the rounding of its terms is zero.
+  std::size_t degree = n;
+  for (std::size_t k = 0; k <= n; ++k)
+    if (std::abs(p.value[k]) <= entry_rounding * p.size[k]) p.value[k] = 0;
+  while (degree > 0 && p.value[degree] == 0) --degree;
+  std::size_t zeros = 0;
+  while (zeros < degree && p.value[zeros] == 0) ++zeros;
+
+  CharacteristicRoots roots;
+  bool finite = degree > 0 || p.value[0] != 0;
+  for (std::size_t k = 0; k <= n; ++k) finite = finite && std::isfinite(p.value[k]);
+  if (!finite) {
+    roots.values.assign(n, {std::numeric_limits<double>::quiet_NaN(), 0});
+    roots.errors.assign(n, std::numeric_limits<double>::infinity());
+    roots.real_errors = roots.errors;
+    return roots;
+  }
+  for (std::size_t z = 0; z < zeros; ++z) {
+    // A vanishing coefficient may hide a root as large as its rounding allows.
+    roots.values.emplace_back(0);
+    const Real lowest = std::abs(p.value[zeros]);
+    roots.errors.push_back(double(std::pow(entry_rounding * p.size[0] / lowest, Real(1) / zeros)));
+    roots.real_errors.push_back(roots.errors.back());
+  }
+  const std::vector<Real> a(p.value.begin() + std::ptrdiff_t(zeros), p.value.begin() + std::ptrdiff_t(degree) + 1);
+  const std::vector<Real> size(p.size.begin() + std::ptrdiff_t(zeros), p.size.begin() + std::ptrdiff_t(degree) + 1);
+  auto x = starts(a);
+  for (int iteration = 0; iteration < 300; ++iteration) {
+    Real largest = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const Complex newton = newton_correction(a, x[i]);
+      Complex repulsion = 0;
+      for (std::size_t j = 0; j < x.size(); ++j)
+        if (j != i) repulsion += Complex(1) / (x[i] - x[j]);
+      const Complex step = newton / (Complex(1) - newton * repulsion);
+      if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) continue;
+      x[i] -= step;
+      largest = std::max(largest, std::abs(step) / std::max(std::abs(x[i]), Real(1e-4000L)));
+    }
+    if (largest < Real(1e-18L)) break;
+  }
+  for (const auto& root : x) {
+    // δs = −Σ δa_k s^k / p'(s) with real δa_k; near a double root the curvature of p bounds it instead.
+    const int top = int(a.size()) - 1;
+    Complex value = a[top], slope = 0, bend = 0;
+    for (int k = top - 1; k >= 0; --k) {
+      bend = bend * root + slope;
+      slope = slope * root + value;
+      value = value * root + a[k];
+    }
+    Real change = 0, error = 0, real_error = 0;
+    Complex power = 1;
+    for (int k = 0; k <= top; ++k, power *= root) {
+      change += entry_rounding * size[k] * std::abs(power);
+      error += entry_rounding * size[k] * std::abs(power / slope);
+      real_error += entry_rounding * size[k] * std::abs((power / slope).real());
+    }
+    const Real most = 2 * std::sqrt(change / std::abs(bend));
+    roots.values.emplace_back(double(root.real()), double(root.imag()));
+    roots.errors.push_back(double(std::min(error, most)));
+    real_error += Real(1e-18L) * std::abs(root);  // of the iteration
+    roots.real_errors.push_back(double(std::min(real_error, most)));
+  }
+  // Complex roots come in pairs: what is real within rounding is real.
+  for (std::size_t i = 0; i < roots.values.size(); ++i)
+    if (std::abs(roots.values[i].imag()) <= 1e-17 * std::abs(roots.values[i])) roots.values[i].imag(0);
+  return roots;
+}
+
+}  // namespace rosin

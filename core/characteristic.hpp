@@ -1,0 +1,22 @@
+/// Roots of det(J − s M) = 0 for small systems whose rates span many decades, each with its own error.
+///
+/// QR loses eigenvalues smaller than 1e-16 of the largest in rounding. The coefficients of the characteristic
+/// polynomial lose only what truly cancels, and so do its roots, whatever their spread.
+#pragma once
+#include <complex>
+#include <span>
+#include <vector>
+
+namespace rosin {
+
+struct CharacteristicRoots {
+  std::vector<std::complex<double>> values;
+  /// Absolute errors of the roots, and of their real parts alone, for entries of J and M known to 2e-15 of their size.
+  std::vector<double> errors, real_errors;
+};
+
+/// \param jacobian row-major n × n. \param mass diagonal of M; zero rows are algebraic and lower the degree.
+/// NaN throughout where an entry is not finite. Costs n!, so n ≤ 6 is meant.
+CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::span<const double> mass);
+
+}  // namespace rosin

@@ -1,0 +1,147 @@
+/// The stress suite on a small set, its reproducibility, and scenes that once failed.
+#include "analysis/stress.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "analysis/motion_end.hpp"
+#include "analysis/stability.hpp"
+#include "laws/catalogue.hpp"
+#include "tests/bristol_board.hpp"
+
+using namespace rosin;
+using namespace rosin::analysis;
+using rosin::tests::slider_under;
+
+TEST_CASE("a scene depends on its seed and number alone, and the report not on threads", "[stress]") {
+  const auto once = draw_scene(laws::catalogue(), 7, 11), again = draw_scene(laws::catalogue(), 7, 11);
+  CHECK(once.settings == again.settings);
+  CHECK(once.law->card().name == again.law->card().name);
+  CHECK(once.settings != draw_scene(laws::catalogue(), 7, 12).settings);
+  CHECK(once.settings != draw_scene(laws::catalogue(), 8, 11).settings);
+  StressOptions options;
+  options.laws = laws::catalogue();
+  options.seed = 3;
+  options.scenes = 24;
+  const auto one = stress(options);
+  options.threads = 3;
+  const auto three = stress(options);
+  CHECK(one.certified == three.certified);
+  CHECK(one.none_exists == three.none_exists);
+  CHECK(one.worst_error_ratio == three.worst_error_ratio);
+  CHECK(one.scenes == 24);
+}
+
+TEST_CASE("a small seed set has no NaN, crash or wrong number, and stated errors cover the true ones", "[stress]") {
+  StressOptions options;
+  options.laws = laws::catalogue();
+  options.seed = 20;
+  options.scenes = 150;
+  const auto report = stress(options, {.finished =
+                                           [](const StressScene& scene, const Judgement& judgement) {
+                                             if (judgement.verdict == Verdict::failed)
+                                               WARN("scene " << scene.index << ": " << judgement.reason);
+                                           },
+                                       .hung = {},
+                                       .stop = {}});
+  CHECK(report.wrong == 0);
+  CHECK(report.not_finite == 0);
+  CHECK(report.crashed == 0);
+  CHECK(report.certified + report.none_exists > 130);
+  CHECK(report.failure_share() < 0.05);
+  CHECK(report.compared > 60);
+  CHECK(report.coverage() >= 0.98);
+}
+
+TEST_CASE("numbers that nobody means are refused with the range that is accepted", "[stress]") {
+  auto scene = draw_scene(laws::catalogue(), 1, 0);
+  for (const double value : {double(NAN), -1.0, 1e300, -infinity}) {
+    for (auto& [path, setting] : scene.settings)
+      if (path == "oscillator.mass") setting = value;
+    const auto judgement = judge(scene);
+    CHECK(judgement.verdict == Verdict::refused);
+    CHECK_THAT(judgement.reason, Catch::Contains("oscillator.mass"));
+  }
+}
+
+// ---------------------------------------------------------------- scenes of past failures, by their cause
+
+TEST_CASE("eigenvalues twenty-eight decades apart all keep their digits", "[stress]") {
+  // Slip law, N a/(V m) = 3e19 1/s beside loading at 1e-12 1/s: QR returned 0 for the least.
+  const auto model = slider_under(
+      "slip",
+      {0.44592848378772896, 0.026296449569917058, 0.034112605974842163, 0.00049602391231512444, 4.8225709791659877e-08},
+      {0.0031887839635096871, 44292.561138321551, 0}, 6.9726132055751262e-12, 23990203.376611441);
+  const auto found = stability(model);
+  REQUIRE(found.eigenvalues.size() == 3);
+  CHECK(!found.stable);
+  CHECK(!found.marginal);
+  // The two slow ones are those without mass: (N a s + k V)(s + V/L) = N b s V/L.
+  const double a = 0.026296449569917058, b = 0.034112605974842163, N = 23990203.376611441, k = 44292.561138321551;
+  const double V = 6.9726132055751262e-12, rate = V / 0.00049602391231512444;
+  const double linear = k * V + N * (a - b) * rate, constant = k * V * rate;
+  const double root = std::sqrt(linear * linear - 4 * N * a * constant);
+  CHECK(found.eigenvalues[0].real() == Approx((-linear + root) / (2 * N * a)).epsilon(1e-9));
+  CHECK(found.eigenvalues[1].real() == Approx(2 * constant / (-linear + root)).epsilon(1e-9));
+}
+
+TEST_CASE("slip without mass or damping reaches infinite speed, and that is said", "[stress]") {
+  const auto model = slider_under("ageing", {0.44, 0.006, 0.034, 2.3e-6, 1.55e-7}, {0, 123, 0}, 0.005, 8.26);
+  const auto cycle = find_cycle(model);
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("infinite speed"));
+}
+
+TEST_CASE("a law that weakens down to rest has no motion through rest without its state", "[stress]") {
+  CHECK(unbounded_at_rest(*laws::find_law("ageing"), 1));
+  CHECK(!unbounded_at_rest(*laws::find_law("spinodal"), 1));
+  CHECK(!unbounded_at_rest(*laws::find_law("ageing")->with("b", 0.005), 1));
+  CHECK(!unbounded_at_rest(*laws::find_law("coulomb"), 1));
+  auto model = slider_under("prz", {0.6, 0.01, 0.015, 1e-5, 1e-6}, {800, 1.8, 1.4}, 1.4e-3, 218);
+  model.lambda = 0;
+  const auto cycle = find_cycle(model);
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("rises without bound toward rest"));
+}
+
+TEST_CASE("a mass reverses under friction that turns over within e^(-260) of the slip rate", "[stress]") {
+  const auto model =
+      slider_under("ageing",
+                   {0.84952296266402716, 0.0032271536288177535, 0.0060827443179447315, 1.5244532667045928e-06,
+                    2.4972492813102164e-06},
+                   {0.0002596367557048534, 0.11220611197989462, 0}, 0.032341369000765681, 7.2591560584635783e-05);
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), tight = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(loose.outcome.ending == tight.outcome.ending);
+  if (loose.outcome.complete())
+    CHECK(std::abs(loose.metrics.period - tight.metrics.period) <= loose.error.period + tight.error.period);
+}
+
+TEST_CASE("stick under a load that creeps up by less than rounding still ends", "[stress]") {
+  // k V h is far below the last digit of k x: without a carried remainder the load stood still.
+  Model model = slider_under("coulomb", {0.28, 0.21}, {1.4131102906351356, 0.22212693588927454, 0},
+                             1.6771671090107842e-08, 1489.0859522122828);
+  model.law = laws::find_law("tabulated")
+                  ->with({std::vector<double>{0, 0.00085140793421681078, 0.0025542238026504322, 0.0085140793421681071,
+                                              0.025542238026504321, 0.085140793421681071},
+                          std::vector<double>{0.27995845494442712, 0.23796468670276308, 0.21696780258193102,
+                                              0.20996884120832035, 0.21696780258193102, 0.23096572532915238}});
+  const auto cycle = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.metrics.period == Approx(39165515584.15).epsilon(1e-8));
+}
+
+TEST_CASE("slip that only just comes to rest is not missed at a loose tolerance", "[stress]") {
+  // Coulomb friction with an amplitude of slip 1e5 times that of stick: the slider grazes rest within 1e-12 V.
+  const auto model = slider_under("coulomb", {0.31001167789558887, 0.22519312298600611},
+                                  {98760.874836981689, 0.06040836967431993, 0}, 65.099338747539406, 0.1084092043148982);
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.metrics.stick_fraction == Approx(5.8209e-7).epsilon(1e-4));
+}
+
+TEST_CASE("strong damping, curves that only rise, and settled slip end without a cycle at once", "[stress]") {
+  const auto damped = slider_under("coulomb", {0.64, 0.29}, {0.29, 55.2, 55314}, 0.00208, 0.0493);
+  CHECK(find_cycle(damped).outcome.ending == Ending::none_exists);
+  const auto rising = slider_under("stribeck", {0.26, 0.68, 1.6e-3, 0.79, 0.0}, {0.2, 0.0148, 0}, 7.6e-7, 52);
+  const auto cycle = find_cycle(rising);
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK(cycle.cost.steps == 0);
+}
