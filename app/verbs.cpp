@@ -252,7 +252,7 @@ Status run(const Request& request) {
               scene.run.solver, scene.run.tolerance);
   const auto begin = std::chrono::steady_clock::now();
   const auto run = analysis::run(scene.model, scene.run);
-  job.explain("solver used: {}, {} steps", run.solver, run.cost.steps);
+  job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
 
   std::vector<Column> table{{"time (s)", run.time}};
   Reached reached;
