@@ -17,6 +17,7 @@
 #include "app/progress.hpp"
 #include "app/results.hpp"
 #include "app/scene.hpp"
+#include "bench/bench.hpp"
 #include "laws/catalogue.hpp"
 
 namespace rosin::app {
@@ -407,7 +408,18 @@ Status map(const Request& request, std::stop_token stop) {
   return status;
 }
 
-// ---------------------------------------------------------------- plot
+// ---------------------------------------------------------------- bench, plot
+
+Status bench(const Request& request) {
+  const bool sound = ::bench::run({.what = request.target,
+                                   .quick = request.quick,
+                                   .json = request.json,
+                                   .quiet = request.quiet,
+                                   .folder = request.out.empty() ? "out/bench-" + request.target : request.out,
+                                   .limit = request.limit,
+                                   .python = request.python});
+  return sound ? done : ended_short;
+}
 
 Status plot(const Request& request) {
   const fs::path path = request.target;
@@ -437,6 +449,7 @@ Status execute(const Request& request, std::stop_token stop) {
   if (request.verb == "run") return run(request);
   if (request.verb == "cycle") return cycle(request);
   if (request.verb == "map") return map(request, std::move(stop));
+  if (request.verb == "bench") return bench(request);
   return plot(request);
 }
 
