@@ -128,6 +128,7 @@ void print(const Settings& settings, const std::vector<Row>& rows, const std::ve
     for (const auto& [why, n] : r.failures) say(settings, "{:<34}   {} x {}\n", "", n, why);
     if (r.understated > 0) say(settings, "{:<34}   {} outside the error that it states\n", "", r.understated);
   }
+  std::fflush(stdout);
 }
 
 json times_to_reach(const Settings& settings, const std::vector<Row>& rows, const std::string& what) {
