@@ -1,5 +1,5 @@
-/// Includes point one way: core → laws → oscillators → analysis → bench → app and core → solvers → analysis; and no folder but
-/// laws/ knows a particular law.
+/// Includes point one way: core → laws → oscillators → analysis → bench → app and core → solvers → analysis; and no
+/// folder but laws/ knows a particular law.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
