@@ -92,7 +92,8 @@ std::vector<Row> sweep(const std::string& solver, int problems, const std::vecto
   double spent = 0;
   for (const double tolerance : tolerances) {
     progress(settings, fmt::format("{}, {} problem{}, {:.0e}", solver, problems, problems == 1 ? "" : "s", tolerance));
-    if (const std::size_t n = rows.size(); n >= 2) {
+    // Loose tolerances at which a solver flounders say nothing of the time that tighter ones take.
+    if (const std::size_t n = rows.size(); n >= 2 && rows[n - 1].counts() && rows[n - 2].counts()) {
       const double expected = rows[n - 1].seconds * std::max(1.0, rows[n - 1].seconds / rows[n - 2].seconds);
       if (spent + expected > settings.limit) {
         rows.back().note += fmt::format("{}left out: {:.0e} and below, which would take {:.0f} s",
@@ -101,7 +102,7 @@ std::vector<Row> sweep(const std::string& solver, int problems, const std::vecto
       }
     }
     rows.push_back(measure(solver, problems, tolerance, settings, solve, judge));
-    spent += rows.back().seconds;
+    if (rows.back().counts()) spent += rows.back().seconds;
   }
   return rows;
 }
