@@ -2,6 +2,7 @@
 #include "analysis/run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include "oscillators/slider_system.hpp"
 #include "solvers/collocation.hpp"
 #include "solvers/cvode.hpp"
+#include "solvers/explicit.hpp"
 #include "solvers/stick_slip.hpp"
 
 namespace rosin::analysis {
@@ -20,6 +22,48 @@ using oscillators::SliderSystem;
 using solvers::Collocation;
 
 namespace {
+
+/// Explicit steps until stability holds them, from there to the next break of the drive collocation.
+class WhileNotStiff {
+ public:
+  WhileNotStiff(const SliderSystem& system, double tolerance, bool may_hand_over)
+      : explicit_(system, tolerance), implicit_(system, tolerance), may_hand_over_(may_hand_over) {}
+
+  bool start(double t, const std::vector<double>& y) {
+    handed_over_ = false;
+    if (!implicit_.start(t, y)) return false;  // makes algebraic unknowns consistent
+    explicit_.start(t, implicit_.state());
+    return true;
+  }
+  Outcome step(double limit) {
+    if (handed_over_) return implicit_.step(limit);
+    const Outcome outcome = explicit_.step(limit);
+    if (may_hand_over_ && (explicit_.stiff() || !outcome.complete()) && explicit_.time() < limit) {
+      if (handovers_++ == 0) first_handover_ = explicit_.time();
+      handed_over_ = implicit_.start(explicit_.time(), present());
+      if (!outcome.complete()) return implicit_.step(limit);
+    }
+    return outcome;
+  }
+  /// True if the last step was an implicit one.
+  bool implicit() const { return handed_over_ && implicit_.time_before() < implicit_.time(); }
+  double time() const { return handed_over_ ? implicit_.time() : explicit_.time(); }
+  std::vector<double> state() const { return handed_over_ ? implicit_.state() : present(); }
+
+  solvers::Explicit& explicit_steps() { return explicit_; }
+  Collocation& implicit_steps() { return implicit_; }
+  int handovers() const { return handovers_; }
+  double first_handover() const { return first_handover_; }
+
+ private:
+  std::vector<double> present() const { return {explicit_.state().begin(), explicit_.state().end()}; }
+
+  solvers::Explicit explicit_;
+  Collocation implicit_;
+  bool may_hand_over_, handed_over_ = false;
+  int handovers_ = 0;
+  double first_handover_ = 0;
+};
 
 /// One pass at one tolerance: fills samples and events.
 class Pass {
@@ -37,6 +81,7 @@ class Pass {
     const auto y = starting_point(system_, options_.start);
     if (solver_ == "events") return with_events(y, tolerance);
     if (solver_ == "cvode") return with_cvode(y, tolerance);
+    if (solver_ == "explicit") return while_not_stiff(y, tolerance);
     return with_collocation(y, tolerance);
   }
 
@@ -44,6 +89,7 @@ class Pass {
   std::vector<RunEvent> events_;
   Run::Cost cost_;
   std::map<std::string, double> metrics_;
+  std::string handover_;  ///< where explicit steps gave way to collocation
 
  private:
   /// Samples due strictly before `t` (and at `t` too, if `closed`), from θ ↦ y of the present step.
@@ -89,6 +135,7 @@ class Pass {
     }
   }
   bool start(Collocation& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
+  bool start(WhileNotStiff& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
   bool start(solvers::StickSlip& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
   bool start(solvers::Cvode& solver, double t, const std::vector<double>& y) {
     solver.start(t, y);
@@ -116,6 +163,54 @@ class Pass {
       step.solve_at((t - t0) / h, y.data());
       return y.data();
     });
+  }
+
+  /// The same for an explicit step. Under a constant drive slip turns over at most once in a step, so that its ends
+  /// tell; else a few points of the dense output are looked at too.
+  void look_at(solvers::Explicit& step) {
+    std::vector<double> y(system_.size());
+    const double t0 = step.time_before(), t1 = step.time();
+    const auto slip_rate_at = [&](double t) {
+      step.interpolate(t, y.data());
+      return system_.slip_rate(t, y.data());
+    };
+    const int parts = system_.autonomous() ? 1 : 4;
+    double low = t0, before = slip_rate_at(t0);
+    for (int i = 1; i <= parts; ++i) {
+      const double high = i == parts ? t1 : t0 + i * (t1 - t0) / parts, here = slip_rate_at(high);
+      if ((before < 0 && here > 0) || (before > 0 && here < 0)) {
+        double a = low, b = high;
+        for (double middle = 0.5 * (a + b); middle > a && middle < b; middle = 0.5 * (a + b))
+          ((slip_rate_at(middle) > 0) == (before > 0) ? a : b) = middle;
+        events_.push_back({b, "reversal"});
+      }
+      low = high, before = here;
+    }
+    sample_until(t1, false, [&](double t) {
+      step.interpolate(t, y.data());
+      return y.data();
+    });
+  }
+
+  Outcome while_not_stiff(const std::vector<double>& y, double tolerance) {
+    WhileNotStiff solver(system_, tolerance, options_.solver == "auto");
+    const Outcome outcome = between_breaks(solver, y, [&](double limit) {
+      const Outcome o = solver.step(limit);
+      if (!o.complete()) return o;
+      if (solver.implicit())
+        look_at(solver.implicit_steps(), true);
+      else
+        look_at(solver.explicit_steps());
+      return o;
+    });
+    const auto& few = solver.explicit_steps().count();
+    const auto& rest = solver.implicit_steps().count();
+    cost_ = {few.steps + rest.steps, few.evaluations + rest.evaluations + rest.linearisations};
+    if (solver.handovers() > 0)
+      handover_ =
+          fmt::format("; at t = {:.6g} s stability held their steps: collocation from there{}", solver.first_handover(),
+                      solver.handovers() > 1 ? fmt::format(", {} times in all", solver.handovers()) : "");
+    return outcome;
   }
 
   Outcome with_collocation(const std::vector<double>& y, double tolerance) {
@@ -180,20 +275,36 @@ class Pass {
   long steps_ = 0;
 };
 
-std::string choose_solver(const Model& model, const std::string& asked) {
-  const std::vector<std::string> known = {"auto", "collocation", "cvode", "events"};
+struct Choice {
+  std::string solver, why;
+};
+Choice choose_solver(const Model& model, const RunOptions& options) {
+  const std::string& asked = options.solver;
+  const std::vector<std::string> known = {"auto", "explicit", "collocation", "cvode", "events"};
   if (std::find(known.begin(), known.end(), asked) == known.end()) {
     const auto near = nearest_name(asked, known);
-    throw InputError(fmt::format("unknown solver '{}' (known: auto, collocation, cvode, events){}", asked,
+    throw InputError(fmt::format("unknown solver '{}' (known: {}){}", asked, fmt::join(known, ", "),
                                  near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)));
   }
   const bool set_valued = model.law->set_valued();
-  if (asked == "auto") return set_valued ? "events" : "collocation";
-  if (set_valued != (asked == "events"))
+  if (set_valued && asked == "auto") return {"events", "the law is set-valued at rest: switches are located events"};
+  if (asked != "auto" && set_valued != (asked == "events"))
     throw InputError(fmt::format("solver '{}' does not fit law '{}', which is {} at rest; use '{}'", asked,
                                  model.law->card().name, set_valued ? "set-valued" : "smooth",
                                  set_valued ? "events" : "collocation"));
-  return asked;
+  if (asked != "auto" && asked != "explicit") return {asked, "as asked"};
+  const bool has_flow = SliderSystem(model).has_flow();
+  if (asked == "explicit") {
+    if (!has_flow)
+      throw InputError(
+          "solver 'explicit' needs a slider without mass on a spring, a law with explicit slip rate and lambda > 0 "
+          "(with a damper: a rigid contact and a constant load); use 'collocation'");
+    return {asked, "as asked, also where stability holds its steps"};
+  }
+  if (!has_flow) return {"collocation", "the motion is stiff, or may be"};
+  constexpr double explicit_least = 1e-11;
+  if (options.tolerance < explicit_least) return {"collocation", "order 9 wins at so small a tolerance"};
+  return {"explicit", "no inertia, friction and logarithmic states change evenly: explicit steps while none is stiff"};
 }
 
 std::vector<double> sample_times(const RunOptions& options) {
@@ -248,7 +359,8 @@ Run run(const Model& model, const RunOptions& options) {
   model.check();
   require(options.tolerance, {1e-13, 0.1}, "tolerance", "relative accuracy of a run", "1");
   Run result;
-  result.solver = choose_solver(model, options.solver);
+  const Choice choice = choose_solver(model, options);
+  result.solver = choice.solver;
   const auto times = sample_times(options);
   result.column_names = {"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"};
   result.column_units = {"m", "m/s", "m/s", "N", "1"};
@@ -258,7 +370,9 @@ Run run(const Model& model, const RunOptions& options) {
   }
   // BDF's errors exceed its tolerance about tenfold; collocation mostly stays below it. What is asked is asked of the
   // error found: the pair of passes is tightened until it meets the tolerance.
-  const double least = result.solver == "cvode" ? 3e-15 : Collocation::least_tolerance;
+  const double least = result.solver == "cvode"      ? 3e-15
+                       : result.solver == "explicit" ? solvers::Explicit::least_tolerance
+                                                     : Collocation::least_tolerance;
   double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
   // Without mass the slip rate follows from friction, to its own last digit.
   const double least_speed = model.slider.mass > 0 ? std::abs(model.drive.speed.level()) : 0;
@@ -266,7 +380,8 @@ Run run(const Model& model, const RunOptions& options) {
   coarse->run(tolerance);
   std::unique_ptr<Pass> fine;
   for (int attempt = 0;; ++attempt) {
-    tolerance = std::max(0.01 * tolerance, least);
+    // Errors of explicit steps follow the tolerance closely, so that a smaller difference tells as much.
+    tolerance = std::max((result.solver == "explicit" && attempt == 0 ? 0.03 : 0.01) * tolerance, least);
     fine = std::make_unique<Pass>(model, options, result.solver, times);
     result.outcome = fine->run(tolerance);
     result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
@@ -296,6 +411,7 @@ Run run(const Model& model, const RunOptions& options) {
     result.metrics[result.column_names[c] + "_min"] = *low;
     result.metrics[result.column_names[c] + "_max"] = *high;
   }
+  result.why = choice.why + fine->handover_;
   result.events = std::move(fine->events_);
   for (const auto& [name, value] : fine->metrics_) result.metrics[name] = value;
   for (std::size_t c = 0; c < result.columns.size(); ++c)

@@ -16,7 +16,7 @@ struct RunOptions {
   Start start;
   double tolerance = 1e-8;
   long most_steps = 5'000'000;  ///< of one pass
-  std::string solver = "auto";  ///< "auto", "collocation", "cvode", "events"
+  std::string solver = "auto";  ///< "auto", "explicit", "collocation", "cvode", "events"
 };
 
 struct RunEvent {
@@ -31,10 +31,11 @@ struct Run {
                                           ///< friction_coefficient, then states
   std::vector<std::string> column_units;
   std::vector<std::vector<double>> columns;  ///< [column][sample]
-  std::vector<double> column_error;          ///< largest absolute difference to a run at a hundredth of the tolerance
+  std::vector<double> column_error;          ///< largest absolute difference to a run at a smaller tolerance
   std::vector<RunEvent> events;
   std::map<std::string, double> metrics;  ///< of the record: extremes, means, stick time
   std::string solver;                     ///< the one used
+  std::string why;                        ///< why this one; where it handed over to another
   struct Cost {
     long steps = 0, evaluations = 0;
   } cost;

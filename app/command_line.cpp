@@ -36,6 +36,7 @@ constexpr VerbHelp verbs[] = {
     {"cycle", "SCENE", "periodic motion, its multipliers and metrics"},
     {"map", "SCENE", "regimes and metrics over a parameter plane"},
     {"stress", "", "random scenes over ten decades, each certified by a second method or refused with a reason"},
+    {"bench", "WHAT", "run time against true error beside other solvers: cycle, history or plane"},
     {"plot", "PATH", "draw the pictures of a results folder, or of a scene's results, again"},
 };
 
@@ -78,7 +79,14 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
       command->add_flag("--quiet", request.quiet, "say nothing but errors");
     }
     if (name != "plot") command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
-    if (name == "laws" || name == "plot") continue;
+    if (name == "bench") {
+      target->description("cycle, history or plane")->check(CLI::IsMember({"cycle", "history", "plane"}));
+      command->add_flag("--quick", request.quick, "few points and tolerances: checks in seconds that everything works");
+      command->add_option("--python", request.python, "Python with SciPy; without it SciPy is left out")
+          ->default_val("/usr/bin/python3");
+      command->add_option("--limit", request.limit, "seconds for all tolerances of one solver")->capture_default_str();
+    }
+    if (name == "laws" || name == "plot" || name == "bench") continue;
     command->add_option("--set", request.overrides, "path=value: change the scene, such as drive.speed=1e-5")
         ->allow_extra_args(false);
     command->add_option("--tolerance", request.tolerance, "relative accuracy of every result");

@@ -11,7 +11,7 @@ namespace rosin::app {
 /// What the user asked for.
 struct Request {
   std::string verb;    ///< "laws", "curve", …
-  std::string target;  ///< scene file; a law's name for "laws"; a folder or scene for "plot"
+  std::string target;  ///< scene file; a law's name for "laws"; a folder or scene for "plot"; "cycle", … for "bench"
   std::vector<std::string> overrides;
   std::optional<double> tolerance;
   int threads = 1;
@@ -19,6 +19,9 @@ struct Request {
   long scenes = 1000, only = -1;
   std::string out;
   bool json = false, explain = false, quiet = false;
+  bool quick = false;  ///< bench: only check that everything works
+  std::string python;  ///< bench: the Python that has SciPy
+  double limit = 60;   ///< bench: seconds for all tolerances of one solver
 };
 
 /// The request, or the exit status where everything is said already (--help, --version, wrong usage).

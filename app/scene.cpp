@@ -555,7 +555,7 @@ void read_curve(Table table, CurveOptions& curve) {
 }
 
 void read_solver(Table table, analysis::RunOptions& run) {
-  static const std::vector<std::string> usable = {"auto", "collocation", "cvode", "events"};
+  static const std::vector<std::string> usable = {"auto", "explicit", "collocation", "cvode", "events"};
   static const std::vector<std::string> later = {"exact",     "lanes",   "cfm",  "o-fbfm", "r-fbfm",
                                                  "aabg-sdfm", "tr-sdfm", "vlfm", "svlfm",  "meijaard"};
   if (const auto* type = table.find("type")) {

@@ -18,6 +18,7 @@
 #include "app/results.hpp"
 #include "app/scene.hpp"
 #include "app/stress.hpp"
+#include "bench/bench.hpp"
 #include "laws/catalogue.hpp"
 
 namespace rosin::app {
@@ -253,7 +254,7 @@ Status run(const Request& request) {
               scene.run.solver, scene.run.tolerance);
   const auto begin = std::chrono::steady_clock::now();
   const auto run = analysis::run(scene.model, scene.run);
-  job.explain("solver used: {}, {} steps", run.solver, run.cost.steps);
+  job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
 
   std::vector<Column> table{{"time (s)", run.time}};
   Reached reached;
@@ -408,7 +409,18 @@ Status map(const Request& request, std::stop_token stop) {
   return status;
 }
 
-// ---------------------------------------------------------------- plot
+// ---------------------------------------------------------------- bench, plot
+
+Status bench(const Request& request) {
+  const bool sound = ::bench::run({.what = request.target,
+                                   .quick = request.quick,
+                                   .json = request.json,
+                                   .quiet = request.quiet,
+                                   .folder = request.out.empty() ? "out/bench-" + request.target : request.out,
+                                   .limit = request.limit,
+                                   .python = request.python});
+  return sound ? done : ended_short;
+}
 
 Status plot(const Request& request) {
   const fs::path path = request.target;
@@ -439,6 +451,7 @@ Status execute(const Request& request, std::stop_token stop) {
   if (request.verb == "cycle") return cycle(request);
   if (request.verb == "map") return map(request, std::move(stop));
   if (request.verb == "stress") return stress(request, std::move(stop));
+  if (request.verb == "bench") return bench(request);
   return plot(request);
 }
 

@@ -1,7 +1,6 @@
-/// CVODE and Boost.odeint behind one loop of passages; periods, stick and loop area from their dense output.
+/// CVODE, ARKODE and Boost.odeint behind one loop of passages; periods, stick and loop area from their dense output.
 #include "bench/rivals.hpp"
 
-#include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
@@ -12,6 +11,8 @@
 #include <boost/numeric/ublas/vector.hpp>
 #include <stdexcept>
 #include <sundials/sundials_context.hpp>
+
+#include "bench/sundials_packages.hpp"
 
 namespace bench {
 namespace {
@@ -120,37 +121,36 @@ Reading settle(Stepper& stepper, const Problem& p, double agree, int passages) {
   return reading;
 }
 
-template <class Form>
-class CvodeStepper {
+template <class Package, class Form>
+class SundialsStepper {
  public:
-  CvodeStepper(const Problem& p, double tolerance, const Start& start) : p_(p) {
+  SundialsStepper(const Problem& p, double tolerance, const Start& start) : p_(p) {
     y_ = N_VNew_Serial(3, context_);
     dense_ = N_VNew_Serial(3, context_);
     const Vector y0 = Form::start(p, start.x, start.v, start.psi), scale = Form::scale(p);
     std::copy(y0.begin(), y0.end(), N_VGetArrayPointer(y_));
     for (int i = 0; i < 3; ++i) N_VGetArrayPointer(dense_)[i] = tolerance * scale[i];
-    memory_ = CVodeCreate(CV_BDF, context_);
-    CVodeSetErrHandlerFn(
+    memory_ = Package::create(rate, y_, context_);
+    Package::set_errors(
         memory_, [](int, const char*, const char*, char*, void*) {}, nullptr);
-    CVodeInit(memory_, rate, 0, y_);
-    CVodeSetUserData(memory_, this);
-    CVodeSVtolerances(memory_, tolerance, dense_);
+    Package::set_data(memory_, this);
+    Package::set_tolerances(memory_, tolerance, dense_);
     matrix_ = SUNDenseMatrix(3, 3, context_);
     linear_ = SUNLinSol_Dense(y_, matrix_, context_);
-    CVodeSetLinearSolver(memory_, linear_, matrix_);
-    CVodeSetJacFn(memory_, jacobian);
-    CVodeSetMaxNumSteps(memory_, 100'000'000);  // the default of 500 ends most passages
-    CVodeSetMaxErrTestFails(memory_, 100);
-    CVodeSetMaxConvFails(memory_, 100);
-    CVodeRootInit(memory_, 1, section);
+    Package::set_linear_solver(memory_, linear_, matrix_);
+    Package::set_jacobian(memory_, jacobian);
+    Package::set_most_steps(memory_, 100'000'000);  // the default of 500 ends most passages
+    Package::set_most_error_failures(memory_, 100);
+    Package::set_most_newton_failures(memory_, 100);
+    Package::set_root(memory_, 1, section);
     int rising = 1;
-    CVodeSetRootDirection(memory_, &rising);
-    CVodeSetNoInactiveRootWarn(memory_);
-    CVodeSetMaxStep(memory_, p.longest_passage());
+    Package::set_root_direction(memory_, &rising);
+    Package::no_root_warning(memory_);
+    Package::set_longest_step(memory_, p.longest_passage());
   }
-  CvodeStepper(const CvodeStepper&) = delete;
-  ~CvodeStepper() {
-    CVodeFree(&memory_);
+  SundialsStepper(const SundialsStepper&) = delete;
+  ~SundialsStepper() {
+    Package::free(&memory_);
     SUNLinSolFree(linear_);
     SUNMatDestroy(matrix_);
     N_VDestroy(y_);
@@ -160,7 +160,7 @@ class CvodeStepper {
     // With CV_ONE_STEP the output time matters for the first step only, whose length is guessed from it.
     constexpr double first_output = 1;
     before_ = t_;
-    const int flag = CVode(memory_, first_output, y_, &t_, CV_ONE_STEP);
+    const int flag = Package::advance(memory_, first_output, y_, &t_, CV_ONE_STEP);
     if (flag < 0) throw std::runtime_error(flag_name(flag));
     at_section_ = flag == CV_ROOT_RETURN;
   }
@@ -170,9 +170,9 @@ class CvodeStepper {
   std::pair<double, double> point() const { return Form::section_point(vector(y_)); }
   double slip_rate() const { return Form::slip_rate(p_, vector(y_)); }
   Seen at(double t) const {
-    CVodeGetDky(memory_, t, 0, dense_);
+    Package::derivative(memory_, t, 0, dense_);
     const Vector y = vector(dense_);
-    CVodeGetDky(memory_, t, 1, dense_);
+    Package::derivative(memory_, t, 1, dense_);
     return Form::seen(p_, y, vector(dense_));
   }
 
@@ -182,26 +182,26 @@ class CvodeStepper {
     return {d[0], d[1], d[2]};
   }
   static std::string flag_name(int flag) {
-    char* name = CVodeGetReturnFlagName(flag);
+    char* name = Package::flag_name(flag);
     std::string text = name;
     free(name);
     return text;
   }
   static int rate(realtype, N_Vector y, N_Vector f, void* data) {
     Vector r;
-    Form::rate(static_cast<CvodeStepper*>(data)->p_, vector(y), r);
+    Form::rate(static_cast<SundialsStepper*>(data)->p_, vector(y), r);
     std::copy(r.begin(), r.end(), N_VGetArrayPointer(f));
     return std::isfinite(r[0] + r[1] + r[2]) ? 0 : 1;  // 1: try a shorter step
   }
   static int jacobian(realtype, N_Vector y, N_Vector, SUNMatrix J, void* data, N_Vector, N_Vector, N_Vector) {
     Matrix j;
-    Form::jacobian(static_cast<CvodeStepper*>(data)->p_, vector(y), j);
+    Form::jacobian(static_cast<SundialsStepper*>(data)->p_, vector(y), j);
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) SM_ELEMENT_D(J, r, c) = j[r][c];
     return 0;
   }
   static int section(realtype, N_Vector y, realtype* value, void* data) {
-    const Problem& p = static_cast<CvodeStepper*>(data)->p_;
+    const Problem& p = static_cast<SundialsStepper*>(data)->p_;
     value[0] = Form::slip_rate(p, vector(y)) / p.V - 1;
     return 0;
   }
@@ -289,10 +289,137 @@ class RosenbrockStepper {
   bool at_section_ = false;
 };
 
+/// One passage from a point of the section, or from anywhere, to the next point of the section.
+struct Return {
+  double period = 0, x = 0, psi = 0, amplitude = 0;
+  std::string failure = {};
+};
 template <class Stepper>
-Reading guarded(const Problem& p, double tolerance, double agree, const Start& start, int passages = 0) {
+Return follow_once(const Problem& p, double tolerance, const Start& from, Measure* measure) {
+  Stepper stepper(p, tolerance, from);
+  Return r;
+  // A start on the section may cross it once more by rounding.
+  const double soon = 0.1 * 2 * M_PI * std::sqrt(p.m / p.k);
+  for (long steps = 0; steps < 50'000; ++steps) {
+    stepper.step();
+    const double t = stepper.time();
+    if (measure) measure->interval(stepper.time_before(), t, [&](double s) { return stepper.at(s); });
+    r.amplitude = std::max(r.amplitude, std::abs(stepper.slip_rate() / p.V - 1));
+    if (stepper.at_section() && t > soon) {
+      r.period = t;
+      std::tie(r.x, r.psi) = stepper.point();
+      return r;
+    }
+    if (t > p.longest_passage()) {
+      r.failure = "no passage through v = V";
+      return r;
+    }
+  }
+  r.failure = "5e4 steps in one passage";
+  return r;
+}
+
+/// The fixed point of the return map by Anderson mixing of depth 2. Points are in units in which a change of one
+/// matters alike. A mixed point that leaves its neighbourhood, fails, or does not bring the residual down is dropped.
+template <class Stepper>
+Reading accelerate(const Problem& p, double tolerance, double agree, const Start& start) {
+  using Point = std::array<double, 2>;
+  const double x_unit = p.N * p.a / p.k;
+  const auto start_at = [&](const Point& z) { return Start{z[0] * x_unit, p.V, std::exp(z[1])}; };
+  const auto difference = [](const Point& a, const Point& b) { return Point{a[0] - b[0], a[1] - b[1]}; };
+  const auto size = [](const Point& a) { return std::hypot(a[0], a[1]); };
+  struct Visit {
+    Point image, residual;
+  };
+  Reading reading;
+  Return last = follow_once<Stepper>(p, tolerance, start, nullptr);
+  ++reading.passages;
+  if (!last.failure.empty()) {
+    reading.steady = last.amplitude < died_out;
+    reading.failure = reading.steady ? "" : last.failure;
+    return reading;
+  }
+  Point z = {last.x / x_unit, std::log(last.psi)}, image = z;
+  std::array<Visit, 3> visits;
+  int known = 0;
+  bool mixed = false;
+  double least_residual = INFINITY, amplitude = last.amplitude;
+  while (true) {
+    if (reading.passages >= most_passages) {
+      reading.failure = "not settled in 200 passages";
+      return reading;
+    }
+    const Start from = start_at(z);
+    if (mixed && !(p.k * from.x > p.N * p.friction(p.V, from.psi))) {
+      z = image, mixed = false, known = 0;
+      continue;
+    }
+    Return now = follow_once<Stepper>(p, tolerance, from, nullptr);
+    ++reading.passages;
+    const bool failed = !now.failure.empty() || !(now.psi > 0);
+    if (failed && !mixed) {
+      reading.steady = now.amplitude < died_out;
+      reading.failure = reading.steady ? "" : now.failure;
+      return reading;
+    }
+    const Point arrived = {now.x / x_unit, std::log(now.psi)}, residual = difference(arrived, z);
+    if (mixed && (failed || now.amplitude < 0.5 * amplitude || !(size(residual) < least_residual))) {
+      z = image, mixed = false, known = 0;
+      continue;
+    }
+    if (now.amplitude < died_out) {
+      reading.steady = true;
+      return reading;
+    }
+    const bool settled = agrees(p, {now.period, now.x, now.psi}, {last.period, from.x, from.psi}, agree);
+    last = now, amplitude = now.amplitude;
+    least_residual = size(residual);
+    image = arrived;
+    if (settled && reading.passages > 2) break;
+    std::rotate(visits.rbegin(), visits.rbegin() + 1, visits.rend());
+    visits[0] = {arrived, residual};
+    known = std::min(known + 1, 3);
+    // z = g₀ − Σ γ_i (g₀ − g_i), γ least squares of r₀ − Σ γ_i (r₀ − r_i).
+    z = arrived, mixed = false;
+    if (known < 2) continue;
+    const Point d1 = difference(visits[0].residual, visits[1].residual);
+    const Point e1 = difference(visits[0].image, visits[1].image);
+    Point step{};
+    bool found = false;
+    if (known == 3) {
+      const Point d2 = difference(visits[0].residual, visits[2].residual);
+      const Point e2 = difference(visits[0].image, visits[2].image);
+      const double determinant = d1[0] * d2[1] - d1[1] * d2[0];
+      if (std::abs(determinant) > 1e-3 * size(d1) * size(d2)) {
+        const double g1 = (residual[0] * d2[1] - residual[1] * d2[0]) / determinant,
+                     g2 = (d1[0] * residual[1] - d1[1] * residual[0]) / determinant;
+        step = {g1 * e1[0] + g2 * e2[0], g1 * e1[1] + g2 * e2[1]};
+        found = true;
+      }
+    }
+    if (!found) {
+      const double g = (residual[0] * d1[0] + residual[1] * d1[1]) / (size(d1) * size(d1));
+      step = {g * e1[0], g * e1[1]};
+    }
+    if (!(size(step) < 3 * size(residual))) continue;
+    z = difference(arrived, step);
+    mixed = true;
+  }
+  Measure measure(p);
+  const Return cycle = follow_once<Stepper>(p, tolerance, start_at(image), &measure);
+  ++reading.passages;
+  reading.failure = cycle.failure;
+  reading.period = cycle.period;
+  reading.stick_fraction = measure.stick() / cycle.period;
+  reading.loop_area = measure.loop();
+  return reading;
+}
+
+template <class Stepper>
+Reading guarded(const Problem& p, double tolerance, double agree, const Start& start, Search search, int passages = 0) {
   Reading reading;
   try {
+    if (search == Search::accelerate) return accelerate<Stepper>(p, tolerance, agree, start);
     Stepper stepper(p, tolerance, start);
     reading = settle(stepper, p, agree, passages);
   } catch (const std::exception& e) {
@@ -304,18 +431,23 @@ Reading guarded(const Problem& p, double tolerance, double agree, const Start& s
 }  // namespace
 
 template <class Form>
-Reading run_cvode(const Problem& p, double tolerance, const Start& start, int passages) {
+Reading run_cvode(const Problem& p, double tolerance, const Start& start, Search search, int passages) {
   // Return maps of BDF are noisy at about ten times its tolerance: a stricter test would never be met.
-  return guarded<CvodeStepper<Form>>(p, tolerance, 10 * tolerance, start, passages);
+  return guarded<SundialsStepper<Cvode, Form>>(p, tolerance, 10 * tolerance, start, search, passages);
 }
 template <class Form>
-Reading run_rosenbrock(const Problem& p, double tolerance, const Start& start) {
-  return guarded<RosenbrockStepper<Form>>(p, tolerance, tolerance, start);
+Reading run_arkode(const Problem& p, double tolerance, const Start& start, Search search) {
+  return guarded<SundialsStepper<Arkode, Form>>(p, tolerance, tolerance, start, search);
 }
-template Reading run_cvode<Natural>(const Problem&, double, const Start&, int);
-template Reading run_cvode<Good>(const Problem&, double, const Start&, int);
-template Reading run_rosenbrock<Natural>(const Problem&, double, const Start&);
-template Reading run_rosenbrock<Good>(const Problem&, double, const Start&);
+template <class Form>
+Reading run_rosenbrock(const Problem& p, double tolerance, const Start& start, Search search) {
+  return guarded<RosenbrockStepper<Form>>(p, tolerance, tolerance, start, search);
+}
+template Reading run_cvode<Natural>(const Problem&, double, const Start&, Search, int);
+template Reading run_cvode<Good>(const Problem&, double, const Start&, Search, int);
+template Reading run_arkode<Good>(const Problem&, double, const Start&, Search);
+template Reading run_rosenbrock<Natural>(const Problem&, double, const Start&, Search);
+template Reading run_rosenbrock<Good>(const Problem&, double, const Start&, Search);
 
 namespace {
 template <class Form>

@@ -1,6 +1,7 @@
 /// General-purpose integrators applied to the slider's cycle the way a competent user applies them.
 ///
-/// From near-stick, passages through v = V (v rising) until two successive ones agree, then one period is measured.
+/// From near-stick, passages through v = V (v rising) until two successive ones agree, then one period is measured. Or
+/// the same with an accelerated return map, so that integrator and algorithm can be told apart.
 #pragma once
 #include <algorithm>
 #include <string>
@@ -43,13 +44,22 @@ inline Start near_stick(const Problem& p) {
   return {p.N * p.steady_friction(p.V) / p.k, 1e-3 * p.V, p.steady_state(p.V)};
 }
 
+/// How the cycle is found from the start.
+enum class Search {
+  follow,      ///< passage after passage until two agree
+  accelerate,  ///< Anderson mixing of depth 2 on the section point (x, ln ψ), plain passages where it does not help
+};
+
 /// CVODE, BDF with dense exact Jacobian and root finding. `passages`: measure after as many instead of waiting until
 /// they agree, for a start on a cycle.
 template <class Form>
-Reading run_cvode(const Problem&, double tolerance, const Start&, int passages = 0);
+Reading run_cvode(const Problem&, double tolerance, const Start&, Search, int passages = 0);
+/// ARKODE's default diagonally implicit Runge-Kutta method (order 4), dense exact Jacobian and root finding.
+template <class Form>
+Reading run_arkode(const Problem&, double tolerance, const Start&, Search);
 /// Boost.odeint, rosenbrock4 with dense output; the section is found on it by bisection.
 template <class Form>
-Reading run_rosenbrock(const Problem&, double tolerance, const Start&);
+Reading run_rosenbrock(const Problem&, double tolerance, const Start&, Search);
 
 /// Largest deviation of the analytic Jacobians from differences, over points of a motion: a check of this file's own.
 double jacobian_defect();

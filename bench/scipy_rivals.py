@@ -1,4 +1,4 @@
-"""SciPy's Radau and LSODA on the slider's cycle, as bench/rivals.cpp applies CVODE: same start, passages and readings.
+"""SciPy's Radau and LSODA on the slider's cycle and the fault's history, as the other rivals are applied.
 
 Reads a job as JSON from the file named first, writes the results as JSON to the file named second.
 """
@@ -95,7 +95,7 @@ def cycle(method, N, lam, tolerance, deadline):
 
     while True:
         if time.process_time() > deadline:
-            raise Failure("time limit of a point")
+            raise Failure("time limit of a problem")
         before, t0 = solver.y[1], solver.t
         message = solver.step()
         if solver.status == "failed":
@@ -135,6 +135,36 @@ def cycle(method, N, lam, tolerance, deadline):
             raise Failure("no passage through v = V")
 
 
+def fault(method, duration, tolerance, deadline):
+    """ln v at the end of QDYN's stick-slip case, per unit area, in (ln v, ln theta)."""
+    k, c, N, a, b, length, drive = 2e9, 2e10 / 6000, 5e6, 0.01, 0.025, 1e-5, 1e-6
+
+    def rate(t, y):
+        try:
+            v, theta = math.exp(y[0]), math.exp(y[1])
+            ageing = 1 / theta - v / length
+            return [(k * (drive - v) - b * N * ageing) / (a * N + c * v), ageing]
+        except (OverflowError, ZeroDivisionError):
+            return [math.nan, math.nan]
+
+    def jacobian(t, y):
+        v, theta = math.exp(y[0]), math.exp(y[1])
+        d, growth = a * N + c * v, rate(t, y)[0]
+        by_v, by_theta = -v / length, -1 / theta
+        return numpy.array([[(-k * v - b * N * by_v - growth * c * v) / d, -b * N * by_theta / d], [by_v, by_theta]])
+
+    solver = method(rate, 0.0, [math.log(0.9e-6), math.log(10.0)], duration, rtol=tolerance, atol=tolerance, jac=jacobian)
+    while solver.status == "running":
+        if time.process_time() > deadline:
+            raise Failure("time limit of a problem")
+        message = solver.step()
+        if solver.status == "failed":
+            raise Failure(message or "failed")
+    if not math.isfinite(solver.y[0]):
+        raise Failure("not finite")
+    return {"log_slip_rate": solver.y[0], "failure": ""}
+
+
 def main():
     with open(sys.argv[1]) as file:
         job = json.load(file)
@@ -144,25 +174,28 @@ def main():
     for tolerance in job["tolerances"]:
         if spent + last * growth > job["limit"]:
             break
-        row = {"tolerance": tolerance, "points": []}
+        row = {"tolerance": tolerance, "problems": []}
         rows.append(row)
         begin = time.process_time()
-        for N, lam in job["points"]:
+        for problem in job["problems"]:
             if time.process_time() - begin > job["limit"]:
                 break
             best = math.inf
             for _ in range(job["repetitions"]):
                 t0 = time.process_time()
                 try:
-                    point = cycle(method, N, lam, tolerance, t0 + job["limit"] / 15)
+                    if job["kind"] == "fault":
+                        answer = fault(method, problem["duration"], tolerance, t0 + job["limit"])
+                    else:
+                        answer = cycle(method, *problem, tolerance, t0 + job["limit"] / 15)
                 except Failure as failure:
-                    point = {"failure": str(failure)}
+                    answer = {"failure": str(failure)}
                 except Exception as failure:
-                    point = {"failure": type(failure).__name__ + ": " + str(failure)}
+                    answer = {"failure": type(failure).__name__ + ": " + str(failure)}
                 best = min(best, time.process_time() - t0)
-            point["seconds"] = best
-            row["points"].append(point)
-        seconds = sum(point["seconds"] for point in row["points"])
+            answer["seconds"] = best
+            row["problems"].append(answer)
+        seconds = sum(answer["seconds"] for answer in row["problems"])
         spent, growth, last = spent + seconds, max(1.0, seconds / last) if last else 1.5, seconds
     with open(sys.argv[2], "w") as file:
         json.dump({"rows": rows, "scipy": scipy.__version__, "numpy": numpy.__version__,

@@ -32,6 +32,8 @@ struct Seen {
 
 /// The state as the equations give it: (x, v, ψ).
 struct Natural {
+  using Setting = Problem;
+  static constexpr int size = 3;
   static constexpr const char* name = "x, v, psi";
   static Vector start(const Problem&, double x, double v, double psi) { return {x, v, psi}; }
   /// Sizes below which a variable no longer matters; the absolute tolerance is the relative one times these.
@@ -63,6 +65,8 @@ struct Natural {
 /// Variables in which nothing cancels in near-stick and ψ stays positive: (x, p = μ/a, q = ln ψ), v = 2v₀ e^−E(q) sinh
 /// p.
 struct Good {
+  using Setting = Problem;
+  static constexpr int size = 3;
   static constexpr const char* name = "x, mu/a, ln psi";
   static Vector start(const Problem& p, double x, double v, double psi) {
     return {x, p.friction(v, psi) / p.a, std::log(psi)};

@@ -54,8 +54,8 @@ ROSIN_INLINE Real sinh_exp(const Real& p, const Real& E) {
 }
 template <class Real, int n>
 ROSIN_INLINE Dual<Real, n> sinh_exp(const Dual<Real, n>& p, const Dual<Real, n>& E) {
-  const Real q = abs(p.value), value = sinh_exp(p.value, E.value);
-  const Real cosh = 0.5 * (exp(q - E.value) * (1.0 + exp(-2.0 * q)));
+  const Real q = abs(p.value), half = 0.5 * exp(q - E.value), fall = expm1(-2.0 * q);
+  const Real value = sign(p.value) * (-half * fall), cosh = half * (2.0 + fall);
   return detail::chain(p, E, value, cosh, Real(-value));
 }
 

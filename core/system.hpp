@@ -29,6 +29,13 @@ class System {
   virtual bool autonomous() const { return false; }
   /// Longest step that resolves prescribed motion; infinity if none is prescribed.
   virtual double resolution() const { return infinity; }
+  /// True if the system can be followed as ordinary differential equations, by `flow` and `restore`.
+  virtual bool has_flow() const { return false; }
+  /// dy/dt of every unknown at a consistent y, algebraic ones by differentiating their rows in time; and the pace at
+  /// which the system changes (1/s, > 0, smooth in y), a natural unit for steps.
+  virtual void flow(double, const double*, double*, double&) const {}
+  /// Removes what steps along the flow have left of a defect in the algebraic rows.
+  virtual void restore(double, double*) const {}
 };
 
 /// A system with one set-valued contact: it sticks, or slips in one of two directions, and a solver with event

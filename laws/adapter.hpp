@@ -172,10 +172,9 @@ struct Rows {
       typename L<T>::State state;
       if (with_friction) {
         const T& mu = z[0];
-        read(z + 1, state);
-        const T v = slip_rate(law, mu, N, state);
+        T v;
+        slip(law, N, z, v, g + 1);
         g[0] = u - v - compliance * (mu * in.load_rate);  // d(Nμ)/dt = k_t (u − v)
-        write_rate(law.rate(Sliding<T>{v, N}, state), z + 1, g + 1);
         F = N * mu;
       } else {
         const Sliding<T> at{u, N};
@@ -187,6 +186,17 @@ struct Rows {
         }
         F = N * law.friction(at, state);
       }
+    }
+  }
+
+  /// Slip rate v and rates of the states, g, of a contact that carries friction.
+  template <class T>
+  ROSIN_INLINE static void slip(const L<T>& law, const T& N, const T* z, T& v, T* g) {
+    if constexpr (states > 0) {
+      typename L<T>::State state;
+      read(z + 1, state);
+      v = slip_rate(law, z[0], N, state);
+      write_rate(law.rate(Sliding<T>{v, N}, state), z + 1, g);
     }
   }
 
@@ -251,6 +261,7 @@ class LawContact final : public Contact<Real> {
         compliance_per_load_(setup.compliance_per_load) {
     law_.fill(detail::build<L<Scalar>>(parameters));
     derivative_law_.fill(detail::build<L<Derivative>>(parameters));
+    slip_law_.fill(detail::build<L<Dual<Scalar, states + 1>>>(parameters));
     lane_law_.fill(detail::build<L<double>>(parameters));
   }
 
@@ -271,6 +282,24 @@ class LawContact final : public Contact<Real> {
     });
   }
 
+  void slip(const Real& N, const Real* z, Real& v, Real* g, Real* v_z, Real* g_z) const override {
+    if constexpr (states > 0 && detail::count_states<L>() > 0) {
+      constexpr int n = states + 1;
+      using Slope = Dual<Scalar, n>;
+      for (int p = 0; p < Part::count; ++p) {
+        Slope part_z[n], part_v, part_g[n];
+        for (int i = 0; i < n; ++i) part_z[i] = Slope::variable(Part::of(z[i], p), i);
+        detail::Rows<L>::slip(slip_law_[p], Slope(Part::of(N, p)), part_z, part_v, part_g);
+        Part::of(v, p) = part_v.value;
+        for (int j = 0; j < n; ++j) Part::of(v_z[j], p) = part_v.slope[j];
+        for (int i = 0; i < states; ++i) {
+          Part::of(g[i], p) = part_g[i].value;
+          for (int j = 0; j < n; ++j) Part::of(g_z[i * n + j], p) = part_g[i].slope[j];
+        }
+      }
+    }
+  }
+
   void mass(const Real& N, Real* m) const override {
     for (int p = 0; p < Part::count; ++p) {
       int i = 0;
@@ -288,6 +317,7 @@ class LawContact final : public Contact<Real> {
     lane_law_[lane] = detail::build<L<double>>(parameters);
     detail::assign(law_[lane / pack_width], parameters, lane % pack_width);
     detail::assign(derivative_law_[lane / pack_width], parameters, lane % pack_width);
+    detail::assign(slip_law_[lane / pack_width], parameters, lane % pack_width);
     detail::set_lane(lambda_, lane, setup.lambda);
     detail::set_lane(compliance_, lane, setup.compliance);
     detail::set_lane(compliance_per_load_, lane, setup.compliance_per_load);
@@ -382,6 +412,7 @@ class LawContact final : public Contact<Real> {
   detail::Rows<L> rows_;
   std::array<L<Scalar>, Part::count> law_;
   std::array<L<Derivative>, Part::count> derivative_law_;
+  std::array<L<Dual<Scalar, states + 1>>, Part::count> slip_law_;
   Real lambda_, compliance_, compliance_per_load_;
   std::array<L<double>, std::is_same_v<Real, Lanes> ? lane_count : 1> lane_law_;  ///< for starts, one lane at a time
 };

@@ -23,8 +23,9 @@ E = \frac{1}{a}\Bigl(\mu_0 + b\ln\frac{v_0\theta}{L}\Bigr),\quad
   static constexpr auto states =
       table(field(&State::theta, "theta", "s", any_age, "state, an age in steady sliding", Scale::log));
 
-  Real log_2v0 = log(2.0 * v0);
-  Real exponent(State s) const { return (mu0 + b * log(v0 * s.theta / L)) / a - log_2v0; }
+  // E = E₁ + (b/a) ln θ, θ in seconds: what does not change is divided and taken the logarithm of once.
+  Real b_by_a = b / a, E_1 = (mu0 + b * log(v0 / L)) / a - log(2.0 * v0);
+  Real exponent(State s) const { return E_1 + b_by_a * log(s.theta); }
 
   Real friction(Sliding<Real> at, State s) const { return a * asinh_exp(at.slip_rate, exponent(s)); }
   Real slip_rate(Real mu, Sliding<Real>, State s) const { return sinh_exp(Real(mu / a), exponent(s)); }

@@ -44,6 +44,12 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
     const auto& d = model_.drive;
     constant_ = {d.speed.level(), 0, d.normal_load.level(), 0, d.force.level(), 0};
   }
+  // A flow needs rates of the states, no inertia (which is stiff in near-stick), and a force that some spring answers.
+  state_clock_ = 1 / setup_.lambda;
+  has_flow_ =
+      carries_friction() && setup_.lambda > 0 &&
+      (mechanics_ == Mechanics::damped ? rigid() && model_.slider.stiffness > 0 && model_.drive.normal_load.constant()
+                                       : mechanics_ == Mechanics::elastic && !rigid());
   const Forcing start = forcing(0);
   reference_speed_ = std::max(std::abs(start.speed), std::abs(model_.drive.speed.level()));
   if (reference_speed_ == 0) reference_speed_ = 1e-9;
@@ -147,6 +153,49 @@ void SliderSystem::linearise(double t, const double* y, double* f, double* jacob
       J(first + i, first) += slopes.g_u[i] * u_mu;
     }
   }
+}
+
+void SliderSystem::flow(double t, const double* y, double* rate, double& pace) const {
+  constexpr int most = Slopes<double>::capacity;
+  const Forcing now = forcing(t);
+  const auto& s = model_.slider;
+  const int nz = contact_->unknowns();
+  const double* z = y + mechanical_;
+  double* z_rate = rate + mechanical_;
+  // The slip rate is the law's: in creep it is far below the rounding of V − (N μ + f − k x)/c.
+  double v, v_z[most], g_z[most * most];
+  contact_->slip(now.load, z, v, z_rate + 1, v_z, g_z);
+  double v_rate = 0;  // of the states' change
+  double turnover = 0;
+  const double direct_effect = contact_scale_[0] / 10;
+  for (int i = 1; i < nz; ++i) {
+    z_rate[i] *= state_clock_;
+    v_rate += v_z[i] * z_rate[i];
+    const double* slopes = g_z + (i - 1) * nz;
+    double sum = slopes[0] * slopes[0] * direct_effect * direct_effect;
+    for (int j = 1; j < nz; ++j) sum += slopes[j] * slopes[j];
+    turnover += z_rate[i] * z_rate[i] + sum * state_clock_ * state_clock_;
+  }
+  // How fast states change and respond: never zero while the contact slips or heals, and smooth.
+  pace = std::sqrt(turnover);
+  if (mechanics_ == Mechanics::damped) {
+    // k x = N μ + f − c (V − v), differentiated.
+    rate[0] = now.speed - v;
+    z_rate[0] =
+        (s.stiffness * rate[0] - now.load_rate * z[0] - now.force_rate + s.damping * (now.speed_rate - v_rate)) /
+        (now.load + s.damping * v_z[0]);
+  } else {
+    const double u = imposed_slip_rate(now, y, 0);
+    z_rate[0] = (u - v - setup_.compliance * z[0] * now.load_rate) /
+                (now.load * setup_.compliance + setup_.compliance_per_load);
+  }
+}
+
+void SliderSystem::restore(double t, double* y) const {
+  if (mechanics_ != Mechanics::damped) return;
+  const Forcing now = forcing(t);
+  const auto& s = model_.slider;
+  y[0] = (now.load * y[1] + now.force - s.damping * (now.speed - slip_rate(t, y))) / s.stiffness;
 }
 
 void SliderSystem::expand(double t, const double* y, const double* direction, double* second, double* third) const {

@@ -38,6 +38,9 @@ class SliderSystem final : public SwitchingSystem {
   void cross_break(double t, double* y) const override;
   bool autonomous() const override { return is_constant_; }
   double resolution() const override;
+  bool has_flow() const override { return has_flow_; }
+  void flow(double t, const double* y, double* rate, double& pace) const override;
+  void restore(double t, double* y) const override;
 
   const Model& model() const { return model_; }
   Mechanics mechanics() const { return mechanics_; }
@@ -97,13 +100,13 @@ class SliderSystem final : public SwitchingSystem {
   double direction_ = 1;
   double reference_speed_;
   std::vector<double> contact_scale_;
-  double displacement_scale_ = 1;
+  double displacement_scale_ = 1, state_clock_ = 1;
   /// Slip beside the law's, δ per unit of friction coefficient (m/s), far below what any result shows. The direct
   /// effect turns friction over within e^(−μ/a) of the slip rate, which no arithmetic resolves where a mass reverses;
   /// with δ the turn is as wide as rounding.
   double creep_ = 0;
   Forcing constant_{};
-  bool is_constant_, set_valued_;
+  bool is_constant_, set_valued_, has_flow_ = false;
   bool sticking() const { return set_valued_ && direction_ == 0; }
 };
 

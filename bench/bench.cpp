@@ -1,0 +1,158 @@
+/// The record of a bench: machine, date, rows, pictures.
+#include "bench/bench.hpp"
+
+#include <fmt/chrono.h>
+
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+
+#include "bench/rows.hpp"
+
+namespace bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string processor() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+struct Panel {
+  fs::path curves;  ///< gnuplot data beside the script
+  std::string title, error, time;
+};
+
+/// Colours of Okabe & Ito by package, marks by variables; accelerated: the same mark, open and dashed. Curves can be
+/// told apart without colour.
+std::string style(const std::string& solver) {
+  struct Look {
+    const char *solver, *colour;
+    int mark, open;
+  };
+  constexpr Look looks[] = {{"rosin, whole", "#000000", 7, 7},
+                            {"rosin, explicit", "#000000", 3, 3},
+                            {"rosin, collocation", "#000000", 14, 14},
+                            {"rosin, transient", "#000000", 3, 3},
+                            {"rosin", "#000000", 6, 6},
+                            {"CVODE, good", "#56B4E9", 13, 12},
+                            {"CVODE", "#0072B2", 5, 4},
+                            {"ARKODE", "#009E73", 15, 14},
+                            {"odeint rosenbrock4", "#D55E00", 9, 8},
+                            {"odeint, good", "#E69F00", 11, 10},
+                            {"odeint dopri5", "#D55E00", 10, 10},
+                            {"SciPy Radau", "#CC79A7", 1, 1},
+                            {"SciPy LSODA", "#CC79A7", 2, 2}};
+  const bool accelerated = solver.ends_with("accelerated");
+  for (const auto& look : looks)
+    if (solver.starts_with(look.solver))
+      return fmt::format("lc rgb '{}' pt {} dt {} lw {} ps 0.8", look.colour, accelerated ? look.open : look.mark,
+                         accelerated ? 2 : 1, solver.starts_with("rosin") ? 2.6 : 1.5);
+  return "";
+}
+
+/// A gnuplot script of its own, to be restyled at will, and its SVG and PNG.
+bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
+  const auto base = stem.filename().string();
+  const auto script = stem.string() + ".gp";
+  std::ofstream out(script);
+  out << fmt::format("# Run time against true error: gnuplot {0}.gp, in this folder, writes {0}.svg and {0}.png.\n",
+                     base);
+  const int width = panels.size() > 1 ? 1500 : 900;
+  out << "do for [format in \"svg png\"] {\n"
+      << "  if (format eq \"svg\") {\n"
+      << fmt::format("    set terminal svg size {},560 font 'Helvetica,13' background rgb 'white'\n", width)
+      << "  } else {\n"
+      << fmt::format(
+             "    set terminal pngcairo size {},1120 font 'Helvetica,13' fontscale 1.5 pointscale 2 linewidth 2\n",
+             2 * width)
+      << "  }\n"
+      << fmt::format("  set output sprintf('{}.%s', format)\n", base)
+      << "  set logscale xy\n  set format '10^{%T}'\n  set grid lc rgb '#dddddd' lw 0.6 dt 1\n  set border 3\n"
+      << "  set tics nomirror out\n  set xrange [*:*] reverse\n  set key outside right top Left reverse samplen 3 "
+         "width -4 font ',11'\n"
+      << fmt::format("  set multiplot layout 1,{}\n", panels.size());
+  for (const auto& panel : panels) {
+    out << fmt::format("  set title '{}'\n  set xlabel '{}'\n  set ylabel '{}'\n", panel.title, panel.error,
+                       panel.time);
+    std::ifstream data(panel.curves);
+    std::vector<std::string> curves;
+    bool empty = true;
+    std::string name;
+    const auto close = [&] {
+      if (!empty)
+        curves.push_back(fmt::format("'{}' index \"{};\" using 1:2 with linespoints {} title '{}'",
+                                     panel.curves.filename().string(), name, style(name), name));
+    };
+    for (std::string line; std::getline(data, line);) {
+      if (line.rfind("# ", 0) == 0) {
+        close();
+        empty = true, name = line.substr(2, line.size() - 3);
+      } else if (!line.empty()) {
+        empty = false;
+      }
+    }
+    close();
+    out << fmt::format("  plot {}\n", fmt::join(curves, ", \\\n       "));
+  }
+  out << "  unset multiplot\n  unset output\n  reset\n}\n";
+  out.close();
+  return std::system(fmt::format("cd '{}' && gnuplot '{}.gp'", stem.parent_path().string(), base).c_str()) == 0;
+}
+
+}  // namespace
+
+bool run(const Settings& settings) {
+  const SciPy scipy(settings);
+  json document = {{"bench", settings.what},
+                   {"date", fmt::format("{:%Y-%m-%d}", fmt::localtime(std::time(nullptr)))},
+                   {"quick", settings.quick},
+                   {"machine",
+                    {{"processor", processor()},
+                     {"compiler", "gcc " __VERSION__},
+                     {"build", ROSIN_BUILD_FLAGS},
+                     {"scipy", scipy.found() ? scipy.version() : "none"},
+                     {"threads", 1}}}};
+  say(settings, "{} · {} · gcc {} · {} · SciPy {}\n\n", document["date"].get<std::string>(), processor(), __VERSION__,
+      ROSIN_BUILD_FLAGS, scipy.found() ? scipy.version() : "not found, left out");
+  const fs::path folder = settings.folder;
+  fs::create_directories(folder);
+  const fs::path stem = folder / settings.what;
+  fs::path curves = stem;
+  curves.replace_extension(".dat");
+  Record record;
+  std::vector<Panel> panels;
+  if (settings.what == "cycle") {
+    record = bench_cycle(settings, scipy, curves);
+    panels = {{curves, "One cycle: N = 10^{−4} m g, {/Symbol l} = 10",
+               "largest true error of period, stick fraction, loop area (relative)", "processor time (s)"}};
+  } else if (settings.what == "history") {
+    record = bench_history(settings, scipy, curves);
+    fs::path stiff = curves;
+    stiff.replace_extension(".stiff.dat");
+    panels = {
+        {curves, "Fault patch, five earthquakes in 5000 s", "true error of ln v at the end", "processor time (s)"},
+        {stiff, "Board slider, stick and slip over 600 s",
+         "largest true error of x k/(N a), {/Symbol m}/a, ln {/Symbol y} at the end", "processor time (s)"}};
+  } else {
+    record = bench_plane(settings, scipy, curves);
+    panels = {{curves, "Plane: N/(m g) = 10^{−8} … 1, {/Symbol l} = 10^{−4} … 10^2",
+               "largest true error of period, stick fraction, loop area, met by nine cycles in ten",
+               "processor time per cycle (s)"}};
+  }
+  document[settings.what] = record.content;
+  document["findings"] = record.findings;
+  for (const auto& finding : record.findings) fmt::print(stderr, "FINDING: {}\n", finding);
+  std::ofstream(stem.string() + ".json") << document.dump(1) << '\n';
+  if (!draw(stem, panels)) fmt::print(stderr, "note: the picture could not be drawn\n");
+  if (settings.json)
+    fmt::print("{}\n", document.dump(1));
+  else
+    fmt::print("\nResults: {}\n", (folder / "").string());
+  return record.findings.empty();
+}
+
+}  // namespace bench
