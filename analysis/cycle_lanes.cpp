@@ -69,6 +69,8 @@ struct Search {
   VectorXd fixed_point;              ///< of the finest tolerance reached
   double amplitude = 1;              ///< |v − V|/V, as neighbours have it
   bool hinted = false;               ///< started from what the neighbours know
+  VectorXd error_rate;   ///< relative errors over the tolerance, as found in the end
+  VectorXd inherited;    ///< the same, of certified neighbours; empty: to be found
 
   VectorXd point() const {
     const auto& differential = map.differential();
@@ -162,8 +164,9 @@ class Settling final : public PassageQueue {
     Search& search = *searches_[i];
     if (go_on(search, cycles_[i])) {
       again_.push_back(i);
-    } else if (!cycles_[i].found && search.hinted) {  // misled: from stick, then
+    } else if (!cycles_[i].found && search.hinted) {  // misled: by itself, then
       search.hinted = false;
+      search.inherited.resize(0);
       if (begin(search)) again_.push_back(i);
     }
   }
@@ -229,6 +232,13 @@ class Settling final : public PassageQueue {
     // fraction of that.
     const double off = 0.05 * step.norm() / size;
     const VectorXd next = visit.start + step;
+    const bool inherits = search.inherited.size() > 0;
+    if (inherits && !fine && step.norm() < 0.05 * size) {
+      search.stage = Search::Stage::fine;
+      search.tolerance = std::min(search.tolerance / coarser, 0.8 * options_.tolerance / search.inherited.maxCoeff());
+      search.start_at(next);
+      return true;
+    }
     // Where changes have come down to the scatter of the map, more passages bring no more.
     const bool scatter = ++search.visits > 5 && off < 5 * search.tolerance;
     if (off > (fine ? 0.3 : 1.5) * search.tolerance && !scatter) {
@@ -240,6 +250,7 @@ class Settling final : public PassageQueue {
     double sharpening = coarser;
     if (fine) {
       const double reached = judge(search, metrics, cycle, off);
+      if (inherits && reached > options_.tolerance) return false;
       search.fixed_point = next;
       if (reached <= options_.tolerance) {
         cycle.found = true;
@@ -272,7 +283,7 @@ class Settling final : public PassageQueue {
 
   /// Fills in metrics and errors; returns the worst relative error. Errors fall nearly in proportion to the tolerance:
   /// three times that is stated, and not less than what the tolerance makes likely.
-  double judge(const Search& search, const VectorXd& fine, LaneCycle& cycle, double off) const {
+  double judge(Search& search, const VectorXd& fine, LaneCycle& cycle, double off) const {
     const double V = search.map.drive_speed(), lowest = search.passage.metrics.slip_rate_min;
     for (const auto& metric : metric_names()) cycle.metrics.*metric.member = cycle.error.*metric.member = nothing;
     Metrics sizes = search.passage.metrics;
@@ -282,24 +293,32 @@ class Settling final : public PassageQueue {
     cycle.ill_conditioned_stick = false;
     for (const double e : {options_.stick_threshold, 0.01, 0.5})
       if (std::abs(std::abs(lowest) - e * V) < 1e-3 * e * V) cycle.ill_conditioned_stick = true;
-    const VectorXd change = (fine - search.coarse).cwiseAbs();
-    double largest = 0, worst = 0;
+    const bool inherits = search.inherited.size() > 0;
     const auto counts = [&](const MetricName& metric) { return !(is_stick(metric) && cycle.ill_conditioned_stick); };
-    for (std::size_t k = 0; k < metrics_.size(); ++k)
-      if (counts(*metrics_[k])) largest = std::max(largest, change[k] / size_of(*metrics_[k], sizes, V));
-    for (std::size_t k = 0; k < metrics_.size(); ++k) {
-      const MetricName& metric = *metrics_[k];
-      const double size = size_of(metric, sizes, V);
-      cycle.metrics.*metric.member = fine[k];
-      // The loop integral scatters more.
-      const bool is_loop = metric.member == &Metrics::loop_area || metric.member == &Metrics::loop_area_normalised;
-      cycle.error.*metric.member = (is_loop ? 2 : 1) * (3 / search.sharpening * change[k] +
-                                                        (0.1 * largest + 0.25 * search.tolerance + off) * size);
-      if (!counts(metric)) continue;
-      const double relative = cycle.error.*metric.member / size;
-      if (!std::isfinite(relative)) return std::numeric_limits<double>::infinity();
-      worst = std::max(worst, relative);
-    }
+    search.error_rate.setZero(metrics_.size());
+    double largest = 0, worst = 0;
+    for (const bool first : {true, false})
+      for (std::size_t k = 0; k < metrics_.size(); ++k) {
+        const MetricName& metric = *metrics_[k];
+        const double size = size_of(metric, sizes, V);
+        const double change = inherits ? 0 : std::abs(fine[k] - search.coarse[k]) / size;
+        if (first) {
+          if (counts(metric)) largest = std::max(largest, change);
+          continue;
+        }
+        // The loop integral scatters more.
+        const bool is_loop = metric.member == &Metrics::loop_area || metric.member == &Metrics::loop_area_normalised;
+        const double relative =
+            inherits ? search.inherited[k] * search.tolerance + off
+                     : (is_loop ? 2 : 1) *
+                           (3 / search.sharpening * change + 0.1 * largest + 0.25 * search.tolerance + off);
+        cycle.metrics.*metric.member = fine[k];
+        cycle.error.*metric.member = relative * size;
+        search.error_rate[k] = relative / search.tolerance;
+        if (!counts(metric)) continue;
+        if (!std::isfinite(relative)) return infinity;
+        worst = std::max(worst, relative);
+      }
     return worst;
   }
 
@@ -370,6 +389,15 @@ class Neighbours {
     search.slowest = search.derivative.norm();
     search.amplitude = amplitude;
     search.hinted = search.slowest < 1;
+    search.inherited.resize(0);
+    if (!search.hinted || stride > 1) return;
+    // Amid certified neighbours errors are like theirs.
+    search.inherited = first.error_rate;
+    for (const auto& [weight, k] : members) {
+      const Search& other = *searches_[k];
+      search.inherited = search.inherited.cwiseMax(other.error_rate);
+      if (cycles_[k].ill_conditioned_stick) return search.inherited.resize(0);
+    }
   }
 
  private:
