@@ -69,8 +69,8 @@ struct Search {
   VectorXd fixed_point;              ///< of the finest tolerance reached
   double amplitude = 1;              ///< |v − V|/V, as neighbours have it
   bool hinted = false;               ///< started from what the neighbours know
-  VectorXd error_rate;   ///< relative errors over the tolerance, as found in the end
-  VectorXd inherited;    ///< the same, of certified neighbours; empty: to be found
+  VectorXd error_rate;               ///< relative errors over the tolerance, as found in the end
+  VectorXd inherited;                ///< the same, of certified neighbours; empty: to be found
 
   VectorXd point() const {
     const auto& differential = map.differential();
@@ -309,9 +309,9 @@ class Settling final : public PassageQueue {
         // The loop integral scatters more.
         const bool is_loop = metric.member == &Metrics::loop_area || metric.member == &Metrics::loop_area_normalised;
         const double relative =
-            inherits ? search.inherited[k] * search.tolerance + off
-                     : (is_loop ? 2 : 1) *
-                           (3 / search.sharpening * change + 0.1 * largest + 0.25 * search.tolerance + off);
+            inherits
+                ? search.inherited[k] * search.tolerance + off
+                : (is_loop ? 2 : 1) * (3 / search.sharpening * change + 0.1 * largest + 0.25 * search.tolerance + off);
         cycle.metrics.*metric.member = fine[k];
         cycle.error.*metric.member = relative * size;
         search.error_rate[k] = relative / search.tolerance;

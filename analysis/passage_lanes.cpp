@@ -195,12 +195,13 @@ void PassageLanes::screen() {
       const Pack u0 = ensemble_.unknown_before(slip_rate_index).pack[p];
       const Pack u1 = ensemble_.unknown(slip_rate_index).pack[p];
       const Mask accepted = ensemble_.accepted_of_pack(p), records = holds(records_);
+      const Mask turned = (u0 < zero) ^ (u1 < zero);
       Mask event = holds(below_) & !(v < V);
       for (int k = 0; k < levels; ++k) {
         const Mask inside = holds(inside_[k]), now = !(abs(u1) > thresholds_[k].pack[p]);
-        event = event | (records & (inside ^ now)) | (records & !inside & ((u0 < zero) ^ (u1 < zero)));
+        event = event | (records & (inside ^ now)) | (records & !inside & turned);
       }
-      if (reversals) event = event | (records & ((u0 < zero) ^ (u1 < zero)));
+      if (reversals) event = event | (records & turned);
       if (extremes) {
         event = event | (records & ((slip_rate_slope_[0].pack[p] > zero) ^ (slip_rate_slope_[1].pack[p] > zero)));
         if (friction)

@@ -22,9 +22,10 @@ inline constexpr int lane_count = lane_packs * pack_width;
 using Block = double __attribute__((vector_size(8 * pack_width), aligned(8 * pack_width)));
 using BlockBits = std::int64_t __attribute__((vector_size(8 * pack_width), aligned(8 * pack_width)));
 
-/// One truth value per lane (all bits set: true).
+/// One truth value per lane, 1 or 0. As numbers and not as bits: GCC 12 takes combinations of vector comparisons apart
+/// lane by lane, which costs more than all the rest.
 struct Mask {
-  BlockBits bits;
+  Block truth;
 };
 
 /// Eight doubles; arithmetic acts lane by lane.
@@ -53,20 +54,23 @@ ROSIN_INLINE Pack operator-(const Pack& a, const Pack& b) { return Pack(a.block 
 ROSIN_INLINE Pack operator*(const Pack& a, const Pack& b) { return Pack(a.block * b.block); }
 ROSIN_INLINE Pack operator/(const Pack& a, const Pack& b) { return Pack(a.block / b.block); }
 ROSIN_INLINE Pack operator-(const Pack& a) { return Pack(-a.block); }
-ROSIN_INLINE Mask operator<(const Pack& a, const Pack& b) { return {a.block < b.block}; }
-ROSIN_INLINE Mask operator>(const Pack& a, const Pack& b) { return {a.block > b.block}; }
-ROSIN_INLINE Mask operator&(const Mask& a, const Mask& b) { return {a.bits & b.bits}; }
-ROSIN_INLINE Mask operator|(const Mask& a, const Mask& b) { return {a.bits | b.bits}; }
-ROSIN_INLINE Mask operator^(const Mask& a, const Mask& b) { return {a.bits ^ b.bits}; }
-ROSIN_INLINE Mask operator!(const Mask& a) { return {~a.bits}; }
-ROSIN_INLINE Pack select(const Mask& m, const Pack& a, const Pack& b) { return Pack(m.bits ? a.block : b.block); }
-
+ROSIN_INLINE Mask operator<(const Pack& a, const Pack& b) { return {a.block < b.block ? Block{} + 1.0 : Block{}}; }
+ROSIN_INLINE Mask operator>(const Pack& a, const Pack& b) { return {a.block > b.block ? Block{} + 1.0 : Block{}}; }
+ROSIN_INLINE Mask operator&(const Mask& a, const Mask& b) { return {a.truth * b.truth}; }
+ROSIN_INLINE Mask operator|(const Mask& a, const Mask& b) { return {a.truth + b.truth - a.truth * b.truth}; }
+ROSIN_INLINE Mask operator^(const Mask& a, const Mask& b) { return {(a.truth - b.truth) * (a.truth - b.truth)}; }
+ROSIN_INLINE Mask operator!(const Mask& a) { return {1.0 - a.truth}; }
+ROSIN_INLINE Pack select(const Mask& m, const Pack& a, const Pack& b) {
+  const BlockBits all = (__builtin_bit_cast(BlockBits, m.truth) << 2) >> 63;  // 1.0: all bits set
+  return Pack(__builtin_bit_cast(
+      Block, (__builtin_bit_cast(BlockBits, a.block) & all) | (__builtin_bit_cast(BlockBits, b.block) & ~all)));
+}
 /// True if a lane holds anything but zero.
 inline bool any(const Lanes& x) {
-  BlockBits bits{};
-  for (const Pack& p : x.pack) bits |= p.block != 0.0;
-  std::int64_t all = 0;
-  for (int i = 0; i < pack_width; ++i) all |= bits[i];
+  Block sum{};
+  for (const Pack& p : x.pack) sum += p.block * p.block;
+  double all = 0;
+  for (int i = 0; i < pack_width; ++i) all += sum[i];
   return all != 0;
 }
 
@@ -135,18 +139,14 @@ ROSIN_INLINE Block expm1_block(Block x) {
 /// log by reduction to [sqrt(1/2), sqrt 2) and the atanh series (after the method of FDLIBM's e_log).
 /// `correction` is added at the precision of the small part: log(x) + correction.
 ROSIN_INLINE Block log_block(Block x, Block correction) {
-  const BlockBits tiny = x < 2.2250738585072014e-308;
-  const Block scaled = tiny ? x * 18014398509481984.0 : x;  // 2^54
-  BlockBits bits = double_to_bits(scaled);
-  BlockBits k = (bits >> 52) - 1023;
-  bits = (bits & 0x000fffffffffffff) | 0x3ff0000000000000;
-  Block m = bits_to_double(bits);
-  const BlockBits upper = m > 1.4142135623730951;
-  m = upper ? m * 0.5 : m;
-  k = k - upper;
+  constexpr double least = 2.2250738585072014e-308;
+  const BlockBits bits = double_to_bits(x < least ? x * 18014398509481984.0 : x);  // 2^54
+  // x = 2^k m, by the distance of its bits from those of sqrt(1/2).
+  const BlockBits k = (bits - 0x3fe6a09e667f3bcd) >> 52;
+  const Block m = bits_to_double(bits - (k << 52));
   // The integer exponent as a double without a conversion instruction that SSE2 lacks.
   Block exponent = bits_to_double(double_to_bits(Block{} + round_shift) + k) - round_shift;
-  exponent = tiny ? exponent - 54.0 : exponent;
+  exponent = x < least ? exponent - 54.0 : exponent;
   const Block f = m - 1.0, s = f / (2.0 + f), z = s * s, half = 0.5 * f * f;
   const Block w = z * z;
   const Block even = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01));
@@ -154,10 +154,11 @@ ROSIN_INLINE Block log_block(Block x, Block correction) {
                     w * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01));
   const Block r =
       exponent * ln2_high - ((half - (s * (half + (z * odd + even)) + (exponent * ln2_low + correction))) - f);
+  // 0, infinity, negative numbers and NaN.
   const Block infinity = Block{} + std::numeric_limits<double>::infinity();
-  Block result = x == infinity ? x : r;
-  result = x == 0.0 ? -infinity : result;
-  return x < 0.0 || x != x ? Block{} + std::numeric_limits<double>::quiet_NaN() : result;
+  const Block upper = x < infinity ? r : x;
+  const Block lower = x < 0.0 ? Block{} + std::numeric_limits<double>::quiet_NaN() : -infinity;
+  return x > 0.0 ? upper : (x == x ? lower : x);
 }
 }  // namespace detail
 

@@ -27,7 +27,7 @@ class Ensemble {
   /// Tries one step in every lane; lanes where it fails keep their state and try a shorter one next time.
   void attempt();
   /// True if the last try succeeded. Lanes that nobody started try too; their results have no meaning.
-  bool accepted(int lane) const { return accepted_[lane / pack_width].bits[lane % pack_width] != 0; }
+  bool accepted(int lane) const { return accepted_[lane / pack_width].truth[lane % pack_width] != 0; }
   const Mask& accepted_of_pack(int p) const { return accepted_[p]; }
 
   /// Takes back the last step of a lane, which succeeded; the next try has `theta` of its length.
