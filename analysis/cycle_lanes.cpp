@@ -311,7 +311,7 @@ class Settling final : public PassageQueue {
         const double relative =
             inherits
                 ? search.inherited[k] * search.tolerance + off
-                : (is_loop ? 2 : 1) * (3 / search.sharpening * change + 0.1 * largest + 0.25 * search.tolerance + off);
+                : (is_loop ? 2 : 1) * (5 / search.sharpening * change + 0.1 * largest + 0.4 * search.tolerance + off);
         cycle.metrics.*metric.member = fine[k];
         cycle.error.*metric.member = relative * size;
         search.error_rate[k] = relative / search.tolerance;

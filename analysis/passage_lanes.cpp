@@ -28,6 +28,7 @@ PassageLanes::PassageLanes(const SliderSystem& pattern, const Recording& recordi
       recording_(recording),
       friction_index_(pattern.carries_friction() ? 2 : -1),
       rigid_(pattern.rigid() || !pattern.carries_friction()) {
+  rings_ = !rigid_ && (recording.stick_fraction || recording.stick_fraction_001 || recording.stick_fraction_05);
   if (recording.stick_fraction) levels_.push_back({recording.stick_threshold, &Metrics::stick_fraction});
   if (recording.stick_fraction_001) levels_.push_back({0.01, &Metrics::stick_fraction_001});
   if (recording.stick_fraction_05) levels_.push_back({0.5, &Metrics::stick_fraction_05});
@@ -111,6 +112,14 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
       if (std::abs(u1) > threshold) consider(Landing::level, int(k), crossing(u1 > 0 ? threshold : -threshold));
     } else if (std::abs(u1) <= threshold || (u0 < 0) != (u1 < 0)) {
       consider(Landing::level, int(k), crossing(u0 > 0 ? threshold : -threshold));
+    }
+    if (!rings_ || (slip_rate_slope_[0][lane] > 0) == (slip_rate_slope_[1][lane] > 0)) continue;
+    // The extreme within the step may reach across the threshold and back.
+    const auto q = ensemble_.polynomial(lane, slip_rate_index);
+    const double theta = bisect([&](double t) { return q.slope(t); }, 0, 1), peak = q.value(theta);
+    if (inside != (std::abs(peak) <= threshold)) {
+      const double level = (inside ? peak : u0) > 0 ? threshold : -threshold;
+      consider(Landing::level, int(k), bisect([&](double t) { return q.value(t) - level; }, 0, theta));
     }
   }
   if (recording_.loop_area && (u0 < 0) != (u1 < 0) && std::abs(u0) > 1e-12 * at.V)
@@ -202,7 +211,7 @@ void PassageLanes::screen() {
         event = event | (records & (inside ^ now)) | (records & !inside & turned);
       }
       if (reversals) event = event | (records & turned);
-      if (extremes) {
+      if (extremes || rings_) {
         event = event | (records & ((slip_rate_slope_[0].pack[p] > zero) ^ (slip_rate_slope_[1].pack[p] > zero)));
         if (friction)
           event = event | (records & ((friction_slope_[0].pack[p] > zero) ^ (friction_slope_[1].pack[p] > zero)));
@@ -294,12 +303,14 @@ void PassageLanes::accumulate() {
   run_on_lanes([&] {
     for (int p = 0; p < lane_packs; ++p) {
       const auto slip_rate = ensemble_.polynomial_of_pack(p, slip_rate_index);
+      ROSIN_UNROLL
       for (int k = 0; k < nodes; ++k) {
         u[k].pack[p] = slip_rate.value(Pack(node[k]));
         u_slope[k].pack[p] = slip_rate.slope(Pack(node[k]));
       }
       if (friction_index_ >= 0) {
         const auto friction = ensemble_.polynomial_of_pack(p, friction_index_);
+        ROSIN_UNROLL
         for (int k = 0; k < nodes; ++k) mu[k].pack[p] = friction.value(Pack(node[k]));
       }
     }
@@ -325,6 +336,7 @@ void PassageLanes::accumulate() {
       };
       if (recording_.loop_area) {
         Pack part = 0.0;
+        ROSIN_UNROLL
         for (int k = 0; k < nodes; ++k)
           part = part + weight[k] * ((mu[k].pack[p] - steady[k].pack[p]) * u_slope[k].pack[p]);
         add(loop_, part);
@@ -350,7 +362,7 @@ void PassageLanes::run(PassageQueue& queue) {
     ensemble_.attempt();
     ++attempts_;
     sliders_.contact_slip_rate(ensemble_.unknowns(), section_);
-    if (recording_.extremes) measure_steps();
+    if (recording_.extremes || rings_) measure_steps();
     screen();
     std::array<bool, lane_count> ended{};
     bool any_ended = false;

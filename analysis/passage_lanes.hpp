@@ -106,6 +106,7 @@ class PassageLanes {
   std::vector<Level> levels_;
   int friction_index_;
   bool rigid_;
+  bool rings_;  ///< the slip rate may swing several times across a threshold
   std::array<Lane, lane_count> lanes_;
   Lanes section_;                                 ///< contact slip rate
   Lanes slip_rate_slope_[2], friction_slope_[2];  ///< at both ends of the step, by θ

@@ -87,8 +87,9 @@ class Ensemble {
 
 ROSIN_INLINE Ensemble::Polynomial<Pack> Ensemble::polynomial_of_pack(int p, int i) const {
   Polynomial<Pack> q{before_[i].pack[p], tried_[i].pack[p], {0.0, 0.0, 0.0}};
-  for (int term = 0; term < Method::dense_terms; ++term)
-    for (int s = 0; s < Method::stages; ++s) q.k[term] = q.k[term] + Method::dense[term][s] * U_[s][i].pack[p];
+  ROSIN_UNROLL
+  for (int term = 0; term < Method::dense_terms; ++term) ROSIN_UNROLL
+  for (int s = 0; s < Method::stages; ++s) q.k[term] = q.k[term] + Method::dense[term][s] * U_[s][i].pack[p];
   return q;
 }
 

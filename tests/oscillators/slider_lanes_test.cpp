@@ -1,0 +1,81 @@
+/// Sliders in lanes are the sliders one by one, for every law that lanes can carry.
+#include "oscillators/slider_lanes.hpp"
+
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "laws/catalogue.hpp"
+
+using namespace rosin;
+using namespace rosin::oscillators;
+
+namespace {
+Model slider(std::shared_ptr<const FrictionLaw> law, double mass, double damping, double contact_stiffness, int lane) {
+  Model model;
+  model.law = std::move(law);
+  model.lambda = model.law->has_states() ? 0.5 * lane : 1;  // λ = 0 in the first lane
+  model.slider = {mass, 1.1 + 0.1 * lane, damping};
+  if (contact_stiffness > 0) model.contact_stiffness.tangential = contact_stiffness * (1 + lane);
+  model.drive = {1e-5 * (1 + lane), 0.01 * (1 + lane), 0.001 * lane};
+  return model;
+}
+}  // namespace
+
+TEST_CASE("lanes evaluate and linearise as single sliders do", "[slider-lanes]") {
+  struct Kind {
+    double mass, damping, contact_stiffness;
+  };
+  const auto kind = GENERATE(Kind{1, 0.1, 0}, Kind{1, 0, 5}, Kind{0, 0.3, 0}, Kind{0, 0, 0});
+  for (const auto& law : laws::catalogue()) {
+    if ((kind.mass == 0 || kind.contact_stiffness > 0) && !law->has_slip_rate()) continue;
+    INFO(law->card().name << ", mass " << kind.mass << ", contact stiffness " << kind.contact_stiffness);
+    std::vector<SliderSystem> sliders;
+    for (int lane = 0; lane < lane_count; ++lane)
+      sliders.emplace_back(slider(law, kind.mass, kind.damping, kind.contact_stiffness, law->has_slip_rate() ? lane : lane + 1));
+    SliderLanes lanes(sliders.front());
+    const int n = sliders.front().size();
+    REQUIRE(lanes.size() == n);
+    std::vector<Lanes> y(n), f(n), J(n * n), m(n);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> about(0.8, 1.2);
+    for (int lane = 0; lane < lane_count; ++lane) {
+      REQUIRE(lanes.fits(sliders[lane]));
+      lanes.load(lane, sliders[lane]);
+      const auto steady = sliders[lane].steady(0);
+      for (int i = 0; i < n; ++i) y[i].set(lane, steady[i] * about(random));
+    }
+    lanes.linearise(y.data(), f.data(), J.data());
+    lanes.mass(m.data());
+    std::vector<Lanes> f_only(n);
+    lanes.evaluate(y.data(), f_only.data());
+    for (int lane = 0; lane < lane_count; ++lane) {
+      std::vector<double> at(n), f1(n), J1(n * n), m1(n);
+      for (int i = 0; i < n; ++i) at[i] = y[i][lane];
+      sliders[lane].linearise(0, at.data(), f1.data(), J1.data());
+      sliders[lane].mass(0, m1.data());
+      double size_f = 0, size_J = 0;
+      for (const double x : f1) size_f = std::max(size_f, std::abs(x));
+      for (const double x : J1) size_J = std::max(size_J, std::abs(x));
+      for (int i = 0; i < n; ++i) {
+        INFO("lane " << lane << ", row " << i);
+        CHECK(std::abs(f[i][lane] - f1[i]) <= 1e-11 * size_f);
+        CHECK(std::abs(f_only[i][lane] - f1[i]) <= 1e-11 * size_f);
+        CHECK(m[i][lane] == m1[i]);
+        for (int j = 0; j < n; ++j) CHECK(std::abs(J[i * n + j][lane] - J1[i * n + j]) <= 1e-11 * size_J);
+      }
+    }
+  }
+}
+
+TEST_CASE("lanes refuse what does not fit", "[slider-lanes]") {
+  const auto spinodal = laws::find_law("spinodal");
+  const SliderLanes lanes{SliderSystem(slider(spinodal, 1, 0, 0, 1))};
+  CHECK(lanes.fits(SliderSystem(slider(spinodal, 2, 0.5, 0, 7))));
+  CHECK_FALSE(lanes.fits(SliderSystem(slider(spinodal, 0, 0.5, 0, 1))));             // other mechanics
+  CHECK_FALSE(lanes.fits(SliderSystem(slider(spinodal, 1, 0, 3, 1))));               // a contact spring
+  CHECK_FALSE(lanes.fits(SliderSystem(slider(laws::find_law("ageing"), 1, 0, 0, 1))));  // another law
+  auto varying = slider(spinodal, 1, 0, 0, 1);
+  varying.drive.normal_load = Signal(Signal::Steps{{{0, 1}, {1, 2}}});
+  CHECK_FALSE(lanes.fits(SliderSystem(varying)));
+  CHECK_THROWS_AS(SliderLanes{SliderSystem(varying)}, InputError);
+}
