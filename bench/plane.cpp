@@ -174,6 +174,7 @@ Record bench_plane(const Settings& settings, const SciPy& scipy, const std::file
         record.content["picture"]["ratios"].push_back({{"solver", rival}, {"relation", at.relation}, {"ratio", ratio}});
       }
   }
+  record.content["lane_steps"] = lane_steps(settings);
   write_curves(curves, rows);
   return record;
 }

@@ -97,6 +97,9 @@ struct Record {
   json content;
   std::vector<std::string> findings;
 };
+/// Time of one step of the ensemble solver in one lane, for every law with states, a contact spring, a user's law, and
+/// each instruction set.
+json lane_steps(const Settings&);
 Record bench_cycle(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_history(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_plane(const Settings&, const SciPy&, const std::filesystem::path& curves);

@@ -74,13 +74,12 @@ Tally against_one_by_one(const std::vector<Model>& models, const std::vector<Lan
       const double difference = std::abs(cycles[i].metrics.*metric.member - fine.metrics.*metric.member);
       ++tally.metrics;
       tally.outside += !(difference <= cycles[i].error.*metric.member + fine.error.*metric.member);
-      tally.worst_error = std::max(
-          tally.worst_error, difference / size_of(metric, fine.metrics, models[i].drive.speed.level()));
+      tally.worst_error =
+          std::max(tally.worst_error, difference / size_of(metric, fine.metrics, models[i].drive.speed.level()));
     }
   }
   return tally;
 }
-
 
 }  // namespace
 
@@ -133,9 +132,9 @@ TEST_CASE("company, threads and instruction sets leave no trace", "[cycle-lanes]
   const auto models = unstable_sliders(laws::find_law("spinodal"), 40, 11);
   const auto together = find_cycles(models, two_metrics);
   const auto same = [](const LaneCycle& a, const LaneCycle& b) {
-    return a.found == b.found && a.tries == b.tries && (!a.found || (a.metrics.period == b.metrics.period &&
-                                                                   a.metrics.loop_area == b.metrics.loop_area &&
-                                                                   a.error.period == b.error.period));
+    return a.found == b.found && a.tries == b.tries &&
+           (!a.found || (a.metrics.period == b.metrics.period && a.metrics.loop_area == b.metrics.loop_area &&
+                         a.error.period == b.error.period));
   };
   for (const std::size_t i : {0ul, 7ul, 23ul, 39ul})
     CHECK(same(find_cycles(std::span(models).subspan(i, 1), two_metrics).front(), together[i]));

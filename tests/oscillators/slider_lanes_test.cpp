@@ -31,7 +31,8 @@ TEST_CASE("lanes evaluate and linearise as single sliders do", "[slider-lanes]")
     INFO(law->card().name << ", mass " << kind.mass << ", contact stiffness " << kind.contact_stiffness);
     std::vector<SliderSystem> sliders;
     for (int lane = 0; lane < lane_count; ++lane)
-      sliders.emplace_back(slider(law, kind.mass, kind.damping, kind.contact_stiffness, law->has_slip_rate() ? lane : lane + 1));
+      sliders.emplace_back(
+          slider(law, kind.mass, kind.damping, kind.contact_stiffness, law->has_slip_rate() ? lane : lane + 1));
     SliderLanes lanes(sliders.front());
     const int n = sliders.front().size();
     REQUIRE(lanes.size() == n);
@@ -71,8 +72,8 @@ TEST_CASE("lanes refuse what does not fit", "[slider-lanes]") {
   const auto spinodal = laws::find_law("spinodal");
   const SliderLanes lanes{SliderSystem(slider(spinodal, 1, 0, 0, 1))};
   CHECK(lanes.fits(SliderSystem(slider(spinodal, 2, 0.5, 0, 7))));
-  CHECK_FALSE(lanes.fits(SliderSystem(slider(spinodal, 0, 0.5, 0, 1))));             // other mechanics
-  CHECK_FALSE(lanes.fits(SliderSystem(slider(spinodal, 1, 0, 3, 1))));               // a contact spring
+  CHECK_FALSE(lanes.fits(SliderSystem(slider(spinodal, 0, 0.5, 0, 1))));                // other mechanics
+  CHECK_FALSE(lanes.fits(SliderSystem(slider(spinodal, 1, 0, 3, 1))));                  // a contact spring
   CHECK_FALSE(lanes.fits(SliderSystem(slider(laws::find_law("ageing"), 1, 0, 0, 1))));  // another law
   auto varying = slider(spinodal, 1, 0, 0, 1);
   varying.drive.normal_load = Signal(Signal::Steps{{{0, 1}, {1, 2}}});

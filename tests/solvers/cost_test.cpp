@@ -6,8 +6,10 @@
 #include <new>
 
 #include "analysis/run.hpp"
+#include "oscillators/slider_lanes.hpp"
 #include "solvers/collocation.hpp"
 #include "solvers/cvode.hpp"
+#include "solvers/ensemble.hpp"
 #include "solvers/explicit.hpp"
 #include "solvers/stick_slip.hpp"
 #include "tests/bristol_board.hpp"
@@ -126,6 +128,17 @@ TEST_CASE("no solver allocates inside a step", "[cost]") {
     solvers::Cvode solver(system, 1e-9);
     solver.start(0, starting_point(system, start));
     CHECK(allocations_of(200, [&] { return solver.step(500).complete(); }) == 0);
+  }
+  {
+    const oscillators::SliderSystem system(bristol_board(1e-4, 10));
+    oscillators::SliderLanes sliders(system);
+    solvers::Ensemble solver(sliders);
+    const auto y = system.steady(0);
+    for (int lane = 0; lane < lane_count; ++lane) solver.start(lane, y.data(), 1e-7, 1e-3 * (1 + lane));
+    CHECK(allocations_of(300, [&] {
+            solver.attempt();
+            return solver.time(0) < 1e9;
+          }) == 0);
   }
 }
 
