@@ -137,7 +137,7 @@ TEST_CASE("no solver allocates inside a step", "[cost]") {
     for (int lane = 0; lane < lane_count; ++lane) solver.start(lane, y.data(), 1e-7, 1e-3 * (1 + lane));
     CHECK(allocations_of(300, [&] {
             solver.attempt();
-            return solver.time(0) < 1e9;
+            return true;
           }) == 0);
   }
 }
