@@ -281,7 +281,7 @@ std::vector<double> ReturnMap::moved(const std::vector<double>& a, const Eigen::
 }
 
 ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double tolerance, int turns, bool from_section,
-                                     bool derivative, Recorder* recorder) {
+                                     bool derivative, Recorder* recorder, double dip) {
   Passage passage;
   const int n = system_.size(), columns = int(differential_.size());
   Collocation solver(system_, tolerance);
@@ -296,7 +296,7 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
   }
   const auto section = [&](double t, const double* y) { return system_.contact_slip_rate(t, y) - speed_; };
   // Below the section by more than rounding: from then on a rising zero is a passage.
-  const double noise = 1e-10 * speed_;
+  const double noise = dip * speed_;
   bool below = !from_section && section(0, solver.state().data()) < -noise;
   constexpr long most_steps = 40'000;
   while (turns > 0) {
@@ -330,7 +330,9 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     }
     if (derivative) solver.propagate(S, columns);
     if (recorder) recorder->step(solver);
-    if (turns > 0 && (solver.time() >= longest_passage_ || solver.count().steps > most_steps)) {
+    // Nothing that moves at all takes so many steps to grow.
+    const bool at_rest = passage.amplitude < 1e-9 && solver.count().steps > 2'000;
+    if (turns > 0 && (at_rest || solver.time() >= longest_passage_ || solver.count().steps > most_steps)) {
       passage.outcome = {Ending::budget_spent, fmt::format("no passage through v = V within {:.3g} s and {} steps{}",
                                                            solver.time(), solver.count().steps, ringing_)};
       break;
