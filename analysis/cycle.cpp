@@ -237,15 +237,25 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
   std::vector<double> ages = {V};
   if (steady_is_stable) max_cycles = std::min(max_cycles, 12);
   ages.push_back((steady_is_stable ? 1e-4 : 0.1) * V);
+  constexpr int most_creeping = 9;
+  int creeping = 0;  ///< times that motion far from any cycle was found neither to settle nor to grow
   const auto attracts = [&](const std::optional<FixedPoint>& point) {
     return point && point->amplitude >= collapsed && spectral_radius(*point, map) < 1;
   };
   const auto accept = [&](const std::vector<double>& y, int turns, double amplitude, double change) {
     auto found = newton(map, y, turns, amplitude, drift_at_rest);
-    constexpr double repeats = 1e-3, certainly = 0.5;
-    if (!attracts(found) && change < repeats * map.distance(y, map.system().steady(0))) {
+    constexpr double repeats = 1e-3, certainly = 0.5, hardly = 0.99;
+    const double size = map.distance(y, map.system().steady(0));
+    if (!attracts(found) && change < repeats * size) {
       found = settled(map, y, turns, amplitude);
-      if (found && !(spectral_radius(*found, map) < certainly)) return false;
+      if (found && !(spectral_radius(*found, map) < certainly)) {
+        if (spectral_radius(*found, map) > hardly && ++creeping == most_creeping)
+          result.outcome = {Ending::budget_spent,
+                            fmt::format("the motion hardly changes from passage to passage, by {:.1e} of its size, and "
+                                        "a cycle that it may approach was not reached",
+                                        change / size)};
+        return false;
+      }
     }
     if (!attracts(found)) return false;
     result.point = found;
@@ -300,6 +310,7 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
       constexpr double slow = 1e-3;
       const bool drifts = k >= 2 && std::abs(drift_at_rest) < slow && amplitude < 10 && !balanced_once;
       if (!drifts && accept(y, 1, amplitude, moved)) return result;
+      if (creeping == most_creeping) return result;
       // Several passages in a period: as many as bring the motion nearly back.
       for (int turns = 2; turns <= 8 && turns < k; ++turns)
         if (map.distance(y, visited[k - turns]) < 0.2 * map.distance(y, visited[k - 1]) &&
@@ -309,8 +320,8 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
         balanced_once = true;
         const auto balanced = balance_of_drift(map, y, amplitude, drift_at_rest);
         if (balanced) {
-          const auto there =
-              map.follow(*balanced, search_tolerance(amplitude, drift_at_rest), 1, true, false, nullptr, dip_of(amplitude));
+          const auto there = map.follow(*balanced, search_tolerance(amplitude, drift_at_rest), 1, true, false, nullptr,
+                                        dip_of(amplitude));
           if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return result;
         }
         if (!balanced && steady_is_stable) break;

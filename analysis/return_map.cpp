@@ -246,7 +246,8 @@ ReturnMap::ReturnMap(const Model& model) : system_(model), speed_(model.drive.sp
 std::vector<double> ReturnMap::stick(double aged_at) const {
   const auto& model = system_.model();
   const double N = model.drive.normal_load.level(), f = model.drive.force.level(), u = 1e-3 * speed_;
-  const auto state = model.law->steady({aged_at, N});
+  // Without its own clock the state is that of the slip rate; friction of any other would call for slip at 1e-100 m/s.
+  const auto state = model.law->steady({model.lambda == 0 ? u : aged_at, N});
   const double F = N * model.law->friction({u, N}, state);
   const auto& spring = model.contact_stiffness;
   if (system_.mechanics() == Mechanics::inertial && !system_.rigid()) {
@@ -280,6 +281,20 @@ std::vector<double> ReturnMap::moved(const std::vector<double>& a, const Eigen::
   return y;
 }
 
+/// Time in which slip that slows down under a mass loses a good part of itself. The direct effect turns friction over
+/// within a tiny part of the slip rate before a reversal, which a step from far above takes at random.
+double ReturnMap::landing_time(const Collocation& solver) const {
+  const int at = system_.slip_rate_index();
+  if (at < 0 || !system_.rigid() || !system_.carries_friction() || solver.count().steps == 0) return infinity;
+  std::vector<double> rate(system_.size());
+  solver.rate(rate.data());
+  const double u = solver.state()[at];
+  if (!(u * rate[at] < 0)) return infinity;
+  constexpr double share = 0.8, landed = 1e-13;
+  const double clock = 1e-28 * solver.time();  // of which a step must be a part that counts
+  return std::max(std::max(share * std::abs(u), landed * speed_) / std::abs(rate[at]), clock);
+}
+
 ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double tolerance, int turns, bool from_section,
                                      bool derivative, Recorder* recorder, double dip) {
   Passage passage;
@@ -302,7 +317,7 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
   while (turns > 0) {
     // An implicit step over many growth times would damp what grows.
     const bool near_steady = std::abs(section(solver.time(), solver.state().data())) < 0.9 * speed_;
-    solver.bound_step(near_steady ? growth_time_ : infinity);
+    solver.bound_step(std::min(near_steady ? growth_time_ : infinity, landing_time(solver)));
     const Outcome outcome = solver.step(longest_passage_);
     if (!outcome.complete()) {
       const auto end = why_motion_ends(system_, solver.time(), solver.state().data());

@@ -79,6 +79,7 @@ class ReturnMap {
   double longest_passage() const { return longest_passage_; }
 
  private:
+  double landing_time(const solvers::Collocation&) const;
   oscillators::SliderSystem system_;
   double speed_, longest_passage_;
   double growth_time_ = infinity;  ///< 1/|s| of the fastest growing mode of steady sliding
