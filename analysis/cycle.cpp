@@ -377,7 +377,10 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
     const bool is_loop = metric.member == &Metrics::loop_area || metric.member == &Metrics::loop_area_normalised;
     double e = (is_loop ? 6 : 3) * std::abs(coarse.*metric.member - value);
     if (value != 0)
-      e += (3 * tolerance + 5e-14 + closure) * (metric.member == &Metrics::slip_rate_min ? std::abs(value) : size);
+      // The lowest slip rate is held to its own size; in slow stick it is as good as the error estimate of the steps
+      // only.
+      e += metric.member == &Metrics::slip_rate_min ? (10 * tolerance + 5e-14 + closure) * std::abs(value)
+                                                    : (3 * tolerance + 5e-14 + closure) * size;
     // Divided steps are each summed to a small part of the tolerance.
     if (value != 0 && metric.member == &Metrics::loop_area)
       e += 0.3 * std::max(tolerance, 1e-13) * fine.slip_rate_max * fine.friction_max;
