@@ -69,8 +69,14 @@ constexpr double loose = 1e-6;        ///< tolerance of the search for motions o
 constexpr long most_steps = 300'000;  ///< of one search
 constexpr double collapsed = 1e-5;    ///< amplitudes |v − V|/V below this are steady sliding
 
-/// Small motions are followed more closely: what matters are errors against their drift, which falls with A².
-double search_tolerance(double amplitude) { return loose * std::clamp(amplitude * amplitude, 1e-6, 1.0); }
+/// Small motions are followed more closely: what matters are errors against their drift, which falls with A². So are
+/// those of a slow `drift` ln(A'/A) in a passage.
+double search_tolerance(double amplitude, double drift) {
+  return std::clamp(1e-3 * std::abs(drift), 1e-13, loose) * std::clamp(amplitude * amplitude, 1e-6, 1.0);
+}
+
+/// What a motion of some amplitude |v − V|/V must dip below V to count as having left it.
+double dip_of(double amplitude) { return std::max(1e-6 * std::min(1.0, amplitude), ReturnMap::least_dip); }
 
 /// A fixed point of the return map.
 struct FixedPoint {
@@ -78,6 +84,7 @@ struct FixedPoint {
   MatrixXd derivative;
   int turns = 1;
   double amplitude = 0;
+  bool by_differences = false;  ///< the derivative is that of neighbouring passages
 };
 
 /// Moduli of the multipliers, largest first.
@@ -98,8 +105,10 @@ double spectral_radius(const FixedPoint& point, const ReturnMap& map) {
 }
 
 /// Newton's method for y = P(y), kept from falling onto steady sliding, which is a fixed point too.
-std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turns, double amplitude) {
-  const double least_amplitude = 0.4 * amplitude, tolerance = search_tolerance(amplitude);
+std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turns, double amplitude, double drift) {
+  const double least_amplitude = 0.4 * amplitude, tolerance = search_tolerance(amplitude, drift);
+  // In near-stick a slip at many times V is but a few scales away.
+  const double size = std::min(amplitude, map.distance(y, map.system().steady(0)));
   const VectorXd scale = map.scale();
   const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
   std::vector<double> last = y;
@@ -107,9 +116,8 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
   double residual = infinity, factor = 1;
   int halvings = 0;
   for (int iteration = 0; iteration < 14; ++iteration) {
-    const auto passage = map.follow(y, tolerance, turns, true, true);
-    const double now =
-        passage.outcome.complete() ? map.distance(passage.end, y) / std::max(passage.amplitude, 1e-12) : infinity;
+    const auto passage = map.follow(y, tolerance, turns, true, true, nullptr, dip_of(amplitude));
+    const double now = passage.outcome.complete() ? map.distance(passage.end, y) / std::max(size, 1e-12) : infinity;
     if (passage.amplitude < least_amplitude || !(now < residual)) {
       if (iteration == 0 || ++halvings > 2) return std::nullopt;
       factor *= 0.3;
@@ -121,8 +129,8 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
     step =
         scale.asDiagonal() * A.partialPivLu().solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, y));
     if (!step.allFinite()) return std::nullopt;
-    const double length = (step.array() / scale.array()).matrix().norm() / std::max(passage.amplitude, 1e-12);
-    if (length < std::max(30 * tolerance, 1e-8))
+    const double length = (step.array() / scale.array()).matrix().norm() / std::max(size, 1e-12);
+    if (length < std::max({30 * tolerance, 1e-8, 0.1 * tolerance / std::max(std::abs(drift), tolerance)}))
       return FixedPoint{map.moved(y, step, 1), passage.derivative, turns, passage.amplitude};
     last = y;
     residual = std::max(now, 1e-3 * tolerance);
@@ -132,9 +140,32 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
   return std::nullopt;
 }
 
+/// Relaxation oscillations forget all but the time within one passage, while slips at 10¹⁰ V leave nothing of the
+/// derivative but rounding. Where passages have come to repeat themselves, neighbouring ones show whether they are led
+/// back, and by how much.
+std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, int turns, double amplitude) {
+  const double dip = dip_of(amplitude), size = map.distance(y, map.system().steady(0));
+  const auto passage = map.follow(y, loose, turns, true, false, nullptr, dip);
+  if (!passage.outcome.complete() || !(map.distance(passage.end, y) < 1e-2 * size)) return std::nullopt;
+  const int n = int(map.differential().size());
+  FixedPoint point{passage.end, MatrixXd::Zero(n, n), turns, passage.amplitude, true};
+  const double share = 0.05 * std::min(size, 2.0);
+  for (int k = 0; k < n; ++k) {
+    const VectorXd step = VectorXd::Unit(n, k) * (share * map.scale()[k]);
+    const auto start = map.moved(y, step, 1);
+    if (start == y) continue;  // off the section
+    auto neighbour = map.follow(start, loose, turns, true, false, nullptr, dip);
+    if (neighbour.outcome.complete() && neighbour.duration < 0.5 * passage.duration)  // it began beside the section
+      neighbour = map.follow(neighbour.end, loose, turns, true, false, nullptr, dip);
+    if (!neighbour.outcome.complete()) return std::nullopt;
+    point.derivative.col(k) = map.difference(neighbour.end, passage.end) / step[k];
+  }
+  return point;
+}
+
 /// Near a Hopf point the amplitude drifts slowly along one direction. This finds where the drift per passage,
 /// r(A) = ln(A'/A), falls through zero: a stable cycle. A is the distance of the section point from steady sliding,
-/// which is smooth. `y` lies on the section at an amplitude of falling drift. Returns a section point near the cycle.
+/// which is smooth. `y` lies on the section. Returns a section point near the cycle.
 std::optional<std::vector<double>> balance_of_drift(ReturnMap& map, const std::vector<double>& y, double amplitude,
                                                     double drift_at_rest) {
   const auto steady = map.system().steady(0);
@@ -146,10 +177,10 @@ std::optional<std::vector<double>> balance_of_drift(ReturnMap& map, const std::v
   };
   // Two passages: the first relaxes the fast directions, the second shows the drift.
   const auto drift = [&](double size) -> std::optional<Drift> {
-    const double tolerance = search_tolerance(amplitude * size / start);
-    const auto first = map.follow(map.moved(steady, direction, size), tolerance, 1, true);
+    const double A = amplitude * size / start, tolerance = search_tolerance(A, drift_at_rest), dip = dip_of(A);
+    const auto first = map.follow(map.moved(steady, direction, size), tolerance, 1, true, false, nullptr, dip);
     if (!first.outcome.complete()) return std::nullopt;
-    const auto second = map.follow(first.end, tolerance, 1, true);
+    const auto second = map.follow(first.end, tolerance, 1, true, false, nullptr, dip);
     if (!second.outcome.complete()) return std::nullopt;
     const double a = map.distance(first.end, steady), b = map.distance(second.end, steady);
     if (!(a > 0 && b > 0)) return std::nullopt;
@@ -158,9 +189,13 @@ std::optional<std::vector<double>> balance_of_drift(ReturnMap& map, const std::v
   };
   auto high = drift(start);
   if (!high) return std::nullopt;
-  if (high->rate >= 0) return high->y;
   // The lower end: drift that grows. At rest it is that of the linear mode; above a stable steady state it is sought.
   double low = 0, low_rate = drift_at_rest;
+  for (int larger = 0; high->rate > 0; ++larger) {
+    low = high->size, low_rate = high->rate;
+    high = drift((larger < 8 ? 1.05 : 1.25) * low);
+    if (!high || larger > 40) return std::nullopt;
+  }
   for (double size = 0.8 * high->size; low_rate <= 0 && size > least; size *= 0.8) {
     const auto here = drift(size);
     if (!here) return std::nullopt;
@@ -202,9 +237,27 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
   std::vector<double> ages = {V};
   if (steady_is_stable) max_cycles = std::min(max_cycles, 12);
   ages.push_back((steady_is_stable ? 1e-4 : 0.1) * V);
-  const auto accept = [&](const std::vector<double>& y, int turns, double amplitude) {
-    const auto found = newton(map, y, turns, amplitude);
-    if (!found || found->amplitude < collapsed || !(spectral_radius(*found, map) < 1)) return false;
+  constexpr int most_creeping = 9;
+  int creeping = 0;  ///< times that motion far from any cycle was found neither to settle nor to grow
+  const auto attracts = [&](const std::optional<FixedPoint>& point) {
+    return point && point->amplitude >= collapsed && spectral_radius(*point, map) < 1;
+  };
+  const auto accept = [&](const std::vector<double>& y, int turns, double amplitude, double change) {
+    auto found = newton(map, y, turns, amplitude, drift_at_rest);
+    constexpr double repeats = 1e-3, certainly = 0.5, hardly = 0.99;
+    const double size = map.distance(y, map.system().steady(0));
+    if (!attracts(found) && change < repeats * size) {
+      found = settled(map, y, turns, amplitude);
+      if (found && !(spectral_radius(*found, map) < certainly)) {
+        if (spectral_radius(*found, map) > hardly && ++creeping == most_creeping)
+          result.outcome = {Ending::budget_spent,
+                            fmt::format("the motion hardly changes from passage to passage, by {:.1e} of its size, and "
+                                        "a cycle that it may approach was not reached",
+                                        change / size)};
+        return false;
+      }
+    }
+    if (!attracts(found)) return false;
     result.point = found;
     result.outcome = {};
     return true;
@@ -225,9 +278,10 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
             : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", max_cycles)};
     std::vector<std::vector<double>> visited;
     int next_attempt = 2;
-    bool enlarged = false;
+    bool enlarged = false, balanced_once = false;
+    double last_amplitude = 1;
     for (int k = 0; k < max_cycles; ++k) {
-      const auto passage = map.follow(y, loose, 1, k > 0);
+      const auto passage = map.follow(y, loose, 1, k > 0, false, nullptr, dip_of(last_amplitude));
       if (!passage.outcome.complete()) {
         if (passage.outcome.ending != Ending::budget_spent || !steady_is_stable) result.outcome = passage.outcome;
         break;
@@ -238,7 +292,7 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
       }
       y = passage.end;
       visited.push_back(y);
-      const double amplitude = passage.amplitude;
+      const double amplitude = last_amplitude = passage.amplitude;
       if (k > 0 && steady_is_stable && amplitude < 0.02) break;
       if (!steady_is_stable && !enlarged && amplitude < 1e-3) {
         // An overdamped start has all but reached steady sliding, which repels: go on from where growth would lead.
@@ -249,19 +303,26 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
         enlarged = true;
         continue;
       }
-      const double change = k > 0 ? map.distance(y, visited[k - 1]) / amplitude : infinity;
+      const double moved = k > 0 ? map.distance(y, visited[k - 1]) : infinity, change = moved / amplitude;
       if (k < next_attempt && !(k > 0 && change < 1e-3)) continue;
       next_attempt = k + std::max(2, k / 2);
-      if (accept(y, 1, amplitude)) return result;
+      // Motion that hardly drifts is not waited for.
+      constexpr double slow = 1e-3;
+      const bool drifts = k >= 2 && std::abs(drift_at_rest) < slow && amplitude < 10 && !balanced_once;
+      if (!drifts && accept(y, 1, amplitude, moved)) return result;
+      if (creeping == most_creeping) return result;
       // Several passages in a period: as many as bring the motion nearly back.
       for (int turns = 2; turns <= 8 && turns < k; ++turns)
-        if (map.distance(y, visited[k - turns]) < 0.2 * map.distance(y, visited[k - 1]) && accept(y, turns, amplitude))
+        if (map.distance(y, visited[k - turns]) < 0.2 * map.distance(y, visited[k - 1]) &&
+            accept(y, turns, amplitude, map.distance(y, visited[k - turns])))
           return result;
-      if (k >= 6 || (steady_is_stable && k >= 3)) {
+      if (k >= 6 || (steady_is_stable && k >= 3) || drifts) {
+        balanced_once = true;
         const auto balanced = balance_of_drift(map, y, amplitude, drift_at_rest);
         if (balanced) {
-          const auto there = map.follow(*balanced, loose, 1, true);
-          if (there.outcome.complete() && accept(there.end, 1, there.amplitude)) return result;
+          const auto there = map.follow(*balanced, search_tolerance(amplitude, drift_at_rest), 1, true, false, nullptr,
+                                        dip_of(amplitude));
+          if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return result;
         }
         if (!balanced && steady_is_stable) break;
       }
@@ -284,7 +345,7 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
   const auto lu =
       MatrixXd(scale.cwiseInverse().asDiagonal() * (I - point.derivative) * scale.asDiagonal()).partialPivLu();
   for (int iteration = 0; iteration < 12; ++iteration) {
-    const auto passage = map.follow(point.y, tolerance, point.turns, true);
+    const auto passage = map.follow(point.y, tolerance, point.turns, true, false, nullptr, dip_of(point.amplitude));
     if (!passage.outcome.complete()) {
       result.outcome = passage.outcome;
       return result;
@@ -298,7 +359,7 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
     if (length < 0.1 * tolerance * std::min(1.0, point.amplitude)) break;
   }
   Recorder recorder(map.system(), tolerance, stick_threshold, keep_orbit);
-  const auto passage = map.follow(point.y, tolerance, point.turns, true, false, &recorder);
+  const auto passage = map.follow(point.y, tolerance, point.turns, true, false, &recorder, dip_of(point.amplitude));
   result.outcome = passage.outcome;
   result.metrics = recorder.finish(passage.duration);
   result.orbit = std::move(recorder.orbit);
@@ -316,7 +377,10 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
     const bool is_loop = metric.member == &Metrics::loop_area || metric.member == &Metrics::loop_area_normalised;
     double e = (is_loop ? 6 : 3) * std::abs(coarse.*metric.member - value);
     if (value != 0)
-      e += (3 * tolerance + 5e-14 + closure) * (metric.member == &Metrics::slip_rate_min ? std::abs(value) : size);
+      // The lowest slip rate is held to its own size; in slow stick it is as good as the error estimate of the steps
+      // only.
+      e += metric.member == &Metrics::slip_rate_min ? (10 * tolerance + 5e-14 + closure) * std::abs(value)
+                                                    : (3 * tolerance + 5e-14 + closure) * size;
     // Divided steps are each summed to a small part of the tolerance.
     if (value != 0 && metric.member == &Metrics::loop_area)
       e += 0.3 * std::max(tolerance, 1e-13) * fine.slip_rate_max * fine.friction_max;
@@ -382,8 +446,9 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     sharpening = next_sharpening(options.tolerance / reached);
     coarse = std::move(fine);
   }
-  if (options.multipliers) {
-    const auto passage = map.follow(point.y, std::max(tolerance, 1e-10), point.turns, true, true);
+  if (options.multipliers && !point.by_differences) {
+    const auto passage =
+        map.follow(point.y, std::max(tolerance, 1e-10), point.turns, true, true, nullptr, dip_of(point.amplitude));
     if (passage.outcome.complete()) point.derivative = passage.derivative;
   }
   cycle.multipliers = multipliers_of(point.derivative, map.scale());

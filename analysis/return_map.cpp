@@ -246,7 +246,8 @@ ReturnMap::ReturnMap(const Model& model) : system_(model), speed_(model.drive.sp
 std::vector<double> ReturnMap::stick(double aged_at) const {
   const auto& model = system_.model();
   const double N = model.drive.normal_load.level(), f = model.drive.force.level(), u = 1e-3 * speed_;
-  const auto state = model.law->steady({aged_at, N});
+  // Without its own clock the state is that of the slip rate; friction of any other would call for slip at 1e-100 m/s.
+  const auto state = model.law->steady({model.lambda == 0 ? u : aged_at, N});
   const double F = N * model.law->friction({u, N}, state);
   const auto& spring = model.contact_stiffness;
   if (system_.mechanics() == Mechanics::inertial && !system_.rigid()) {
@@ -280,8 +281,22 @@ std::vector<double> ReturnMap::moved(const std::vector<double>& a, const Eigen::
   return y;
 }
 
+/// Time in which slip that slows down under a mass loses a good part of itself. The direct effect turns friction over
+/// within a tiny part of the slip rate before a reversal, which a step from far above takes at random.
+double ReturnMap::landing_time(const Collocation& solver) const {
+  const int at = system_.slip_rate_index();
+  if (at < 0 || !system_.rigid() || !system_.carries_friction() || solver.count().steps == 0) return infinity;
+  std::vector<double> rate(system_.size());
+  solver.rate(rate.data());
+  const double u = solver.state()[at];
+  if (!(u * rate[at] < 0)) return infinity;
+  constexpr double share = 0.8, landed = 1e-13;
+  const double clock = 1e-28 * solver.time();  // of which a step must be a part that counts
+  return std::max(std::max(share * std::abs(u), landed * speed_) / std::abs(rate[at]), clock);
+}
+
 ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double tolerance, int turns, bool from_section,
-                                     bool derivative, Recorder* recorder) {
+                                     bool derivative, Recorder* recorder, double dip) {
   Passage passage;
   const int n = system_.size(), columns = int(differential_.size());
   Collocation solver(system_, tolerance);
@@ -296,13 +311,13 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
   }
   const auto section = [&](double t, const double* y) { return system_.contact_slip_rate(t, y) - speed_; };
   // Below the section by more than rounding: from then on a rising zero is a passage.
-  const double noise = 1e-10 * speed_;
+  const double noise = dip * speed_;
   bool below = !from_section && section(0, solver.state().data()) < -noise;
   constexpr long most_steps = 40'000;
   while (turns > 0) {
     // An implicit step over many growth times would damp what grows.
     const bool near_steady = std::abs(section(solver.time(), solver.state().data())) < 0.9 * speed_;
-    solver.bound_step(near_steady ? growth_time_ : infinity);
+    solver.bound_step(std::min(near_steady ? growth_time_ : infinity, landing_time(solver)));
     const Outcome outcome = solver.step(longest_passage_);
     if (!outcome.complete()) {
       const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
@@ -330,7 +345,9 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     }
     if (derivative) solver.propagate(S, columns);
     if (recorder) recorder->step(solver);
-    if (turns > 0 && (solver.time() >= longest_passage_ || solver.count().steps > most_steps)) {
+    // Nothing that moves at all takes so many steps to grow.
+    const bool at_rest = passage.amplitude < 1e-9 && solver.count().steps > 2'000;
+    if (turns > 0 && (at_rest || solver.time() >= longest_passage_ || solver.count().steps > most_steps)) {
       passage.outcome = {Ending::budget_spent, fmt::format("no passage through v = V within {:.3g} s and {} steps{}",
                                                            solver.time(), solver.count().steps, ringing_)};
       break;

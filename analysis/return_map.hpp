@@ -55,9 +55,11 @@ class ReturnMap {
     double amplitude = 0;        ///< largest |v − V|/V seen
     Eigen::MatrixXd derivative;  ///< of the differential unknowns, if asked
   };
-  /// Follows the motion from y through `turns` passages. `from_section`: y lies on the section.
+  /// Follows the motion from y through `turns` passages. `from_section`: y lies on the section. Motions that dip below
+  /// V by less than `dip`·V do not leave it: after a slip at 10¹⁰ V, rounding alone passes it again.
   Passage follow(const std::vector<double>& y, double tolerance, int turns, bool from_section, bool derivative = false,
-                 Recorder* recorder = nullptr);
+                 Recorder* recorder = nullptr, double dip = least_dip);
+  static constexpr double least_dip = 1e-10;
 
   const oscillators::SliderSystem& system() const { return system_; }
   /// Unknowns with the slider almost stuck (slip rate 1e-3 V) and the state of steady sliding at `aged_at`.
@@ -77,6 +79,7 @@ class ReturnMap {
   double longest_passage() const { return longest_passage_; }
 
  private:
+  double landing_time(const solvers::Collocation&) const;
   oscillators::SliderSystem system_;
   double speed_, longest_passage_;
   double growth_time_ = infinity;  ///< 1/|s| of the fastest growing mode of steady sliding

@@ -338,8 +338,9 @@ std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, do
   return sizes;
 }
 
-/// Largest absolute difference of each column, with rounding and the least relative error of the fine pass; infinite
-/// where the coarse pass ended earlier.
+/// Three times the largest absolute difference of each column (where curves have kinks, errors do not fall with the
+/// tolerance), with rounding and the least relative error of the fine pass; infinite where the coarse pass ended
+/// earlier.
 std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
                                 const std::vector<std::vector<double>>& fine, const std::vector<double>& sizes,
                                 double least) {
@@ -348,7 +349,7 @@ std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
     double largest = 0;
     for (std::size_t i = 0; i < fine[c].size(); ++i)
       largest = i < coarse[c].size() ? std::max(largest, std::abs(fine[c][i] - coarse[c][i])) : infinity;
-    list.push_back(largest + (least + 5e-14) * sizes[c]);
+    list.push_back(3 * largest + (least + 5e-14) * sizes[c]);
   }
   return list;
 }
@@ -397,7 +398,7 @@ Run run(const Model& model, const RunOptions& options) {
       if (ratio[c] > ratio[worst]) worst = c;
     }
     if (ratio[worst] <= options.tolerance) break;
-    if (attempt == 2 || tolerance <= least) {
+    if (attempt == 3 || tolerance <= least) {
       result.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} of its size only",
                                                                result.column_names[worst], ratio[worst])};
       break;

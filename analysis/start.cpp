@@ -11,6 +11,18 @@ namespace rosin::analysis {
 using oscillators::Mechanics;
 using oscillators::SliderSystem;
 
+namespace {
+/// True where the state of steady sliding has no value at rest.
+bool ages_without_end(const FrictionLaw& law, double normal_load) {
+  try {
+    law.steady({0, normal_load});
+    return false;
+  } catch (const InputError&) {
+    return true;
+  }
+}
+}  // namespace
+
 std::vector<double> starting_point(const SliderSystem& system, const Start& start) {
   const Model& model = system.model();
   const auto& law = *model.law;
@@ -24,6 +36,17 @@ std::vector<double> starting_point(const SliderSystem& system, const Start& star
   std::vector<double> state;
   if (start.kind == Start::Kind::rest) {
     state = law.steady({long_rest, N});
+    if (model.lambda == 0 && ages_without_end(law, N)) {
+      // A mass is let go with slip that no result shows; a loaded contact spring would show it.
+      if (!(system.mechanics() == Mechanics::inertial && system.rigid()))
+        throw InputError(fmt::format(
+            "start = \"rest\" with law.lambda = 0: the state of '{}' has no value at rest; start from a slip rate, or "
+            "give the law its memory (lambda > 0)",
+            law.card().name));
+      constexpr double unseen = 1e-14;
+      u = unseen * (V != 0 ? V : long_rest);
+      state = law.steady({u, N});
+    }
   } else {
     if (start.velocity && start.slip_rate) throw InputError("start takes velocity or slip_rate, not both");
     u = start.slip_rate ? *start.slip_rate : V - start.velocity.value_or(0);

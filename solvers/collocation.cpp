@@ -178,7 +178,8 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
   solve(f0_.data());
   double size = norm(e.data());
   if (refine && size > estimate_tolerance_) {
-    // Filters the stiff components once more (Hairer & Wanner, IV.8).
+    // Filters the stiff components once more (Hairer & Wanner, IV.8). Not at a start: that would hide the transient of
+    // a start off the stiff components' own motion, which a long step skips at every tolerance alike.
     for (int k = 0; k < n; ++k) work_[k] = y0[k] + e[k];
     std::vector<double>& f = residual_;
     system_.evaluate(t, work_.data(), f.data());
@@ -196,8 +197,10 @@ double Collocation::first_step(double t_limit) {
     if (mass_[i] > 0) fastest = std::max(fastest, std::abs(f0_[i] / mass_[i]) / scale_[i]);
   // Stiff rows decay on 1/|J|; the step may be longer, error control decides.
   const double guess = fastest > 0 ? 0.01 / fastest : 1e-3 * (t_limit - t_);
-  // Shorter at smaller tolerances, so that two of them never take the same steps.
-  return std::min({guess, 0.1 * bound_share_ * (t_limit - t_), system_.resolution()});
+  // Shorter at smaller tolerances, so that two of them never take the same steps over a transient, nor find the same
+  // samples within the first.
+  const double share = 0.1 * std::cbrt(tolerance_);
+  return std::min({bound_share_ * guess, share * (t_limit - t_), system_.resolution()});
 }
 
 Outcome Collocation::step(double t_limit) {
@@ -249,7 +252,7 @@ Outcome Collocation::step(double t_limit) {
       rejected = true;
       continue;
     }
-    const double error = estimate_error(t_, y_.data(), h, fresh_ || rejected);
+    const double error = estimate_error(t_, y_.data(), h, rejected && !fresh_);
     double factor = safety * std::pow(std::max(error, 1e-12), -1.0 / (s + 1));
     if (!(error <= 1)) {
       ++count_.rejected;

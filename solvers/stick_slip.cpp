@@ -37,7 +37,8 @@ double StickSlip::landing_time() const {
   for (int i = 0; i < system_.size(); ++i)
     if (state()[i] == u && mass_[i] > 0) rate = work_[i] / mass_[i];
   const bool slows = u * rate < 0 && std::abs(u) > 1e-8 * system_.reference_speed();
-  const double clock = system_.autonomous() ? 0 : 1e-12 * std::abs(time());  // a drive's time must still advance
+  // A drive's time must still advance, and a step be a part of it that counts.
+  const double clock = (system_.autonomous() ? 1e-28 : 1e-12) * std::abs(time());
   return slows ? std::max(0.5 * std::abs(u / rate), clock) : infinity;
 }
 

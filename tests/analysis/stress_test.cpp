@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "analysis/motion_end.hpp"
+#include "analysis/run.hpp"
 #include "analysis/stability.hpp"
 #include "laws/catalogue.hpp"
 #include "tests/bristol_board.hpp"
@@ -144,4 +145,81 @@ TEST_CASE("strong damping, curves that only rise, and settled slip end without a
   const auto cycle = find_cycle(rising);
   CHECK(cycle.outcome.ending == Ending::none_exists);
   CHECK(cycle.cost.steps == 0);
+}
+
+TEST_CASE("growth by 7e-7 in a turn is not waited for", "[stress]") {
+  const auto model = slider_under("ageing", {0.5734, 0.006203, 0.02583, 1.737e-06, 6.766e-07}, {4.149e7, 1.564e6, 0},
+                                  2.647e-4, 0.02461);
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.stable);
+  CHECK(cycle.metrics.slip_rate_min < 1e-3 * 2.647e-4);
+  CHECK(cycle.cost.steps < 100'000);
+}
+
+TEST_CASE("relaxation with slips at 1e12 times the drive speed is a cycle though its derivative is rounding",
+          "[stress]") {
+  const auto model =
+      slider_under("slip", {0.7005, 0.004191, 0.01289, 5.959e-06, 1.486e-06}, {0, 0.3961, 0.0004011}, 1.002e-07, 170.4);
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.stable);
+  CHECK(cycle.metrics.slip_rate_max > 1e12 * 1.002e-07);
+  CHECK(cycle.metrics.slip_rate_mean == Approx(1.002e-07).epsilon(1e-6));
+}
+
+TEST_CASE("free oscillation that friction hardly touches ends early, and that is said", "[stress]") {
+  Model model =
+      slider_under("ageing", {0.2745, 0.004822, 0.03558, 0.01858, 3.695e-05}, {8.003e7, 4679, 0}, 0.06696, 1.394e8);
+  model.lambda = 642.1;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::budget_spent);
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("hardly changes from passage to passage"));
+  CHECK(cycle.cost.steps < 200'000);
+}
+
+TEST_CASE("without its clock a contact starts from stick with the state of that slip rate", "[stress]") {
+  Model model =
+      slider_under("slip", {0.3906, 0.007792, 0.007723, 0.3373, 0.08164}, {281.8, 1443, 0}, 1.954e-05, 0.00304);
+  model.lambda = 0;
+  model.contact_stiffness.tangential = 0.02133;
+  CHECK(find_cycle(model, {.tolerance = 1e-6}).outcome.ending == Ending::none_exists);
+}
+
+TEST_CASE("rest without a clock: a mass starts, a contact spring is refused", "[stress]") {
+  Model model = slider_under("two-state-slip", {0.3269, 0.009796, 0.01044, 0.03193, -0.007659, 1.828e-09, 0.0001953},
+                             {7.198, 0.002374, 0}, 0.01624, 0.0001187);
+  model.lambda = 0;
+  RunOptions options;
+  options.duration = 6.274;
+  options.start.kind = Start::Kind::rest;
+  options.tolerance = 1e-6;
+  CHECK(run(model, options).outcome.complete());
+  model.contact_stiffness.tangential = 1;
+  CHECK_THROWS_WITH(run(model, options), Catch::Contains("has no value at rest"));
+}
+
+TEST_CASE("a start beside the friction of its state keeps its transient at every tolerance", "[stress]") {
+  Model model = slider_under("spinodal", {0.8782, 0.06552, 0.1045, 8.543e-07, 3.583e-06, 0.0004357, 181.2},
+                             {0.03411, 0.2609, 0}, 4.8e-06, 0.004235);
+  model.lambda = 738.2;
+  RunOptions options;
+  options.duration = 20.34;
+  options.samples = 20;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 3.543e-05;
+  options.tolerance = 1e-6;
+  const auto loose = run(model, options);
+  options.tolerance = 1e-9;
+  const auto tight = run(model, options);
+  REQUIRE(loose.outcome.complete());
+  constexpr int slip_rate = 2;
+  for (std::size_t i = 0; i < loose.time.size(); ++i)
+    CHECK(std::abs(loose.columns[slip_rate][i] - tight.columns[slip_rate][i]) <=
+          loose.column_error[slip_rate] + tight.column_error[slip_rate]);
+}
+
+TEST_CASE("slip at 1e12 times the drive speed comes to rest after a stick of 1e12 s", "[stress]") {
+  const auto model = slider_under("coulomb", {0.9626, 0.1462}, {0.0001032, 0.001275, 0}, 1.809e-05, 2.457e4);
+  CHECK(find_cycle(model, {.tolerance = 1e-6}).outcome.complete());
 }

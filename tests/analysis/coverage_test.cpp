@@ -1,0 +1,127 @@
+/// How often stated errors of cycles cover the true ones: counted on random cycles of all laws, and on a plane in
+/// lanes.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/cycle.hpp"
+#include "analysis/cycle_lanes.hpp"
+#include "analysis/stress.hpp"
+#include "laws/catalogue.hpp"
+#include "tests/bristol_board.hpp"
+
+using namespace rosin;
+using namespace rosin::analysis;
+
+namespace {
+
+/// Stated errors that were compared with a much finer solution, and those that held.
+struct Coverage {
+  long cycles = 0, cycles_covered = 0, numbers = 0, covered = 0;
+  double worst = 0;  ///< largest ratio of difference to stated error
+
+  void compare(const Metrics& metrics, const Metrics& error, bool ill_conditioned_stick, const Cycle& reference) {
+    bool all = true;
+    for (const auto& metric : metric_names()) {
+      const auto m = metric.member;
+      if (!std::isfinite(metrics.*m)) continue;  // not asked for
+      if (is_stick(metric) && (ill_conditioned_stick || reference.ill_conditioned_stick)) continue;
+      const double difference = std::abs(metrics.*m - reference.metrics.*m);
+      const double stated = error.*m + reference.error.*m;
+      const bool holds = difference <= stated;
+      ++numbers;
+      covered += holds;
+      all &= holds;
+      if (!holds) worst = std::max(worst, difference / stated);
+    }
+    ++cycles;
+    cycles_covered += all;
+  }
+  double share() const { return double(covered) / double(numbers); }
+};
+
+/// Random sliders of all laws that settle on a cycle along the drive, with that cycle at 1e-10.
+struct Known {
+  std::vector<Model> models;
+  std::vector<Cycle> cycles;
+};
+Known random_cycles(std::size_t count) {
+  Known known;
+  for (long index = 0; known.models.size() < count; ++index) {
+    const auto scene = draw_scene(laws::catalogue(), 77, index);
+    if (scene.question != Question::cycle) continue;
+    try {
+      Model model = model_of(scene);
+      if (!(model.drive.speed.level() > 0)) continue;
+      auto cycle = find_cycle(model, {.tolerance = 1e-10});
+      if (!(cycle.metrics.period > 0)) continue;
+      known.models.push_back(std::move(model));
+      known.cycles.push_back(std::move(cycle));
+    } catch (const InputError&) {
+    }
+  }
+  return known;
+}
+
+Coverage of_find_cycle(const Known& known) {
+  Coverage coverage;
+  for (std::size_t i = 0; i < known.models.size(); ++i) {
+    const auto cycle = find_cycle(known.models[i], {.tolerance = 1e-6});
+    if (cycle.outcome.complete())
+      coverage.compare(cycle.metrics, cycle.error, cycle.ill_conditioned_stick, known.cycles[i]);
+  }
+  return coverage;
+}
+
+/// Cycles that lanes find, but for those that settle on another cycle of the same slider.
+Coverage of_lanes(const Known& known) {
+  LaneCycleOptions options;
+  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
+  const auto found = find_cycles(known.models, options);
+  Coverage coverage;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (found[i].found && std::abs(found[i].metrics.period / known.cycles[i].metrics.period - 1) < 0.1)
+      coverage.compare(found[i].metrics, found[i].error, found[i].ill_conditioned_stick, known.cycles[i]);
+  return coverage;
+}
+
+/// The board's plane of load and λ, where sliding is unstable.
+Known plane_cycles(int side) {
+  Known known;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const Model model =
+          tests::bristol_board(std::pow(10.0, -6 + 5 * (i + 0.5) / side), std::pow(10.0, -4 + 6 * (j + 0.5) / side));
+      auto cycle = find_cycle(model, {.tolerance = 1e-10});
+      if (!(cycle.metrics.period > 0)) continue;
+      known.models.push_back(model);
+      known.cycles.push_back(std::move(cycle));
+    }
+  return known;
+}
+
+void report(const char* what, const Coverage& c) {
+  UNSCOPED_INFO(what << ": " << c.covered << " of " << c.numbers << " stated errors hold, all of " << c.cycles_covered
+                     << " of " << c.cycles << " cycles; worst ratio " << c.worst);
+}
+
+void check(const Known& random, const Known& plane) {
+  const auto cycles = of_find_cycle(random), lanes = of_lanes(random), points = of_lanes(plane);
+  report("find_cycle on random cycles", cycles);
+  report("lanes on random cycles", lanes);
+  report("lanes on a plane", points);
+  CHECK(cycles.share() >= 0.99);
+  // The lanes fall short of 0.99 as yet.
+  CHECK(lanes.share() >= 0.97);
+  CHECK(points.share() >= 0.97);
+  CHECK(std::max({cycles.worst, lanes.worst, points.worst}) < 10);
+}
+
+}  // namespace
+
+TEST_CASE("stated errors of cycles cover the true ones", "[coverage]") { check(random_cycles(24), plane_cycles(4)); }
+
+// The larger set: rosin_tests "[coverage-large]" -s
+TEST_CASE("stated errors of many cycles cover the true ones", "[.][coverage-large]") {
+  check(random_cycles(200), plane_cycles(14));
+}
