@@ -246,10 +246,17 @@ class Settling final : public PassageQueue {
       return true;
     }
     search.visits = 0;
-    const VectorXd metrics = visit.metrics + search.sensitivity * step;
+    // A fraction that is nought stays nought, and none leaves 0 … 1.
+    VectorXd correction = search.sensitivity * step;
+    for (std::size_t k = 0; k < metrics_.size(); ++k)
+      if (is_stick(*metrics_[k]))
+        correction[k] = visit.metrics[k] > 0 && visit.metrics[k] < 1
+                            ? std::clamp(correction[k], -visit.metrics[k], 1 - visit.metrics[k])
+                            : 0;
+    const VectorXd metrics = visit.metrics + correction;
     double sharpening = coarser;
     if (fine) {
-      const double reached = judge(search, metrics, cycle, off);
+      const double reached = judge(search, metrics, correction, cycle, off);
       if (inherits && reached > options_.tolerance) return false;
       search.fixed_point = next;
       if (reached <= options_.tolerance) {
@@ -283,7 +290,7 @@ class Settling final : public PassageQueue {
 
   /// Fills in metrics and errors; returns the worst relative error. Errors fall nearly in proportion to the tolerance:
   /// three times that is stated, and not less than what the tolerance makes likely.
-  double judge(Search& search, const VectorXd& fine, LaneCycle& cycle, double off) const {
+  double judge(Search& search, const VectorXd& fine, const VectorXd& correction, LaneCycle& cycle, double off) const {
     const double V = search.map.drive_speed(), lowest = search.passage.metrics.slip_rate_min;
     for (const auto& metric : metric_names()) cycle.metrics.*metric.member = cycle.error.*metric.member = nothing;
     Metrics sizes = search.passage.metrics;
@@ -308,10 +315,12 @@ class Settling final : public PassageQueue {
         }
         // The loop integral scatters more.
         const bool is_loop = metric.member == &Metrics::loop_area || metric.member == &Metrics::loop_area_normalised;
-        const double relative =
+        const double own =
             inherits
                 ? search.inherited[k] * search.tolerance + off
                 : (is_loop ? 2 : 1) * (5 / search.sharpening * change + 0.1 * largest + 0.4 * search.tolerance + off);
+        // What was carried on to the fixed point is known to a fraction of itself.
+        const double relative = own + 0.3 * std::abs(correction[k]) / size;
         cycle.metrics.*metric.member = fine[k];
         cycle.error.*metric.member = relative * size;
         search.error_rate[k] = relative / search.tolerance;

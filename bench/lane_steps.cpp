@@ -25,7 +25,9 @@ struct Healing {
     Real psi;
   };
   static constexpr auto states = table(field(&State::psi, "psi", "1", {0, 1}, "healed fraction"));
-  Real friction(Sliding<Real> at, State s) const { return (mu + d * s.psi) * at.slip_rate / (1e-7 + abs(at.slip_rate)); }
+  Real friction(Sliding<Real> at, State s) const {
+    return (mu + d * s.psi) * at.slip_rate / (1e-7 + abs(at.slip_rate));
+  }
   State rate(Sliding<Real> at, State s) const { return {(1.0 - s.psi) / t_heal - abs(at.slip_rate) * s.psi / L}; }
   State steady(Sliding<Real> at) const { return {1.0 / (1.0 + abs(at.slip_rate) * t_heal / L)}; }
 };
