@@ -178,11 +178,11 @@ void write_cells(const fs::path& path, const Scene& scene, const analysis::Map& 
 
 void write_threshold(const fs::path& path, const analysis::Map& map, const DrawnAxis& x, const DrawnAxis& y) {
   std::string text = "x,y\n";
-  for (std::size_t i = 0; i < map.threshold_x.size(); ++i) {
-    if (std::isnan(map.threshold_x[i]))
+  for (std::size_t i = 0; i < map.threshold.x.size(); ++i) {
+    if (std::isnan(map.threshold.x[i]))
       text += '\n';
     else
-      text += fmt::format("{},{}\n", x.coordinate(map.threshold_x[i]), y.coordinate(map.threshold_y[i]));
+      text += fmt::format("{},{}\n", x.coordinate(map.threshold.x[i]), y.coordinate(map.threshold.y[i]));
   }
   write_whole(path, text);
 }
@@ -426,7 +426,7 @@ Marks marks(const analysis::Map& map, double key_height) {
                               key_height, mark.style);
     at += 0.13;
   }
-  if (!map.threshold_x.empty()) {
+  if (!map.threshold.x.empty()) {
     result.curves +=
         ", \\\n     'map-threshold.csv' using 1:2 with lines linewidth 5 linecolor '#FFFFFF' notitle"
         ", \\\n     'map-threshold.csv' using 1:2 with lines linewidth 2 linecolor '#000000' notitle";

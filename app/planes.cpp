@@ -124,11 +124,11 @@ void write_plane(const std::filesystem::path& path, const Scene& scene, const an
       write_metric(wanted + "_error", metric, &analysis::MapPoint::error, "absolute error of " + wanted);
     }
 
-    const bool line = !map.threshold_x.empty();  // a dimension of length zero would mean an unlimited one
+    const bool line = !map.threshold.x.empty();  // a dimension of length zero would mean an unlimited one
     const std::vector<double> none = {std::nan("")};
-    const int vertices = plane.dimension("vertex", line ? map.threshold_x.size() : 1);
-    for (const auto& [name, axis, coordinates] : {std::tuple{"threshold_x", &map.x, line ? &map.threshold_x : &none},
-                                                  std::tuple{"threshold_y", &map.y, line ? &map.threshold_y : &none}}) {
+    const int vertices = plane.dimension("vertex", line ? map.threshold.x.size() : 1);
+    for (const auto& [name, axis, coordinates] : {std::tuple{"threshold_x", &map.x, line ? &map.threshold.x : &none},
+                                                  std::tuple{"threshold_y", &map.y, line ? &map.threshold.y : &none}}) {
       const int variable = plane.variable(name, NC_DOUBLE, {vertices});
       plane.attribute(variable, "path", axis->parameter);
       plane.attribute(variable, "units", scene.model.describe(axis->parameter).unit);
