@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <mutex>
+#include <numbers>
 #include <thread>
 
 #include "analysis/adaptive_map.hpp"
@@ -180,6 +182,48 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
   work();
 }
 
+constexpr std::string_view load_path = "drive.normal_load";
+constexpr double fold_tolerance = 1e-6;  ///< decades of load
+
+const Axis* load_axis(const Map& map) {
+  return map.x.parameter == load_path ? &map.x : map.y.parameter == load_path ? &map.y : nullptr;
+}
+
+/// The folds of cycles along the other axis, where the load is one.
+FoldLine trace_folds_of(const Model& model, const Map& map) {
+  const Axis& along = load_axis(map) == &map.x ? map.y : map.x;
+  constexpr int samples = 49;  // stretches narrower than their distance may be missed
+  return trace_folds(model, along.parameter, along.values[0], along.values[along.regular - 1], along.logarithmic,
+                     samples, fold_tolerance * std::numbers::ln10);
+}
+
+/// The folds as lines, as far as they lie within the plane.
+void draw_folds(const Model& model, const FoldLine& folds, const Axis& along, Map& map) {
+  constexpr int vertices = 65;
+  const Axis* load = load_axis(map);
+  if (!load) return;
+  const auto [low, high] = std::minmax(load->values[0], load->values[load->regular - 1]);
+  for (const auto& stretch : folds.stretches) {
+    map.fold_error = std::max(map.fold_error, stretch.error / std::numbers::ln10);
+    bool begun = false;
+    for (int i = 0; i < vertices; ++i) {
+      const double w = stretch.begin + (stretch.end - stretch.begin) * i / (vertices - 1);
+      const double value = folds.logarithmic ? std::exp(w) : w;
+      const auto border = border_in_load(model.with(along.parameter, value));
+      const double N = border ? border->value * std::exp(stretch.log_ratio(w)) : 0;
+      if (!(N >= low && N <= high)) {
+        begun = false;
+        continue;
+      }
+      if (!begun && !map.fold.x.empty())
+        for (auto* list : {&map.fold.x, &map.fold.y}) list->push_back(std::numeric_limits<double>::quiet_NaN());
+      begun = true;
+      map.fold.x.push_back(load == &map.x ? N : value);
+      map.fold.y.push_back(load == &map.x ? value : N);
+    }
+  }
+}
+
 }  // namespace
 
 Map compute_map(const Model& model, const MapOptions& options, const MapHooks& hooks) {
@@ -196,7 +240,11 @@ Map compute_map(const Model& model, const MapOptions& options, const MapHooks& h
   require(options.threads, {1, 4096}, "threads", "number of threads", "1");
 
   map.points.resize(map.x.values.size() * map.y.values.size());
-  CoexistenceSearch coexistence;
+  FoldLine folds = load_axis(map) ? trace_folds_of(model, map) : FoldLine{};
+  const Axis& along = map.x.parameter == load_path ? map.y : map.x;
+  for (const auto& problem : folds.problems) map.notes.push_back(problem);
+  draw_folds(model, folds, along, map);
+  CoexistenceSearch coexistence(along.parameter, std::move(folds));
   Collected collected(map, hooks);
   const auto finish = [&](FinishedPoints& found, double work) { collected.finish(found, work); };
   const bool adaptive = interpolates(options);

@@ -65,6 +65,10 @@ struct Map {
   Axis x, y;
   std::vector<MapPoint> points;  ///< row by row: [iy * x.size + ix]
   Polyline threshold;            ///< of steady sliding, located to rounding on the grid lines
+  /// Folds of cycles below the border where it is subcritical in normal load and the load is one of the axes: between
+  /// the two lines cycles coexist with stable sliding. Within `fold_error` decades of load.
+  Polyline fold;
+  double fold_error = 0;
   Outcome outcome;
   long integrated = 0, interpolated = 0, skipped = 0;  ///< number of points; skipped: decided without integration
   std::vector<std::string> notes;                      ///< what was decided without integration, and why

@@ -209,6 +209,7 @@ std::string to_json(const Scene& scene, const MapResult& result) {
   document["metrics"] = std::move(values);
   document["error"] = std::move(error);
   document["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
+  document["fold"] = {{"x", map.fold.x}, {"y", map.fold.y}, {"error_decades", map.fold_error}};
   auto& failures = document["failures"] = ordered_json::array();
   for (std::size_t i = 0; i < map.points.size(); ++i)
     if (map.points[i].regime == analysis::Regime::failed)
