@@ -209,8 +209,11 @@ void draw_folds(const Model& model, const FoldLine& folds, const Axis& along, Ma
     for (int i = 0; i < vertices; ++i) {
       const double w = stretch.begin + (stretch.end - stretch.begin) * i / (vertices - 1);
       const double value = folds.logarithmic ? std::exp(w) : w;
-      const auto border = border_in_load(model.with(along.parameter, value));
-      const double N = border ? border->value * std::exp(stretch.log_ratio(w)) : 0;
+      const Model here = model.with(along.parameter, value);
+      const auto closed = critical_load(here);
+      const auto border = closed ? std::nullopt : border_in_load(here);
+      const double hopf = closed ? closed->normal_load : border ? border->value : 0;
+      const double N = hopf * std::exp(stretch.log_ratio(w));
       if (!(N >= low && N <= high)) {
         begun = false;
         continue;
