@@ -2,6 +2,7 @@
 #pragma once
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,48 @@ struct Coexistence {
   std::string reason;
 };
 
+/// The fold of cycles below a subcritical Hopf load: the lowest load at which cycles exist beside stable sliding.
+struct Fold {
+  double log_ratio = 0;  ///< ln(N_fold/N_Hopf), negative; 0: could not be followed
+  double error = 0;      ///< of it, absolute
+  double size = 0;       ///< of the cycle there, in units of the system's scale
+};
+/// `near_size`: of the cycle at a fold nearby, if one is known. One slow direction of the return map is assumed.
+Fold fold_below(const Model& model, double hopf_load, double near_size = 0);
+/// The load of the fold, to about 1e-8 relative; 0 if it cannot be followed.
+double fold_of_cycles(const Model& model, double hopf_load);
+
+/// The lowest Hopf point in normal load, if there is one.
+std::optional<HopfPoint> border_in_load(const Model& model);
+
+/// The fold of cycles as a function of one other parameter, wherever the border in load is subcritical.
+struct FoldLine {
+  /// One stretch of it: √(−ln(N_fold/N_Hopf)), which is smooth and vanishes where the border turns supercritical, as a
+  /// Chebyshev series in the coordinate (logarithm of the parameter, or itself).
+  struct Stretch {
+    double begin, end;  ///< coordinates
+    std::vector<double> coefficients;
+    double error;  ///< largest of ln N_fold
+    int folds;     ///< that were searched for
+    double log_ratio(double coordinate) const;
+  };
+  std::vector<Stretch> stretches;
+  std::vector<std::string> problems;  ///< stretches that could not be followed
+  bool logarithmic = true;
+  double coordinate(double value) const;
+  const Stretch* at(double value) const;  ///< nullptr: none there
+};
+/// Traces it for values between `from` and `to`, looked for at `samples` places; `tolerance`: of ln N_fold.
+FoldLine trace_folds(const Model& model, std::string_view parameter, double from, double to, bool logarithmic,
+                     int samples, double tolerance);
+
 /// Answers for many points of one plane; remembers borders and folds of points that differ in normal load only.
 /// Thread-safe; answers do not depend on the order of the questions.
 class CoexistenceSearch {
  public:
+  CoexistenceSearch() = default;
+  /// Takes folds from a line that was traced, where it reaches, instead of searching for each.
+  CoexistenceSearch(std::string parameter, FoldLine line) : parameter_(std::move(parameter)), line_(std::move(line)) {}
   Coexistence ask(const Model& model);
 
  private:
@@ -31,12 +70,10 @@ class CoexistenceSearch {
     double fold_load = 0;  ///< lowest load with a cycle, where subcritical; 0: not found
   };
   Border border(const Model& model);
+  std::string parameter_;
+  FoldLine line_;
   std::mutex mutex_;
   std::map<std::vector<double>, Border> known_;
 };
-
-/// The lowest normal load at which cycles exist beside stable sliding below a subcritical Hopf load: the fold of
-/// cycles, to about 1e-6 relative. 0 if it cannot be followed. One slow direction of the return map is assumed.
-double fold_of_cycles(const Model& model, double hopf_load);
 
 }  // namespace rosin::analysis

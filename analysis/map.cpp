@@ -5,16 +5,15 @@
 
 #include <algorithm>
 #include <atomic>
-#include <boost/math/tools/roots.hpp>
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <optional>
+#include <numbers>
 #include <thread>
 
-#include "analysis/coexistence.hpp"
-#include "analysis/cycle_lanes.hpp"
-#include "analysis/stability.hpp"
+#include "analysis/adaptive_map.hpp"
+#include "analysis/borders.hpp"
+#include "analysis/map_point.hpp"
 
 namespace rosin::analysis {
 
@@ -56,54 +55,6 @@ Axis make_axis(std::string parameter, double from, double to, int points, bool l
 
 namespace {
 
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-
-Metrics no_metrics() {
-  Metrics m;
-  for (const auto& metric : metric_names()) m.*metric.member = nothing;
-  return m;
-}
-
-/// What linear stability and the folds of cycles say of a point before any integration.
-enum class Verdict { stable, look_for_cycle, look_beside_steady };
-Verdict judge(const Model& model, CoexistenceSearch& coexistence) {
-  const Stability sliding = stability(model);
-  if (!sliding.stable && !sliding.marginal) return Verdict::look_for_cycle;
-  return coexistence.ask(model).answer == Coexistence::Answer::none ? Verdict::stable : Verdict::look_beside_steady;
-}
-
-MapPoint stable_point() {
-  MapPoint point;
-  point.done = true;
-  point.regime = Regime::stable;
-  point.metrics = point.error = no_metrics();
-  return point;
-}
-
-/// A point by itself, at the full order of the collocation.
-MapPoint compute_point(const Model& model, const MapOptions& options, bool attracts) {
-  MapPoint point = stable_point();
-  point.integrated = true;
-  point.regime = Regime::failed;
-  try {
-    const Cycle cycle = find_cycle(
-        model, {.tolerance = options.tolerance, .stick_threshold = options.stick_threshold, .multipliers = false});
-    if (cycle.metrics.period > 0 && cycle.stable) {
-      point.regime = attracts ? Regime::bistable : Regime::cycle;
-      point.metrics = cycle.metrics;
-      point.error = cycle.error;
-      if (!cycle.outcome.complete()) point.why = cycle.outcome.detail;  // found, less accurately than asked
-    } else if (attracts && cycle.outcome.ending == Ending::none_exists) {
-      point.regime = Regime::stable;
-    } else {
-      point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
-    }
-  } catch (const InputError& e) {
-    point.why = e.what();
-  }
-  return point;
-}
-
 /// The plane in tiles: what is computed together, so that neighbours help each other to a start.
 class Tiles {
  public:
@@ -132,100 +83,149 @@ class Tiles {
   std::size_t width_;
 };
 
-/// The border of stability on the grid lines, joined to polylines.
-class Threshold {
+/// What comes out of the workers: points, taken over in the order in which they are finished.
+class Collected {
  public:
-  Threshold(const Model& model, const Axis& x, const Axis& y) : model_(model), x_(x), y_(y) {}
-
-  void trace(std::vector<double>& line_x, std::vector<double>& line_y) {
-    const int nx = x_.regular, ny = y_.regular;
-    std::vector<double> growth(nx * ny);
-    for (int j = 0; j < ny; ++j)
-      for (int i = 0; i < nx; ++i) growth[j * nx + i] = growth_at(x_.values[i], y_.values[j]);
-    // Zeros on the edges of the grid: horizontal edges first, then vertical ones.
-    std::vector<std::optional<Point>> crossing(nx * ny * 2);
-    const auto edge = [&](int i, int j, bool vertical) { return (j * nx + i) * 2 + vertical; };
-    for (int j = 0; j < ny; ++j)
-      for (int i = 0; i < nx; ++i) {
-        if (i + 1 < nx) crossing[edge(i, j, false)] = locate(growth[j * nx + i], growth[j * nx + i + 1], i, j, false);
-        if (j + 1 < ny) crossing[edge(i, j, true)] = locate(growth[j * nx + i], growth[(j + 1) * nx + i], i, j, true);
+  Collected(Map& map, const MapHooks& hooks) : map_(map), hooks_(hooks) {
+    for (std::size_t i = 0; i < map.points.size(); ++i)
+      if (const MapPoint* known = hooks.known ? hooks.known(i) : nullptr) {
+        map.points[i] = *known;
+        ++done_;
       }
-    // Within each cell the line runs from crossing to crossing.
-    std::vector<std::vector<int>> neighbours(crossing.size());
-    for (int j = 0; j + 1 < ny; ++j)
-      for (int i = 0; i + 1 < nx; ++i) {
-        std::vector<int> met;  // around the cell
-        for (const int e : {edge(i, j, false), edge(i + 1, j, true), edge(i, j + 1, false), edge(i, j, true)})
-          if (crossing[e]) met.push_back(e);
-        for (std::size_t k = 0; k + 1 < met.size(); k += 2) {
-          neighbours[met[k]].push_back(met[k + 1]);
-          neighbours[met[k + 1]].push_back(met[k]);
-        }
-      }
-    std::vector<bool> used(crossing.size());
-    const auto follow = [&](int first) {
-      if (!line_x.empty()) line_x.push_back(nothing), line_y.push_back(nothing);
-      for (int at = first; at >= 0;) {
-        used[at] = true;
-        line_x.push_back(crossing[at]->x);
-        line_y.push_back(crossing[at]->y);
-        int next = -1;
-        for (const int n : neighbours[at])
-          if (!used[n]) next = n;
-        at = next;
-      }
-    };
-    for (const bool ends_only : {true, false})  // open lines from an end, then closed ones
-      for (int e = 0; e < int(crossing.size()); ++e)
-        if (crossing[e] && !used[e] && (!ends_only || neighbours[e].size() < 2)) follow(e);
   }
+  /// `work`: done by now, as a part of all.
+  void finish(std::vector<std::pair<std::size_t, MapPoint>>& found, double work) {
+    std::vector<std::size_t> fresh;
+    const std::scoped_lock lock(mutex_);
+    for (auto& [i, point] : found) {
+      if (map_.points[i].done) continue;  // known from before
+      map_.points[i] = std::move(point);
+      fresh.push_back(i);
+    }
+    found.clear();
+    done_ += fresh.size();
+    if (hooks_.finished && !fresh.empty()) hooks_.finished(fresh, map_.points);
+    work_ += work;
+    if (hooks_.progress) hooks_.progress({done_, map_.points.size(), std::min(1.0, work_)});
+  }
+  std::size_t done() const { return done_; }
 
  private:
-  struct Point {
-    double x, y;
-  };
-  /// Largest real part of the eigenvalues; NaN where sliding has none or it is within rounding of zero.
-  double growth_at(double x, double y) const {
-    try {
-      const auto s = stability(model_.with(x_.parameter, x).with(y_.parameter, y));
-      return s.eigenvalues.empty() || s.marginal ? nothing : s.eigenvalues.front().real();
-    } catch (const InputError&) {
-      return nothing;
-    }
-  }
-  std::optional<Point> locate(double low, double high, int i, int j, bool vertical) const {
-    if (!std::isfinite(low) || !std::isfinite(high) || (low > 0) == (high > 0)) return std::nullopt;
-    const Axis& axis = vertical ? y_ : x_;
-    const int first = vertical ? j : i;
-    const double a = axis.values[first], b = axis.values[first + 1];
-    const auto value = [&](double w) { return axis.logarithmic ? std::exp(w) : w; };
-    const auto coordinate = [&](double v) { return axis.logarithmic ? std::log(v) : v; };
-    const auto point = [&](double v) { return vertical ? Point{x_.values[i], v} : Point{v, y_.values[j]}; };
-    std::uintmax_t iterations = 100;
-    const auto rate = [&](double w) {
-      const Point p = point(value(w));
-      const double g = growth_at(p.x, p.y);
-      return std::isfinite(g) ? g : 0.0;  // within rounding of zero: found
-    };
-    const bool ascending = a < b;  // as the root finder wants it, whichever way the axis runs
-    const auto [l, h] = boost::math::tools::toms748_solve(
-        rate, coordinate(ascending ? a : b), coordinate(ascending ? b : a), ascending ? low : high,
-        ascending ? high : low, boost::math::tools::eps_tolerance<double>(52), iterations);
-    const Point numeric = point(value(0.5 * (l + h)));
-    // Where the load is one of the axes, its closed form is free of the eigenvalues' rounding.
-    for (const bool load_is_y : {false, true}) {
-      if ((load_is_y ? y_ : x_).parameter != "drive.normal_load") continue;
-      const auto closed = critical_load(model_.with(x_.parameter, numeric.x).with(y_.parameter, numeric.y));
-      const double here = load_is_y ? numeric.y : numeric.x;
-      if (closed && std::abs(closed->normal_load / here - 1) < 1e-6)
-        return load_is_y ? Point{numeric.x, closed->normal_load} : Point{closed->normal_load, numeric.y};
-    }
-    return numeric;
-  }
-
-  const Model& model_;
-  const Axis &x_, &y_;
+  Map& map_;
+  const MapHooks& hooks_;
+  std::mutex mutex_;
+  std::size_t done_ = 0;
+  double work_ = 0;
 };
+
+/// Every point by itself, in tiles.
+void compute_every_point(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence, const Map& map,
+                         const std::function<void(FinishedPoints&, double)>& finish, const std::stop_token& stop) {
+  const std::size_t nx = options.x.values.size();
+  const auto model_at = [&](std::size_t i) {
+    return model.with(options.x.parameter, options.x.values[i % nx])
+        .with(options.y.parameter, options.y.values[i / nx]);
+  };
+  // Tiles are independent of each other, so that neither threads nor an interruption show in the result. Several at a
+  // time keep the lanes full.
+  const Tiles tiles(options.x, options.y);
+  std::vector<int> open;
+  for (int tile = 0; tile < tiles.count(); ++tile) {
+    bool missing = false;
+    tiles.for_each(tile, [&](std::size_t i, GridPlace) { missing |= !map.points[i].done; });
+    if (missing) open.push_back(tile);
+  }
+  const std::size_t together = std::clamp<std::size_t>(open.size() / options.threads, 1, 4);
+  const LaneCycleOptions lane_options{options.tolerance, options.stick_threshold, options.metrics};
+  const auto alone_at = [&](const Model& here, bool attracts) {
+    return compute_point(here, options.tolerance, options.stick_threshold, attracts);
+  };
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    while (!stop.stop_requested()) {
+      const std::size_t first = next.fetch_add(together);
+      if (first >= open.size()) return;
+      const std::size_t last = std::min(first + together, open.size());
+      std::vector<Model> models;
+      std::vector<GridPlace> places;
+      std::vector<std::size_t> indices, alone;
+      FinishedPoints finished;
+      for (std::size_t k = first; k < last; ++k)
+        tiles.for_each(open[k], [&](std::size_t i, GridPlace place) {
+          try {
+            Model here = model_at(i);
+            const Verdict verdict = judge(here, coexistence);
+            if (verdict == Verdict::stable) return void(finished.emplace_back(i, stable_point()));
+            if (verdict == Verdict::look_beside_steady) return alone.push_back(i);
+            models.push_back(std::move(here));
+            places.push_back(place);
+            indices.push_back(i);
+          } catch (const InputError& e) {
+            finished.emplace_back(i, failed_point(e.what()));
+          }
+        });
+      finish(finished, 0);
+      const auto cycles = find_cycles(models, lane_options, places);
+      for (std::size_t k = 0; k < cycles.size() && !stop.stop_requested(); ++k)
+        finished.emplace_back(indices[k], cycles[k].found ? point_of(cycles[k]) : alone_at(models[k], false));
+      finish(finished, 0);
+      for (std::size_t k = 0; k < alone.size() && !stop.stop_requested(); ++k) {
+        if (map.points[alone[k]].done) continue;
+        finished.emplace_back(alone[k], alone_at(model_at(alone[k]), true));
+        finish(finished, 0);
+      }
+      finish(finished, double(last - first) / double(open.size()));
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
+  work();
+}
+
+constexpr std::string_view load_path = "drive.normal_load";
+constexpr double fold_tolerance = 1e-6;  ///< decades of load
+
+const Axis* load_axis(const Map& map) {
+  return map.x.parameter == load_path ? &map.x : map.y.parameter == load_path ? &map.y : nullptr;
+}
+
+/// The folds of cycles along the other axis, where the load is one.
+FoldLine trace_folds_of(const Model& model, const Map& map) {
+  const Axis& along = load_axis(map) == &map.x ? map.y : map.x;
+  constexpr int samples = 49;  // stretches narrower than their distance may be missed
+  return trace_folds(model, along.parameter, along.values[0], along.values[along.regular - 1], along.logarithmic,
+                     samples, fold_tolerance * std::numbers::ln10);
+}
+
+/// The folds as lines, as far as they lie within the plane.
+void draw_folds(const Model& model, const FoldLine& folds, const Axis& along, Map& map) {
+  constexpr int vertices = 65;
+  const Axis* load = load_axis(map);
+  if (!load) return;
+  const auto [low, high] = std::minmax(load->values[0], load->values[load->regular - 1]);
+  for (const auto& stretch : folds.stretches) {
+    map.fold_error = std::max(map.fold_error, stretch.error / std::numbers::ln10);
+    bool begun = false;
+    for (int i = 0; i < vertices; ++i) {
+      const double w = stretch.begin + (stretch.end - stretch.begin) * i / (vertices - 1);
+      const double value = folds.logarithmic ? std::exp(w) : w;
+      const Model here = model.with(along.parameter, value);
+      const auto closed = critical_load(here);
+      const auto border = closed ? std::nullopt : border_in_load(here);
+      const double hopf = closed ? closed->normal_load : border ? border->value : 0;
+      const double N = hopf * std::exp(stretch.log_ratio(w));
+      if (!(N >= low && N <= high)) {
+        begun = false;
+        continue;
+      }
+      if (!begun && !map.fold.x.empty())
+        for (auto* list : {&map.fold.x, &map.fold.y}) list->push_back(std::numeric_limits<double>::quiet_NaN());
+      begun = true;
+      map.fold.x.push_back(load == &map.x ? N : value);
+      map.fold.y.push_back(load == &map.x ? value : N);
+    }
+  }
+}
 
 }  // namespace
 
@@ -242,97 +242,47 @@ Map compute_map(const Model& model, const MapOptions& options, const MapHooks& h
     for (const double v : axis->values) (void)model.with(axis->parameter, v);  // refuses values out of range
   require(options.threads, {1, 4096}, "threads", "number of threads", "1");
 
-  const std::size_t nx = map.x.values.size(), total = nx * map.y.values.size();
-  map.points.resize(total);
-  CoexistenceSearch coexistence;
-  std::mutex hook_mutex;
-  std::size_t done = 0;
-  for (std::size_t i = 0; i < total; ++i)
-    if (const MapPoint* known = hooks.known ? hooks.known(i) : nullptr) {
-      map.points[i] = *known;
-      ++done;
-    }
-  const auto model_at = [&](std::size_t i) {
-    return model.with(map.x.parameter, map.x.values[i % nx]).with(map.y.parameter, map.y.values[i / nx]);
-  };
-  const auto finish = [&](std::size_t i, MapPoint point) {
-    const std::scoped_lock lock(hook_mutex);
-    if (map.points[i].done) return;  // known from before
-    map.points[i] = std::move(point);
-    ++done;
-    if (hooks.finished) hooks.finished(i, map.points[i]);
-    if (hooks.progress) hooks.progress(done, total);
-  };
-  // Tiles are independent of each other, so that neither threads nor an interruption show in the result. Several at a
-  // time keep the lanes full.
-  const Tiles tiles(map.x, map.y);
-  std::vector<int> open;
-  for (int tile = 0; tile < tiles.count(); ++tile) {
-    bool missing = false;
-    tiles.for_each(tile, [&](std::size_t i, GridPlace) { missing |= !map.points[i].done; });
-    if (missing) open.push_back(tile);
-  }
-  const std::size_t together = std::clamp<std::size_t>(open.size() / options.threads, 1, 4);
-  const LaneCycleOptions lane_options{options.tolerance, options.stick_threshold, options.metrics};
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    while (!hooks.stop.stop_requested()) {
-      const std::size_t first = next.fetch_add(together);
-      if (first >= open.size()) return;
-      std::vector<Model> models;
-      std::vector<GridPlace> places;
-      std::vector<std::size_t> indices, alone;
-      for (std::size_t k = first; k < std::min(first + together, open.size()); ++k)
-        tiles.for_each(open[k], [&](std::size_t i, GridPlace place) {
-          try {
-            Model here = model_at(i);
-            const Verdict verdict = judge(here, coexistence);
-            if (verdict == Verdict::stable) return finish(i, stable_point());
-            if (verdict == Verdict::look_beside_steady) return alone.push_back(i);
-            models.push_back(std::move(here));
-            places.push_back(place);
-            indices.push_back(i);
-          } catch (const InputError& e) {
-            MapPoint point = stable_point();
-            point.regime = Regime::failed;
-            point.why = e.what();
-            finish(i, std::move(point));
-          }
-        });
-      const auto cycles = find_cycles(models, lane_options, places);
-      for (std::size_t k = 0; k < cycles.size() && !hooks.stop.stop_requested(); ++k) {
-        MapPoint point = stable_point();
-        point.integrated = true;
-        point.regime = Regime::cycle;
-        point.metrics = cycles[k].metrics;
-        point.error = cycles[k].error;
-        finish(indices[k], cycles[k].found ? std::move(point) : compute_point(models[k], options, false));
-      }
-      for (std::size_t k = 0; k < alone.size() && !hooks.stop.stop_requested(); ++k)
-        if (!map.points[alone[k]].done) finish(alone[k], compute_point(model_at(alone[k]), options, true));
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
-    work();
-  }
-  if (done < total) {
-    map.outcome = {Ending::interrupted, fmt::format("{} of {} points are done", done, total)};
+  map.points.resize(map.x.values.size() * map.y.values.size());
+  FoldLine folds = load_axis(map) ? trace_folds_of(model, map) : FoldLine{};
+  const Axis& along = map.x.parameter == load_path ? map.y : map.x;
+  for (const auto& problem : folds.problems) map.notes.push_back(problem);
+  draw_folds(model, folds, along, map);
+  CoexistenceSearch coexistence(along.parameter, std::move(folds));
+  Collected collected(map, hooks);
+  const auto finish = [&](FinishedPoints& found, double work) { collected.finish(found, work); };
+  const bool adaptive = interpolates(options);
+  if (adaptive)
+    compute_adaptively(model, options, coexistence, map.points, finish, hooks.stop);
+  else
+    compute_every_point(model, options, coexistence, map, finish, hooks.stop);
+  if (collected.done() < map.points.size()) {
+    map.outcome = {Ending::interrupted, fmt::format("{} of {} points are done", collected.done(), map.points.size())};
     return map;
   }
-  Threshold(model, map.x, map.y).trace(map.threshold_x, map.threshold_y);
+  std::vector<Side> sides;
   std::size_t failed = 0;
   for (const auto& point : map.points) {
-    (point.integrated ? map.integrated : map.skipped) += 1;
+    (point.origin == Origin::computed       ? map.integrated
+     : point.origin == Origin::interpolated ? map.interpolated
+                                            : map.skipped) += 1;
     failed += point.regime == Regime::failed;
+    sides.push_back(point.regime == Regime::failed  ? Side::unknown
+                    : point.regime == Regime::cycle ? Side::unstable
+                                                    : Side::stable);
   }
+  map.threshold = threshold_of_sliding(model, map.x, map.y, sides);
   map.notes.push_back(fmt::format(
       "{} of {} points were decided without integration: steady sliding is stable there and no cycle can coexist, "
       "because the border in normal load is supercritical, or the load lies below the fold of cycles, or friction "
       "strengthens everywhere",
-      map.skipped, total));
-  if (failed > 0) map.outcome = {Ending::budget_spent, fmt::format("{} of {} points failed", failed, total)};
+      map.skipped, map.points.size()));
+  if (adaptive)
+    map.notes.push_back(fmt::format(
+        "{} of {} points were interpolated between computed ones, in patches refined until held-out points, and the "
+        "errors of the nodes, left no metric an error above the tolerance; --exact computes every point",
+        map.interpolated, map.points.size()));
+  if (failed > 0)
+    map.outcome = {Ending::budget_spent, fmt::format("{} of {} points failed", failed, map.points.size())};
   return map;
 }
 

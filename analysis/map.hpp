@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -27,35 +28,63 @@ std::string name(Regime);
 struct MapOptions {
   Axis x, y;
   std::vector<std::string> metrics;  ///< names; see metric_names()
-  double tolerance = 1e-6;           ///< relative, of every metric
+  double tolerance = 1e-6;           ///< relative, of every metric, computed or interpolated
   double stick_threshold = 0.1;
   int threads = 1;
+  bool exact = false;  ///< compute every point; otherwise large planes are interpolated between computed points
 };
+
+/// Where the numbers of a point come from.
+enum class Origin : std::uint8_t {
+  decided,      ///< by linear stability and the fold bounds alone
+  computed,     ///< by integration
+  interpolated  ///< between computed points, with an error seen at held-out ones
+};
+
+/// True where some points are computed and the others interpolated, because that costs less than all of them.
+bool interpolates(const MapOptions&);
 
 /// What is known of one point.
 struct MapPoint {
   Regime regime = Regime::failed;
-  bool integrated = false;  ///< false: decided by linear stability and the fold bounds alone
+  Origin origin = Origin::decided;
   bool done = false;
   Metrics metrics, error;  ///< NaN where there is no cycle
   std::string why;         ///< of a failure
 };
 
+/// A point of which nothing is known yet.
+MapPoint undecided_point();
+
+/// Lines in the plane, NaN between separate ones.
+struct Polyline {
+  std::vector<double> x, y;
+};
+
 struct Map {
   Axis x, y;
   std::vector<MapPoint> points;  ///< row by row: [iy * x.size + ix]
-  /// Threshold of steady sliding as polylines, NaN between separate lines; located to rounding on the grid lines.
-  std::vector<double> threshold_x, threshold_y;
+  Polyline threshold;            ///< of steady sliding, located to rounding on the grid lines
+  /// Folds of cycles below the border where it is subcritical in normal load and the load is one of the axes: between
+  /// the two lines cycles coexist with stable sliding. Within `fold_error` decades of load.
+  Polyline fold;
+  double fold_error = 0;
   Outcome outcome;
-  long integrated = 0, skipped = 0;
-  std::vector<std::string> notes;  ///< what was decided without integration, and why
+  long integrated = 0, interpolated = 0, skipped = 0;  ///< number of points; skipped: decided without integration
+  std::vector<std::string> notes;                      ///< what was decided without integration, and why
+};
+
+struct MapProgress {
+  std::size_t done = 0, total = 0;  ///< points
+  double work = 0;                  ///< done now as a part of all that was missing, 0 … 1
 };
 
 /// Hooks for the caller; all may be empty. Called from one thread at a time.
 struct MapHooks {
-  std::function<const MapPoint*(std::size_t)> known;           ///< a point computed earlier, or nullptr
-  std::function<void(std::size_t, const MapPoint&)> finished;  ///< a point is done: keep it safe
-  std::function<void(std::size_t done, std::size_t total)> progress;
+  std::function<const MapPoint*(std::size_t)> known;  ///< a point computed earlier, or nullptr
+  /// Some points are done: keep them safe. Patches that are interpolated are known whole or computed again.
+  std::function<void(std::span<const std::size_t>, const std::vector<MapPoint>&)> finished;
+  std::function<void(const MapProgress&)> progress;
   std::stop_token stop;  ///< asks for an early, orderly end
 };
 

@@ -92,6 +92,7 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     command->add_option("--tolerance", request.tolerance, "relative accuracy of every result");
     command->add_option("--threads", request.threads, "threads of a map; results do not depend on it")
         ->capture_default_str();
+    if (name == "map") command->add_flag("--exact", request.exact, "compute every point of a map, interpolate none");
     command->add_flag("--explain", request.explain, "say on standard error what is computed how, and what is skipped");
   }
 

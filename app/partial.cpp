@@ -6,7 +6,6 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -21,13 +20,12 @@ namespace {
 
 using analysis::MapPoint;
 
-/// A record as it stands in the file; the reason of a failure follows it.
+/// A record as it stands in the file; metrics, their errors and the reason of a failure follow it.
 struct Record {
   std::uint64_t checksum;  ///< of everything after it
   std::uint64_t index;
   std::uint32_t reason_length;
-  std::uint8_t regime, integrated, done, unused;
-  analysis::Metrics metrics, error;
+  std::uint8_t regime, origin, unused[2];
 };
 static_assert(std::is_trivially_copyable_v<Record>);
 
@@ -56,8 +54,10 @@ void write_all(int file, std::string_view bytes, const std::filesystem::path& pa
 
 }  // namespace
 
-Partial::Partial(std::filesystem::path path, const std::string& key, std::size_t points)
-    : path_(std::move(path)), file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)), points_(points) {
+Partial::Partial(std::filesystem::path path, const std::string& key, std::size_t points,
+                 const std::vector<std::string>& metrics)
+    : path_(std::move(path)), file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+  for (const auto& name : metrics) kept_.push_back(analysis::find_metric(name).member);
   if (file_ < 0) throw InputError(fmt::format("{}: cannot be opened: {}", path_.string(), std::strerror(errno)));
   if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
     ::close(file_);
@@ -73,16 +73,19 @@ Partial::Partial(std::filesystem::path path, const std::string& key, std::size_t
     while (content.size() - valid >= sizeof(Record)) {
       Record record;
       std::memcpy(&record, content.data() + valid, sizeof record);
-      const std::size_t length = sizeof record + record.reason_length;
+      const std::size_t numbers = 2 * sizeof(double) * kept_.size(),
+                        length = sizeof record + numbers + record.reason_length;
       if (record.reason_length > longest_reason || content.size() - valid < length || record.index >= points) break;
       const std::string_view bytes(content.data() + valid, length);
       if (checksum(body(bytes)) != record.checksum) break;
-      points_[record.index] = MapPoint{static_cast<analysis::Regime>(record.regime),
-                                       record.integrated != 0,
-                                       record.done != 0,
-                                       record.metrics,
-                                       record.error,
-                                       std::string(bytes.substr(sizeof record))};
+      MapPoint& point = known_.insert_or_assign(record.index, analysis::undecided_point()).first->second;
+      point.done = true;
+      point.regime = static_cast<analysis::Regime>(record.regime);
+      point.origin = static_cast<analysis::Origin>(record.origin);
+      const char* at = bytes.data() + sizeof record;
+      for (auto* numbers : {&point.metrics, &point.error})
+        for (const auto member : kept_) std::memcpy(&(numbers->*member), at, sizeof(double)), at += sizeof(double);
+      point.why = std::string(bytes.substr(length - record.reason_length));
       valid += length;
     }
   }
@@ -93,26 +96,29 @@ Partial::Partial(std::filesystem::path path, const std::string& key, std::size_t
 
 Partial::~Partial() { ::close(file_); }
 
-const MapPoint* Partial::known(std::size_t index) const { return points_[index] ? &*points_[index] : nullptr; }
-
-std::size_t Partial::known_count() const {
-  return static_cast<std::size_t>(std::ranges::count_if(points_, [](const auto& point) { return point.has_value(); }));
+const MapPoint* Partial::known(std::size_t index) const {
+  const auto it = known_.find(index);
+  return it == known_.end() ? nullptr : &it->second;
 }
 
-void Partial::append(std::size_t index, const MapPoint& point) {
-  const auto reason = std::string_view(point.why).substr(0, longest_reason);
-  Record record{};
-  record.index = index;
-  record.reason_length = static_cast<std::uint32_t>(reason.size());
-  record.regime = static_cast<std::uint8_t>(point.regime);
-  record.integrated = point.integrated;
-  record.done = point.done;
-  record.metrics = point.metrics;
-  record.error = point.error;
-  std::string bytes(reinterpret_cast<const char*>(&record), sizeof record);
-  bytes += reason;
-  record.checksum = checksum(body(bytes));
-  std::memcpy(bytes.data(), &record.checksum, sizeof record.checksum);
+void Partial::append(std::span<const std::size_t> indices, const std::vector<MapPoint>& points) {
+  std::string bytes;
+  for (const std::size_t index : indices) {
+    const MapPoint& point = points[index];
+    const auto reason = std::string_view(point.why).substr(0, longest_reason);
+    Record record{};
+    record.index = index;
+    record.reason_length = static_cast<std::uint32_t>(reason.size());
+    record.regime = static_cast<std::uint8_t>(point.regime);
+    record.origin = static_cast<std::uint8_t>(point.origin);
+    const std::size_t begin = bytes.size();
+    bytes.append(reinterpret_cast<const char*>(&record), sizeof record);
+    for (const auto* numbers : {&point.metrics, &point.error})
+      for (const auto member : kept_) bytes.append(reinterpret_cast<const char*>(&(numbers->*member)), sizeof(double));
+    bytes += reason;
+    record.checksum = checksum(body(std::string_view(bytes).substr(begin)));
+    std::memcpy(bytes.data() + begin, &record.checksum, sizeof record.checksum);
+  }
   write_all(file_, bytes, path_);
 }
 

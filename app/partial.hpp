@@ -1,8 +1,9 @@
 /// The finished points of a map kept on disk while it is computed, so that an interrupted map goes on where it stopped.
 #pragma once
 #include <filesystem>
-#include <optional>
+#include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "analysis/map.hpp"
@@ -13,23 +14,25 @@ namespace rosin::app {
 class Partial {
  public:
   /// Takes over the records of an earlier run with the same key, up to the first damaged one; else starts afresh.
-  /// \throws InputError if another process is computing into the same file.
-  Partial(std::filesystem::path path, const std::string& key, std::size_t points);
+  /// `metrics`: names of those that are kept. \throws InputError if another process is computing into the same file.
+  Partial(std::filesystem::path path, const std::string& key, std::size_t points,
+          const std::vector<std::string>& metrics);
   ~Partial();
   Partial(const Partial&) = delete;
 
   /// The point as an earlier run left it, or nullptr.
   const analysis::MapPoint* known(std::size_t index) const;
-  std::size_t known_count() const;
-  /// Appends a point; it survives the end of the process from here on.
-  void append(std::size_t index, const analysis::MapPoint& point);
+  std::size_t known_count() const { return known_.size(); }
+  /// Appends some of the points; they survive the end of the process from here on.
+  void append(std::span<const std::size_t> indices, const std::vector<analysis::MapPoint>& points);
   /// The map is written elsewhere: the journal is not needed any more.
   void remove();
 
  private:
   std::filesystem::path path_;
   int file_;
-  std::vector<std::optional<analysis::MapPoint>> points_;
+  std::vector<double analysis::Metrics::*> kept_;
+  std::unordered_map<std::size_t, analysis::MapPoint> known_;
 };
 
 }  // namespace rosin::app

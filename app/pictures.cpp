@@ -176,13 +176,13 @@ void write_cells(const fs::path& path, const Scene& scene, const analysis::Map& 
   write_csv(path, table);
 }
 
-void write_threshold(const fs::path& path, const analysis::Map& map, const DrawnAxis& x, const DrawnAxis& y) {
+void write_line(const fs::path& path, const analysis::Polyline& line, const DrawnAxis& x, const DrawnAxis& y) {
   std::string text = "x,y\n";
-  for (std::size_t i = 0; i < map.threshold_x.size(); ++i) {
-    if (std::isnan(map.threshold_x[i]))
+  for (std::size_t i = 0; i < line.x.size(); ++i) {
+    if (std::isnan(line.x[i]))
       text += '\n';
     else
-      text += fmt::format("{},{}\n", x.coordinate(map.threshold_x[i]), y.coordinate(map.threshold_y[i]));
+      text += fmt::format("{},{}\n", x.coordinate(line.x[i]), y.coordinate(line.y[i]));
   }
   write_whole(path, text);
 }
@@ -426,14 +426,20 @@ Marks marks(const analysis::Map& map, double key_height) {
                               key_height, mark.style);
     at += 0.13;
   }
-  if (!map.threshold_x.empty()) {
-    result.curves +=
-        ", \\\n     'map-threshold.csv' using 1:2 with lines linewidth 5 linecolor '#FFFFFF' notitle"
-        ", \\\n     'map-threshold.csv' using 1:2 with lines linewidth 2 linecolor '#000000' notitle";
-    result.key += fmt::format("set arrow from screen {0:.3f},{1:.4f} to screen {2:.3f},{1:.4f} nohead linewidth 2\n",
-                              at, key_height, at + 0.04);
+  const auto line = [&](const char* file, const char* dash, const char* title, double length) {
+    for (const auto& [width, colour] : {std::pair{5, "#FFFFFF"}, {2, "#000000"}})
+      result.curves +=
+          fmt::format(", \\\n     '{}' using 1:2 with lines linewidth {} dashtype {} linecolor '{}' notitle", file,
+                      width, width == 5 ? "solid" : dash, colour);
     result.key +=
-        fmt::format("set label 'threshold of steady sliding' at screen {:.3f},{:.4f} left\n", at + 0.05, key_height);
+        fmt::format("set arrow from screen {0:.3f},{1:.4f} to screen {2:.3f},{1:.4f} nohead linewidth 2 dashtype {3}\n",
+                    at, key_height, at + 0.04, dash);
+    result.key += fmt::format("set label '{}' at screen {:.3f},{:.4f} left\n", title, at + 0.05, key_height);
+    at += length;
+  };
+  if (!map.threshold.x.empty()) {
+    line("map-threshold.csv", "solid", "threshold of steady sliding", 0.3);
+    if (!map.fold.x.empty()) line("map-fold.csv", "(6,4)", "fold of cycles", 0.2);
   } else if (result.curves.empty()) {
     result.key = fmt::format("set label 'steady sliding is stable everywhere here' at screen {:.3f},{:.4f} left\n", at,
                              key_height);
@@ -446,7 +452,8 @@ Marks marks(const analysis::Map& map, double key_height) {
 std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Map& map) {
   const DrawnAxis x(map.x), y(map.y);
   write_cells(folder / "map-cells.csv", scene, map, x, y);
-  write_threshold(folder / "map-threshold.csv", map, x, y);
+  write_line(folder / "map-threshold.csv", map.threshold, x, y);
+  write_line(folder / "map-fold.csv", map.fold, x, y);
   const int count = static_cast<int>(scene.map.metrics.size()), across = std::min(count, 2), down = (count + 1) / 2;
   const int height = 90 + 440 * down;
   std::string script = preamble("map", "Metrics over a parameter plane", 60 + 540 * across, height);
@@ -482,7 +489,7 @@ set cblabel offset 1,0
     script += curves + "\nunset label\nunset arrow\n";
   }
   write_whole(folder / "map.gp", script + "unset multiplot\n");
-  return {"map-cells.csv", "map-threshold.csv", "map.gp"};
+  return {"map-cells.csv", "map-threshold.csv", "map-fold.csv", "map.gp"};
 }
 
 Drawn draw(const fs::path& folder, const std::string& script) {

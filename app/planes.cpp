@@ -124,17 +124,31 @@ void write_plane(const std::filesystem::path& path, const Scene& scene, const an
       write_metric(wanted + "_error", metric, &analysis::MapPoint::error, "absolute error of " + wanted);
     }
 
-    const bool line = !map.threshold_x.empty();  // a dimension of length zero would mean an unlimited one
-    const std::vector<double> none = {std::nan("")};
-    const int vertices = plane.dimension("vertex", line ? map.threshold_x.size() : 1);
-    for (const auto& [name, axis, coordinates] : {std::tuple{"threshold_x", &map.x, line ? &map.threshold_x : &none},
-                                                  std::tuple{"threshold_y", &map.y, line ? &map.threshold_y : &none}}) {
-      const int variable = plane.variable(name, NC_DOUBLE, {vertices});
-      plane.attribute(variable, "path", axis->parameter);
-      plane.attribute(variable, "units", scene.model.describe(axis->parameter).unit);
-      plane.attribute(variable, "long_name", "threshold of steady sliding; NaN between separate lines");
-      plane.values(variable, *coordinates);
-    }
+    const auto write_line = [&](const std::string& name, const std::string& dimension, const analysis::Polyline& line,
+                                const std::string& meaning) {
+      const bool any = !line.x.empty();  // a dimension of length zero would mean an unlimited one
+      const std::vector<double> none = {std::nan("")};
+      const int vertices = plane.dimension(dimension, any ? line.x.size() : 1);
+      for (const auto& [suffix, axis, coordinates] :
+           {std::tuple{"_x", &map.x, any ? &line.x : &none}, std::tuple{"_y", &map.y, any ? &line.y : &none}}) {
+        const int variable = plane.variable(name + suffix, NC_DOUBLE, {vertices});
+        plane.attribute(variable, "path", axis->parameter);
+        plane.attribute(variable, "units", scene.model.describe(axis->parameter).unit);
+        plane.attribute(variable, "long_name", meaning + "; NaN between separate lines");
+        plane.values(variable, *coordinates);
+      }
+    };
+    write_line("threshold", "vertex", map.threshold, "threshold of steady sliding");
+    write_line("fold", "fold_vertex", map.fold, "fold of cycles below a subcritical threshold");
+    plane.attribute(NC_GLOBAL, "fold_error_decades", map.fold_error);
+
+    std::vector<signed char> origins;
+    for (const auto& point : map.points) origins.push_back(static_cast<signed char>(point.origin));
+    const int origin = plane.variable("origin", NC_BYTE, {y, x});
+    plane.attribute(origin, "long_name", "where the numbers come from");
+    plane.attribute(origin, "flag_values", std::vector<signed char>{0, 1, 2});
+    plane.attribute(origin, "flag_meanings", "decided computed interpolated");
+    plane.values(origin, origins);
     plane.close();
   });
 }

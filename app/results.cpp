@@ -208,7 +208,8 @@ std::string to_json(const Scene& scene, const MapResult& result) {
   }
   document["metrics"] = std::move(values);
   document["error"] = std::move(error);
-  document["threshold"] = {{"x", map.threshold_x}, {"y", map.threshold_y}};
+  document["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
+  document["fold"] = {{"x", map.fold.x}, {"y", map.fold.y}, {"error_decades", map.fold_error}};
   auto& failures = document["failures"] = ordered_json::array();
   for (std::size_t i = 0; i < map.points.size(); ++i)
     if (map.points[i].regime == analysis::Regime::failed)
@@ -219,6 +220,7 @@ std::string to_json(const Scene& scene, const MapResult& result) {
   document["cost"] = {{"seconds", result.seconds},
                       {"points", map.points.size()},
                       {"integrated", map.integrated},
+                      {"interpolated", map.interpolated},
                       {"skipped", map.skipped}};
   auto notes = scene.notes;
   notes.insert(notes.end(), map.notes.begin(), map.notes.end());

@@ -338,8 +338,8 @@ Status cycle(const Request& request) {
 
 /// Everything that determines a map: two runs with the same key have the same points.
 std::string map_key(const Scene& scene) {
-  std::string key = fmt::format("rosin {}, {} bytes a point\ntolerance {}\n", ROSIN_VERSION, sizeof(analysis::Metrics),
-                                scene.map.tolerance);
+  std::string key = fmt::format("rosin {}\ntolerance {}\n{}\n", ROSIN_VERSION, scene.map.tolerance,
+                                scene.map.exact ? "exact" : "adaptive");
   for (const auto& quantity : scene.model.parameters())
     key += fmt::format("{} = {}\n", quantity.name, scene.model.get(quantity.name));
   return key + scene.resolved;
@@ -351,13 +351,18 @@ Status map(const Request& request, std::stop_token stop) {
   auto& options = scene.map;
   options.tolerance = request.tolerance.value_or(options.tolerance);
   options.threads = request.threads;
+  options.exact = request.exact;
   const auto nx = options.x.values.size(), ny = options.y.values.size(), total = nx * ny;
   job.explain_model();
   job.explain("{} x {} points of {} and {}, tolerance {} of {}", nx, ny, options.x.parameter, options.y.parameter,
               options.tolerance, fmt::join(options.metrics, ", "));
   job.explain("where steady sliding is stable and no cycle can exist beside it, nothing is integrated");
+  job.explain("{}", analysis::interpolates(options)
+                        ? "points are computed where they are needed, and the others interpolated to the tolerance"
+                    : options.exact ? "every point is computed, as asked"
+                                    : "every point is computed: interpolation would gain nothing here");
 
-  Partial partial(job.folder() / "map.partial", map_key(scene), total);
+  Partial partial(job.folder() / "map.partial", map_key(scene), total, options.metrics);
   if (const auto known = partial.known_count()) job.note(fmt::format("going on from {} finished points", known));
   const auto begin = std::chrono::steady_clock::now();
   MapResult result;
@@ -366,8 +371,9 @@ Status map(const Request& request, std::stop_token stop) {
     result.map = analysis::compute_map(
         scene.model, options,
         {.known = [&](std::size_t i) { return partial.known(i); },
-         .finished = [&](std::size_t i, const analysis::MapPoint& point) { partial.append(i, point); },
-         .progress = [&](std::size_t points, std::size_t of) { progress.show(points, of); },
+         .finished = [&](std::span<const std::size_t> indices,
+                         const std::vector<analysis::MapPoint>& points) { partial.append(indices, points); },
+         .progress = [&](const analysis::MapProgress& now) { progress.show(now.done, now.total, now.work); },
          .stop = stop});
   }
   auto& map = result.map;
@@ -378,7 +384,8 @@ Status map(const Request& request, std::stop_token stop) {
     return interrupted;
   }
   for (const auto& text : map.notes) job.explain("{}", text);
-  job.explain("{} points integrated, {} decided without integration", map.integrated, map.skipped);
+  job.explain("{} points integrated, {} interpolated, {} decided without integration", map.integrated, map.interpolated,
+              map.skipped);
 
   std::array<std::size_t, 4> regimes{};
   for (const auto& point : map.points) ++regimes[static_cast<std::size_t>(point.regime)];
@@ -387,10 +394,12 @@ Status map(const Request& request, std::stop_token stop) {
   manifest.cost = {{"seconds", result.seconds},
                    {"points", double(total)},
                    {"integrated", double(map.integrated)},
+                   {"interpolated", double(map.interpolated)},
                    {"skipped", double(map.skipped)},
                    {"threads", double(options.threads)}};
-  job.say("{} x {} points in {:.3g} s: {} integrated, {} decided without", nx, ny, result.seconds, map.integrated,
-          map.skipped);
+  const auto between = map.interpolated > 0 ? fmt::format("{} interpolated, ", map.interpolated) : std::string();
+  job.say("{} x {} points in {:.3g} s: {} integrated, {}{} decided without", nx, ny, result.seconds, map.integrated,
+          between, map.skipped);
   for (const Regime regime : {Regime::stable, Regime::cycle, Regime::bistable, Regime::failed})
     if (const auto count = regimes[static_cast<std::size_t>(regime)]) job.say("  {:<9} {}", name(regime), count);
   for (const auto& metric : options.metrics) {

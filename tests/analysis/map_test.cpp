@@ -37,7 +37,7 @@ TEST_CASE("a coarse plane of Fig 2: regimes by the closed form, metrics by the c
     const bool stable = critical && here.drive.normal_load.level() < critical->normal_load;
     INFO(map.x.values[i % nx] << " " << map.y.values[i / nx]);
     CHECK(map.points[i].regime == (stable ? Regime::stable : Regime::cycle));
-    CHECK(map.points[i].integrated == !stable);  // what linear stability decides is not integrated
+    CHECK((map.points[i].origin == Origin::computed) == !stable);  // what linear stability decides is not integrated
   }
   CHECK(map.integrated + map.skipped == long(map.points.size()));
   // Scattered points against a hundred-thousandfold finer tolerance.
@@ -58,11 +58,11 @@ TEST_CASE("the threshold line is the closed form to rounding", "[map]") {
   const auto model = bristol_board(1e-4, 10);
   const Map map = compute_map(model, options);
   int points = 0;
-  for (std::size_t i = 0; i < map.threshold_x.size(); ++i) {
-    if (std::isnan(map.threshold_x[i])) continue;
+  for (std::size_t i = 0; i < map.threshold.x.size(); ++i) {
+    if (std::isnan(map.threshold.x[i])) continue;
     // N_c = A λ − B/λ with A, B by Newton in 40 digits.
-    const double lambda = map.threshold_y[i], expected = 7.27463458903e-5 * lambda - 3.18688318336e-3 / lambda;
-    CHECK(std::abs(map.threshold_x[i] - expected) < 1e-10 * map.threshold_x[i] + 1e-11 * lambda * 7.3e-5);
+    const double lambda = map.threshold.y[i], expected = 7.27463458903e-5 * lambda - 3.18688318336e-3 / lambda;
+    CHECK(std::abs(map.threshold.x[i] - expected) < 1e-10 * map.threshold.x[i] + 1e-11 * lambda * 7.3e-5);
     ++points;
   }
   CHECK(points >= 5);
@@ -77,9 +77,9 @@ TEST_CASE("a numerically traced threshold equals the closed form", "[map]") {
   options.metrics = {"period"};
   const Map map = compute_map(model, options);
   int points = 0;
-  for (std::size_t i = 0; i < map.threshold_x.size(); ++i) {
-    if (std::isnan(map.threshold_x[i])) continue;
-    const auto here = model.with("oscillator.stiffness", map.threshold_x[i]).with("law.lambda", map.threshold_y[i]);
+  for (std::size_t i = 0; i < map.threshold.x.size(); ++i) {
+    if (std::isnan(map.threshold.x[i])) continue;
+    const auto here = model.with("oscillator.stiffness", map.threshold.x[i]).with("law.lambda", map.threshold.y[i]);
     REQUIRE(critical_load(here));
     CHECK(critical_load(here)->normal_load == Approx(model.drive.normal_load.level()).epsilon(1e-10));
     ++points;
@@ -95,7 +95,7 @@ TEST_CASE("results do not depend on threads, and known points are not computed a
   int computed = 0;
   MapHooks hooks;
   hooks.known = [&](std::size_t i) { return i % 2 == 0 ? &one.points[i] : nullptr; };
-  hooks.finished = [&](std::size_t, const MapPoint&) { ++computed; };
+  hooks.finished = [&](auto indices, const auto&) { computed += int(indices.size()); };
   const Map resumed = compute_map(model, options, hooks);
   CHECK(computed == int(one.points.size() / 2));
   for (std::size_t i = 0; i < one.points.size(); ++i) {
@@ -107,10 +107,56 @@ TEST_CASE("results do not depend on threads, and known points are not computed a
   }
 }
 
+TEST_CASE("a large plane from few points agrees with the plane of all points", "[map]") {
+  const auto model = bristol_board(1e-4, 10);
+  auto options = small_plane(100);
+  options.tolerance = 1e-3;
+  REQUIRE(interpolates(options));
+  const Map few = compute_map(model, options);
+  auto exact = options;
+  exact.exact = true;
+  exact.tolerance = 1e-6;
+  REQUIRE_FALSE(interpolates(exact));
+  const Map all = compute_map(model, exact);
+  CHECK(few.integrated + few.interpolated + few.skipped == long(few.points.size()));
+  CHECK(all.interpolated == 0);
+  CHECK(few.integrated < all.integrated / 3);
+  CHECK(few.threshold.x == all.threshold.x);
+  long points = 0, beyond_stated = 0, beyond_tolerance = 0;
+  for (std::size_t i = 0; i < all.points.size(); ++i) {
+    const auto &a = few.points[i], &b = all.points[i];
+    CHECK(a.regime == b.regime);
+    if (b.regime != Regime::cycle) continue;
+    for (const auto& name : options.metrics) {
+      const auto& metric = find_metric(name);
+      const double off = std::abs(a.metrics.*metric.member - b.metrics.*metric.member);
+      const double stated = a.error.*metric.member + b.error.*metric.member;
+      ++points;
+      beyond_stated += !(off <= stated);
+      // The loop area is held against a tenth of v_max μ_max at least; v_max is not among the metrics: against itself.
+      if (name == "stick_fraction") beyond_tolerance += !(off <= options.tolerance + stated * 0.01);
+    }
+  }
+  CHECK(beyond_stated * 100 < points);
+  CHECK(beyond_tolerance * 1000 <= points);
+
+  // Threads and an interruption leave no trace.
+  options.threads = 3;
+  MapHooks hooks;
+  const int nx = int(few.x.values.size());
+  hooks.known = [&](std::size_t i) { return int(i / nx) < 60 ? &few.points[i] : nullptr; };
+  const Map resumed = compute_map(model, options, hooks);
+  for (std::size_t i = 0; i < few.points.size(); ++i) {
+    CHECK(few.points[i].origin == resumed.points[i].origin);
+    const double a = few.points[i].metrics.loop_area, b = resumed.points[i].metrics.loop_area;
+    CHECK((a == b || (std::isnan(a) && std::isnan(b))));
+  }
+}
+
 TEST_CASE("a stop is obeyed and said", "[map]") {
   std::stop_source stop;
   MapHooks hooks;
-  hooks.finished = [&](std::size_t, const MapPoint&) { stop.request_stop(); };
+  hooks.finished = [&](auto, const auto&) { stop.request_stop(); };
   hooks.stop = stop.get_token();
   CHECK(compute_map(bristol_board(1e-4, 10), small_plane(4), hooks).outcome.ending == Ending::interrupted);
 }
@@ -129,6 +175,38 @@ TEST_CASE("folds below subcritical borders", "[map]") {
   CHECK(lowest == Approx(0.99963).margin(1e-5));
 }
 
+TEST_CASE("the fold of cycles is traced along the other axis of the load", "[map]") {
+  MapOptions options;
+  options.y = make_axis("drive.normal_load", 1e-6, 1, 2, true, {});
+  options.x = make_axis("law.lambda", 1e-4, 1e2, 2, true, {});
+  options.metrics = {"period"};
+  const auto slow = bristol_board(1e-4, 1, 1e-6);
+  const FoldLine line = trace_folds(slow, "law.lambda", 1e-4, 1e2, true, 49, 2e-6);
+  REQUIRE(line.stretches.size() == 1);
+  const auto& stretch = line.stretches.front();
+  // A strip of coexistence for log10 λ between 0.28 and 1.10; N_fold/N_Hopf = 0.99617 at 0.6.
+  CHECK(stretch.begin / std::log(10) == Approx(0.29).margin(0.015));
+  CHECK(stretch.end / std::log(10) == Approx(1.10).margin(0.015));
+  CHECK(std::exp(stretch.log_ratio(0.6 * std::log(10))) == Approx(0.99617).margin(5e-6));
+  CHECK(stretch.error < 2.3e-6);  // 1e-6 decades
+  // Between the nodes, against folds searched for by themselves.
+  for (const double exponent : {0.33, 0.47, 0.71, 0.98, 1.07}) {
+    const auto here = slow.with("law.lambda", std::pow(10, exponent));
+    const double hopf = critical_load(here)->normal_load, alone = fold_of_cycles(here, hopf);
+    CHECK(std::abs(stretch.log_ratio(exponent * std::log(10)) - std::log(alone / hopf)) < stretch.error);
+  }
+  // In the map, along whichever axis; the Hopf load is the closed form.
+  const Map map = compute_map(slow, options);
+  REQUIRE(map.fold.x.size() == map.fold.y.size());
+  REQUIRE(map.fold.x.size() > 30);
+  CHECK(map.fold_error < 1e-6);
+  for (std::size_t i = 0; i < map.fold.x.size(); ++i) {
+    const double hopf = critical_load(slow.with("law.lambda", map.fold.x[i]))->normal_load;
+    CHECK(map.fold.y[i] <= hopf * (1 + 1e-9));
+    CHECK(map.fold.y[i] >= 0.996 * hopf);
+  }
+}
+
 TEST_CASE("cycles beside stable sliding: a bistable point", "[map]") {
   MapOptions options;
   options.x = make_axis("drive.normal_load", 0.09, 0.0981, 2, false, {});
@@ -144,7 +222,7 @@ TEST_CASE("cycles beside stable sliding: a bistable point", "[map]") {
   options.y = make_axis("law.lambda", strip.lambda, 1.001 * strip.lambda, 2, false, {});
   const Map border = compute_map(strip, options);
   CHECK(border.points[0].regime == Regime::stable);
-  CHECK_FALSE(border.points[0].integrated);
+  CHECK(border.points[0].origin == Origin::decided);
   CHECK(border.points[1].regime == Regime::bistable);
 }
 

@@ -1,0 +1,304 @@
+/// Patches of a plane: which pixels they ask for, how these are computed, and what is made of them.
+#include "analysis/adaptive_map.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <thread>
+
+#include "analysis/map_point.hpp"
+#include "analysis/patch.hpp"
+
+namespace rosin::analysis {
+
+namespace {
+
+constexpr int longest = 128;          ///< intervals of a patch along one axis
+constexpr double node_share = 0.01;   ///< of the tolerance, asked of nodes: interpolation multiplies their errors
+constexpr double direct_share = 0.1;  ///< the same of other points: few, but beside borders, where cycles settle slowly
+constexpr double finest = 1e-11;      ///< tolerance that is asked of any point
+
+/// The pixels of a patch: [x0, x1] × [y0, y1]. Neighbours share a line of pixels, which belongs to the one beyond it.
+struct Frame {
+  int x0, x1, y0, y1;
+  bool own_right, own_top;
+};
+
+std::vector<Frame> frames(const Axis& x, const Axis& y) {
+  struct Piece {
+    int first, last;
+    bool own_last;
+  };
+  const auto cut = [](const Axis& axis) {
+    std::vector<Piece> pieces;
+    const int n = axis.regular - 1, parts = (n + longest - 1) / longest;
+    for (int k = 0; k < parts; ++k) pieces.push_back({n * k / parts, n * (k + 1) / parts, k + 1 == parts});
+    for (int i = axis.regular; i < int(axis.values.size()); ++i) pieces.push_back({i, i, true});
+    return pieces;
+  };
+  std::vector<Frame> list;
+  for (const auto& row : cut(y))
+    for (const auto& column : cut(x))
+      list.push_back({column.first, column.last, row.first, row.last, column.own_last, row.own_last});
+  return list;
+}
+
+/// Classes of pixels.
+enum : Patch::Class { settled = Patch::blank, unstable, beside_steady, refused };
+
+/// The quantities that a patch interpolates: the metrics asked for, and what helps to interpolate them.
+class Quantities {
+ public:
+  explicit Quantities(const MapOptions& options) {
+    for (const auto& name : options.metrics) metrics.push_back(&find_metric(name));
+    std::vector<std::string> wanted = options.metrics;
+    const auto has = [&](const char* name) {
+      return std::ranges::find(options.metrics, name) != options.metrics.end();
+    };
+    const std::pair<const char*, double> thresholds[] = {
+        {"stick_fraction", options.stick_threshold}, {"stick_fraction_001", 0.01}, {"stick_fraction_05", 0.5}};
+    for (const auto& [name, threshold] : thresholds) {
+      if (!has(name)) continue;
+      const int q = int(std::ranges::find(options.metrics, name) - options.metrics.begin());
+      roots.push_back({q, int(metrics.size()), threshold});
+      lowest = true;
+    }
+    if (lowest) wanted.emplace_back("slip_rate_min");
+    if (has("loop_area"))  // its size is that of v_max μ_max
+      for (const char* name : {"slip_rate_max", "friction_max"}) wanted.emplace_back(name);
+    std::ranges::sort(wanted);
+    wanted.erase(std::ranges::unique(wanted).begin(), wanted.end());
+    names = wanted;
+  }
+  int count() const { return int(metrics.size()) + lowest; }
+  PixelValues of(const MapPoint& point, double V) const {
+    PixelValues values;
+    for (const auto* metric : metrics) {
+      values.value.push_back(point.metrics.*metric->member);
+      values.error.push_back(point.error.*metric->member);
+      values.size.push_back(size_of(*metric, point.metrics, V));
+    }
+    if (lowest) {
+      values.value.push_back(point.metrics.slip_rate_min / V);
+      values.error.push_back(point.error.slip_rate_min / V);
+      values.size.push_back(std::max(1.0, std::abs(values.value.back())));
+    }
+    return values;
+  }
+
+  std::vector<const MetricName*> metrics;
+  std::vector<Patch::Options::Root> roots;
+  std::vector<std::string> names;  ///< of the metrics to be computed
+  bool lowest = false;             ///< the lowest slip rate, in units of the drive's, helps
+};
+
+/// One patch of the plane.
+struct Piece {
+  Piece(const Frame& f, const Quantities& quantities, const MapOptions& options,
+        std::function<Patch::Class(int, int)> classify)
+      : frame(f),
+        patch({f.x1 - f.x0 + 1, f.y1 - f.y0 + 1, options.tolerance, quantities.count(), quantities.lowest ? 1 : 0,
+               quantities.roots},
+              std::move(classify)) {}
+  int width() const { return frame.x1 - frame.x0 + 1; }
+  Frame frame;
+  Patch patch;
+  std::map<int, std::string> why;  ///< of failures
+};
+
+class Workshop {
+ public:
+  Workshop(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence, const std::stop_token& stop)
+      : model_(model), options_(options), coexistence_(coexistence), stop_(stop), quantities_(options) {}
+
+  /// \returns false if stopped before the end.
+  bool compute(const std::vector<Frame>& frames, FinishedPoints& finished) {
+    std::vector<std::unique_ptr<Piece>> pieces;
+    for (const auto& frame : frames)
+      pieces.push_back(std::make_unique<Piece>(frame, quantities_, options_,
+                                               [this, frame](int x, int y) { return classify(frame, x, y); }));
+    for (bool open = true; open;) {
+      open = false;
+      std::vector<Task> nodes, direct;
+      for (std::size_t k = 0; k < pieces.size(); ++k) {
+        const auto wanted = pieces[k]->patch.advance();
+        for (const int pixel : wanted.nodes) nodes.push_back({pieces[k].get(), int(k), pixel});
+        for (const int pixel : wanted.direct) direct.push_back({pieces[k].get(), int(k), pixel});
+        open |= !wanted.empty();
+      }
+      if (!work_on(nodes, std::max(node_share * options_.tolerance, finest), false)) return false;
+      if (!work_on(direct, std::max(direct_share * options_.tolerance, finest), true)) return false;
+    }
+    for (const auto& piece : pieces) collect(*piece, finished);
+    return true;
+  }
+
+  /// How much there is to do in a patch, for the forecast of the time left: nothing where sliding is stable, more where
+  /// a border runs through it.
+  double expected_work(const Frame& f) const {
+    constexpr int samples = 5;
+    int busy = 0;
+    for (int j = 0; j < samples; ++j)
+      for (int i = 0; i < samples; ++i)
+        busy += classify(f, (f.x1 - f.x0) * i / (samples - 1), (f.y1 - f.y0) * j / (samples - 1)) != settled;
+    return busy == 0 ? 0.02 : busy == samples * samples ? 1.0 : 2.0;
+  }
+
+ private:
+  struct Task {
+    Piece* piece;
+    int tile, pixel;
+  };
+
+  Model model_at(int ix, int iy) const {
+    return model_.with(options_.x.parameter, options_.x.values[ix]).with(options_.y.parameter, options_.y.values[iy]);
+  }
+  Model model_of(const Task& task) const {
+    const auto& f = task.piece->frame;
+    return model_at(f.x0 + task.pixel % task.piece->width(), f.y0 + task.pixel / task.piece->width());
+  }
+  Patch::Class classify(const Frame& frame, int x, int y) const {
+    try {
+      switch (judge(model_at(frame.x0 + x, frame.y0 + y), coexistence_)) {
+        case Verdict::stable:
+          return settled;
+        case Verdict::look_for_cycle:
+          return unstable;
+        case Verdict::look_beside_steady:
+          return beside_steady;
+      }
+    } catch (const InputError&) {
+    }
+    return refused;
+  }
+
+  /// `neighbours`: the pixels lie side by side and help each other to a start.
+  bool work_on(const std::vector<Task>& tasks, double tolerance, bool neighbours) {
+    std::vector<Task> together, alone;
+    std::vector<Model> models;
+    std::vector<GridPlace> places;
+    for (const auto& task : tasks) {
+      if (task.piece->patch.class_of(task.pixel) != unstable) {
+        alone.push_back(task);
+        continue;
+      }
+      together.push_back(task);
+      models.push_back(model_of(task));
+      const int width = task.piece->width();
+      if (neighbours) places.push_back({task.tile, task.pixel % width, task.pixel / width});
+    }
+    if (stop_.stop_requested()) return false;
+    const auto cycles = find_cycles(models, {tolerance, options_.stick_threshold, quantities_.names}, places);
+    for (std::size_t k = 0; k < cycles.size(); ++k) {
+      if (stop_.stop_requested()) return false;
+      if (cycles[k].found) {
+        take(together[k], models[k], point_of(cycles[k]));
+        continue;
+      }
+      MapPoint point = compute_point(models[k], tolerance, options_.stick_threshold, false);
+      if (point.regime == Regime::failed)  // too much was asked
+        point = compute_point(models[k], options_.tolerance, options_.stick_threshold, false);
+      take(together[k], models[k], point);
+    }
+    for (const auto& task : alone) {
+      if (stop_.stop_requested()) return false;
+      const Model here = model_of(task);
+      if (task.piece->patch.class_of(task.pixel) == beside_steady)
+        take(task, here, compute_point(here, tolerance, options_.stick_threshold, true));
+      else
+        try {
+          (void)judge(here, coexistence_);
+        } catch (const InputError& e) {
+          take(task, here, failed_point(e.what()));
+        }
+    }
+    return true;
+  }
+
+  void take(const Task& task, const Model& model, const MapPoint& point) {
+    task.piece->patch.set(task.pixel, int(point.regime), quantities_.of(point, model.drive.speed.level()));
+    if (!point.why.empty()) task.piece->why[task.pixel] = point.why;
+  }
+
+  void collect(Piece& piece, FinishedPoints& finished) const {
+    const auto& f = piece.frame;
+    const int right = f.own_right ? f.x1 : f.x1 - 1, top = f.own_top ? f.y1 : f.y1 - 1;
+    for (int iy = f.y0; iy <= top; ++iy)
+      for (int ix = f.x0; ix <= right; ++ix) {
+        const int pixel = (iy - f.y0) * piece.width() + (ix - f.x0);
+        MapPoint point = stable_point();
+        if (piece.patch.origin(pixel) != Patch::Origin::blank) {
+          const bool computed = piece.patch.origin(pixel) == Patch::Origin::computed;
+          const bool decided = computed && piece.patch.class_of(pixel) == refused;
+          point.origin = decided ? Origin::decided : computed ? Origin::computed : Origin::interpolated;
+          point.regime = Regime(piece.patch.kind(pixel));
+          for (std::size_t q = 0; q < quantities_.metrics.size(); ++q) {
+            point.metrics.*quantities_.metrics[q]->member = piece.patch.value(pixel, int(q));
+            point.error.*quantities_.metrics[q]->member = piece.patch.error(pixel, int(q));
+          }
+          if (const auto why = piece.why.find(pixel); why != piece.why.end()) point.why = why->second;
+          if (!computed && point.regime == Regime::failed) point.why = "as at the points around it";
+        }
+        finished.emplace_back(std::size_t(iy) * options_.x.values.size() + ix, std::move(point));
+      }
+  }
+
+  const Model& model_;
+  const MapOptions& options_;
+  CoexistenceSearch& coexistence_;
+  const std::stop_token& stop_;
+  Quantities quantities_;
+};
+
+}  // namespace
+
+bool interpolates(const MapOptions& options) {
+  // Nodes come to lie apart by a distance that grows with the seventh root of the tolerance; the planes that broke even
+  // had 80 points a side at 1e-3.
+  const double even = 80 * std::pow(1e-3 / options.tolerance, 1.0 / 7);
+  return !options.exact && options.x.regular > 1 && options.y.regular > 1 &&
+         double(options.x.regular) * options.y.regular >= even * even;
+}
+
+void compute_adaptively(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence,
+                        const std::vector<MapPoint>& known,
+                        const std::function<void(FinishedPoints&, double work)>& finish, const std::stop_token& stop) {
+  std::vector<Frame> open;
+  for (const auto& f : frames(options.x, options.y)) {
+    bool missing = false;
+    for (int iy = f.y0; iy <= f.y1 - !f.own_top; ++iy)
+      for (int ix = f.x0; ix <= f.x1 - !f.own_right; ++ix)
+        missing |= !known[std::size_t(iy) * options.x.values.size() + ix].done;
+    if (missing) open.push_back(f);
+  }
+  // In an order that mixes all regions, so that the first patches foretell the time of the others.
+  const auto mixed = [&](const Frame& f) { return (std::uint64_t(f.y0) * 65537 + f.x0 + 1) * 0x9e3779b97f4a7c15; };
+  std::ranges::sort(open, {}, mixed);
+  std::vector<double> weights;
+  {
+    const Workshop workshop(model, options, coexistence, stop);
+    for (const auto& frame : open) weights.push_back(workshop.expected_work(frame));
+  }
+  const double all = std::accumulate(weights.begin(), weights.end(), 0.0);
+  const std::size_t together = std::clamp<std::size_t>(open.size() / (4 * options.threads), 1, 8);
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    Workshop workshop(model, options, coexistence, stop);
+    while (!stop.stop_requested()) {
+      const std::size_t first = next.fetch_add(together);
+      if (first >= open.size()) return;
+      const std::size_t last = std::min(first + together, open.size());
+      FinishedPoints finished;
+      if (!workshop.compute({open.begin() + first, open.begin() + last}, finished)) return;
+      finish(finished, std::accumulate(weights.begin() + first, weights.begin() + last, 0.0) / all);
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
+  work();
+}
+
+}  // namespace rosin::analysis

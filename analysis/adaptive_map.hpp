@@ -1,0 +1,21 @@
+/// Large planes from few points: patches refined on their own, each a unit of work that can be kept and resumed.
+#pragma once
+#include <functional>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include "analysis/coexistence.hpp"
+#include "analysis/map.hpp"
+
+namespace rosin::analysis {
+
+/// Points [row by row] with what was found there, and the work done for them as a part of all.
+using FinishedPoints = std::vector<std::pair<std::size_t, MapPoint>>;
+
+/// Computes the points of the plane that are not done in `known`. `finish` is called from several threads. Neither
+/// their number nor what is known shows in the results. Ends early on a stop.
+void compute_adaptively(const Model&, const MapOptions&, CoexistenceSearch&, const std::vector<MapPoint>& known,
+                        const std::function<void(FinishedPoints&, double work)>& finish, const std::stop_token& stop);
+
+}  // namespace rosin::analysis

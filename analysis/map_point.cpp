@@ -1,0 +1,71 @@
+/// Judging and computing single points of a plane.
+#include "analysis/map_point.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "analysis/stability.hpp"
+
+namespace rosin::analysis {
+
+Verdict judge(const Model& model, CoexistenceSearch& coexistence) {
+  const Stability sliding = stability(model);
+  if (!sliding.stable && !sliding.marginal) return Verdict::look_for_cycle;
+  return coexistence.ask(model).answer == Coexistence::Answer::none ? Verdict::stable : Verdict::look_beside_steady;
+}
+
+MapPoint undecided_point() {
+  MapPoint point;
+  for (const auto& metric : metric_names())
+    point.metrics.*metric.member = point.error.*metric.member = std::numeric_limits<double>::quiet_NaN();
+  return point;
+}
+
+MapPoint stable_point() {
+  MapPoint point = undecided_point();
+  point.done = true;
+  point.regime = Regime::stable;
+  return point;
+}
+
+MapPoint failed_point(std::string why) {
+  MapPoint point = stable_point();
+  point.regime = Regime::failed;
+  point.why = std::move(why);
+  return point;
+}
+
+MapPoint point_of(const LaneCycle& cycle) {
+  MapPoint point = stable_point();
+  point.origin = Origin::computed;
+  point.regime = Regime::cycle;
+  point.metrics = cycle.metrics;
+  point.error = cycle.error;
+  return point;
+}
+
+MapPoint compute_point(const Model& model, double tolerance, double stick_threshold, bool attracts) {
+  MapPoint point = stable_point();
+  point.origin = Origin::computed;
+  point.regime = Regime::failed;
+  try {
+    const Cycle cycle =
+        find_cycle(model, {.tolerance = tolerance, .stick_threshold = stick_threshold, .multipliers = false});
+    if (cycle.metrics.period > 0 && cycle.stable) {
+      point.regime = attracts ? Regime::bistable : Regime::cycle;
+      point.metrics = cycle.metrics;
+      point.error = cycle.error;
+      if (!cycle.outcome.complete()) point.why = cycle.outcome.detail;  // found, less accurately than asked
+    } else if (attracts && cycle.outcome.ending == Ending::none_exists) {
+      point.regime = Regime::stable;
+    } else {
+      point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
+    }
+  } catch (const InputError& e) {
+    point.why = e.what();
+  }
+  return point;
+}
+
+}  // namespace rosin::analysis

@@ -1,0 +1,20 @@
+/// One point of a plane: what is known of it before any integration, and what integration finds.
+#pragma once
+#include "analysis/coexistence.hpp"
+#include "analysis/cycle_lanes.hpp"
+#include "analysis/map.hpp"
+
+namespace rosin::analysis {
+
+/// What linear stability and the folds of cycles say of a point before any integration.
+enum class Verdict : std::uint8_t { stable, look_for_cycle, look_beside_steady };
+/// \throws InputError where steady sliding cannot be found or linearised.
+Verdict judge(const Model&, CoexistenceSearch&);
+
+MapPoint stable_point();
+MapPoint failed_point(std::string why);
+MapPoint point_of(const LaneCycle&);
+/// A point by itself, at the full order of the collocation. `attracts`: steady sliding is stable.
+MapPoint compute_point(const Model&, double tolerance, double stick_threshold, bool attracts);
+
+}  // namespace rosin::analysis
