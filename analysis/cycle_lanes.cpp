@@ -320,7 +320,9 @@ class Settling final : public PassageQueue {
                 ? search.inherited[k] * search.tolerance + off
                 : (is_loop ? 2 : 1) * (5 / search.sharpening * change + 0.1 * largest + 0.4 * search.tolerance + off);
         // What was carried on to the fixed point is known to a fraction of itself.
-        const double relative = own + 0.3 * std::abs(correction[k]) / size;
+        // On a contact spring the slider rings, and errors scatter.
+        const double caution = search.map.system().rigid() ? 1 : 4;
+        const double relative = caution * own + 0.3 * std::abs(correction[k]) / size;
         cycle.metrics.*metric.member = fine[k];
         cycle.error.*metric.member = relative * size;
         search.error_rate[k] = relative / search.tolerance;
