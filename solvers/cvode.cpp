@@ -123,7 +123,8 @@ Outcome Cvode::step(double t_limit) {
     return {Ending::event, ""};
   }
   if (flag >= 0) return {};
-  const auto where = fmt::format("at t = {:.9g} s, CVODE: {}", c.t, CVodeGetReturnFlagName(flag));
+  const std::unique_ptr<char, decltype(&std::free)> name(CVodeGetReturnFlagName(flag), &std::free);  // ours to free
+  const auto where = fmt::format("at t = {:.9g} s, CVODE: {}", c.t, name.get());
   return {flag == CV_RHSFUNC_FAIL || flag == CV_UNREC_RHSFUNC_ERR ? Ending::not_finite : Ending::tolerance_not_met,
           where};
 }
