@@ -8,6 +8,8 @@
 #include <sunmatrix/sunmatrix_dense.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <memory>
 
 namespace rosin::solvers {
 
