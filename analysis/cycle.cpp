@@ -58,6 +58,9 @@ double size_of(const MetricName& metric, const Metrics& m, double V) {
   return value;
 }
 
+bool is_loop(const MetricName& metric) {
+  return metric.member == &Metrics::loop_area || metric.member == &Metrics::loop_area_normalised;
+}
 bool is_stick(const MetricName& metric) {
   return metric.member == &Metrics::stick_fraction || metric.member == &Metrics::stick_fraction_001 ||
          metric.member == &Metrics::stick_fraction_05;
@@ -374,8 +377,7 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
   for (const auto& metric : metric_names()) {
     const double size = size_of(metric, fine, V), value = fine.*metric.member;
     // The loop integral scatters with the division of its steps; three times its difference was seen to fall short.
-    const bool is_loop = metric.member == &Metrics::loop_area || metric.member == &Metrics::loop_area_normalised;
-    double e = (is_loop ? 6 : 3) * std::abs(coarse.*metric.member - value);
+    double e = (is_loop(metric) ? 6 : 3) * std::abs(coarse.*metric.member - value);
     if (value != 0)
       // The lowest slip rate is held to its own size; in slow stick it is as good as the error estimate of the steps
       // only.

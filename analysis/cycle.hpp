@@ -36,6 +36,8 @@ const MetricName& find_metric(std::string_view name);
 
 /// The size that the relative error of a metric is taken against; V: drive speed.
 double size_of(const MetricName&, const Metrics&, double V);
+/// True for the loop area in either form.
+bool is_loop(const MetricName&);
 /// True for the stick fractions, which jump where the lowest speed touches their threshold.
 bool is_stick(const MetricName&);
 

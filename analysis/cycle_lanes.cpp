@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 
 #include "analysis/return_map.hpp"
@@ -289,7 +290,7 @@ class Settling final : public PassageQueue {
   }
 
   /// Fills in metrics and errors; returns the worst relative error. Errors fall nearly in proportion to the tolerance:
-  /// three times that is stated, and not less than what the tolerance makes likely.
+  /// five times that is stated, and not less than what the tolerance makes likely.
   double judge(Search& search, const VectorXd& fine, const VectorXd& correction, LaneCycle& cycle, double off) const {
     const double V = search.map.drive_speed(), lowest = search.passage.metrics.slip_rate_min;
     for (const auto& metric : metric_names()) cycle.metrics.*metric.member = cycle.error.*metric.member = nothing;
@@ -302,34 +303,31 @@ class Settling final : public PassageQueue {
       if (std::abs(std::abs(lowest) - e * V) < 1e-3 * e * V) cycle.ill_conditioned_stick = true;
     const bool inherits = search.inherited.size() > 0;
     const auto counts = [&](const MetricName& metric) { return !(is_stick(metric) && cycle.ill_conditioned_stick); };
-    search.error_rate.setZero(metrics_.size());
+    VectorXd size(metrics_.size()), change = VectorXd::Zero(metrics_.size());
     double largest = 0, worst = 0;
-    for (const bool first : {true, false})
-      for (std::size_t k = 0; k < metrics_.size(); ++k) {
-        const MetricName& metric = *metrics_[k];
-        const double size = size_of(metric, sizes, V);
-        const double change = inherits ? 0 : std::abs(fine[k] - search.coarse[k]) / size;
-        if (first) {
-          if (counts(metric)) largest = std::max(largest, change);
-          continue;
-        }
-        // The loop integral scatters more.
-        const bool is_loop = metric.member == &Metrics::loop_area || metric.member == &Metrics::loop_area_normalised;
-        const double own =
-            inherits
-                ? search.inherited[k] * search.tolerance + off
-                : (is_loop ? 2 : 1) * (5 / search.sharpening * change + 0.1 * largest + 0.4 * search.tolerance + off);
-        // What was carried on to the fixed point is known to a fraction of itself.
-        // On a contact spring the slider rings, and errors scatter.
-        const double caution = search.map.system().rigid() ? 1 : 4;
-        const double relative = caution * own + 0.3 * std::abs(correction[k]) / size;
-        cycle.metrics.*metric.member = fine[k];
-        cycle.error.*metric.member = relative * size;
-        search.error_rate[k] = relative / search.tolerance;
-        if (!counts(metric)) continue;
-        if (!std::isfinite(relative)) return infinity;
-        worst = std::max(worst, relative);
-      }
+    for (std::size_t k = 0; k < metrics_.size(); ++k) {
+      size[k] = size_of(*metrics_[k], sizes, V);
+      if (!inherits) change[k] = std::abs(fine[k] - search.coarse[k]) / size[k];
+      if (counts(*metrics_[k])) largest = std::max(largest, change[k]);
+    }
+    // On a contact spring the slider rings, and errors scatter.
+    const double caution = search.map.system().rigid() ? 1 : 4;
+    search.error_rate.setZero(metrics_.size());
+    for (std::size_t k = 0; k < metrics_.size(); ++k) {
+      const MetricName& metric = *metrics_[k];
+      const double own =  // the loop integral scatters more
+          inherits ? search.inherited[k] * search.tolerance + off
+                   : (is_loop(metric) ? 2 : 1) *
+                         (5 / search.sharpening * change[k] + 0.1 * largest + 0.4 * search.tolerance + off);
+      // What was carried on to the fixed point is known to a fraction of itself.
+      const double relative = caution * own + 0.3 * std::abs(correction[k]) / size[k];
+      cycle.metrics.*metric.member = fine[k];
+      cycle.error.*metric.member = relative * size[k];
+      search.error_rate[k] = relative / search.tolerance;
+      if (!counts(metric)) continue;
+      if (!std::isfinite(relative)) return infinity;
+      worst = std::max(worst, relative);
+    }
     return worst;
   }
 
@@ -341,10 +339,6 @@ class Settling final : public PassageQueue {
   std::vector<LaneCycle>& cycles_;
   std::vector<const MetricName*> metrics_;
 };
-
-}  // namespace
-
-namespace {
 
 constexpr int coarsest_stride = 8;
 

@@ -1,7 +1,6 @@
 /// Periodic motion of many sliders at once: the accelerated return map in SIMD lanes, each cycle certified by a second,
 /// tighter tolerance.
 #pragma once
-#include <memory>
 #include <span>
 #include <vector>
 

@@ -166,8 +166,10 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
         });
       finish(finished, 0);
       const auto cycles = find_cycles(models, lane_options, places);
-      for (std::size_t k = 0; k < cycles.size() && !stop.stop_requested(); ++k)
+      for (std::size_t k = 0; k < cycles.size() && !stop.stop_requested(); ++k) {
+        if (map.points[indices[k]].done) continue;  // known from before: only its neighbours needed it again
         finished.emplace_back(indices[k], cycles[k].found ? point_of(cycles[k]) : alone_at(models[k], false));
+      }
       finish(finished, 0);
       for (std::size_t k = 0; k < alone.size() && !stop.stop_requested(); ++k) {
         if (map.points[alone[k]].done) continue;

@@ -227,6 +227,7 @@ void PassageLanes::screen() {
 
 /// Takes note of where the last step has led, in the lanes that are not flagged any more.
 void PassageLanes::see() {
+  Lanes bounds;
   run_on_lanes([&] {
     const Pack zero = 0.0, one = 1.0;
     for (int p = 0; p < lane_packs; ++p) {
@@ -245,10 +246,10 @@ void PassageLanes::see() {
         update(friction_max_, max(friction_max_.pack[p], mu));
         update(friction_min_, min(friction_min_.pack[p], mu));
       }
-      bounds_.pack[p] = select(departure < 0.9 * V, growth_time_.pack[p], Pack(infinity));
+      bounds.pack[p] = select(departure < 0.9 * V, growth_time_.pack[p], Pack(infinity));
     }
   });
-  ensemble_.bound_steps(bounds_);
+  ensemble_.bound_steps(bounds);
 }
 
 void PassageLanes::end(int lane, PassageQueue& queue) {

@@ -58,8 +58,6 @@ class PassageLanes {
   PassageLanes(const oscillators::SliderSystem& pattern, const Recording&);
   /// Works until the queue is empty and all lanes are idle.
   void run(PassageQueue&);
-  /// Step attempts of the ensemble so far, each of 32 lanes.
-  long attempts() const { return attempts_; }
   bool fits(const oscillators::SliderSystem& slider) const { return sliders_.fits(slider); }
 
  private:
@@ -114,10 +112,9 @@ class PassageLanes {
   // 1 or 0: has been below V; follows a passage; is to land on an event; records; lies within a stick threshold.
   Lanes below_ = 0.0, active_ = 0.0, landing_ = 0.0, records_ = 0.0, inside_[most_levels];
   Lanes amplitude_ = 0.0, slip_rate_max_, slip_rate_min_, friction_max_, friction_min_;
-  Lanes bounds_;
   Lanes flagged_ = 0.0;  ///< needs a closer look
   Lanes counted_ = 0.0, loop_, friction_sum_, slip_rate_sum_;
-  long attempts_ = 0;
+  long attempts_ = 0;  ///< of the ensemble so far
 };
 
 }  // namespace rosin::analysis

@@ -134,16 +134,22 @@ double slip_rate_slope(const L<double>& law, double mu, double N, const double* 
   }
 }
 
-/// μ_ss of steady sliding at slip rate v; odd in v for set-valued laws too.
+/// μ_ss of steady sliding at a slip rate; of set-valued laws at one that is not negative.
+template <template <class> class L, class T>
+ROSIN_INLINE T steady_of(const L<T>& law, const Sliding<T>& at) {
+  if constexpr (count_states<L>() == 0)
+    return law.friction(at);
+  else
+    return law.friction(at, law.steady(at));
+}
+/// The same at any slip rate; odd in it for set-valued laws too.
 template <template <class> class L, class T>
 ROSIN_INLINE T steady_coefficient(const L<T>& law, const Sliding<T>& at) {
   if constexpr (SetValued<L>) {
     const T direction = sign(at.slip_rate);
-    return direction * law.friction(Sliding<T>{direction * at.slip_rate, at.normal_load});
-  } else if constexpr (count_states<L>() == 0) {
-    return law.friction(at);
+    return direction * steady_of<L>(law, Sliding<T>{direction * at.slip_rate, at.normal_load});
   } else {
-    return law.friction(at, law.steady(at));
+    return steady_of<L>(law, at);
   }
 }
 
@@ -283,7 +289,7 @@ class LawContact final : public Contact<Real> {
   }
 
   void slip(const Real& N, const Real* z, Real& v, Real* g, Real* v_z, Real* g_z) const override {
-    if constexpr (states > 0 && detail::count_states<L>() > 0) {
+    if constexpr (states > 0) {
       constexpr int n = states + 1;
       using Slope = Dual<Scalar, n>;
       for (int p = 0; p < Part::count; ++p) {
@@ -348,14 +354,12 @@ class LawContact final : public Contact<Real> {
     if constexpr (states > 0) {
       using Slope = Dual<double, states>;
       const auto steady = lane_law_[lane].steady(Sliding<double>{u, N});
+      double values[states];
+      detail::for_each_field(L<double>::states, [&](const auto& f, std::size_t k) { values[k] = steady.*(f.member); });
       typename L<Slope>::State state;
       detail::for_each_field(L<Slope>::states, [&](const auto& f, std::size_t k) {
-        double value = 0;
-        detail::for_each_field(L<double>::states, [&](const auto& g, std::size_t j) {
-          if (j == k) value = steady.*(g.member);
-        });
-        state.*(f.member) = Slope::variable(value, int(k));
-        if (f.scale == Scale::log) (state.*(f.member)).slope[k] = value;
+        state.*(f.member) = Slope::variable(values[k], int(k));
+        if (f.scale == Scale::log) (state.*(f.member)).slope[k] = values[k];
       });
       const auto law = detail::build<L<Slope>>(detail::values_of(lane_law_[lane]));
       const Slope mu = law.friction(Sliding<Slope>{Slope(u), Slope(N)}, state);
@@ -517,8 +521,9 @@ class Law final : public FrictionLaw {
     using Slope = Dual<double, 1>;
     // At rest, a set-valued law is seen from the side of slip along the drive.
     const double direction = SetValued<L> && at.slip_rate < 0 ? -1 : 1;
-    const Slope mu = direction * steady_of<Slope>(detail::build<L<Slope>>(values_),
-                                                  {direction * Slope::variable(at.slip_rate, 0), at.normal_load});
+    const Slope mu =
+        direction * detail::steady_of<L>(detail::build<L<Slope>>(values_),
+                                         Sliding<Slope>{direction * Slope::variable(at.slip_rate, 0), at.normal_load});
     return {checked("steady friction", at, mu.value), mu.slope[0]};
   }
   void steady_friction(std::span<const double> slip_rates, double normal_load,
@@ -528,7 +533,7 @@ class Law final : public FrictionLaw {
       const std::size_t count = std::min<std::size_t>(pack_width, slip_rates.size() - first);
       Pack v(slip_rates[first]);
       for (std::size_t i = 0; i < count; ++i) v.block[i] = slip_rates[first + i];
-      const Pack mu = steady_of<Pack>(law, {v, Pack(normal_load)});
+      const Pack mu = detail::steady_of<L>(law, Sliding<Pack>{v, Pack(normal_load)});
       for (std::size_t i = 0; i < count; ++i)
         friction[first + i] = checked("steady friction", {v.block[i], normal_load}, mu.block[i]);
     }
@@ -545,13 +550,6 @@ class Law final : public FrictionLaw {
   }
 
  private:
-  template <class T>
-  static T steady_of(const L<T>& law, const Sliding<T>& at) {
-    if constexpr (states_count == 0)
-      return law.friction(at);
-    else
-      return law.friction(at, law.steady(at));
-  }
   static const ContactSetup& accepted(const ContactSetup& setup) {
     if (setup.unknowns == Unknowns::friction && !HasSlipRate<L>)
       throw InputError(fmt::format("law '{}' has no explicit slip rate: its contact cannot carry μ as unknown",
