@@ -89,6 +89,10 @@ namespace detail {
 
 ROSIN_INLINE Block bits_to_double(BlockBits b) { return __builtin_bit_cast(Block, b); }
 ROSIN_INLINE BlockBits double_to_bits(Block d) { return __builtin_bit_cast(BlockBits, d); }
+ROSIN_INLINE BlockBits wrapping_difference(BlockBits a, BlockBits b) {
+  using Words = std::uint64_t __attribute__((vector_size(sizeof(BlockBits))));
+  return __builtin_bit_cast(BlockBits, __builtin_bit_cast(Words, a) - __builtin_bit_cast(Words, b));
+}
 
 inline constexpr double ln2_high = 6.93147180369123816490e-01, ln2_low = 1.90821492927058770002e-10;
 inline constexpr double round_shift = 6755399441055744.0;  // 1.5·2^52: adding it rounds to an integer in the low bits
@@ -141,9 +145,9 @@ ROSIN_INLINE Block expm1_block(Block x) {
 ROSIN_INLINE Block log_block(Block x, Block correction) {
   constexpr double least = 2.2250738585072014e-308;
   const BlockBits bits = double_to_bits(x < least ? x * 18014398509481984.0 : x);  // 2^54
-  // x = 2^k m, by the distance of its bits from those of sqrt(1/2).
-  const BlockBits k = (bits - 0x3fe6a09e667f3bcd) >> 52;
-  const Block m = bits_to_double(bits - (k << 52));
+  // x = 2^k m, by the distance of its bits from those of sqrt(1/2); of negative x it wraps around, and is not used.
+  const BlockBits k = wrapping_difference(bits, BlockBits{} + 0x3fe6a09e667f3bcd) >> 52;
+  const Block m = bits_to_double(wrapping_difference(bits, k << 52));
   // The integer exponent as a double without a conversion instruction that SSE2 lacks.
   Block exponent = bits_to_double(double_to_bits(Block{} + round_shift) + k) - round_shift;
   exponent = x < least ? exponent - 54.0 : exponent;
