@@ -21,46 +21,67 @@ namespace {
 
 constexpr std::string_view load_path = "drive.normal_load";
 
-/// The load, relative to the Hopf load, at which a cycle has the given size: where the drift per passage vanishes.
-/// The drift grows with the load, as sliding becomes more unstable.
+/// The load, relative to the Hopf load, at which a cycle has the given size. Broyden's method for load and direction of
+/// the start on the section at once; what one size teaches serves the next.
 class LoadOfCycle {
  public:
   LoadOfCycle(const Model& model, double hopf_load) : model_(model), hopf_load_(hopf_load) {}
 
+  /// ln(N/N_H), to about 1e-9.
   std::optional<double> operator()(double size) {
-    double a = 0, fa, b = -1e-3, fb;
-    if (!drift(size, a, fa) || !drift(size, b, fb)) return std::nullopt;
-    // Secant in ln(N/N_H); the drift is close to linear.
+    Eigen::VectorXd residual, next;
+    if (!miss(size, unknowns_, residual)) return std::nullopt;
+    if (jacobian_.size() == 0 && !measure_jacobian(size, residual)) return std::nullopt;
+    const Eigen::Index load = unknowns_.size() - 1;
     for (int i = 0; i < 30; ++i) {
-      if (fa == fb) return std::nullopt;
-      const double next = std::clamp(b - fb * (b - a) / (fb - fa), b - 0.05, b + 0.05);
-      a = b, fa = fb, b = next;
-      if (!drift(size, b, fb)) return std::nullopt;
-      if (std::abs(b - a) < 1e-9) return b;
+      Eigen::VectorXd step = -jacobian_.partialPivLu().solve(residual);
+      const double length = step.norm();
+      if (!std::isfinite(length)) return std::nullopt;
+      if (length > 0.1) step *= 0.1 / length;
+      unknowns_ += step;
+      if (length < 1e-5 && std::abs(step[load]) < 1e-8) return unknowns_[load];
+      if (!miss(size, unknowns_, next)) return std::nullopt;
+      if (length > 1e-7)  // smaller ones teach noise
+        jacobian_ += (next - residual - jacobian_ * step) * step.transpose() / step.squaredNorm();
+      residual = next;
     }
     return std::nullopt;
   }
 
  private:
-  bool drift(double size, double log_ratio, double& rate) {
+  /// What one passage, started at the given size, changes in units of it; and what the direction lacks to unit length.
+  /// `at`: direction, in the scale of the section, and ln(N/N_H).
+  bool miss(double size, Eigen::VectorXd& at, Eigen::VectorXd& residual) const {
+    const double log_ratio = at.size() > 0 ? at[at.size() - 1] : 0;
     ReturnMap map(model_.with(load_path, hopf_load_ * std::exp(log_ratio)));
+    const auto& scale = map.scale();
+    const Eigen::Index n = scale.size();
+    if (at.size() == 0) at = Eigen::VectorXd::Unit(n + 1, 0);
+    const Eigen::VectorXd start = at.head(n);
     const auto steady = map.system().steady(0);
-    const auto length = [&](const Eigen::VectorXd& d) { return (d.array() / map.scale().array()).matrix().norm(); };
-    if (direction_.size() == 0) direction_ = Eigen::VectorXd::Unit(map.scale().size(), 0) * map.scale()[0];
-    // Passages from one and the same size: the first ones relax the fast directions, the last shows the drift.
-    for (int k = 0; k < 4; ++k) {
-      const auto passage = map.follow(map.moved(steady, direction_, size / length(direction_)), 1e-11, 1, true);
-      if (!passage.outcome.complete()) return false;
-      direction_ = map.difference(passage.end, steady);
-      if (!(length(direction_) > 0)) return false;
-      rate = std::log(length(direction_) / size);
+    const auto passage = map.follow(map.moved(steady, start.cwiseProduct(scale), size), 1e-11, 1, true);
+    if (!passage.outcome.complete()) return false;
+    residual.resize(n + 1);
+    residual.head(n) = map.difference(passage.end, steady).cwiseQuotient(scale) / size - start;
+    residual[n] = start.squaredNorm() - 1;
+    return residual.allFinite();
+  }
+  bool measure_jacobian(double size, const Eigen::VectorXd& residual) {
+    constexpr double step = 1e-4;
+    const Eigen::Index n = unknowns_.size();
+    jacobian_.resize(n, n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      Eigen::VectorXd moved = unknowns_ + step * Eigen::VectorXd::Unit(n, k), there;
+      if (!miss(size, moved, there)) return false;
+      jacobian_.col(k) = (there - residual) / step;
     }
-    return std::isfinite(rate);
+    return true;
   }
 
   const Model& model_;
   double hopf_load_;
-  Eigen::VectorXd direction_;  ///< of the slow mode on the section, carried from one size to the next
+  Eigen::VectorXd unknowns_;  ///< direction and ln(N/N_H), where the last size was found
+  Eigen::MatrixXd jacobian_;
 };
 
 /// All parameters but the load.
@@ -156,7 +177,7 @@ std::optional<HopfPoint> border_in_load(const Model& model) {
   std::optional<HopfPoint> hopf;
   // From a load that does not depend on the model's own.
   if (const auto closed = critical_load(model)) {
-    const auto points = hopf_points(model.with(load_path, closed->normal_load), load_path, 0.5);
+    const auto points = hopf_points(model.with(load_path, closed->normal_load), load_path, 0.01);
     if (!points.empty()) hopf = points.front();
   } else {
     for (const auto& point : hopf_points(model.with(load_path, 1.0), load_path))
