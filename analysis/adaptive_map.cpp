@@ -283,7 +283,7 @@ void compute_adaptively(const Model& model, const MapOptions& options, Coexisten
     for (const auto& frame : open) weights.push_back(workshop.expected_work(frame));
   }
   const double all = std::accumulate(weights.begin(), weights.end(), 0.0);
-  const std::size_t together = std::clamp<std::size_t>(open.size() / (4 * options.threads), 1, 8);
+  const std::size_t together = std::clamp<std::size_t>(open.size() / (2 * options.threads), 1, 16);
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     Workshop workshop(model, options, coexistence, stop);

@@ -70,6 +70,7 @@ struct Search {
   VectorXd fixed_point;              ///< of the finest tolerance reached
   double amplitude = 1;              ///< |v − V|/V, as neighbours have it
   bool hinted = false;               ///< started from what the neighbours know
+  bool probed = false;               ///< looks only whether the cycle attracts
   VectorXd error_rate;               ///< relative errors over the tolerance, as found in the end
   VectorXd inherited;                ///< the same, of certified neighbours; empty: to be found
 
@@ -176,6 +177,7 @@ class Settling final : public PassageQueue {
   bool begin(Search& search) const {
     search.tolerance = std::min(0.5 * coarser * options_.tolerance, loosest);
     search.passages = search.visits = 0;
+    search.probed = false;
     search.last.reset();
     LanePassage& p = search.passage;
     p.slider = &search.map.system();
@@ -222,6 +224,10 @@ class Settling final : public PassageQueue {
     const double size = (image - search.steady()).norm();
     const Visit visit{search.begun, image, vector_of(passage.metrics), passage.tolerance * size};
     search.learn(visit);
+    if (search.probed) {
+      cycle.found = least_attracted(search).multiplier < 1;
+      return false;
+    }
     if (search.passages == 2 && !search.hinted && weakly_coupled(search)) {
       // Contraction may be slow in a direction that the way here does not show: look along the amplitude.
       search.start_at(image + 0.02 * (image - search.steady()));
@@ -233,16 +239,19 @@ class Settling final : public PassageQueue {
     // fraction of that.
     const double off = 0.05 * step.norm() / size;
     const VectorXd next = visit.start + step;
+    // Errors are like the neighbours' where the cycle itself is as they foretold.
+    if (!fine && step.norm() > 0.01 * size) search.inherited.resize(0);
     const bool inherits = search.inherited.size() > 0;
-    if (inherits && !fine && step.norm() < 0.05 * size) {
+    if (inherits && !fine) {
       search.stage = Search::Stage::fine;
-      search.tolerance = std::min(search.tolerance / coarser, 0.8 * options_.tolerance / search.inherited.maxCoeff());
+      search.tolerance = std::min(search.tolerance / coarser, 0.7 * options_.tolerance / search.inherited.maxCoeff());
       search.start_at(next);
       return true;
     }
     // Where changes have come down to the scatter of the map, more passages bring no more.
     const bool scatter = ++search.visits > 5 && off < 5 * search.tolerance;
-    if (off > (fine ? 0.3 : 1.5) * search.tolerance && !scatter) {
+    const double allowed = inherits ? 0.15 * options_.tolerance : (fine ? 0.3 : 1.5) * search.tolerance;
+    if (off > allowed && !scatter) {
       search.start_at(next);
       return true;
     }
@@ -258,12 +267,20 @@ class Settling final : public PassageQueue {
     double sharpening = coarser;
     if (fine) {
       const double reached = judge(search, metrics, correction, cycle, off);
-      if (inherits && reached > options_.tolerance) return false;
+      if (inherits && reached > options_.tolerance) {
+        if (search.passages > 6) return false;
+        search.start_at(next);  // closer to the cycle
+        return true;
+      }
       search.fixed_point = next;
       if (reached <= options_.tolerance) {
-        cycle.found = true;
-        for (const auto multiplier : eigenpairs(search.derivative).values) cycle.found &= std::abs(multiplier) < 1;
-        return false;
+        const auto [multiplier, direction] = least_attracted(search);
+        cycle.found = multiplier < 1;
+        if (cycle.found) return false;
+        // By what was learned on the way, which may be too little: where friction is weak, multipliers are close to 1.
+        search.probed = true;
+        search.start_at(next + 0.02 * size * direction);
+        return true;
       }
       sharpening = std::clamp(1.5 * reached / options_.tolerance, 2.0, 30.0);
       if (!(search.tolerance / sharpening > 1e-13)) return false;
@@ -274,6 +291,22 @@ class Settling final : public PassageQueue {
     search.tolerance /= sharpening;
     search.start_at(next);
     return true;
+  }
+
+  /// The largest multiplier as far as known, and the unit vector that it goes with.
+  struct LeastAttracted {
+    double multiplier = 0;
+    VectorXd direction;
+  };
+  static LeastAttracted least_attracted(const Search& search) {
+    LeastAttracted least;
+    const auto pairs = eigenpairs(search.derivative, true);
+    for (Eigen::Index k = 0; k < pairs.values.size(); ++k)
+      if (const double size = std::abs(pairs.values[k]); k == 0 || !(size <= least.multiplier)) {
+        const VectorXd real = pairs.vectors.col(k).real(), imaginary = pairs.vectors.col(k).imag();
+        least = {size, (real.norm() > imaginary.norm() ? real : imaginary).normalized()};
+      }
+    return least;
   }
 
   /// True if friction changes the motion of one turn only a little, so that the amplitude may settle slowly.
@@ -290,7 +323,7 @@ class Settling final : public PassageQueue {
   }
 
   /// Fills in metrics and errors; returns the worst relative error. Errors fall nearly in proportion to the tolerance:
-  /// five times that is stated, and not less than what the tolerance makes likely.
+  /// eight times that is stated, and not less than what the tolerance makes likely.
   double judge(Search& search, const VectorXd& fine, const VectorXd& correction, LaneCycle& cycle, double off) const {
     const double V = search.map.drive_speed(), lowest = search.passage.metrics.slip_rate_min;
     for (const auto& metric : metric_names()) cycle.metrics.*metric.member = cycle.error.*metric.member = nothing;
@@ -310,20 +343,21 @@ class Settling final : public PassageQueue {
       if (!inherits) change[k] = std::abs(fine[k] - search.coarse[k]) / size[k];
       if (counts(*metrics_[k])) largest = std::max(largest, change[k]);
     }
-    // On a contact spring the slider rings, and errors scatter.
+    // On a contact spring the slider rings, and errors scatter; so does the loop integral.
     const double caution = search.map.system().rigid() ? 1 : 4;
     search.error_rate.setZero(metrics_.size());
     for (std::size_t k = 0; k < metrics_.size(); ++k) {
       const MetricName& metric = *metrics_[k];
-      const double own =  // the loop integral scatters more
-          inherits ? search.inherited[k] * search.tolerance + off
-                   : (is_loop(metric) ? 2 : 1) *
-                         (5 / search.sharpening * change[k] + 0.1 * largest + 0.4 * search.tolerance + off);
+      const double scatter = caution * (is_loop(metric) ? 2 : 1);
+      const double own = inherits
+                             ? search.inherited[k] * search.tolerance
+                             : scatter * (8 / search.sharpening * change[k] + 0.15 * largest + 0.7 * search.tolerance);
       // What was carried on to the fixed point is known to a fraction of itself.
-      const double relative = caution * own + 0.3 * std::abs(correction[k]) / size[k];
+      const double relative = own + scatter * off + (inherits ? 1 : 0.3) * std::abs(correction[k]) / size[k];
       cycle.metrics.*metric.member = fine[k];
-      cycle.error.*metric.member = relative * size[k];
-      search.error_rate[k] = relative / search.tolerance;
+      // Three times the estimate is stated where the tolerance leaves room: seldom is an error larger than that.
+      cycle.error.*metric.member = std::clamp(options_.tolerance, relative, 3 * relative) * size[k];
+      search.error_rate[k] = own / search.tolerance;
       if (!counts(metric)) continue;
       if (!std::isfinite(relative)) return infinity;
       worst = std::max(worst, relative);

@@ -125,14 +125,20 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
   if (recording_.loop_area && (u0 < 0) != (u1 < 0) && std::abs(u0) > 1e-12 * at.V)
     consider(Landing::reversal, 0, crossing(0));
   if (recording_.extremes) {
-    const auto turning = [&](int unknown) {
+    // Only turns that reach beyond what was seen so far: in deep stick, rounding turns at every step.
+    const auto consider_turn = [&](Landing kind, int unknown, const Lanes* slopes, const Lanes& highest,
+                                   const Lanes& lowest, double size) {
+      if ((slopes[0][lane] > 0) == (slopes[1][lane] > 0)) return;
       const auto q = ensemble_.polynomial(lane, unknown);
-      return bisect([&](double theta) { return q.slope(theta); }, 0, 1);
+      const double theta = bisect([&](double t) { return q.slope(t); }, 0, 1), peak = q.value(theta);
+      const double least = 1e-3 * at.passage->tolerance * size;
+      if (peak > highest[lane] + least || peak < lowest[lane] - least) consider(kind, 0, theta);
     };
-    if ((slip_rate_slope_[0][lane] > 0) != (slip_rate_slope_[1][lane] > 0))
-      consider(Landing::slip_rate_extreme, 0, turning(slip_rate_index));
-    if (friction_index_ >= 0 && (friction_slope_[0][lane] > 0) != (friction_slope_[1][lane] > 0))
-      consider(Landing::friction_extreme, 0, turning(friction_index_));
+    consider_turn(Landing::slip_rate_extreme, slip_rate_index, slip_rate_slope_, slip_rate_max_, slip_rate_min_,
+                  std::max(at.V, std::abs(u1)));
+    if (friction_index_ >= 0)
+      consider_turn(Landing::friction_extreme, friction_index_, friction_slope_, friction_max_, friction_min_,
+                    friction_max_[lane] - friction_min_[lane]);
   }
   return first;
 }

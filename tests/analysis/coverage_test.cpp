@@ -111,9 +111,8 @@ void check(const Known& random, const Known& plane) {
   report("lanes on random cycles", lanes);
   report("lanes on a plane", points);
   CHECK(cycles.share() >= 0.99);
-  // The lanes fall short of 0.99 as yet.
-  CHECK(lanes.share() >= 0.95);
-  CHECK(points.share() >= 0.97);
+  CHECK(lanes.share() >= 0.98);
+  CHECK(points.share() >= 0.99);
   CHECK(std::max({cycles.worst, lanes.worst, points.worst}) < 10);
 }
 
