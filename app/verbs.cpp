@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "app/files.hpp"
+#include "app/job.hpp"
 #include "app/partial.hpp"
 #include "app/pictures.hpp"
 #include "app/planes.hpp"
@@ -27,123 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using analysis::Regime;
-
-/// A value with the digits that its error leaves meaningful: "22.58705580 ± 3e-08".
-std::string justified(double value, double error, std::string_view unit) {
-  const auto suffix = unit == "1" ? std::string() : fmt::format(" {}", unit);
-  if (!std::isfinite(value)) return "none";
-  if (!(error > 0) || !std::isfinite(error) || value == 0) return fmt::format("{:.10g}{}", value, suffix);
-  const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(error)) + 1;
-  return fmt::format("{:.{}g} ± {:.0e}{}", value, static_cast<int>(std::clamp(digits, 1.0, 16.0)), error, suffix);
-}
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-/// The largest of |error/value| where both are known.
-class Reached {
- public:
-  void add(double value, double error) {
-    if (std::isfinite(value) && std::isfinite(error) && value != 0)
-      largest_ = std::max(largest_, std::abs(error / value));
-  }
-  double value() const { return largest_; }
-
- private:
-  double largest_ = 0;
-};
-
-fs::path results_folder(const Request& request, const std::string& scene_name) {
-  return request.out.empty() ? fs::path("out") / scene_name : fs::path(request.out);
-}
-
-/// One verb at work on one scene: where its results go and who is told.
-class Job {
- public:
-  Job(const Request& request, Verb verb)
-      : request_(request),
-        scene_(read_scene(request.target, request.overrides, verb)),
-        folder_(results_folder(request, scene_.name)) {
-    std::error_code problem;
-    fs::create_directories(folder_, problem);
-    if (problem) throw InputError(fmt::format("--out {}: cannot be made: {}", folder_.string(), problem.message()));
-    for (const auto& text : scene_.notes) note(text);
-    manifest_.verb = request.verb;
-    manifest_.overrides = request.overrides;
-  }
-
-  Scene& scene() { return scene_; }
-  const fs::path& folder() const { return folder_; }
-  Manifest& manifest() { return manifest_; }
-
-  /// A line of the summary.
-  template <class... Args>
-  void say(fmt::format_string<Args...> text, Args&&... args) const {
-    if (request_.json || request_.quiet) return;
-    fmt::print(text, std::forward<Args>(args)...);
-    std::fputc('\n', stdout);
-  }
-  void note(std::string_view text) const {
-    if (!request_.quiet) fmt::print(stderr, "note: {}\n", text);
-  }
-  template <class... Args>
-  void explain(fmt::format_string<Args...> text, Args&&... args) const {
-    if (!request_.explain) return;
-    fmt::print(stderr, "plan: ");
-    fmt::print(stderr, text, std::forward<Args>(args)...);
-    std::fputc('\n', stderr);
-  }
-
-  /// What all plans have in common: the unknowns that are kept.
-  void explain_model() const {
-    if (!request_.explain) return;
-    const auto& model = scene_.model;
-    const auto& law = *model.law;
-    std::vector<std::string> states;
-    for (const auto& state : law.states())
-      states.push_back(state.name + (state.scale == Scale::log ? " (as its logarithm)" : ""));
-    explain("law '{}': {}", law.card().name,
-            states.empty()      ? std::string("no states")
-            : model.lambda == 0 ? std::string("lambda = 0, so its states are in equilibrium: a friction curve")
-                                : fmt::format("states {}", fmt::join(states, ", ")));
-    explain("contact: {}", law.has_slip_rate()
-                               ? "the friction coefficient is an unknown, because the slip rate is explicit"
-                           : law.set_valued() ? "sticks exactly; switches between stick and slip are located events"
-                                              : "friction follows from slip rate and states");
-    const bool spring =
-        std::isfinite(model.contact_stiffness.tangential) || std::isfinite(model.contact_stiffness.per_load);
-    explain("contact stiffness: {}", spring ? "a series spring" : "none, the contact is rigid");
-    if (model.slider.mass == 0) explain("slider without mass: inertia is left out");
-  }
-
-  /// Writes result.json, the manifest and the pictures; prints the document if asked. Call last.
-  Status finish(const std::string& document, std::vector<std::string> files, const std::string& script,
-                const Outcome& outcome) {
-    if (!script.empty()) {
-      auto drawn = draw(folder_, script);
-      for (const auto& problem : drawn.problems) note(problem);
-      files.insert(files.end(), drawn.files.begin(), drawn.files.end());
-    }
-    files.push_back("result.json");
-    manifest_.files = std::move(files);
-    manifest_.outcome = outcome;
-    write_whole(folder_ / "manifest.json", to_json(scene_, manifest_));
-    write_whole(folder_ / "result.json", document);
-    if (request_.json) std::fwrite(document.data(), 1, document.size(), stdout);
-    if (!outcome.complete() && !request_.quiet)
-      fmt::print(stderr, "{}: {}{}{}\n", scene_.path, name(outcome.ending), outcome.detail.empty() ? "" : ": ",
-                 outcome.detail);
-    say("Results: {}", (folder_ / "").string());
-    return outcome.complete() ? done : ended_short;
-  }
-
- private:
-  const Request& request_;
-  Scene scene_;
-  fs::path folder_;
-  Manifest manifest_;
-};
 
 // ---------------------------------------------------------------- laws
 

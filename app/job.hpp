@@ -1,0 +1,78 @@
+/// One verb at work on one scene: where its results go and who is told.
+#pragma once
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/results.hpp"
+#include "app/verbs.hpp"
+
+namespace rosin::app {
+
+/// A value with the digits that its error leaves meaningful: "22.58705580 ± 3e-08".
+std::string justified(double value, double error, std::string_view unit);
+
+double seconds_since(std::chrono::steady_clock::time_point begin);
+
+/// The largest of |error/value| where both are known.
+class Reached {
+ public:
+  void add(double value, double error) {
+    if (std::isfinite(value) && std::isfinite(error) && value != 0)
+      largest_ = std::max(largest_, std::abs(error / value));
+  }
+  double value() const { return largest_; }
+
+ private:
+  double largest_ = 0;
+};
+
+/// The folder that is asked for, or out/<scene>.
+std::filesystem::path results_folder(const Request&, const std::string& scene_name);
+
+class Job {
+ public:
+  /// Reads the scene and makes the folder. \throws InputError
+  Job(const Request&, Verb);
+
+  Scene& scene() { return scene_; }
+  const std::filesystem::path& folder() const { return folder_; }
+  Manifest& manifest() { return manifest_; }
+
+  /// A line of the summary.
+  template <class... Args>
+  void say(fmt::format_string<Args...> text, Args&&... args) const {
+    if (request_.json || request_.quiet) return;
+    fmt::print(text, std::forward<Args>(args)...);
+    std::fputc('\n', stdout);
+  }
+  void note(std::string_view text) const;
+  template <class... Args>
+  void explain(fmt::format_string<Args...> text, Args&&... args) const {
+    if (!request_.explain) return;
+    fmt::print(stderr, "plan: ");
+    fmt::print(stderr, text, std::forward<Args>(args)...);
+    std::fputc('\n', stderr);
+  }
+  /// What all plans have in common: the unknowns that are kept.
+  void explain_model() const;
+
+  /// Writes result.json, the manifest and the pictures; prints the document if asked. Call last.
+  Status finish(const std::string& document, std::vector<std::string> files, const std::string& script,
+                const Outcome& outcome);
+
+ private:
+  const Request& request_;
+  Scene scene_;
+  std::filesystem::path folder_;
+  Manifest manifest_;
+};
+
+}  // namespace rosin::app
