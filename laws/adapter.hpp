@@ -121,115 +121,189 @@ void require_same_lists(const L& law, std::span<const Value> parameters) {
   });
 }
 
-/// ∂v/∂μ at fixed state.
-template <template <class> class L>
-double slip_rate_slope(const L<double>& law, double mu, double N, const double* state) {
-  if constexpr (HasSlipRate<L>) {
-    using Slope = Dual<double, 1>;
-    typename L<Slope>::State fixed;
-    for_each_field(L<Slope>::states, [&](const auto& f, std::size_t k) { fixed.*(f.member) = Slope(state[k]); });
-    return build<L<Slope>>(values_of(law)).slip_rate(Slope::variable(mu, 0), {Slope(0.0), Slope(N)}, fixed).slope[0];
-  } else {
-    return infinity;
-  }
-}
-
-/// μ_ss of steady sliding at a slip rate; of set-valued laws at one that is not negative.
+/// A law L<T> as contacts ask it: states as lists, in the order of its table.
+///
+/// Contacts know laws only by this interface, so that a law whose states are counted at run time (laws/formula.hpp)
+/// shares their rows, starts and weights.
 template <template <class> class L, class T>
-ROSIN_INLINE T steady_of(const L<T>& law, const Sliding<T>& at) {
-  if constexpr (count_states<L>() == 0)
-    return law.friction(at);
-  else
-    return law.friction(at, law.steady(at));
-}
-/// The same at any slip rate; odd in it for set-valued laws too.
-template <template <class> class L, class T>
-ROSIN_INLINE T steady_coefficient(const L<T>& law, const Sliding<T>& at) {
-  if constexpr (SetValued<L>) {
-    const T direction = sign(at.slip_rate);
-    return direction * steady_of<L>(law, Sliding<T>{direction * at.slip_rate, at.normal_load});
-  } else {
-    return steady_of<L>(law, at);
-  }
-}
-
-/// The rows of a contact, g and F, for parameters and unknowns of scalar type T.
-template <template <class> class L>
-struct Rows {
+struct Written {
   static constexpr int states = count_states<L>();
-  bool with_friction;  ///< the first unknown is μ
-  bool equilibrium;    ///< states are those of steady sliding and not unknowns (λ = 0)
+  static constexpr int capacity = std::max(states, 1);  ///< length of a list of states
+  static constexpr bool set_valued = SetValued<L>;
+  const L<T>& law;
 
-  int unknowns() const {
-    if constexpr (states == 0) return 0;
-    return (with_friction ? 1 : 0) + (equilibrium ? 0 : states);
+  static constexpr bool logarithmic(int state) {
+    bool is = false;
+    if constexpr (states > 0)
+      for_each_field(L<T>::states,
+                     [&](const auto& f, std::size_t k) { is |= int(k) == state && f.scale == Scale::log; });
+    return is;
+  }
+  ROSIN_INLINE T friction(const Sliding<T>& at, const T* state) const {
+    if constexpr (states == 0)
+      return law.friction(at);
+    else
+      return law.friction(at, packed(state));
+  }
+  ROSIN_INLINE void rate(const Sliding<T>& at, const T* state, T* rate) const {
+    if constexpr (states > 0) unpack(law.rate(at, packed(state)), rate);
+  }
+  ROSIN_INLINE void steady(const Sliding<T>& at, T* state) const {
+    if constexpr (states > 0) unpack(law.steady(at), state);
+  }
+  /// Never asked of a law without: its contacts are refused the friction unknown.
+  ROSIN_INLINE T slip_rate(const T& mu, const T& N, const T* state) const {
+    if constexpr (HasSlipRate<L>)
+      return law.slip_rate(mu, Sliding<T>{T(0.0), N}, packed(state));
+    else
+      return T(0.0);
   }
 
-  template <class T>
-  ROSIN_INLINE void operator()(const L<T>& law, const ContactInput<T>& in, const T& compliance, const T* z, T* g,
-                               T& F) const {
-    const T &u = in.slip_rate, &N = in.normal_load;
-    if constexpr (SetValued<L>) {
-      const T speed = max(in.direction * u, T(0.0));
-      F = in.direction * (N * law.friction(Sliding<T>{speed, N}));
-    } else if constexpr (states == 0) {
-      F = N * law.friction(Sliding<T>{u, N});
+  /// ∂v/∂μ at fixed state.
+  T slip_rate_slope(const T& mu, const T& N, const T* state) const {
+    if constexpr (HasSlipRate<L>) {
+      using Slope = Dual<T, 1>;
+      Slope fixed[capacity];
+      for (int k = 0; k < states; ++k) fixed[k] = Slope(state[k]);
+      const auto dual = build<L<Slope>>(values_of(law));
+      return Written<L, Slope>{dual}.slip_rate(Slope::variable(mu, 0), Slope(N), fixed).slope[0];
     } else {
-      typename L<T>::State state;
-      if (with_friction) {
-        const T& mu = z[0];
-        T v;
-        slip(law, N, z, v, g + 1);
-        g[0] = u - v - compliance * (mu * in.load_rate);  // d(Nμ)/dt = k_t (u − v)
-        F = N * mu;
-      } else {
-        const Sliding<T> at{u, N};
-        if (equilibrium) {
-          state = law.steady(at);
-        } else {
-          read(z, state);
-          write_rate(law.rate(at, state), z, g);
-        }
-        F = N * law.friction(at, state);
-      }
+      return infinity;
     }
   }
-
-  /// Slip rate v and rates of the states, g, of a contact that carries friction.
-  template <class T>
-  ROSIN_INLINE static void slip(const L<T>& law, const T& N, const T* z, T& v, T* g) {
+  /// ∂μ/∂ψ of each state.
+  void friction_slopes(const Sliding<T>& at, const T* state, T* slopes) const {
     if constexpr (states > 0) {
-      typename L<T>::State state;
-      read(z + 1, state);
-      v = slip_rate(law, z[0], N, state);
-      write_rate(law.rate(Sliding<T>{v, N}, state), z + 1, g);
+      using Slope = Dual<T, states>;
+      Slope varied[capacity];
+      for (int k = 0; k < states; ++k) varied[k] = Slope::variable(state[k], k);
+      const auto dual = build<L<Slope>>(values_of(law));
+      const Slope mu = Written<L, Slope>{dual}.friction({Slope(at.slip_rate), Slope(at.normal_load)}, varied);
+      std::copy(mu.slope, mu.slope + states, slopes);
     }
   }
 
  private:
-  /// States from unknowns: those with Scale::log are carried as logarithms.
-  template <class T>
-  ROSIN_INLINE static void read(const T* z, typename L<T>::State& state) {
+  ROSIN_INLINE static auto packed(const T* list) {
+    typename L<T>::State state;
     for_each_field(
-        L<T>::states, [&](const auto& f, std::size_t i) __attribute__((always_inline)) {
-          state.*(f.member) = f.scale == Scale::log ? exp(z[i]) : z[i];
-        });
+        L<T>::states, [&](const auto& f, std::size_t k)
+                          __attribute__((always_inline)) { state.*(f.member) = list[k]; });
+    return state;
   }
-  template <class T>
-  ROSIN_INLINE static void write_rate(const typename L<T>::State& rate, const T* z, T* g) {
+  ROSIN_INLINE static void unpack(const auto& state, T* list) {
     for_each_field(
-        L<T>::states, [&](const auto& f, std::size_t i) __attribute__((always_inline)) {
-          g[i] = f.scale == Scale::log ? rate.*(f.member) * exp(-z[i]) : rate.*(f.member);
-        });
-  }
-  template <class T>
-  ROSIN_INLINE static T slip_rate(const L<T>& law, const T& mu, const T& N, const typename L<T>::State& state) {
-    if constexpr (HasSlipRate<L>)
-      return law.slip_rate(mu, Sliding<T>{T(0.0), N}, state);
-    else
-      return T(0.0);  // never reached: contacts of such laws are refused the friction unknown
+        L<T>::states, [&](const auto& f, std::size_t k)
+                          __attribute__((always_inline)) { list[k] = state.*(f.member); });
   }
 };
+
+/// μ_ss of steady sliding at a slip rate; of set-valued laws at one that is not negative.
+template <class Law, class T>
+ROSIN_INLINE T steady_of(const Law& law, const Sliding<T>& at) {
+  T state[Law::capacity];
+  law.steady(at, state);
+  return law.friction(at, state);
+}
+/// The same at any slip rate; odd in it for set-valued laws too.
+template <class Law, class T>
+ROSIN_INLINE T steady_coefficient(const Law& law, const Sliding<T>& at) {
+  if (!law.set_valued) return steady_of(law, at);
+  const T direction = sign(at.slip_rate);
+  return direction * steady_of(law, Sliding<T>{direction * at.slip_rate, at.normal_load});
+}
+
+/// The rows of a contact, g and F, for parameters and unknowns of scalar type T.
+struct Rows {
+  bool with_friction;  ///< the first unknown is μ
+  bool equilibrium;    ///< states are those of steady sliding and not unknowns (λ = 0)
+
+  explicit Rows(const ContactSetup& setup)
+      : with_friction(setup.unknowns == Unknowns::friction), equilibrium(!with_friction && setup.lambda == 0) {}
+  bool operator==(const Rows&) const = default;
+
+  int unknowns(int states) const { return states == 0 ? 0 : (with_friction ? 1 : 0) + (equilibrium ? 0 : states); }
+
+  template <class Law, class T>
+  ROSIN_INLINE void operator()(const Law& law, const ContactInput<T>& in, const T& compliance, const T* z, T* g,
+                               T& F) const {
+    const T &u = in.slip_rate, &N = in.normal_load;
+    T state[Law::capacity];
+    if (law.set_valued) {
+      const T speed = max(in.direction * u, T(0.0));
+      F = in.direction * (N * law.friction(Sliding<T>{speed, N}, state));
+    } else if (law.states > 0 && with_friction) {
+      const T& mu = z[0];
+      T v;
+      slip(law, N, z, v, g + 1);
+      g[0] = u - v - compliance * (mu * in.load_rate);  // d(Nμ)/dt = k_t (u − v)
+      F = N * mu;
+    } else {
+      const Sliding<T> at{u, N};
+      if (equilibrium) {
+        law.steady(at, state);
+      } else {
+        read(law, z, state);
+        rates(law, at, state, z, g);
+      }
+      F = N * law.friction(at, state);
+    }
+  }
+
+  /// Slip rate v and rates of the states, g, of a contact that carries friction.
+  template <class Law, class T>
+  ROSIN_INLINE static void slip(const Law& law, const T& N, const T* z, T& v, T* g) {
+    T state[Law::capacity];
+    read(law, z + 1, state);
+    v = law.slip_rate(z[0], N, state);
+    rates(law, Sliding<T>{v, N}, state, z + 1, g);
+  }
+
+ private:
+  /// States from unknowns: those with Scale::log are carried as logarithms.
+  template <class Law, class T>
+  ROSIN_INLINE static void read(const Law& law, const T* z, T* state) {
+    ROSIN_UNROLL
+    for (int k = 0; k < law.states; ++k) state[k] = law.logarithmic(k) ? exp(z[k]) : z[k];
+  }
+  template <class Law, class T>
+  ROSIN_INLINE static void rates(const Law& law, const Sliding<T>& at, const T* state, const T* z, T* g) {
+    law.rate(at, state, g);
+    ROSIN_UNROLL
+    for (int k = 0; k < law.states; ++k)
+      if (law.logarithmic(k)) g[k] = g[k] * exp(-z[k]);
+  }
+};
+
+/// Steady sliding at slip rate u and load N as the unknowns z of a contact, and their weights (Contact::steady).
+template <class Law>
+void start_steady(const Rows& rows, const Law& law, double u, double N, double* z, double* weight) {
+  if (law.states == 0) return;
+  double state[Law::capacity];
+  law.steady(Sliding<double>{u, N}, state);
+  if (rows.with_friction) {
+    // Friction errors are measured by ten times the direct effect, v·∂μ/∂v = v/(∂v/∂μ).
+    *z = law.friction(Sliding<double>{u, N}, state);
+    const double direct_effect = u / law.slip_rate_slope(*z, N, state);
+    *weight = 10 * std::max(std::abs(direct_effect), 1e-3 * std::abs(*z));
+    ++z, ++weight;
+  }
+  if (rows.equilibrium) return;
+  for (int k = 0; k < law.states; ++k) {
+    z[k] = law.logarithmic(k) ? std::log(state[k]) : state[k];
+    weight[k] = law.logarithmic(k) ? 1.0 : std::abs(state[k]);
+  }
+}
+
+/// ∂μ/∂z of the state unknowns in steady sliding at u and N (Contact::friction_slopes).
+template <class Law>
+void steady_friction_slopes(const Law& law, double u, double N, double* slopes) {
+  double state[Law::capacity];
+  law.steady(Sliding<double>{u, N}, state);
+  law.friction_slopes(Sliding<double>{u, N}, state, slopes);
+  for (int k = 0; k < law.states; ++k)
+    if (law.logarithmic(k)) slopes[k] *= state[k];
+}
 
 }  // namespace detail
 
@@ -249,6 +323,51 @@ struct Portion<Lanes> {
   ROSIN_INLINE static Pack& of(Lanes& x, int i) { return x.pack[i]; }
 };
 
+/// What surrounds the law in a contact: which unknowns it carries, and of each lane the clock factor and the spring.
+template <class Real>
+class Surroundings {
+  using Part = Portion<Real>;
+
+ public:
+  explicit Surroundings(const ContactSetup& setup)
+      : rows_(setup),
+        lambda_(setup.lambda),
+        compliance_(setup.compliance),
+        compliance_per_load_(setup.compliance_per_load) {}
+
+  void load(int lane, const ContactSetup& setup) {
+    if (detail::Rows(setup) != rows_) throw InputError("the lanes of one batch must carry the same unknowns");
+    detail::set_lane(lambda_, lane, setup.lambda);
+    detail::set_lane(compliance_, lane, setup.compliance);
+    detail::set_lane(compliance_per_load_, lane, setup.compliance_per_load);
+  }
+  /// Contact::mass
+  void mass(const Real& N, int states, Real* m) const {
+    for (int p = 0; p < Part::count; ++p) {
+      int i = 0;
+      if (states > 0 && rows_.with_friction)
+        Part::of(m[i++], p) = Part::of(N, p) * Part::of(compliance_, p) + Part::of(compliance_per_load_, p);
+      while (i < rows_.unknowns(states)) Part::of(m[i++], p) = Part::of(lambda_, p);
+    }
+  }
+
+  const detail::Rows& rows() const { return rows_; }
+  const Real& compliance() const { return compliance_; }  ///< 1/k_t, m/N
+
+ private:
+  detail::Rows rows_;
+  Real lambda_, compliance_, compliance_per_load_;
+};
+
+/// Runs a kernel once, on the instruction set in use if it is for lanes.
+template <class Real, class Kernel>
+void on_lanes(const Kernel& kernel) {
+  if constexpr (Portion<Real>::count > 1)
+    run_on_lanes(kernel);
+  else
+    kernel();
+}
+
 /// The contact of law L for one system (Real = double) or for 32 (Real = Lanes).
 template <template <class> class L, class Real>
 class LawContact final : public Contact<Real> {
@@ -260,31 +379,28 @@ class LawContact final : public Contact<Real> {
   static_assert(states + 1 <= Slopes<Real>::capacity);
 
  public:
-  LawContact(std::span<const Value> parameters, const ContactSetup& setup)
-      : rows_{setup.unknowns == Unknowns::friction, setup.unknowns != Unknowns::friction && setup.lambda == 0},
-        lambda_(setup.lambda),
-        compliance_(setup.compliance),
-        compliance_per_load_(setup.compliance_per_load) {
+  LawContact(std::span<const Value> parameters, const ContactSetup& setup) : setup_(setup) {
     law_.fill(detail::build<L<Scalar>>(parameters));
     derivative_law_.fill(detail::build<L<Derivative>>(parameters));
     slip_law_.fill(detail::build<L<Dual<Scalar, states + 1>>>(parameters));
     lane_law_.fill(detail::build<L<double>>(parameters));
   }
 
-  int unknowns() const override { return rows_.unknowns(); }
+  int unknowns() const override { return setup_.rows().unknowns(states); }
 
   void evaluate(const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const override {
-    on_lanes([&] { evaluate_here(in, z, g, F); });
+    on_lanes<Real>([&] { evaluate_here(in, z, g, F); });
   }
 
   void linearise(const ContactInput<Real>& in, const Real* z, Real* g, Real& F, Slopes<Real>& slopes) const override {
-    on_lanes([&] { linearise_here(in, z, g, F, slopes); });
+    on_lanes<Real>([&] { linearise_here(in, z, g, F, slopes); });
   }
 
   void steady_friction(const Real& u, const Real& N, Real& mu) const override {
-    on_lanes([&] {
+    on_lanes<Real>([&] {
       for (int p = 0; p < Part::count; ++p)
-        Part::of(mu, p) = detail::steady_coefficient<L>(law_[p], {Part::of(u, p), Part::of(N, p)});
+        Part::of(mu, p) = detail::steady_coefficient(detail::Written<L, Scalar>{law_[p]},
+                                                     Sliding<Scalar>{Part::of(u, p), Part::of(N, p)});
     });
   }
 
@@ -295,7 +411,7 @@ class LawContact final : public Contact<Real> {
       for (int p = 0; p < Part::count; ++p) {
         Slope part_z[n], part_v, part_g[n];
         for (int i = 0; i < n; ++i) part_z[i] = Slope::variable(Part::of(z[i], p), i);
-        detail::Rows<L>::slip(slip_law_[p], Slope(Part::of(N, p)), part_z, part_v, part_g);
+        detail::Rows::slip(detail::Written<L, Slope>{slip_law_[p]}, Slope(Part::of(N, p)), part_z, part_v, part_g);
         Part::of(v, p) = part_v.value;
         for (int j = 0; j < n; ++j) Part::of(v_z[j], p) = part_v.slope[j];
         for (int i = 0; i < states; ++i) {
@@ -306,65 +422,23 @@ class LawContact final : public Contact<Real> {
     }
   }
 
-  void mass(const Real& N, Real* m) const override {
-    for (int p = 0; p < Part::count; ++p) {
-      int i = 0;
-      if (rows_.with_friction)
-        Part::of(m[i++], p) = Part::of(N, p) * Part::of(compliance_, p) + Part::of(compliance_per_load_, p);
-      while (i < unknowns()) Part::of(m[i++], p) = Part::of(lambda_, p);
-    }
-  }
+  void mass(const Real& N, Real* m) const override { setup_.mass(N, states, m); }
 
   void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) override {
-    const bool with_friction = setup.unknowns == Unknowns::friction;
-    if (with_friction != rows_.with_friction || (!with_friction && setup.lambda == 0) != rows_.equilibrium)
-      throw InputError("the lanes of one batch must carry the same unknowns");
     if constexpr (Part::count > 1) detail::require_same_lists(law_[0], parameters);
+    setup_.load(lane, setup);
     lane_law_[lane] = detail::build<L<double>>(parameters);
     detail::assign(law_[lane / pack_width], parameters, lane % pack_width);
     detail::assign(derivative_law_[lane / pack_width], parameters, lane % pack_width);
     detail::assign(slip_law_[lane / pack_width], parameters, lane % pack_width);
-    detail::set_lane(lambda_, lane, setup.lambda);
-    detail::set_lane(compliance_, lane, setup.compliance);
-    detail::set_lane(compliance_per_load_, lane, setup.compliance_per_load);
   }
 
   void steady(int lane, double u, double N, double* z, double* weight) const override {
-    if constexpr (states > 0) {
-      const L<double>& law = lane_law_[lane];
-      const auto state = law.steady(Sliding<double>{u, N});
-      double values[states];
-      detail::for_each_field(L<double>::states, [&](const auto& f, std::size_t k) { values[k] = state.*(f.member); });
-      if (rows_.with_friction) {
-        // Friction errors are measured by ten times the direct effect, v·∂μ/∂v = v/(∂v/∂μ).
-        *z = law.friction(Sliding<double>{u, N}, state);
-        const double direct_effect = u / detail::slip_rate_slope(law, *z, N, values);
-        *weight = 10 * std::max(std::abs(direct_effect), 1e-3 * std::abs(*z));
-        ++z, ++weight;
-      }
-      if (rows_.equilibrium) return;
-      detail::for_each_field(L<double>::states, [&](const auto& f, std::size_t k) {
-        z[k] = f.scale == Scale::log ? std::log(values[k]) : values[k];
-        weight[k] = f.scale == Scale::log ? 1.0 : std::abs(values[k]);
-      });
-    }
+    detail::start_steady(setup_.rows(), detail::Written<L, double>{lane_law_[lane]}, u, N, z, weight);
   }
 
   void friction_slopes(int lane, double u, double N, double* slopes) const override {
-    if constexpr (states > 0) {
-      using Slope = Dual<double, states>;
-      const auto steady = lane_law_[lane].steady(Sliding<double>{u, N});
-      double values[states];
-      detail::for_each_field(L<double>::states, [&](const auto& f, std::size_t k) { values[k] = steady.*(f.member); });
-      typename L<Slope>::State state;
-      detail::for_each_field(L<Slope>::states, [&](const auto& f, std::size_t k) {
-        state.*(f.member) = Slope::variable(values[k], int(k));
-        if (f.scale == Scale::log) (state.*(f.member)).slope[k] = values[k];
-      });
-      const auto law = detail::build<L<Slope>>(detail::values_of(lane_law_[lane]));
-      const Slope mu = law.friction(Sliding<Slope>{Slope(u), Slope(N)}, state);
-      std::copy(mu.slope, mu.slope + states, slopes);
-    }
+    detail::steady_friction_slopes(detail::Written<L, double>{lane_law_[lane]}, u, N, slopes);
   }
 
  private:
@@ -373,10 +447,10 @@ class LawContact final : public Contact<Real> {
       Scalar part_z[states + 1] = {}, part_g[states + 1] = {};
       const int n = unknowns();
       for (int i = 0; i < n; ++i) part_z[i] = Part::of(z[i], p);
-      rows_(law_[p],
-            ContactInput<Scalar>{Part::of(in.slip_rate, p), Part::of(in.normal_load, p), Part::of(in.load_rate, p),
-                                 Part::of(in.direction, p)},
-            Part::of(compliance_, p), part_z, part_g, Part::of(F, p));
+      setup_.rows()(detail::Written<L, Scalar>{law_[p]},
+                    ContactInput<Scalar>{Part::of(in.slip_rate, p), Part::of(in.normal_load, p),
+                                         Part::of(in.load_rate, p), Part::of(in.direction, p)},
+                    Part::of(setup_.compliance(), p), part_z, part_g, Part::of(F, p));
       for (int i = 0; i < n; ++i) Part::of(g[i], p) = part_g[i];
     }
   }
@@ -387,11 +461,12 @@ class LawContact final : public Contact<Real> {
       const int n = unknowns();
       Derivative part_z[states + 1], part_g[states + 1], part_F;
       for (int i = 0; i < n; ++i) part_z[i] = Derivative::variable(Part::of(z[i], p), i);
-      rows_(derivative_law_[p],
-            ContactInput<Derivative>{Derivative::variable(Part::of(in.slip_rate, p), n),
-                                     Derivative::variable(Part::of(in.normal_load, p), n + 1),
-                                     Derivative(Part::of(in.load_rate, p)), Derivative(Part::of(in.direction, p))},
-            Derivative(Part::of(compliance_, p)), part_z, part_g, part_F);
+      setup_.rows()(
+          detail::Written<L, Derivative>{derivative_law_[p]},
+          ContactInput<Derivative>{Derivative::variable(Part::of(in.slip_rate, p), n),
+                                   Derivative::variable(Part::of(in.normal_load, p), n + 1),
+                                   Derivative(Part::of(in.load_rate, p)), Derivative(Part::of(in.direction, p))},
+          Derivative(Part::of(setup_.compliance(), p)), part_z, part_g, part_F);
       for (int i = 0; i < n; ++i) {
         Part::of(g[i], p) = part_g[i].value;
         for (int j = 0; j < n; ++j) Part::of(slopes.g_z[i * n + j], p) = part_g[i].slope[j];
@@ -405,19 +480,10 @@ class LawContact final : public Contact<Real> {
     }
   }
 
-  template <class Kernel>
-  static void on_lanes(const Kernel& kernel) {
-    if constexpr (Part::count > 1)
-      run_on_lanes(kernel);
-    else
-      kernel();
-  }
-
-  detail::Rows<L> rows_;
+  Surroundings<Real> setup_;
   std::array<L<Scalar>, Part::count> law_;
   std::array<L<Derivative>, Part::count> derivative_law_;
   std::array<L<Dual<Scalar, states + 1>>, Part::count> slip_law_;
-  Real lambda_, compliance_, compliance_per_load_;
   std::array<L<double>, std::is_same_v<Real, Lanes> ? lane_count : 1> lane_law_;  ///< for starts, one lane at a time
 };
 
@@ -426,16 +492,14 @@ template <template <class> class L>
 class LawTower final : public ContactValues<Tower> {
  public:
   LawTower(std::span<const Value> parameters, const ContactSetup& setup)
-      : rows_{setup.unknowns == Unknowns::friction, setup.unknowns != Unknowns::friction && setup.lambda == 0},
-        law_(detail::build<L<Tower>>(parameters)),
-        compliance_(setup.compliance) {}
-  int unknowns() const override { return rows_.unknowns(); }
+      : rows_(setup), law_(detail::build<L<Tower>>(parameters)), compliance_(setup.compliance) {}
+  int unknowns() const override { return rows_.unknowns(detail::count_states<L>()); }
   void evaluate(const ContactInput<Tower>& in, const Tower* z, Tower* g, Tower& F) const override {
-    rows_(law_, in, compliance_, z, g, F);
+    rows_(detail::Written<L, Tower>{law_}, in, compliance_, z, g, F);
   }
 
  private:
-  detail::Rows<L> rows_;
+  detail::Rows rows_;
   L<Tower> law_;
   Tower compliance_;
 };
@@ -521,9 +585,10 @@ class Law final : public FrictionLaw {
     using Slope = Dual<double, 1>;
     // At rest, a set-valued law is seen from the side of slip along the drive.
     const double direction = SetValued<L> && at.slip_rate < 0 ? -1 : 1;
+    const auto law = detail::build<L<Slope>>(values_);
     const Slope mu =
-        direction * detail::steady_of<L>(detail::build<L<Slope>>(values_),
-                                         Sliding<Slope>{direction * Slope::variable(at.slip_rate, 0), at.normal_load});
+        direction * detail::steady_of(detail::Written<L, Slope>{law},
+                                      Sliding<Slope>{direction * Slope::variable(at.slip_rate, 0), at.normal_load});
     return {checked("steady friction", at, mu.value), mu.slope[0]};
   }
   void steady_friction(std::span<const double> slip_rates, double normal_load,
@@ -533,7 +598,7 @@ class Law final : public FrictionLaw {
       const std::size_t count = std::min<std::size_t>(pack_width, slip_rates.size() - first);
       Pack v(slip_rates[first]);
       for (std::size_t i = 0; i < count; ++i) v.block[i] = slip_rates[first + i];
-      const Pack mu = detail::steady_of<L>(law, Sliding<Pack>{v, Pack(normal_load)});
+      const Pack mu = detail::steady_of(detail::Written<L, Pack>{law}, Sliding<Pack>{v, Pack(normal_load)});
       for (std::size_t i = 0; i < count; ++i)
         friction[first + i] = checked("steady friction", {v.block[i], normal_load}, mu.block[i]);
     }
@@ -573,12 +638,7 @@ class Law final : public FrictionLaw {
                            [&](const auto& f, std::size_t) { list.push_back(checked(what, at, state.*(f.member))); });
     return list;
   }
-  double checked(const char* what, Sliding<double> at, double x) const {
-    if (!std::isfinite(x))
-      throw InputError(fmt::format("the {} of law '{}' is not finite at slip rate {} m/s and normal load {} N", what,
-                                   card().name, at.slip_rate, at.normal_load));
-    return x;
-  }
+  double checked(const char* what, Sliding<double> at, double x) const { return finite_answer(card(), what, at, x); }
   void check_values(const std::vector<Value>& values) const;
 
   std::vector<Value> values_;
@@ -587,19 +647,7 @@ class Law final : public FrictionLaw {
 
 template <template <class> class L>
 void Law<L>::check_values(const std::vector<Value>& values) const {
-  const auto& fields = parameters();
-  if (values.size() != fields.size())
-    throw InputError(fmt::format("law '{}' takes {} parameters, got {}", card().name, fields.size(), values.size()));
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    const auto path = fmt::format("law.{}", fields[i].name);
-    if (std::holds_alternative<double>(values[i]) == fields[i].is_list)
-      throw InputError(fmt::format("{} must be {}", path, fields[i].is_list ? "a list of numbers" : "a number"));
-    if (fields[i].is_list)
-      for (const double x : std::get<std::vector<double>>(values[i]))
-        require(x, fields[i].range, path, fields[i].meaning, fields[i].unit);
-    else
-      require(std::get<double>(values[i]), fields[i].range, path, fields[i].meaning, fields[i].unit);
-  }
+  check_parameters(card(), parameters(), values);
   if constexpr (requires { L<double>::check(law_); }) L<double>::check(detail::build<L<double>>(values));
 }
 

@@ -1,4 +1,4 @@
-/// Looking up parameters by name.
+/// Looking up parameters by name, and the checks that every law makes of its values and answers.
 #include "laws/law.hpp"
 
 #include <fmt/format.h>
@@ -35,4 +35,29 @@ std::shared_ptr<const FrictionLaw> FrictionLaw::with(std::string_view name, Valu
   return with(std::move(changed));
 }
 
+namespace laws {
+
+double finite_answer(const Card& card, std::string_view question, Sliding<double> at, double x) {
+  if (!std::isfinite(x))
+    throw InputError(fmt::format("the {} of law '{}' is not finite at slip rate {} m/s and normal load {} N", question,
+                                 card.name, at.slip_rate, at.normal_load));
+  return x;
+}
+
+void check_parameters(const Card& card, std::span<const Quantity> fields, std::span<const Value> values) {
+  if (values.size() != fields.size())
+    throw InputError(fmt::format("law '{}' takes {} parameters, got {}", card.name, fields.size(), values.size()));
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const auto path = fmt::format("law.{}", fields[i].name);
+    if (std::holds_alternative<double>(values[i]) == fields[i].is_list)
+      throw InputError(fmt::format("{} must be {}", path, fields[i].is_list ? "a list of numbers" : "a number"));
+    if (fields[i].is_list)
+      for (const double x : std::get<std::vector<double>>(values[i]))
+        require(x, fields[i].range, path, fields[i].meaning, fields[i].unit);
+    else
+      require(std::get<double>(values[i]), fields[i].range, path, fields[i].meaning, fields[i].unit);
+  }
+}
+
+}  // namespace laws
 }  // namespace rosin

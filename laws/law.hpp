@@ -88,6 +88,12 @@ class FrictionLaw {
 
 namespace laws {
 
+/// The answer x of a law to a question. \throws InputError naming the question unless x is finite.
+double finite_answer(const Card&, std::string_view question, Sliding<double> at, double x);
+
+/// \throws InputError unless there is a value of the right kind, within its range, for each parameter.
+void check_parameters(const Card&, std::span<const Quantity> parameters, std::span<const Value> values);
+
 /// Law L as a FrictionLaw, with its default parameter values or with those of `law`. Defined in laws/adapter.hpp and
 /// instantiated once in each shipped law's .cpp; for a law of your own, include the adapter.
 template <template <class> class L>
