@@ -17,6 +17,8 @@
 #include "core/error.hpp"
 #include "core/units.hpp"
 #include "laws/catalogue.hpp"
+#include "laws/expression.hpp"
+#include "laws/formula.hpp"
 
 namespace rosin::app {
 
@@ -195,6 +197,19 @@ class Table {
   void refuse(std::string_view key) {
     if (const auto* node = table_->get(key)) fail(node->source(), "{} is not available in this version", path(key));
   }
+  /// The tables in this one, in the order of the file: their keys are names that the user chose.
+  std::vector<std::pair<std::string, Table>> named_tables() const {
+    std::vector<std::pair<const toml::key*, const toml::node*>> entries;
+    for (const auto& [key, node] : *table_) entries.emplace_back(&key, &node);
+    const auto position = [](const auto& entry) {
+      const auto& begin = entry.first->source().begin;
+      return std::pair{begin.line, begin.column};
+    };
+    std::ranges::stable_sort(entries, {}, position);
+    std::vector<std::pair<std::string, Table>> tables;
+    for (const auto& [key, node] : entries) tables.emplace_back(key->str(), Table(*node, path(key->str())));
+    return tables;
+  }
   std::optional<Table> table(std::string_view key) {
     if (const auto* node = find(key)) return Table(*node, path(key));
     return std::nullopt;
@@ -366,9 +381,115 @@ Quantity mechanical(std::string_view path) {
   throw std::logic_error("no mechanical parameter " + std::string(path));
 }
 
+// ---------------------------------------------------------------- laws from text
+
+/// Calls `f`; an error in an expression gets the place of its token in the file, as far as that is known.
+template <class F>
+auto located_in_formula(const toml::node& formula, F f) {
+  try {
+    return f();
+  } catch (const laws::ExpressionError& error) {
+    const toml::node* node = &formula;  // or the innermost of the path that is there
+    std::istringstream path(error.expression);
+    for (std::string key; std::getline(path, key, '.') && node->is_table();)
+      if (const auto* inner = node->as_table()->get(key)) node = inner;
+    const auto* expression = node->as_string();
+    if (!expression || error.offset == error.whole) fail(node->source(), "{}", error.what());
+    auto source = node->source();
+    const auto length = [](std::string_view text) {  // in characters, as columns are counted
+      return std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; });
+    };
+    const auto before = length(std::string_view(expression->get()).substr(0, error.offset));
+    const bool as_written = source.begin.line == source.end.line &&
+                            source.end.column - source.begin.column == length(expression->get()) + 2;
+    if (!as_written || place(source).starts_with(override_mark))
+      fail(source, "{} (character {} of the text)", error.what(), before + 1);
+    source.begin.column += toml::source_index(before + 1);
+    fail(source, "{}", error.what());
+  }
+}
+
+/// What a law from text says of a parameter or a state.
+Quantity read_quantity(Table& table, const std::string& name, Range range) {
+  Quantity quantity{name, "1", range, name};
+  if (const auto* unit = table.find("unit")) quantity.unit = text(*unit, table.path("unit"));
+  if (const auto* meaning = table.find("meaning")) quantity.meaning = text(*meaning, table.path("meaning"));
+  const Quantity bound{"", quantity.unit, range, "bound of " + name};
+  table.read("minimum", quantity.range.low, bound);
+  table.read("maximum", quantity.range.high, bound);
+  if (!(quantity.range.low <= quantity.range.high))
+    fail(table.source(), "{} is above {}", table.path("minimum"), table.path("maximum"));
+  return quantity;
+}
+
+std::shared_ptr<const FrictionLaw> read_formula(const toml::node& node) {
+  Table table(node, "law.formula");
+  table.expect({"title", "parameters", "states", "define", "friction", "rate", "steady", "slip_rate", "static_limit"});
+  laws::FormulaDescription law;
+  if (const auto* title = table.find("title")) law.title = text(*title, table.path("title"));
+
+  constexpr Range finite{-1e300, 1e300}, positive{1e-300, 1e300};
+  const auto named = [&](std::string_view key) {
+    const auto* inner = table.find(key);
+    return inner ? Table(*inner, table.path(key)).named_tables() : std::vector<std::pair<std::string, Table>>();
+  };
+  const auto refuse_reserved = [&](const Table& entry, const std::string& name, std::vector<std::string> reserved) {
+    if (std::ranges::find(reserved, name) != reserved.end())
+      fail(entry.source(), "law.formula: '{}' has another meaning in scenes; take another name", name);
+  };
+  for (auto& [name, entry] : named("parameters")) {
+    refuse_reserved(entry, name, {"type", "preset", "lambda", "formula", "contact_stiffness", "load_memory"});
+    entry.expect({"default", "unit", "minimum", "maximum", "meaning"});
+    laws::FormulaDescription::Parameter parameter{read_quantity(entry, name, finite), 0};
+    auto quantity = parameter.quantity;
+    quantity.name = entry.path("default");
+    parameter.value = number(entry.required("default", "its value unless [law] sets another"), quantity);
+    entry.finish();
+    law.parameters.push_back(std::move(parameter));
+  }
+  for (auto& [name, entry] : named("states")) {
+    refuse_reserved(entry, name, {"displacement", "velocity", "slip_rate", "state", "time", "friction_force"});
+    entry.expect({"unit", "scale", "minimum", "maximum", "meaning"});
+    const auto* scale = entry.find("scale");
+    const bool logarithmic = scale && choice(*scale, entry.path("scale"), {"log", "linear"}) == "log";
+    auto state = read_quantity(entry, name, logarithmic ? positive : finite);
+    state.scale = logarithmic ? Scale::log : Scale::linear;
+    entry.finish();
+    law.states.push_back(std::move(state));
+  }
+  const auto expression = [&](std::string_view key) {
+    const auto* given = table.find(key);
+    return given ? text(*given, table.path(key)) : std::string();
+  };
+  const auto of_states = [&](std::string_view key) {
+    std::vector<std::string> expressions(law.states.size());
+    auto given = table.table(key);
+    for (std::size_t k = 0; given && k < law.states.size(); ++k)
+      if (const auto* rate = given->find(law.states[k].name))
+        expressions[k] = text(*rate, given->path(law.states[k].name));
+    if (given) given->finish();
+    return expressions;
+  };
+  if (const auto* define = table.find("define")) {
+    Table definitions(*define, table.path("define"));
+    for (const auto& [key, value] : *define->as_table())
+      law.define.emplace_back(key.str(), text(value, definitions.path(key.str())));
+  }
+  law.friction = text(table.required("friction", "coefficient of friction, a formula"), table.path("friction"));
+  law.rate = of_states("rate");
+  law.steady = of_states("steady");
+  law.slip_rate = expression("slip_rate");
+  law.static_limit = expression("static_limit");
+  table.finish();
+  return located_in_formula(node, [&] { return laws::make_formula(law); });
+}
+
 void read_law(Table law, oscillators::Model& model) {
-  const auto& type = law.required("type", "name of a friction law; 'rosin laws' lists them");
-  auto prototype = located(type.source(), [&] { return laws::find_law(text(type, law.path("type"))); });
+  const auto& type =
+      law.required("type", "name of a friction law; 'rosin laws' lists them, 'formula' is one from text");
+  const auto type_name = text(type, law.path("type"));
+  const auto* formula = type_name == "formula" ? &law.required("formula", "the law as text") : nullptr;
+  auto prototype = formula ? read_formula(*formula) : located(type.source(), [&] { return laws::find_law(type_name); });
   if (const auto* name = law.find("preset"))
     prototype = located(name->source(), [&] { return laws::preset(*prototype, text(*name, law.path("preset"))); });
   auto values = prototype->values();
@@ -383,6 +504,7 @@ void read_law(Table law, oscillators::Model& model) {
       values[i] = number(*node, quantity);
   }
   model.law = located(law.source(), [&] { return prototype->with(std::move(values)); });
+  if (formula) located_in_formula(*formula, [&] { laws::check_formula(*model.law); });
 
   if (const auto* node = law.find("lambda")) {
     if (!model.law->has_states())

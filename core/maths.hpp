@@ -34,17 +34,40 @@ ROSIN_INLINE Real asinh_exp(const Real& v, const Real& E) {
   return select(w > Real(detail::asinh_large), sign(v) * (w + std::numbers::ln2),
                 asinh(Real(v * exp(min(E, Real(700.0))))));
 }
+/// asinh(v·e^E) and its derivatives.
+template <class Real>
+struct AsinhExp {
+  Real value, by_v, by_E;
+};
+template <class Real>
+ROSIN_INLINE AsinhExp<Real> asinh_exp_with_slopes(const Real& v, const Real& E) {
+  // d/dE = x/sqrt(1+x²), d/dv = e^E/sqrt(1+x²), x = v e^E; both have finite limits where x overflows.
+  const auto large = detail::asinh_exp_is_large(v, E);
+  const Real growth = exp(min(E, Real(700.0)));
+  const Real x = v * growth, root = 1.0 / sqrt(1.0 + x * x);
+  return {asinh_exp(v, E), select(large, Real(1.0 / abs(v)), Real(growth * root)),
+          select(large, sign(v), Real(x * root))};
+}
 template <class Real, int n>
 ROSIN_INLINE Dual<Real, n> asinh_exp(const Dual<Real, n>& v, const Dual<Real, n>& E) {
-  // d/dE = x/sqrt(1+x²), d/dv = e^E/sqrt(1+x²), x = v e^E; both have finite limits where x overflows.
-  const auto large = detail::asinh_exp_is_large(v.value, E.value);
-  const Real growth = exp(min(E.value, Real(700.0)));
-  const Real x = v.value * growth, root = 1.0 / sqrt(1.0 + x * x);
-  const Real by_E = select(large, sign(v.value), Real(x * root));
-  const Real by_v = select(large, Real(1.0 / abs(v.value)), Real(growth * root));
-  return detail::chain(v, E, asinh_exp(v.value, E.value), by_v, by_E);
+  const auto f = asinh_exp_with_slopes(v.value, E.value);
+  return detail::chain(v, E, f.value, f.by_v, f.by_E);
+}
+template <class Real, int n>
+ROSIN_INLINE Dual<Real, n> asinh(const Dual<Real, n>& x) {
+  return asinh_exp(x, Dual<Real, n>(0.0));
 }
 
+/// e^{-E}·sinh(p) and e^{-E}·cosh(p).
+template <class Real>
+struct SinhCoshExp {
+  Real sinh, cosh;
+};
+template <class Real>
+ROSIN_INLINE SinhCoshExp<Real> sinh_cosh_exp(const Real& p, const Real& E) {
+  const Real q = abs(p), half = 0.5 * exp(q - E), fall = expm1(-2.0 * q);
+  return {sign(p) * (-half * fall), half * (2.0 + fall)};
+}
 /// e^{-E}·sinh(p), the inverse of asinh_exp: p = asinh_exp(v, E) gives v. No cancellation near p = 0, no early
 /// overflow.
 template <class Real>
@@ -52,11 +75,33 @@ ROSIN_INLINE Real sinh_exp(const Real& p, const Real& E) {
   const Real q = abs(p);
   return sign(p) * (-0.5 * (exp(q - E) * expm1(-2.0 * q)));
 }
+/// e^{-E}·cosh(p), without early overflow.
+template <class Real>
+ROSIN_INLINE Real cosh_exp(const Real& p, const Real& E) {
+  const Real q = abs(p);
+  return 0.5 * (exp(q - E) * (1.0 + exp(-2.0 * q)));
+}
 template <class Real, int n>
 ROSIN_INLINE Dual<Real, n> sinh_exp(const Dual<Real, n>& p, const Dual<Real, n>& E) {
-  const Real q = abs(p.value), half = 0.5 * exp(q - E.value), fall = expm1(-2.0 * q);
-  const Real value = sign(p.value) * (-half * fall), cosh = half * (2.0 + fall);
-  return detail::chain(p, E, value, cosh, Real(-value));
+  const auto f = sinh_cosh_exp(p.value, E.value);
+  return detail::chain(p, E, f.sinh, f.cosh, Real(-f.sinh));
+}
+template <class Real, int n>
+ROSIN_INLINE Dual<Real, n> cosh_exp(const Dual<Real, n>& p, const Dual<Real, n>& E) {
+  const auto f = sinh_cosh_exp(p.value, E.value);
+  return detail::chain(p, E, f.cosh, f.sinh, Real(-f.cosh));
+}
+
+/// tanh(x), accurate to rounding for small and large x.
+template <class Real>
+ROSIN_INLINE Real tanh(const Real& x) {
+  const Real fall = expm1(-2.0 * abs(x));
+  return sign(x) * (-fall / (2.0 + fall));
+}
+template <class Real, int n>
+ROSIN_INLINE Dual<Real, n> tanh(const Dual<Real, n>& x) {
+  const Real inverse = 1.0 / cosh_exp(x.value, Real(0.0));
+  return detail::chain(x, Real(tanh(x.value)), Real(inverse * inverse));
 }
 
 /// x·ln x for x >= 0, with the limit 0 at x = 0.
@@ -69,6 +114,18 @@ ROSIN_INLINE Real xlogx(const Real& x) {
 template <class Real>
 ROSIN_INLINE Real power(const Real& x, const Real& c) {
   return exp(c * log(max(x, Real(1e-300))));
+}
+
+/// x^c for x >= 0; NaN for x < 0.
+template <class Real>
+ROSIN_INLINE Real real_power(const Real& x, const Real& c) {
+  return exp(c * log(x));
+}
+template <class Real, int n>
+ROSIN_INLINE Dual<Real, n> real_power(const Dual<Real, n>& x, const Dual<Real, n>& c) {
+  const Real value = real_power(x.value, c.value);
+  return detail::chain(x, c, value, Real(c.value * real_power(x.value, Real(c.value - 1.0))),
+                       Real(value * log(max(x.value, Real(1e-300)))));
 }
 
 }  // namespace rosin

@@ -105,4 +105,82 @@ bool unit_known(std::string_view unit) {
   return database.parse(unit) != nullptr;
 }
 
+namespace {
+
+constexpr std::array<std::string_view, 7> base_units = {"m", "kg", "s", "A", "K", "mol", "cd"};
+
+double whole_if_near(double x) { return std::abs(x - std::round(x)) < 1e-12 ? std::round(x) : x; }
+
+/// Takes a unit of UDUNITS apart.
+ut_status take_basic(const ut_unit* unit, int power, TextUnit& taken) {
+  const char* symbol = ut_get_symbol(unit, UT_ASCII);
+  for (std::size_t i = 0; symbol && i < base_units.size(); ++i)
+    if (base_units[i] == symbol) taken.dimension.exponent[i] += power;
+  return UT_SUCCESS;
+}
+constexpr ut_visitor unit_parts{
+    .visit_basic = [](const ut_unit* unit, void* to) { return take_basic(unit, 1, *static_cast<TextUnit*>(to)); },
+    .visit_product =
+        [](const ut_unit*, int count, const ut_unit* const* basic, const int* powers, void* to) {
+          for (int i = 0; i < count; ++i) take_basic(basic[i], powers[i], *static_cast<TextUnit*>(to));
+          return UT_SUCCESS;
+        },
+    .visit_galilean =
+        [](const ut_unit*, double scale, const ut_unit* underlying, double offset, void* to) {
+          auto& taken = *static_cast<TextUnit*>(to);
+          taken.factor *= scale;
+          taken.offset |= offset != 0;
+          return ut_accept_visitor(underlying, &unit_parts, to);
+        },
+    .visit_timestamp =
+        [](const ut_unit*, const ut_unit*, double, void* to) {
+          static_cast<TextUnit*>(to)->offset = true;
+          return UT_SUCCESS;
+        },
+    .visit_logarithmic =
+        [](const ut_unit*, double, const ut_unit*, void* to) {
+          static_cast<TextUnit*>(to)->offset = true;
+          return UT_SUCCESS;
+        }};
+
+}  // namespace
+
+Dimension Dimension::operator*(const Dimension& other) const {
+  Dimension result;
+  for (std::size_t i = 0; i < exponent.size(); ++i) result.exponent[i] = whole_if_near(exponent[i] + other.exponent[i]);
+  return result;
+}
+Dimension Dimension::operator/(const Dimension& other) const { return *this * other.power(-1); }
+Dimension Dimension::power(double p) const {
+  Dimension result;
+  for (std::size_t i = 0; i < exponent.size(); ++i) result.exponent[i] = whole_if_near(exponent[i] * p);
+  return result;
+}
+
+std::string coherent_unit(const Dimension& dimension) {
+  std::string above, below;
+  int divisors = 0;
+  for (std::size_t i = 0; i < base_units.size(); ++i) {
+    const double power = dimension.exponent[i];
+    if (power == 0) continue;
+    auto& part = power > 0 ? above : below;
+    divisors += power < 0;
+    if (!part.empty()) part += ' ';
+    part += base_units[i];
+    if (std::abs(power) != 1) part += fmt::format("^{}", std::abs(power));
+  }
+  if (above.empty()) above = "1";
+  if (divisors == 0) return above;
+  return divisors == 1 ? above + '/' + below : above + "/(" + below + ')';
+}
+
+std::optional<TextUnit> parse_unit(std::string_view text) {
+  auto& database = Database::get();
+  const std::lock_guard guard(database.lock);
+  const Unit unit = database.parse(text);
+  TextUnit taken;
+  if (!unit || ut_accept_visitor(unit.get(), &unit_parts, &taken) != UT_SUCCESS) return std::nullopt;
+  return taken;
+}
+
 }  // namespace rosin

@@ -1,0 +1,675 @@
+/// From the text of a law to tapes for each question that is asked of it, and the law and contacts that run them.
+#include "laws/formula.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/units.hpp"
+#include "laws/adapter.hpp"
+#include "laws/expression.hpp"
+#include "laws/tape.hpp"
+
+namespace rosin::laws {
+
+namespace {
+
+constexpr int most_states = Slopes<double>::capacity - 1;
+constexpr std::size_t most_names = 200;
+
+/// Inputs of tapes. Contacts carry states from `first_state` on, as their unknowns.
+enum Input { slip_rate, normal_load, load_rate, direction, compliance, friction, first_state };
+constexpr int most_inputs = first_state + most_states;
+
+[[noreturn]] void refuse(const std::string& path, const std::string& problem) {
+  throw ExpressionError(path, ExpressionError::whole, problem);
+}
+
+// ---------------------------------------------------------------- names and expressions
+
+/// The words of a law, and the definitions behind them, each parsed when it is first used.
+class Words final : public Names {
+ public:
+  Words(Graph& graph, const FormulaDescription& law) : graph_(graph), law_(law) {
+    if (law.parameters.size() + law.states.size() + law.define.size() > most_names)
+      refuse("define", fmt::format("the law has more than {} names", most_names));
+    add("v", "v", Measured{graph.input(Input::slip_rate), unit_of("m/s")});
+    add("N", "N", Measured{graph.input(Input::normal_load), unit_of("N")});
+    add("mu", "mu", Measured{graph.input(Input::friction), {}});
+    for (std::size_t i = 0; i < law.parameters.size(); ++i) {
+      const auto& quantity = law.parameters[i].quantity;
+      const auto path = "parameters." + quantity.name;
+      add(quantity.name, path, Measured{graph.parameter(int(i)), declared_unit(path, quantity)});
+    }
+    for (std::size_t i = 0; i < law.states.size(); ++i) {
+      const auto path = "states." + law.states[i].name;
+      add(law.states[i].name, path,
+          Measured{graph.input(Input::first_state + int(i)), declared_unit(path, law.states[i])});
+    }
+    for (const auto& [name, text] : law.define) add(name, "define." + name, std::nullopt);
+  }
+
+  std::optional<Measured> find(std::string_view name, int depth) override {
+    const auto at = values_.find(name);
+    if (at == values_.end()) return std::nullopt;
+    if (!at->second) at->second = define(at->first, depth);
+    return at->second;
+  }
+  const std::vector<std::string>& known() const override { return known_; }
+
+  static Dimension unit_of(std::string_view text) { return parse_unit(text)->dimension; }
+
+ private:
+  void add(const std::string& name, const std::string& path, std::optional<Measured> value) {
+    if (!may_be_name(name))
+      refuse(path, fmt::format("'{}' cannot be a name: it needs a letter, then letters, digits or _, and may not be "
+                               "the name of a function",
+                               name));
+    if (!values_.emplace(name, value).second) refuse(path, fmt::format("the name '{}' is already taken", name));
+    known_.push_back(name);
+  }
+  static Dimension declared_unit(const std::string& path, const Quantity& quantity) {
+    const auto unit = parse_unit(quantity.unit);
+    if (!unit) refuse(path, fmt::format("'{}' is not a known unit", quantity.unit));
+    if (unit->factor != 1 || unit->offset)
+      refuse(path, fmt::format("its unit '{}' must be plain SI, that is {}; values may carry any unit, as texts",
+                               quantity.unit, coherent_unit(unit->dimension)));
+    return unit->dimension;
+  }
+  Measured define(const std::string& name, int depth) {
+    const auto path = "define." + name;
+    if (std::ranges::find(open_, name) != open_.end())
+      refuse(path, fmt::format("'{}' is defined by itself: {} → {}", name, fmt::join(open_, " → "), name));
+    open_.push_back(name);
+    const auto text = std::ranges::find(law_.define, name, &std::pair<std::string, std::string>::first)->second;
+    const auto value = parse_expression(graph_, *this, path, text, depth);
+    open_.pop_back();
+    return value;
+  }
+
+  Graph& graph_;
+  const FormulaDescription& law_;
+  std::map<std::string, std::optional<Measured>, std::less<>> values_;
+  std::vector<std::string> known_, open_;
+};
+
+/// The expressions of a law as nodes over (v, N, mu, states).
+struct Expressions {
+  int friction = -1, slip_rate = -1, static_limit = -1;
+  std::vector<int> rate, steady;
+};
+
+class Reader {
+ public:
+  Reader(Graph& graph, const FormulaDescription& law) : graph_(graph), law_(law), words_(graph, law) {}
+
+  Expressions operator()() {
+    Expressions read;
+    const std::size_t states = law_.states.size();
+    if (states > std::size_t(most_states)) refuse("states", fmt::format("more than {} states", most_states));
+    read.friction = node("friction", law_.friction, {}, true, true);
+    for (std::size_t k = 0; k < states; ++k) {
+      const auto& state = law_.states[k];
+      const auto unit = Words::unit_of(state.unit);
+      if (law_.rate.size() <= k || law_.rate[k].empty())
+        refuse("rate", fmt::format("there is no rate of state '{}'", state.name));
+      if (law_.steady.size() <= k || law_.steady[k].empty())
+        refuse("steady",
+               fmt::format("there is no steady state of '{}': give the value at which its rate vanishes, as a "
+                           "formula of v and N",
+                           state.name));
+      read.rate.push_back(node("rate." + state.name, law_.rate[k], unit / Words::unit_of("s"), true, true));
+      read.steady.push_back(node("steady." + state.name, law_.steady[k], unit, true, false));
+    }
+    if (!law_.slip_rate.empty()) {
+      if (states == 0) refuse("slip_rate", "is of use to laws with states only; leave it out");
+      read.slip_rate = node("slip_rate", law_.slip_rate, Words::unit_of("m/s"), false, true);
+    }
+    if (!law_.static_limit.empty()) {
+      if (states > 0) refuse("static_limit", "is for laws without states only; leave it out");
+      read.static_limit = node("static_limit", law_.static_limit, {}, false, false);
+    }
+    for (const auto& [name, text] : law_.define) words_.find(name, 0);  // wrong ones are refused, used or not
+    return read;
+  }
+
+ private:
+  int node(const std::string& path, const std::string& text, const Dimension& unit, bool of_v, bool of_states) {
+    const auto value = parse_expression(graph_, words_, path, text);
+    if (value.dimension != unit)
+      refuse(path, fmt::format("must be {}, but is {}", in_words(unit), in_words(value.dimension)));
+    if (!of_v && graph_.uses_input(value.node, Input::slip_rate))
+      refuse(path, "must not depend on the slip rate v, directly or through a definition");
+    if (path != "slip_rate" && graph_.uses_input(value.node, Input::friction))
+      refuse(path, "uses mu, which is known in slip_rate only");
+    for (std::size_t k = 0; k < law_.states.size() && !of_states; ++k)
+      if (graph_.uses_input(value.node, Input::first_state + int(k)))
+        refuse(path,
+               fmt::format("must not depend on the state '{}', directly or through a definition", law_.states[k].name));
+    return value.node;
+  }
+  static std::string in_words(const Dimension& dimension) {
+    return dimension == Dimension{} ? "dimensionless" : "in " + coherent_unit(dimension);
+  }
+
+  Graph& graph_;
+  const FormulaDescription& law_;
+  Words words_;
+};
+
+/// The law in symbols: what detail::Rows ask of it, recorded.
+struct Traced {
+  static constexpr int capacity = most_states;
+  Graph& graph;
+  const Expressions& expressions;
+  const std::vector<Quantity>& quantities;
+  int states;
+  bool set_valued;
+
+  bool logarithmic(int k) const { return quantities[std::size_t(k)].scale == Scale::log; }
+  Symbol friction(const Sliding<Symbol>& at, const Symbol* state) const {
+    return answer({&expressions.friction, 1}, at, 0.0, state).front();
+  }
+  void rate(const Sliding<Symbol>& at, const Symbol* state, Symbol* rate) const {
+    std::ranges::copy(answer(expressions.rate, at, 0.0, state), rate);
+  }
+  void steady(const Sliding<Symbol>& at, Symbol* state) const {
+    std::ranges::copy(answer(expressions.steady, at, 0.0, nullptr), state);
+  }
+  Symbol slip_rate(const Symbol& mu, const Symbol& N, const Symbol* state) const {
+    return answer({&expressions.slip_rate, 1}, {0.0, N}, mu, state).front();
+  }
+
+ private:
+  std::vector<Symbol> answer(std::span<const int> nodes, const Sliding<Symbol>& at, const Symbol& mu,
+                             const Symbol* state) const {
+    std::vector<int> inputs(std::size_t(Input::first_state + states), -1);
+    inputs[Input::slip_rate] = at.slip_rate.in(graph);
+    inputs[Input::normal_load] = at.normal_load.in(graph);
+    inputs[Input::friction] = mu.in(graph);
+    for (int k = 0; k < states && state; ++k) inputs[std::size_t(Input::first_state + k)] = state[k].in(graph);
+    std::vector<Symbol> symbols;
+    for (const int node : graph.substitute(nodes, inputs)) symbols.emplace_back(graph, node);
+    return symbols;
+  }
+};
+
+// ---------------------------------------------------------------- tapes
+
+/// Tapes of one kind of contact. Outputs of `evaluate`: g, F; of `linearise`: g, F, then by each of (z, u, N) the
+/// derivatives of g and F; of `slip`: v, g, then by each of z those of v and g.
+struct ContactTapes {
+  Tape evaluate, linearise, slip;
+};
+
+/// A law compiled: shared by the law at all its parameter values.
+struct Program {
+  FormulaDescription law;
+  Card card;
+  std::vector<Quantity> parameters;
+  std::vector<Value> defaults;
+  int states;
+  bool has_slip_rate, set_valued;
+  Tape friction, rate, steady, slip_rate, static_limit;  ///< of (v, N, mu, states)
+  Tape friction_slopes, slip_rate_slope;                 ///< ∂μ/∂ψ, ∂v/∂μ
+  Tape steady_coefficient, steady_slope;                 ///< μ_ss(v), odd; μ_ss and dμ_ss/dv on the side of v > 0
+  ContactTapes of_friction, of_states, of_equilibrium;
+  PoolTape pool;
+
+  explicit Program(const FormulaDescription&);
+  const ContactTapes& tapes(const detail::Rows& rows) const {
+    return rows.with_friction ? of_friction : rows.equilibrium ? of_equilibrium : of_states;
+  }
+
+ private:
+  ContactTapes contact_tapes(const Traced&, const detail::Rows&, ConstantPool&);
+};
+
+Program::Program(const FormulaDescription& description)
+    : law(description),
+      states(int(law.states.size())),
+      has_slip_rate(!law.slip_rate.empty()),
+      set_valued(!law.static_limit.empty()) {
+  card = {.name = "formula",
+          .title = law.title,
+          .formula = law.friction,
+          .source = "the scene",
+          .limits = "what its author says"};
+  for (const auto& parameter : law.parameters) {
+    parameters.push_back(parameter.quantity);
+    defaults.emplace_back(parameter.value);
+  }
+  Graph graph;
+  const Expressions nodes = Reader(graph, law)();
+  const Traced traced{graph, nodes, law.states, states, set_valued};
+  ConstantPool constants;
+  const auto tape = [&](std::span<const int> outputs) { return compile(graph, outputs, constants); };
+  const auto one = [&](int node) { return tape({&node, 1}); };
+
+  friction = one(nodes.friction);
+  rate = tape(nodes.rate);
+  steady = tape(nodes.steady);
+  std::vector<int> slopes;
+  for (int k = 0; k < states; ++k)
+    slopes.push_back(graph.differentiate({&nodes.friction, 1}, Input::first_state + k).front());
+  friction_slopes = tape(slopes);
+  if (set_valued) static_limit = one(nodes.static_limit);
+
+  const Symbol v(graph, graph.input(Input::slip_rate)), N(graph, graph.input(Input::normal_load));
+  steady_coefficient = one(detail::steady_coefficient(traced, Sliding<Symbol>{v, N}).in(graph));
+  const int side = detail::steady_of(traced, Sliding<Symbol>{v, N}).in(graph);
+  steady_slope = tape(std::array{side, graph.differentiate({&side, 1}, Input::slip_rate).front()});
+
+  of_states = contact_tapes(traced, detail::Rows({.lambda = 1, .unknowns = Unknowns::states}), constants);
+  of_equilibrium = contact_tapes(traced, detail::Rows({.lambda = 0, .unknowns = Unknowns::states}), constants);
+  if (has_slip_rate) {
+    slip_rate = one(nodes.slip_rate);
+    slip_rate_slope = one(graph.differentiate({&nodes.slip_rate, 1}, Input::friction).front());
+    of_friction = contact_tapes(traced, detail::Rows({.unknowns = Unknowns::friction}), constants);
+  }
+  pool = compile_pool(graph, constants);
+}
+
+ContactTapes Program::contact_tapes(const Traced& traced, const detail::Rows& rows, ConstantPool& constants) {
+  Graph& graph = traced.graph;
+  const auto input = [&](int number) { return Symbol(graph, graph.input(number)); };
+  const int n = rows.unknowns(states), first = rows.with_friction ? Input::friction : Input::first_state;
+  Symbol z[most_states + 1], g[most_states + 1], F;
+  for (int i = 0; i < n; ++i) z[i] = input(first + i);
+  rows(traced,
+       ContactInput<Symbol>{input(Input::slip_rate), input(Input::normal_load), input(Input::load_rate),
+                            input(Input::direction)},
+       input(Input::compliance), z, g, F);
+
+  const auto with_slopes = [&](std::vector<int> outputs, std::span<const int> directions) {
+    const auto values = outputs;
+    for (const int by : directions) {
+      const auto slopes = graph.differentiate(values, by);
+      outputs.insert(outputs.end(), slopes.begin(), slopes.end());
+    }
+    return compile(graph, outputs, constants);
+  };
+  std::vector<int> values, directions;
+  for (int i = 0; i < n; ++i) values.push_back(g[i].in(graph)), directions.push_back(first + i);
+  values.push_back(F.in(graph));
+  ContactTapes tapes;
+  tapes.evaluate = compile(graph, values, constants);
+  if (rows.with_friction) {
+    Symbol v;
+    rows.slip(traced, input(Input::normal_load), z, v, g + 1);
+    std::vector<int> slip{v.in(graph)};
+    for (int i = 1; i < n; ++i) slip.push_back(g[i].in(graph));
+    tapes.slip = with_slopes(slip, directions);
+  }
+  directions.push_back(Input::slip_rate);
+  directions.push_back(Input::normal_load);
+  tapes.linearise = with_slopes(values, directions);
+  return tapes;
+}
+
+/// The law at given values, one system at a time, as detail::start_steady and others ask it.
+struct Answering {
+  static constexpr int capacity = most_states;
+  const Program& program;
+  const std::vector<double>& constants;  ///< of the pool
+  int states = program.states;
+  bool set_valued = program.set_valued;
+
+  bool logarithmic(int k) const { return program.law.states[std::size_t(k)].scale == Scale::log; }
+  /// Runs a tape; writes its outputs.
+  void answer(const Tape& tape, double v, double N, double mu, const double* state, double* outputs) const {
+    const double* inputs[most_inputs] = {};
+    inputs[Input::slip_rate] = &v, inputs[Input::normal_load] = &N, inputs[Input::friction] = &mu;
+    for (int k = 0; k < states && state; ++k) inputs[Input::first_state + k] = state + k;
+    const TapeRun<double> run(tape, constants.data(), inputs);
+    for (std::size_t k = 0; k < tape.outputs.size(); ++k) outputs[k] = run[k];
+  }
+  double friction(Sliding<double> at, const double* state) const {
+    double mu;
+    answer(program.friction, at.slip_rate, at.normal_load, 0, state, &mu);
+    return mu;
+  }
+  void rate(Sliding<double> at, const double* state, double* rate) const {
+    answer(program.rate, at.slip_rate, at.normal_load, 0, state, rate);
+  }
+  void steady(Sliding<double> at, double* state) const {
+    answer(program.steady, at.slip_rate, at.normal_load, 0, nullptr, state);
+  }
+  double slip_rate(double mu, double N, const double* state) const {
+    double v;
+    answer(program.slip_rate, 0, N, mu, state, &v);
+    return v;
+  }
+  double slip_rate_slope(double mu, double N, const double* state) const {
+    double slope;
+    answer(program.slip_rate_slope, 0, N, mu, state, &slope);
+    return slope;
+  }
+  void friction_slopes(Sliding<double> at, const double* state, double* slopes) const {
+    answer(program.friction_slopes, at.slip_rate, at.normal_load, 0, state, slopes);
+  }
+};
+
+std::vector<double> numbers(std::span<const Value> values) {
+  std::vector<double> list;
+  for (const auto& value : values) list.push_back(std::get<double>(value));
+  return list;
+}
+
+// ---------------------------------------------------------------- contacts
+
+/// Where the inputs of a contact's tapes lie.
+template <class Real>
+struct ContactInputs {
+  const Real* at[most_inputs] = {};
+  ContactInputs(const ContactInput<Real>& in, const Real& spring, const Real* z, int unknowns, bool with_friction) {
+    at[Input::slip_rate] = &in.slip_rate, at[Input::normal_load] = &in.normal_load;
+    at[Input::load_rate] = &in.load_rate, at[Input::direction] = &in.direction, at[Input::compliance] = &spring;
+    for (int i = 0; i < unknowns; ++i) at[(with_friction ? Input::friction : Input::first_state) + i] = z + i;
+  }
+};
+
+template <class Real>
+class FormulaContact final : public Contact<Real> {
+  static constexpr std::size_t lanes = std::is_same_v<Real, Lanes> ? lane_count : 1;
+
+ public:
+  FormulaContact(std::shared_ptr<const Program> program, const std::vector<double>& constants,
+                 const ContactSetup& setup)
+      : program_(std::move(program)), setup_(setup), tapes_(program_->tapes(setup_.rows())) {
+    constants_.assign(constants.begin(), constants.end());
+    lane_constants_.fill(constants);
+  }
+
+  int unknowns() const override { return setup_.rows().unknowns(program_->states); }
+
+  void evaluate(const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const override {
+    const int n = unknowns();
+    const TapeRun<Real> run(tapes_.evaluate, constants_.data(), inputs(in, z).at);
+    for (int i = 0; i < n; ++i) g[i] = run[std::size_t(i)];
+    F = run[std::size_t(n)];
+  }
+
+  void linearise(const ContactInput<Real>& in, const Real* z, Real* g, Real& F, Slopes<Real>& slopes) const override {
+    const int n = unknowns();
+    const TapeRun<Real> run(tapes_.linearise, constants_.data(), inputs(in, z).at);
+    std::size_t k = 0;
+    for (int i = 0; i < n; ++i) g[i] = run[k++];
+    F = run[k++];
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) slopes.g_z[i * n + j] = run[k++];
+      slopes.F_z[j] = run[k++];
+    }
+    for (int i = 0; i < n; ++i) slopes.g_u[i] = run[k++];
+    slopes.F_u = run[k++];
+    for (int i = 0; i < n; ++i) slopes.g_N[i] = run[k++];
+    slopes.F_N = run[k++];
+  }
+
+  void steady_friction(const Real& u, const Real& N, Real& mu) const override {
+    const Real* at[most_inputs] = {&u, &N};
+    mu = TapeRun<Real>(program_->steady_coefficient, constants_.data(), at)[0];
+  }
+
+  void slip(const Real& N, const Real* z, Real& v, Real* g, Real* v_z, Real* g_z) const override {
+    const int n = program_->states + 1;
+    const Real* at[most_inputs] = {nullptr, &N};
+    for (int i = 0; i < n; ++i) at[Input::friction + i] = z + i;
+    const TapeRun<Real> run(tapes_.slip, constants_.data(), at);
+    std::size_t k = 0;
+    v = run[k++];
+    for (int i = 0; i < n - 1; ++i) g[i] = run[k++];
+    for (int j = 0; j < n; ++j) {
+      v_z[j] = run[k++];
+      for (int i = 0; i < n - 1; ++i) g_z[i * n + j] = run[k++];
+    }
+  }
+
+  void mass(const Real& N, Real* m) const override { setup_.mass(N, program_->states, m); }
+
+  void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) override {
+    setup_.load(lane, setup);
+    auto& constants = lane_constants_[std::size_t(lane)];
+    constants = program_->pool(numbers(parameters));
+    for (std::size_t k = 0; k < constants.size(); ++k) detail::set_lane(constants_[k], lane, constants[k]);
+  }
+
+  void steady(int lane, double u, double N, double* z, double* weight) const override {
+    detail::start_steady(setup_.rows(), answering(lane), u, N, z, weight);
+  }
+  void friction_slopes(int lane, double u, double N, double* slopes) const override {
+    detail::steady_friction_slopes(answering(lane), u, N, slopes);
+  }
+
+ private:
+  ContactInputs<Real> inputs(const ContactInput<Real>& in, const Real* z) const {
+    return {in, setup_.compliance(), z, unknowns(), setup_.rows().with_friction};
+  }
+  Answering answering(int lane) const { return {*program_, lane_constants_[std::size_t(lane)]}; }
+
+  std::shared_ptr<const Program> program_;
+  Surroundings<Real> setup_;
+  const ContactTapes& tapes_;
+  std::vector<Real> constants_;
+  std::array<std::vector<double>, lanes> lane_constants_;  ///< for starts, one lane at a time
+};
+
+class FormulaTower final : public ContactValues<Tower> {
+ public:
+  FormulaTower(std::shared_ptr<const Program> program, const std::vector<double>& constants, const ContactSetup& setup)
+      : program_(std::move(program)),
+        rows_(setup),
+        compliance_(setup.compliance),
+        constants_(constants.begin(), constants.end()) {}
+  int unknowns() const override { return rows_.unknowns(program_->states); }
+  void evaluate(const ContactInput<Tower>& in, const Tower* z, Tower* g, Tower& F) const override {
+    const int n = unknowns();
+    const TapeRun<Tower> run(program_->tapes(rows_).evaluate, constants_.data(),
+                             ContactInputs<Tower>(in, compliance_, z, n, rows_.with_friction).at);
+    for (int i = 0; i < n; ++i) g[i] = run[std::size_t(i)];
+    F = run[std::size_t(n)];
+  }
+
+ private:
+  std::shared_ptr<const Program> program_;
+  detail::Rows rows_;
+  Tower compliance_;
+  std::vector<Tower> constants_;
+};
+
+// ---------------------------------------------------------------- the law
+
+class FormulaLaw final : public FrictionLaw {
+ public:
+  FormulaLaw(std::shared_ptr<const Program> program, std::vector<Value> values)
+      : program_(std::move(program)), values_(std::move(values)), constants_(program_->pool(numbers(values_))) {}
+
+  const Card& card() const override { return program_->card; }
+  const std::vector<Quantity>& parameters() const override { return program_->parameters; }
+  const std::vector<Quantity>& states() const override { return program_->law.states; }
+  const std::vector<Preset>& presets() const override {
+    static const std::vector<Preset> none;
+    return none;
+  }
+  const std::vector<Value>& values() const override { return values_; }
+  std::shared_ptr<const FrictionLaw> with(std::vector<Value> values) const override {
+    check_parameters(card(), parameters(), values);
+    return std::make_shared<FormulaLaw>(program_, std::move(values));
+  }
+
+  bool has_slip_rate() const override { return program_->has_slip_rate; }
+  bool set_valued() const override { return program_->set_valued; }
+
+  double friction(Sliding<double> at, std::span<const double> state) const override {
+    require_states(state);
+    const double direction = set_valued() ? sign(at.slip_rate) : 1.0;
+    const double speed = set_valued() ? std::abs(at.slip_rate) : at.slip_rate;
+    return finite_answer(card(), "friction", at,
+                         direction * answering().friction({speed, at.normal_load}, state.data()));
+  }
+  std::vector<double> rate(Sliding<double> at, std::span<const double> state) const override {
+    require_states(state);
+    std::vector<double> rates(state.size());
+    answering().rate(at, state.data(), rates.data());
+    for (const double x : rates) finite_answer(card(), "rate", at, x);
+    return rates;
+  }
+  std::vector<double> steady(Sliding<double> at) const override {
+    std::vector<double> state(states().size());
+    answering().steady(at, state.data());
+    for (const double x : state) finite_answer(card(), "steady state", at, x);
+    return state;
+  }
+  double slip_rate(double mu, double normal_load, std::span<const double> state) const override {
+    if (!has_slip_rate()) throw InputError(fmt::format("law '{}' has no explicit slip rate", card().name));
+    require_states(state);
+    return answering().slip_rate(mu, normal_load, state.data());
+  }
+  double static_limit(double normal_load) const override {
+    if (!set_valued())
+      throw InputError(fmt::format("law '{}' has no static limit: its force at rest is unique", card().name));
+    double limit;
+    answering().answer(program_->static_limit, 0, normal_load, 0, nullptr, &limit);
+    return finite_answer(card(), "static limit", {0, normal_load}, limit);
+  }
+  Steady steady_friction(Sliding<double> at) const override {
+    const double direction = set_valued() && at.slip_rate < 0 ? -1 : 1;
+    double answers[2];
+    answering().answer(program_->steady_slope, direction * at.slip_rate, at.normal_load, 0, nullptr, answers);
+    return {finite_answer(card(), "steady friction", at, direction * answers[0]), answers[1]};
+  }
+  void steady_friction(std::span<const double> slip_rates, double normal_load,
+                       std::span<double> friction) const override {
+    const std::vector<Lanes> constants(constants_.begin(), constants_.end());
+    const Lanes N(normal_load);
+    for (std::size_t first = 0; first < slip_rates.size(); first += lane_count) {
+      const std::size_t count = std::min<std::size_t>(lane_count, slip_rates.size() - first);
+      Lanes v(slip_rates[first]);
+      for (std::size_t i = 0; i < count; ++i) v.set(int(i), slip_rates[first + i]);
+      const Lanes* at[most_inputs] = {&v, &N};
+      const TapeRun<Lanes> run(program_->steady_coefficient, constants.data(), at);
+      for (std::size_t i = 0; i < count; ++i)
+        friction[first + i] = finite_answer(card(), "steady friction", {v[int(i)], normal_load}, run[0][int(i)]);
+    }
+  }
+
+  std::unique_ptr<Contact<double>> contact(const ContactSetup& setup) const override {
+    return std::make_unique<FormulaContact<double>>(program_, constants_, accepted(setup));
+  }
+  std::unique_ptr<Contact<Lanes>> lanes(const ContactSetup& setup) const override {
+    return std::make_unique<FormulaContact<Lanes>>(program_, constants_, accepted(setup));
+  }
+  std::unique_ptr<ContactValues<Tower>> tower(const ContactSetup& setup) const override {
+    return std::make_unique<FormulaTower>(program_, constants_, accepted(setup));
+  }
+
+ private:
+  const ContactSetup& accepted(const ContactSetup& setup) const {
+    if (setup.unknowns == Unknowns::friction && !has_slip_rate())
+      throw InputError(
+          fmt::format("law '{}' has no explicit slip rate: its contact cannot carry μ as unknown", card().name));
+    return setup;
+  }
+  void require_states(std::span<const double> values) const {
+    if (values.size() != states().size())
+      throw InputError(fmt::format("law '{}' has {} state(s), got {}", card().name, states().size(), values.size()));
+  }
+  Answering answering() const { return {*program_, constants_}; }
+
+  std::shared_ptr<const Program> program_;
+  std::vector<Value> values_;
+  std::vector<double> constants_;
+};
+
+/// What a law is asked at one slip rate; an answer that is no number is refused by the expression's name.
+class Interview {
+  template <class Ask>
+  auto asked(const char* what, Ask ask) const {
+    try {
+      return ask();
+    } catch (const ExpressionError&) {
+      throw;
+    } catch (const InputError& error) {
+      refuse(what, error.what());
+    }
+  }
+
+ public:
+  Interview(const FrictionLaw& law, double v) : law_(law), at_{v, 1}, state_(law.states().size()) {
+    for (auto& x : state_) x = 1;
+    state_ = asked("steady", [&] { return law_.steady(at_); });
+  }
+
+  void operator()() const {
+    const double mu = friction(at_, state_);
+    for (std::size_t k = 0; k < state_.size(); ++k) {
+      const auto& quantity = law_.states()[k];
+      if (!quantity.range.contains(state_[k]))
+        refuse("steady." + quantity.name, fmt::format("is {} at {}, outside its range {} … {}", state_[k], where(),
+                                                      quantity.range.low, quantity.range.high));
+    }
+    if (law_.set_valued()) {
+      if (const double limit = asked("static_limit", [&] { return law_.static_limit(1); }); limit < 0)
+        refuse("static_limit", fmt::format("is {}, but must not be negative", limit));
+      return;
+    }
+    const Sliding<double> back{-at_.slip_rate, 1};
+    const double opposite = friction(back, asked("steady", [&] { return law_.steady(back); }));
+    if (!(std::abs(opposite + mu) <= 1e-9 * std::abs(mu)))
+      refuse("friction", fmt::format("must change sign with v, but is {} at {} and {} at v = {} m/s; a law in ln(v) is "
+                                     "written with asinh_exp (or give static_limit, and v ≥ 0 alone is asked)",
+                                     mu, where(), opposite, back.slip_rate));
+    if (!state_.empty()) check_rate();
+    if (law_.has_slip_rate()) check_slip_rate();
+  }
+
+ private:
+  double friction(Sliding<double> at, std::span<const double> state) const {
+    return asked("friction", [&] { return law_.friction(at, state); });
+  }
+  std::string where() const { return fmt::format("v = {} m/s, N = 1 N", at_.slip_rate); }
+
+  /// In the steady state the rate is small beside the rate of a state that is off by a tenth.
+  void check_rate() const {
+    const auto rate = asked("rate", [&] { return law_.rate(at_, state_); });
+    for (std::size_t k = 0; k < state_.size(); ++k) {
+      auto moved = state_;
+      moved[k] = state_[k] == 0 ? 0.1 : 0.9 * state_[k];
+      const double beside = asked("rate", [&] { return law_.rate(at_, moved); })[k];
+      if (!(std::abs(rate[k]) <= 1e-6 * std::abs(beside)))
+        refuse("steady." + law_.states()[k].name,
+               fmt::format("is not steady at {}: there the rate is {} {}/s", where(), rate[k], law_.states()[k].unit));
+    }
+  }
+
+  /// From friction far from, near and at steady sliding back to the slip rate.
+  void check_slip_rate() const {
+    for (const double other : {1e-11, 1e-6, 1e-2}) {
+      const auto state = asked("steady", [&] { return law_.steady({other, 1}); });
+      const double mu = friction(at_, state), v = law_.slip_rate(mu, 1, state);
+      if (!(std::abs(v - at_.slip_rate) <= 1e-6 * std::abs(at_.slip_rate)))
+        refuse("slip_rate", fmt::format("does not invert friction: friction is {} at {} in the state of steady sliding "
+                                        "at {} m/s, and slip_rate makes {} m/s of it",
+                                        mu, where(), other, v));
+    }
+  }
+
+  const FrictionLaw& law_;
+  Sliding<double> at_;
+  std::vector<double> state_;
+};
+
+}  // namespace
+
+std::shared_ptr<const FrictionLaw> make_formula(const FormulaDescription& description) {
+  const auto program = std::make_shared<const Program>(description);
+  return std::make_shared<FormulaLaw>(program, program->defaults)->with(program->defaults);
+}
+
+void check_formula(const FrictionLaw& law) {
+  for (double v = 1.7e-12; v < 2; v *= 10) Interview(law, v)();
+}
+
+}  // namespace rosin::laws
