@@ -17,7 +17,6 @@
 #include "core/error.hpp"
 #include "core/units.hpp"
 #include "laws/catalogue.hpp"
-#include "laws/expression.hpp"
 #include "laws/formula.hpp"
 
 namespace rosin::app {

@@ -225,7 +225,9 @@ class Parser {
     const auto unit_text = unit();
     if (unit_text.empty()) return {graph_.constant(value), {}, begin, number_end, value == 0};
     const auto unit = parse_unit(unit_text);
-    if (!unit || unit->offset) fail(number_end, "'{}' is not a unit that a number can be multiplied by", unit_text);
+    const auto moderate = [](double power) { return std::abs(power) <= 20; };
+    if (!unit || unit->offset || !std::ranges::all_of(unit->dimension.exponent, moderate))
+      fail(number_end, "'{}' is not a unit that a number can be multiplied by", unit_text);
     const auto number = text_.substr(begin, number_end - begin);
     return {graph_.constant(to_si(fmt::format("{} {}", number, unit_text), coherent_unit(unit->dimension))),
             unit->dimension, begin, at_};

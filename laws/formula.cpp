@@ -9,7 +9,6 @@
 
 #include "core/units.hpp"
 #include "laws/adapter.hpp"
-#include "laws/expression.hpp"
 #include "laws/tape.hpp"
 
 namespace rosin::laws {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "laws/expression.hpp"
 #include "laws/law.hpp"
 
 namespace rosin::laws {
