@@ -35,6 +35,7 @@ constexpr VerbHelp verbs[] = {
     {"run", "SCENE", "motion from a given start"},
     {"cycle", "SCENE", "periodic motion, its multipliers and metrics"},
     {"map", "SCENE", "regimes and metrics over a parameter plane"},
+    {"compare", "SCENE", "several laws or parameter sets side by side; --design: which measurement tells them apart"},
     {"stress", "", "random scenes over ten decades, each certified by a second method or refused with a reason"},
     {"bench", "WHAT", "run time against true error beside other solvers: cycle, history or plane"},
     {"plot", "PATH", "draw the pictures of a results folder, or of a scene's results, again"},
@@ -92,6 +93,8 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     command->add_option("--tolerance", request.tolerance, "relative accuracy of every result");
     command->add_option("--threads", request.threads, "threads of a map; results do not depend on it")
         ->capture_default_str();
+    if (name == "compare")
+      command->add_flag("--design", request.design, "where, and by how many repeats, measurements tell members apart");
     if (name == "map") command->add_flag("--exact", request.exact, "compute every point of a map, interpolate none");
     command->add_flag("--explain", request.explain, "say on standard error what is computed how, and what is skipped");
   }

@@ -19,10 +19,11 @@ struct Request {
   long scenes = 1000, only = -1;
   std::string out;
   bool json = false, explain = false, quiet = false;
-  bool exact = false;  ///< map: compute every point
-  bool quick = false;  ///< bench: only check that everything works
-  std::string python;  ///< bench: the Python that has SciPy
-  double limit = 60;   ///< bench: seconds for all tolerances of one solver
+  bool design = false;  ///< compare: where measurements would tell members apart
+  bool exact = false;   ///< map: compute every point
+  bool quick = false;   ///< bench: only check that everything works
+  std::string python;   ///< bench: the Python that has SciPy
+  double limit = 60;    ///< bench: seconds for all tolerances of one solver
 };
 
 /// The request, or the exit status where everything is said already (--help, --version, wrong usage).

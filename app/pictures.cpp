@@ -58,6 +58,8 @@ set key samplen 2.5 spacing 1.1
 set style line 1 linecolor '#00336F' linewidth 1.8 dashtype solid
 set style line 2 linecolor '#B0560F' linewidth 1.6 dashtype (8,4)
 set style line 3 linecolor '#555555' linewidth 1.2 dashtype (2,3)
+set style line 4 linecolor '#3A8F5C' linewidth 1.6 dashtype (12,3,2,3)
+set style line 5 linecolor '#8A4FA3' linewidth 1.6 dashtype (4,2)
 )",
                      fmt::arg("what", what), fmt::arg("name", name), fmt::arg("width", width),
                      fmt::arg("height", height));
@@ -95,6 +97,14 @@ std::string axis_scale(char axis, bool decades) {
 }
 
 // ---------------------------------------------------------------- maps
+
+constexpr const char* palette = R"(# cividis: even steps of lightness, the same for the colour-blind and in grey
+set palette defined (0 '#00204D', 1 '#00336F', 2 '#39486B', 3 '#575C6D', 4 '#707173', \
+                     5 '#8A8779', 6 '#A69D75', 7 '#C4B56C', 8 '#E4CF5B', 9 '#FFEA46')
+set style fill solid 1 noborder
+unset key
+set cblabel offset 1,0
+)";
 
 /// An axis as it is drawn: decades along a logarithmic scale; values outside the scale stand below it, after a gap.
 class DrawnAxis {
@@ -470,13 +480,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   const auto every = [](std::size_t n) { return (n + 23) / 24; };
   script += fmt::format("thin(ix, iy) = (int(ix) % {} == 0 && int(iy) % {} == 0)\n", every(map.x.values.size()),
                         every(map.y.values.size()));
-  script += R"(# cividis: even steps of lightness, the same for the colour-blind and in grey
-set palette defined (0 '#00204D', 1 '#00336F', 2 '#39486B', 3 '#575C6D', 4 '#707173', \
-                     5 '#8A8779', 6 '#A69D75', 7 '#C4B56C', 8 '#E4CF5B', 9 '#FFEA46')
-set style fill solid 1 noborder
-unset key
-set cblabel offset 1,0
-)";
+  script += palette;
   script += fmt::format("# cells overlap by a trifle, so that no seams show\nover_x = {:g}\nover_y = {:g}\n",
                         0.002 * (x_high - x_low), 0.002 * (y_high - y_low));
   const auto [curves, key] = marks(map, 24.0 / height);
@@ -490,6 +494,138 @@ set cblabel offset 1,0
   }
   write_whole(folder / "map.gp", script + "unset multiplot\n");
   return {"map-cells.csv", "map-threshold.csv", "map-fold.csv", "map.gp"};
+}
+
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const Comparison& comparison) {
+  std::vector<std::string> files;
+  for (std::size_t k = 0; k < comparison.series.size(); ++k) {
+    const auto& series = comparison.series[k];
+    std::vector<Column> table{{column_header(comparison.x_name, comparison.x_unit), series.x}};
+    for (std::size_t c = 0; c < series.columns.size(); ++c)
+      table.push_back({column_header(comparison.column_names[c], comparison.column_units[c]), series.columns[c]});
+    files.push_back(fmt::format("compare-{}.csv", k + 1));
+    write_csv(folder / files.back(), table);
+  }
+  // Columns that never change have nothing to show.
+  std::vector<std::size_t> shown;
+  for (std::size_t c = 0; c < comparison.column_names.size(); ++c)
+    if (std::ranges::any_of(comparison.series, [&](const auto& series) {
+          return !series.columns[c].empty() &&
+                 std::ranges::min(series.columns[c]) < std::ranges::max(series.columns[c]);
+        }))
+      shown.push_back(c);
+  if (shown.empty()) shown.push_back(0);
+  const int panels = static_cast<int>(shown.size());
+  const int height = run_margin + (panels == 1 ? 380 : run_panel * panels);
+  std::string script = preamble("compare", "Members of a comparison, one over the other", 820, height);
+  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n", panels,
+                        single_quoted(scene.title), 65.0 / height, 1 - 75.0 / height);
+  script += "set grid linecolor '#CCCCCC' linewidth 0.6\n";
+  script += fmt::format("set key at screen 0.97,{:.4f} right top horizontal\n", 1 - 35.0 / height);
+  if (comparison.x_name == "slip_rate") script += axis_scale('x', true) + '\n';
+  for (int panel = 0; panel < panels; ++panel) {
+    const std::size_t c = shown[std::size_t(panel)];
+    const auto &name = comparison.column_names[c], &unit = comparison.column_units[c];
+    double largest = 0;
+    for (const auto& series : comparison.series)
+      for (const double value : series.columns[c]) largest = std::max(largest, std::abs(value));
+    const auto [factor, prefixed] = scaled(unit, largest);
+    const bool last = panel + 1 == panels;
+    script += fmt::format("set ylabel {}\n", label(readable(name), prefixed));
+    if (last)
+      script += fmt::format("set xlabel {}\n", label(readable(comparison.x_name), comparison.x_unit));
+    else
+      script += "unset xlabel\n";
+    if (!last) script += "set format x ''\n";
+    if (last && panels > 1) script += "set format x '%g'\n";
+    if (panel == 1) script += "unset key\n";
+    script += "plot ";
+    for (std::size_t k = 0; k < comparison.series.size(); ++k)
+      script += fmt::format("{}'{}' using 1:(${}*{}) with lines linestyle {} title {}", k > 0 ? ", \\\n     " : "",
+                            files[k], c + 2, factor, k + 1, single_quoted(scene.compare.members[k].name));
+    script += '\n';
+  }
+  write_whole(folder / "compare.gp", script + "unset multiplot\n");
+  files.push_back("compare.gp");
+  return files;
+}
+
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Design& design) {
+  const DrawnAxis x(design.x), y(design.y);
+  const auto width = design.x.values.size();
+  const bool alone = design.by_metric.size() == 1;
+  std::vector<const std::vector<double>*> planes{&design.information};
+  std::vector<std::string> titles{"all metrics together"};
+  for (std::size_t m = 0; !alone && m < design.by_metric.size(); ++m) {
+    planes.push_back(&design.by_metric[m]);
+    titles.push_back(readable(scene.compare.noise[m].metric) + " alone");
+  }
+  std::vector<std::vector<double>> columns(6 + planes.size());
+  std::vector<std::string> names = {"x", "y", "x_low", "x_high", "y_low", "y_high"};
+  double most = 0;
+  for (std::size_t i = 0; i < design.information.size(); ++i) {
+    const auto ix = i % width, iy = i / width;
+    const double cell[] = {x.centre(ix),
+                           y.centre(iy),
+                           x.centre(ix) - x.half_width(ix),
+                           x.centre(ix) + x.half_width(ix),
+                           y.centre(iy) - y.half_width(iy),
+                           y.centre(iy) + y.half_width(iy)};
+    for (std::size_t c = 0; c < std::size(cell); ++c) columns[c].push_back(cell[c]);
+    for (std::size_t p = 0; p < planes.size(); ++p) {
+      columns[6 + p].push_back((*planes[p])[i]);
+      if (std::isfinite((*planes[p])[i])) most = std::max(most, (*planes[p])[i]);
+    }
+  }
+  names.insert(names.end(), titles.begin(), titles.end());
+  std::vector<Column> table;
+  for (std::size_t c = 0; c < columns.size(); ++c) table.push_back({names[c], columns[c]});
+  write_csv(folder / "design-cells.csv", table);
+  std::vector<std::string> files{"design-cells.csv"};
+  for (std::size_t k = 0; k < design.maps.size(); ++k) {
+    files.push_back(fmt::format("design-threshold-{}.csv", k + 1));
+    write_line(folder / files.back(), design.maps[k].threshold, x, y);
+  }
+
+  const int count = static_cast<int>(planes.size()), across = std::min(count, 2), down = (count + 1) / 2;
+  const int height = 90 + 440 * down;
+  std::string script = preamble("design", "Where measurements tell the members apart", 60 + 540 * across, height);
+  const auto [x_low, x_high] = x.ends();
+  const auto [y_low, y_high] = y.ends();
+  script += fmt::format("set multiplot layout {},{} title {} margins {},{},{:.4f},{:.4f} spacing 0.19,{:.4f}\n", down,
+                        across, single_quoted(scene.title), across == 1 ? 0.14 : 0.075, across == 1 ? 0.82 : 0.91,
+                        80.0 / height, 1 - 75.0 / height, 110.0 / height);
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
+  script += fmt::format("set xtics {}\nset ytics {}\n", x.ticks(), y.ticks());
+  script += fmt::format("set xlabel {}\nset ylabel {}\n", label(scene.model.describe(design.x.parameter)),
+                        label(scene.model.describe(design.y.parameter)));
+  script += palette;
+  // Five decades below the most; white where less, or nothing, is to be learned.
+  script += fmt::format(
+      "set logscale cb\nset format cb '10^{{%T}}'\nset cbrange [{0}:{1}]\nset cblabel {2}\n",
+      most > 0 ? most * 1e-5 : 1e-5, most > 0 ? most : 1.0,
+      single_quoted(scene.compare.parameter.empty() ? std::string("log-likelihood ratio of one measurement")
+                                                    : fmt::format("information on ln {}", scene.compare.parameter)));
+  const double least = most > 0 ? most * 1e-5 : 1e-5;
+  for (int p = 0; p < count; ++p) {
+    script += fmt::format("\nset title {}\n", single_quoted(titles[std::size_t(p)]));
+    script += fmt::format(
+        "plot 'design-cells.csv' using 1:2:3:4:5:6:(${0} > {1} ? ${0} : NaN) with boxxyerror linecolor palette notitle",
+        7 + p, least);
+    for (std::size_t k = 0; k < design.maps.size(); ++k)
+      if (!design.maps[k].threshold.x.empty())
+        script += fmt::format(
+            ", \\\n     '{0}' using 1:2 with lines linewidth 3 linecolor '#FFFFFF' notitle, "
+            "'{0}' using 1:2 with lines linewidth 1.6 dashtype {1} linecolor '#000000' notitle",
+            files[1 + k],
+            k == 0   ? "solid"
+            : k == 1 ? "(8,4)"
+                     : "(2,3)");
+    script += '\n';
+  }
+  write_whole(folder / "design.gp", script + "unset multiplot\n");
+  files.push_back("design.gp");
+  return files;
 }
 
 Drawn draw(const fs::path& folder, const std::string& script) {

@@ -60,17 +60,39 @@ ordered_json axis(const analysis::Axis& axis, const oscillators::Model& model) {
           {"values", axis.values}};
 }
 
-/// Row by row: [iy][ix] of f(point).
-template <class F>
-ordered_json rows(const analysis::Map& map, F f) {
+/// Row by row: [iy][ix] of f(index of the point).
+template <class Plane, class F>
+ordered_json grid(const Plane& plane, F f) {
   auto table = ordered_json::array();
-  const auto width = map.x.values.size();
-  for (std::size_t iy = 0; iy < map.y.values.size(); ++iy) {
+  const auto width = plane.x.values.size();
+  for (std::size_t iy = 0; iy < plane.y.values.size(); ++iy) {
     auto row = ordered_json::array();
-    for (std::size_t ix = 0; ix < width; ++ix) row.push_back(f(map.points[iy * width + ix]));
+    for (std::size_t ix = 0; ix < width; ++ix) row.push_back(f(iy * width + ix));
     table.push_back(std::move(row));
   }
   return table;
+}
+/// The same of f(point).
+template <class F>
+ordered_json rows(const analysis::Map& map, F f) {
+  return grid(map, [&](std::size_t i) { return f(map.points[i]); });
+}
+
+/// Members of a comparison: names, laws, and what was adjusted in them.
+ordered_json members(const CompareOptions& compare) {
+  auto list = ordered_json::array();
+  for (const auto& member : compare.members) {
+    ordered_json one{{"name", member.name},
+                     {"law", member.model.law->card().name},
+                     {"parameters", values(member.model.law->parameters(), member.model.law->values())}};
+    if (member.model.law->has_states()) one["lambda"] = member.model.lambda;
+    if (!member.adjusted.empty()) {
+      for (std::size_t k = 0; k < compare.adjust.size(); ++k) one["adjusted"][compare.adjust[k]] = member.adjusted[k];
+      one["difference_left"] = member.difference;
+    }
+    list.push_back(std::move(one));
+  }
+  return list;
 }
 
 std::string utc_now() {
@@ -225,6 +247,81 @@ std::string to_json(const Scene& scene, const MapResult& result) {
   auto notes = scene.notes;
   notes.insert(notes.end(), map.notes.begin(), map.notes.end());
   document["notes"] = notes;
+  return text(document);
+}
+
+std::string to_json(const Scene& scene, const Comparison& comparison) {
+  auto document = begin(scene, "compare", comparison.outcome);
+  document["protocol"] = scene.compare.protocol;
+  document["members"] = members(scene.compare);
+  auto& differences = document["differences"] = ordered_json::object();
+  for (const auto& row : comparison.rows) {
+    std::vector<double> difference, error;
+    for (std::size_t k = 0; k < row.values.size(); ++k) {
+      difference.push_back(row.values[k] - row.values[0]);
+      error.push_back(k == 0 ? 0 : row.errors[k] + row.errors[0]);
+    }
+    differences[row.metric] = {{"unit", row.unit},
+                               {"values", row.values},
+                               {"errors", row.errors},
+                               {"differences", difference},
+                               {"difference_errors", error}};
+  }
+  if (!comparison.maps.empty()) {
+    const auto& first = comparison.maps.front();
+    document["x"] = axis(first.x, scene.model);
+    document["y"] = axis(first.y, scene.model);
+    auto& planes = document["planes"] = ordered_json::object();
+    for (std::size_t k = 0; k < comparison.maps.size(); ++k) {
+      const auto& map = comparison.maps[k];
+      auto& plane = planes[scene.compare.members[k].name];
+      plane["regime"] = rows(map, [](const auto& point) { return name(point.regime); });
+      for (const auto& metric : scene.map.metrics) {
+        const auto member = analysis::find_metric(metric).member;
+        plane["metrics"][metric] = rows(map, [=](const auto& point) { return point.metrics.*member; });
+        plane["error"][metric] = rows(map, [=](const auto& point) { return point.error.*member; });
+      }
+      plane["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
+    }
+  } else if (!comparison.series.empty()) {
+    auto& series = document["series"] = ordered_json::object();
+    for (std::size_t k = 0; k < comparison.series.size(); ++k) {
+      auto& one = series[scene.compare.members[k].name];
+      one[comparison.x_name] = comparison.series[k].x;
+      for (std::size_t c = 0; c < comparison.column_names.size(); ++c)
+        one[comparison.column_names[c]] = comparison.series[k].columns[c];
+    }
+  }
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
+std::string to_json(const Scene& scene, const DesignResult& result) {
+  const auto& design = result.design;
+  auto document = begin(scene, "compare", design.outcome);
+  document["members"] = members(scene.compare);
+  if (!scene.compare.parameter.empty()) document["parameter"] = scene.compare.parameter;
+  auto& noise = document["noise"] = ordered_json::object();
+  for (const auto& n : scene.compare.noise) noise[n.metric] = {{"absolute", n.absolute}, {"relative", n.relative}};
+  document["confidence"] = scene.compare.confidence;
+  document["x"] = axis(design.x, scene.model);
+  document["y"] = axis(design.y, scene.model);
+  const auto plane = [&](const std::vector<double>& numbers) {
+    return grid(design, [&](std::size_t i) { return numbers[i]; });
+  };
+  document["discriminability"] = plane(design.information);
+  document["discriminability_error"] = plane(design.information_error);
+  if (!design.repeats.empty()) document["repeats"] = plane(design.repeats);
+  const auto best = [&](const analysis::Design::Best& b) {
+    return ordered_json{{"x", b.x}, {"y", b.y}, {"discriminability", b.information}, {"repeats", b.repeats}};
+  };
+  document["best"] = best(design.best);
+  auto& parts = document["by_metric"] = ordered_json::object();
+  for (std::size_t m = 0; m < scene.compare.noise.size(); ++m)
+    parts[scene.compare.noise[m].metric] = {{"discriminability", plane(design.by_metric[m])},
+                                            {"best", best(design.best_by_metric[m])}};
+  document["cost"] = {{"seconds", result.seconds}, {"failed", design.failed}};
+  document["notes"] = scene.notes;
   return text(document);
 }
 

@@ -28,6 +28,30 @@ struct MapResult {
   double seconds = 0;
 };
 
+/// Members of a comparison under one protocol.
+struct Comparison {
+  struct Row {
+    std::string metric, unit;
+    std::vector<double> values, errors;  ///< one for each member; NaN where it has none
+  };
+  std::vector<Row> rows;
+  /// What is drawn one over the other: of each member x and columns.
+  struct Series {
+    std::vector<double> x;
+    std::vector<std::vector<double>> columns;
+  };
+  std::string x_name, x_unit;
+  std::vector<std::string> column_names, column_units;
+  std::vector<Series> series;
+  std::vector<analysis::Map> maps;  ///< of protocol "map"
+  Outcome outcome;
+};
+
+struct DesignResult {
+  analysis::Design design;
+  double seconds = 0;
+};
+
 /// How a result came about.
 struct Manifest {
   std::string verb;
@@ -44,6 +68,8 @@ std::string to_json(const Scene&, const StabilityResult&);
 std::string to_json(const Scene&, const analysis::Run&);
 std::string to_json(const Scene&, const analysis::Cycle&);
 std::string to_json(const Scene&, const MapResult&);
+std::string to_json(const Scene&, const Comparison&);
+std::string to_json(const Scene&, const DesignResult&);
 std::string to_json(const Scene&, const Manifest&);
 
 }  // namespace rosin::app

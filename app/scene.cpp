@@ -691,6 +691,129 @@ void read_solver(Table table, analysis::RunOptions& run) {
   table.finish();
 }
 
+// ---------------------------------------------------------------- comparisons
+
+std::vector<analysis::Property> read_properties(const toml::node& node, const std::string& path) {
+  std::vector<analysis::Property> properties;
+  for (const auto& element : list(node, path, "tables")) {
+    Table keys(element, path);
+    keys.expect({"name", "slip_rate", "ratio", "hold", "from", "to", "points"});
+    std::vector<std::string> known{"steady-curve"};
+    for (const auto& property : analysis::property_names()) known.emplace_back(property.name);
+    const auto property = choice(keys.required("name", "of the property"), keys.path("name"), known);
+    const Quantity speed{"", "m/s", {1e-15, 1e4}, "slip rate"};
+    if (property == "steady-curve") {
+      double from = 0, to = 0;
+      int points = 41;
+      keys.required("from", "lowest slip rate, m/s");
+      keys.required("to", "highest slip rate, m/s");
+      keys.read("from", from, speed);
+      keys.read("to", to, speed);
+      keys.read("points", points, 2, "slip rates along the curve");
+      if (!(from < to)) fail(element.source(), "{}: from = {} must be below to = {}", path, from, to);
+      const auto curve = analysis::steady_curve(from, to, points);
+      properties.insert(properties.end(), curve.begin(), curve.end());
+    } else {
+      analysis::Property one{.name = property, .slip_rate = 0};
+      keys.required("slip_rate", "m/s");
+      keys.read("slip_rate", one.slip_rate, speed);
+      keys.read("ratio", one.ratio, {"", "1", {1e-6, 1e6}, "slip rate after the step over that before it"});
+      keys.read("hold", one.hold, {"", "s", {0, 1e15}, "time at rest"});
+      properties.push_back(one);
+    }
+    keys.finish();
+  }
+  return properties;
+}
+
+/// The scene's model with what a member changes.
+CompareOptions::Member read_member(const toml::node& node, const oscillators::Model& model) {
+  Table table(node, "compare.members");
+  table.expect({"name", "law", "set"});
+  CompareOptions::Member member{text(table.required("name", "of the member"), "compare.members.name"), model, {}, 0};
+  if (const auto* law = table.find("law")) {
+    member.model.lambda = 1;
+    member.model.contact_stiffness = {};
+    read_law(Table(*law, "compare.members.law"), member.model);
+  }
+  if (const auto* set = table.find("set")) {
+    if (!set->is_table()) wrong_kind(*set, "compare.members.set", "a table of paths, such as { \"law.lambda\" = 10 }");
+    for (const auto& [key, value] : *set->as_table()) {
+      const std::string path(key.str());
+      located(value.source(), [&] {
+        auto quantity = member.model.describe(path);
+        member.model = member.model.with(path, number(value, quantity));
+      });
+    }
+  }
+  table.finish();
+  return member;
+}
+
+void read_noise(const toml::node& node, CompareOptions& compare) {
+  if (!node.is_table()) wrong_kind(node, "compare.noise", "a table of metrics");
+  for (const auto& [key, value] : *node.as_table()) {
+    analysis::Noise noise{std::string(key.str())};
+    const auto* metric = located(value.source(), [&] { return &analysis::find_metric(noise.metric); });
+    Table keys(value, "compare.noise." + noise.metric);
+    keys.read("absolute", noise.absolute, {"", std::string(metric->unit), {0, 1e300}, "standard deviation"});
+    keys.read("relative", noise.relative, {"", "1", {0, 1e3}, "standard deviation over the value"});
+    keys.finish();
+    if (noise.absolute + noise.relative == 0)
+      fail(value.source(), "compare.noise.{}: give absolute ({}) or relative, above 0", noise.metric,
+           readable_unit(metric->unit));
+    compare.noise.push_back(noise);
+  }
+}
+
+void read_compare(Table table, Scene& scene, Verb verb) {
+  auto& compare = scene.compare;
+  table.expect({"members", "protocol", "equalise", "noise", "confidence", "parameter"});
+  if (const auto* protocol = table.find("protocol"))
+    compare.protocol = choice(*protocol, "compare.protocol", {"curve", "stability", "run", "cycle", "map"});
+  if (const auto* parameter = table.find("parameter")) {
+    compare.parameter = text(*parameter, "compare.parameter");
+    located(parameter->source(), [&] { scene.model.describe(compare.parameter); });
+  }
+  const bool of_parameter = verb == Verb::design && !compare.parameter.empty();
+  if (const auto* members = table.find("members"))
+    for (const auto& element : list(*members, "compare.members", "tables"))
+      compare.members.push_back(read_member(element, scene.model));
+  if (!of_parameter && compare.members.size() < 2)
+    fail(table.source(), "compare.members needs two members or more, each a table with a name and what it changes");
+  for (auto member = compare.members.begin(); member != compare.members.end(); ++member) {
+    if (std::any_of(compare.members.begin(), member, [&](const auto& other) { return other.name == member->name; }))
+      fail(table.source(), "compare.members: two are named '{}'", member->name);
+    located(table.source(), [&] { member->model.check(); });
+  }
+  if (auto equal = table.table("equalise")) {
+    equal->expect({"properties", "adjust"});
+    const auto& properties = equal->required("properties", "what the members are to share");
+    compare.adjust = texts(equal->required("adjust", "paths of parameters"), equal->path("adjust"));
+    const auto wanted = read_properties(properties, equal->path("properties"));
+    equal->finish();
+    for (std::size_t k = 1; k < compare.members.size(); ++k) {
+      auto& member = compare.members[k];
+      located(equal->source(), [&] {
+        try {
+          const auto equalised =
+              analysis::equalise(member.model, compare.members.front().model, wanted, compare.adjust);
+          member.model = equalised.model;
+          member.adjusted = equalised.values;
+          member.difference = equalised.difference;
+        } catch (const InputError& error) {
+          throw InputError(fmt::format("compare.equalise, member '{}': {}", member.name, error.what()));
+        }
+      });
+    }
+  }
+  if (const auto* noise = table.find("noise")) read_noise(*noise, compare);
+  table.read("confidence", compare.confidence, {"", "1", {0.5, 0.999999}, "probability of the right decision"});
+  table.finish();
+  if (verb == Verb::design && compare.noise.empty())
+    fail(table.source(), "compare.noise is needed for a design: the noise of each metric that is measured");
+}
+
 // ---------------------------------------------------------------- the scene as resolved
 
 /// A value on one line. Numbers are the shortest that read back the same (the library prints seventeen digits).
@@ -753,8 +876,9 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   scene.path = path;
   scene.name = fs::path(path).stem().string();
   Table root(document, "");
-  for (const char* table : {"frf", "lab", "fit", "sweep", "branch", "compare", "lyapunov", "study"}) root.refuse(table);
-  root.expect({"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "solver"});
+  for (const char* table : {"frf", "lab", "fit", "sweep", "branch", "lyapunov", "study"}) root.refuse(table);
+  root.expect(
+      {"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "compare", "solver"});
   if (const auto* title = root.find("title")) scene.title = text(*title, "title");
   read_law(Table(root.required("law", "the friction law"), "law"), scene.model);
 
@@ -780,15 +904,25 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     }
     table->finish();
   }
-  if (verb == Verb::run) root.required("run", "duration and start");
-  if (auto table = root.table("run")) read_run(*table, scene.run, *scene.model.law, verb == Verb::run);
+  const toml::node* comparison = root.find("compare");
+  const auto protocol = [&](std::string_view name) {  // compared by this one
+    const auto* given = comparison && comparison->is_table() ? comparison->as_table()->get("protocol") : nullptr;
+    return verb == Verb::compare && given && given->value_or(std::string()) == name;
+  };
+  const bool runs = verb == Verb::run || protocol("run"), maps = verb == Verb::map || verb == Verb::design;
+  if (runs) root.required("run", "duration and start");
+  if (auto table = root.table("run")) read_run(*table, scene.run, *scene.model.law, runs);
   if (auto table = root.table("cycle")) read_cycle(*table, scene);
-  if (verb == Verb::map) root.required("map", "the two axes and the metrics");
+  if (maps || protocol("map")) root.required("map", "the two axes and the metrics");
   if (auto table = root.table("map")) read_map(*table, scene);
+  if (verb == Verb::compare || verb == Verb::design) {
+    root.required("compare", "members, and what is made equal in them");
+    read_compare(Table(*comparison, "compare"), scene, verb);
+  }
   if (auto table = root.table("solver")) read_solver(*table, scene.run);
   root.finish();
 
-  if (verb == Verb::run)  // a ramp has no end of its own: it must stay in range for as long as the run lasts
+  if (runs)  // a ramp has no end of its own: it must stay in range for as long as the run lasts
     for (const auto& [signal, name] :
          {std::pair{&scene.model.drive.speed, "speed"}, std::pair{&scene.model.drive.normal_load, "normal_load"},
           std::pair{&scene.model.drive.force, "force"}}) {

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "analysis/cycle.hpp"
+#include "analysis/discrimination.hpp"
+#include "analysis/equalise.hpp"
 #include "analysis/map.hpp"
 #include "analysis/run.hpp"
 #include "oscillators/model.hpp"
@@ -13,13 +15,29 @@
 namespace rosin::app {
 
 /// What is asked of a scene; decides which tables must be there.
-enum class Verb { curve, stability, run, cycle, map };
+enum class Verb { curve, stability, run, cycle, map, compare, design };
 
 /// The slip rates at which a steady curve is drawn, logarithmically spaced.
 struct CurveOptions {
   double from = 1e-9, to = 1;  ///< m/s
   int points = 541;            ///< 60 a decade
   double normal_load = 1;      ///< N; the drive's, where the scene has one
+};
+
+/// Models side by side, and what is made equal in them beforehand.
+struct CompareOptions {
+  struct Member {
+    std::string name;
+    oscillators::Model model;
+    std::vector<double> adjusted;  ///< values of the parameters that were adjusted
+    double difference = 0;         ///< that is left of the properties made equal, relative
+  };
+  std::vector<Member> members;  ///< the first is the one that the others are compared with
+  std::string protocol = "cycle";
+  std::vector<std::string> adjust;  ///< paths of parameters
+  std::vector<analysis::Noise> noise;
+  double confidence = 0.95;
+  std::string parameter;  ///< of which a design asks; empty: it tells members apart
 };
 
 struct Scene {
@@ -32,6 +50,7 @@ struct Scene {
   analysis::RunOptions run;
   analysis::CycleOptions cycle;
   analysis::MapOptions map;
+  CompareOptions compare;
   std::string resolved;            ///< the scene as TOML, overrides included
   std::vector<std::string> notes;  ///< what was read but has no effect
 };

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/compare.hpp"
 #include "app/files.hpp"
 #include "app/job.hpp"
 #include "app/partial.hpp"
@@ -334,7 +335,9 @@ Status plot(const Request& request) {
 
 }  // namespace
 
-bool can_stop(const Request& request) { return request.verb == "map" || request.verb == "stress"; }
+bool can_stop(const Request& request) {
+  return request.verb == "map" || request.verb == "compare" || request.verb == "stress";
+}
 
 Status execute(const Request& request, std::stop_token stop) {
   if (request.verb == "laws") return list_laws(request);
@@ -343,6 +346,7 @@ Status execute(const Request& request, std::stop_token stop) {
   if (request.verb == "run") return run(request);
   if (request.verb == "cycle") return cycle(request);
   if (request.verb == "map") return map(request, std::move(stop));
+  if (request.verb == "compare") return compare(request, std::move(stop));
   if (request.verb == "stress") return stress(request, std::move(stop));
   if (request.verb == "bench") return bench(request);
   return plot(request);

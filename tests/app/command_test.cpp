@@ -241,3 +241,30 @@ TEST_CASE("an interrupted map ends in order with status 130 and says how to go o
   CHECK(fs::exists(folder.path / "stopped/map.partial"));
   CHECK_FALSE(fs::exists(folder.path / "stopped/result.json"));
 }
+
+TEST_CASE("a comparison and a design answer in JSON with the fields that callers rely on", "[app]") {
+  const Folder folder;
+  const auto cycle = rosin(folder, {"compare", example("ageing-or-slip"), "--json", "--out", "a"});
+  REQUIRE(cycle.status == 0);
+  const auto document = json::parse(cycle.out);
+  CHECK(document["members"].size() == 2);
+  const auto& stick = document["differences"]["stick_fraction"];
+  CHECK(stick["differences"][0] == 0);
+  CHECK(std::abs(stick["differences"][1].get<double>() -
+                 (stick["values"][1].get<double>() - stick["values"][0].get<double>())) < 1e-15);
+  CHECK(stick["difference_errors"][1].get<double>() < 1e-7);
+  const auto design = rosin(folder, {"compare", example("ageing-or-slip"), "--design", "--set", "map.x.points=4",
+                                     "--set", "map.y.points=3", "--json", "--out", "b"});
+  REQUIRE(design.status == 0);
+  const auto plane = json::parse(design.out);
+  REQUIRE(plane["discriminability"].size() == 3);
+  REQUIRE(plane["discriminability"][0].size() == 4);
+  double most = 0;
+  for (const auto& row : plane["discriminability"])
+    for (const auto& value : row) most = std::max(most, value.get<double>());
+  CHECK(plane["best"]["discriminability"].get<double>() == most);
+  CHECK(plane["best"]["repeats"].get<double>() >= 1);
+  CHECK(fs::exists(folder.path / "b" / "design.svg"));
+  // One member: nothing to compare.
+  CHECK(rosin(folder, {"compare", example("bristol-board-cycle"), "--out", "c"}).status == 2);
+}
