@@ -694,8 +694,12 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   return cycle;
 }
 
-/// The mirror image: drive, force, displacement, slip rate and friction with the other sign.
-void mirror(Cycle& cycle) {
+/// The mirror image: drive, force, displacement, slip rate, friction and odd states with the other sign.
+void mirror(Cycle& cycle, const FrictionLaw& law) {
+  const auto mirror_states = [&](std::vector<double>& state) {
+    for (std::size_t i = 0; i < state.size(); ++i)
+      if (law.states()[i].parity == Parity::odd) state[i] = -state[i];
+  };
   for (Metrics* m : {&cycle.metrics, &cycle.error}) {
     std::swap(m->slip_rate_max, m->slip_rate_min);
     std::swap(m->friction_max, m->friction_min);
@@ -705,8 +709,11 @@ void mirror(Cycle& cycle) {
                       &Metrics::friction_mean, &Metrics::slip_rate_mean})
     m.*member = -(m.*member);
   cycle.section_displacement = -cycle.section_displacement;
-  for (auto& p : cycle.orbit)
+  mirror_states(cycle.section_state);
+  for (auto& p : cycle.orbit) {
     p.displacement = -p.displacement, p.slip_rate = -p.slip_rate, p.friction_coefficient = -p.friction_coefficient;
+    mirror_states(p.state);
+  }
 }
 
 }  // namespace
@@ -732,7 +739,7 @@ Cycle find_cycle(const Model& model, const CycleOptions& options) {
     mirrored.drive.speed = -V;
     mirrored.drive.force = -drive.force.level();
     cycle = find_cycle(mirrored, options);
-    mirror(cycle);
+    mirror(cycle, *model.law);
   } else {
     cycle = model.law->set_valued() ? find_stick_slip_cycle(model, options) : find_smooth_cycle(model, options);
     for (const auto& metric : metric_names())

@@ -31,11 +31,10 @@ std::vector<double> starting_point(const SliderSystem& system, const Start& star
     if (V == 0) throw InputError("start = \"steady\" needs drive.speed other than 0 at t = 0 (speed, m/s)");
     return system.steady(0);
   }
-  constexpr double long_rest = 1e-12;  // m/s; states as after steady creep that slow
   double x = 0, u = 0, F = 0;
   std::vector<double> state;
   if (start.kind == Start::Kind::rest) {
-    state = law.steady({long_rest, N});
+    state = law.rest(N);
     if (model.lambda == 0 && ages_without_end(law, N)) {
       // A mass is let go with slip that no result shows; a loaded contact spring would show it.
       if (!(system.mechanics() == Mechanics::inertial && system.rigid()))
@@ -44,13 +43,14 @@ std::vector<double> starting_point(const SliderSystem& system, const Start& star
             "give the law its memory (lambda > 0)",
             law.card().name));
       constexpr double unseen = 1e-14;
-      u = unseen * (V != 0 ? V : long_rest);
+      u = unseen * (V != 0 ? V : law.slowest_creep);
       state = law.steady({u, N});
     }
   } else {
     if (start.velocity && start.slip_rate) throw InputError("start takes velocity or slip_rate, not both");
     u = start.slip_rate ? *start.slip_rate : V - start.velocity.value_or(0);
-    state = law.steady({u != 0 ? u : V != 0 ? V : long_rest, N});
+    // A contact that may stick has no steady state of its own at rest.
+    state = u == 0 && law.set_valued() ? law.rest(N) : law.steady({u != 0 ? u : V != 0 ? V : law.slowest_creep, N});
     std::vector<std::string> known;
     for (const auto& s : law.states()) known.push_back(s.name);
     for (const auto& [name, value] : start.states) {

@@ -19,7 +19,8 @@ struct Start {
 };
 
 /// The start as unknowns of the system. "rest": the slider moves with the drive, the spring is unstretched, states are
-/// those of steady creep at 1e-12 m/s. What is not given is taken from steady sliding.
+/// those that the law states for long rest, by default those of steady creep at 1e-12 m/s. What is not given is taken
+/// from steady sliding, and from rest for a contact that may stick and starts without slip.
 /// \throws InputError for unknown states, values out of range, and "steady" without a drive.
 std::vector<double> starting_point(const oscillators::SliderSystem&, const Start&);
 

@@ -104,6 +104,12 @@ ROSIN_INLINE Dual<Real, n> tanh(const Dual<Real, n>& x) {
   return detail::chain(x, Real(tanh(x.value)), Real(inverse * inverse));
 }
 
+/// ln(2 sinh p) for p > 0, without overflow.
+template <class Real>
+ROSIN_INLINE Real log_two_sinh(const Real& p) {
+  return p + log(-expm1(-2.0 * p));
+}
+
 /// x·ln x for x >= 0, with the limit 0 at x = 0.
 template <class Real>
 ROSIN_INLINE Real xlogx(const Real& x) {

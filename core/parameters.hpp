@@ -29,6 +29,9 @@ struct Range {
 /// How a state is integrated: as it is, or as its logarithm (positive, spanning decades).
 enum class Scale { linear, log };
 
+/// What becomes of a state when the motion is mirrored: an age stays, a deflection changes sign.
+enum class Parity { even, odd };
+
 /// One named member of a law or of its state.
 template <class Owner, class Member>
 struct Field {
@@ -37,12 +40,14 @@ struct Field {
   Range range;
   std::string_view meaning;
   Scale scale = Scale::linear;
+  Parity parity = Parity::even;
 };
 
 template <class Owner, class Member>
 constexpr Field<Owner, Member> field(Member Owner::*member, std::string_view name, std::string_view unit, Range range,
-                                     std::string_view meaning, Scale scale = Scale::linear) {
-  return {member, name, unit, range, meaning, scale};
+                                     std::string_view meaning, Scale scale = Scale::linear,
+                                     Parity parity = Parity::even) {
+  return {member, name, unit, range, meaning, scale, parity};
 }
 
 /// An ordered list of fields. Parameters stand in the order of the law's members.
@@ -61,6 +66,7 @@ struct Quantity {
   std::string meaning;
   Scale scale = Scale::linear;
   bool is_list = false;
+  Parity parity = Parity::even;
 };
 
 /// The name in `known` nearest to `name` by edit distance, or empty where none is near.

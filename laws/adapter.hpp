@@ -27,8 +27,24 @@ concept HasSlipRate = requires(const L<double> law, Sliding<double> at) {
   law.slip_rate(0.0, at, {});
 };
 template <template <class> class L>
-concept SetValued = requires(const L<double> law, Sliding<double> at) {
+concept HasRest = requires(const L<double> law, Sliding<double> at) {
+  law.rest(at);
+};
+template <template <class> class L>
+concept HasSize = requires(const L<double> law) {
+  law.size();
+};
+template <template <class> class L>
+concept LimitHasStates = requires(const L<double> law, Sliding<double> at) {
+  law.static_limit(at, {});
+};
+template <template <class> class L>
+concept SetValued = LimitHasStates<L> || requires(const L<double> law, Sliding<double> at) {
   law.static_limit(at);
+};
+template <template <class> class L>
+concept HasStopReset = requires(const L<double> law) {
+  law.after_stop({});
 };
 
 namespace detail {
@@ -80,7 +96,7 @@ std::vector<Quantity> describe(const Table& fields) {
   std::vector<Quantity> list;
   for_each_field(fields, [&]<class Owner, class Member>(const Field<Owner, Member>& f, std::size_t) {
     list.push_back({std::string(f.name), std::string(f.unit), f.range, std::string(f.meaning), f.scale,
-                    std::is_same_v<Member, std::vector<double>>});
+                    std::is_same_v<Member, std::vector<double>>, f.parity});
   });
   return list;
 }
@@ -150,6 +166,13 @@ struct Written {
   }
   ROSIN_INLINE void steady(const Sliding<T>& at, T* state) const {
     if constexpr (states > 0) unpack(law.steady(at), state);
+  }
+  /// The size that a change of each linear state is measured by: its own in steady sliding, unless the law states one.
+  ROSIN_INLINE void sizes(const T* steady, T* sizes) const {
+    if constexpr (HasSize<L>)
+      unpack(law.size(), sizes);
+    else
+      for (int k = 0; k < states; ++k) sizes[k] = abs(steady[k]);
   }
   /// Never asked of a law without: its contacts are refused the friction unknown.
   ROSIN_INLINE T slip_rate(const T& mu, const T& N, const T* state) const {
@@ -229,17 +252,14 @@ struct Rows {
                                T& F) const {
     const T &u = in.slip_rate, &N = in.normal_load;
     T state[Law::capacity];
-    if (law.set_valued) {
-      const T speed = max(in.direction * u, T(0.0));
-      F = in.direction * (N * law.friction(Sliding<T>{speed, N}, state));
-    } else if (law.states > 0 && with_friction) {
+    if (!law.set_valued && law.states > 0 && with_friction) {
       const T& mu = z[0];
       T v;
       slip(law, N, z, v, g + 1);
       g[0] = u - v - compliance * (mu * in.load_rate);  // d(Nμ)/dt = k_t (u − v)
       F = N * mu;
     } else {
-      const Sliding<T> at{u, N};
+      const Sliding<T> at{law.set_valued ? speed_of(in) : u, N};
       if (equilibrium) {
         law.steady(at, state);
       } else {
@@ -247,6 +267,7 @@ struct Rows {
         rates(law, at, state, z, g);
       }
       F = N * law.friction(at, state);
+      if (law.set_valued) F = in.direction * F;
     }
   }
 
@@ -260,6 +281,12 @@ struct Rows {
   }
 
  private:
+  /// Slip rate along the direction of slip. Slip that has only just begun is not stick, which is v = 0.
+  template <class T>
+  ROSIN_INLINE static T speed_of(const ContactInput<T>& in) {
+    constexpr double beyond_rest = 1e-300;
+    return max(in.direction * in.slip_rate, T(0.0)) + beyond_rest * (in.direction * in.direction);
+  }
   /// States from unknowns: those with Scale::log are carried as logarithms.
   template <class Law, class T>
   ROSIN_INLINE static void read(const Law& law, const T* z, T* state) {
@@ -289,9 +316,11 @@ void start_steady(const Rows& rows, const Law& law, double u, double N, double* 
     ++z, ++weight;
   }
   if (rows.equilibrium) return;
+  double size[Law::capacity];
+  law.sizes(state, size);
   for (int k = 0; k < law.states; ++k) {
     z[k] = law.logarithmic(k) ? std::log(state[k]) : state[k];
-    weight[k] = law.logarithmic(k) ? 1.0 : std::abs(state[k]);
+    weight[k] = law.logarithmic(k) ? 1.0 : size[k];
   }
 }
 
@@ -547,27 +576,32 @@ class Law final : public FrictionLaw {
   bool set_valued() const override { return SetValued<L>; }
 
   double friction(Sliding<double> at, std::span<const double> state) const override {
+    const double direction = SetValued<L> ? sign(at.slip_rate) : 1.0;
     return checked("friction", at, [&] {
-      if constexpr (SetValued<L>)
-        return sign(at.slip_rate) * law_.friction(Sliding<double>{std::abs(at.slip_rate), at.normal_load});
-      else if constexpr (states_count == 0)
-        return law_.friction(at);
+      if constexpr (states_count == 0)
+        return direction * law_.friction(asked(at));
       else
-        return law_.friction(at, state_of(state));
+        return direction * law_.friction(asked(at), state_of(state));
     }());
   }
   std::vector<double> rate([[maybe_unused]] Sliding<double> at,
                            [[maybe_unused]] std::span<const double> state) const override {
     if constexpr (HasStates<L>)
-      return numbers_of(at, "rate", law_.rate(at, state_of(state)));
+      return numbers_of(at, "rate", law_.rate(asked(at), state_of(state)));
     else
       return {};
   }
   std::vector<double> steady([[maybe_unused]] Sliding<double> at) const override {
     if constexpr (HasStates<L>)
-      return numbers_of(at, "steady state", law_.steady(at));
+      return numbers_of(at, "steady state", law_.steady(asked(at)));
     else
       return {};
+  }
+  std::vector<double> rest([[maybe_unused]] double normal_load) const override {
+    if constexpr (HasRest<L>)
+      return numbers_of({0, normal_load}, "state at rest", law_.rest(Sliding<double>{0, normal_load}));
+    else
+      return steady({slowest_creep, normal_load});
   }
   double slip_rate(double mu, double normal_load, std::span<const double> state) const override {
     if constexpr (HasSlipRate<L>)
@@ -575,11 +609,21 @@ class Law final : public FrictionLaw {
     else
       throw InputError(fmt::format("law '{}' has no explicit slip rate", card().name));
   }
-  double static_limit(double normal_load) const override {
-    if constexpr (SetValued<L>)
-      return law_.static_limit(Sliding<double>{0, normal_load});
+  double static_limit([[maybe_unused]] double normal_load,
+                      [[maybe_unused]] std::span<const double> state) const override {
+    const Sliding<double> at{0, normal_load};
+    if constexpr (LimitHasStates<L>)
+      return checked("static limit", at, law_.static_limit(at, state_of(state)));
+    else if constexpr (SetValued<L>)
+      return checked("static limit", at, law_.static_limit(at));
     else
       throw InputError(fmt::format("law '{}' has no static limit: its force at rest is unique", card().name));
+  }
+  std::vector<double> after_stop(std::span<const double> state) const override {
+    if constexpr (HasStopReset<L>)
+      return numbers_of({0, 0}, "state after a stop", law_.after_stop(state_of(state)));
+    else
+      return {state.begin(), state.end()};
   }
   Steady steady_friction(Sliding<double> at) const override {
     using Slope = Dual<double, 1>;
@@ -620,6 +664,11 @@ class Law final : public FrictionLaw {
       throw InputError(fmt::format("law '{}' has no explicit slip rate: its contact cannot carry μ as unknown",
                                    L<double>::card.name));
     return setup;
+  }
+  /// Set-valued laws are asked for slip along v.
+  static Sliding<double> asked(Sliding<double> at) {
+    if constexpr (SetValued<L>) at.slip_rate = std::abs(at.slip_rate);
+    return at;
   }
   auto state_of(std::span<const double> values) const {
     if (int(values.size()) != states_count)

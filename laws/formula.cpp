@@ -336,6 +336,9 @@ struct Answering {
   void steady(Sliding<double> at, double* state) const {
     answer(program.steady, at.slip_rate, at.normal_load, 0, nullptr, state);
   }
+  void sizes(const double* steady, double* sizes) const {
+    for (int k = 0; k < states; ++k) sizes[k] = std::abs(steady[k]);
+  }
   double slip_rate(double mu, double N, const double* state) const {
     double v;
     answer(program.slip_rate, 0, N, mu, state, &v);
@@ -526,7 +529,9 @@ class FormulaLaw final : public FrictionLaw {
     require_states(state);
     return answering().slip_rate(mu, normal_load, state.data());
   }
-  double static_limit(double normal_load) const override {
+  std::vector<double> rest(double normal_load) const override { return steady({slowest_creep, normal_load}); }
+  std::vector<double> after_stop(std::span<const double> state) const override { return {state.begin(), state.end()}; }
+  double static_limit(double normal_load, std::span<const double>) const override {
     if (!set_valued())
       throw InputError(fmt::format("law '{}' has no static limit: its force at rest is unique", card().name));
     double limit;

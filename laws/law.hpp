@@ -4,8 +4,12 @@
 ///   card, parameters                          what it is
 ///   friction(at[, state])                     coefficient of friction
 ///   states, rate(at, state), steady(at)       only with states: −G, and the state of steady sliding
+///   rest(at)                                  only where the state after long rest is not that of slowest creep
+///   size()                                    only where a state that is not logarithmic may be 0 in steady sliding
 ///   slip_rate(mu, at, state)                  only where v can be solved from μ
-///   static_limit(at)                          only if set-valued at rest; then friction(at) is asked for v ≥ 0 alone
+///   static_limit(at[, state])                 only if set-valued at rest; then the law is asked for v ≥ 0 alone, and
+///                                             v = 0 means stick
+///   after_stop(state)                         only if set-valued: what a stop makes of the states
 /// General form: F = N·μ(v, ψ, N), λ·ψ̇ = −G(v, ψ, N). Signs: v > 0 along the drive, F on the slider along v.
 #pragma once
 #include <memory>
@@ -52,7 +56,8 @@ class FrictionLaw {
   /// True where the force at rest is any value up to ±static_limit·N (Coulomb, friction curves).
   virtual bool set_valued() const = 0;
 
-  /// Coefficient of friction, odd in the slip rate (0 at rest for set-valued laws).
+  /// Coefficient of friction (0 at rest for set-valued laws). Mirrored motion, with the other sign of the slip rate and
+  /// of odd states, has the other sign of friction.
   virtual double friction(Sliding<double> at, std::span<const double> state) const = 0;
   /// dψ/dt for λ = 1.
   virtual std::vector<double> rate(Sliding<double> at, std::span<const double> state) const = 0;
@@ -60,8 +65,13 @@ class FrictionLaw {
   virtual std::vector<double> steady(Sliding<double> at) const = 0;
   /// Slip rate at the given coefficient. \throws InputError if the law has no explicit slip rate.
   virtual double slip_rate(double mu, double normal_load, std::span<const double> state) const = 0;
+  static constexpr double slowest_creep = 1e-12;  ///< m/s
+  /// ψ after long rest, where a motion from rest begins: by default that of the slowest creep.
+  virtual std::vector<double> rest(double normal_load) const = 0;
   /// Largest coefficient that holds at rest. \throws InputError if the law is not set-valued.
-  virtual double static_limit(double normal_load) const = 0;
+  virtual double static_limit(double normal_load, std::span<const double> state = {}) const = 0;
+  /// ψ just after slip has stopped: as it was, or reset by laws that count from the last stop.
+  virtual std::vector<double> after_stop(std::span<const double> state) const = 0;
 
   /// Steady coefficient μ_ss(v) and its slope dμ_ss/dv (s/m).
   struct Steady {

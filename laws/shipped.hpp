@@ -1,8 +1,14 @@
 /// The laws that rosin ships, as types, in the order in which they are listed: one line each.
 #pragma once
 #include "laws/ageing.hpp"
+#include "laws/bowden_tabor.hpp"
 #include "laws/coulomb.hpp"
+#include "laws/dahl.hpp"
+#include "laws/flash_heating.hpp"
 #include "laws/hyperbolic.hpp"
+#include "laws/kato_tullis.hpp"
+#include "laws/lugre.hpp"
+#include "laws/nagata.hpp"
 #include "laws/prz.hpp"
 #include "laws/slip.hpp"
 #include "laws/spinodal.hpp"
@@ -25,8 +31,14 @@ using Shipped = LawList<Coulomb,         //
                         Ageing,          //
                         Slip,            //
                         Prz,             //
+                        KatoTullis,      //
+                        Nagata,          //
                         TwoStateAgeing,  //
                         TwoStateSlip,    //
-                        Spinodal>;
+                        Spinodal,        //
+                        BowdenTabor,     //
+                        FlashHeating,    //
+                        Lugre,           //
+                        Dahl>;
 
 }  // namespace rosin::laws

@@ -26,6 +26,18 @@ std::vector<State> states_of(const FrictionLaw& law) {
   return list;
 }
 
+/// True for laws whose contact deflects: friction then holds an elastic part, which gives its energy back.
+bool deflects(const FrictionLaw& law) {
+  return std::any_of(law.states().begin(), law.states().end(), [](const auto& s) { return s.parity == Parity::odd; });
+}
+
+/// State or rate of the mirrored motion.
+State mirrored(const FrictionLaw& law, State state) {
+  for (std::size_t i = 0; i < state.size(); ++i)
+    if (law.states()[i].parity == Parity::odd) state[i] = -state[i];
+  return state;
+}
+
 /// |a − b| ≤ tolerance·scale; false for NaN.
 bool near(double a, double b, double tolerance, double scale) { return std::abs(a - b) <= tolerance * scale; }
 
@@ -165,15 +177,26 @@ TEST_CASE("every law of the catalogue keeps the promises of a friction law", "[l
         for (const State& state : states_of(law)) {
           CAPTURE(v, state);
           const double mu = law.friction({v, load}, state);
-          CHECK(mu >= 0);
-          CHECK(law.friction({-v, load}, state) == -mu);
-          CHECK(law.rate({-v, load}, state) == law.rate({v, load}, state));
+          if (!deflects(law)) CHECK(mu >= 0);
+          CHECK(law.friction({-v, load}, mirrored(law, state)) == -mu);
+          CHECK(law.rate({-v, load}, mirrored(law, state)) == mirrored(law, law.rate({v, load}, state)));
+          CHECK(law.steady_friction({v, load}).friction >= 0);
+          CHECK(law.steady({-v, load}) == mirrored(law, law.steady({v, load})));
         }
-      for (const State& state : states_of(law)) CHECK(law.friction({0, load}, state) == 0);
-      if (law.set_valued())
-        for (const double v : {1e-14, 1e-12}) CHECK(law.static_limit(load) >= law.friction({v, load}, {}) * (1 - 1e-9));
-      else
-        CHECK_THROWS_AS(law.static_limit(load), InputError);
+      const State rest = law.rest(load);
+      CHECK(rest.size() == law.states().size());
+      CHECK(law.friction({0, load}, rest) == 0);
+      if (!deflects(law))
+        for (const State& state : states_of(law)) CHECK(law.friction({0, load}, state) == 0);
+      if (law.set_valued()) {
+        // Slip begins at no more than what held.
+        for (const State& state : {rest, law.after_stop(rest)})
+          for (const double v : {1e-14, 1e-12})
+            CHECK(law.static_limit(load, state) >= law.friction({v, load}, state) * (1 - 1e-9));
+      } else {
+        CHECK_THROWS_AS(law.static_limit(load, rest), InputError);
+        for (const State& state : states_of(law)) CHECK(law.after_stop(state) == state);
+      }
     }
 
     DYNAMIC_SECTION(law.card().name << " rests at its steady state, which the contact starts from") {
@@ -183,7 +206,7 @@ TEST_CASE("every law of the catalogue keeps the promises of a friction law", "[l
         State doubled = steady;
         for (double& x : doubled) x *= 2;
         const State away = law.rate({v, load}, doubled);
-        for (std::size_t i = 0; i < rate.size(); ++i) CHECK(near(rate[i], 0, 1e-14, std::abs(away[i])));
+        for (std::size_t i = 0; i < rate.size(); ++i) CHECK(near(rate[i], 0, 1e-13, std::abs(away[i])));
 
         const auto curve = law.steady_friction({v, load});
         CHECK(near(curve.friction, law.friction({v, load}, steady), 1e-14, curve.friction));
@@ -252,6 +275,7 @@ TEST_CASE("every law of the catalogue keeps the promises of a friction law", "[l
             const Point p = point_near_steady(*contact, u, random);
             const std::size_t n = p.z.size();
             std::vector<double> g(n + 1), step(p.weight);
+            for (double& x : step) x *= 0.3;  // rates may go as a high power of the slip rate
             step.insert(step.end(), {0.01 * v, 0.01 * load});
             const auto slopes_at = [&](double s) {
               Point q = p;
@@ -412,7 +436,7 @@ void agrees_with_long_double() {
           (k == 2 ? speed : s[k]) = (k == 2 ? speed : s[k]) * (1.0 + h);
           return answers<L, Long>(values, speed, s)[row];
         };
-        const Long h(1e-4), near = (moved(h) - moved(-h)) / (2.0 * h),
+        const Long h(1e-5), near = (moved(h) - moved(-h)) / (2.0 * h),
                             wide = (moved(2.0 * h) - moved(-2.0 * h)) / (4.0 * h);
         return double((4.0 * near - wide) / 3.0);  // derivative by ln x, error of order h⁴
       };
