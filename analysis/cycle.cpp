@@ -462,32 +462,44 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   return cycle;
 }
 
-/// One period of stick–slip: from one onset of slip along the drive to the next. Stick forgets the past, so the first
-/// full period is the cycle.
+/// One period of stick–slip: from one onset of slip along the drive to the next.
 struct StickSlipPeriod {
   Outcome outcome;
   Metrics metrics;
   std::vector<CyclePoint> orbit;
+  std::vector<double> onset;  ///< unknowns where the period ends
   double onset_displacement = 0;
+  double closure = 0;  ///< relative error that is left because the period does not quite return
   bool found = false;
   double closest = infinity;  ///< lowest slip rate after the first half of a slip, over the drive speed
   long steps = 0, evaluations = 0;
 };
-StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double stick_threshold) {
+
+/// Unknowns at rest on the drive with a contact in the given state, loaded to `share` of what it can hold.
+std::vector<double> loaded_at_rest(const SliderSystem& system, std::span<const double> state, double share) {
+  const Model& model = system.model();
+  auto y = system.unknowns_at(0, 0, 0, state, 0);
+  y[0] = (share * system.holding_limit(0, y.data()) - model.slider.damping * model.drive.speed.level() +
+          model.drive.force.level()) /
+         model.slider.stiffness;
+  return y;
+}
+
+/// The period that begins at the `onset` of slip, or else the first full one after stick from rest.
+StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double stick_threshold,
+                                  const std::vector<double>* onset = nullptr) {
   StickSlipPeriod result;
   SliderSystem system(model);
   solvers::StickSlip solver(system, tolerance);
-  const double V = model.drive.speed.level(), f = model.drive.force.level();
+  const double V = model.drive.speed.level();
   const auto& s = model.slider;
-  // At rest on the drive, half way to the onset of slip.
-  const double onset = (system.holding_limit(0) - s.damping * V + f) / s.stiffness;
-  const double half = (-s.damping * V + f) / s.stiffness + 0.5 * system.holding_limit(0) / s.stiffness;
-  if (!solver.start(0, system.unknowns_at(0, half, 0, {}, 0))) {
+  const auto rest = model.law->rest(model.drive.normal_load.level());
+  if (!(onset ? solver.start_slip(0, *onset, 1) : solver.start(0, loaded_at_rest(system, rest, 0.5)))) {
     result.outcome = {Ending::not_finite, "at the start"};
     return result;
   }
   const double natural = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
-  const double longest = 300 * natural + 10 * std::abs(onset) / V;
+  const double longest = 300 * natural + 10 * std::abs(loaded_at_rest(system, rest, 1)[0]) / V;
   // Without oscillation, under strong damping, nothing comes and goes within a natural period.
   const bool overdamped = s.damping > 2 * std::sqrt(s.mass * s.stiffness);
   solver.bound_slip_step(0.1 * (overdamped ? s.damping / s.stiffness : natural));
@@ -496,7 +508,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
   Recorder recorder(system, tolerance, stick_threshold, true);
   // Durations are sums of steps: the clock, which also counts the first stick, may be too coarse for a short slip.
-  bool began = false, fast = false;
+  bool began = onset != nullptr, fast = false;
   double period = 0, stuck = 0;
   while (solver.time() < longest) {
     if (solver.stepper().count().steps > 200'000) {
@@ -526,7 +538,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       // Stick is rest; the end of a located slip is rest but for rounding.
       if (std::abs(result.metrics.slip_rate_min) < 1e-10 * V) result.metrics.slip_rate_min = 0;
       result.orbit = std::move(recorder.orbit);
-      result.onset_displacement = system.observe(solver.time(), solver.state().data()).displacement;
+      result.onset = solver.state();
+      result.onset_displacement = result.onset[0];
       result.found = true;
       break;
     }
@@ -536,6 +549,101 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   result.evaluations = solver.stepper().count().evaluations;
   return result;
 }
+
+/// The return of contact states from onset to onset, about the fixed point that periods from stick lead to.
+class OnsetMap {
+ public:
+  OnsetMap(const Model& model, double tolerance, double stick_threshold)
+      : model_(model), system_(model), tolerance_(tolerance), stick_threshold_(stick_threshold) {
+    std::vector<double> s(system_.size());
+    const std::vector<double> rest(system_.size());
+    system_.scale(rest.data(), s.data());
+    scale_ = Eigen::Map<VectorXd>(s.data(), s.size()).tail(s.size() - mechanical);
+  }
+
+  /// The period that repeats itself.
+  StickSlipPeriod cycle() {
+    auto period = stick_slip_period(model_, tolerance_, stick_threshold_);
+    if (!period.found || scale_.size() == 0) return period;  // without memory stick forgets the past
+    long steps = period.steps, evaluations = period.evaluations;
+    constexpr int most_periods = 60;
+    VectorXd z = states_of(period);
+    double change = infinity;
+    for (int k = 0; k < most_periods && period.found; ++k) {
+      period = period_from(z);
+      if (!period.found) break;
+      steps += period.steps, evaluations += period.evaluations;
+      const VectorXd step = states_of(period) - z;
+      const double now = size_of_step(step);
+      if (now < 10 * tolerance_ || (k > 3 && now < 1e3 * tolerance_ && !(now < 0.5 * change))) {
+        period.closure = now / std::max(1 - std::min(std::abs(change < infinity ? now / change : 0.0), 0.99), 0.01);
+        period.steps = steps, period.evaluations = evaluations;
+        return period;
+      }
+      // Plain periods lead to what attracts; where they come in slowly, Newton's method goes the rest.
+      z += step;
+      if (k > 1 && now > 0.1 * change && now < 0.3) {
+        const MatrixXd D = derivative(z - step);
+        const VectorXd newton = scale_.asDiagonal() * (MatrixXd::Identity(z.size(), z.size()) - scaled(D))
+                                                          .partialPivLu()
+                                                          .solve(scale_.cwiseInverse().asDiagonal() * step);
+        const auto there = newton.allFinite() ? period_from(z - step + newton) : StickSlipPeriod{};
+        if (there.found && size_of_step(states_of(there) - (z - step + newton)) < 0.5 * now) z += newton - step;
+      }
+      change = now;
+    }
+    if (period.found) {
+      period.found = false;
+      period.outcome = {Ending::budget_spent,
+                        fmt::format("stick and slip do not repeat themselves within {} periods", most_periods)};
+    }
+    return period;
+  }
+
+  /// Multipliers of the period that ends, and so begins, at `onset`, largest first; none where neighbouring periods
+  /// do not return.
+  std::vector<std::complex<double>> multipliers(const std::vector<double>& onset) const {
+    if (scale_.size() == 0) return {0.0};
+    const VectorXd values_at = Eigen::Map<const VectorXd>(onset.data(), onset.size()).tail(scale_.size());
+    const MatrixXd D = derivative(values_at);
+    if (!D.allFinite()) return {};
+    const auto found = eigenpairs(scaled(D)).values;
+    std::vector<std::complex<double>> values(found.data(), found.data() + found.size());
+    std::sort(values.begin(), values.end(), [](auto a, auto b) { return std::abs(a) > std::abs(b); });
+    return values;
+  }
+
+ private:
+  static constexpr int mechanical = 2;
+  VectorXd states_of(const StickSlipPeriod& period) const {
+    return Eigen::Map<const VectorXd>(period.onset.data(), period.onset.size()).tail(scale_.size());
+  }
+  double size_of_step(const VectorXd& step) const { return step.cwiseQuotient(scale_).norm(); }
+  MatrixXd scaled(const MatrixXd& D) const { return scale_.cwiseInverse().asDiagonal() * D * scale_.asDiagonal(); }
+  StickSlipPeriod period_from(const VectorXd& z) const {
+    std::vector<double> y(system_.size());
+    std::copy(z.data(), z.data() + z.size(), y.begin() + mechanical);
+    const auto onset = loaded_at_rest(system_, system_.observe(0, y.data()).state, 1);
+    return stick_slip_period(model_, tolerance_, stick_threshold_, &onset);
+  }
+  MatrixXd derivative(const VectorXd& z) const {
+    const int n = int(z.size());
+    MatrixXd D = MatrixXd::Zero(n, n);
+    const double part = std::max(1e-4, 100 * tolerance_);
+    for (int k = 0; k < n; ++k) {
+      const double h = part * scale_[k];
+      const auto right = period_from(z + h * VectorXd::Unit(n, k)), left = period_from(z - h * VectorXd::Unit(n, k));
+      if (!right.found || !left.found) return MatrixXd::Constant(n, n, std::nan(""));
+      D.col(k) = (states_of(right) - states_of(left)) / (2 * h);
+    }
+    return D;
+  }
+
+  const Model& model_;
+  SliderSystem system_;
+  double tolerance_, stick_threshold_;
+  VectorXd scale_;  ///< of the contact's states
+};
 
 /// A passage of slip, which may reverse but does not stick for long, from v = V rising at a displacement `swing` above
 /// that of steady sliding to the next such passage. Two mechanical unknowns, so the section is a line.
@@ -552,7 +660,7 @@ StickSlipPeriod slip_passage(const Model& model, double swing, double tolerance,
   }
   Recorder recorder(system, tolerance, stick_threshold, true);
   const auto section = [&](double t, const double* y) { return system.slip_rate(t, y) - V; };
-  const double longest = 100 * natural + 10 * system.holding_limit(0) / (model.slider.stiffness * V);
+  const double longest = 100 * natural + 10 * std::abs(loaded_at_rest(system, {}, 1)[0]) / V;
   bool below = false;
   double period = 0, stuck = 0;
   std::vector<double> y(system.size());
@@ -590,12 +698,17 @@ StickSlipPeriod slip_passage(const Model& model, double swing, double tolerance,
   return result;
 }
 
+/// Static limit of a contact without memory.
+double static_limit_of_curve(const Model& model) {
+  const double N = model.drive.normal_load.level();
+  return model.law->static_limit(N, model.law->steady({0, N}));
+}
+
 /// The swing at which slip that never sticks repeats itself: where the drift ln(A'/A) falls through zero.
 std::optional<double> balanced_swing(const Model& model, double tolerance) {
   const double natural = std::sqrt(model.slider.mass / model.slider.stiffness);
   const double largest = model.drive.speed.level() * natural +
-                         2 * model.drive.normal_load.level() *
-                             model.law->static_limit(model.drive.normal_load.level()) / model.slider.stiffness;
+                         2 * model.drive.normal_load.level() * static_limit_of_curve(model) / model.slider.stiffness;
   const auto drift = [&](double log_swing) {
     const auto passage = slip_passage(model, std::exp(log_swing), tolerance, 0.1, false);
     return passage.found && passage.onset_displacement > 0 ? std::log(passage.onset_displacement) - log_swing : -1.0;
@@ -615,13 +728,17 @@ std::optional<double> balanced_swing(const Model& model, double tolerance) {
   return std::nullopt;
 }
 
+/// True where the contact carries states of its own.
+bool remembers(const Model& model) { return model.law->has_states() && model.lambda > 0; }
+
 /// True where friction never falls with slip rate, not even from rest: then two motions never part, and none repeats
 /// itself but steady sliding (or free oscillation about it, which nothing attracts).
 bool never_weakens(const Model& model) {
+  if (remembers(model)) return false;
   const double N = model.drive.normal_load.level();
   constexpr double nearly_rest = 1e-14, rounding = 1e-12;
   return !weakens_somewhere(*model.law, N) &&
-         model.law->static_limit(N) <= model.law->steady_friction({nearly_rest, N}).friction * (1 + rounding);
+         static_limit_of_curve(model) <= model.law->steady_friction({nearly_rest, N}).friction * (1 + rounding);
 }
 
 Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
@@ -636,10 +753,10 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   const auto period_at = [&](double tol) -> StickSlipPeriod {
     if (sticks) {
       // Slip that only just comes to rest is missed by a solution that is not better than the miss.
-      auto period = stick_slip_period(model, tol, options.stick_threshold);
+      auto period = OnsetMap(model, tol, options.stick_threshold).cycle();
       constexpr double grazing = 1e-3, sharp = 1e-14;
       if (!period.found && period.outcome.complete() && period.closest < grazing && tol > sharp)
-        period = stick_slip_period(model, sharp, options.stick_threshold);
+        period = OnsetMap(model, sharp, options.stick_threshold).cycle();
       return period;
     }
     const auto swing = balanced_swing(model, tol);
@@ -650,11 +767,12 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   };
   StickSlipPeriod coarse = period_at(tolerance);
   const auto sliding = stability(model);
-  if (!coarse.found && coarse.outcome.complete() && !sliding.stable && !sliding.marginal) {
+  if (!coarse.found && coarse.outcome.complete() && !sliding.stable && !sliding.marginal && !remembers(model)) {
     sticks = false;
     coarse = period_at(tolerance);
   }
   std::string worst;
+  std::vector<double> onset;
   double sharpening = 0.01;
   for (int attempt = 0; attempt < 4; ++attempt) {
     tolerance = std::max(sharpening * tolerance, solvers::Collocation::least_tolerance);
@@ -672,10 +790,12 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;
     }
-    const double reached = estimate_errors(coarse.metrics, fine.metrics, tolerance, 0, V, false, cycle.error, worst);
+    const double reached =
+        estimate_errors(coarse.metrics, fine.metrics, tolerance, fine.closure, V, false, cycle.error, worst);
     cycle.metrics = fine.metrics;
     cycle.orbit = fine.orbit;
     cycle.section_displacement = fine.onset_displacement;
+    if (sticks) onset = fine.onset;
     cycle.outcome = {};
     if (reached <= options.tolerance) break;
     cycle.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
@@ -683,14 +803,16 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     sharpening = next_sharpening(options.tolerance / reached);
     coarse = std::move(fine);
   }
-  cycle.multipliers = {0.0};  // stick ends at one and the same state, whatever came before
-  if (!sticks) {
+  if (sticks) {
+    cycle.multipliers = OnsetMap(model, 1e-10, options.stick_threshold).multipliers(onset);
+    if (remembers(model)) cycle.section_state = SliderSystem(model).observe(0, onset.data()).state;
+  } else {
     const double swing = cycle.section_displacement - steady_sliding(model).displacement, h = 1e-4 * swing;
     const auto left = slip_passage(model, swing - h, 1e-10, options.stick_threshold, false);
     const auto right = slip_passage(model, swing + h, 1e-10, options.stick_threshold, false);
     cycle.multipliers = {(right.onset_displacement - left.onset_displacement) / (2 * h)};
   }
-  cycle.stable = std::abs(cycle.multipliers.front()) < 1;
+  cycle.stable = !cycle.multipliers.empty() && std::abs(cycle.multipliers.front()) < 1;
   return cycle;
 }
 

@@ -106,7 +106,7 @@ double fracture_energy(const Property& property, const Model& model, double N) {
 
 double static_peak(const Property& property, const Model& model, double N) {
   const double V = property.slip_rate;
-  if (model.law->set_valued()) return model.law->static_limit(N);
+  if (model.law->set_valued()) return model.law->static_limit(N, model.law->rest(N));
   require_states(property, model);
   RunOptions options;
   options.tolerance = 1e-10;

@@ -18,7 +18,9 @@ constexpr double largest_miss = 0.02;
 }  // namespace
 
 bool PassageLanes::serves(const SliderSystem& slider) {
-  return slider.mechanics() == Mechanics::inertial && !slider.model().law->set_valued() && slider.autonomous() &&
+  // On a contact that deflects the slider rings through each stick, which one at a time is followed more closely.
+  const auto& law = *slider.model().law;
+  return slider.mechanics() == Mechanics::inertial && !law.set_valued() && !law.deflects() && slider.autonomous() &&
          slider.size() <= solvers::Ensemble::capacity;
 }
 

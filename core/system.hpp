@@ -48,8 +48,10 @@ class SwitchingSystem : public System {
   virtual double slip_rate(double t, const double* y) const = 0;
   /// The force that keeps the contact from slipping, and the largest that it can bear (newton).
   virtual double holding_force(double t, const double* y) const = 0;
-  virtual double holding_limit(double t) const = 0;
+  virtual double holding_limit(double t, const double* y) const = 0;
   /// Sets the slip rate to exactly zero.
+  virtual void hold(double* y) const = 0;
+  /// Ends a slip: the slip rate is exactly zero, and contacts that count from their last stop begin anew.
   virtual void stop(double* y) const = 0;
   /// A speed that slip rates are measured against, > 0.
   virtual double reference_speed() const = 0;

@@ -3,7 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace rosin {
+
+bool FrictionLaw::deflects() const {
+  return std::any_of(states().begin(), states().end(), [](const auto& s) { return s.parity == Parity::odd; });
+}
 
 std::optional<std::size_t> FrictionLaw::find(std::string_view parameter) const {
   const auto& list = parameters();

@@ -88,6 +88,8 @@ class FrictionLaw {
   virtual std::unique_ptr<ContactValues<Tower>> tower(const ContactSetup&) const = 0;
 
   bool has_states() const { return !states().empty(); }
+  /// True where a state is a deflection: friction then holds an elastic part, on which a mass may ring.
+  bool deflects() const;
   /// Index of a parameter, or nothing.
   std::optional<std::size_t> find(std::string_view parameter) const;
   /// A scalar parameter by name. \throws InputError with the nearest name.

@@ -6,12 +6,17 @@
 #include "laws/dahl.hpp"
 #include "laws/flash_heating.hpp"
 #include "laws/hyperbolic.hpp"
+#include "laws/kato_growth.hpp"
 #include "laws/kato_tullis.hpp"
+#include "laws/loading_rate.hpp"
 #include "laws/lugre.hpp"
 #include "laws/nagata.hpp"
 #include "laws/prz.hpp"
 #include "laws/slip.hpp"
+#include "laws/slip_distance.hpp"
+#include "laws/slip_weakening.hpp"
 #include "laws/spinodal.hpp"
+#include "laws/static_growth.hpp"
 #include "laws/stribeck.hpp"
 #include "laws/tabulated.hpp"
 #include "laws/two_exponential.hpp"
@@ -39,6 +44,11 @@ using Shipped = LawList<Coulomb,         //
                         BowdenTabor,     //
                         FlashHeating,    //
                         Lugre,           //
-                        Dahl>;
+                        Dahl,            //
+                        SlipDistance,    //
+                        SlipWeakening,   //
+                        StaticGrowth,    //
+                        KatoGrowth,      //
+                        LoadingRate>;
 
 }  // namespace rosin::laws

@@ -95,12 +95,14 @@ double SliderSystem::imposed_slip_rate(const Forcing& now, const double* y, doub
 
 void SliderSystem::evaluate(double t, const double* y, double* f) const {
   const Forcing now = forcing(t);
-  if (sticking()) {  // the slider moves with the drive
+  const double* z = y + mechanical_;
+  if (sticking()) {  // the slider moves with the drive; the contact may age
+    double unused;
+    contact_->evaluate({0, now.load, now.load_rate, direction_}, z, f + mechanical_, unused);
     f[0] = now.speed;
     f[1] = 0;
     return;
   }
-  const double* z = y + mechanical_;
   const double known_force = mechanics_ == Mechanics::damped ? now.load * z[0] : 0;
   const double u = imposed_slip_rate(now, y, known_force);
   double F;
@@ -118,16 +120,20 @@ void SliderSystem::linearise(double t, const double* y, double* f, double* jacob
   const int n = size(), nz = contact_->unknowns(), first = mechanical_;
   const double* z = y + first;
   const double known_force = mechanics_ == Mechanics::damped ? now.load * z[0] : 0;
-  const double u = imposed_slip_rate(now, y, known_force);
+  const double u = sticking() ? 0 : imposed_slip_rate(now, y, known_force);
   const auto& s = model_.slider;
   double F;
   Slopes<double> slopes;
   contact_->linearise({u, now.load, now.load_rate, direction_}, z, f + first, F, slopes);
   std::fill(jacobian, jacobian + n * n, 0.0);
-  if (sticking()) return evaluate(t, y, f);
   const auto J = [&](int i, int j) -> double& { return jacobian[i * n + j]; };
   for (int i = 0; i < nz; ++i)
     for (int j = 0; j < nz; ++j) J(first + i, first + j) = slopes.g_z[i * nz + j];
+  if (sticking()) {
+    f[0] = now.speed;
+    f[1] = 0;
+    return;
+  }
   if (creep_ > 0) {
     f[first] -= creep_ * z[0];
     J(first, first) -= creep_;
@@ -286,6 +292,11 @@ void SliderSystem::read_states(const double* z, double* state) const {
   for (std::size_t i = 0; i < fields.size(); ++i) state[i] = fields[i].scale == Scale::log ? std::exp(z[i]) : z[i];
 }
 
+void SliderSystem::write_states(std::span<const double> state, double* z) const {
+  const auto& fields = model_.law->states();
+  for (std::size_t i = 0; i < fields.size(); ++i) z[i] = fields[i].scale == Scale::log ? std::log(state[i]) : state[i];
+}
+
 std::vector<double> SliderSystem::unknowns_at(double t, double x, double u, std::span<const double> state,
                                               double friction) const {
   const Forcing now = forcing(t);
@@ -299,9 +310,9 @@ std::vector<double> SliderSystem::unknowns_at(double t, double x, double u, std:
     else
       y.push_back(friction / now.load);
   }
-  if (int(y.size()) < size())
-    for (std::size_t i = 0; i < law.states().size(); ++i)
-      y.push_back(law.states()[i].scale == Scale::log ? std::log(state[i]) : state[i]);
+  const std::size_t first = y.size();
+  y.resize(size());
+  if (first < y.size()) write_states(state, y.data() + first);
   return y;
 }
 
@@ -361,9 +372,23 @@ double SliderSystem::holding_force(double t, const double* y) const {
   return s.mass * now.speed_rate + s.stiffness * y[0] + s.damping * now.speed - now.force;
 }
 
-double SliderSystem::holding_limit(double t) const {
+double SliderSystem::holding_limit(double t, const double* y) const {
   const double N = forcing(t).load;
-  return N * model_.law->static_limit(N);
+  const auto& law = *model_.law;
+  if (!law.has_states()) return N * law.static_limit(N);
+  if (setup_.lambda == 0) return N * law.static_limit(N, law.steady({0, N}));
+  double state[Slopes<double>::capacity];
+  read_states(y + mechanical_, state);
+  return N * law.static_limit(N, {state, law.states().size()});
+}
+
+void SliderSystem::stop(double* y) const {
+  hold(y);
+  const int count = contact_->unknowns();
+  if (count == 0) return;
+  std::vector<double> state(count);
+  read_states(y + mechanical_, state.data());
+  write_states(model_.law->after_stop(state), y + mechanical_);
 }
 
 Observation SliderSystem::observe(double t, const double* y) const {
@@ -404,8 +429,7 @@ void SliderSystem::cross_break(double t, double* y) const {
   std::vector<double> state(law.states().size());
   if (setup_.lambda == 0) {
     state = law.steady({u, after.load});
-    for (std::size_t i = 0; i < state.size(); ++i)
-      z[1 + i] = law.states()[i].scale == Scale::log ? std::log(state[i]) : state[i];
+    write_states(state, z + 1);
   } else {
     read_states(z + 1, state.data());
   }

@@ -79,8 +79,9 @@ class SliderSystem final : public SwitchingSystem {
   void set_direction(double direction) override { direction_ = direction; }
   double direction() const override { return direction_; }
   double holding_force(double t, const double* y) const override;
-  double holding_limit(double t) const override;
-  void stop(double* y) const override { y[1] = 0; }
+  double holding_limit(double t, const double* y) const override;
+  void hold(double* y) const override { y[1] = 0; }
+  void stop(double* y) const override;
   double reference_speed() const override { return reference_speed_; }
 
  private:
@@ -90,6 +91,7 @@ class SliderSystem final : public SwitchingSystem {
   Forcing forcing(double t) const;
   double imposed_slip_rate(const Forcing&, const double* y, double F) const;
   void read_states(const double* z, double* state) const;
+  void write_states(std::span<const double> state, double* z) const;
 
   Model model_;
   Mechanics mechanics_;

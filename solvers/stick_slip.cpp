@@ -18,14 +18,20 @@ StickSlip::StickSlip(SwitchingSystem& system, double tolerance)
       jacobian_(system.size() * system.size()),
       mass_(system.size()) {}
 
-/// Time in which slip that feeds its own growth, on a weakening branch, grows by e: a long implicit step would damp it.
+/// Time in which slip that feeds its own growth grows by e, on a weakening branch or through a state that slip changes
+/// and that changes slip in turn: a long implicit step would damp it.
 double StickSlip::growth_time() {
   const int n = system_.size();
   system_.linearise(time(), state().data(), work_.data(), jacobian_.data());
   system_.mass(time(), mass_.data());
   double shortest = infinity;
-  for (int i = 0; i < n; ++i)
+  for (int i = 0; i < n; ++i) {
     if (jacobian_[i * n + i] > 0) shortest = std::min(shortest, mass_[i] / jacobian_[i * n + i]);
+    for (int j = 0; j < i; ++j) {
+      const double feedback = jacobian_[i * n + j] * jacobian_[j * n + i];
+      if (feedback > 0) shortest = std::min(shortest, std::sqrt(mass_[i] * mass_[j] / feedback));
+    }
+  }
   return shortest;
 }
 
@@ -44,7 +50,7 @@ double StickSlip::landing_time() const {
 
 /// Positive while the present mode lasts.
 double StickSlip::indicator(double t, const double* y) const {
-  if (system_.direction() == 0) return system_.holding_limit(t) - std::abs(system_.holding_force(t, y));
+  if (system_.direction() == 0) return system_.holding_limit(t, y) - std::abs(system_.holding_force(t, y));
   return system_.direction() * system_.slip_rate(t, y);
 }
 
@@ -52,7 +58,14 @@ double StickSlip::indicator(double t, const double* y) const {
 double StickSlip::mode_at_rest(double t, const double* y, double direction) const {
   const double hold = system_.holding_force(t, y);
   if (direction == 0) return hold > 0 ? 1 : -1;  // stick has just reached its limit
-  return std::abs(hold) <= system_.holding_limit(t) ? 0 : hold > 0 ? 1 : -1;
+  return std::abs(hold) <= system_.holding_limit(t, y) ? 0 : hold > 0 ? 1 : -1;
+}
+
+bool StickSlip::start_slip(double t, std::span<const double> y, double direction) {
+  armed_ = switched_ = false;
+  upcoming_ = direction;
+  system_.set_direction(direction);
+  return collocation_.start(t, y);
 }
 
 bool StickSlip::start(double t, std::span<const double> y) {
@@ -69,11 +82,9 @@ bool StickSlip::start(double t, std::span<const double> y) {
 Outcome StickSlip::step(double t_limit, Switch& switched) {
   switched = Switch::none;
   if (switched_) {
-    std::vector<double> y = collocation_.state();
-    system_.stop(y.data());
     system_.set_direction(upcoming_);
     armed_ = switched_ = false;
-    if (!collocation_.start(collocation_.time(), y)) return {Ending::not_finite, "after a switch"};
+    if (!collocation_.start(collocation_.time(), behind_switch_)) return {Ending::not_finite, "after a switch"};
   }
   const double small = rest * system_.reference_speed();
   collocation_.bound_step(system_.direction() == 0 ? infinity
@@ -134,7 +145,9 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
                                            std::max(low_value, 0.0), high_value);
   if (!located || !collocation_.shorten(*located)) return {Ending::not_finite, "while locating a switch"};
   const double was = system_.direction();
-  upcoming_ = mode_at_rest(collocation_.time(), collocation_.state().data(), was);
+  behind_switch_ = collocation_.state();
+  was == 0 ? system_.hold(behind_switch_.data()) : system_.stop(behind_switch_.data());
+  upcoming_ = mode_at_rest(collocation_.time(), behind_switch_.data(), was);
   switched_ = true;
   switched = was == 0           ? Switch::slip
              : upcoming_ == 0   ? Switch::stick

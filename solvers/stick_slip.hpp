@@ -17,6 +17,8 @@ class StickSlip {
   void bound_slip_step(double longest) { longest_slip_step_ = longest; }
   /// Begins at (t, y). The mode follows from the slip rate: stick where it is zero and the contact can hold.
   bool start(double t, std::span<const double> y);
+  /// Begins at (t, y), where stick has just given way to slip along `direction`.
+  bool start_slip(double t, std::span<const double> y, double direction);
   /// One step, not past t_limit. `switched` tells whether it ended in a switch, at time(). Until the next call the
   /// system and the stepper still show the step as it was taken; then the mode `upcoming()` begins.
   Outcome step(double t_limit, Switch& switched);
@@ -25,7 +27,8 @@ class StickSlip {
   const Collocation& stepper() const { return collocation_; }
   Collocation& stepper() { return collocation_; }
   double time() const { return collocation_.time(); }
-  const std::vector<double>& state() const { return collocation_.state(); }
+  /// The unknowns that the next step is taken from: at a switch those behind it.
+  const std::vector<double>& state() const { return switched_ ? behind_switch_ : collocation_.state(); }
 
  private:
   double indicator(double t, const double* y) const;
@@ -38,7 +41,7 @@ class StickSlip {
   double upcoming_ = 0;
   bool switched_ = false;  ///< the last step ended in a switch: begin anew
   bool armed_ = false;     ///< slip has left the neighbourhood of rest that it started from
-  std::vector<double> work_, jacobian_, mass_;
+  std::vector<double> work_, jacobian_, mass_, behind_switch_;
 };
 
 }  // namespace rosin::solvers
