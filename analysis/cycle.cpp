@@ -574,7 +574,7 @@ class OnsetMap {
       if (!period.found) break;
       steps += period.steps, evaluations += period.evaluations;
       const VectorXd step = states_of(period) - z;
-      const double now = size_of_step(step);
+      const double now = size_of_step(step, z);
       if (now < 10 * tolerance_ || (k > 3 && now < 1e3 * tolerance_ && !(now < 0.5 * change))) {
         period.closure = now / std::max(1 - std::min(std::abs(change < infinity ? now / change : 0.0), 0.99), 0.01);
         period.steps = steps, period.evaluations = evaluations;
@@ -584,11 +584,9 @@ class OnsetMap {
       z += step;
       if (k > 1 && now > 0.1 * change && now < 0.3) {
         const MatrixXd D = derivative(z - step);
-        const VectorXd newton = scale_.asDiagonal() * (MatrixXd::Identity(z.size(), z.size()) - scaled(D))
-                                                          .partialPivLu()
-                                                          .solve(scale_.cwiseInverse().asDiagonal() * step);
+        const VectorXd newton = (MatrixXd::Identity(z.size(), z.size()) - D).partialPivLu().solve(step);
         const auto there = newton.allFinite() ? period_from(z - step + newton) : StickSlipPeriod{};
-        if (there.found && size_of_step(states_of(there) - (z - step + newton)) < 0.5 * now) z += newton - step;
+        if (there.found && size_of_step(states_of(there) - (z - step + newton), z) < 0.5 * now) z += newton - step;
       }
       change = now;
     }
@@ -607,7 +605,7 @@ class OnsetMap {
     const VectorXd values_at = Eigen::Map<const VectorXd>(onset.data(), onset.size()).tail(scale_.size());
     const MatrixXd D = derivative(values_at);
     if (!D.allFinite()) return {};
-    const auto found = eigenpairs(scaled(D)).values;
+    const auto found = eigenpairs(D).values;
     std::vector<std::complex<double>> values(found.data(), found.data() + found.size());
     std::sort(values.begin(), values.end(), [](auto a, auto b) { return std::abs(a) > std::abs(b); });
     return values;
@@ -618,8 +616,9 @@ class OnsetMap {
   VectorXd states_of(const StickSlipPeriod& period) const {
     return Eigen::Map<const VectorXd>(period.onset.data(), period.onset.size()).tail(scale_.size());
   }
-  double size_of_step(const VectorXd& step) const { return step.cwiseQuotient(scale_).norm(); }
-  MatrixXd scaled(const MatrixXd& D) const { return scale_.cwiseInverse().asDiagonal() * D * scale_.asDiagonal(); }
+  /// States are measured by themselves: a time at rest may be small or large beside its natural size.
+  VectorXd sizes_at(const VectorXd& z) const { return z.cwiseAbs().cwiseMax(1e-12 * scale_); }
+  double size_of_step(const VectorXd& step, const VectorXd& z) const { return step.cwiseQuotient(sizes_at(z)).norm(); }
   StickSlipPeriod period_from(const VectorXd& z) const {
     std::vector<double> y(system_.size());
     std::copy(z.data(), z.data() + z.size(), y.begin() + mechanical);
@@ -631,7 +630,7 @@ class OnsetMap {
     MatrixXd D = MatrixXd::Zero(n, n);
     const double part = std::max(1e-4, 100 * tolerance_);
     for (int k = 0; k < n; ++k) {
-      const double h = part * scale_[k];
+      const double h = part * sizes_at(z)[k];
       const auto right = period_from(z + h * VectorXd::Unit(n, k)), left = period_from(z - h * VectorXd::Unit(n, k));
       if (!right.found || !left.found) return MatrixXd::Constant(n, n, std::nan(""));
       D.col(k) = (states_of(right) - states_of(left)) / (2 * h);

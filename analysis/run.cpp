@@ -325,8 +325,10 @@ std::vector<double> sample_times(const RunOptions& options) {
 }
 
 /// The size that errors in each column are measured by: the largest value in it. The slip rate of a mass, and the
-/// velocity that is the drive's speed less it, may be nothing but rounding and are measured by `least_speed` too.
-std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, double least_speed) {
+/// velocity that is the drive's speed less it, may be nothing but rounding and are measured by `least_speed` too, as
+/// are states by `least_states`.
+std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, double least_speed,
+                             const std::vector<double>& least_states) {
   std::vector<double> sizes;
   for (const auto& column : columns) {
     double size = 0;
@@ -335,6 +337,21 @@ std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, do
   }
   sizes[2] = std::max(sizes[2], least_speed);
   sizes[1] = std::max(sizes[1], sizes[2]);
+  for (std::size_t i = 0; i < least_states.size(); ++i) sizes[5 + i] = std::max(sizes[5 + i], least_states[i]);
+  return sizes;
+}
+
+/// The natural size of states that may pass zero.
+std::vector<double> natural_sizes(const Model& model) {
+  const SliderSystem system(model);
+  const auto& states = model.law->states();
+  const int first = system.size() - int(states.size());
+  std::vector<double> sizes(states.size()), scale(system.size());
+  if (model.lambda == 0) return sizes;
+  const std::vector<double> zero(system.size());
+  system.scale(zero.data(), scale.data());
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (states[i].scale == Scale::linear) sizes[i] = scale[first + i];
   return sizes;
 }
 
@@ -377,6 +394,7 @@ Run run(const Model& model, const RunOptions& options) {
   double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
   // Without mass the slip rate follows from friction, to its own last digit.
   const double least_speed = model.slider.mass > 0 ? std::abs(model.drive.speed.level()) : 0;
+  const auto least_states = natural_sizes(model);
   auto coarse = std::make_unique<Pass>(model, options, result.solver, times);
   coarse->run(tolerance);
   std::unique_ptr<Pass> fine;
@@ -387,7 +405,7 @@ Run run(const Model& model, const RunOptions& options) {
     result.outcome = fine->run(tolerance);
     result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
     result.cost.evaluations += fine->cost_.evaluations + (attempt == 0 ? coarse->cost_.evaluations : 0);
-    const auto sizes = sizes_of(fine->columns_, least_speed);
+    const auto sizes = sizes_of(fine->columns_, least_speed, least_states);
     result.column_error =
         differences(coarse->columns_, fine->columns_, sizes, (result.solver == "cvode" ? 30 : 3) * tolerance);
     if (!result.outcome.complete()) break;

@@ -38,13 +38,14 @@ struct FlashHeating {
   Real slip_rate(Real mu, Sliding<Real>, State s) const { return sinh_exp(Real(mu / a), Real(s.psi / a - log_2v0)); }
   State rate(Sliding<Real> at, State s) const { return {abs(at.slip_rate) / L * (steady(at).psi - s.psi)}; }
   State steady(Sliding<Real> at) const {
-    constexpr double nearly_rest = 1e-300;  // keeps v·ψ_ss, which vanishes at rest, a number
+    // Beyond these no digit changes, while powers and logarithms leave the range of numbers.
+    constexpr double nearly_rest = 1e-300, beyond = 1e30;
     const Real v = max(abs(at.slip_rate), Real(nearly_rest)), log_v = log(v / v0);
     const Real slow = a * asinh_exp(v, Real((mu0 - b * log_v) / a - log_2v0));  // the curve of the slip law
-    const Real x = v / v_w, x2 = x * x, x4 = x2 * x2;
+    const Real x = min(Real(v / v_w), Real(beyond)), x2 = x * x, x4 = x2 * x2;
     const Real weakened = sqrt(sqrt(sqrt(1.0 + x4 * x4)));
     const Real mu = mu_w + (slow - mu_w) / weakened;
-    return {a * (log_two_sinh(Real(mu / a)) - log_v)};
+    return {a * (log_two_sinh(max(Real(mu / a), Real(nearly_rest))) - log_v)};
   }
   State size() const { return {10.0 * a}; }
 };

@@ -32,7 +32,7 @@ F = \mu_d N\,\mathrm{sgn}\,v \text{ otherwise},\quad t \text{ the time since the
     require_static_above_dynamic("mu_inf", law.mu_inf, law.mu_d);
   }
 
-  Real t_c = exp(-log(gamma) / m);  ///< time at rest at which γ t^m = 1
+  Real t_c = min(Real(exp(-log(gamma) / m)), Real(1.0));  ///< time at rest at which γ t^m = 1, at most 1 s
   Real friction(Sliding<Real>, State) const { return mu_d; }
   Real static_limit(Sliding<Real>, State s) const { return mu_inf - (mu_inf - mu_0) * exp(-gamma * power(s.t, m)); }
   /// In motion the time at rest, which friction then does not ask for, is forgotten.

@@ -257,7 +257,13 @@ void SliderSystem::slip_rate_gradient(double t, const double* y, double* gradien
 void SliderSystem::scale(const double* y, double* s) const {
   if (mechanical_ > 0) s[0] = displacement_scale_;
   if (mechanical_ > 1) s[1] = std::max(reference_speed_, std::abs(y[1]));
-  for (int i = 0; i < contact_->unknowns(); ++i) s[mechanical_ + i] = contact_scale_[i];
+  const int nz = contact_->unknowns(), first_state = carries_friction() ? 1 : 0;
+  for (int i = 0; i < nz; ++i) {
+    s[mechanical_ + i] = contact_scale_[i];
+    // A linear state may grow far beyond its natural size: its own last digits are then what can be known.
+    if (i >= first_state && model_.law->states()[i - first_state].scale == Scale::linear)
+      s[mechanical_ + i] = std::max(contact_scale_[i], std::abs(y[mechanical_ + i]));
+  }
 }
 
 void SliderSystem::relevance_scale(double* s) const {

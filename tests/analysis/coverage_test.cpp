@@ -18,9 +18,11 @@ namespace {
 /// Stated errors that were compared with a much finer solution, and those that held.
 struct Coverage {
   long cycles = 0, cycles_covered = 0, numbers = 0, covered = 0;
-  double worst = 0;  ///< largest ratio of difference to stated error
+  double worst = 0;      ///< largest ratio of difference to stated error
+  std::string worst_at;  ///< which number of which law
 
-  void compare(const Metrics& metrics, const Metrics& error, bool ill_conditioned_stick, const Cycle& reference) {
+  void compare(const FrictionLaw& law, const Metrics& metrics, const Metrics& error, bool ill_conditioned_stick,
+               const Cycle& reference) {
     bool all = true;
     for (const auto& metric : metric_names()) {
       const auto m = metric.member;
@@ -32,7 +34,10 @@ struct Coverage {
       ++numbers;
       covered += holds;
       all &= holds;
-      if (!holds) worst = std::max(worst, difference / stated);
+      if (!holds && difference / stated > worst) {
+        worst = difference / stated;
+        worst_at = std::string(metric.name) + " of " + std::string(law.card().name);
+      }
     }
     ++cycles;
     cycles_covered += all;
@@ -40,15 +45,15 @@ struct Coverage {
   double share() const { return double(covered) / double(numbers); }
 };
 
-/// Random sliders of all laws that settle on a cycle along the drive, with that cycle at 1e-10.
+/// Random sliders of these laws that settle on a cycle along the drive, with that cycle at 1e-10.
 struct Known {
   std::vector<Model> models;
   std::vector<Cycle> cycles;
 };
-Known random_cycles(std::size_t count) {
+Known random_cycles(const std::vector<std::shared_ptr<const FrictionLaw>>& laws, std::size_t count) {
   Known known;
   for (long index = 0; known.models.size() < count; ++index) {
-    const auto scene = draw_scene(laws::catalogue(), 77, index);
+    const auto scene = draw_scene(laws, 77, index);
     if (scene.question != Question::cycle) continue;
     try {
       Model model = model_of(scene);
@@ -68,7 +73,7 @@ Coverage of_find_cycle(const Known& known) {
   for (std::size_t i = 0; i < known.models.size(); ++i) {
     const auto cycle = find_cycle(known.models[i], {.tolerance = 1e-6});
     if (cycle.outcome.complete())
-      coverage.compare(cycle.metrics, cycle.error, cycle.ill_conditioned_stick, known.cycles[i]);
+      coverage.compare(*known.models[i].law, cycle.metrics, cycle.error, cycle.ill_conditioned_stick, known.cycles[i]);
   }
   return coverage;
 }
@@ -81,7 +86,8 @@ Coverage of_lanes(const Known& known) {
   Coverage coverage;
   for (std::size_t i = 0; i < found.size(); ++i)
     if (found[i].found && std::abs(found[i].metrics.period / known.cycles[i].metrics.period - 1) < 0.1)
-      coverage.compare(found[i].metrics, found[i].error, found[i].ill_conditioned_stick, known.cycles[i]);
+      coverage.compare(*known.models[i].law, found[i].metrics, found[i].error, found[i].ill_conditioned_stick,
+                       known.cycles[i]);
   return coverage;
 }
 
@@ -102,11 +108,15 @@ Known plane_cycles(int side) {
 
 void report(const char* what, const Coverage& c) {
   UNSCOPED_INFO(what << ": " << c.covered << " of " << c.numbers << " stated errors hold, all of " << c.cycles_covered
-                     << " of " << c.cycles << " cycles; worst ratio " << c.worst);
+                     << " of " << c.cycles << " cycles; worst ratio " << c.worst << ", " << c.worst_at);
 }
 
-void check(const Known& random, const Known& plane) {
-  const auto cycles = of_find_cycle(random), lanes = of_lanes(random), points = of_lanes(plane);
+void check(std::size_t count, int side) {
+  std::vector<std::shared_ptr<const FrictionLaw>> in_lanes;
+  for (const auto& law : laws::catalogue())
+    if (!law->set_valued() && !law->deflects()) in_lanes.push_back(law);
+  const auto cycles = of_find_cycle(random_cycles(laws::catalogue(), count));
+  const auto lanes = of_lanes(random_cycles(in_lanes, count)), points = of_lanes(plane_cycles(side));
   report("find_cycle on random cycles", cycles);
   report("lanes on random cycles", lanes);
   report("lanes on a plane", points);
@@ -118,9 +128,7 @@ void check(const Known& random, const Known& plane) {
 
 }  // namespace
 
-TEST_CASE("stated errors of cycles cover the true ones", "[coverage]") { check(random_cycles(24), plane_cycles(4)); }
+TEST_CASE("stated errors of cycles cover the true ones", "[coverage]") { check(24, 4); }
 
 // The larger set: rosin_tests "[coverage-large]" -s
-TEST_CASE("stated errors of many cycles cover the true ones", "[.][coverage-large]") {
-  check(random_cycles(200), plane_cycles(14));
-}
+TEST_CASE("stated errors of many cycles cover the true ones", "[.][coverage-large]") { check(200, 14); }
