@@ -733,11 +733,18 @@ bool remembers(const Model& model) { return model.law->has_states() && model.lam
 /// True where friction never falls with slip rate, not even from rest: then two motions never part, and none repeats
 /// itself but steady sliding (or free oscillation about it, which nothing attracts).
 bool never_weakens(const Model& model) {
-  if (remembers(model)) return false;
+  const auto& law = *model.law;
   const double N = model.drive.normal_load.level();
+  double limit = static_limit_of_curve(model);
+  if (remembers(model)) {
+    // What slip has taken comes back at a stop or at rest, or never.
+    const auto spent = law.after_stop(law.steady({model.drive.speed.level(), N}));
+    for (const double rate : law.rate({0, N}, spent))
+      if (rate != 0) return false;
+    limit = law.static_limit(N, spent);
+  }
   constexpr double nearly_rest = 1e-14, rounding = 1e-12;
-  return !weakens_somewhere(*model.law, N) &&
-         static_limit_of_curve(model) <= model.law->steady_friction({nearly_rest, N}).friction * (1 + rounding);
+  return !weakens_somewhere(law, N) && limit <= law.steady_friction({nearly_rest, N}).friction * (1 + rounding);
 }
 
 Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
@@ -861,6 +868,9 @@ Cycle find_cycle(const Model& model, const CycleOptions& options) {
     mirrored.drive.force = -drive.force.level();
     cycle = find_cycle(mirrored, options);
     mirror(cycle, *model.law);
+  } else if (model.law->deflects() && !weakens_somewhere(*model.law, drive.normal_load.level())) {
+    // A ring on the deflected contact dies out, however slowly.
+    cycle.outcome = {Ending::none_exists, "friction nowhere falls with slip rate: nothing feeds an oscillation"};
   } else {
     cycle = model.law->set_valued() ? find_stick_slip_cycle(model, options) : find_smooth_cycle(model, options);
     for (const auto& metric : metric_names())

@@ -1,6 +1,7 @@
 /// Slip weakening: one onset at the static coefficient, and dynamic friction for good after it.
 #include <catch2/catch.hpp>
 
+#include "analysis/cycle.hpp"
 #include "analysis/run.hpp"
 #include "laws/catalogue.hpp"
 
@@ -23,6 +24,8 @@ TEST_CASE("slip-weakening: the first slip spends the strength", "[laws][slip-wea
   CHECK(run.columns[4].front() == Approx(0.005));  // at rest on the drive the damper alone pulls: c V/N
   CHECK(run.columns[4].back() == Approx(0.3).epsilon(1e-9));
   CHECK(run.columns[5].back() == Approx(2e-3).epsilon(1e-6));
+
+  CHECK(analysis::find_cycle(model).outcome.ending == Ending::none_exists);
 
   // A contact that stopped within d_c holds what its slip has left of the strength, on either side.
   const auto& law = *model.law;
