@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "analysis/lab/experiment.hpp"
 #include "core/error.hpp"
 
 namespace rosin::app {
@@ -36,6 +37,7 @@ constexpr VerbHelp verbs[] = {
     {"cycle", "SCENE", "periodic motion, its multipliers and metrics"},
     {"map", "SCENE", "regimes and metrics over a parameter plane"},
     {"compare", "SCENE", "several laws or parameter sets side by side; --design: which measurement tells them apart"},
+    {"lab", "SCENE", "an experiment as it is done in the laboratory: its record and what is read off it"},
     {"stress", "", "random scenes over ten decades, each certified by a second method or refused with a reason"},
     {"bench", "WHAT", "run time against true error beside other solvers: cycle, history or plane"},
     {"plot", "PATH", "draw the pictures of a results folder, or of a scene's results, again"},
@@ -70,6 +72,13 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
       command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
       command->add_flag("--quiet", request.quiet, "say nothing but errors");
       continue;
+    }
+    if (name == "lab") {
+      std::vector<std::string_view> experiments;
+      for (const auto& experiment : analysis::lab::experiments()) experiments.push_back(experiment.name);
+      command->add_option("EXPERIMENT", request.experiment)
+          ->required()
+          ->description(fmt::format("{}", fmt::join(experiments, ", ")));
     }
     auto* target = command->add_option(verb.target, request.target);
     if (name == "laws") {
@@ -117,6 +126,7 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
                       : fmt::format("'{}' takes {}, '{}' is too much", request.verb,
                                     request.verb == "stress" ? "no scene"
                                     : request.verb == "laws" ? "one law"
+                                    : request.verb == "lab"  ? "one experiment and one scene"
                                                              : "one path",
                                     extra));
   }

@@ -10,7 +10,8 @@ namespace rosin::app {
 
 /// What the user asked for.
 struct Request {
-  std::string verb;    ///< "laws", "curve", …
+  std::string verb;        ///< "laws", "curve", …
+  std::string experiment;  ///< of "lab"
   std::string target;  ///< scene file; a law's name for "laws"; a folder or scene for "plot"; "cycle", … for "bench"
   std::vector<std::string> overrides;
   std::optional<double> tolerance;

@@ -28,7 +28,7 @@ fs::path results_folder(const Request& request, const std::string& scene_name) {
 
 Job::Job(const Request& request, Verb verb)
     : request_(request),
-      scene_(read_scene(request.target, request.overrides, verb)),
+      scene_(read_scene(request.target, request.overrides, verb, request.experiment)),
       folder_(results_folder(request, scene_.name)) {
   std::error_code problem;
   fs::create_directories(folder_, problem);

@@ -391,6 +391,57 @@ splot 'cycle.csv' using ($2*X):($3*V):5 with lines linestyle 1
   return {"cycle-steady.csv", "cycle.gp"};
 }
 
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene,
+                                       const std::vector<analysis::lab::Panel>& panels) {
+  const int count = static_cast<int>(panels.size());
+  const auto title = scene.title.empty() ? std::string(scene.experiment->title) : scene.title;
+  std::string script =
+      preamble("lab", "What an experiment shows, a panel each", count == 1 ? 720 : 60 + 520 * count, 480);
+  script += fmt::format("set multiplot layout 1,{} title {} margins {},0.97,0.14,0.86 spacing {},0.1\n", count,
+                        single_quoted(title), 0.13 / count + 0.01, 0.2 / count);
+  script += "set grid linecolor '#CCCCCC' linewidth 0.5\n";
+  std::vector<std::string> files;
+  for (const auto& panel : panels) {
+    double far = 0, high = 0;
+    for (const auto& curve : panel.curves)
+      for (std::size_t i = 0; i < curve.x.size(); ++i) {
+        if (std::isfinite(curve.x[i])) far = std::max(far, std::abs(curve.x[i]));
+        if (std::isfinite(curve.y[i])) high = std::max(high, std::abs(curve.y[i]));
+      }
+    const auto x = panel.x_decades ? Scaled{1, panel.x_unit} : scaled(panel.x_unit, far);
+    const auto y = panel.y_decades ? Scaled{1, panel.y_unit} : scaled(panel.y_unit, high);
+    script += fmt::format("\n{}\n{}\nset xlabel {}\nset ylabel {}\n", axis_scale('x', panel.x_decades),
+                          axis_scale('y', panel.y_decades), label(panel.x_label, x.unit), label(panel.y_label, y.unit));
+    script += panel.y_decades ? "unset offsets\n" : "set offsets 0, 0, graph 0.06, graph 0.06\n";
+    script += panel.curves.size() > 3 ? "set key inside top right vertical\n"
+                                      : "set key at graph 1,1.02 right bottom horizontal\n";
+    std::vector<std::string> curves;
+    for (const auto& curve : panel.curves) {
+      const auto file =
+          fmt::format("lab-panel-{}-{}.csv", &panel - panels.data() + 1, &curve - panel.curves.data() + 1);
+      std::vector<Column> table = {{column_header(panel.x_label, panel.x_unit), curve.x},
+                                   {column_header(panel.y_label, panel.y_unit), curve.y}};
+      if (!curve.low.empty()) {
+        table.push_back({"low", curve.low});
+        table.push_back({"high", curve.high});
+        curves.push_back(fmt::format("'{}' using ($1*{}):($3*{}):($4*{}) with filledcurves linecolor '#B8CBE0' notitle",
+                                     file, x.factor, y.factor, y.factor));
+      }
+      write_csv(folder / file, table);
+      files.push_back(file);
+      const auto title = curve.label.empty() ? std::string("notitle") : "title " + single_quoted(curve.label);
+      const int style = static_cast<int>(&curve - panel.curves.data()) % 3 + 1;
+      curves.push_back(fmt::format("'{}' using ($1*{}):($2*{}) with {} {} {}", file, x.factor, y.factor,
+                                   curve.points ? "points pointtype 7 pointsize 0.9 linecolor" : "lines linestyle",
+                                   curve.points ? "'#00336F'" : fmt::format("{}", style), title));
+    }
+    script += fmt::format("plot {}\n", fmt::join(curves, ", \\\n     "));
+  }
+  write_whole(folder / "lab.gp", script + "unset multiplot\n");
+  files.push_back("lab.gp");
+  return files;
+}
+
 namespace {
 
 /// The colour scale of a metric: from zero for fractions, decades where the values span some.

@@ -15,6 +15,8 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::Map&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const Comparison&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::Design&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&,
+                                       const std::vector<analysis::lab::Panel>&);
 
 /// Draws one script of the folder as SVG and PNG, or all of them if `script` is empty.
 struct Drawn {

@@ -325,6 +325,38 @@ std::string to_json(const Scene& scene, const DesignResult& result) {
   return text(document);
 }
 
+std::string to_json(const Scene& scene, const analysis::lab::Result& result) {
+  auto document = begin(scene, "lab", result.outcome);
+  document["experiment"] = scene.experiment->name;
+  auto object = [] { return ordered_json::object(); };
+  auto readings = object(), error = object(), meaning = object(), units = object(), columns = object(),
+       tables = object();
+  for (const auto& reading : result.readings) {
+    readings[reading.name] = reading.value;
+    error[reading.name] = reading.error;
+    units[reading.name] = reading.unit;
+    meaning[reading.name] = reading.meaning;
+  }
+  for (const auto& table : result.tables)
+    for (std::size_t c = 0; c < table.columns.size(); ++c) tables[table.name][table.columns[c]] = table.values[c];
+  for (std::size_t c = 0; c < result.record.names.size(); ++c) {
+    columns[result.record.names[c]] = result.record.columns[c];
+    units[result.record.names[c]] = result.record.units[c];
+  }
+  document["readings"] = std::move(readings);
+  document["error"] = std::move(error);
+  document["meaning"] = std::move(meaning);
+  document["tables"] = std::move(tables);
+  document["time"] = result.record.time;
+  document["columns"] = std::move(columns);
+  document["units"] = std::move(units);
+  auto& events = document["events"] = ordered_json::array();
+  for (const auto& event : result.events) events.push_back({{"time", event.time}, {"kind", event.kind}});
+  document["warnings"] = result.warnings;
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
 std::string to_json(const Scene& scene, const Manifest& manifest) {
   auto document = begin(scene, manifest.verb.c_str(), manifest.outcome);
   document["date"] = utc_now();

@@ -70,6 +70,7 @@ std::string to_json(const Scene&, const analysis::Cycle&);
 std::string to_json(const Scene&, const MapResult&);
 std::string to_json(const Scene&, const Comparison&);
 std::string to_json(const Scene&, const DesignResult&);
+std::string to_json(const Scene&, const analysis::lab::Result&);
 std::string to_json(const Scene&, const Manifest&);
 
 }  // namespace rosin::app

@@ -521,26 +521,32 @@ void read_law(Table law, oscillators::Model& model) {
   law.finish();
 }
 
-void read_oscillator(Table table, oscillators::Slider& slider) {
+void read_oscillator(Table table, oscillators::Slider& slider, bool complete) {
   table.expect({"type", "mass", "stiffness", "damping"});
   if (const auto* type = table.find("type")) {
     const auto name = choice(*type, table.path("type"), {"slider", "two-mass-belt", "mode-coupling", "modal"});
     if (name != "slider")
       fail(type->source(), "oscillator.type = '{}' is not available in this version; use 'slider'", name);
   }
-  table.required("mass", "kg; 0: quasi-static");
-  table.required("stiffness", "N/m");
+  if (complete) {
+    table.required("mass", "kg; 0: quasi-static");
+    table.required("stiffness", "N/m");
+  }
   table.read("mass", slider.mass, mechanical("oscillator.mass"));
   table.read("stiffness", slider.stiffness, mechanical("oscillator.stiffness"));
   table.read("damping", slider.damping, mechanical("oscillator.damping"));
   table.finish();
 }
 
-void read_drive(Table table, oscillators::Drive& drive, const fs::path& folder) {
+void read_drive(Table table, oscillators::Drive& drive, const fs::path& folder, bool complete) {
   table.expect({"speed", "normal_load", "force"});
-  drive.speed = read_signal(table.required("speed", "m/s"), mechanical("drive.speed"), folder);
-  drive.normal_load = read_signal(table.required("normal_load", "N"), mechanical("drive.normal_load"), folder);
-  if (const auto* force = table.find("force")) drive.force = read_signal(*force, mechanical("drive.force"), folder);
+  if (complete) {
+    table.required("speed", "m/s");
+    table.required("normal_load", "N");
+  }
+  for (const auto& [key, signal] : {std::pair{"speed", &drive.speed}, std::pair{"normal_load", &drive.normal_load},
+                                    std::pair{"force", &drive.force}})
+    if (const auto* node = table.find(key)) *signal = read_signal(*node, mechanical(table.path(key)), folder);
   table.finish();
 }
 
@@ -814,6 +820,65 @@ void read_compare(Table table, Scene& scene, Verb verb) {
     fail(table.source(), "compare.noise is needed for a design: the noise of each metric that is measured");
 }
 
+// ---------------------------------------------------------------- the laboratory
+
+/// Numbers by name of a column of the experiment's record.
+std::map<std::string, double> read_columns(Table table, const std::vector<std::string>& columns,
+                                           std::string_view meaning) {
+  std::map<std::string, double> values;
+  for (const auto& column : columns) {
+    std::optional<double> value;
+    table.read(column, value, {"", "1", {0, 1e300}, std::string(meaning)});
+    if (value) values[column] = *value;
+  }
+  table.finish();
+  return values;
+}
+
+analysis::lab::Sensor read_sensor(Table table, const std::vector<std::string>& columns) {
+  analysis::lab::Sensor sensor;
+  table.read("sample_rate", sensor.sample_rate, {"", "Hz", {1e-15, 1e15}, "samples per second"});
+  table.read("low_pass", sensor.low_pass, {"", "Hz", {1e-15, 1e15}, "corner frequency of the pole before sampling"});
+  int seed = 1;
+  table.read("seed", seed, 0, "of the noise");
+  sensor.seed = static_cast<std::uint64_t>(seed);
+  if (auto noise = table.table("noise")) sensor.noise = read_columns(*noise, columns, "rms of white noise, SI");
+  if (auto step = table.table("resolution"))
+    sensor.resolution = read_columns(*step, columns, "step of the converter, SI");
+  if (auto range = table.table("range")) sensor.range = read_columns(*range, columns, "largest reading, SI");
+  table.finish();
+  return sensor;
+}
+
+void read_lab(Table table, Scene& scene, const fs::path& folder) {
+  const auto& experiment = *scene.experiment;
+  auto& task = *scene.lab;
+  for (const auto& setting : experiment.settings) {
+    auto quantity = setting.quantity;
+    const auto name = std::exchange(quantity.name, table.path(setting.quantity.name));
+    const auto* node = table.find(name);
+    if (!node) continue;
+    located(node->source(), [&] {
+      if (quantity.is_list)
+        task.settings.set(name, numbers(*node, quantity));
+      else if (setting.whole)
+        task.settings.set(name,
+                          double(count(*node, quantity.name, static_cast<int>(quantity.range.low), quantity.meaning)));
+      else
+        task.settings.set(name, number(*node, quantity));
+    });
+  }
+  if (experiment.takes_motion)
+    if (const auto* record = table.find("record"))
+      located(record->source(), [&] {
+        task.motion = read_record(folder / text(*record, table.path("record")));
+        Signal{*task.motion};  // refuses empty records and times that do not ascend
+      });
+  if (auto sensor = table.table("sensor"))
+    task.sensor = read_sensor(*sensor, analysis::lab::column_names(experiment, *scene.model.law));
+  table.finish();
+}
+
 // ---------------------------------------------------------------- the scene as resolved
 
 /// A value on one line. Numbers are the shortest that read back the same (the library prints seventeen digits).
@@ -865,7 +930,9 @@ toml::table parse(const std::string& path, std::string_view content) {
 
 }  // namespace
 
-Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb verb) {
+Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb verb,
+                 std::string_view experiment) {
+  const auto* chosen = verb == Verb::lab ? &analysis::lab::find_experiment(experiment) : nullptr;
   const auto content = read_file(path, largest_scene);
   if (content.find_first_not_of(" \t\r\n") == std::string::npos)
     throw InputError(fmt::format("{}:1:1: the file is empty; a scene needs at least [law] with a type", path));
@@ -876,21 +943,27 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   scene.path = path;
   scene.name = fs::path(path).stem().string();
   Table root(document, "");
-  for (const char* table : {"frf", "lab", "fit", "sweep", "branch", "lyapunov", "study"}) root.refuse(table);
+  for (const char* table : {"frf", "fit", "sweep", "branch", "lyapunov", "study"}) root.refuse(table);
   root.expect(
-      {"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "compare", "solver"});
+      {"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "compare", "lab", "solver"});
   if (const auto* title = root.find("title")) scene.title = text(*title, "title");
   read_law(Table(root.required("law", "the friction law"), "law"), scene.model);
 
-  const bool needs_slider = verb != Verb::curve;
+  const bool needs_slider = verb != Verb::curve && verb != Verb::lab, complete = verb != Verb::lab;
+  if (chosen) {
+    scene.experiment = chosen;
+    scene.lab = analysis::lab::task_for(*chosen, scene.model.law);
+    scene.model.slider = chosen->slider;
+    scene.model.drive = chosen->drive;
+  }
   const fs::path folder = fs::path(path).parent_path();
   const toml::node* oscillator = root.find("oscillator");
   if (needs_slider) root.required("oscillator", "mass, stiffness and damping of the slider");
-  if (oscillator) read_oscillator(Table(*oscillator, "oscillator"), scene.model.slider);
+  if (oscillator) read_oscillator(Table(*oscillator, "oscillator"), scene.model.slider, complete);
   const toml::node* drive = root.find("drive");
   if (needs_slider) root.required("drive", "speed and normal load");
   if (drive) {
-    read_drive(Table(*drive, "drive"), scene.model.drive, folder);
+    read_drive(Table(*drive, "drive"), scene.model.drive, folder, complete);
     scene.curve.normal_load = scene.model.drive.normal_load.level();
   }
   if (needs_slider) located(oscillator->source(), [&] { scene.model.check(); });
@@ -920,7 +993,14 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     read_compare(Table(*comparison, "compare"), scene, verb);
   }
   if (auto table = root.table("solver")) read_solver(*table, scene.run);
+  if (auto table = root.table("lab"); table && chosen) read_lab(*table, scene, folder);
   root.finish();
+  if (chosen) {
+    scene.lab->model = scene.model;
+    for (const auto& path : chosen->prescribed)
+      if (document.at_path(path))
+        scene.notes.push_back(fmt::format("{} has no effect: {} sets it itself", path, chosen->name));
+  }
 
   if (runs)  // a ramp has no end of its own: it must stay in range for as long as the run lasts
     for (const auto& [signal, name] :

@@ -8,6 +8,7 @@
 #include "analysis/cycle.hpp"
 #include "analysis/discrimination.hpp"
 #include "analysis/equalise.hpp"
+#include "analysis/lab/experiment.hpp"
 #include "analysis/map.hpp"
 #include "analysis/run.hpp"
 #include "oscillators/model.hpp"
@@ -15,7 +16,7 @@
 namespace rosin::app {
 
 /// What is asked of a scene; decides which tables must be there.
-enum class Verb { curve, stability, run, cycle, map, compare, design };
+enum class Verb { curve, stability, run, cycle, map, compare, design, lab };
 
 /// The slip rates at which a steady curve is drawn, logarithmically spaced.
 struct CurveOptions {
@@ -51,12 +52,16 @@ struct Scene {
   analysis::CycleOptions cycle;
   analysis::MapOptions map;
   CompareOptions compare;
+  const analysis::lab::Experiment* experiment = nullptr;  ///< only of the verb lab
+  std::optional<analysis::lab::Task> lab;
   std::string resolved;            ///< the scene as TOML, overrides included
   std::vector<std::string> notes;  ///< what was read but has no effect
 };
 
 /// \param overrides texts "path=value" of `--set`: the value is TOML, bare words are strings.
+/// \param experiment of the verb lab: decides which keys [lab] has, and the slider and drive that may be left out.
 /// \throws InputError that begins with file:line:column (or with the override) for anything that cannot be used.
-Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb);
+Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb,
+                 std::string_view experiment = {});
 
 }  // namespace rosin::app

@@ -303,6 +303,49 @@ Status map(const Request& request, std::stop_token stop) {
   return status;
 }
 
+// ---------------------------------------------------------------- lab
+
+Status lab(const Request& request) {
+  Job job(request, Verb::lab);
+  auto& scene = job.scene();
+  auto& task = *scene.lab;
+  task.tolerance = request.tolerance.value_or(task.tolerance);
+  job.explain_model();
+  const auto begin = std::chrono::steady_clock::now();
+  const auto result = scene.experiment->perform(task);
+  for (const auto& line : result.plan) job.explain("{}", line);
+  for (const auto& warning : result.warnings) job.note(warning);
+
+  Reached reached;
+  for (const auto& reading : result.readings) {
+    reached.add(reading.value, reading.error);
+    job.say("{:<24} {}", reading.name, justified(reading.value, reading.error, reading.unit));
+  }
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = task.tolerance;
+  manifest.tolerance_reached = reached.value();
+  manifest.cost = {{"seconds", seconds_since(begin)}, {"samples", double(result.record.time.size())}};
+  std::vector<Column> table{{"time (s)", result.record.time}};
+  for (std::size_t c = 0; c < result.record.columns.size(); ++c)
+    table.push_back({column_header(result.record.names[c], result.record.units[c]), result.record.columns[c]});
+  write_csv(job.folder() / "lab.csv", table);
+  std::vector<std::string> files = {"lab.csv"};
+  for (const auto& rows : result.tables) {
+    std::vector<Column> columns;
+    for (std::size_t c = 0; c < rows.columns.size(); ++c)
+      columns.push_back({column_header(rows.columns[c], rows.units[c]), rows.values[c]});
+    files.push_back(fmt::format("lab-{}.csv", rows.name));
+    write_csv(job.folder() / files.back(), columns);
+  }
+  std::string script;
+  if (!result.panels.empty()) {
+    const auto drawn = write_picture(job.folder(), scene, result.panels);
+    files.insert(files.end(), drawn.begin(), drawn.end());
+    script = "lab.gp";
+  }
+  return job.finish(to_json(scene, result), std::move(files), script, result.outcome);
+}
+
 // ---------------------------------------------------------------- bench, plot
 
 Status bench(const Request& request) {
@@ -347,6 +390,7 @@ Status execute(const Request& request, std::stop_token stop) {
   if (request.verb == "cycle") return cycle(request);
   if (request.verb == "map") return map(request, std::move(stop));
   if (request.verb == "compare") return compare(request, std::move(stop));
+  if (request.verb == "lab") return lab(request);
   if (request.verb == "stress") return stress(request, std::move(stop));
   if (request.verb == "bench") return bench(request);
   return plot(request);

@@ -256,6 +256,8 @@ void SliderSystem::slip_rate_gradient(double t, const double* y, double* gradien
 
 void SliderSystem::scale(const double* y, double* s) const {
   if (mechanical_ > 0) s[0] = displacement_scale_;
+  if (model_.slider.stiffness == 0 && mechanical_ > 0)  // nothing answers to the way of a slider without spring
+    s[0] = std::max(displacement_scale_, std::abs(y[0]));
   if (mechanical_ > 1) s[1] = std::max(reference_speed_, std::abs(y[1]));
   const int nz = contact_->unknowns(), first_state = carries_friction() ? 1 : 0;
   for (int i = 0; i < nz; ++i) {

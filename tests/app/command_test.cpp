@@ -268,3 +268,67 @@ TEST_CASE("a comparison and a design answer in JSON with the fields that callers
   // One member: nothing to compare.
   CHECK(rosin(folder, {"compare", example("bristol-board-cycle"), "--out", "c"}).status == 2);
 }
+
+TEST_CASE("the laboratory answers with a record, readings and a picture, and the same noise for the same seed",
+          "[lab]") {
+  const Folder folder;
+  const auto step = [&](Arguments more) {
+    Arguments arguments = {"lab", "velocity-step", example("lab-velocity-step"), "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto answer = rosin(folder, arguments);
+    INFO(answer.error);
+    REQUIRE(answer.status == 0);
+    return json::parse(answer.out);
+  };
+  const auto exact = step({"--out", "exact"});
+  CHECK(exact["experiment"] == "velocity-step");
+  CHECK(std::abs(exact["readings"]["direct_effect"].get<double>() - 0.01) < 1e-8);
+  CHECK(exact["time"].size() == exact["columns"]["friction_coefficient"].size());
+  CHECK(exact["tables"]["steps"]["to"].size() == 2);
+  for (const char* file : {"lab.csv", "lab-steps.csv", "lab.gp", "result.json", "manifest.json"})
+    CHECK(fs::exists(folder.path / "exact" / file));
+  CHECK(json::parse(content(folder.path / "exact/result.json")) == exact);
+
+  const std::string noise = "lab.sensor.noise.friction_coefficient=1e-4";
+  const auto noisy = step({"--set", noise}), again = step({"--set", noise});
+  CHECK(noisy["columns"] == again["columns"]);
+  CHECK(noisy["columns"] != exact["columns"]);
+  CHECK(step({"--set", noise, "--set", "lab.sensor.seed=2"})["columns"] != noisy["columns"]);
+  CHECK(noisy["error"]["direct_effect"].get<double>() > 1e-6);
+  const auto held = step({"--set", "lab.sensor.range.friction_coefficient=0.6"});
+  REQUIRE(held["warnings"].size() == 1);
+  CHECK(held["warnings"][0].get<std::string>().find("saturates") != std::string::npos);
+}
+
+TEST_CASE("every example of the laboratory runs; wrong ones are refused with status 2 and what to try", "[lab]") {
+  const Folder folder;
+  for (const std::string name : {"inclined-plane", "impulse", "velocity-step", "slide-hold-slide", "spring-pulled",
+                                 "reciprocation", "inverse"}) {
+    const auto answer = rosin(folder, {"lab", name, example("lab-" + name)});
+    INFO(name << ": " << answer.error);
+    CHECK(answer.status == 0);
+    CHECK(fs::exists(folder.path / "out" / ("lab-" + name) / "lab.csv"));
+  }
+  const auto refused = [&](Arguments arguments) {
+    const auto answer = rosin(folder, arguments);
+    CHECK(answer.status == 2);
+    return answer.error;
+  };
+  using Catch::Matchers::Contains;
+  const auto plane = example("lab-inclined-plane");
+  CHECK_THAT(refused({"lab", "inclined", plane}), Contains("did you mean 'inclined-plane'?") || Contains("known:"));
+  CHECK_THAT(refused({"lab", "inclined-plane"}), Contains("SCENE"));
+  CHECK_THAT(refused({"lab", "inclined-plane", plane, "--set", "lab.angel_rate=1"}),
+             Contains("did you mean 'angle_rate'?"));
+  CHECK_THAT(refused({"lab", "inclined-plane", plane, "--set", "lab.angle_rate=-1"}), Contains("is outside"));
+  CHECK_THAT(refused({"lab", "inclined-plane", plane, "--set", "lab.travel='5 N'"}), Contains("lab.travel"));
+  CHECK_THAT(refused({"lab", "inclined-plane", plane, "--set", "lab.samples=2.5"}), Contains("a whole number"));
+  CHECK_THAT(refused({"lab", "inclined-plane", plane, "--set", "lab.sensor.noise.slop=1"}),
+             Contains("did you mean 'slope'?"));
+  CHECK_THAT(refused({"lab", "inverse", example("lab-inverse"), "--set", "lab.record=none.csv"}),
+             Contains("no such file"));
+  std::ofstream(folder.path / "short.csv") << "0,1\n1,2\n";
+  CHECK_THAT(refused({"lab", "inverse", example("lab-inverse"), "--set",
+                      "lab.record=" + (folder.path / "short.csv").string()}),
+             Contains("64 or more"));
+}

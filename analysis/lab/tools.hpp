@@ -1,0 +1,66 @@
+/// What experiments share: records of runs, times that resolve a step, readings with errors, small reading methods.
+#pragma once
+#include <utility>
+
+#include "analysis/lab/experiment.hpp"
+
+namespace rosin::analysis::lab {
+
+inline constexpr double standard_gravity = 9.80665;  ///< m/s²
+
+/// Runs the model over the times and makes the result's record of it, with outcome and events. A run that ends short
+/// leaves what it reached.
+void record_run(Result&, const Task&, const Model&, const Start&, const std::vector<double>& times);
+
+/// The record of a memoryless law at an imposed slip rate (m/s, one for each time): nothing is integrated.
+void record_curve(Result&, const Model&, const std::vector<double>& times, const std::vector<double>& slip_rates);
+
+/// True where friction follows the slip rate at once: no states, or states in equilibrium.
+bool memoryless(const Model&);
+/// True where the model imposes the slip rate and nothing yields.
+bool rigid_machine(const Model&);
+
+/// Longest time constant of steady sliding at slip rate V, s; 0 without memory, infinity if steady sliding is unstable.
+double settling_time(Model, double V);
+
+/// Appends times after `begin`, `count` of them even in the logarithm of the time since, one just before the end and
+/// one at it, `begin + duration`.
+void append_times(std::vector<double>& times, double begin, double duration, int count);
+
+/// Extremes of the steady coefficient for slip rates in [low, high].
+struct SteadyRange {
+  double least, most;                      ///< ends included
+  std::optional<double> minimum, maximum;  ///< the lowest and the highest within; a curve that is flat is its minimum
+  double maximum_at;                       ///< slip rate of the maximum, m/s
+};
+SteadyRange steady_range(const FrictionLaw&, double normal_load, double low, double high);
+
+/// Largest tangential over normal force that rest bears, of a set-valued law. State: default that of long rest.
+std::optional<double> static_limit(const FrictionLaw&, double normal_load, std::span<const double> state = {});
+
+/// The reader's numbers on the measured record, put into the result together with it. Errors: without a sensor the
+/// difference to the reading from every second sample; with one, the rms deviation from the true reading over repeated
+/// measurements with other noise; in both, with the reading's own.
+using Reader = std::function<std::vector<Reading>(const Record&)>;
+void read_off(Result&, const Sensor&, const Reader&);
+
+/// Samples [first, last) with begin <= t < end.
+std::pair<std::size_t, std::size_t> between(const std::vector<double>& time, double begin, double end);
+/// Mean of the last tenth of the samples' time in [begin, end).
+double level(const std::vector<double>& time, const std::vector<double>& x, double begin, double end);
+/// Extreme of x in [first, last), a parabola through its sample and the two beside it; an end is taken as it is.
+struct Extreme {
+  double time, value;
+};
+Extreme extreme(const std::vector<double>& time, const std::vector<double>& x, std::size_t first, std::size_t last,
+                bool maximum);
+/// The straight line y = offset + slope·x by least squares, with standard errors.
+struct Line {
+  double offset, slope, slope_error;
+};
+Line fit_line(const std::vector<double>& x, const std::vector<double>& y);
+
+/// Value of x at time t, linear between samples.
+double at_time(const std::vector<double>& time, const std::vector<double>& x, double t);
+
+}  // namespace rosin::analysis::lab

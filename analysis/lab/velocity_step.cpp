@@ -1,0 +1,156 @@
+/// Velocity stepping: the slip rate jumps, and friction jumps with it and relaxes over a memory length.
+///
+/// Direct effect a = Δμ/ln(V₂/V₁), final change (a − b) ln(V₂/V₁) and decay over L: Dieterich (1979), Ruina (1983).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/lab/tools.hpp"
+
+namespace rosin::analysis::lab {
+
+namespace {
+
+/// What one step shows.
+struct Step {
+  double from, to, before, jump, peak, change, decay_length;
+};
+
+/// The level before, the extreme in the direction of the step, the level after, and the slip in which the difference
+/// between the last two falls to 1/e.
+Step read_step(const Record& record, double from, double to, double begin, double at, double end) {
+  const auto &t = record.time, &mu = record.column("friction_coefficient"), &slip = record.column("slip");
+  Step step{from, to, level(t, mu, begin, at), 0, 0, 0, std::nan("")};
+  const auto [first, last] = between(t, at, end);
+  const auto peak = extreme(t, mu, first, last, to > from);
+  const double after = level(t, mu, at, end), height = peak.value - after;
+  step.peak = peak.value;
+  step.jump = peak.value - step.before;
+  step.change = after - step.before;
+  if (std::abs(height) <= 1e-6 * std::abs(after)) return step;  // no transient
+  for (auto i = std::max(first + 1, between(t, peak.time, end).first); i < last; ++i) {
+    const double now = (mu[i] - after) / height, was = std::min(1.0, (mu[i - 1] - after) / height);
+    if (now > std::exp(-1)) continue;
+    const double part = now > 0 ? (std::log(was) + 1) / (std::log(was) - std::log(now)) : 1;
+    step.decay_length = std::lerp(slip[i - 1], slip[i], part) - at_time(t, slip, peak.time);
+    break;
+  }
+  return step;
+}
+
+Result perform(const Task& task) {
+  Result result;
+  Model model = task.model;
+  const auto& speeds = task.settings.list("speeds");
+  if (speeds.size() < 2) throw InputError("lab.speeds needs two or more slip rates (m/s), one step between each two");
+  model.drive.force = 0.0;
+
+  // Each speed is held until the step before it has been forgotten.
+  const double N = model.drive.normal_load.level();
+  Signal::Steps drive;
+  std::vector<double> times = {0}, breaks;
+  double t = 0;
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    drive.steps.push_back({t, speeds[i]});
+    double dwell = task.settings.number_or("dwell", 0);
+    if (dwell == 0) {
+      const double settling = settling_time(model, speeds[i]);
+      if (!std::isfinite(settling))
+        throw InputError(
+            fmt::format("steady sliding at lab.speeds = {} m/s is unstable on this machine: it would stick "
+                        "and slip; stiffen oscillator.stiffness, or give lab.dwell to see it",
+                        speeds[i]));
+      constexpr double forgotten = 24;  // time constants: e^−24 is left
+      const double machine = std::isfinite(model.slider.stiffness) ? 0.1 * N / model.slider.stiffness / speeds[i] : 0;
+      dwell = settling > 0 ? forgotten * settling + machine : 1;
+    }
+    append_times(times, t, dwell, 2 * task.settings.count("samples"));
+    t += dwell;
+    if (i + 1 < speeds.size()) breaks.push_back(t);
+  }
+  model.drive.speed = Signal(drive);
+  const auto speed_at = [&](double time) { return model.drive.speed.value(time); };
+
+  if (memoryless(model) && rigid_machine(model)) {
+    std::vector<double> rates;
+    for (const double time : times) rates.push_back(speed_at(time));
+    record_curve(result, model, times, rates);
+  } else {
+    Start steady;
+    record_run(result, task, model, steady, times);
+  }
+  auto& record = result.record;
+  record.breaks = breaks;
+  // Slip: what the drive has moved less what the slider has yielded.
+  std::vector<double> slip;
+  double driven = 0;
+  for (std::size_t i = 0; i < record.time.size(); ++i) {
+    if (i > 0) driven += speed_at(record.time[i - 1]) * (record.time[i] - record.time[i - 1]);
+    slip.push_back(driven - record.columns[0][i] + record.columns[0][0]);
+  }
+  record.add("slip", "m", std::move(slip));
+
+  const auto steps_of = [&](const Record& seen) {
+    std::vector<Step> steps;
+    for (std::size_t i = 0; i < breaks.size(); ++i)
+      steps.push_back(read_step(seen, speeds[i], speeds[i + 1], i > 0 ? breaks[i - 1] : 0, breaks[i],
+                                i + 1 < breaks.size() ? breaks[i + 1] : times.back() * (1 + 1e-12)));
+    return steps;
+  };
+  read_off(result, task.sensor, [&](const Record& seen) -> std::vector<Reading> {
+    const auto step = steps_of(seen).front();
+    const double decades = std::log(step.to / step.from);
+    return {
+        {"friction_before", "1", "steady coefficient before the first step", step.before},
+        {"direct_jump", "1", "peak less the level before", step.jump},
+        {"direct_effect", "1", "direct jump per e-fold of slip rate, a", step.jump / decades},
+        {"peak", "1", "extreme coefficient after the step", step.peak},
+        {"final_change", "1", "level after less the level before", step.change},
+        {"rate_dependence", "1", "final change per e-fold of slip rate, a - b", step.change / decades},
+        {"decay_length", "m", "slip from the peak in which the transient falls to 1/e", step.decay_length},
+    };
+  });
+  Table table{
+      "steps", {"from", "to", "direct_jump", "final_change", "decay_length"}, {"m/s", "m/s", "1", "1", "m"}, {}};
+  table.values.resize(5);
+  for (const auto& step : steps_of(result.record)) {
+    const double row[] = {step.from, step.to, step.jump, step.change, step.decay_length};
+    for (int c = 0; c < 5; ++c) table.values[c].push_back(row[c]);
+  }
+  result.tables.push_back(std::move(table));
+  const auto& seen = result.record;
+  result.panels = {{.x_label = "slip",
+                    .x_unit = "m",
+                    .y_label = "friction coefficient",
+                    .y_unit = "1",
+                    .curves = {{"", seen.column("slip"), seen.column("friction_coefficient")}}},
+                   {.x_label = "slip",
+                    .x_unit = "m",
+                    .y_label = "slip rate",
+                    .y_unit = "m/s",
+                    .y_decades = true,
+                    .curves = {{"", seen.column("slip"), seen.column("slip_rate")}}}};
+  return result;
+}
+
+}  // namespace
+
+Experiment velocity_step() {
+  return {
+      .name = "velocity-step",
+      .title = "Velocity steps",
+      .settings = {{.quantity = {"speeds", "m/s", {1e-14, 1e3}, "slip rates, one after the other", Scale::linear, true},
+                    .value = std::vector<double>{1e-6, 1e-5}},
+                   {.quantity = {"dwell", "s", {1e-12, 1e12}, "time at each speed; else until settled"}},
+                   {.quantity = {"samples", "1", {8, 1e6}, "pairs of samples at each speed"},
+                    .value = 500.0,
+                    .whole = true}},
+      .slider = {.mass = 0, .stiffness = infinity, .damping = 0},
+      .drive = {.speed = 0.0, .normal_load = 1.0, .force = 0.0},
+      .extra_columns = {"slip"},
+      .prescribed = {"drive.speed", "drive.force"},
+      .perform = perform};
+}
+
+}  // namespace rosin::analysis::lab
