@@ -83,13 +83,18 @@ Comparison compare_stability(const Scene& scene) {
   return comparison;
 }
 
-Comparison compare_runs(const Scene& scene) {
-  const auto& members = scene.compare.members;
+/// Motions over time, by the columns that all members have: not their states.
+Comparison motions() {
   Comparison comparison;
   comparison.x_name = "time", comparison.x_unit = "s";
-  // Columns that all members have: not their states.
   comparison.column_names = {"displacement", "slip_rate", "friction_coefficient"};
   comparison.column_units = {"m", "m/s", "1"};
+  return comparison;
+}
+
+Comparison compare_runs(const Scene& scene) {
+  const auto& members = scene.compare.members;
+  Comparison comparison = motions();
   constexpr std::size_t chosen[] = {0, 2, 4};
   for (std::size_t k = 0; k < members.size(); ++k) {
     const auto run = analysis::run(members[k].model, scene.run);
@@ -112,10 +117,7 @@ Comparison compare_runs(const Scene& scene) {
 
 Comparison compare_cycles(const Scene& scene) {
   const auto& members = scene.compare.members;
-  Comparison comparison;
-  comparison.x_name = "time", comparison.x_unit = "s";
-  comparison.column_names = {"displacement", "slip_rate", "friction_coefficient"};
-  comparison.column_units = {"m", "m/s", "1"};
+  Comparison comparison = motions();
   for (std::size_t k = 0; k < members.size(); ++k) {
     const auto cycle = analysis::find_cycle(members[k].model, scene.cycle);
     worsen(comparison.outcome, cycle.outcome, members[k].name);

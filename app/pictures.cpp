@@ -508,6 +508,29 @@ Marks marks(const analysis::Map& map, double key_height) {
   return result;
 }
 
+/// The beginning of a script that draws planes side by side, two across: axes, palette, and the size of it all.
+struct PlanePanels {
+  PlanePanels(const std::string& name, std::string_view what, const Scene& scene, const analysis::Axis& x_axis,
+              const analysis::Axis& y_axis, int count, double below, double above, double between)
+      : height(90 + 440 * ((count + 1) / 2)) {
+    const DrawnAxis x(x_axis), y(y_axis);
+    const int across = std::min(count, 2), down = (count + 1) / 2;
+    script = preamble(name, what, 60 + 540 * across, height);
+    script += fmt::format("set multiplot layout {},{} title {} margins {},{},{:.4f},{:.4f} spacing 0.19,{:.4f}\n", down,
+                          across, single_quoted(scene.title), across == 1 ? 0.14 : 0.075, across == 1 ? 0.82 : 0.91,
+                          below / height, 1 - above / height, between / height);
+    const auto [x_low, x_high] = x.ends();
+    const auto [y_low, y_high] = y.ends();
+    script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
+    script += fmt::format("set xtics {}\nset ytics {}\n", x.ticks(), y.ticks());
+    script += fmt::format("set xlabel {}\nset ylabel {}\n", label(scene.model.describe(x_axis.parameter)),
+                          label(scene.model.describe(y_axis.parameter)));
+    script += palette;
+  }
+  int height;  ///< pixels
+  std::string script;
+};
+
 }  // namespace
 
 std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Map& map) {
@@ -515,23 +538,14 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   write_cells(folder / "map-cells.csv", scene, map, x, y);
   write_line(folder / "map-threshold.csv", map.threshold, x, y);
   write_line(folder / "map-fold.csv", map.fold, x, y);
-  const int count = static_cast<int>(scene.map.metrics.size()), across = std::min(count, 2), down = (count + 1) / 2;
-  const int height = 90 + 440 * down;
-  std::string script = preamble("map", "Metrics over a parameter plane", 60 + 540 * across, height);
+  const int count = static_cast<int>(scene.map.metrics.size());
+  auto [height, script] = PlanePanels("map", "Metrics over a parameter plane", scene, map.x, map.y, count, 105, 50, 80);
   const auto [x_low, x_high] = x.ends();
   const auto [y_low, y_high] = y.ends();
-  script += fmt::format("set multiplot layout {},{} title {} margins {},{},{:.4f},{:.4f} spacing 0.19,{:.4f}\n", down,
-                        across, single_quoted(scene.title), across == 1 ? 0.14 : 0.075, across == 1 ? 0.82 : 0.91,
-                        105.0 / height, 1 - 50.0 / height, 80.0 / height);
-  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
-  script += fmt::format("set xtics {}\nset ytics {}\n", x.ticks(), y.ticks());
-  script += fmt::format("set xlabel {}\nset ylabel {}\n", label(scene.model.describe(map.x.parameter)),
-                        label(scene.model.describe(map.y.parameter)));
   // marks at most 24 a side: more would cover the colours
   const auto every = [](std::size_t n) { return (n + 23) / 24; };
   script += fmt::format("thin(ix, iy) = (int(ix) % {} == 0 && int(iy) % {} == 0)\n", every(map.x.values.size()),
                         every(map.y.values.size()));
-  script += palette;
   script += fmt::format("# cells overlap by a trifle, so that no seams show\nover_x = {:g}\nover_y = {:g}\n",
                         0.002 * (x_high - x_low), 0.002 * (y_high - y_low));
   const auto [curves, key] = marks(map, 24.0 / height);
@@ -638,19 +652,10 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
     write_line(folder / files.back(), design.maps[k].threshold, x, y);
   }
 
-  const int count = static_cast<int>(planes.size()), across = std::min(count, 2), down = (count + 1) / 2;
-  const int height = 90 + 440 * down;
-  std::string script = preamble("design", "Where measurements tell the members apart", 60 + 540 * across, height);
-  const auto [x_low, x_high] = x.ends();
-  const auto [y_low, y_high] = y.ends();
-  script += fmt::format("set multiplot layout {},{} title {} margins {},{},{:.4f},{:.4f} spacing 0.19,{:.4f}\n", down,
-                        across, single_quoted(scene.title), across == 1 ? 0.14 : 0.075, across == 1 ? 0.82 : 0.91,
-                        80.0 / height, 1 - 75.0 / height, 110.0 / height);
-  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
-  script += fmt::format("set xtics {}\nset ytics {}\n", x.ticks(), y.ticks());
-  script += fmt::format("set xlabel {}\nset ylabel {}\n", label(scene.model.describe(design.x.parameter)),
-                        label(scene.model.describe(design.y.parameter)));
-  script += palette;
+  const int count = static_cast<int>(planes.size());
+  std::string script =
+      PlanePanels("design", "Where measurements tell the members apart", scene, design.x, design.y, count, 80, 75, 110)
+          .script;
   // Five decades below the most; white where less, or nothing, is to be learned.
   script += fmt::format(
       "set logscale cb\nset format cb '10^{{%T}}'\nset cbrange [{0}:{1}]\nset cblabel {2}\n",
