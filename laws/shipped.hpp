@@ -19,6 +19,7 @@
 #include "laws/static_growth.hpp"
 #include "laws/stribeck.hpp"
 #include "laws/tabulated.hpp"
+#include "laws/thermal.hpp"
 #include "laws/two_exponential.hpp"
 #include "laws/two_state_ageing.hpp"
 #include "laws/two_state_slip.hpp"
@@ -49,6 +50,7 @@ using Shipped = LawList<Coulomb,         //
                         SlipWeakening,   //
                         StaticGrowth,    //
                         KatoGrowth,      //
-                        LoadingRate>;
+                        LoadingRate,     //
+                        Thermal>;
 
 }  // namespace rosin::laws
