@@ -4,6 +4,7 @@
 #include "laws/bowden_tabor.hpp"
 #include "laws/coulomb.hpp"
 #include "laws/dahl.hpp"
+#include "laws/film.hpp"
 #include "laws/flash_heating.hpp"
 #include "laws/hyperbolic.hpp"
 #include "laws/kato_growth.hpp"
@@ -51,6 +52,7 @@ using Shipped = LawList<Coulomb,         //
                         StaticGrowth,    //
                         KatoGrowth,      //
                         LoadingRate,     //
-                        Thermal>;
+                        Thermal,         //
+                        Film>;
 
 }  // namespace rosin::laws

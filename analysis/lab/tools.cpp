@@ -91,9 +91,12 @@ double settling_time(Model model, double V) {
 
 void append_times(std::vector<double>& times, double begin, double duration, int count) {
   constexpr double bend = 14;  // the first step is about e^−bend of the last
-  for (int i = 1; i < count; ++i) times.push_back(begin + duration * std::expm1(bend * i / count) / std::expm1(bend));
-  times.push_back(begin + duration * (1 - 1e-9));  // what has been reached before the protocol jumps
-  times.push_back(begin + duration);
+  const auto append = [&](double t) {
+    if (t > times.back()) times.push_back(t);  // late in a record short intervals may lie below its resolution
+  };
+  for (int i = 1; i < count; ++i) append(begin + duration * std::expm1(bend * i / count) / std::expm1(bend));
+  append(begin + duration * (1 - 1e-9));  // what has been reached before the protocol jumps
+  append(begin + duration);
 }
 
 SteadyRange steady_range(const FrictionLaw& law, double normal_load, double low, double high) {
