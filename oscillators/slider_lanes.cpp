@@ -34,7 +34,7 @@ bool SliderLanes::fits(const SliderSystem& slider) const {
       slider.size() != size() || slider.rigid() != rigid_)
     return false;
   const auto& law = *slider.model().law;
-  if (&law.card() != &law_->card()) return false;  // laws from text share their name
+  if (&law.card() != &law_->card()) return false;        // laws from text share their name
   for (std::size_t i = 0; i < law.values().size(); ++i)  // lists are shared by all lanes
     if (law.parameters()[i].is_list && law.values()[i] != law_->values()[i]) return false;
   return true;
