@@ -35,10 +35,7 @@ F = \mu_d N\,\mathrm{sgn}\,v \text{ otherwise},\quad t \text{ the time since the
   Real t_c = min(Real(exp(-log(gamma) / m)), Real(1.0));  ///< time at rest at which γ t^m = 1, at most 1 s
   Real friction(Sliding<Real>, State) const { return mu_d; }
   Real static_limit(Sliding<Real>, State s) const { return mu_inf - (mu_inf - mu_0) * exp(-gamma * power(s.t, m)); }
-  /// In motion the time at rest, which friction then does not ask for, is forgotten.
-  State rate(Sliding<Real> at, State s) const {
-    return {select(at.slip_rate > Real(0.0), Real(-s.t / t_c), Real(1.0))};
-  }
+  State rate(Sliding<Real> at, State s) const { return {time_at_rest_rate(at.slip_rate, s.t, t_c)}; }
   State steady(Sliding<Real>) const { return {Real(0.0)}; }
   State rest(Sliding<Real>) const { return {Real(0.0)}; }
   State after_stop(State) const { return {Real(0.0)}; }

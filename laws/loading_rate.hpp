@@ -39,10 +39,7 @@ F = \mu_d N\,\mathrm{sgn}\,v \text{ otherwise},\quad t \text{ the time since the
     const Real root = sqrt(half * half + product);
     return select(half > Real(0.0), Real(product / (abs(half) + root)), Real(root - half));
   }
-  /// In motion the time at rest, which friction then does not ask for, is forgotten.
-  State rate(Sliding<Real> at, State s) const {
-    return {select(at.slip_rate > Real(0.0), Real(-theta0 * s.t), Real(1.0))};
-  }
+  State rate(Sliding<Real> at, State s) const { return {time_at_rest_rate(at.slip_rate, s.t, Real(1.0 / theta0))}; }
   State steady(Sliding<Real>) const { return {Real(0.0)}; }
   State rest(Sliding<Real>) const { return {Real(0.0)}; }
   State after_stop(State) const { return {Real(0.0)}; }

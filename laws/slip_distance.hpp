@@ -28,9 +28,7 @@ struct SlipDistance {
 
   static void check(const SlipDistance<double>& law) { require_static_above_dynamic("mu_s", law.mu_s, law.mu_d); }
 
-  Real friction(Sliding<Real>, State state) const {
-    return mu_d + (mu_s - mu_d) * max(Real(0.0), Real(1.0 - state.s / d_c));
-  }
+  Real friction(Sliding<Real>, State state) const { return linear_weakening(mu_s, mu_d, state.s, d_c); }
   Real static_limit(Sliding<Real> at, State state) const { return friction(at, state); }
   State rate(Sliding<Real> at, State state) const { return {counted_slip_rate(at.slip_rate, state.s, d_c)}; }
   State steady(Sliding<Real>) const { return {2.0 * d_c}; }

@@ -22,4 +22,17 @@ Real counted_slip_rate(const Real& v, const Real& slip, const Real& distance) {
   return v * min(Real(1.0), Real(2.0 - slip / distance));
 }
 
+/// Coefficient that falls linearly from mu_s to mu_d over a distance of slip.
+template <class Real>
+Real linear_weakening(const Real& mu_s, const Real& mu_d, const Real& slip, const Real& distance) {
+  return mu_d + (mu_s - mu_d) * max(Real(0.0), Real(1.0 - slip / distance));
+}
+
+/// Rate of the time at rest t: it passes in stick; in motion, when friction does not ask for it, it is forgotten over
+/// t_c.
+template <class Real>
+Real time_at_rest_rate(const Real& v, const Real& t, const Real& t_c) {
+  return select(v > Real(0.0), Real(-t / t_c), Real(1.0));
+}
+
 }  // namespace rosin::laws

@@ -33,10 +33,7 @@ F = \mu_d N\,\mathrm{sgn}\,v \text{ otherwise},\quad t \text{ the time since the
   Real beta_e = beta / std::numbers::ln10;  ///< per e-fold
   Real friction(Sliding<Real>, State) const { return mu_d; }
   Real static_limit(Sliding<Real>, State s) const { return mu_s0 + beta_e * log1p(s.t / t_c); }
-  /// In motion the time at rest, which friction then does not ask for, is forgotten.
-  State rate(Sliding<Real> at, State s) const {
-    return {select(at.slip_rate > Real(0.0), Real(-s.t / t_c), Real(1.0))};
-  }
+  State rate(Sliding<Real> at, State s) const { return {time_at_rest_rate(at.slip_rate, s.t, t_c)}; }
   State steady(Sliding<Real>) const { return {Real(0.0)}; }
   State rest(Sliding<Real>) const { return {Real(0.0)}; }
   State after_stop(State) const { return {Real(0.0)}; }

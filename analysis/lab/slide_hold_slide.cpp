@@ -106,11 +106,7 @@ Result perform(const Task& task) {
     hold_without_memory(result, model, times, holds, speed);
   else
     record_run(result, task, model, Start{}, times);
-  std::vector<double> driven{0};
-  for (std::size_t i = 1; i < result.record.time.size(); ++i)
-    driven.push_back(driven.back() + model.drive.speed.value(result.record.time[i - 1]) *
-                                         (result.record.time[i] - result.record.time[i - 1]));
-  result.record.add("load_point", "m", std::move(driven));
+  result.record.add("load_point", "m", driven_way(result.record.time, model.drive.speed));
   for (const auto& hold : holds) result.record.breaks.insert(result.record.breaks.end(), {hold.begin, hold.resume});
   if (!result.outcome.complete()) return result;
 

@@ -99,6 +99,13 @@ void append_times(std::vector<double>& times, double begin, double duration, int
   append(begin + duration);
 }
 
+std::vector<double> driven_way(const std::vector<double>& time, const Signal& speed) {
+  std::vector<double> way(time.size());
+  for (std::size_t i = 1; i < time.size(); ++i)
+    way[i] = way[i - 1] + speed.value(time[i - 1]) * (time[i] - time[i - 1]);
+  return way;
+}
+
 SteadyRange steady_range(const FrictionLaw& law, double normal_load, double low, double high) {
   const auto at = [&](double v) { return law.steady_friction({v, normal_load}).friction; };
   SteadyRange range{std::min(at(low), at(high)), std::max(at(low), at(high)), std::nullopt, std::nullopt, 0};

@@ -27,6 +27,9 @@ double settling_time(Model, double V);
 /// one at it, `begin + duration`.
 void append_times(std::vector<double>& times, double begin, double duration, int count);
 
+/// How far a drive whose speed jumps only at sample times has moved since the first, at each of them, m.
+std::vector<double> driven_way(const std::vector<double>& time, const Signal& speed);
+
 /// Extremes of the steady coefficient for slip rates in [low, high].
 struct SteadyRange {
   double least, most;                      ///< ends included

@@ -70,11 +70,10 @@ Result perform(const Task& task) {
     if (i + 1 < speeds.size()) breaks.push_back(t);
   }
   model.drive.speed = Signal(drive);
-  const auto speed_at = [&](double time) { return model.drive.speed.value(time); };
 
   if (memoryless(model) && rigid_machine(model)) {
     std::vector<double> rates;
-    for (const double time : times) rates.push_back(speed_at(time));
+    for (const double time : times) rates.push_back(model.drive.speed.value(time));
     record_curve(result, model, times, rates);
   } else {
     Start steady;
@@ -83,12 +82,8 @@ Result perform(const Task& task) {
   auto& record = result.record;
   record.breaks = breaks;
   // Slip: what the drive has moved less what the slider has yielded.
-  std::vector<double> slip;
-  double driven = 0;
-  for (std::size_t i = 0; i < record.time.size(); ++i) {
-    if (i > 0) driven += speed_at(record.time[i - 1]) * (record.time[i] - record.time[i - 1]);
-    slip.push_back(driven - record.columns[0][i] + record.columns[0][0]);
-  }
+  auto slip = driven_way(record.time, model.drive.speed);
+  for (std::size_t i = 0; i < slip.size(); ++i) slip[i] -= record.columns[0][i] - record.columns[0][0];
   record.add("slip", "m", std::move(slip));
 
   const auto steps_of = [&](const Record& seen) {
