@@ -121,6 +121,19 @@ double Signal::rate(double t) const {
                     form_);
 }
 
+Signal::Piece Signal::piece(double t) const {
+  const auto* harmonics = std::get_if<Harmonics>(&form_);
+  if (!harmonics) return {value(t), rate(t), {}};
+  Piece piece{harmonics->mean, 0, {}};
+  for (const auto& term : harmonics->terms) {
+    if (term.angular_frequency == 0)
+      piece.value += term.amplitude * std::cos(term.phase);
+    else
+      piece.terms.push_back(term);
+  }
+  return piece;
+}
+
 double Signal::next_break(double t) const {
   return std::visit(Overloaded{
                         [](double) { return infinity; },

@@ -37,6 +37,13 @@ class Signal {
   explicit Signal(Harmonics);
   explicit Signal(Table);
 
+  /// The signal from t to its next break: at t + τ it is value + rate·τ + Σ terms, cosines of absolute time.
+  struct Piece {
+    double value, rate;
+    std::vector<Harmonic> terms;
+  };
+  Piece piece(double t) const;
+
   double value(double t) const;
   /// Time derivative; at a break the one after it.
   double rate(double t) const;

@@ -619,6 +619,10 @@ class Law final : public FrictionLaw {
     else
       throw InputError(fmt::format("law '{}' has no static limit: its force at rest is unique", card().name));
   }
+  std::optional<LinearFriction> linear() const override {
+    if constexpr (requires { law_.linear(); }) return law_.linear();
+    return std::nullopt;
+  }
   std::vector<double> after_stop(std::span<const double> state) const override {
     if constexpr (HasStopReset<L>)
       return numbers_of({0, 0}, "state after a stop", law_.after_stop(state_of(state)));

@@ -29,6 +29,7 @@ struct Coulomb {
   }
 
   Real friction(Sliding<Real>) const { return mu_d; }
+  LinearFriction linear() const { return {mu_d, 0}; }
   Real static_limit(Sliding<Real>) const { return mu_s; }
 };
 

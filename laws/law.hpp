@@ -7,6 +7,7 @@
 ///   rest(at)                                  only where the state after long rest is not that of slowest creep
 ///   size()                                    only where a state that is not logarithmic may be 0 in steady sliding
 ///   slip_rate(mu, at, state)                  only where v can be solved from μ
+///   linear()                                  only if set-valued and μ in motion may be c + slope·v: then c and slope
 ///   static_limit(at[, state])                 only if set-valued at rest; then the law is asked for v ≥ 0 alone, and
 ///                                             v = 0 means stick
 ///   after_stop(state)                         only if set-valued: what a stop makes of the states
@@ -29,6 +30,11 @@ template <class Real>
 struct Sliding {
   Real slip_rate;    ///< v, m/s
   Real normal_load;  ///< N, newton
+};
+
+/// Friction in motion that is linear in the speed: μ = constant + slope·|v| (slope in s/m).
+struct LinearFriction {
+  double constant, slope;
 };
 
 /// A named set of published parameter values.
@@ -70,6 +76,8 @@ class FrictionLaw {
   virtual std::vector<double> rest(double normal_load) const = 0;
   /// Largest coefficient that holds at rest. \throws InputError if the law is not set-valued.
   virtual double static_limit(double normal_load, std::span<const double> state = {}) const = 0;
+  /// Coefficients, if the law is set-valued and linear in the speed: motion then has a closed form between events.
+  virtual std::optional<LinearFriction> linear() const { return std::nullopt; }
   /// ψ just after slip has stopped: as it was, or reset by laws that count from the last stop.
   virtual std::vector<double> after_stop(std::span<const double> state) const = 0;
 

@@ -35,6 +35,10 @@ struct Stribeck {
   Real friction(Sliding<Real> at) const {
     return mu_d + (mu_s - mu_d) * exp(-power(Real(at.slip_rate / v_s), exponent)) + viscous * at.slip_rate;
   }
+  std::optional<LinearFriction> linear() const {
+    if (mu_s != mu_d) return std::nullopt;  // else the exponential remains
+    return LinearFriction{mu_d, viscous};
+  }
   Real static_limit(Sliding<Real>) const { return mu_s; }
 };
 

@@ -11,6 +11,8 @@ namespace {
 constexpr double rest = 1e-11;  ///< slip rates below this part of the reference speed are rounding noise at a switch
 }
 
+std::string name(Switch what) { return what == Switch::stick ? "stick" : what == Switch::slip ? "slip" : "reversal"; }
+
 StickSlip::StickSlip(SwitchingSystem& system, double tolerance)
     : system_(system),
       collocation_(system, tolerance),

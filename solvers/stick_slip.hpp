@@ -8,6 +8,9 @@ namespace rosin::solvers {
 
 enum class Switch { none, stick, slip, reversal };
 
+/// "stick", "slip" or "reversal".
+std::string name(Switch);
+
 /// Advances a SwitchingSystem piece by piece. Switches are located to rounding by solving the last step again; after
 /// each, the balance of forces decides between stick, reversal and going on (Leine & Nijmeijer 2004, chapter 6).
 class StickSlip {
