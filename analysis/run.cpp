@@ -8,6 +8,8 @@
 #include <cmath>
 #include <memory>
 
+#include "analysis/algorithm_run.hpp"
+#include "analysis/exact_run.hpp"
 #include "analysis/motion_end.hpp"
 #include "oscillators/slider_system.hpp"
 #include "solvers/collocation.hpp"
@@ -100,6 +102,9 @@ class Pass {
       ++next_;
     }
   }
+  void add_event(double t, const double* y, std::string kind) {
+    events_.push_back({t, std::move(kind), system_.observe(t, y).displacement});
+  }
   void record(double t, const double* y) {
     const auto seen = system_.observe(t, y);
     const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
@@ -154,7 +159,7 @@ class Pass {
         if ((before < 0 && here > 0) || (before > 0 && here < 0)) {
           const auto at =
               step.locate([&](double t, const double* z) { return system_.slip_rate(t, z); }, low, theta, before, here);
-          if (at) events_.push_back({t0 + *at * h, "reversal"});
+          if (at && step.solve_at(*at, y.data())) add_event(t0 + *at * h, y.data(), "reversal");
         }
         low = theta, before = here;
       }
@@ -182,7 +187,8 @@ class Pass {
         double a = low, b = high;
         for (double middle = 0.5 * (a + b); middle > a && middle < b; middle = 0.5 * (a + b))
           ((slip_rate_at(middle) > 0) == (before > 0) ? a : b) = middle;
-        events_.push_back({b, "reversal"});
+        step.interpolate(b, y.data());
+        add_event(b, y.data(), "reversal");
       }
       low = high, before = here;
     }
@@ -238,9 +244,7 @@ class Pass {
       if (sticking) {
         stuck += solver.time() - std::max(stuck_since, solver.stepper().time_before());
       }
-      if (switched == solvers::Switch::stick) events_.push_back({solver.time(), "stick"});
-      if (switched == solvers::Switch::slip) events_.push_back({solver.time(), "slip"});
-      if (switched == solvers::Switch::reversal) events_.push_back({solver.time(), "reversal"});
+      if (switched != solvers::Switch::none) add_event(solver.time(), solver.state().data(), name(switched));
       return o;
     });
     metrics_["stick_time"] = stuck;
@@ -260,7 +264,7 @@ class Pass {
         solver.interpolate(t, z.data());
         return z.data();
       });
-      if (o.ending == Ending::event) events_.push_back({solver.time(), "reversal"});
+      if (o.ending == Ending::event) add_event(solver.time(), solver.state().data(), "reversal");
       return o;
     });
     cost_ = {solver.count().steps, solver.count().evaluations};
@@ -280,14 +284,27 @@ struct Choice {
 };
 Choice choose_solver(const Model& model, const RunOptions& options) {
   const std::string& asked = options.solver;
-  const std::vector<std::string> known = {"auto", "explicit", "collocation", "cvode", "events"};
+  const auto known = solver_names();
   if (std::find(known.begin(), known.end(), asked) == known.end()) {
     const auto near = nearest_name(asked, known);
     throw InputError(fmt::format("unknown solver '{}' (known: {}){}", asked, fmt::join(known, ", "),
                                  near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)));
   }
   const bool set_valued = model.law->set_valued();
-  if (set_valued && asked == "auto") return {"events", "the law is set-valued at rest: switches are located events"};
+  if (solvers::force_algorithms::is_algorithm(asked)) {
+    const auto form = dry_oscillator(model);
+    if (const auto* why_not = std::get_if<std::string>(&form))
+      throw InputError(fmt::format("solver '{}' is for Coulomb friction on a mass and a spring: {}", asked, *why_not));
+    return {asked, "as asked, with steps of its own; its errors are the differences to the exact motion"};
+  }
+  if (set_valued && (asked == "auto" || asked == "exact")) {
+    const auto form = dry_oscillator(model);
+    const auto* why_not = std::get_if<std::string>(&form);
+    if (!why_not)
+      return {"exact", "motion is linear between events: its closed form, with events that cannot be missed"};
+    if (asked == "exact") throw InputError(fmt::format("solver 'exact' has no closed form here: {}", *why_not));
+    return {"events", "the law is set-valued at rest: switches are located events; no closed form: " + *why_not};
+  }
   if (asked != "auto" && set_valued != (asked == "events"))
     throw InputError(fmt::format("solver '{}' does not fit law '{}', which is {} at rest; use '{}'", asked,
                                  model.law->card().name, set_valued ? "set-valued" : "smooth",
@@ -371,21 +388,8 @@ std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
   return list;
 }
 
-}  // namespace
-
-Run run(const Model& model, const RunOptions& options) {
-  model.check();
-  require(options.tolerance, {1e-13, 0.1}, "tolerance", "relative accuracy of a run", "1");
-  Run result;
-  const Choice choice = choose_solver(model, options);
-  result.solver = choice.solver;
-  const auto times = sample_times(options);
-  result.column_names = {"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"};
-  result.column_units = {"m", "m/s", "m/s", "N", "1"};
-  for (const auto& s : model.law->states()) {
-    result.column_names.push_back(s.name);
-    result.column_units.push_back(s.unit);
-  }
+/// Two passes of a stepping solver, the finer of which is kept; their difference is the error.
+void run_twice(const Model& model, const RunOptions& options, const std::vector<double>& times, Run& result) {
   // BDF's errors exceed its tolerance about tenfold; collocation mostly stays below it. What is asked is asked of the
   // error found: the pair of passes is tightened until it meets the tolerance.
   const double least = result.solver == "cvode"      ? 3e-15
@@ -424,15 +428,45 @@ Run run(const Model& model, const RunOptions& options) {
     coarse = std::move(fine);
   }
   result.columns = std::move(fine->columns_);
+  result.why = result.why + fine->handover_;
+  result.events = std::move(fine->events_);
+  for (const auto& [name, value] : fine->metrics_) result.metrics[name] = value;
+}
+
+}  // namespace
+
+std::vector<std::string> solver_names() {
+  std::vector<std::string> names = {"auto", "exact", "explicit", "collocation", "cvode", "events"};
+  for (const auto& algorithm : solvers::force_algorithms::algorithms()) names.emplace_back(algorithm.name);
+  return names;
+}
+
+Run run(const Model& model, const RunOptions& options) {
+  model.check();
+  require(options.tolerance, {1e-13, 0.1}, "tolerance", "relative accuracy of a run", "1");
+  Run result;
+  const Choice choice = choose_solver(model, options);
+  result.solver = choice.solver;
+  result.why = choice.why;
+  const auto times = sample_times(options);
+  result.column_names = {"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"};
+  result.column_units = {"m", "m/s", "m/s", "N", "1"};
+  for (const auto& s : model.law->states()) {
+    result.column_names.push_back(s.name);
+    result.column_units.push_back(s.unit);
+  }
+  if (result.solver == "exact")
+    run_exactly(model, std::get<solvers::DryOscillator>(dry_oscillator(model)), options, times, result);
+  else if (solvers::force_algorithms::is_algorithm(result.solver))
+    run_algorithm(model, std::get<solvers::DryOscillator>(dry_oscillator(model)), options, times, result);
+  else
+    run_twice(model, options, times, result);
   result.time.assign(times.begin(), times.begin() + result.columns[0].size());
   for (std::size_t c = 0; c < 5 && !result.time.empty(); ++c) {
     const auto [low, high] = std::minmax_element(result.columns[c].begin(), result.columns[c].end());
     result.metrics[result.column_names[c] + "_min"] = *low;
     result.metrics[result.column_names[c] + "_max"] = *high;
   }
-  result.why = choice.why + fine->handover_;
-  result.events = std::move(fine->events_);
-  for (const auto& [name, value] : fine->metrics_) result.metrics[name] = value;
   for (std::size_t c = 0; c < result.columns.size(); ++c)
     for (const double x : result.columns[c])
       if (!std::isfinite(x) && result.outcome.complete())

@@ -6,6 +6,7 @@
 
 #include "analysis/start.hpp"
 #include "core/error.hpp"
+#include "solvers/force_algorithms/options.hpp"
 
 namespace rosin::analysis {
 
@@ -15,13 +16,15 @@ struct RunOptions {
   int samples = 1000;
   Start start;
   double tolerance = 1e-8;
-  long most_steps = 5'000'000;  ///< of one pass
-  std::string solver = "auto";  ///< "auto", "explicit", "collocation", "cvode", "events"
+  long most_steps = 5'000'000;                   ///< of one pass
+  std::string solver = "auto";                   ///< one of solver_names()
+  solvers::force_algorithms::Options algorithm;  ///< of the force algorithms
 };
 
 struct RunEvent {
   double time;
   std::string kind;  ///< "stick", "slip", "reversal"
+  double displacement;
 };
 
 struct Run {
@@ -40,6 +43,9 @@ struct Run {
     long steps = 0, evaluations = 0;
   } cost;
 };
+
+/// "auto", then what can be asked for by name.
+std::vector<std::string> solver_names();
 
 /// \throws InputError for a start that does not fit the model or an unknown solver.
 Run run(const Model&, const RunOptions&);

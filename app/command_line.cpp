@@ -38,6 +38,7 @@ constexpr VerbHelp verbs[] = {
     {"map", "SCENE", "regimes and metrics over a parameter plane"},
     {"compare", "SCENE", "several laws or parameter sets side by side; --design: which measurement tells them apart"},
     {"lab", "SCENE", "an experiment as it is done in the laboratory: its record and what is read off it"},
+    {"study", "SCENE", "the published force algorithms against exact stick-slip over random oscillators"},
     {"stress", "", "random scenes over ten decades, each certified by a second method or refused with a reason"},
     {"bench", "WHAT", "run time against true error beside other solvers: cycle, history or plane"},
     {"plot", "PATH", "draw the pictures of a results folder, or of a scene's results, again"},

@@ -17,11 +17,8 @@ extern char** environ;
 
 namespace rosin::app {
 
-namespace {
-
 namespace fs = std::filesystem;
 
-/// A text for gnuplot in single quotes: markup characters are shown as they are, control characters dropped.
 std::string single_quoted(std::string_view text) {
   std::string out = "'";
   for (const char c : text) {
@@ -33,14 +30,6 @@ std::string single_quoted(std::string_view text) {
   return out + '\'';
 }
 
-/// "normal load (N)"; what follows a semicolon in a meaning explains more than an axis has room for.
-std::string label(std::string_view meaning, std::string_view unit) {
-  return single_quoted(column_header(meaning.substr(0, meaning.find(';')), unit));
-}
-
-std::string label(const Quantity& quantity) { return label(quantity.meaning, quantity.unit); }
-
-/// What every script begins with. `format` and `output` may be set by the caller: gnuplot -e "format='png'" map.gp
 std::string preamble(const std::string& name, std::string_view what, int width, int height) {
   return fmt::format(R"(# {what}. Redraw with: gnuplot {name}.gp   or   gnuplot -e "format='png'" {name}.gp
 if (!exists("format")) format = 'svg'
@@ -64,6 +53,15 @@ set style line 5 linecolor '#8A4FA3' linewidth 1.6 dashtype (4,2)
                      fmt::arg("what", what), fmt::arg("name", name), fmt::arg("width", width),
                      fmt::arg("height", height));
 }
+
+namespace {
+
+/// "normal load (N)"; what follows a semicolon in a meaning explains more than an axis has room for.
+std::string label(std::string_view meaning, std::string_view unit) {
+  return single_quoted(column_header(meaning.substr(0, meaning.find(';')), unit));
+}
+
+std::string label(const Quantity& quantity) { return label(quantity.meaning, quantity.unit); }
 
 /// A unit with the prefix that suits the largest value: ticks read 20, 40 µm/s instead of 2e-05, 4e-05 m/s.
 struct Scaled {
@@ -268,7 +266,22 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   for (const auto& event : run.events) events += fmt::format("{},{}\n", event.time, event.kind);
   write_whole(folder / "run-events.csv", "time (s),kind\n" + events);
 
-  const int panels = static_cast<int>(shown.size());
+  const bool strip = run.metrics.contains("stick_time") && run.time.size() > 1;
+  if (strip) {  // stick or slip over time; what the motion began with follows from its first event
+    std::string steps = "time (s),stick\n";
+    const auto first = std::ranges::find_if(run.events, [](const auto& event) { return event.kind != "reversal"; });
+    const double stuck = run.metrics.at("stick_time");
+    bool stick = first == run.events.end() ? stuck > 0 : first->kind == "slip";
+    steps += fmt::format("{},{}\n", run.time.front(), stick ? 1 : 0);
+    for (const auto& event : run.events)
+      if (event.kind != "reversal") {
+        stick = event.kind == "stick";
+        steps += fmt::format("{},{}\n", event.time, stick ? 1 : 0);
+      }
+    steps += fmt::format("{},{}\n", run.time.back(), stick ? 1 : 0);
+    write_whole(folder / "run-strip.csv", steps);
+  }
+  const int panels = static_cast<int>(shown.size()) + (strip ? 1 : 0);
   std::string script =
       preamble("run", "Every column of a run against time, with its events", 820, run_margin + run_panel * panels);
   const int height = run_margin + run_panel * panels;
@@ -295,7 +308,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
         fmt::format("\n{}\nset ylabel {}\n", axis_scale('y', decades), label(readable(run.column_names[c]), unit));
     script +=
         decades ? "set ytics autofreq\n" : fmt::format("set ytics {:g}\n", tick_step(low * factor, high * factor));
-    script += c == shown.back() ? "set xlabel 'time (s)'\nset format x '%g'\n" : "set format x ''\n";
+    script += c == shown.back() && !strip ? "set xlabel 'time (s)'\nset format x '%g'\n" : "set format x ''\n";
     script += fmt::format("plot 'run.csv' using 1:(${}*{}) with lines linestyle 1 notitle", c + 2, factor);
     for (const auto& kind : kinds)  // a line over the height of the curve
       script += fmt::format(
@@ -305,8 +318,15 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
           c == shown.front() ? fmt::format("title '{}'", kind.name) : "notitle");
     script += '\n';
   }
+  if (strip)
+    script +=
+        "\nunset logscale y\nset ylabel ''\nset yrange [-0.2:1.2]\nset ytics ('slip' 0, 'stick' 1)\n"
+        "set xlabel 'time (s)'\nset format x '%g'\n"
+        "plot 'run-strip.csv' using 1:2 with steps linestyle 1 notitle\n";
   write_whole(folder / "run.gp", script + "unset multiplot\n");
-  return {"run-events.csv", "run.gp"};
+  std::vector<std::string> files = {"run-events.csv", "run.gp"};
+  if (strip) files.emplace_back("run-strip.csv");
+  return files;
 }
 
 std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Cycle& cycle) {

@@ -364,6 +364,10 @@ Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::p
     }
     return Signal(std::move(form));
   });
+  if (harmonics && !signal.within(quantity.range) && quantity.range.contains(signal.level()))
+    fail(node.source(), "{} leaves {} … {} ({}, {}): about a mean of {} amplitudes may add up to {} at most",
+         quantity.name, quantity.range.low, quantity.range.high, quantity.meaning, quantity.unit, signal.level(),
+         std::min(signal.level() - quantity.range.low, quantity.range.high - signal.level()));
   if (!signal.within(quantity.range))
     fail(node.source(), "{} leaves {} … {} ({}, {})", quantity.name, quantity.range.low, quantity.range.high,
          quantity.meaning, quantity.unit);
@@ -682,18 +686,69 @@ void read_curve(Table table, CurveOptions& curve) {
 }
 
 void read_solver(Table table, analysis::RunOptions& run) {
-  static const std::vector<std::string> usable = {"auto", "explicit", "collocation", "cvode", "events"};
-  static const std::vector<std::string> later = {"exact",     "lanes",   "cfm",  "o-fbfm", "r-fbfm",
-                                                 "aabg-sdfm", "tr-sdfm", "vlfm", "svlfm",  "meijaard"};
-  if (const auto* type = table.find("type")) {
-    auto known = usable;
-    known.insert(known.end(), later.begin(), later.end());
+  const auto* type = table.find("type");
+  if (type) {
+    auto known = analysis::solver_names();
+    known.emplace_back("lanes");
     run.solver = choice(*type, table.path("type"), known);
-    if (std::ranges::find(later, run.solver) != later.end())
-      fail(type->source(), "solver.type = '{}' is not available in this version; use one of {}", run.solver,
-           fmt::join(usable, ", "));
+    if (run.solver == "lanes")
+      fail(type->source(), "solver.type = 'lanes' is that of maps and not to be chosen; use one of {}",
+           fmt::join(analysis::solver_names(), ", "));
   }
-  for (const char* key : {"step", "smoothing"}) table.refuse(key);
+  // Keys of the force algorithms, and the algorithms that each means something to.
+  auto& algorithm = run.algorithm;
+  const auto meant = [&](std::string_view key, std::string_view for_these) {
+    const auto* node = table.find(key);
+    if (node && (" " + std::string(for_these) + " ").find(" " + run.solver + " ") == std::string::npos)
+      fail(node->source(), "{} has no meaning for solver '{}', only for {}", table.path(key), run.solver, for_these);
+    return node;
+  };
+  const auto flag = [&](std::string_view key, bool& target, std::string_view for_these) {
+    if (const auto* node = meant(key, for_these)) {
+      if (!node->is_boolean()) wrong_kind(*node, table.path(key), "true or false");
+      target = *node->value<bool>();
+    }
+  };
+  const auto value = [&](std::string_view key, double& target, Quantity quantity, std::string_view for_these) {
+    if (meant(key, for_these)) table.read(key, target, std::move(quantity));
+  };
+  constexpr std::string_view sticking = "o-fbfm r-fbfm aabg-sdfm tr-sdfm", sprung = "aabg-sdfm tr-sdfm";
+  value("step", algorithm.step, {"", "s", {1e-15, 1e15}, "step of time"},
+        "cfm o-fbfm r-fbfm aabg-sdfm tr-sdfm vlfm svlfm meijaard");
+  if (const auto* node = meant("stepping", "cfm o-fbfm r-fbfm aabg-sdfm tr-sdfm"))
+    algorithm.closed_form = choice(*node, table.path("stepping"), {"runge-kutta", "closed-form"}) == "closed-form";
+  flag("micro_slip", algorithm.micro_slip, sticking);
+  value("window", algorithm.window, {"", "m/s", {1e-15, 1e4}, "speed of slip below which the mass counts as at rest"},
+        "o-fbfm");
+  value("adherence_stiffness", algorithm.adherence_stiffness, {"", "N/m", {1e-12, 1e18}, "spring of stick"}, sprung);
+  value("adherence_damping", algorithm.adherence_damping, {"", "1", {1e-3, 1e6}, "damping ratio of stick"}, sprung);
+  flag("original", algorithm.original, "aabg-sdfm");
+  flag("refusal", algorithm.refusal, "tr-sdfm");
+  if (const auto* node = meant("restart", "tr-sdfm"))
+    algorithm.restart_before = choice(*node, table.path("restart"), {"before", "at"}) == "before";
+  value("transition_speed", algorithm.transition_speed,
+        {"", "m/s", {1e-15, 1e4}, "speed of slip below which friction falls to zero"}, "vlfm svlfm");
+  table.refuse("smoothing");
+  table.finish();
+}
+
+void read_study(Table table, analysis::StudyOptions& study) {
+  table.read("cases", study.cases, 1, "random oscillators");
+  int seed = 1;
+  table.read("seed", seed, 0, "of the random oscillators");
+  study.seed = static_cast<std::uint64_t>(seed);
+  if (const auto* names = table.find("algorithms")) {
+    study.algorithms = texts(*names, table.path("algorithms"));
+    if (study.algorithms.empty()) fail(names->source(), "study.algorithms is empty");
+  }
+  table.read("start_factor", study.start_factor, {"", "1", {1.000001, 1e6}, "start over where stick could hold"});
+  table.read("duration_factor", study.duration_factor, {"", "1", {1e-3, 1e3}, "time in four decay times"});
+  table.read("steps_per_period", study.steps_per_period, 600, "steps of the shortest period");
+  table.read("most_sticks", study.most_sticks, 1, "sticks with which a motion ends");
+  table.read("window_share", study.window_share, {"", "1", {1e-9, 1}, "window of o-fbfm over the average speed"});
+  table.read("window_threshold", study.window_threshold,
+             {"", "1", {1e-6, 1e6}, "threshold of the distribution of o-fbfm's errors"});
+  table.read("show", study.show, 0, "case whose motions are drawn");
   table.finish();
 }
 
@@ -943,10 +998,16 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   scene.path = path;
   scene.name = fs::path(path).stem().string();
   Table root(document, "");
-  for (const char* table : {"frf", "fit", "sweep", "branch", "lyapunov", "study"}) root.refuse(table);
-  root.expect(
-      {"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "compare", "lab", "solver"});
+  for (const char* table : {"frf", "fit", "sweep", "branch", "lyapunov"}) root.refuse(table);
+  root.expect({"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "compare", "lab",
+               "solver", "study"});
   if (const auto* title = root.find("title")) scene.title = text(*title, "title");
+  if (verb == Verb::study) {  // draws its own models
+    read_study(Table(root.required("study", "cases, seed and algorithms"), "study"), scene.study);
+    root.finish();
+    write_table(scene.resolved, document, "");
+    return scene;
+  }
   read_law(Table(root.required("law", "the friction law"), "law"), scene.model);
 
   const bool needs_slider = verb != Verb::curve && verb != Verb::lab, complete = verb != Verb::lab;

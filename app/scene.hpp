@@ -11,12 +11,13 @@
 #include "analysis/lab/experiment.hpp"
 #include "analysis/map.hpp"
 #include "analysis/run.hpp"
+#include "analysis/study.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::app {
 
 /// What is asked of a scene; decides which tables must be there.
-enum class Verb { curve, stability, run, cycle, map, compare, design, lab };
+enum class Verb { curve, stability, run, cycle, map, compare, design, lab, study };
 
 /// The slip rates at which a steady curve is drawn, logarithmically spaced.
 struct CurveOptions {
@@ -52,6 +53,7 @@ struct Scene {
   analysis::CycleOptions cycle;
   analysis::MapOptions map;
   CompareOptions compare;
+  analysis::StudyOptions study;                           ///< of the verb study, whose scenes have no model
   const analysis::lab::Experiment* experiment = nullptr;  ///< only of the verb lab
   std::optional<analysis::lab::Task> lab;
   std::string resolved;            ///< the scene as TOML, overrides included

@@ -20,6 +20,7 @@
 #include "app/results.hpp"
 #include "app/scene.hpp"
 #include "app/stress.hpp"
+#include "app/study.hpp"
 #include "bench/bench.hpp"
 #include "laws/catalogue.hpp"
 
@@ -135,8 +136,7 @@ Status run(const Request& request) {
   auto& scene = job.scene();
   scene.run.tolerance = request.tolerance.value_or(scene.run.tolerance);
   job.explain_model();
-  job.explain("solver: {}; tolerance {}; every column is checked by a second run at a hundredth of it",
-              scene.run.solver, scene.run.tolerance);
+  job.explain("solver: {}; tolerance {}; every column comes with its error", scene.run.solver, scene.run.tolerance);
   const auto begin = std::chrono::steady_clock::now();
   const auto run = analysis::run(scene.model, scene.run);
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
@@ -379,7 +379,7 @@ Status plot(const Request& request) {
 }  // namespace
 
 bool can_stop(const Request& request) {
-  return request.verb == "map" || request.verb == "compare" || request.verb == "stress";
+  return request.verb == "map" || request.verb == "compare" || request.verb == "stress" || request.verb == "study";
 }
 
 Status execute(const Request& request, std::stop_token stop) {
@@ -392,6 +392,7 @@ Status execute(const Request& request, std::stop_token stop) {
   if (request.verb == "compare") return compare(request, std::move(stop));
   if (request.verb == "lab") return lab(request);
   if (request.verb == "stress") return stress(request, std::move(stop));
+  if (request.verb == "study") return study(request, std::move(stop));
   if (request.verb == "bench") return bench(request);
   return plot(request);
 }

@@ -248,7 +248,12 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
        "scene.toml:11:19: run.start.state = 2 is outside"},
       {Verb::run, run("[run]\nduration = 1\nstart = { theta = 2 }"), "unknown key 'theta' in [run.start]"},
       {Verb::run, run("[run]\nduration = 1\n[solver]\ntype = 'cvod'"), "did you mean 'cvode'?"},
-      {Verb::run, run("[run]\nduration = 1\n[solver]\ntype = 'vlfm'"), "is not available in this version"},
+      {Verb::run, run("[run]\nduration = 1\n[solver]\ntype = 'lanes'"), "is that of maps"},
+      {Verb::run, run("[run]\nduration = 1\n[solver]\ntype = 'cfm'\nwindow = 1"), "only for o-fbfm"},
+      {Verb::run, run("[run]\nduration = 1\n[solver]\nstep = 1"), "no meaning for solver 'auto'"},
+      {Verb::study, "[study]\ncases = 0", "scene.toml:2:9: study.cases = 0 is outside 1"},
+      {Verb::study, "[study]\nstepps_per_period = 1000", "did you mean 'steps_per_period'?"},
+      {Verb::study, "title = 'x'", "the scene has no [study]"},
       // maps
       {Verb::map, map("{ parameter = 'drive.normal', from = 1, to = 2, points = 3 }"),
        "scene.toml:10:19: unknown parameter 'drive.normal'"},
