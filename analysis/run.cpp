@@ -324,23 +324,6 @@ Choice choose_solver(const Model& model, const RunOptions& options) {
   return {"explicit", "no inertia, friction and logarithmic states change evenly: explicit steps while none is stiff"};
 }
 
-std::vector<double> sample_times(const RunOptions& options) {
-  if (!options.times.empty()) {
-    double before = -1;
-    for (const double t : options.times) {
-      if (!(t > before) || !std::isfinite(t) || t < 0)
-        throw InputError(fmt::format("run.times must ascend from 0 or later, got {} s after {} s", t, before));
-      before = t;
-    }
-    return options.times;
-  }
-  require(options.duration, {1e-300, 1e300}, "run.duration", "time to run", "s");
-  require(options.samples, {1, 1e8}, "run.samples", "number of intervals between samples", "1");
-  std::vector<double> times(options.samples + 1);
-  for (int i = 0; i <= options.samples; ++i) times[i] = options.duration * i / options.samples;
-  return times;
-}
-
 /// The size that errors in each column are measured by: the largest value in it. The slip rate of a mass, and the
 /// velocity that is the drive's speed less it, may be nothing but rounding and are measured by `least_speed` too, as
 /// are states by `least_states`.
@@ -434,6 +417,23 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
 }
 
 }  // namespace
+
+std::vector<double> sample_times(const RunOptions& options) {
+  if (!options.times.empty()) {
+    double before = -1;
+    for (const double t : options.times) {
+      if (!(t > before) || !std::isfinite(t) || t < 0)
+        throw InputError(fmt::format("run.times must ascend from 0 or later, got {} s after {} s", t, before));
+      before = t;
+    }
+    return options.times;
+  }
+  require(options.duration, {1e-300, 1e300}, "run.duration", "time to run", "s");
+  require(options.samples, {1, 1e8}, "run.samples", "number of intervals between samples", "1");
+  std::vector<double> times(options.samples + 1);
+  for (int i = 0; i <= options.samples; ++i) times[i] = options.duration * i / options.samples;
+  return times;
+}
 
 std::vector<std::string> solver_names() {
   std::vector<std::string> names = {"auto", "exact", "explicit", "collocation", "cvode", "events"};

@@ -23,8 +23,8 @@ struct RunOptions {
 
 struct RunEvent {
   double time;
-  std::string kind;  ///< "stick", "slip", "reversal"
-  double displacement;
+  std::string kind;                         ///< "stick", "slip", "reversal"
+  double displacement, displacement_y = 0;  ///< m; the second in the plane
 };
 
 struct Run {
@@ -43,6 +43,9 @@ struct Run {
     long steps = 0, evaluations = 0;
   } cost;
 };
+
+/// When a run is sampled. \throws InputError for times that do not ascend from 0 or later.
+std::vector<double> sample_times(const RunOptions&);
 
 /// "auto", then what can be asked for by name.
 std::vector<std::string> solver_names();

@@ -14,6 +14,7 @@
 
 #include "solvers/exact.hpp"
 #include "solvers/force_algorithms/force_algorithms.hpp"
+#include "solvers/plane_stick_slip.hpp"
 
 namespace rosin::analysis {
 
@@ -62,7 +63,11 @@ double average_speed(double m, double k, double c, double P, double we, double m
   return w0 * std::hypot(A, B) + we * amplitude(P, we) + wn * amplitude(muNv, wn);
 }
 
-Drawn<1> draw(Uniform& random, const StudyOptions& options) {
+template <int D>
+Drawn<D> draw(Uniform& random, const StudyOptions& options);
+
+template <>
+Drawn<1> draw<1>(Uniform& random, const StudyOptions& options) {
   constexpr double pi = std::numbers::pi;
   const double m = random(1, 5), w0 = random(2 * pi, 100 * pi), zeta = random(0.01, 0.05);
   const double we = random(0, 5) * w0, wn = random(0, 5) * w0, k = m * w0 * w0;
@@ -82,6 +87,35 @@ Drawn<1> draw(Uniform& random, const StudyOptions& options) {
           duration,
           average_speed(m, k, c, P, we, muk * Nc, muk * Nv, wn, x0),
           {m, w0, zeta, we, wn, P, Nc, Nv, muk, mus}};
+}
+
+template <>
+Drawn<2> draw<2>(Uniform& random, const StudyOptions& options) {
+  constexpr double pi = std::numbers::pi, fastest = 90 * pi;
+  const double m = random(1, 5);
+  double w0[2], zeta[2], we[2], Pc[2], Po[2];
+  for (double& w : w0) w = random(2 * pi, 200 * pi);
+  for (double& z : zeta) z = random(0.01, 0.05);
+  for (double& w : we) w = random(0, fastest);
+  const double wn = random(0, fastest);
+  for (int d = 0; d < 2; ++d) Pc[d] = random(0, 1e-3) * m * w0[d] * w0[d];
+  for (int d = 0; d < 2; ++d) Po[d] = random(0, 1.5e-3) * m * w0[d] * w0[d];
+  const double Nc = gravity * m, Nv = random(0, 1) * Nc, muk = random(0.15, 0.40), mus = random(1, 2) * muk;
+  Drawn<2> drawn{{m, {}, {}, mus, muk, {}, Signal(Signal::Harmonics{Nc, {{Nv, wn, 0}}}), {}},
+                 {},
+                 0,
+                 0,
+                 {m, w0[0], w0[1], zeta[0], zeta[1], we[0], we[1], wn, Pc[0], Pc[1], Po[0], Po[1], Nc, Nv, muk, mus}};
+  for (int d = 0; d < 2; ++d) {
+    const double k = m * w0[d] * w0[d], c = 2 * zeta[d] * m * w0[d];
+    drawn.mass.stiffness[d] = k, drawn.mass.damping[d] = c;
+    drawn.mass.force[d] = Signal(Signal::Harmonics{Pc[d], {{Po[d], we[d], 0}}});
+    drawn.start[d] = options.start_factor * (Pc[d] + Po[d] + (Nc + Nv) * mus) / k;
+    drawn.duration = std::max(drawn.duration, options.duration_factor * 4 / (zeta[d] * w0[d]));
+    drawn.average_speed = std::hypot(
+        drawn.average_speed, average_speed(m, k, c, Po[d], we[d], muk * Nc, muk * Nv, wn, drawn.start[d] - Pc[d] / k));
+  }
+  return drawn;
 }
 
 /// The exact solver at the start of the motion.
@@ -106,6 +140,23 @@ Motion follow_exactly(const Drawn<1>& drawn, const StudyOptions& options) {
   }
   motion.stick_share = exact.stick_time() / exact.time();
   motion.friction_work = exact.works().friction;
+  motion.wear_rate = motion.friction_work / drawn.mass.dynamic_friction / exact.time();
+  return motion;
+}
+
+Motion follow_exactly(const Drawn<2>& drawn, const StudyOptions& options) {
+  solvers::PlaneStickSlip exact(drawn.mass, 1e-9);
+  exact.start(0, drawn.start, {});
+  Motion motion;
+  while (exact.time() < drawn.duration) {
+    solvers::Switch what;
+    const auto outcome = exact.advance(drawn.duration, what);
+    if (!outcome.complete()) throw std::runtime_error("a plane motion could not be followed: " + outcome.detail);
+    if (what == solvers::Switch::stick && motion.sticks++ == 0) motion.first_stick = exact.time();
+    if (what == solvers::Switch::slip && motion.sticks == options.most_sticks) break;
+  }
+  motion.stick_share = exact.stick_time() / exact.time();
+  motion.friction_work = exact.friction_work();
   motion.wear_rate = motion.friction_work / drawn.mass.dynamic_friction / exact.time();
   return motion;
 }
@@ -195,6 +246,21 @@ std::vector<ShownMotion::Point> exactly(const Drawn<1>& drawn, const std::vector
   return points;
 }
 
+std::vector<ShownMotion::Point> exactly(const Drawn<2>& drawn, const std::vector<double>& times) {
+  solvers::PlaneStickSlip exact(drawn.mass, 1e-9);
+  exact.start(0, drawn.start, {});
+  std::vector<ShownMotion::Point> points;
+  for (const double t : times) {
+    solvers::Switch what;
+    while (exact.time() < t || exact.time() == 0)
+      if (!exact.advance(drawn.duration, what).complete()) return points;
+    const auto seen = exact.at(t);
+    points.push_back(
+        {t, {seen.displacement[0], seen.displacement[1]}, {seen.velocity[0], seen.velocity[1]}, exact.sticking()});
+  }
+  return points;
+}
+
 template <int D>
 std::vector<ShownMotion> show(const Drawn<D>& drawn, double first_stick, const StudyOptions& options) {
   const auto forcing = forcing_of(drawn, options);
@@ -261,27 +327,37 @@ AlgorithmStatistics statistics(const StudyResult& result, std::size_t a, const S
   return found;
 }
 
-}  // namespace
+const std::vector<std::string> line_names = {
+    "mass",  "natural_frequency", "damping_ratio",  "force_frequency",  "load_frequency",
+    "force", "mean_load",         "load_amplitude", "dynamic_friction", "static_friction"};
+const std::vector<std::string> line_units = {"kg", "rad/s", "1", "rad/s", "rad/s", "N", "N", "N", "1", "1"};
+const std::vector<std::string> plane_names = {"mass",
+                                              "natural_frequency_x",
+                                              "natural_frequency_y",
+                                              "damping_ratio_x",
+                                              "damping_ratio_y",
+                                              "force_frequency_x",
+                                              "force_frequency_y",
+                                              "load_frequency",
+                                              "mean_force_x",
+                                              "mean_force_y",
+                                              "force_x",
+                                              "force_y",
+                                              "mean_load",
+                                              "load_amplitude",
+                                              "dynamic_friction",
+                                              "static_friction"};
+const std::vector<std::string> plane_units = {"kg", "rad/s", "rad/s", "1", "1", "rad/s", "rad/s", "rad/s",
+                                              "N",  "N",     "N",     "N", "N", "N",     "1",     "1"};
 
-StudyResult study(const StudyOptions& options, const std::function<void(int)>& progress, std::stop_token stop) {
-  for (const auto& name : options.algorithms)
-    if (!algorithms::is_algorithm(name)) {
-      std::vector<std::string> known;
-      for (const auto& algorithm : algorithms::algorithms()) known.emplace_back(algorithm.name);
-      throw InputError(fmt::format("unknown algorithm '{}'; did you mean '{}'?", name, nearest_name(name, known)));
-    }
-  require(options.cases, {1, 1e6}, "study.cases", "random oscillators", "1");
-  require(options.start_factor, {1.000001, 1e6}, "study.start_factor", "start beyond where stick could hold", "1");
-  require(options.show, {-1, double(options.cases - 1)}, "study.show", "case whose motions are drawn", "1");
-  require(options.steps_per_period, {600, 1e6}, "study.steps_per_period", "steps of the shortest period", "1");
-
+template <int D>
+StudyResult study_in(const StudyOptions& options, const std::function<void(int)>& progress, std::stop_token stop) {
   StudyResult result;
-  result.input_names = {"mass",  "natural_frequency", "damping_ratio",  "force_frequency",  "load_frequency",
-                        "force", "mean_load",         "load_amplitude", "dynamic_friction", "static_friction"};
-  result.input_units = {"kg", "rad/s", "1", "rad/s", "rad/s", "N", "N", "N", "1", "1"};
+  result.input_names = D == 1 ? line_names : plane_names;
+  result.input_units = D == 1 ? line_units : plane_units;
   Uniform random(options.seed);
-  std::vector<Drawn<1>> drawn;
-  for (int i = 0; i < options.cases; ++i) drawn.push_back(draw(random, options));
+  std::vector<Drawn<D>> drawn;
+  for (int i = 0; i < options.cases; ++i) drawn.push_back(draw<D>(random, options));
   result.cases.resize(drawn.size());
   std::atomic<std::size_t> next = 0;
   std::mutex reporting;
@@ -335,6 +411,25 @@ StudyResult study(const StudyOptions& options, const std::function<void(int)>& p
   for (std::size_t a = 0; a < options.algorithms.size(); ++a)
     result.algorithms.push_back(statistics(result, a, options));
   return result;
+}
+
+}  // namespace
+
+StudyResult study(const StudyOptions& options, const std::function<void(int)>& progress, std::stop_token stop) {
+  for (const auto& name : options.algorithms)
+    if (!algorithms::is_algorithm(name)) {
+      std::vector<std::string> known;
+      for (const auto& algorithm : algorithms::algorithms()) known.emplace_back(algorithm.name);
+      throw InputError(fmt::format("unknown algorithm '{}'; did you mean '{}'?", name, nearest_name(name, known)));
+    }
+  require(options.cases, {1, 1e6}, "study.cases", "random oscillators", "1");
+  require(options.start_factor, {1.000001, 1e6}, "study.start_factor", "start beyond where stick could hold", "1");
+  require(options.show, {-1, double(options.cases - 1)}, "study.show", "case whose motions are drawn", "1");
+  require(options.steps_per_period, {600, 1e6}, "study.steps_per_period", "steps of the shortest period", "1");
+
+  require(options.dimensions, {1, 2}, "study.dimensions", "directions of motion", "1");
+  return options.dimensions == 1 ? study_in<1>(options, progress, std::move(stop))
+                                 : study_in<2>(options, progress, std::move(stop));
 }
 
 }  // namespace rosin::analysis

@@ -14,7 +14,7 @@
 namespace rosin::analysis {
 
 struct StudyOptions {
-  int dimensions = 1;
+  int dimensions = 1;  ///< or 2
   int cases = 1000;
   std::uint64_t seed = 1;
   std::vector<std::string> algorithms = {"o-fbfm", "r-fbfm", "aabg-sdfm", "tr-sdfm"};
@@ -90,6 +90,10 @@ struct StudyResult {
 
 /// One dimension. m 1 … 5 kg, ω₀ 2π … 100π rad/s, ζ 0.01 … 0.05, ω_e/ω₀ and ω_n/ω₀ 0 … 5, P/k 0 … 10 mm, N_v/N_c 0 … 1,
 /// μd 0.15 … 0.40, μs/μd 1 … 2, drawn in this order, U = low + (high − low)·⌊g/2¹¹⌋·2⁻⁵³ with g from mt19937_64(seed).
+///
+/// Two dimensions: m as above, ω₀ₓ, ω₀ᵧ 2π … 200π rad/s, ζₓ, ζᵧ 0.01 … 0.05, ωₑₓ, ωₑᵧ, ω_n 0 … 90π rad/s, mean forces
+/// over stiffness 0 … 1 mm and amplitudes 0 … 1.5 mm (x, then y), N_v/N_c, μd, μs/μd as above; the exact motion is that
+/// of located events.
 /// `progress(done)` is called from time to time. \throws InputError for options without meaning.
 StudyResult study(const StudyOptions&, const std::function<void(int)>& progress = {}, std::stop_token = {});
 

@@ -325,6 +325,26 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
         "plot 'run-strip.csv' using 1:2 with steps linestyle 1 notitle\n";
   write_whole(folder / "run.gp", script + "unset multiplot\n");
   std::vector<std::string> files = {"run-events.csv", "run.gp"};
+  if (scene.plane) {
+    std::string stops = "x (m),y (m)\n";
+    for (const auto& event : run.events)
+      if (event.kind == "stick") stops += fmt::format("{},{}\n", event.displacement, event.displacement_y);
+    write_whole(folder / "run-stops.csv", stops);
+    double largest = 0;
+    for (const int c : {0, 1})
+      for (const double x : run.columns[static_cast<std::size_t>(c)]) largest = std::max(largest, std::abs(x));
+    const auto [factor, unit] = scaled("m", largest);
+    std::string path = preamble("run-path", "The path in the plane, with its stops", 640, 600);
+    path += fmt::format(
+        "set title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\nset xlabel 'x ({})'\nset ylabel 'y ({})'\n",
+        single_quoted(scene.title), unit, unit);
+    path += fmt::format(
+        "plot 'run.csv' using ($2*{0}):($3*{0}) with lines linestyle 1 notitle, \\\n     'run-stops.csv' "
+        "using ($1*{0}):($2*{0}) with points linestyle 2 pointtype 7 pointsize 0.8 title 'stick'\n",
+        factor);
+    write_whole(folder / "run-path.gp", path);
+    files.insert(files.end(), {"run-path.gp", "run-stops.csv"});
+  }
   if (strip) files.emplace_back("run-strip.csv");
   return files;
 }

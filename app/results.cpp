@@ -187,7 +187,10 @@ std::string to_json(const Scene& scene, const analysis::Run& run) {
   document["error"] = std::move(error);
   auto& events = document["events"] = ordered_json::array();
   for (const auto& event : run.events)
-    events.push_back({{"time", event.time}, {"kind", event.kind}, {"displacement", event.displacement}});
+    events.push_back({{"time", event.time},
+                      {"kind", event.kind},
+                      {"displacement", scene.plane ? ordered_json{event.displacement, event.displacement_y}
+                                                   : ordered_json(event.displacement)}});
   document["metrics"] = run.metrics;
   document["solver"] = run.solver;
   document["cost"] = {{"steps", run.cost.steps}, {"evaluations", run.cost.evaluations}};

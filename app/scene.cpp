@@ -528,7 +528,9 @@ void read_law(Table law, oscillators::Model& model) {
 void read_oscillator(Table table, oscillators::Slider& slider, bool complete) {
   table.expect({"type", "mass", "stiffness", "damping"});
   if (const auto* type = table.find("type")) {
-    const auto name = choice(*type, table.path("type"), {"slider", "two-mass-belt", "mode-coupling", "modal"});
+    const auto name =
+        choice(*type, table.path("type"), {"slider", "plane-slider", "two-mass-belt", "mode-coupling", "modal"});
+    if (name == "plane-slider") fail(type->source(), "oscillator.type = 'plane-slider' serves 'run' only");
     if (name != "slider")
       fail(type->source(), "oscillator.type = '{}' is not available in this version; use 'slider'", name);
   }
@@ -591,7 +593,61 @@ analysis::Start read_start(const toml::node& node, const std::string& path, cons
   return start;
 }
 
-void read_run(Table table, analysis::RunOptions& run, const FrictionLaw& law, bool needed) {
+/// Two numbers, or two of what `read` makes of the elements.
+template <class Read>
+auto both(const toml::node& node, const std::string& path, Read read) {
+  const auto& pair = list(node, path, "two, along x and y");
+  if (pair.size() != 2) fail(node.source(), "{} has {} entries, but 2 are needed, along x and y", path, pair.size());
+  return std::array{read(*pair.get(0)), read(*pair.get(1))};
+}
+std::array<double, 2> both(Table& table, std::string_view key, Quantity quantity) {
+  quantity.name = table.path(key);
+  return both(table.required(key, quantity.meaning + ", along x and y"), quantity.name,
+              [&](const toml::node& node) { return number(node, quantity); });
+}
+
+/// A slider in the plane: springs, dampers and forces along x and y, friction against the velocity vector.
+analysis::PlaneModel read_plane(Table table, Table drive, const FrictionLaw& law, const toml::source_region& law_source,
+                                const fs::path& folder) {
+  const auto friction = law.linear();
+  if (!friction || friction->slope != 0)
+    fail(law_source, "oscillator.type = 'plane-slider' is for Coulomb friction; law '{}' is another", law.card().name);
+  analysis::PlaneModel plane;
+  auto& mass = plane.mass;
+  table.expect({"type", "mass", "stiffness", "damping"});
+  table.find("type");
+  table.required("mass", "kg");
+  table.read("mass", mass.mass, {"", "kg", {1e-12, 1e12}, "mass of the slider"});
+  mass.stiffness = both(table, "stiffness", {"", "N/m", {1e-12, 1e15}, "stiffness of the springs"});
+  mass.damping = both(table, "damping", {"", "N s/m", {0, 1e15}, "damping of the motion"});
+  table.finish();
+  drive.expect({"speed", "normal_load", "force"});
+  if (drive.find("speed")) mass.surface_velocity = both(drive, "speed", mechanical("drive.speed"));
+  mass.load = read_signal(drive.required("normal_load", "N"), mechanical("drive.normal_load"), folder);
+  const auto quantity = mechanical("drive.force");
+  mass.force = both(drive.required("force", "two signals, N"), quantity.name,
+                    [&](const toml::node& node) { return read_signal(node, quantity, folder); });
+  drive.finish();
+  mass.dynamic_friction = friction->constant;
+  mass.static_friction = law.static_limit(mass.load.level());
+  return plane;
+}
+
+void read_plane_start(const toml::node& node, const std::string& path, analysis::PlaneModel& plane) {
+  plane.velocity = plane.mass.surface_velocity;
+  if (node.is_string()) {
+    choice(node, path, {"rest"});
+    return;
+  }
+  Table table(node, path);
+  if (table.find("displacement"))
+    plane.displacement = both(table, "displacement", {"", "m", any, "displacement of the slider"});
+  if (table.find("velocity")) plane.velocity = both(table, "velocity", {"", "m/s", any, "velocity of the slider"});
+  table.finish();
+}
+
+void read_run(Table table, analysis::RunOptions& run, const FrictionLaw& law, analysis::PlaneModel* plane,
+              bool needed) {
   table.expect({"duration", "times", "samples", "start"});
   const Quantity time{table.path("times"), "s", {0, 1e15}, "time of a sample"};
   const auto* times = table.find("times");
@@ -608,7 +664,12 @@ void read_run(Table table, analysis::RunOptions& run, const FrictionLaw& law, bo
   if (times && run.times.back() > run.duration)
     fail(times->source(), "run.times ends at {} s, after run.duration = {} s", run.times.back(), run.duration);
   table.read("samples", run.samples, 1, "equal intervals of the record");
-  if (const auto* start = table.find("start")) run.start = read_start(*start, table.path("start"), law);
+  if (const auto* start = table.find("start")) {
+    if (plane)
+      read_plane_start(*start, table.path("start"), *plane);
+    else
+      run.start = read_start(*start, table.path("start"), law);
+  }
   table.finish();
 }
 
@@ -733,6 +794,11 @@ void read_solver(Table table, analysis::RunOptions& run) {
 }
 
 void read_study(Table table, analysis::StudyOptions& study) {
+  if (const auto* dimensions = table.find("dimensions")) {
+    study.dimensions = count(*dimensions, table.path("dimensions"), 1, "1 or 2");
+    if (study.dimensions > 2) fail(dimensions->source(), "study.dimensions = {} is outside 1 … 2", study.dimensions);
+    if (study.dimensions == 2) study.window_threshold = 0.2751;
+  }
   table.read("cases", study.cases, 1, "random oscillators");
   int seed = 1;
   table.read("seed", seed, 0, "of the random oscillators");
@@ -1020,6 +1086,18 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   const fs::path folder = fs::path(path).parent_path();
   const toml::node* oscillator = root.find("oscillator");
   if (needs_slider) root.required("oscillator", "mass, stiffness and damping of the slider");
+  const auto* type = oscillator && oscillator->is_table() ? oscillator->as_table()->get("type") : nullptr;
+  if (verb == Verb::run && type && type->value_or(std::string()) == "plane-slider") {
+    const auto& loads = root.required("drive", "normal load and two forces");
+    scene.plane = read_plane(Table(*oscillator, "oscillator"), Table(loads, "drive"), *scene.model.law,
+                             document.get("law")->source(), folder);
+    read_run(Table(root.required("run", "duration and start"), "run"), scene.run, *scene.model.law, &*scene.plane,
+             true);
+    if (auto table = root.table("solver")) read_solver(*table, scene.run);
+    root.finish();
+    write_table(scene.resolved, document, "");
+    return scene;
+  }
   if (oscillator) read_oscillator(Table(*oscillator, "oscillator"), scene.model.slider, complete);
   const toml::node* drive = root.find("drive");
   if (needs_slider) root.required("drive", "speed and normal load");
@@ -1045,7 +1123,7 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   };
   const bool runs = verb == Verb::run || protocol("run"), maps = verb == Verb::map || verb == Verb::design;
   if (runs) root.required("run", "duration and start");
-  if (auto table = root.table("run")) read_run(*table, scene.run, *scene.model.law, runs);
+  if (auto table = root.table("run")) read_run(*table, scene.run, *scene.model.law, nullptr, runs);
   if (auto table = root.table("cycle")) read_cycle(*table, scene);
   if (maps || protocol("map")) root.required("map", "the two axes and the metrics");
   if (auto table = root.table("map")) read_map(*table, scene);

@@ -10,6 +10,7 @@
 #include "analysis/equalise.hpp"
 #include "analysis/lab/experiment.hpp"
 #include "analysis/map.hpp"
+#include "analysis/plane_run.hpp"
 #include "analysis/run.hpp"
 #include "analysis/study.hpp"
 #include "oscillators/model.hpp"
@@ -47,6 +48,7 @@ struct Scene {
   std::string name;  ///< the file's name without its ending: results go to out/<name>
   std::string title;
   oscillators::Model model;
+  std::optional<analysis::PlaneModel> plane;  ///< a slider in the plane, in place of the model's; for the verb run
   CurveOptions curve;
   std::vector<std::string> hopf_parameters;  ///< paths asked for besides the usual ones
   analysis::RunOptions run;

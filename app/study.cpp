@@ -270,6 +270,16 @@ std::vector<std::string> write_case(const fs::path& folder, const Scene& scene, 
       curves("entry", fmt::format("(($1-{})*1e3):($4*1e3)", first), "linespoints"));
   script += fmt::format("set ylabel 'displacement (mm)'\nset format y '%.6g'\nset key top right opaque\nplot {}\n",
                         curves("entry", fmt::format("(($1-{})*1e3):($3*1e3)", first), "linespoints"));
+  if (scene.study.dimensions == 2) {
+    std::string path = preamble("study-path", "Path of one case in the plane", 640, 600);
+    path += fmt::format(
+        "set style line 6 linecolor '#000000' linewidth 1\nset title {}\nset key top left\n"
+        "set xlabel 'x (mm)'\nset ylabel 'y (mm)'\nset grid linecolor '#CCCCCC' linewidth 0.6\nplot {}\n",
+        single_quoted(fmt::format("{}, case {}", scene.title, result.shown_case)),
+        curves("motion", "($3*1e3):($5*1e3)", "lines"));
+    write_whole(folder / "study-path.gp", path);
+    files.emplace_back("study-path.gp");
+  }
   write_whole(folder / "study-case.gp", script + "unset multiplot\n");
   files.emplace_back("study-case.gp");
   return files;
@@ -326,7 +336,7 @@ Status study(const Request& request, std::stop_token stop) {
   auto files = write_statistics(folder, scene, result);
   const auto shown = write_case(folder, scene, result);
   files.insert(files.end(), shown.begin(), shown.end());
-  for (const auto& script : {"study.gp", "study-case.gp"}) {
+  for (const auto& script : {"study.gp", "study-case.gp", "study-path.gp"}) {
     if (!fs::exists(folder / script)) continue;
     const auto drawn = draw(folder, script);
     if (!request.quiet)

@@ -138,7 +138,7 @@ Status run(const Request& request) {
   job.explain_model();
   job.explain("solver: {}; tolerance {}; every column comes with its error", scene.run.solver, scene.run.tolerance);
   const auto begin = std::chrono::steady_clock::now();
-  const auto run = analysis::run(scene.model, scene.run);
+  const auto run = scene.plane ? analysis::run_plane(*scene.plane, scene.run) : analysis::run(scene.model, scene.run);
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
 
   std::vector<Column> table{{"time (s)", run.time}};
@@ -165,6 +165,10 @@ Status run(const Request& request) {
   write_csv(job.folder() / "run.csv", table);
   auto files = write_picture(job.folder(), scene, run);
   files.push_back("run.csv");
+  if (scene.plane) {
+    auto path = draw(job.folder(), "run-path.gp");
+    files.insert(files.end(), path.files.begin(), path.files.end());
+  }
   return job.finish(to_json(scene, run), std::move(files), "run.gp", run.outcome);
 }
 
