@@ -40,7 +40,7 @@ constexpr VerbHelp verbs[] = {
     {"lab", "SCENE", "an experiment as it is done in the laboratory: its record and what is read off it"},
     {"study", "SCENE", "the published force algorithms against exact stick-slip over random oscillators"},
     {"stress", "", "random scenes over ten decades, each certified by a second method or refused with a reason"},
-    {"bench", "WHAT", "run time against true error beside other solvers: cycle, history or plane"},
+    {"bench", "WHAT", "run time against true error beside other solvers: cycle, history, plane or stick-slip"},
     {"plot", "PATH", "draw the pictures of a results folder, or of a scene's results, again"},
 };
 
@@ -91,7 +91,8 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     }
     if (name != "plot") command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
     if (name == "bench") {
-      target->description("cycle, history or plane")->check(CLI::IsMember({"cycle", "history", "plane"}));
+      target->description("cycle, history, plane or stick-slip")
+          ->check(CLI::IsMember({"cycle", "history", "plane", "stick-slip"}));
       command->add_flag("--quick", request.quick, "few points and tolerances: checks in seconds that everything works");
       command->add_option("--python", request.python, "Python with SciPy; without it SciPy is left out")
           ->default_val("/usr/bin/python3");

@@ -33,7 +33,16 @@ std::string style(const std::string& solver) {
     const char *solver, *colour;
     int mark, open;
   };
-  constexpr Look looks[] = {{"rosin, whole", "#000000", 7, 7},
+  constexpr Look looks[] = {{"rosin, closed form", "#000000", 3, 3},
+                            {"rosin, events", "#000000", 14, 14},
+                            {"CVODE Adams", "#56B4E9", 13, 12},
+                            {"meijaard", "#009E73", 15, 14},
+                            {"cfm", "#999999", 1, 1},
+                            {"o-fbfm", "#E69F00", 11, 10},
+                            {"r-fbfm", "#D55E00", 9, 8},
+                            {"aabg-sdfm", "#F0E442", 5, 5},
+                            {"tr-sdfm", "#CC79A7", 7, 7},
+                            {"rosin, whole", "#000000", 7, 7},
                             {"rosin, explicit", "#000000", 3, 3},
                             {"rosin, collocation", "#000000", 14, 14},
                             {"rosin, transient", "#000000", 3, 3},
@@ -137,6 +146,11 @@ bool run(const Settings& settings) {
         {curves, "Fault patch, five earthquakes in 5000 s", "true error of ln v at the end", "processor time (s)"},
         {stiff, "Board slider, stick and slip over 600 s",
          "largest true error of x k/(N a), {/Symbol m}/a, ln {/Symbol y} at the end", "processor time (s)"}};
+  } else if (settings.what == "stick-slip") {
+    record = bench_stick_slip(settings, curves);
+    panels = {{curves, "Stick-slip: seven cases, two to eighteen sticks in 2 s",
+               "largest true error of eight displacements over the start, met by nine cases in ten",
+               "processor time per case (s)"}};
   } else {
     record = bench_plane(settings, scipy, curves);
     panels = {{curves, "Plane: N/(m g) = 10^{−8} … 1, {/Symbol l} = 10^{−4} … 10^2",

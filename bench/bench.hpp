@@ -5,7 +5,7 @@
 namespace bench {
 
 struct Settings {
-  std::string what;                         ///< "cycle", "history" or "plane"
+  std::string what;                         ///< "cycle", "history", "plane" or "stick-slip"
   bool quick = false;                       ///< few tolerances and points: checks in seconds that everything works
   bool json = false;                        ///< the record on standard output instead of the tables
   bool quiet = false;                       ///< no progress

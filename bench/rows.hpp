@@ -102,6 +102,7 @@ struct Record {
 json lane_steps(const Settings&);
 Record bench_cycle(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_history(const Settings&, const SciPy&, const std::filesystem::path& curves);
+Record bench_stick_slip(const Settings&, const std::filesystem::path& curves);
 Record bench_plane(const Settings&, const SciPy&, const std::filesystem::path& curves);
 
 }  // namespace bench

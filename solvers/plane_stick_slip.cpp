@@ -153,7 +153,7 @@ void PlaneStickSlip::start(double t, PlaneVector x, PlaneVector v) {
 }
 
 /// Unknowns of slip from (t1_, x_, v_) on; from rest by the series of speed and direction over a first short time.
-void PlaneStickSlip::begin_slip(double t, bool from_rest, const PlaneVector& direction) {
+void PlaneStickSlip::begin_slip(double t, double end, bool from_rest, const PlaneVector& direction) {
   const auto& V = mass_.surface_velocity;
   std::vector<double> y(unknowns, 0.0);
   y[time_] = t, y[x_0] = x_[0], y[x_1] = x_[1];
@@ -161,7 +161,8 @@ void PlaneStickSlip::begin_slip(double t, bool from_rest, const PlaneVector& dir
     y[log_speed] = std::log(length<2>(direction)), y[angle] = std::atan2(direction[1], direction[0]);
   } else {
     // R + Ṙ t + R̈ t²/2 along e = R/|R| and across it; friction takes μd N from the part along.
-    const double m = mass_.mass, muk = mass_.dynamic_friction, h = 1e-5 / fastest_, r = length<2>(direction);
+    const double m = mass_.mass, muk = mass_.dynamic_friction, h = std::min(1e-5 / fastest_, (end - t) / 2),
+                 r = length<2>(direction);
     const PlaneVector e = {direction[0] / r, direction[1] / r};
     const auto N = ClosedForm<double>(mass_.load.piece(t), t).derivatives(0);
     const double a = std::max(0.0, (r - muk * N[0]) / m);
@@ -184,7 +185,7 @@ void PlaneStickSlip::begin_slip(double t, bool from_rest, const PlaneVector& dir
     const double phi = std::atan2(e[1], e[0]) + turn * h - lag;
     y[time_] = t + h;
     for (int d = 0; d < 2; ++d) y[x_0 + d] += V[d] * h + moved * e[d];
-    y[log_speed] = std::log(std::max(s, 2 * least_speed * speed_scale_ * 1e-6)), y[angle] = phi;
+    y[log_speed] = std::log(std::max(s, 1e-3 * least_speed * speed_scale_)), y[angle] = phi;
     y[rubbed] = muk * N[0] * moved, y[path] = moved;
     for (int d = 0; d < 2; ++d)
       y[supply] += (mass_.force[d].value(t) - mass_.damping[d] * V[d]) * (V[d] * h + moved * e[d]) -
@@ -241,7 +242,7 @@ Outcome PlaneStickSlip::advance(double limit, Switch& switched) {
   const double end = std::min(limit, drive_break);
   if (fresh_) {
     stick_ = next_stick_;
-    if (!stick_) begin_slip(t1_, from_rest_, release_direction_);
+    if (!stick_) begin_slip(t1_, end, from_rest_, release_direction_);
     fresh_ = false;
   }
   if (stick_) {
@@ -278,8 +279,11 @@ Outcome PlaneStickSlip::advance(double limit, Switch& switched) {
                                             before[unknown] - value, now[unknown] - value);
     return theta && collocation_->shorten(*theta);
   };
-  bool stops = collocation_->state()[log_speed] < stop && before[log_speed] >= stop;
-  if (stops && !until(log_speed, stop)) return {Ending::not_finite, "while locating a stop"};
+  // Slip may begin below the speed that ends it: then it rises.
+  const double lowest = collocation_->state()[log_speed];
+  bool stops = lowest < stop && lowest < before[log_speed];
+  if (stops && before[log_speed] > stop && !until(log_speed, stop))
+    return {Ending::not_finite, "while locating a stop"};
   const bool ends = collocation_->state()[time_] >= end;
   if (ends && collocation_->state()[time_] > end) {
     stops = false;
@@ -294,9 +298,8 @@ Outcome PlaneStickSlip::advance(double limit, Switch& switched) {
   t1_ = ends ? end : y[time_];
   x_ = {y[x_0], y[x_1]};
   for (int d = 0; d < 2; ++d) v_[d] = V[d] + s * e[d];
-  if (stops) {
-    const double brake =
-        (mass_.dynamic_friction * mass_.load.value(t1_) - dot<2>(balance(t1_, x_, v_), e)) / mass_.mass;
+  const double brake = (mass_.dynamic_friction * mass_.load.value(t1_) - dot<2>(balance(t1_, x_, v_), e)) / mass_.mass;
+  if (stops && brake > 0) {
     const double rest = s / brake;
     t1_ += rest;
     for (int d = 0; d < 2; ++d) x_[d] += rest * (V[d] + s * e[d] / 2), v_[d] = V[d];

@@ -51,7 +51,7 @@ class PlaneStickSlip {
   class Slip;
   PlaneVector balance(double t, const PlaneVector& x, const PlaneVector& v) const;
   double energy(const PlaneVector& x, const PlaneVector& v) const;
-  void begin_slip(double t, bool from_rest, const PlaneVector& direction);
+  void begin_slip(double t, double end, bool from_rest, const PlaneVector& direction);
   double release(double from, double to) const;
 
   PlaneMass mass_;

@@ -105,9 +105,6 @@ class SteppedMotion {
       if (options_.most_sticks > 0 && sticks_.size() == options_.most_sticks && last().state != State::stick) break;
     }
     if (last().state == State::stick && !sticks_.empty()) sticks_.back().end = points_.size() - 1;
-    for (std::size_t n = 0; n < points_.size(); ++n)
-      if (points_[n].state == State::stick && n + 1 == points_.size())
-        points_[n].friction = points_[n - (n > 0)].friction;
   }
 
   const std::vector<Point>& points() const { return points_; }

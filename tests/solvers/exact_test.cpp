@@ -221,3 +221,20 @@ TEST_CASE("a hundred thousand random oscillators", "[.exact-stress]") {
   CHECK(count.endless == 0);
   CHECK(count.worst_balance < 1e-9);
 }
+
+TEST_CASE("three motions drawn for published pictures: first sticks, and the forces in stick and slip", "[exact]") {
+  struct Drawn {
+    double m, k, c, mus, muk, x0, Nc, Nv, P, wn, we, first_stick;
+  };
+  // First sticks by an independent implementation, to the digits given.
+  const Drawn drawn[] = {{4.1274, 1575.5, 1.9608, .40109, .27661, .072586, 40.49, .18329, 14.687, 10.651, 84.18, .677},
+                         {4.6835, 10483, 11.126, .38084, .36443, .050481, 45.945, 43.753, 17.474, 234.64, 19.397, .665},
+                         {3.5107, 5561.8, 11.697, .32667, .23451, .012564, 34.44, 31.616, 25.008, 22.94, 15.311, .218}};
+  for (const auto& d : drawn) {
+    Exact<double> exact({d.m, d.k, d.c, d.mus, d.muk, 0, 0.0, Signal(Signal::Harmonics{d.Nc, {{d.Nv, d.wn, 0}}}),
+                         Signal(Signal::Harmonics{0, {{d.P, d.we, 0}}})});
+    exact.start(0, d.x0, 0);
+    while (exact.time() < 4 && exact.advance(4) != Switch::stick) continue;
+    CHECK(double(exact.time()) == Approx(d.first_stick).margin(5e-4));
+  }
+}
