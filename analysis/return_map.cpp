@@ -227,11 +227,10 @@ ReturnMap::ReturnMap(const Model& model) : system_(model), speed_(model.drive.sp
   const auto& s = model.slider;
   const double N = model.drive.normal_load.level();
   const auto& contact = model.contact_stiffness;
-  const double loading =
-      s.stiffness > 0 ? N * (1 / s.stiffness + 1 / contact.tangential + 1 / (contact.per_load * N)) / speed_ : 0;
+  const double loading = s.stiffness > 0 ? N * (1 / s.stiffness + contact.compliance(N)) / speed_ : 0;
   const double natural = s.mass > 0 && s.stiffness > 0 ? 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness) : 0;
   if (s.mass > 0 && !system_.rigid()) {
-    const double k_t = 1 / (1 / contact.tangential + 1 / (contact.per_load * N));
+    const double k_t = 1 / contact.compliance(N);
     const double ringing = 2 * std::numbers::pi * std::sqrt(s.mass / (s.stiffness + k_t));
     if (loading > 100 * ringing && s.damping < 1e-3 * std::sqrt(s.mass * (s.stiffness + k_t)))
       ringing_ = fmt::format(
@@ -249,12 +248,11 @@ std::vector<double> ReturnMap::stick(double aged_at) const {
   // Without its own clock the state is that of the slip rate; friction of any other would call for slip at 1e-100 m/s.
   const auto state = model.law->steady({model.lambda == 0 ? u : aged_at, N});
   const double F = N * model.law->friction({u, N}, state);
-  const auto& spring = model.contact_stiffness;
   if (system_.mechanics() == Mechanics::inertial && !system_.rigid()) {
     // While the contact sticks, its spring and the slider's share the motion of the drive. Any other start rings, and
     // nothing might damp it.
     const auto& s = model.slider;
-    const double k_t = 1 / (1 / spring.tangential + 1 / (spring.per_load * N));
+    const double k_t = 1 / model.contact_stiffness.compliance(N);
     const double imposed = speed_ * s.stiffness / (s.stiffness + k_t);
     return system_.unknowns_at(0, (F + f - s.damping * (speed_ - imposed)) / s.stiffness, imposed, state, F);
   }

@@ -160,7 +160,8 @@ struct SingleState {
 };
 std::optional<SingleState> single_state(const Model& model) {
   const auto& law = *model.law;
-  if (law.states().size() != 1 || model.lambda == 0 || law.set_valued()) return std::nullopt;
+  if (law.states().size() != 1 || model.lambda == 0 || law.set_valued() || model.contact_stiffness.damped())
+    return std::nullopt;
   const double V = model.drive.speed.level(), N = model.drive.normal_load.level();
   if (!(V != 0) || !(N > 0)) return std::nullopt;
   const auto contact = law.contact({.lambda = model.lambda, .unknowns = Unknowns::states});
@@ -250,9 +251,7 @@ std::optional<double> critical_stiffness(const Model& model) {
   if (!law || model.slider.damping != 0 || !(law->slope < 0)) return std::nullopt;
   const double N = model.drive.normal_load.level();
   const double omega2 = -law->g * law->g * law->slope / law->direct, pull = -law->g * law->slope * N;
-  const auto& contact = model.contact_stiffness;
-  const double compliance = 1 / contact.tangential + 1 / (contact.per_load * N);
-  const double rest = 1 / pull - compliance;  // 1/(k − m ω²)
+  const double rest = 1 / pull - model.contact_stiffness.compliance(N);  // 1/(k − m ω²)
   if (!(rest > 0)) return std::nullopt;
   return model.slider.mass * omega2 + 1 / rest;
 }

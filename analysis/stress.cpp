@@ -215,12 +215,17 @@ StressScene draw_scene(const Laws& laws, std::uint64_t seed, long index) {
   set("oscillator.mass", m);
   const double natural = std::sqrt(m / k);      // s, per radian
   const double anything = dice.decades(-5, 5);  // N
-  if (model.law->has_slip_rate() && dice.chance(0.2)) {
+  if (!model.law->set_valued() && dice.chance(0.2)) {
     const double spring = k * dice.decades(-5, 5);
-    if (dice.chance(0.7))
+    const double beside = spring * (m > 0 ? natural : relaxation.value_or(1)) * dice.decades(-5, 5);
+    const bool damped = dice.chance(0.4);
+    if (dice.chance(0.7)) {
       set("law.contact_stiffness.tangential", spring);
-    else
+      if (damped) set("law.contact_stiffness.damping", beside);
+    } else {
       set("law.contact_stiffness.per_load", spring / anything);
+      if (damped) set("law.contact_stiffness.damping_per_load", beside / anything);
+    }
   }
   const double damping = (m > 0 ? 2 * std::sqrt(k * m) : k * relaxation.value_or(1)) * dice.decades(-5, 5);
   if (dice.chance(0.5)) set("oscillator.damping", damping);
@@ -328,10 +333,12 @@ Complex impedance(const Model& model, Complex s) {
   Complex Z = d.F_u;
   for (int i = 0; i < n; ++i) Z += d.F_z[i] * x[i];
   const auto& o = model.slider;
-  const double compliance = 1 / model.contact_stiffness.tangential + 1 / (model.contact_stiffness.per_load * N);
-  // Slider: D(s) = m s² + c s + k; contact: s Z; series spring: 1/k_t. D (1 + sZ/k_t) + s Z = 0.
-  const Complex D = o.mass * s * s + o.damping * s + o.stiffness;
-  return determinant * (D * (1.0 + s * Z * compliance) + s * Z);
+  const auto& spring = model.contact_stiffness;
+  const double compliance = spring.compliance(N), damping = spring.damping + spring.damping_per_load * N;
+  // Slider: D(s) = m s² + c s + k; contact: s Z; series spring and damper: κ = k_t + c_t s.
+  // 1/D + 1/(s Z) + 1/κ = 0, times D s Z κ/k_t.
+  const Complex D = o.mass * s * s + o.damping * s + o.stiffness, relative = 1.0 + s * damping * compliance;
+  return determinant * (D * (relative + s * Z * compliance) + s * Z * relative);
 }
 
 /// How far an eigenvalue is from the next root of the impedance equation: one step of Newton's method.

@@ -57,9 +57,13 @@ void Job::explain_model() const {
                              ? "the friction coefficient is an unknown, because the slip rate is explicit"
                          : law.set_valued() ? "sticks exactly; switches between stick and slip are located events"
                                             : "friction follows from slip rate and states");
-  const bool spring =
-      std::isfinite(model.contact_stiffness.tangential) || std::isfinite(model.contact_stiffness.per_load);
-  explain("contact stiffness: {}", spring ? "a series spring" : "none, the contact is rigid");
+  explain("contact stiffness: {}", !model.contact_stiffness.present() ? "none, the contact is rigid"
+                                   : model.contact_stiffness.damped() ? "a spring and a damper in series with the law"
+                                                                      : "a spring in series with the law");
+  if (model.load_memory > 0)
+    explain("load memory: {}", model.drive.normal_load.constant()
+                                   ? "without effect, because the normal load is constant"
+                                   : "the states answer to the rate of the normal load");
   if (model.slider.mass == 0) explain("slider without mass: inertia is left out");
 }
 

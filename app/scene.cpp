@@ -518,10 +518,15 @@ void read_law(Table law, oscillators::Model& model) {
   if (auto spring = law.table("contact_stiffness")) {
     spring->read("tangential", model.contact_stiffness.tangential, mechanical("law.contact_stiffness.tangential"));
     spring->read("per_load", model.contact_stiffness.per_load, mechanical("law.contact_stiffness.per_load"));
-    spring->refuse("damping");
+    spring->read("damping", model.contact_stiffness.damping, mechanical("law.contact_stiffness.damping"));
+    spring->read("damping_per_load", model.contact_stiffness.damping_per_load,
+                 mechanical("law.contact_stiffness.damping_per_load"));
     spring->finish();
   }
-  law.refuse("load_memory");
+  if (auto memory = law.table("load_memory")) {
+    memory->read("alpha", model.load_memory, mechanical("law.load_memory.alpha"));
+    memory->finish();
+  }
   law.finish();
 }
 

@@ -16,12 +16,24 @@ enum class Unknowns {
   states,    ///< z = (states): F = N·μ(u, states)
 };
 
+/// A spring with a damper beside it, in series with a law: F = k·e + c·ė, k = 1/(compliance + compliance_per_load/N),
+/// c = damping + damping_per_load·N. Its deflection e is an unknown of the contact.
+struct SeriesSpring {
+  double compliance = 0;           ///< m/N
+  double compliance_per_load = 0;  ///< m
+  double damping = 0;              ///< N s/m
+  double damping_per_load = 0;     ///< s/m
+  bool present() const { return compliance > 0 || compliance_per_load > 0; }
+};
+
 /// What surrounds a law in a contact.
 struct ContactSetup {
   double lambda = 1;               ///< clock factor of the states; 0: states in equilibrium, a friction curve
-  double compliance = 0;           ///< 1/k_t of a series spring independent of load, m/N
-  double compliance_per_load = 0;  ///< N/k_t of a series spring proportional to load, m
+  double compliance = 0;           ///< 1/k_t of an undamped series spring independent of load, m/N
+  double compliance_per_load = 0;  ///< N/k_t of an undamped series spring proportional to load, m
   Unknowns unknowns = Unknowns::friction;
+  SeriesSpring spring = {};  ///< where it is damped, or no friction unknown carries it
+  double load_memory = 0;    ///< α: at constant slip rate, states change so that dμ = −α dN/N
 };
 
 /// What the oscillator imposes on a contact.
@@ -29,7 +41,8 @@ template <class Real>
 struct ContactInput {
   Real slip_rate;    ///< u, m/s
   Real normal_load;  ///< N, newton
-  Real load_rate;    ///< dN/dt, N/s; matters only to a series spring that does not scale with load
+  Real load_rate;    ///< dN/dt, N/s; matters to an undamped series spring that does not scale with load, and to states
+                     ///< that remember the load
   Real direction;    ///< +1 or −1: direction of slip, used by set-valued laws only
 };
 
@@ -59,10 +72,10 @@ class Contact : public ContactValues<Real> {
   virtual void linearise(const ContactInput<Real>& in, const Real* z, Real* g, Real& F, Slopes<Real>& slopes) const = 0;
   /// Coefficient of steady sliding at slip rate u and load N.
   virtual void steady_friction(const Real& u, const Real& N, Real& mu) const = 0;
-  /// Of a contact that carries friction: its own slip rate v and the rates g of its states (as unknowns), and their
+  /// Of a contact that carries friction and no spring deflection: its own slip rate v and the rates g of its states (as unknowns), and their
   /// slopes by z at a given load, `v_z` (unknowns) and `g_z` (states × unknowns, row-major). Cheaper than `linearise`.
   virtual void slip(const Real& N, const Real* z, Real& v, Real* g, Real* v_z, Real* g_z) const = 0;
-  /// Diagonal of M at load N: N/k_t for the friction row, λ for states; 0 marks an algebraic row.
+  /// Diagonal of M at load N: N/k_t for the friction row, λ for states, 1 for a deflection; 0 marks an algebraic row.
   virtual void mass(const Real& N, Real* m) const = 0;
   /// Replaces the parameters of one lane (lane 0 of a double contact). `parameters` in the order of the law's table.
   /// Lists are shared by all lanes. \throws InputError if the setup changes the number of unknowns.
@@ -71,6 +84,10 @@ class Contact : public ContactValues<Real> {
   virtual void steady(int lane, double u, double N, double* z, double* weight) const = 0;
   /// ∂μ/∂z of each state unknown at fixed slip rate, in steady sliding at u and N.
   virtual void friction_slopes(int lane, double u, double N, double* slopes) const = 0;
+  /// What a sudden change of the load from N to `changed`, at slip rate v, makes of the unknowns of lane 0. By default
+  /// nothing: only states that remember the load notice.
+  virtual void change_load([[maybe_unused]] double v, [[maybe_unused]] double N, [[maybe_unused]] double changed,
+                           [[maybe_unused]] double* z) const {}
 };
 
 }  // namespace rosin

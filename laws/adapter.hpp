@@ -9,8 +9,8 @@
 #include <array>
 #include <utility>
 
-#include "core/instruction_set.hpp"
 #include "laws/law.hpp"
+#include "laws/portion.hpp"
 
 namespace rosin::laws {
 
@@ -99,15 +99,6 @@ std::vector<Quantity> describe(const Table& fields) {
                     std::is_same_v<Member, std::vector<double>>, f.parity});
   });
   return list;
-}
-
-/// Sets one lane of a scalar: the only lane of a double or of a Dual's slopes stays constant.
-inline void set_lane(double& x, int, double value) { x = value; }
-inline void set_lane(Pack& x, int lane, double value) { x.block[lane] = value; }
-inline void set_lane(Lanes& x, int lane, double value) { x.set(lane, value); }
-template <class Real, int n>
-void set_lane(Dual<Real, n>& x, int lane, double value) {
-  set_lane(x.value, lane, value);
 }
 
 /// Sets the parameters of one lane and rebuilds the law, so that derived members follow. Lists are shared by all lanes.
@@ -336,22 +327,6 @@ void steady_friction_slopes(const Law& law, double u, double N, double* slopes) 
 
 }  // namespace detail
 
-/// Scalar type that a law is evaluated in, and how many of them make up a contact of type Real.
-template <class Real>
-struct Portion {
-  using Scalar = double;
-  static constexpr int count = 1;
-  static const double& of(const double& x, int) { return x; }
-  static double& of(double& x, int) { return x; }
-};
-template <>
-struct Portion<Lanes> {
-  using Scalar = Pack;
-  static constexpr int count = lane_packs;
-  ROSIN_INLINE static const Pack& of(const Lanes& x, int i) { return x.pack[i]; }
-  ROSIN_INLINE static Pack& of(Lanes& x, int i) { return x.pack[i]; }
-};
-
 /// What surrounds the law in a contact: which unknowns it carries, and of each lane the clock factor and the spring.
 template <class Real>
 class Surroundings {
@@ -387,15 +362,6 @@ class Surroundings {
   detail::Rows rows_;
   Real lambda_, compliance_, compliance_per_load_;
 };
-
-/// Runs a kernel once, on the instruction set in use if it is for lanes.
-template <class Real, class Kernel>
-void on_lanes(const Kernel& kernel) {
-  if constexpr (Portion<Real>::count > 1)
-    run_on_lanes(kernel);
-  else
-    kernel();
-}
 
 /// The contact of law L for one system (Real = double) or for 32 (Real = Lanes).
 template <template <class> class L, class Real>
@@ -652,17 +618,17 @@ class Law final : public FrictionLaw {
     }
   }
 
-  std::unique_ptr<Contact<double>> contact(const ContactSetup& setup) const override {
-    return std::make_unique<LawContact<L, double>>(values_, accepted(setup));
-  }
-  std::unique_ptr<Contact<Lanes>> lanes(const ContactSetup& setup) const override {
-    return std::make_unique<LawContact<L, Lanes>>(values_, accepted(setup));
-  }
-  std::unique_ptr<ContactValues<Tower>> tower(const ContactSetup& setup) const override {
-    return std::make_unique<LawTower<L>>(values_, accepted(setup));
-  }
 
  private:
+  std::unique_ptr<Contact<double>> bare_contact(const ContactSetup& setup) const override {
+    return std::make_unique<LawContact<L, double>>(values_, accepted(setup));
+  }
+  std::unique_ptr<Contact<Lanes>> bare_lanes(const ContactSetup& setup) const override {
+    return std::make_unique<LawContact<L, Lanes>>(values_, accepted(setup));
+  }
+  std::unique_ptr<ContactValues<Tower>> bare_tower(const ContactSetup& setup) const override {
+    return std::make_unique<LawTower<L>>(values_, accepted(setup));
+  }
   static const ContactSetup& accepted(const ContactSetup& setup) {
     if (setup.unknowns == Unknowns::friction && !HasSlipRate<L>)
       throw InputError(fmt::format("law '{}' has no explicit slip rate: its contact cannot carry μ as unknown",

@@ -559,17 +559,17 @@ class FormulaLaw final : public FrictionLaw {
     }
   }
 
-  std::unique_ptr<Contact<double>> contact(const ContactSetup& setup) const override {
+ private:
+  std::unique_ptr<Contact<double>> bare_contact(const ContactSetup& setup) const override {
     return std::make_unique<FormulaContact<double>>(program_, constants_, accepted(setup));
   }
-  std::unique_ptr<Contact<Lanes>> lanes(const ContactSetup& setup) const override {
+  std::unique_ptr<Contact<Lanes>> bare_lanes(const ContactSetup& setup) const override {
     return std::make_unique<FormulaContact<Lanes>>(program_, constants_, accepted(setup));
   }
-  std::unique_ptr<ContactValues<Tower>> tower(const ContactSetup& setup) const override {
+  std::unique_ptr<ContactValues<Tower>> bare_tower(const ContactSetup& setup) const override {
     return std::make_unique<FormulaTower>(program_, constants_, accepted(setup));
   }
 
- private:
   const ContactSetup& accepted(const ContactSetup& setup) const {
     if (setup.unknowns == Unknowns::friction && !has_slip_rate())
       throw InputError(

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "laws/wrappers.hpp"
+
 namespace rosin {
 
 bool FrictionLaw::deflects() const {
@@ -39,6 +41,48 @@ std::shared_ptr<const FrictionLaw> FrictionLaw::with(std::string_view name, Valu
   auto changed = values();
   changed[index_or_throw(*this, name)] = std::move(value);
   return with(std::move(changed));
+}
+
+namespace {
+bool remembers_load(const FrictionLaw& law, const ContactSetup& setup) {
+  if (setup.load_memory == 0 || setup.lambda == 0) return false;
+  const auto& states = law.states();
+  if (law.set_valued() || states.empty() ||
+      !std::ranges::all_of(states, [](const auto& state) { return state.scale == Scale::log; }))
+    throw InputError(
+        fmt::format("law.load_memory needs states that stand for the contact's age or area, and law '{}' has {}",
+                    law.card().name,
+                    states.empty()     ? "none"
+                    : law.set_valued() ? "one that counts slip or rest"
+                                       : "others"));
+  return true;
+}
+const ContactSetup& with_spring(const FrictionLaw& law, const ContactSetup& setup) {
+  if (law.set_valued())
+    throw InputError(
+        fmt::format("a spring in series does not go with law '{}', whose force at rest is any value up to its limit: "
+                    "behind the spring it would jump at slip",
+                    law.card().name));
+  return setup;
+}
+}  // namespace
+
+std::unique_ptr<Contact<double>> FrictionLaw::contact(const ContactSetup& setup) const {
+  auto contact = bare_contact(setup);
+  if (remembers_load(*this, setup))
+    contact = laws::with_load_memory(std::move(contact), bare_contact({.unknowns = Unknowns::states}), setup);
+  if (setup.spring.present()) contact = laws::behind_spring(std::move(contact), with_spring(*this, setup));
+  return contact;
+}
+std::unique_ptr<Contact<Lanes>> FrictionLaw::lanes(const ContactSetup& setup) const {
+  auto contact = bare_lanes(setup);
+  if (setup.spring.present()) contact = laws::behind_spring(std::move(contact), with_spring(*this, setup));
+  return contact;
+}
+std::unique_ptr<ContactValues<Tower>> FrictionLaw::tower(const ContactSetup& setup) const {
+  auto contact = bare_tower(setup);
+  if (setup.spring.present()) contact = laws::behind_spring(std::move(contact), with_spring(*this, setup));
+  return contact;
 }
 
 namespace laws {

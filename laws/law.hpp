@@ -90,10 +90,12 @@ class FrictionLaw {
   virtual void steady_friction(std::span<const double> slip_rates, double normal_load,
                                std::span<double> friction) const = 0;
 
-  /// Contacts for solvers. \throws InputError if `Unknowns::friction` is asked of a law without slip_rate.
-  virtual std::unique_ptr<Contact<double>> contact(const ContactSetup&) const = 0;
-  virtual std::unique_ptr<Contact<Lanes>> lanes(const ContactSetup&) const = 0;
-  virtual std::unique_ptr<ContactValues<Tower>> tower(const ContactSetup&) const = 0;
+  /// Contacts for solvers, with the wrappers that the setup asks for: load memory around the law, a series spring
+  /// around both. \throws InputError if `Unknowns::friction` is asked of a law without slip_rate, and where a wrapper
+  /// does not go with the law.
+  std::unique_ptr<Contact<double>> contact(const ContactSetup&) const;
+  std::unique_ptr<Contact<Lanes>> lanes(const ContactSetup&) const;
+  std::unique_ptr<ContactValues<Tower>> tower(const ContactSetup&) const;
 
   bool has_states() const { return !states().empty(); }
   /// True where a state is a deflection: friction then holds an elastic part, on which a mass may ring.
@@ -104,6 +106,12 @@ class FrictionLaw {
   double parameter(std::string_view name) const;
   /// The same law with one parameter changed. \throws InputError for an unknown name (with the nearest) or bad value.
   std::shared_ptr<const FrictionLaw> with(std::string_view name, Value value) const;
+
+ private:
+  /// The law's own contacts, without wrappers.
+  virtual std::unique_ptr<Contact<double>> bare_contact(const ContactSetup&) const = 0;
+  virtual std::unique_ptr<Contact<Lanes>> bare_lanes(const ContactSetup&) const = 0;
+  virtual std::unique_ptr<ContactValues<Tower>> bare_tower(const ContactSetup&) const = 0;
 };
 
 namespace laws {

@@ -18,6 +18,8 @@ struct Entry {
   void (*set)(Model&, double);
 };
 
+constexpr std::string_view lambda_path = "law.lambda", load_memory_path = "law.load_memory.alpha";
+
 const std::vector<Entry>& entries() {
   constexpr Range positive{0, 1e15}, stiffness{1e-12, infinity}, force{-1e15, 1e15};
   static const std::vector<Entry> list = {
@@ -30,6 +32,16 @@ const std::vector<Entry>& entries() {
       {{"law.contact_stiffness.per_load", "1/m", stiffness, "tangential stiffness of the contact per unit load"},
        [](const Model& m) { return m.contact_stiffness.per_load; },
        [](Model& m, double x) { m.contact_stiffness.per_load = x; }},
+      {{"law.contact_stiffness.damping", "N s/m", positive, "damping beside the contact's tangential stiffness"},
+       [](const Model& m) { return m.contact_stiffness.damping; },
+       [](Model& m, double x) { m.contact_stiffness.damping = x; }},
+      {{"law.contact_stiffness.damping_per_load", "s/m", positive,
+        "damping beside the contact's tangential stiffness, per unit load"},
+       [](const Model& m) { return m.contact_stiffness.damping_per_load; },
+       [](Model& m, double x) { m.contact_stiffness.damping_per_load = x; }},
+      {{std::string(load_memory_path), "1", {0, 1}, "how much friction falls at once per e-fold of the load"},
+       [](const Model& m) { return m.load_memory; },
+       [](Model& m, double x) { m.load_memory = x; }},
       {{"oscillator.mass", "kg", {0, 1e12}, "mass of the slider; 0: quasi-static"},
        [](const Model& m) { return m.slider.mass; },
        [](Model& m, double x) { m.slider.mass = x; }},
@@ -52,11 +64,9 @@ const std::vector<Entry>& entries() {
   return list;
 }
 
-constexpr std::string_view lambda_path = "law.lambda";
-
-/// The entry of a path, or nullptr. λ is a parameter only of laws with states.
+/// The entry of a path, or nullptr. λ and load memory are parameters only of laws with states.
 const Entry* find_entry(const Model& model, std::string_view path) {
-  if (path == lambda_path && !model.law->has_states()) return nullptr;
+  if ((path == lambda_path || path == load_memory_path) && !model.law->has_states()) return nullptr;
   for (const auto& entry : entries())
     if (entry.quantity.name == path) return &entry;
   return nullptr;
@@ -144,14 +154,27 @@ void Model::check() const {
     throw InputError(
         "oscillator: mass, stiffness and damping are all 0, so that nothing resists the friction force; "
         "give one of them a value");
-  const bool tangential = std::isfinite(contact_stiffness.tangential);
-  const bool per_load = std::isfinite(contact_stiffness.per_load);
-  if (tangential && per_load) throw InputError("law.contact_stiffness: give tangential or per_load, not both");
-  if ((tangential || per_load) && !law->has_slip_rate())
+  const auto& contact = contact_stiffness;
+  if (std::isfinite(contact.tangential) && std::isfinite(contact.per_load))
+    throw InputError("law.contact_stiffness: give tangential or per_load, not both");
+  if (contact.damping > 0 && contact.damping_per_load > 0)
+    throw InputError("law.contact_stiffness: give damping or damping_per_load, not both");
+  if (contact.damped() && !contact.present())
     throw InputError(
-        fmt::format("law.contact_stiffness needs a law that can be solved for the slip rate, and '{}' "
-                    "cannot; leave it out",
+        "law.contact_stiffness: damping without a spring beside it has no meaning; give tangential (N/m) or "
+        "per_load (1/m)");
+  if (contact.present() && law->set_valued())
+    throw InputError(
+        fmt::format("law.contact_stiffness does not go with law '{}', whose force at rest is any value up to its "
+                    "limit: behind a spring it would jump at slip; 'dahl' and 'lugre' are such laws with an elastic "
+                    "contact",
                     name));
+  const bool damped = slider.damping > 0 || (contact.damped() && std::isfinite(slider.stiffness));
+  if (slider.mass == 0 && !law->has_slip_rate() && damped)
+    throw InputError(
+        fmt::format("law '{}' cannot be solved for the slip rate: without mass it goes with springs alone, not with {}; "
+                    "give the slider a mass",
+                    name, slider.damping > 0 ? "oscillator.damping" : "a damped law.contact_stiffness"));
 }
 
 }  // namespace rosin::oscillators

@@ -24,10 +24,15 @@ struct Drive {
   bool constant() const { return speed.constant() && normal_load.constant() && force.constant(); }
 };
 
-/// Tangential contact stiffness in series with the law; infinite: rigid contact.
+/// Tangential contact stiffness in series with the law, and a damper beside it; infinite: rigid contact.
 struct ContactStiffness {
   double tangential = infinity;  ///< k_t independent of load, N/m
   double per_load = infinity;    ///< k_t/N, 1/m
+  double damping = 0;            ///< c_t independent of load, N s/m
+  double damping_per_load = 0;   ///< c_t/N, s/m
+  bool present() const { return tangential < infinity || per_load < infinity; }
+  bool damped() const { return damping > 0 || damping_per_load > 0; }
+  double compliance(double N) const { return 1 / tangential + 1 / (per_load * N); }  ///< 1/k_t at load N, m/N
 };
 
 /// Law, slider and drive. A value: copy and change it freely.
@@ -35,6 +40,7 @@ struct Model {
   std::shared_ptr<const FrictionLaw> law;
   double lambda = 1;  ///< clock factor of the law's states
   ContactStiffness contact_stiffness;
+  double load_memory = 0;  ///< α of Linker and Dieterich: a step of the load changes friction by −α ln(N'/N) first
   Slider slider;
   Drive drive;
 

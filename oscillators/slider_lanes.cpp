@@ -21,6 +21,7 @@ SliderLanes::SliderLanes(const SliderSystem& pattern)
       setup_(pattern.contact_setup()),
       mechanics_(pattern.mechanics()),
       rigid_(pattern.rigid()),
+      contact_slip_rate_(pattern.contact_slip_rate_index()),
       contact_(law_->lanes(setup_)) {
   if (!pattern.autonomous()) throw InputError("sliders in lanes need a drive that is constant in time");
   mechanical_ = pattern.size() - contact_->unknowns();
@@ -31,7 +32,7 @@ SliderLanes::SliderLanes(const SliderSystem& pattern)
 bool SliderLanes::fits(const SliderSystem& slider) const {
   const auto& setup = slider.contact_setup();
   if (!slider.autonomous() || slider.mechanics() != mechanics_ || setup.unknowns != setup_.unknowns ||
-      slider.size() != size() || slider.rigid() != rigid_)
+      slider.size() != size() || slider.rigid() != rigid_ || setup.spring.present() != setup_.spring.present())
     return false;
   const auto& law = *slider.model().law;
   if (&law.card() != &law_->card()) return false;        // laws from text share their name
@@ -131,17 +132,27 @@ void SliderLanes::linearise(const Lanes* y, Lanes* f, Lanes* jacobian) const {
 
 void SliderLanes::scale(const Lanes* y, Lanes* s) const {
   for (int i = 0; i < size(); ++i) s[i] = scale_[i];
-  if (mechanical_ > 1)
-    for_each_pack([&](int p) __attribute__((always_inline)) { s[1].pack[p] = max(s[1].pack[p], abs(y[1].pack[p])); });
+  for (const int speed : {mechanical_ > 1 ? 1 : -1, contact_slip_rate_})
+    if (speed >= 0)
+      for_each_pack([&](int p)
+                        __attribute__((always_inline)) { s[speed].pack[p] = max(s[speed].pack[p], abs(y[speed].pack[p])); });
 }
 
 void SliderLanes::contact_slip_rate(const Lanes* y, Lanes& v) const {
+  if (contact_slip_rate_ >= 0) {
+    v = y[contact_slip_rate_];
+    return;
+  }
   imposed_slip_rate(y, v);
   if ((rigid_ && mechanics_ == Mechanics::inertial) || setup_.unknowns != Unknowns::friction) return;
-  // The friction row is g₀ = u − v.
+  // The friction row is g₀ = u − v, or u − ė − v behind a damped spring, whose ė is the last row.
   Lanes f[Slopes<double>::capacity], F;
   contact_->evaluate({v, load_, none_, direction_}, y + mechanical_, f, F);
-  for_each_pack([&](int p) __attribute__((always_inline)) { v.pack[p] = v.pack[p] - f[0].pack[p]; });
+  const int stretching = contact_->unknowns() - 1;
+  for_each_pack([&](int p) __attribute__((always_inline)) {
+    v.pack[p] = v.pack[p] - f[0].pack[p];
+    if (setup_.spring.present()) v.pack[p] = v.pack[p] - f[stretching].pack[p];
+  });
 }
 
 void SliderLanes::friction_coefficient(const Lanes* y, Lanes& mu) const {

@@ -39,6 +39,7 @@ class SliderLanes final : public LaneSystem {
   Mechanics mechanics_;
   int mechanical_;
   bool rigid_;
+  int contact_slip_rate_;  ///< its index among the unknowns, or −1
   std::unique_ptr<Contact<Lanes>> contact_;
   Lanes mass_, stiffness_, damping_, speed_, load_, force_, direction_ = 1.0, none_ = 0.0;
   std::vector<Lanes> scale_;

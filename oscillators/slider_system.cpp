@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 
 namespace rosin::oscillators {
@@ -25,19 +26,28 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   mechanics_ = mechanics_of(model_.slider);
   mechanical_ = mechanics_ == Mechanics::inertial ? 2 : mechanics_ == Mechanics::damped ? 1 : 0;
   setup_.lambda = model_.lambda;
-  setup_.compliance = 1 / model_.contact_stiffness.tangential;
-  setup_.compliance_per_load = 1 / model_.contact_stiffness.per_load;
-  if (mechanics_ == Mechanics::elastic) setup_.compliance += 1 / model_.slider.stiffness;
-  // Only a friction unknown can carry a spring in series or answer for a slip rate that is not a coordinate.
+  setup_.load_memory = model_.load_memory;
+  const auto& spring = model_.contact_stiffness;
+  const double own_compliance = mechanics_ == Mechanics::elastic ? 1 / model_.slider.stiffness : 0;
+  if (spring.damped() || (!law.has_slip_rate() && (spring.present() || mechanics_ == Mechanics::elastic))) {
+    setup_.spring = {1 / spring.tangential, 1 / spring.per_load, spring.damping, spring.damping_per_load};
+    if (law.has_slip_rate())
+      setup_.compliance = own_compliance;
+    else
+      setup_.spring.compliance += own_compliance;  // the two springs are one, because no damper lies beside either
+  } else {
+    setup_.compliance = 1 / spring.tangential + own_compliance;
+    setup_.compliance_per_load = 1 / spring.per_load;
+  }
+  // A friction unknown carries an undamped spring in series, and answers for a slip rate that is not a coordinate.
   const bool needs_friction = !rigid() || mechanics_ == Mechanics::damped;
   setup_.unknowns =
       law.has_slip_rate() && (unknowns == Unknowns::friction || needs_friction) ? Unknowns::friction : Unknowns::states;
-  if (needs_friction && !law.has_slip_rate())
-    throw InputError(fmt::format("law '{}' has no explicit slip rate: it needs a slider with mass and a rigid contact",
-                                 law.card().name));
   contact_ = law.contact(setup_);
   tower_ = law.tower(setup_);
 
+  states_ = contact_->unknowns() - (carries_friction() ? 1 : 0) -
+            (setup_.spring.present() ? (carries_friction() ? 1 : 2) : 0);
   set_valued_ = law.set_valued();
   is_constant_ = model_.drive.constant();
   if (is_constant_) {
@@ -47,7 +57,7 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   // A flow needs rates of the states, no inertia (which is stiff in near-stick), and a force that some spring answers.
   state_clock_ = 1 / setup_.lambda;
   has_flow_ =
-      carries_friction() && setup_.lambda > 0 &&
+      carries_friction() && setup_.lambda > 0 && !setup_.spring.present() && setup_.load_memory == 0 &&
       (mechanics_ == Mechanics::damped ? rigid() && model_.slider.stiffness > 0 && model_.drive.normal_load.constant()
                                        : mechanics_ == Mechanics::elastic && !rigid());
   const Forcing start = forcing(0);
@@ -56,6 +66,17 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   contact_scale_.assign(Slopes<double>::capacity, 1.0);
   double z[Slopes<double>::capacity];
   contact_->steady(0, reference_speed_, start.load, z, contact_scale_.data());
+  if (contact_slip_rate_index() >= 0) {
+    Slopes<double> slopes;
+    double g[Slopes<double>::capacity], F;
+    contact_->linearise({reference_speed_, start.load, 0, 1}, z, g, F, slopes);
+    const int row = states_, n = contact_->unknowns();
+    if (slopes.g_z[row * n + row] == 0)
+      throw InputError(fmt::format(
+          "law '{}' answers to the slip rate only by way of its states, so that an undamped spring in series leaves "
+          "the slip rate of the contact open; give law.contact_stiffness.damping{}",
+          law.card().name, mechanics_ == Mechanics::elastic ? " and the slider a mass" : ""));
+  }
   const double friction_scale = carries_friction() ? contact_scale_[0] : 0.1;
   const auto& s = model_.slider;
   if (mechanics_ == Mechanics::inertial && rigid() && carries_friction())
@@ -239,7 +260,20 @@ void SliderSystem::expand(double t, const double* y, const double* direction, do
 
 void SliderSystem::slip_rate_gradient(double t, const double* y, double* gradient) const {
   std::fill(gradient, gradient + size(), 0.0);
-  if (mechanics_ == Mechanics::inertial && rigid()) {
+  if (contact_slip_rate_index() >= 0) {
+    gradient[contact_slip_rate_index()] = 1;
+  } else if (setup_.spring.present()) {
+    // v = u − ė.
+    std::vector<double> f(size()), J(size() * size());
+    linearise(t, y, f.data(), J.data());
+    for (int j = 0; j < size(); ++j) gradient[j] = -J[(size() - 1) * size() + j];
+    if (mechanics_ == Mechanics::inertial) {
+      gradient[1] += 1;
+    } else if (mechanics_ == Mechanics::damped) {
+      gradient[0] += model_.slider.stiffness / model_.slider.damping;
+      gradient[1] -= forcing(t).load / model_.slider.damping;
+    }
+  } else if (mechanics_ == Mechanics::inertial && rigid()) {
     gradient[1] = 1;
   } else if (mechanics_ == Mechanics::damped && rigid()) {
     gradient[0] = model_.slider.stiffness / model_.slider.damping;
@@ -259,13 +293,12 @@ void SliderSystem::scale(const double* y, double* s) const {
   if (model_.slider.stiffness == 0 && mechanical_ > 0)  // nothing answers to the way of a slider without spring
     s[0] = std::max(displacement_scale_, std::abs(y[0]));
   if (mechanical_ > 1) s[1] = std::max(reference_speed_, std::abs(y[1]));
-  const int nz = contact_->unknowns(), first_state = carries_friction() ? 1 : 0;
-  for (int i = 0; i < nz; ++i) {
-    s[mechanical_ + i] = contact_scale_[i];
-    // A linear state may grow far beyond its natural size: its own last digits are then what can be known.
-    if (i >= first_state && model_.law->states()[i - first_state].scale == Scale::linear)
-      s[mechanical_ + i] = std::max(contact_scale_[i], std::abs(y[mechanical_ + i]));
-  }
+  for (int i = mechanical_; i < size(); ++i) s[i] = contact_scale_[i - mechanical_];
+  // A linear state may grow far beyond its natural size: its own last digits are then what can be known.
+  for (int i = 0; i < states_; ++i)
+    if (model_.law->states()[i].scale == Scale::linear)
+      s[first_state() + i] = std::max(s[first_state() + i], std::abs(y[first_state() + i]));
+  if (const int v = contact_slip_rate_index(); v >= 0) s[v] = std::max(reference_speed_, std::abs(y[v]));
 }
 
 void SliderSystem::relevance_scale(double* s) const {
@@ -274,15 +307,21 @@ void SliderSystem::relevance_scale(double* s) const {
   if (!carries_friction()) return;
   double slopes[Slopes<double>::capacity];
   contact_->friction_slopes(0, reference_speed_, constant_.load, slopes);
-  for (int i = mechanical_ + 1; i < size(); ++i)
-    s[i] = std::clamp(s[mechanical_] / std::abs(slopes[i - mechanical_ - 1]), s[i], 10 * s[i]);
+  for (int i = 0; i < states_; ++i) {
+    double& scale = s[first_state() + i];
+    scale = std::clamp(s[mechanical_] / std::abs(slopes[i]), scale, 10 * scale);
+  }
 }
 
 std::string SliderSystem::unknown(int i) const {
   if (i < mechanical_) return i == 0 ? "displacement" : "slip rate";
   i -= mechanical_;
   if (carries_friction() && i-- == 0) return "friction coefficient";
-  return model_.law->states()[i].name;
+  if (i < states_) return model_.law->states()[i].name;
+  return mechanical_ + i == contact_slip_rate_index()
+             ? "slip rate of the contact, which jumps where friction falls with it faster than the contact's damping "
+               "resists"
+             : "deflection of the contact";
 }
 
 double SliderSystem::next_break(double t) const {
@@ -320,8 +359,54 @@ std::vector<double> SliderSystem::unknowns_at(double t, double x, double u, std:
   }
   const std::size_t first = y.size();
   y.resize(size());
-  if (first < y.size()) write_states(state, y.data() + first);
+  if (states_ > 0) write_states(state, y.data() + first);
+  if (setup_.spring.present()) {
+    // Unless the contact spring stretches, the contact slips as the slider does.
+    const double N = std::max(now.load, 1e-300);
+    y.back() = friction * (setup_.spring.compliance + setup_.spring.compliance_per_load / N);
+    if (const int v = contact_slip_rate_index(); v >= 0) y[v] = u;
+    settle(t, y.data());
+  }
   return y;
+}
+
+/// Solves the algebraic row of a contact behind a spring: for friction, or for the contact's own slip rate. Left as it
+/// was where the row has no solution in sight.
+void SliderSystem::settle(double t, double* y) const {
+  const int row = carries_friction() ? mechanical_ : contact_slip_rate_index();
+  std::vector<double> m(size()), f(size());
+  mass(t, m.data());
+  if (m[row] != 0) return;
+  double& x = y[row];
+  const double start = x;
+  const auto residual = [&](double trial) {  // falls with x
+    x = trial;
+    evaluate(t, y, f.data());
+    return f[row];
+  };
+  const double here = residual(start);
+  if (here == 0 || !std::isfinite(here)) {
+    x = start;
+    return;
+  }
+  double step = 1e-3 * std::max(contact_scale_[row - mechanical_], std::abs(start));
+  double near = start, far = start, at_near = here, at_far = here;
+  for (int i = 0; i < 60 && at_near * at_far > 0; ++i, step *= 2) {
+    near = far, at_near = at_far;
+    far += here > 0 ? step : -step;
+    at_far = residual(far);
+  }
+  if (!(at_near * at_far <= 0)) {
+    x = start;
+    return;
+  }
+  std::uintmax_t iterations = 200;
+  const auto [a, b] =
+      far > near ? boost::math::tools::toms748_solve(residual, near, far, at_near, at_far,
+                                                     boost::math::tools::eps_tolerance<double>(52), iterations)
+                 : boost::math::tools::toms748_solve(residual, far, near, at_far, at_near,
+                                                     boost::math::tools::eps_tolerance<double>(52), iterations);
+  x = 0.5 * (a + b);
 }
 
 std::vector<double> SliderSystem::steady(double t) const {
@@ -339,6 +424,10 @@ double SliderSystem::friction_coefficient(double t, const double* y) const {
   if (carries_friction()) return y[mechanical_];
   if (sticking()) return holding_force(t, y) / forcing(t).load;
   const Forcing now = forcing(t);
+  if (const int v = contact_slip_rate_index(); v >= 0) {
+    std::vector<double> state = states_at(now.load, y, y[v]);
+    return model_.law->friction({y[v], now.load}, state);
+  }
   double g[Slopes<double>::capacity], F;
   // At unit load, so that the coefficient exists for N = 0 too.
   contact_->evaluate({imposed_slip_rate(now, y, 0), 1.0, 0, direction_}, y + mechanical_, g, F);
@@ -349,14 +438,24 @@ double SliderSystem::slip_rate(double t, const double* y) const {
   const Forcing now = forcing(t);
   if (mechanics_ == Mechanics::inertial && !(creep_ > 0 && std::abs(y[1]) < nearly_stuck * reference_speed_))
     return y[1];
+  if (mechanics_ == Mechanics::damped && setup_.spring.present())
+    return imposed_slip_rate(now, y, now.load * y[mechanical_]);
+  if (contact_slip_rate_index() >= 0) {  // elastic: the slider's spring takes its share of the deflection
+    std::vector<double> f(size());
+    evaluate(t, y, f.data());
+    const auto& spring = setup_.spring;
+    const double compliance = spring.compliance + spring.compliance_per_load / now.load;
+    const double k_N = spring.compliance_per_load / (now.load * now.load * compliance * compliance);
+    const double F_rate = f[size() - 1] / compliance + k_N * now.load_rate * y[size() - 1];
+    return now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
+  }
   if (!carries_friction()) return imposed_slip_rate(now, y, 0);
   // Without mass the contact's own slip rate is known from friction, free of the cancellation in V − ẋ.
   const double* z = y + mechanical_;
   double state[Slopes<double>::capacity];
   read_states(z + 1, state);
   const double v = model_.law->slip_rate(z[0], now.load, {state, model_.law->states().size()});
-  const auto& spring = model_.contact_stiffness;
-  if (std::isinf(spring.tangential) && std::isinf(spring.per_load)) return v;
+  if (!model_.contact_stiffness.present()) return v;
   if (mechanics_ == Mechanics::damped) return imposed_slip_rate(now, y, now.load * z[0]);
   // u = v + Ḟ_t/k_t, the spring of the contact and that of the slider in series.
   double g[Slopes<double>::capacity], m[Slopes<double>::capacity], F;
@@ -367,6 +466,7 @@ double SliderSystem::slip_rate(double t, const double* y) const {
 }
 
 double SliderSystem::contact_slip_rate(double t, const double* y) const {
+  if (const int v = contact_slip_rate_index(); v >= 0) return y[v];
   if (rigid() || !carries_friction()) return slip_rate(t, y);
   const double* z = y + mechanical_;
   double state[Slopes<double>::capacity];
@@ -399,6 +499,14 @@ void SliderSystem::stop(double* y) const {
   write_states(model_.law->after_stop(state), y + mechanical_);
 }
 
+/// Natural states; at λ = 0 those that follow the slip rate v of the contact.
+std::vector<double> SliderSystem::states_at(double load, const double* y, double v) const {
+  if (states_ == 0 && model_.law->has_states()) return model_.law->steady({v, load});
+  std::vector<double> state(states_);
+  if (states_ > 0) read_states(y + first_state(), state.data());
+  return state;
+}
+
 Observation SliderSystem::observe(double t, const double* y) const {
   const Forcing now = forcing(t);
   Observation seen;
@@ -407,22 +515,20 @@ Observation SliderSystem::observe(double t, const double* y) const {
   seen.slip_rate = slip_rate(t, y);
   seen.velocity = now.speed - seen.slip_rate;
   seen.displacement = mechanical_ > 0 ? y[0] : (seen.friction_force + now.force) / model_.slider.stiffness;
-  if (!model_.law->states().empty()) {
-    if (size() > mechanical_ + (carries_friction() ? 1 : 0)) {
-      seen.state.resize(model_.law->states().size());
-      read_states(y + mechanical_ + (carries_friction() ? 1 : 0), seen.state.data());
-    } else {
-      seen.state = model_.law->steady({seen.slip_rate, now.load});  // λ = 0: states follow the slip rate
-    }
-  }
+  seen.state = states_at(now.load, y, contact_slip_rate_index() >= 0 ? contact_slip_rate(t, y) : seen.slip_rate);
   return seen;
 }
 
 void SliderSystem::cross_break(double t, double* y) const {
   const Forcing before = forcing(std::nextafter(t, -infinity)), after = forcing(t);
+  if (before.load != after.load)
+    contact_->change_load(contact_slip_rate(std::nextafter(t, -infinity), y), before.load, after.load, y + mechanical_);
   if (mechanics_ == Mechanics::inertial) y[1] += after.speed - before.speed;  // the slider's velocity is continuous
-  if (!carries_friction()) return;
   double* z = y + mechanical_;
+  if (contact_slip_rate_index() >= 0 && mechanics_ == Mechanics::elastic)  // a jump of the force stretches its spring
+    y[size() - 1] -= (after.force - before.force) / model_.slider.stiffness;
+  if (setup_.spring.present() && setup_.compliance == 0 && setup_.compliance_per_load == 0) return settle(t, y);
+  if (!carries_friction()) return;
   if (!rigid() || mechanics_ == Mechanics::damped) {
     // The force in the spring is continuous, unless the force on a massless slider jumps.
     double F = before.load * z[0];

@@ -47,8 +47,12 @@ class SliderSystem final : public SwitchingSystem {
   const ContactSetup& contact_setup() const { return setup_; }
   /// Index of the slip rate among the unknowns, or −1 where it is none.
   int slip_rate_index() const { return mechanics_ == Mechanics::inertial ? 1 : -1; }
+  /// Index of the contact's own slip rate among the unknowns, or −1 where it is none.
+  int contact_slip_rate_index() const { return setup_.spring.present() && !carries_friction() ? size() - 2 : -1; }
   bool carries_friction() const { return setup_.unknowns == Unknowns::friction; }
-  bool rigid() const { return setup_.compliance == 0 && setup_.compliance_per_load == 0; }
+  bool rigid() const {
+    return setup_.compliance == 0 && setup_.compliance_per_load == 0 && !setup_.spring.present();
+  }
 
   /// The unknowns at displacement x, slip rate u and natural states; friction from the law where the contact is rigid,
   /// else `friction` (the force F in the contact spring).
@@ -92,10 +96,13 @@ class SliderSystem final : public SwitchingSystem {
   double imposed_slip_rate(const Forcing&, const double* y, double F) const;
   void read_states(const double* z, double* state) const;
   void write_states(std::span<const double> state, double* z) const;
+  std::vector<double> states_at(double load, const double* y, double v) const;
+  int first_state() const { return mechanical_ + (carries_friction() ? 1 : 0); }
+  void settle(double t, double* y) const;
 
   Model model_;
   Mechanics mechanics_;
-  int mechanical_ = 0;
+  int mechanical_ = 0, states_ = 0;  ///< unknowns of the mechanics; states among those of the contact
   ContactSetup setup_;
   std::unique_ptr<Contact<double>> contact_;
   std::unique_ptr<ContactValues<Tower>> tower_;

@@ -77,7 +77,7 @@ bool memoryless(const Model& model) { return !model.law->has_states() || model.l
 
 bool rigid_machine(const Model& model) {
   return model.slider.mass == 0 && std::isinf(model.slider.stiffness) &&
-         std::isinf(model.contact_stiffness.tangential) && std::isinf(model.contact_stiffness.per_load);
+         !model.contact_stiffness.present();
 }
 
 double settling_time(Model model, double V) {

@@ -203,8 +203,9 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
       {Verb::curve, "[law]\ntype = 'tabulated'\nslip_rate = 3",
        "scene.toml:3:13: law.slip_rate is a number, but a list"},
       {Verb::curve, "[law]\ntype = 'tabulated'\nfriction = [1, 99]", "scene.toml:3:16: law.friction = 99 is outside"},
-      {Verb::curve, law("[law.contact_stiffness]\ndamping = 1"), "law.contact_stiffness.damping is not available"},
-      {Verb::curve, law("load_memory = { alpha = 1 }"), "scene.toml:3:15: law.load_memory is not available"},
+      {Verb::curve, law("[law.contact_stiffness]\ntangential = 1\ndamping = -1"),
+       "scene.toml:5:11: law.contact_stiffness.damping = -1 is outside 0 … 1"},
+      {Verb::curve, law("load_memory = { alpha = 2 }"), "law.load_memory.alpha = 2 is outside 0 … 1"},
       {Verb::curve, law("[law.contact_stiffness]\ntangental = 1"), "did you mean 'tangential'?"},
       // slider and drive
       {Verb::stability, law("[oscillator]\ntype = 'modal'"),

@@ -65,11 +65,15 @@ TEST_CASE("parts that do not fit together are refused with the reason") {
 
   Model spring = slider("coulomb");
   spring.contact_stiffness.tangential = 1e6;
-  CHECK_THROWS_WITH(spring.check(), Catch::Contains("solved for the slip rate"));
+  CHECK_THROWS_WITH(spring.check(), Catch::Contains("'dahl' and 'lugre'"));
 
   Model ageing = slider("ageing");
   ageing.contact_stiffness = {1e6, 1e5};
   CHECK_THROWS_WITH(ageing.check(), Catch::Contains("not both"));
+  ageing.contact_stiffness = {1e6, infinity, 1, 1};
+  CHECK_THROWS_WITH(ageing.check(), Catch::Contains("damping or damping_per_load, not both"));
+  ageing.contact_stiffness = {infinity, infinity, 1};
+  CHECK_THROWS_WITH(ageing.check(), Catch::Contains("damping without a spring"));
   ageing.contact_stiffness = {};
   ageing.slider.stiffness = infinity;
   CHECK_THROWS_WITH(ageing.check(), Catch::Contains("needs oscillator.mass = 0"));

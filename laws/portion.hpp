@@ -1,0 +1,46 @@
+/// How a contact of type Real is worked on: in which scalar type, in how many portions, on which instruction set.
+#pragma once
+#include "core/dual.hpp"
+#include "core/instruction_set.hpp"
+
+namespace rosin::laws {
+
+/// Scalar type that a law is evaluated in, and how many of them make up a contact of type Real.
+template <class Real>
+struct Portion {
+  using Scalar = Real;
+  static constexpr int count = 1;
+  static const Real& of(const Real& x, int) { return x; }
+  static Real& of(Real& x, int) { return x; }
+};
+template <>
+struct Portion<Lanes> {
+  using Scalar = Pack;
+  static constexpr int count = lane_packs;
+  ROSIN_INLINE static const Pack& of(const Lanes& x, int i) { return x.pack[i]; }
+  ROSIN_INLINE static Pack& of(Lanes& x, int i) { return x.pack[i]; }
+};
+
+/// Runs a kernel once, on the instruction set in use if it is for lanes.
+template <class Real, class Kernel>
+void on_lanes(const Kernel& kernel) {
+  if constexpr (Portion<Real>::count > 1)
+    run_on_lanes(kernel);
+  else
+    kernel();
+}
+
+namespace detail {
+
+/// Sets one lane of a scalar: the only lane of a double or of a Dual's slopes stays constant.
+inline void set_lane(double& x, int, double value) { x = value; }
+inline void set_lane(Pack& x, int lane, double value) { x.block[lane] = value; }
+inline void set_lane(Lanes& x, int lane, double value) { x.set(lane, value); }
+template <class Real, int n>
+void set_lane(Dual<Real, n>& x, int lane, double value) {
+  set_lane(x.value, lane, value);
+}
+
+}  // namespace detail
+
+}  // namespace rosin::laws
