@@ -324,38 +324,38 @@ Choice choose_solver(const Model& model, const RunOptions& options) {
   return {"explicit", "no inertia, friction and logarithmic states change evenly: explicit steps while none is stiff"};
 }
 
-/// The size that errors in each column are measured by: the largest value in it. The slip rate of a mass, and the
-/// velocity that is the drive's speed less it, may be nothing but rounding and are measured by `least_speed` too, as
-/// are states by `least_states`.
-std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, double least_speed,
-                             const std::vector<double>& least_states) {
-  std::vector<double> sizes;
-  for (const auto& column : columns) {
-    double size = 0;
-    for (const double x : column) size = std::max(size, std::abs(x));
-    sizes.push_back(size);
-  }
-  sizes[2] = std::max(sizes[2], least_speed);
-  sizes[1] = std::max(sizes[1], sizes[2]);
-  for (std::size_t i = 0; i < least_states.size(); ++i) sizes[5 + i] = std::max(sizes[5 + i], least_states[i]);
-  return sizes;
-}
-
-/// The natural size of states that may pass zero.
-std::vector<double> natural_sizes(const Model& model) {
+/// What a column is measured by at least, because it may pass zero or be nothing but rounding: the slip rate of a mass,
+/// and the velocity that is the drive's speed less it, by the drive's speed; states by their natural size; friction that
+/// such a state carries by that of steady sliding.
+std::vector<double> least_sizes(const Model& model) {
   const SliderSystem system(model);
-  const auto& states = model.law->states();
-  const int first = system.size() - int(states.size());
-  std::vector<double> sizes(states.size()), scale(system.size());
+  const auto& law = *model.law;
+  const double V = std::abs(model.drive.speed.level()), N = model.drive.normal_load.level();
+  std::vector<double> sizes(5 + law.states().size());
+  // Without mass the slip rate follows from friction, to its own last digit.
+  if (model.slider.mass > 0) sizes[1] = sizes[2] = V;
+  if (law.deflects() && V > 0) {
+    sizes[4] = std::abs(law.steady_friction({V, N}).friction);
+    sizes[3] = N * sizes[4];
+  }
   if (model.lambda == 0) return sizes;
+  std::vector<double> scale(system.size());
   const std::vector<double> zero(system.size());
   system.scale(zero.data(), scale.data());
-  for (std::size_t i = 0; i < states.size(); ++i)
-    if (states[i].scale == Scale::linear) sizes[i] = scale[first + i];
+  for (std::size_t i = 0; i < law.states().size(); ++i)
+    if (law.states()[i].scale == Scale::linear) sizes[5 + i] = scale[system.first_state() + i];
   return sizes;
 }
 
-/// Three times the largest absolute difference of each column (where curves have kinks, errors do not fall with the
+/// The size that errors in each column are measured by: the largest value in it, and at least `least`.
+std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, std::vector<double> least) {
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    for (const double x : columns[c]) least[c] = std::max(least[c], std::abs(x));
+  least[1] = std::max(least[1], least[2]);
+  return least;
+}
+
+/// Six times the largest absolute difference of each column (where curves have kinks, errors do not fall with the
 /// tolerance), with rounding and the least relative error of the fine pass; infinite where the coarse pass ended
 /// earlier.
 std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
@@ -366,7 +366,7 @@ std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
     double largest = 0;
     for (std::size_t i = 0; i < fine[c].size(); ++i)
       largest = i < coarse[c].size() ? std::max(largest, std::abs(fine[c][i] - coarse[c][i])) : infinity;
-    list.push_back(3 * largest + (least + 5e-14) * sizes[c]);
+    list.push_back(6 * largest + (least + 5e-14) * sizes[c]);
   }
   return list;
 }
@@ -379,9 +379,7 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
                        : result.solver == "explicit" ? solvers::Explicit::least_tolerance
                                                      : Collocation::least_tolerance;
   double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
-  // Without mass the slip rate follows from friction, to its own last digit.
-  const double least_speed = model.slider.mass > 0 ? std::abs(model.drive.speed.level()) : 0;
-  const auto least_states = natural_sizes(model);
+  const auto least_size = least_sizes(model);
   auto coarse = std::make_unique<Pass>(model, options, result.solver, times);
   coarse->run(tolerance);
   std::unique_ptr<Pass> fine;
@@ -392,7 +390,7 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     result.outcome = fine->run(tolerance);
     result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
     result.cost.evaluations += fine->cost_.evaluations + (attempt == 0 ? coarse->cost_.evaluations : 0);
-    const auto sizes = sizes_of(fine->columns_, least_speed, least_states);
+    const auto sizes = sizes_of(fine->columns_, least_size);
     result.column_error =
         differences(coarse->columns_, fine->columns_, sizes, (result.solver == "cvode" ? 30 : 3) * tolerance);
     if (!result.outcome.complete()) break;

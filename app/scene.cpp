@@ -18,6 +18,7 @@
 #include "core/units.hpp"
 #include "laws/catalogue.hpp"
 #include "laws/formula.hpp"
+#include "laws/heating.hpp"
 
 namespace rosin::app {
 
@@ -441,7 +442,7 @@ std::shared_ptr<const FrictionLaw> read_formula(const toml::node& node) {
       fail(entry.source(), "law.formula: '{}' has another meaning in scenes; take another name", name);
   };
   for (auto& [name, entry] : named("parameters")) {
-    refuse_reserved(entry, name, {"type", "preset", "lambda", "formula", "contact_stiffness", "load_memory"});
+    refuse_reserved(entry, name, {"type", "preset", "lambda", "formula", "contact_stiffness", "load_memory", "heating"});
     entry.expect({"default", "unit", "minimum", "maximum", "meaning"});
     laws::FormulaDescription::Parameter parameter{read_quantity(entry, name, finite), 0};
     auto quantity = parameter.quantity;
@@ -509,6 +510,18 @@ void read_law(Table law, oscillators::Model& model) {
   model.law = located(law.source(), [&] { return prototype->with(std::move(values)); });
   if (formula) located_in_formula(*formula, [&] { laws::check_formula(*model.law); });
 
+  if (auto heat = law.table("heating")) {
+    laws::Heating heating;
+    double* const values[] = {&heating.resistance, &heating.time, &heating.softening};
+    for (std::size_t i = 0; i < laws::heating_parameters().size(); ++i) {
+      auto quantity = laws::heating_parameters()[i];
+      const auto& node = heat->required(quantity.name, quantity.meaning + ", " + quantity.unit);
+      quantity.name = heat->path(quantity.name);
+      *values[i] = number(node, quantity);
+    }
+    model.law = located(heat->source(), [&] { return laws::heated(model.law, heating); });
+    heat->finish();
+  }
   if (const auto* node = law.find("lambda")) {
     if (!model.law->has_states())
       fail(node->source(), "law.lambda has no meaning for law '{}', which has no states; leave it out",

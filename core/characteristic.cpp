@@ -12,7 +12,7 @@ namespace {
 
 using Real = long double;  // for its exponents: products of rates leave the range of double
 using Complex = std::complex<Real>;
-constexpr Real entry_rounding = 2e-15L;
+constexpr Real entry_rounding = 4e-15L;
 
 /// Coefficients of a polynomial in s, and the sum of the magnitudes that each was summed from.
 struct Polynomial {

@@ -44,18 +44,16 @@ std::shared_ptr<const FrictionLaw> FrictionLaw::with(std::string_view name, Valu
 }
 
 namespace {
-bool remembers_load(const FrictionLaw& law, const ContactSetup& setup) {
-  if (setup.load_memory == 0 || setup.lambda == 0) return false;
-  const auto& states = law.states();
-  if (law.set_valued() || states.empty() ||
-      !std::ranges::all_of(states, [](const auto& state) { return state.scale == Scale::log; }))
+/// The states that answer to load memory: those that are carried as logarithms, a contact's ages and areas.
+std::vector<int> remembering(const FrictionLaw& law) {
+  std::vector<int> list;
+  for (std::size_t i = 0; i < law.states().size(); ++i)
+    if (law.states()[i].scale == Scale::log) list.push_back(int(i));
+  if (list.empty() || law.set_valued())
     throw InputError(
-        fmt::format("law.load_memory needs states that stand for the contact's age or area, and law '{}' has {}",
-                    law.card().name,
-                    states.empty()     ? "none"
-                    : law.set_valued() ? "one that counts slip or rest"
-                                       : "others"));
-  return true;
+        fmt::format("law.load_memory needs a state that stands for the contact's age or area, and law '{}' has none",
+                    law.card().name));
+  return list;
 }
 const ContactSetup& with_spring(const FrictionLaw& law, const ContactSetup& setup) {
   if (law.set_valued())
@@ -69,8 +67,9 @@ const ContactSetup& with_spring(const FrictionLaw& law, const ContactSetup& setu
 
 std::unique_ptr<Contact<double>> FrictionLaw::contact(const ContactSetup& setup) const {
   auto contact = bare_contact(setup);
-  if (remembers_load(*this, setup))
-    contact = laws::with_load_memory(std::move(contact), bare_contact({.unknowns = Unknowns::states}), setup);
+  if (setup.load_memory > 0 && setup.lambda > 0)
+    contact = laws::with_load_memory(std::move(contact), bare_contact({.unknowns = Unknowns::states}),
+                                     remembering(*this), setup);
   if (setup.spring.present()) contact = laws::behind_spring(std::move(contact), with_spring(*this, setup));
   return contact;
 }

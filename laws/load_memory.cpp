@@ -13,9 +13,11 @@ constexpr int most = Slopes<double>::capacity;
 
 class MemoryContact final : public Contact<double> {
  public:
-  MemoryContact(std::unique_ptr<Contact<double>> law, std::unique_ptr<Contact<double>> shape, const ContactSetup& setup)
+  MemoryContact(std::unique_ptr<Contact<double>> law, std::unique_ptr<Contact<double>> shape,
+                std::vector<int> remembering, const ContactSetup& setup)
       : law_(std::move(law)),
         shape_(std::move(shape)),
+        remembering_(std::move(remembering)),
         first_(setup.unknowns == Unknowns::friction ? 1 : 0),
         alpha_(setup.load_memory),
         lambda_(setup.lambda) {}
@@ -129,15 +131,13 @@ class MemoryContact final : public Contact<double> {
   }
   /// The least change of the state unknowns that raises friction by 1 at slip rate v: s/|s|², s = ∂μ/∂z.
   void shares(double v, double N, const double* state, double* share) const {
-    const int states = unknowns() - first_;
     double g[most], F, square = 0;
     Slopes<double> slopes;
     shape_->linearise({v, N, 0, 1}, state, g, F, slopes);
-    for (int i = 0; i < states; ++i) {
-      share[i] = slopes.F_z[i] / N;
-      square += share[i] * share[i];
-    }
-    for (int i = 0; i < states; ++i) share[i] = square > 0 ? share[i] / square : 0.0;
+    std::fill(share, share + most, 0.0);
+    for (const int i : remembering_) square += (slopes.F_z[i] / N) * (slopes.F_z[i] / N);
+    if (square > 0)
+      for (const int i : remembering_) share[i] = slopes.F_z[i] / N / square;
   }
   void add(const ContactInput<double>& in, const double* share, double* g) const {
     if (in.load_rate == 0) return;
@@ -146,15 +146,17 @@ class MemoryContact final : public Contact<double> {
   }
 
   std::unique_ptr<Contact<double>> law_, shape_;
-  int first_;  ///< the first state among the unknowns
+  std::vector<int> remembering_;  ///< among the states
+  int first_;                     ///< the first state among the unknowns
   double alpha_, lambda_;
 };
 
 }  // namespace
 
 std::unique_ptr<Contact<double>> with_load_memory(std::unique_ptr<Contact<double>> law,
-                                                  std::unique_ptr<Contact<double>> shape, const ContactSetup& setup) {
-  return std::make_unique<MemoryContact>(std::move(law), std::move(shape), setup);
+                                                  std::unique_ptr<Contact<double>> shape,
+                                                  std::vector<int> remembering, const ContactSetup& setup) {
+  return std::make_unique<MemoryContact>(std::move(law), std::move(shape), std::move(remembering), setup);
 }
 
 }  // namespace rosin::laws

@@ -1,6 +1,7 @@
 /// What may surround any law in its contact, by decorating the contact: a law knows nothing of it.
 #pragma once
 #include <memory>
+#include <vector>
 
 #include "core/contact.hpp"
 
@@ -18,12 +19,14 @@ std::unique_ptr<ContactValues<Tower>> behind_spring(std::unique_ptr<ContactValue
 /// A contact whose states forget a part of their past when the load grows (ContactSetup::load_memory, α): at constant
 /// slip rate a change of load changes friction by dμ = −α dN/N, by way of the states, and the rates λ·ψ̇ then bring it
 /// back. With μ = … + b·ln θ that is θ̇ = … − (α/b)·θ·Ṅ/N.
-/// Several states, all of them logarithmic, share the change by their weight in friction (the least change that does).
-/// `shape` is a contact of the same law with Unknowns::states and without wrappers. Lanes and towers need no such
+/// The states that remember are the logarithmic ones, `remembering` by number; several share the change by their weight
+/// in friction (the least change that does). `shape` is a contact of the same law with Unknowns::states and without
+/// wrappers. Lanes and towers need no such
 /// wrapper: they are asked at constant loads alone.
 /// Source: M. F. Linker and J. H. Dieterich, Effects of variable normal stress on rock friction: observations and
 /// constitutive equations, J. Geophys. Res. 97, 4923-4940, 1992.
 std::unique_ptr<Contact<double>> with_load_memory(std::unique_ptr<Contact<double>> law,
-                                                  std::unique_ptr<Contact<double>> shape, const ContactSetup&);
+                                                  std::unique_ptr<Contact<double>> shape,
+                                                  std::vector<int> remembering, const ContactSetup&);
 
 }  // namespace rosin::laws

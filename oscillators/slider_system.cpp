@@ -440,6 +440,7 @@ double SliderSystem::slip_rate(double t, const double* y) const {
     return y[1];
   if (mechanics_ == Mechanics::damped && setup_.spring.present())
     return imposed_slip_rate(now, y, now.load * y[mechanical_]);
+  if (setup_.spring.present() && std::isinf(model_.slider.stiffness)) return now.speed;
   if (contact_slip_rate_index() >= 0) {  // elastic: the slider's spring takes its share of the deflection
     std::vector<double> f(size());
     evaluate(t, y, f.data());

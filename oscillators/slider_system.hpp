@@ -49,6 +49,8 @@ class SliderSystem final : public SwitchingSystem {
   int slip_rate_index() const { return mechanics_ == Mechanics::inertial ? 1 : -1; }
   /// Index of the contact's own slip rate among the unknowns, or −1 where it is none.
   int contact_slip_rate_index() const { return setup_.spring.present() && !carries_friction() ? size() - 2 : -1; }
+  /// Index of the first state among the unknowns, if states are unknowns.
+  int first_state() const { return mechanical_ + (carries_friction() ? 1 : 0); }
   bool carries_friction() const { return setup_.unknowns == Unknowns::friction; }
   bool rigid() const {
     return setup_.compliance == 0 && setup_.compliance_per_load == 0 && !setup_.spring.present();
@@ -97,7 +99,6 @@ class SliderSystem final : public SwitchingSystem {
   void read_states(const double* z, double* state) const;
   void write_states(std::span<const double> state, double* z) const;
   std::vector<double> states_at(double load, const double* y, double v) const;
-  int first_state() const { return mechanical_ + (carries_friction() ? 1 : 0); }
   void settle(double t, double* y) const;
 
   Model model_;

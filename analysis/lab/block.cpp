@@ -36,8 +36,12 @@ Start rested(const Task& task) {
   };
   put([&](std::size_t i) { return states[i]; });
   if (rest == 0) return start;
-  const auto held =
-      analysis::run(level, {.duration = rest, .times = {rest}, .start = start, .tolerance = task.tolerance});
+  RunOptions options;
+  options.duration = rest;
+  options.times = {rest};
+  options.start = start;
+  options.tolerance = task.tolerance;
+  const auto held = analysis::run(level, options);
   // Nothing moves, so that the tolerance, which asks also for the speed of what does not, says nothing.
   if (!held.outcome.complete() && held.outcome.ending != Ending::tolerance_not_met)
     throw InputError("lab.rest_time: the rest could not be computed: " + held.outcome.detail);

@@ -8,6 +8,7 @@
 #include "analysis/stability.hpp"
 #include "laws/catalogue.hpp"
 #include "laws/formula.hpp"
+#include "laws/heating.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis;
@@ -178,24 +179,77 @@ TEST_CASE("a law that remembers the load answers a step and a ramp as Linker and
     for (const char* name : {"lugre", "static-growth"}) {
       model.law = laws::find_law(name);
       model.slider = {1, 1, 0};
-      CHECK_THROWS_WITH(run(model, how), Catch::Contains("law.load_memory needs states"));
+      CHECK_THROWS_WITH(run(model, how), Catch::Contains("law.load_memory needs a state"));
     }
   }
 }
 
+TEST_CASE("a heated contact warms as its equation says, and answers to slip with the impedance of that", "[wrappers]") {
+  const double R = 30, time = 0.4, soft = 5, mu = 0.3, N = 1.7;
+  SECTION("a step of the slip rate under a rate law") {
+    const double a = 0.01, v0 = 1e-3, V1 = 1e-2, V2 = 5e-2;
+    Model model;
+    model.law = laws::heated(laws::find_law("ageing")->with({mu, a, 0.0, 1e-5, v0}), {R, time, soft});
+    model.slider = {0, infinity, 0};
+    model.drive = {Signal(Signal::Steps{{{0, V1}, {1, V2}}}), N, 0.0};
+    RunOptions how;
+    how.duration = 2;
+    how.times = {1.0, 1.1, 1.4, 2.0};
+    how.tolerance = 1e-11;
+    const auto record = run(model, how);
+    REQUIRE(record.outcome.complete());
+    // The temperature alone, by many steps of the classical method.
+    const double F = N * (mu + a * std::log(V2 / v0)), F1 = N * (mu + a * std::log(V1 / v0));
+    double rise = soft * 0.5 * (std::sqrt(1 + 4 * R * F1 * V1 / soft) - 1), t = 1;
+    CHECK(column(record, "temperature_rise")[0] == Approx(rise).epsilon(1e-9));
+    const auto rate = [&](double x) { return (R * F * V2 / (1 + x / soft) - x) / time; };
+    const int steps = 10000;
+    for (std::size_t i = 1; i < record.time.size(); t = record.time[i++]) {
+      const double h = (record.time[i] - t) / steps;
+      for (int k = 0; k < steps; ++k) {
+        const double k1 = rate(rise), k2 = rate(rise + h / 2 * k1), k3 = rate(rise + h / 2 * k2), k4 = rate(rise + h * k3);
+        rise += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+      }
+      CHECK(column(record, "temperature_rise")[i] == Approx(rise).epsilon(1e-9));
+      CHECK(column(record, "friction_force")[i] == Approx(F / (1 + rise / soft)).epsilon(1e-9));
+    }
+  }
+  SECTION("Coulomb friction") {
+    const double V = 0.3;
+    Model model = slider(laws::heated(laws::find_law("coulomb")->with(std::vector<Value>{mu, mu}), {R, time, soft}), V, N);
+    const double h = 0.5 * (1 + std::sqrt(1 + 4 * R * N * mu * V / soft)), F = N * mu / h;
+    CHECK(stability(model).steady.friction_force == Approx(F).epsilon(1e-14));
+    const auto found = stability(model);
+    CHECK(found.eigenvalues.size() == 3);
+    for (const Complex s : found.eigenvalues) {
+      const Complex Z = -F * F * R / (h * soft) / (time * s + 1.0 + R * V * F / (h * soft));
+      const Complex D = s * s * model.slider.mass + s * model.slider.damping + model.slider.stiffness;
+      CHECK(std::abs(D + s * Z) < 1e-12 * (std::abs(D) + std::abs(s * Z)));
+    }
+    // The slope of the curve is Z at s = 0.
+    const double slope = model.law->steady_friction({V, N}).slope;
+    CHECK(N * slope == Approx(-F * F * R / (h * soft) / (1 + R * V * F / (h * soft))).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("every law in every wrapper slides, oscillates and is judged", "[wrappers]") {
+  std::vector<std::shared_ptr<const FrictionLaw>> all;
   for (const auto& law : laws::catalogue()) {
     if (law->set_valued()) continue;
+    all.push_back(law);
+    if (!law->deflects()) all.push_back(laws::heated(law, {1e4, 0.3, 5}));
+  }
+  for (const auto& law : all) {
     for (const bool damped : {false, true})
       for (const double mass : {1.0, 0.0}) {
         INFO(law->card().name << (damped ? ", damped" : ", undamped") << ", mass " << mass);
         Model model = slider(law, 1e-4, 0.5);
-        // Without mass on springs stiffer than the critical one, below which slip runs away.
+        // On springs stiffer than the critical one, below which slip without mass runs away.
         model.slider = mass == 0 ? oscillators::Slider{0, 1e6, 0} : oscillators::Slider{1, 20, 0.3};
-        model.contact_stiffness = {mass == 0 ? 1e6 : 300, infinity, damped ? 5.0 : 0.0};
+        model.contact_stiffness = {1e6, infinity, damped ? 5.0 : 0.0};
         if (!law->has_slip_rate() && damped) model.contact_stiffness.damping = 1e3;  // or slip would jump
-        if (std::ranges::all_of(law->states(), [](const auto& state) { return state.scale == Scale::log; }))
-          model.load_memory = law->has_states() ? 0.1 : 0;
+        if (std::ranges::any_of(law->states(), [](const auto& state) { return state.scale == Scale::log; }))
+          model.load_memory = 0.1;
         if (damped && mass == 0 && !law->has_slip_rate()) {
           CHECK_THROWS_WITH(stability(model), Catch::Contains("goes with springs alone"));
           continue;
