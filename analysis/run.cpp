@@ -221,6 +221,7 @@ class Pass {
 
   Outcome with_collocation(const std::vector<double>& y, double tolerance) {
     Collocation solver(system_, tolerance);
+    solver.resolve_starts();
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       const Outcome o = solver.step(limit);
       if (o.complete()) look_at(solver, true);
@@ -325,8 +326,8 @@ Choice choose_solver(const Model& model, const RunOptions& options) {
 }
 
 /// What a column is measured by at least, because it may pass zero or be nothing but rounding: the slip rate of a mass,
-/// and the velocity that is the drive's speed less it, by the drive's speed; states by their natural size; friction that
-/// such a state carries by that of steady sliding.
+/// and the velocity that is the drive's speed less it, by the drive's speed; states by their natural size; friction
+/// that such a state carries by that of steady sliding.
 std::vector<double> least_sizes(const Model& model) {
   const SliderSystem system(model);
   const auto& law = *model.law;

@@ -442,7 +442,8 @@ std::shared_ptr<const FrictionLaw> read_formula(const toml::node& node) {
       fail(entry.source(), "law.formula: '{}' has another meaning in scenes; take another name", name);
   };
   for (auto& [name, entry] : named("parameters")) {
-    refuse_reserved(entry, name, {"type", "preset", "lambda", "formula", "contact_stiffness", "load_memory", "heating"});
+    refuse_reserved(entry, name,
+                    {"type", "preset", "lambda", "formula", "contact_stiffness", "load_memory", "heating"});
     entry.expect({"default", "unit", "minimum", "maximum", "meaning"});
     laws::FormulaDescription::Parameter parameter{read_quantity(entry, name, finite), 0};
     auto quantity = parameter.quantity;

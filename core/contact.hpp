@@ -72,8 +72,9 @@ class Contact : public ContactValues<Real> {
   virtual void linearise(const ContactInput<Real>& in, const Real* z, Real* g, Real& F, Slopes<Real>& slopes) const = 0;
   /// Coefficient of steady sliding at slip rate u and load N.
   virtual void steady_friction(const Real& u, const Real& N, Real& mu) const = 0;
-  /// Of a contact that carries friction and no spring deflection: its own slip rate v and the rates g of its states (as unknowns), and their
-  /// slopes by z at a given load, `v_z` (unknowns) and `g_z` (states × unknowns, row-major). Cheaper than `linearise`.
+  /// Of a contact that carries friction and no spring deflection: its own slip rate v and the rates g of its states (as
+  /// unknowns), and their slopes by z at a given load, `v_z` (unknowns) and `g_z` (states × unknowns, row-major).
+  /// Cheaper than `linearise`.
   virtual void slip(const Real& N, const Real* z, Real& v, Real* g, Real* v_z, Real* g_z) const = 0;
   /// Diagonal of M at load N: N/k_t for the friction row, λ for states, 1 for a deflection; 0 marks an algebraic row.
   virtual void mass(const Real& N, Real* m) const = 0;

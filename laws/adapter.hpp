@@ -618,7 +618,6 @@ class Law final : public FrictionLaw {
     }
   }
 
-
  private:
   std::unique_ptr<Contact<double>> bare_contact(const ContactSetup& setup) const override {
     return std::make_unique<LawContact<L, double>>(values_, accepted(setup));

@@ -48,7 +48,8 @@ struct Heated {
     on_lanes<Real>([&] {
       for (int p = 0; p < Part::count; ++p) {
         for (int i = 0; i < n; ++i) Part::of(z_cold[i], p) = Part::of(z[i], p);
-        if (with_friction) Part::of(z_cold[0], p) = Part::of(z[0], p) * (1.0 + Part::of(z[n], p) / Part::of(softening, p));
+        if (with_friction)
+          Part::of(z_cold[0], p) = Part::of(z[0], p) * (1.0 + Part::of(z[n], p) / Part::of(softening, p));
       }
     });
   }
@@ -73,8 +74,7 @@ struct Heated {
         } else {
           force = force / (1.0 + Part::of(z[n], p) / soft);
         }
-        if (!equilibrium)
-          Part::of(g[n], p) = (R * force * Part::of(v, p) - Part::of(z[n], p)) / Part::of(time, p);
+        if (!equilibrium) Part::of(g[n], p) = (R * force * Part::of(v, p) - Part::of(z[n], p)) / Part::of(time, p);
       }
     });
   }
@@ -115,7 +115,7 @@ class HeatedContact final : public Contact<Real> {
     const bool with_friction = rows_.with_friction, equilibrium = rows_.equilibrium;
     on_lanes<Real>([&] {
       for (int p = 0; p < Part::count; ++p) {
-        const auto part = [&](Real& x) __attribute__((always_inline))->Scalar& { return Part::of(x, p); };
+        const auto part = [&](Real & x) __attribute__((always_inline))->Scalar& { return Part::of(x, p); };
         const Scalar &u = Part::of(in.slip_rate, p), &N = Part::of(in.normal_load, p);
         const Scalar &R = Part::of(rows_.resistance, p), &soft = Part::of(rows_.softening, p);
         const Scalar force = part(F), cold_force = part(cold_F);
@@ -357,8 +357,8 @@ class HeatedLaw final : public FrictionLaw {
   std::span<const double> cold(std::span<const double> state) const {
     if (state.empty()) return state;  // of a law that is asked without, and answers or refuses itself
     if (state.size() != states_.size())
-      throw InputError(fmt::format("law '{}' with heating has {} state(s), got {}", card().name, states_.size(),
-                                   state.size()));
+      throw InputError(
+          fmt::format("law '{}' with heating has {} state(s), got {}", card().name, states_.size(), state.size()));
     return state.first(state.size() - 1);
   }
   double softened(std::span<const double> state) const {

@@ -58,8 +58,10 @@ class MemoryContact final : public Contact<double> {
     };
     constexpr double step = 1e-3;
     const double v_step = step * std::max(std::abs(v), 1e-300), N_step = step * in.normal_load;
-    difference(v_step, [&](double h, double* p) { shares(v + h, in.normal_load, state, p); }, by_v);
-    difference(N_step, [&](double h, double* p) { shares(v, in.normal_load + h, state, p); }, by_N);
+    difference(
+        v_step, [&](double h, double* p) { shares(v + h, in.normal_load, state, p); }, by_v);
+    difference(
+        N_step, [&](double h, double* p) { shares(v, in.normal_load + h, state, p); }, by_N);
     const double rate = lambda_ * alpha_ * in.load_rate / in.normal_load;
     for (int i = 0; i < states; ++i) {
       for (int j = 0; j < n; ++j) slopes.g_z[(first_ + i) * n + j] -= rate * by_v[i] * v_z[j];
@@ -81,9 +83,7 @@ class MemoryContact final : public Contact<double> {
     add(in, share, g);
   }
 
-  void steady_friction(const double& u, const double& N, double& mu) const override {
-    law_->steady_friction(u, N, mu);
-  }
+  void steady_friction(const double& u, const double& N, double& mu) const override { law_->steady_friction(u, N, mu); }
   void slip(const double& N, const double* z, double& v, double* g, double* v_z, double* g_z) const override {
     law_->slip(N, z, v, g, v_z, g_z);
   }
@@ -117,8 +117,7 @@ class MemoryContact final : public Contact<double> {
           at[i] = state[i] - (stage == 0 ? 0 : alpha_ * h * node[stage] * k[stage - 1][i]);
         shares(v, N * std::exp(h * (step + node[stage])), at, k[stage]);
         if (stage == 3)
-          for (int i = 0; i < states; ++i)
-            state[i] -= alpha_ * h * (k[0][i] + 2 * k[1][i] + 2 * k[2][i] + k[3][i]) / 6;
+          for (int i = 0; i < states; ++i) state[i] -= alpha_ * h * (k[0][i] + 2 * k[1][i] + 2 * k[2][i] + k[3][i]) / 6;
       }
   }
 
@@ -154,8 +153,8 @@ class MemoryContact final : public Contact<double> {
 }  // namespace
 
 std::unique_ptr<Contact<double>> with_load_memory(std::unique_ptr<Contact<double>> law,
-                                                  std::unique_ptr<Contact<double>> shape,
-                                                  std::vector<int> remembering, const ContactSetup& setup) {
+                                                  std::unique_ptr<Contact<double>> shape, std::vector<int> remembering,
+                                                  const ContactSetup& setup) {
   return std::make_unique<MemoryContact>(std::move(law), std::move(shape), std::move(remembering), setup);
 }
 

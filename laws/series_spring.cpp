@@ -60,8 +60,7 @@ struct BehindSpring {
         const Scalar& u = Part::of(in.slip_rate, p);
         if (with_friction) {
           const auto s = spring.at(in.normal_load, p);
-          Part::of(stretching, p) =
-              (Part::of(in.normal_load, p) * Part::of(z[0], p) - s.k * Part::of(z[n], p)) / s.c;
+          Part::of(stretching, p) = (Part::of(in.normal_load, p) * Part::of(z[0], p) - s.k * Part::of(z[n], p)) / s.c;
           Part::of(v, p) = u - Part::of(stretching, p);
         } else {
           Part::of(v, p) = Part::of(z[n], p);
@@ -121,7 +120,7 @@ class SpringContact final : public Contact<Real> {
     const bool with_friction = rows_.with_friction;
     on_lanes<Real>([&] {
       for (int p = 0; p < Part::count; ++p) {
-        const auto part = [&](Real& x) __attribute__((always_inline))->Scalar& { return Part::of(x, p); };
+        const auto part = [&](Real & x) __attribute__((always_inline))->Scalar& { return Part::of(x, p); };
         const auto& N = Part::of(in.normal_load, p);
         const auto s = rows_.spring.at(in.normal_load, p);
         // v by all unknowns, u and N.

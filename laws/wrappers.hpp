@@ -26,7 +26,7 @@ std::unique_ptr<ContactValues<Tower>> behind_spring(std::unique_ptr<ContactValue
 /// Source: M. F. Linker and J. H. Dieterich, Effects of variable normal stress on rock friction: observations and
 /// constitutive equations, J. Geophys. Res. 97, 4923-4940, 1992.
 std::unique_ptr<Contact<double>> with_load_memory(std::unique_ptr<Contact<double>> law,
-                                                  std::unique_ptr<Contact<double>> shape,
-                                                  std::vector<int> remembering, const ContactSetup&);
+                                                  std::unique_ptr<Contact<double>> shape, std::vector<int> remembering,
+                                                  const ContactSetup&);
 
 }  // namespace rosin::laws

@@ -171,10 +171,10 @@ void Model::check() const {
                     name));
   const bool damped = slider.damping > 0 || (contact.damped() && std::isfinite(slider.stiffness));
   if (slider.mass == 0 && !law->has_slip_rate() && damped)
-    throw InputError(
-        fmt::format("law '{}' cannot be solved for the slip rate: without mass it goes with springs alone, not with {}; "
-                    "give the slider a mass",
-                    name, slider.damping > 0 ? "oscillator.damping" : "a damped law.contact_stiffness"));
+    throw InputError(fmt::format(
+        "law '{}' cannot be solved for the slip rate: without mass it goes with springs alone, not with {}; "
+        "give the slider a mass",
+        name, slider.damping > 0 ? "oscillator.damping" : "a damped law.contact_stiffness"));
 }
 
 }  // namespace rosin::oscillators

@@ -134,8 +134,9 @@ void SliderLanes::scale(const Lanes* y, Lanes* s) const {
   for (int i = 0; i < size(); ++i) s[i] = scale_[i];
   for (const int speed : {mechanical_ > 1 ? 1 : -1, contact_slip_rate_})
     if (speed >= 0)
-      for_each_pack([&](int p)
-                        __attribute__((always_inline)) { s[speed].pack[p] = max(s[speed].pack[p], abs(y[speed].pack[p])); });
+      for_each_pack([&](int p) __attribute__((always_inline)) {
+        s[speed].pack[p] = max(s[speed].pack[p], abs(y[speed].pack[p]));
+      });
 }
 
 void SliderLanes::contact_slip_rate(const Lanes* y, Lanes& v) const {

@@ -424,14 +424,12 @@ double SliderSystem::friction_coefficient(double t, const double* y) const {
   if (carries_friction()) return y[mechanical_];
   if (sticking()) return holding_force(t, y) / forcing(t).load;
   const Forcing now = forcing(t);
-  if (const int v = contact_slip_rate_index(); v >= 0) {
-    std::vector<double> state = states_at(now.load, y, y[v]);
-    return model_.law->friction({y[v], now.load}, state);
-  }
+  const double load = now.load > 0 ? now.load : 1;  // so that the coefficient exists for N = 0 too
+  if (const int v = contact_slip_rate_index(); v >= 0)
+    return model_.law->friction({y[v], load}, states_at(load, y, y[v]));
   double g[Slopes<double>::capacity], F;
-  // At unit load, so that the coefficient exists for N = 0 too.
-  contact_->evaluate({imposed_slip_rate(now, y, 0), 1.0, 0, direction_}, y + mechanical_, g, F);
-  return F;
+  contact_->evaluate({imposed_slip_rate(now, y, 0), load, 0, direction_}, y + mechanical_, g, F);
+  return F / load;
 }
 
 double SliderSystem::slip_rate(double t, const double* y) const {

@@ -52,9 +52,7 @@ class SliderSystem final : public SwitchingSystem {
   /// Index of the first state among the unknowns, if states are unknowns.
   int first_state() const { return mechanical_ + (carries_friction() ? 1 : 0); }
   bool carries_friction() const { return setup_.unknowns == Unknowns::friction; }
-  bool rigid() const {
-    return setup_.compliance == 0 && setup_.compliance_per_load == 0 && !setup_.spring.present();
-  }
+  bool rigid() const { return setup_.compliance == 0 && setup_.compliance_per_load == 0 && !setup_.spring.present(); }
 
   /// The unknowns at displacement x, slip rate u and natural states; friction from the law where the contact is rigid,
   /// else `friction` (the force F in the contact spring).

@@ -200,7 +200,17 @@ double Collocation::first_step(double t_limit) {
   // Shorter at smaller tolerances, so that two of them never take the same steps over a transient, nor find the same
   // samples within the first.
   const double share = 0.1 * std::cbrt(tolerance_);
-  return std::min({bound_share_ * guess, share * (t_limit - t_), system_.resolution()});
+  double first = std::min({bound_share_ * guess, share * (t_limit - t_), system_.resolution()});
+  if (resolve_starts_) {
+    double response = 0;  // largest sum of a row of M⁻¹ J, in scales
+    for (int i = 0; i < n_; ++i) {
+      double sum = 0;
+      for (int j = 0; j < n_; ++j) sum += std::abs(J_[i * n_ + j]) * scale_[j];
+      if (mass_[i] > 0) response = std::max(response, sum / (mass_[i] * scale_[i]));
+    }
+    if (response > 0 && std::isfinite(response)) first = std::min(first, bound_share_ / response);
+  }
+  return std::max(first, 16 * rounding * std::abs(t_));
 }
 
 Outcome Collocation::step(double t_limit) {

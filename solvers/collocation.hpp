@@ -33,6 +33,9 @@ class Collocation {
   /// No step may be longer; infinity to lift the bound. At tolerances below 1e-6 the bound shrinks as steps do: if it
   /// alone set the length, two tolerances would take the same steps and their difference would show no error.
   void bound_step(double longest) { longest_step_ = longest * bound_share_; }
+  /// Starts begin within the fastest time of the Jacobian, so that a transient is seen even if a start excites it weakly
+  /// and a longer step would damp it out of sight. Costs a few steps more where there is none.
+  void resolve_starts() { resolve_starts_ = true; }
   /// Shortens the last step to `theta` of its length (0 < theta <= 1), solved again at full order.
   bool shorten(double theta);
 
@@ -85,6 +88,7 @@ class Collocation {
   double longest_step_ = infinity, bound_share_;
   double last_moment_ = infinity;  ///< just before the limit of the last step
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
+  bool resolve_starts_ = false;
   bool fresh_ = true;          ///< no polynomial of an earlier step to start from
   std::vector<double> carry_;  ///< what rounding left out of y_: a load that creeps up must not stand still
   std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;

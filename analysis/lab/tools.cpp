@@ -76,8 +76,7 @@ void record_curve(Result& result, const Model& model, const std::vector<double>&
 bool memoryless(const Model& model) { return !model.law->has_states() || model.lambda == 0; }
 
 bool rigid_machine(const Model& model) {
-  return model.slider.mass == 0 && std::isinf(model.slider.stiffness) &&
-         !model.contact_stiffness.present();
+  return model.slider.mass == 0 && std::isinf(model.slider.stiffness) && !model.contact_stiffness.present();
 }
 
 double settling_time(Model model, double V) {

@@ -240,3 +240,30 @@ TEST_CASE("wrong runs are refused before any work", "[run]") {
   options.duration = NAN;
   CHECK_THROWS_AS(run(model, options), InputError);
 }
+
+TEST_CASE("a start that rings on a stiff film is followed, and its force is that of the film", "[run]") {
+  // m u̇ = k x + c (V − u) − A τ, τ̇ = (S/(λ d)) u while flow hardly matters: a damped oscillator in closed form.
+  const double m = 3.3e-5, c = 1.28, k = 234, V = 1e-6, N = 3e-7, lambda = 0.08;
+  Model model;
+  model.law = laws::find_law("film");
+  model.lambda = lambda;
+  model.slider = {m, k, c};
+  model.drive = {V, N, 0.0};
+  RunOptions options;
+  options.start.kind = Start::Kind::rest;
+  const double film = model.law->parameter("A") * model.law->parameter("S") / (lambda * model.law->parameter("d"));
+  const double omega = std::sqrt(film / m), decay = c / (2 * m);
+  options.duration = 2 / decay;
+  options.times = {1e-7, 3.3e-6, 1e-5, options.duration};
+  const auto record = run(model, options);
+  REQUIRE(record.outcome.complete());
+  for (std::size_t i = 0; i < record.time.size(); ++i) {
+    const double t = record.time[i], ring = std::sqrt(omega * omega - decay * decay);
+    // Deflection w = ∫u dt under the force c V, besides k x, which grows as k V t: small by k t/c.
+    const double settled = c * V / film;
+    const double w = settled * (1 - std::exp(-decay * t) * (std::cos(ring * t) + decay / ring * std::sin(ring * t)));
+
+    CHECK(record.columns[3][i] == Approx(film * w + k * V * t).epsilon(0.02));
+    CHECK(record.columns[3][i] == Approx(model.law->parameter("A") * record.columns[5][i]).epsilon(1e-12));
+  }
+}

@@ -38,9 +38,8 @@ TEST_CASE("lanes evaluate and linearise as single sliders do", "[slider-lanes]")
     INFO(law->card().name << ", mass " << kind.mass << ", contact stiffness " << kind.contact_stiffness);
     std::vector<SliderSystem> sliders;
     for (int lane = 0; lane < lane_count; ++lane)
-      sliders.emplace_back(
-          slider(law, kind.mass, kind.damping, kind.contact_stiffness, law->has_slip_rate() ? lane : lane + 1,
-                 kind.contact_damping));
+      sliders.emplace_back(slider(law, kind.mass, kind.damping, kind.contact_stiffness,
+                                  law->has_slip_rate() ? lane : lane + 1, kind.contact_damping));
     SliderLanes lanes(sliders.front());
     const int n = sliders.front().size();
     REQUIRE(lanes.size() == n);
