@@ -33,8 +33,8 @@ class Collocation {
   /// No step may be longer; infinity to lift the bound. At tolerances below 1e-6 the bound shrinks as steps do: if it
   /// alone set the length, two tolerances would take the same steps and their difference would show no error.
   void bound_step(double longest) { longest_step_ = longest * bound_share_; }
-  /// Starts begin within the fastest time of the Jacobian, so that a transient is seen even if a start excites it weakly
-  /// and a longer step would damp it out of sight. Costs a few steps more where there is none.
+  /// Starts begin within the fastest time of the Jacobian, so that a transient is seen even if a start excites it
+  /// weakly and a longer step would damp it out of sight. Costs a few steps more where there is none.
   void resolve_starts() { resolve_starts_ = true; }
   /// Shortens the last step to `theta` of its length (0 < theta <= 1), solved again at full order.
   bool shorten(double theta);

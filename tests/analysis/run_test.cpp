@@ -243,7 +243,7 @@ TEST_CASE("wrong runs are refused before any work", "[run]") {
 
 TEST_CASE("a start that rings on a stiff film is followed, and its force is that of the film", "[run]") {
   // m u̇ = k x + c (V − u) − A τ, τ̇ = (S/(λ d)) u while flow hardly matters: a damped oscillator in closed form.
-  const double m = 3.3e-5, c = 1.28, k = 234, V = 1e-6, N = 3e-7, lambda = 0.08;
+  const double m = 3.3e-5, c = 1.28, k = 234, V = 1e-3, N = 3e-7, lambda = 0.08;
   Model model;
   model.law = laws::find_law("film");
   model.lambda = lambda;
