@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace rosin::analysis {
@@ -60,10 +61,15 @@ struct Pass {
         return;
       }
       const Switch what = solver.advance(end);
+      const double displacement = double(solver.at(solver.time()).displacement);
+      if (!std::isfinite(displacement)) {
+        outcome = {Ending::not_finite, fmt::format("displacement at t = {:.9g} s", double(solver.time()))};
+        return;
+      }
       sample_until(solver.time(), false);
       if (what == Switch::none) continue;
       event_times.push_back(solver.time());
-      if (events) events->push_back({double(solver.time()), name(what), double(solver.at(solver.time()).displacement)});
+      if (events) events->push_back({double(solver.time()), name(what), displacement});
     }
     sample_until(end, true);
   }

@@ -1,6 +1,6 @@
 /// Stick–slip in closed form: a mass on a spring and a damper under dry friction, followed from event to event.
 #pragma once
-#include <string>
+#include <limits>
 
 #include "core/error.hpp"
 #include "solvers/closed_form.hpp"

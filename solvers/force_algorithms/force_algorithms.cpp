@@ -51,13 +51,24 @@ double step_of(const DryMass<D>& mass, const Options& options) {
 
 template <int D>
 void check(std::string_view name, const DryMass<D>& mass, const Options& options) {
-  const auto positive = [](double value, const char* key, const char* unit, const char* why) {
-    if (!(value > 0) || !std::isfinite(value))
-      throw InputError(fmt::format("solver.{} = {} {} must be above 0: {}", key, value, unit, why));
+  double most_load = std::abs(mass.load.level()), most_force = 0, slowest = infinity;
+  for (const auto& term : mass.load.piece(0).terms) most_load += std::abs(term.amplitude);
+  for (int d = 0; d < D; ++d) {
+    double force = std::abs(mass.force[d].level());
+    for (const auto& term : mass.force[d].piece(0).terms) force += std::abs(term.amplitude);
+    most_force = std::max(most_force, force), slowest = std::min(slowest, std::sqrt(mass.stiffness[d] / mass.mass));
+  }
+  // What forces of this size give the mass for speed: a window or transition as wide would cover all motion.
+  const double reach = (most_force + mass.static_friction * most_load) / (mass.mass * slowest);
+  const auto within = [&](double value, const char* key, const char* why) {
+    if (!(value > 0 && value < reach))
+      throw InputError(
+          fmt::format("solver.{} = {} m/s must be above 0 and below {:.3g} m/s, the speed that forces and "
+                      "friction give the mass: {}",
+                      key, value, reach, why));
   };
-  if (name == "o-fbfm") positive(options.window, "window", "m/s", "the mass counts as at rest while it is slower");
-  if (regularised(name))
-    positive(options.transition_speed, "transition_speed", "m/s", "friction falls to zero below it");
+  if (name == "o-fbfm") within(options.window, "window", "the mass counts as at rest while it is slower");
+  if (regularised(name)) within(options.transition_speed, "transition_speed", "friction falls to zero below it");
   if (options.closed_form && (regularised(name) || name == "meijaard"))
     throw InputError(
         fmt::format("solver.stepping = 'closed-form' does not go with '{}', whose force within a step has "
@@ -75,8 +86,6 @@ void check(std::string_view name, const DryMass<D>& mass, const Options& options
                       "are stable up to {:.6g} s",
                       step, what, rate, stable / rate));
   };
-  double most_load = mass.load.level();
-  for (const auto& term : mass.load.piece(0).terms) most_load += std::abs(term.amplitude);
   for (int d = 0; d < D; ++d) {
     const double m = mass.mass, k = mass.stiffness[d], c = mass.damping[d];
     const double alpha = c / (2 * m), natural = std::sqrt(k / m);
@@ -86,7 +95,8 @@ void check(std::string_view name, const DryMass<D>& mass, const Options& options
                  "friction below solver.transition_speed");
     if (!spring_damped(name)) continue;
     if (options.adherence_stiffness < 0 || !std::isfinite(options.adherence_stiffness))
-      positive(options.adherence_stiffness, "adherence_stiffness", "N/m", "stick is a spring");
+      throw InputError(fmt::format("solver.adherence_stiffness = {} N/m must be above 0: stick is a spring",
+                                   options.adherence_stiffness));
     const Adhesion<D> adhesion(mass, options);
     const double w = std::sqrt((k + adhesion.stiffness) / m), ratio = (c + adhesion.damping) / (2 * m * w);
     if (!(ratio > 1)) {

@@ -26,7 +26,8 @@ template <int D>
 double step_of(const DryMass<D>&, const Options&);
 
 /// \throws InputError for a step too long for stability, an adherence that is not overdamped, a window or transition
-/// speed that is not above 0, and an algorithm that cannot serve the mass; each with the admissible range.
+/// speed that is not between 0 and the speeds of the motion, and an algorithm that cannot serve the mass; each with the
+/// admissible range.
 template <int D>
 void check(std::string_view algorithm, const DryMass<D>&, const Options&);
 

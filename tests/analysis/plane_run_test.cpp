@@ -18,7 +18,7 @@ PlaneModel pushed() {
 }
 }  // namespace
 
-TEST_CASE("a run in the plane stops fifteen times less one, and states errors that hold", "[plane]") {
+TEST_CASE("a run in the plane has its fifteen events, and states errors that hold", "[plane]") {
   RunOptions options;
   options.times = {0.1, 0.7, 1.2, 1.85, 2};
   options.duration = 2;

@@ -238,6 +238,10 @@ TEST_CASE("what has no meaning is refused with the admissible range", "[algorith
   CHECK_NOTHROW(check("aabg-sdfm", mass, options));
   options.window = 0;
   CHECK_THROWS_WITH(check("o-fbfm", mass, options), Catch::Contains("above 0"));
+  options.window = 3;  // (3 + 0.4·14.8) N/(1 kg 20/s) = 0.446 m/s
+  CHECK_THROWS_WITH(check("o-fbfm", mass, options), Catch::Contains("above 0 and below 0.446 m/s"));
+  options.window = 0.4;
+  CHECK_NOTHROW(check("o-fbfm", mass, options));
   options.transition_speed = 1e-4;
   CHECK_THROWS_WITH(check("svlfm", mass, options), Catch::Contains("transition_speed"));
 }
