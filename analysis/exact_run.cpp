@@ -82,6 +82,13 @@ void run_exactly(const Model& model, const DryOscillator& oscillator, const RunO
   const oscillators::SliderSystem system(model);
   const auto y = starting_point(system, options.start);
   const std::array<double, 2> start = {y[0], oscillator.speed.value(0) - y[1]};
+  const double frequency = std::sqrt(oscillator.stiffness / oscillator.mass),
+               end = std::max(options.duration, times.back());
+  if (!(frequency * end < 1e13))  // a thousandth of a radian would be rounding
+    throw InputError(
+        fmt::format("a natural frequency of {:.3g} rad/s over {:.3g} s is beyond what the clock resolves; "
+                    "at most {:.3g} s can be followed",
+                    frequency, end, 1e13 / frequency));
   Exact<long double> fine_solver(oscillator);
   const Pass<long double> fine(fine_solver, options, times, start, &result.events);
   Exact<double> coarse_solver(oscillator);

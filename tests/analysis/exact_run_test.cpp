@@ -79,6 +79,8 @@ TEST_CASE("where there is no closed form, the reason is given", "[exact]") {
   CHECK_THROWS_WITH(run(viscous, options), Catch::Contains("no closed form here"));
   CHECK_THROWS_WITH(run(slider_under("coulomb", {0.4, 0.3}, {1, 0, 0}, 0.2, 1), options),
                     Catch::Contains("a mass and a spring"));
+  CHECK_THROWS_WITH(run(slider_under("coulomb", {0.4, 0.3}, {1e-20, 1e20, 0}, 0.2, 1), options),
+                    Catch::Contains("beyond what the clock resolves"));
   options.solver = "tr-sdfm";
   CHECK_THROWS_WITH(run(viscous, options), Catch::Contains("for Coulomb friction"));
 }
