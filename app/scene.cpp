@@ -1108,6 +1108,9 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   const auto* type = oscillator && oscillator->is_table() ? oscillator->as_table()->get("type") : nullptr;
   if (verb == Verb::run && type && type->value_or(std::string()) == "plane-slider") {
     const auto& loads = root.required("drive", "normal load and two forces");
+    if (scene.model.contact_stiffness.present())
+      fail(document.get("law")->source(),
+           "law.contact_stiffness does not go with a plane slider, whose contact is rigid");
     scene.plane = read_plane(Table(*oscillator, "oscillator"), Table(loads, "drive"), *scene.model.law,
                              document.get("law")->source(), folder);
     read_run(Table(root.required("run", "duration and start"), "run"), scene.run, *scene.model.law, &*scene.plane,
