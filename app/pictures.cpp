@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "app/files.hpp"
+#include "app/gnuplot.hpp"
 
 extern char** environ;
 

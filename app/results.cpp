@@ -1,38 +1,13 @@
 /// The JSON documents of every verb.
 #include "app/results.hpp"
 
-#include <complex>
 #include <ctime>
-#include <nlohmann/json.hpp>
+
+#include "app/json.hpp"
 
 namespace rosin::app {
 
 namespace {
-
-using nlohmann::ordered_json;
-
-std::string text(const ordered_json& document) {
-  return document.dump(1, ' ', false, ordered_json::error_handler_t::replace) + '\n';  // paths need not be UTF-8
-}
-
-ordered_json pair(std::complex<double> z) { return {z.real(), z.imag()}; }
-
-ordered_json pairs(const std::vector<std::complex<double>>& list) {
-  auto array = ordered_json::array();
-  for (const auto& z : list) array.push_back(pair(z));
-  return array;
-}
-
-/// What every document of a scene begins with.
-ordered_json begin(const Scene& scene, const char* verb, const Outcome& outcome = {}) {
-  ordered_json document{{"title", scene.title},
-                        {"verb", verb},
-                        {"law", scene.model.law->card().name},
-                        {"version", ROSIN_VERSION},
-                        {"outcome", name(outcome.ending)}};
-  if (!outcome.detail.empty()) document["outcome_detail"] = outcome.detail;
-  return document;
-}
 
 ordered_json values(const std::vector<Quantity>& names, const std::vector<Value>& list) {
   auto object = ordered_json::object();
