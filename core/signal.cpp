@@ -75,6 +75,10 @@ Signal::Signal(Table form) : form_(std::move(form)) {
   for (double value : table.value) require_finite(value, "value in a table");
 }
 
+Signal::Signal(Noise form) : form_(MadeNoise{form.mean, std::make_shared<const BandNoise>(form.band)}) {
+  require_finite(form.mean, "mean");
+}
+
 double Signal::value(double t) const {
   return std::visit(Overloaded{
                         [](double constant) { return constant; },
@@ -97,6 +101,7 @@ double Signal::value(double t) const {
                           const double part = (t - form.time[i]) / (form.time[i + 1] - form.time[i]);
                           return std::lerp(form.value[i], form.value[i + 1], part);
                         },
+                        [t](const MadeNoise& form) { return form.mean + form.noise->value(t); },
                     },
                     form_);
 }
@@ -117,6 +122,7 @@ double Signal::rate(double t) const {
                           const auto i = interval(form, t);
                           return (form.value[i + 1] - form.value[i]) / (form.time[i + 1] - form.time[i]);
                         },
+                        [t](const MadeNoise& form) { return form.noise->rate(t); },
                     },
                     form_);
 }
@@ -148,11 +154,13 @@ double Signal::next_break(double t) const {
                           const auto next = std::upper_bound(form.time.begin(), form.time.end(), t);
                           return next == form.time.end() || form.time.size() == 1 ? infinity : *next;
                         },
+                        [](const MadeNoise&) { return infinity; },
                     },
                     form_);
 }
 
 double Signal::resolution() const {
+  if (const auto* noise = std::get_if<MadeNoise>(&form_)) return 1 / (16 * noise->noise->band().high);
   const auto* form = std::get_if<Harmonics>(&form_);
   if (!form) return infinity;
   double fastest = 0;
@@ -176,17 +184,27 @@ bool Signal::within(Range range) const {
                         [range](const Table& form) {
                           return std::ranges::all_of(form.value, [range](double v) { return range.contains(v); });
                         },
+                        [range](const MadeNoise& form) {
+                          return range.contains(form.mean + form.noise->lowest()) &&
+                                 range.contains(form.mean + form.noise->highest());
+                        },
                     },
                     form_);
 }
 
 double Signal::level() const {
   if (const auto* form = std::get_if<Harmonics>(&form_)) return form->mean;
+  if (const auto* form = std::get_if<MadeNoise>(&form_)) return form->mean;
   return value(0);
 }
 
 Signal Signal::with_level(double level) const {
   if (const auto* form = std::get_if<Harmonics>(&form_)) return Signal(Harmonics{level, form->terms});
+  if (const auto* form = std::get_if<MadeNoise>(&form_)) {
+    Signal changed(level);
+    changed.form_ = MadeNoise{level, form->noise};
+    return changed;
+  }
   return Signal(level);
 }
 

@@ -1,8 +1,10 @@
 /// Signals: quantities prescribed in time (drive speed, normal load, force) that know their rate and where they break.
 #pragma once
+#include <memory>
 #include <variant>
 #include <vector>
 
+#include "core/noise.hpp"
 #include "core/parameters.hpp"
 
 namespace rosin {
@@ -26,6 +28,10 @@ class Signal {
     double mean;
     std::vector<Harmonic> terms;
   };
+  struct Noise {
+    double mean;
+    NoiseBand band;
+  };
   struct Table {
     std::vector<double> time, value;  ///< linear between points, constant outside
   };
@@ -36,6 +42,7 @@ class Signal {
   explicit Signal(Ramp);
   explicit Signal(Harmonics);
   explicit Signal(Table);
+  explicit Signal(Noise);
 
   /// The signal from t to its next break: at t + τ it is value + rate·τ + Σ terms, cosines of absolute time.
   struct Piece {
@@ -51,18 +58,23 @@ class Signal {
   double next_break(double t) const;
   /// True if the value never changes.
   bool constant() const { return std::holds_alternative<double>(form_); }
-  /// Longest step of time that resolves the signal (1/16 of the shortest period); infinity if it has no period.
+  /// Longest step of time that resolves the signal (1/16 of the shortest period, or of that of the band's upper end);
+  /// infinity if it has no period.
   double resolution() const;
   /// All values stay within the range (checked at break points, by the sum of amplitudes for harmonics, and at its
   /// start for a ramp, which has no end of its own).
   bool within(Range) const;
-  /// The constant value or the mean of harmonics; the value at t = 0 for other forms.
+  /// The constant value or the mean of harmonics or noise; the value at t = 0 for other forms.
   double level() const;
-  /// The same signal with another level; other forms than constant and harmonic become constant.
+  /// The same signal with another level; other forms than constant, harmonics and noise become constant.
   Signal with_level(double) const;
 
  private:
-  std::variant<double, Steps, Ramp, Harmonics, Table> form_;
+  struct MadeNoise {
+    double mean;
+    std::shared_ptr<const BandNoise> noise;  ///< large, and shared by copies
+  };
+  std::variant<double, Steps, Ramp, Harmonics, Table, MadeNoise> form_;
 };
 
 }  // namespace rosin
