@@ -1,0 +1,454 @@
+/// Least squares on GSL, profiles by repeated fits, states at a constant slip rate by an explicit method.
+#include "analysis/fit.hpp"
+
+#include <fmt/format.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_multifit_nlinear.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "analysis/frf.hpp"
+#include "analysis/lab/sensor.hpp"
+#include "analysis/run.hpp"
+
+namespace rosin::analysis {
+
+namespace {
+
+// ---------------------------------------------------------------- predictions
+
+/// ψ at each of the ascending times t ≥ 0 of sliding at slip rate v, from ψ(0). Dormand & Prince (1980), tolerance
+/// 1e-10.
+class States {
+ public:
+  States(const Model& model, double v, double N) : law_(*model.law), lambda_(model.lambda), at_{v, N} {}
+
+  std::vector<double> advance(std::vector<double> state, double duration) {
+    const auto& fields = law_.states();
+    auto y = state;
+    for (std::size_t k = 0; k < y.size(); ++k)
+      if (fields[k].scale == Scale::log) y[k] = std::log(y[k]);
+    double t = 0;
+    if (step_ == 0) step_ = duration / 16;
+    for (int count = 0; t < duration; ++count) {
+      if (count > 100000) throw InputError("the states of the law change too fast to be followed in a velocity step");
+      const double h = std::min(step_, duration - t);
+      const auto [next, error] = attempt(y, h);
+      if (error <= 1) t += h, y = next;
+      const double grow = std::isfinite(error) ? 0.9 * std::pow(std::max(error, 1e-8), -0.2) : 0.1;
+      if (error > 1 || h == step_) step_ = h * std::clamp(grow, 0.1, 5.0);
+      if (!(step_ > 1e-14 * duration))
+        throw InputError("the states of the law could not be followed in a velocity step");
+    }
+    for (std::size_t k = 0; k < y.size(); ++k) state[k] = fields[k].scale == Scale::log ? std::exp(y[k]) : y[k];
+    return state;
+  }
+
+ private:
+  std::vector<double> slope(const std::vector<double>& y) const {
+    const auto& fields = law_.states();
+    auto state = y;
+    for (std::size_t k = 0; k < y.size(); ++k)
+      if (fields[k].scale == Scale::log) state[k] = std::exp(y[k]);
+    auto rate = law_.rate(at_, state);
+    for (std::size_t k = 0; k < y.size(); ++k) {
+      rate[k] /= lambda_;
+      if (fields[k].scale == Scale::log) rate[k] /= state[k];
+    }
+    return rate;
+  }
+  std::pair<std::vector<double>, double> attempt(const std::vector<double>& y, double h) const {
+    static constexpr double a[6][6] = {{1. / 5},
+                                       {3. / 40, 9. / 40},
+                                       {44. / 45, -56. / 15, 32. / 9},
+                                       {19372. / 6561, -25360. / 2187, 64448. / 6561, -212. / 729},
+                                       {9017. / 3168, -355. / 33, 46732. / 5247, 49. / 176, -5103. / 18656},
+                                       {35. / 384, 0, 500. / 1113, 125. / 192, -2187. / 6784, 11. / 84}};
+    static constexpr double e[7] = {71. / 57600, 0, -71. / 16695, 71. / 1920, -17253. / 339200, 22. / 525, -1. / 40};
+    std::vector<std::vector<double>> k{slope(y)};
+    std::vector<double> next;
+    for (const auto& row : a) {
+      next = y;
+      for (std::size_t s = 0; s < k.size(); ++s)
+        for (std::size_t i = 0; i < y.size(); ++i) next[i] += h * row[s] * k[s][i];
+      k.push_back(slope(next));
+    }
+    double error = 0;
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      double local = 0;
+      for (std::size_t s = 0; s < k.size(); ++s) local += h * e[s] * k[s][i];
+      const bool logarithmic = law_.states()[i].scale == Scale::log;
+      error += std::pow(local / (1e-10 * (logarithmic ? 1.0 : std::max(std::abs(y[i]), std::abs(next[i])))), 2);
+    }
+    return {next, std::sqrt(error)};  // NaN fails every comparison: the step is refused
+  }
+
+  const FrictionLaw& law_;
+  double lambda_;
+  Sliding<double> at_;
+  double step_ = 0;
+};
+
+bool sprung(const Model& model) {
+  return std::isfinite(model.contact_stiffness.tangential) || std::isfinite(model.contact_stiffness.per_load);
+}
+
+std::vector<double> predict_step(const Model& model, const Measurement& m) {
+  const auto& law = *model.law;
+  std::vector<double> mu;
+  if (!law.has_states() || model.lambda == 0) {
+    for (std::size_t i = 0; i < m.x.size(); ++i)
+      mu.push_back(law.steady_friction({m.next_slip_rate, m.normal_load}).friction);
+  } else if (!sprung(model)) {
+    States states(model, m.next_slip_rate, m.normal_load);
+    auto state = law.steady({m.slip_rate, m.normal_load});
+    double t = 0;
+    for (const double x : m.x) {
+      if (x > t) state = states.advance(state, x - t);
+      t = x;
+      mu.push_back(law.friction({m.next_slip_rate, m.normal_load}, state));
+    }
+  } else {  // the spring turns the jump into a fast rise: followed by the stiff solvers of runs
+    Model imposed = model;
+    imposed.slider = {.mass = 0, .stiffness = infinity, .damping = 0};
+    const double before = std::max(1e-3 * m.x.back(), 1e-9);
+    imposed.drive = {Signal(Signal::Steps{{{0, m.slip_rate}, {before, m.next_slip_rate}}}), m.normal_load, 0.0};
+    RunOptions options;
+    for (const double x : m.x) options.times.push_back(before + x);
+    options.duration = options.times.back();
+    options.tolerance = 1e-9;
+    const auto run = analysis::run(imposed, options);
+    if (!run.outcome.complete()) throw InputError("the velocity step could not be followed: " + run.outcome.detail);
+    const auto column = std::ranges::find(run.column_names, "friction_coefficient") - run.column_names.begin();
+    mu = run.columns[std::size_t(column)];
+  }
+  return mu;
+}
+
+std::vector<double> predict_holds(const Model& model, const Measurement& m) {
+  const auto& law = *model.law;
+  if (!law.has_states() || model.lambda == 0)
+    throw InputError(fmt::format("law '{}' without states does not remember a hold", law.card().name));
+  std::vector<double> mu;
+  for (const double time : m.x) {
+    States rest(model, 0, m.normal_load);
+    const auto state = rest.advance(law.steady({m.slip_rate, m.normal_load}), time);
+    mu.push_back(law.friction({m.slip_rate, m.normal_load}, state));
+  }
+  return mu;
+}
+
+// ---------------------------------------------------------------- variables
+
+/// A fitted parameter as the variable q = ln p, or p itself where it may be negative.
+struct Variable {
+  Quantity quantity;
+  bool logarithmic;
+  double low, high;  ///< of q
+  double scale;      ///< of steps in q
+
+  double value(double q) const {
+    const double x = std::clamp(q, low, high);
+    return std::clamp(logarithmic ? std::exp(x) : x, quantity.range.low, quantity.range.high);
+  }
+  double of(double p) const { return logarithmic ? std::log(p) : p; }
+};
+
+Variable make_variable(const Model& model, const std::string& path) {
+  Variable v{model.describe(path), false, 0, 0, 1};
+  const double value = model.get(path);
+  v.logarithmic = v.quantity.range.low >= 0;
+  if (!std::isfinite(value) || (v.logarithmic && !(value > 0)))
+    throw InputError(fmt::format("{} = {}: a fit needs a start above 0 and finite", path, value));
+  constexpr double smallest = 1e-30, largest = 1e30;
+  v.low = v.logarithmic ? std::log(std::max(v.quantity.range.low, smallest)) : v.quantity.range.low;
+  v.high = v.logarithmic ? std::log(std::min(v.quantity.range.high, largest)) : v.quantity.range.high;
+  v.scale = v.logarithmic ? 1 : std::max(std::abs(value), 1e-6);
+  return v;
+}
+
+struct Problem {
+  const Model* model;
+  const std::vector<Measurement>* data;
+  std::vector<Variable> variables;
+  std::vector<double> q;  ///< all of them; those that are free are replaced
+  std::vector<std::size_t> free;
+  std::vector<char> used;  ///< points that count; empty: all
+
+  Model at(const std::vector<double>& all) const {
+    Model changed = *model;
+    for (std::size_t i = 0; i < variables.size(); ++i)
+      changed = changed.with(variables[i].quantity.name, variables[i].value(all[i]));
+    return changed;
+  }
+  /// Standardised residuals; nothing where the model does not answer.
+  std::optional<std::vector<double>> residuals(const std::vector<double>& all) const {
+    std::vector<double> r;
+    try {
+      const Model changed = at(all);
+      std::size_t point = 0;
+      for (const auto& m : *data) {
+        const auto y = predict(changed, m);
+        for (std::size_t i = 0; i < y.size(); ++i, ++point) {
+          const double weight = used.empty() || used[point] ? 1 : 0;
+          r.push_back(weight * (y[i] - m.y[i]) / m.error[i]);
+          if (!std::isfinite(r.back())) return std::nullopt;
+        }
+      }
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+    // Beyond a bound the model stands still: a slope leads back.
+    for (std::size_t i = 0; i < variables.size(); ++i)
+      r.push_back(1e3 * (all[i] - std::clamp(all[i], variables[i].low, variables[i].high)) / variables[i].scale);
+    return r;
+  }
+  std::vector<double> with_free(const gsl_vector* x) const {
+    auto all = q;
+    for (std::size_t i = 0; i < free.size(); ++i) all[free[i]] = gsl_vector_get(x, i);
+    return all;
+  }
+  std::size_t rows() const {
+    std::size_t n = variables.size();
+    for (const auto& m : *data) n += m.y.size();
+    return n;
+  }
+};
+
+constexpr double refused = 1e8;  ///< residual where the model does not answer
+
+int residual_callback(const gsl_vector* x, void* context, gsl_vector* f) {
+  const auto& problem = *static_cast<const Problem*>(context);
+  const auto r = problem.residuals(problem.with_free(x));
+  for (std::size_t i = 0; i < f->size; ++i) gsl_vector_set(f, i, r ? (*r)[i] : refused);
+  return GSL_SUCCESS;
+}
+
+int jacobian_callback(const gsl_vector* x, void* context, gsl_matrix* J) {
+  const auto& problem = *static_cast<const Problem*>(context);
+  const auto all = problem.with_free(x);
+  for (std::size_t j = 0; j < problem.free.size(); ++j) {
+    const double h = 1e-4 * problem.variables[problem.free[j]].scale;
+    auto up = all, down = all;
+    up[problem.free[j]] += h, down[problem.free[j]] -= h;
+    const auto a = problem.residuals(up), b = problem.residuals(down);
+    for (std::size_t i = 0; i < J->size1; ++i) gsl_matrix_set(J, i, j, a && b ? ((*a)[i] - (*b)[i]) / (2 * h) : 0);
+  }
+  return GSL_SUCCESS;
+}
+
+struct Minimum {
+  std::vector<double> q;
+  double chi_square = infinity;
+  std::vector<double> covariance;  ///< of the free variables
+  bool converged = false;
+};
+
+Minimum minimise(Problem& problem) {
+  Minimum best{problem.q, infinity, {}, false};
+  const std::size_t n = problem.rows(), p = problem.free.size();
+  if (p == 0) {
+    if (const auto r = problem.residuals(problem.q)) {
+      best.chi_square = 0;
+      for (const double x : *r) best.chi_square += x * x;
+      best.converged = true;
+    }
+    return best;
+  }
+  if (!problem.residuals(problem.q)) return best;
+  gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
+  gsl_multifit_nlinear_fdf fdf{residual_callback, jacobian_callback, nullptr, n, p, &problem, 0, 0, 0};
+  std::unique_ptr<gsl_multifit_nlinear_workspace, decltype(&gsl_multifit_nlinear_free)> work(
+      gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, n, p), gsl_multifit_nlinear_free);
+  std::vector<double> start(p);
+  for (std::size_t i = 0; i < p; ++i) start[i] = problem.q[problem.free[i]];
+  const auto x = gsl_vector_view_array(start.data(), p);
+  if (gsl_multifit_nlinear_init(&x.vector, &fdf, work.get()) != GSL_SUCCESS) return best;
+  int info = 0;
+  const int status = gsl_multifit_nlinear_driver(200, 1e-10, 1e-10, 0, nullptr, nullptr, &info, work.get());
+  best.q = problem.with_free(gsl_multifit_nlinear_position(work.get()));
+  const auto* f = gsl_multifit_nlinear_residual(work.get());
+  best.chi_square = 0;
+  for (std::size_t i = 0; i < n; ++i) best.chi_square += std::pow(gsl_vector_get(f, i), 2);
+  best.converged = status == GSL_SUCCESS || status == GSL_ENOPROG;  // no progress: at the rounding of the differences
+  best.covariance.resize(p * p);
+  auto covariance = gsl_matrix_view_array(best.covariance.data(), p, p);
+  gsl_multifit_nlinear_covar(gsl_multifit_nlinear_jac(work.get()), 0, &covariance.matrix);
+  return best;
+}
+
+/// Two-sided quantile of the normal distribution by Newton's method on erf.
+double normal_quantile(double confidence) {
+  double z = 1;
+  for (int i = 0; i < 60; ++i)
+    z -= (std::erf(z / std::numbers::sqrt2) - confidence) / (std::sqrt(2 / std::numbers::pi) * std::exp(-z * z / 2));
+  return z;
+}
+
+/// The q of one variable on one side at which χ² has risen by z²: secants on its root, which is nearly straight.
+double profile_end(Problem problem, const Minimum& best, std::size_t index, double step, double z) {
+  const auto& variable = problem.variables[index];
+  std::erase(problem.free, index);
+  problem.q = best.q;
+  double inner = best.q[index], inner_height = 0, outer = inner + step;
+  for (int i = 0; i < 12; ++i) {
+    const double q = std::clamp(outer, variable.low, variable.high);
+    problem.q[index] = q;
+    const auto there = minimise(problem);
+    const double height = std::sqrt(std::max(0.0, there.chi_square - best.chi_square));
+    if (!std::isfinite(height)) return q;
+    if (std::abs(height - z) < 1e-3 * z) return q;
+    if (q != outer && height < z) return q;  // the bound
+    problem.q = there.q;
+    const double slope = (height - inner_height) / (q - inner);
+    if (std::abs(slope) * std::abs(step) < 1e-3) return step > 0 ? variable.high : variable.low;  // flat: no end
+    const double next = q + std::clamp((z - height) / slope / std::abs(step), -3.0, 3.0) * std::abs(step);
+    inner = q, inner_height = height, outer = next;
+  }
+  return outer;
+}
+
+}  // namespace
+
+std::vector<double> predict(const Model& given, const Measurement& m) {
+  Model model = given;
+  model.drive = {m.slip_rate, m.normal_load, 0.0};
+  std::vector<double> y;
+  switch (m.kind) {
+    case Measurement::Kind::frequency_response: {
+      const FrictionResponse response(model);
+      for (const double f : m.x) {
+        const auto Z = response.tangential({0, 2 * std::numbers::pi * f});
+        y.push_back(Z.real()), y.push_back(Z.imag());
+      }
+      return y;
+    }
+    case Measurement::Kind::steady_curve:
+      for (const double v : m.x) y.push_back(model.law->steady_friction({v, m.normal_load}).friction);
+      return y;
+    case Measurement::Kind::velocity_step:
+      return predict_step(model, m);
+    case Measurement::Kind::hold:
+      return predict_holds(model, m);
+  }
+  return y;
+}
+
+Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptions& options) {
+  gsl_set_error_handler_off();
+  Problem problem{&model, &data, {}, {}, {}, {}};
+  for (const auto& path : options.parameters) {
+    problem.variables.push_back(make_variable(model, path));
+    problem.q.push_back(problem.variables.back().of(model.get(path)));
+    problem.free.push_back(problem.free.size());
+  }
+  const std::size_t p = problem.free.size();
+  Fit result;
+  for (const auto& m : data) {
+    const bool pairs = m.kind == Measurement::Kind::frequency_response;
+    if (m.y.size() != m.x.size() * (pairs ? 2 : 1) || m.error.size() != m.y.size())
+      throw InputError(fmt::format("{}: as many values and errors as points are needed", m.name));
+    if (!std::ranges::all_of(m.error, [](double e) { return e > 0 && std::isfinite(e); }))
+      throw InputError(fmt::format("{}: standard errors must be above 0 and finite", m.name));
+    if (m.kind != Measurement::Kind::steady_curve && !std::ranges::is_sorted(m.x))
+      throw InputError(fmt::format("{}: its abscissae must ascend", m.name));
+    result.points += int(m.y.size());
+  }
+  if (p == 0) throw InputError("a fit needs parameters");
+  if (std::size_t(result.points) <= p)
+    throw InputError(fmt::format("{} numbers do not determine {} parameters", result.points, p));
+
+  const auto own = problem.q;
+  const auto random = lab::white_noise(p * std::size_t(std::max(1, options.starts)), options.seed);
+  Minimum best;
+  for (int s = 0; s < std::max(1, options.starts); ++s) {
+    problem.q = own;
+    const double spread = std::log(30.0) / 2;
+    for (std::size_t i = 0; s > 0 && i < p; ++i) {
+      const auto& v = problem.variables[i];
+      problem.q[i] = std::clamp(own[i] + spread * v.scale * random[std::size_t(s) * p + i], v.low, v.high);
+    }
+    auto found = minimise(problem);
+    if (!std::isfinite(found.chi_square)) continue;
+    result.converged_starts += found.converged;
+    if (found.chi_square < best.chi_square) best = std::move(found);
+  }
+  if (!std::isfinite(best.chi_square))
+    throw InputError("the model answers to none of the starts: its parameters do not allow this prediction");
+  if (!best.converged) result.outcome = {Ending::budget_spent, "the least squares did not converge from any start"};
+
+  problem.q = best.q;
+  result.model = problem.at(best.q);
+  result.chi_square = best.chi_square;
+  result.aic = best.chi_square + 2 * double(p);
+  result.bic = best.chi_square + double(p) * std::log(double(result.points));
+  const double z = normal_quantile(options.confidence);
+  for (std::size_t i = 0; i < p; ++i) {
+    const auto& v = problem.variables[i];
+    const double spread = std::sqrt(best.covariance[i * p + i]);
+    FittedParameter parameter{v.quantity.name, v.quantity.unit, v.value(best.q[i])};
+    parameter.standard_error = spread * (v.logarithmic ? parameter.value : 1);
+    parameter.low = v.value(best.q[i] - z * spread), parameter.high = v.value(best.q[i] + z * spread);
+    parameter.at_bound = best.q[i] <= v.low + 1e-6 * v.scale || best.q[i] >= v.high - 1e-6 * v.scale;
+    parameter.profile_low = parameter.profile_high = std::nan("");
+    if (options.profiles && spread > 0 && std::isfinite(spread)) {
+      parameter.profile_low = v.value(profile_end(problem, best, i, -z * spread, z));
+      parameter.profile_high = v.value(profile_end(problem, best, i, z * spread, z));
+    }
+    if (parameter.at_bound)
+      result.warnings.push_back(
+          fmt::format("{} = {:.6g} lies at an end of its range", parameter.path, parameter.value));
+    else if (v.logarithmic && spread > 1)
+      result.warnings.push_back(fmt::format("{} is hardly determined: a factor of {:.2g} is within one standard error",
+                                            parameter.path, std::exp(spread)));
+    result.parameters.push_back(parameter);
+    for (std::size_t j = 0; j < p; ++j) {
+      const double product = best.covariance[i * p + i] * best.covariance[j * p + j];
+      result.correlation.push_back(product > 0 ? best.covariance[i * p + j] / std::sqrt(product) : std::nan(""));
+      if (j < i && std::abs(result.correlation.back()) > 0.99)
+        result.warnings.push_back(fmt::format("{} and {} are told apart poorly: correlation {:.4f}",
+                                              options.parameters[j], options.parameters[i], result.correlation.back()));
+    }
+  }
+  const double expected = double(result.points) - double(p);
+  if (best.chi_square > expected + 4 * std::sqrt(2 * expected))
+    result.warnings.push_back(fmt::format(
+        "chi square is {:.4g} where {:.4g} is expected: the law does not describe these data, or their errors are "
+        "larger than stated; intervals are too narrow",
+        best.chi_square, expected));
+  const auto residuals = *problem.residuals(best.q);
+  std::size_t point = 0;
+  for (const auto& m : data) {
+    result.residuals.emplace_back(residuals.begin() + std::ptrdiff_t(point),
+                                  residuals.begin() + std::ptrdiff_t(point + m.y.size()));
+    point += m.y.size();
+  }
+
+  result.cross_validation = std::nan("");
+  if (options.folds > 1) {
+    double sum = 0;
+    for (int fold = 0; fold < options.folds; ++fold) {  // both parts of a response stay together
+      problem.used.assign(std::size_t(result.points), 1);
+      std::size_t index = 0;
+      for (const auto& m : data) {
+        const std::size_t together = m.kind == Measurement::Kind::frequency_response ? 2 : 1;
+        for (std::size_t i = 0; i < m.y.size(); ++i) problem.used[index++] = int(i / together) % options.folds != fold;
+      }
+      problem.q = best.q;
+      const auto trained = minimise(problem);
+      const auto left_out = problem.used;
+      problem.used.clear();
+      const auto all = problem.residuals(trained.q);
+      for (std::size_t i = 0; i < left_out.size(); ++i)
+        if (!left_out[i]) sum += all ? (*all)[i] * (*all)[i] : infinity;
+    }
+    result.cross_validation = sum / result.points;
+  }
+  return result;
+}
+
+}  // namespace rosin::analysis

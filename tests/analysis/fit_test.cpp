@@ -1,0 +1,176 @@
+/// Fits: closed-form answers, coverage of intervals over seeds, the right law ranked first, a contact spring told from
+/// none.
+#include "analysis/fit.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "analysis/frf.hpp"
+#include "analysis/lab/sensor.hpp"
+#include "tests/bristol_board.hpp"
+
+using namespace rosin;
+using namespace rosin::analysis;
+using oscillators::Model;
+using tests::slider_under;
+using Kind = Measurement::Kind;
+
+namespace {
+
+const oscillators::Slider any_slider{.mass = 1, .stiffness = 1, .damping = 0};
+
+Model ageing() { return slider_under("ageing", {0.6, 0.010, 0.015, 1e-5, 1e-6}, any_slider, 1e-5, 5); }
+
+Measurement response(double slip_rate = 1e-5) {
+  Measurement m{Kind::frequency_response, "response", slip_rate, slip_rate, 5, {}, {}, {}};
+  for (int k = 0; k < 30; ++k) m.x.push_back(0.01 * std::pow(10, k / 10.0));
+  return m;
+}
+Measurement step() {
+  Measurement m{Kind::velocity_step, "step", 1e-6, 1e-5, 5, {}, {}, {}};
+  for (int k = 1; k <= 60; ++k) m.x.push_back(0.1 * k);
+  return m;
+}
+
+/// What `truth` says, with normal noise of the given sizes.
+Measurement noisy(const Model& truth, Measurement m, double error, std::uint64_t seed) {
+  m.y = predict(truth, m);
+  m.error.assign(m.y.size(), error);
+  const auto noise = lab::white_noise(m.y.size(), seed);
+  for (std::size_t i = 0; i < m.y.size(); ++i) m.y[i] += error * noise[i];
+  return m;
+}
+
+}  // namespace
+
+TEST_CASE("predictions of steps and holds are the closed forms", "[fit]") {
+  // μ = μ_ss(V₂) + b ln(ψ V₂/L): ψ = L/V₂ + (L/V₁ − L/V₂) e^{−V₂t/L} (ageing); printed to 14 digits.
+  Measurement m{Kind::velocity_step, "step", 1e-6, 1e-5, 1, {0, 0.05, 0.5, 1, 3, 10}, {}, {}};
+  const auto by_age = predict(slider_under("ageing", {0.6, 0.010, 0.015, 1e-5, 1e-6}, any_slider, 1, 1), m);
+  const auto by_slip = predict(slider_under("slip", {0.6, 0.010, 0.015, 1e-5, 1e-6}, any_slider, 1, 1), m);
+  const double age[] = {0.62302585092994, 0.62235256109141, 0.61646867178205,
+                        0.61040432711105, 0.59404069010018, 0.58849320227374};
+  const double slip[] = {0.62302585092994, 0.62134137492812, 0.6094359013675,
+                         0.60119318029393, 0.59020665895675, 0.58848864259305};
+  for (std::size_t k = 0; k < 6; ++k) {
+    CHECK(by_age[k] == Approx(age[k]).epsilon(1e-9));
+    CHECK(by_slip[k] == Approx(slip[k]).epsilon(1e-9));
+  }
+  // At rest the age grows as time: μ = μ* + a ln(V/V*) + b ln((L/V + t) V*/L).
+  Measurement hold{Kind::hold, "hold", 1e-6, 1e-6, 1, {1, 100, 1e4}, {}, {}};
+  const auto peaks = predict(ageing(), hold);
+  for (std::size_t k = 0; k < 3; ++k)
+    CHECK(peaks[k] == Approx(0.6 + 0.015 * std::log((10 + hold.x[k]) / 10)).epsilon(1e-8));
+  // A stiff contact spring hardly changes a step.
+  auto sprung = slider_under("slip", {0.6, 0.010, 0.015, 1e-5, 1e-6}, any_slider, 1, 1);
+  sprung.contact_stiffness.tangential = 1e8;
+  m.x = {0.5, 1, 3, 10};
+  const auto behind_spring = predict(sprung, m);
+  for (std::size_t k = 0; k < 4; ++k) CHECK(behind_spring[k] == Approx(slip[k + 2]).epsilon(1e-5));
+}
+
+TEST_CASE("without noise the true parameters come back from far away", "[fit]") {
+  const std::vector<Measurement> data = {noisy(ageing(), response(), 1e-6, 1), noisy(ageing(), step(), 1e-10, 2)};
+  const auto far = slider_under("ageing", {0.4, 0.003, 0.04, 1e-4, 1e-6}, any_slider, 1e-5, 5);
+  const auto found =
+      fit(far, data, {.parameters = {"law.mu0", "law.a", "law.b", "law.L"}, .profiles = false, .folds = 0});
+  REQUIRE(found.parameters.size() == 4);
+  CHECK(found.outcome.complete());
+  const double truth[] = {0.6, 0.010, 0.015, 1e-5};
+  for (std::size_t i = 0; i < 4; ++i) CHECK(found.parameters[i].value == Approx(truth[i]).epsilon(1e-7));
+  CHECK(found.chi_square < 2 * found.points);
+}
+
+TEST_CASE("a straight line has the intervals of linear least squares", "[fit]") {
+  // μ_ss = μ* + (a − b) ln(V/V*): one point of a steady curve fixes mu0 with the error of its mean.
+  auto model = ageing();
+  Measurement m{Kind::steady_curve, "curve", 1, 1, 5, std::vector<double>(16, 1e-6), {}, {}};
+  m = noisy(model, m, 1e-3, 4);
+  double mean = 0;
+  for (const double y : m.y) mean += y / 16;
+  const auto found = fit(model, {m}, {.parameters = {"law.mu0"}, .folds = 4});
+  const auto& mu0 = found.parameters.front();
+  CHECK(mu0.value == Approx(mean).epsilon(1e-6));
+  CHECK(mu0.standard_error == Approx(1e-3 / 4).epsilon(1e-5));
+  CHECK(mu0.high == Approx(mean + 1.959964 * 1e-3 / 4).epsilon(1e-6));
+  CHECK(mu0.profile_low == Approx(mu0.low).epsilon(1e-5));
+  CHECK(mu0.profile_high == Approx(mu0.high).epsilon(1e-5));
+  CHECK(found.aic == Approx(found.chi_square + 2));
+  CHECK(found.bic == Approx(found.chi_square + std::log(16.0)));
+  CHECK(found.cross_validation > 0);
+}
+
+TEST_CASE("from a noisy response and a velocity step the truth lies in 95 % intervals as often as it should", "[fit]") {
+  const double truth[] = {0.6, 0.010, 0.015, 1e-5};
+  long inside = 0, all = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const std::vector<Measurement> data = {noisy(ageing(), response(), 150, 2 * seed),
+                                           noisy(ageing(), step(), 1e-3, 2 * seed + 1)};
+    const auto found =
+        fit(ageing(), data,
+            {.parameters = {"law.mu0", "law.a", "law.b", "law.L"}, .starts = 1, .profiles = false, .folds = 0});
+    for (std::size_t i = 0; i < 4; ++i, ++all)
+      inside += found.parameters[i].low <= truth[i] && truth[i] <= found.parameters[i].high;
+  }
+  const double part = double(inside) / double(all);
+  INFO(part);
+  CHECK(part >= 0.93);
+  CHECK(part <= 0.97);
+}
+
+TEST_CASE("the law that made the data is ranked first, and a contact spring is told from none", "[fit]") {
+  const std::vector<std::string> paths = {"law.mu0", "law.a", "law.b", "law.L"};
+  const std::vector<const char*> laws = {"ageing", "slip", "prz"};
+  for (std::size_t true_law = 0; true_law < 2; ++true_law) {
+    const auto truth = slider_under(laws[true_law], {0.6, 0.010, 0.015, 1e-5, 1e-6}, any_slider, 1e-5, 5);
+    const std::vector<Measurement> data = {noisy(truth, response(), 20, 5), noisy(truth, step(), 3e-4, 6)};
+    std::vector<Fit> fits;
+    for (const char* law : laws)
+      fits.push_back(fit(slider_under(law, {0.5, 0.012, 0.013, 2e-5, 1e-6}, any_slider, 1e-5, 5), data,
+                         {.parameters = paths, .profiles = false}));
+    for (std::size_t k = 0; k < fits.size(); ++k) {
+      if (k == true_law) continue;
+      CHECK(fits[k].aic > fits[true_law].aic + 10);
+      CHECK(fits[k].bic > fits[true_law].bic + 10);
+      CHECK(fits[k].cross_validation > fits[true_law].cross_validation);
+      CHECK_FALSE(fits[k].warnings.empty());
+    }
+  }
+  for (const bool present : {true, false}) {
+    auto truth = ageing();
+    if (present) truth.contact_stiffness.tangential = 2e4;
+    auto with_spring = ageing();
+    with_spring.contact_stiffness.tangential = 1e5;
+    const std::vector<std::string> three = {"law.a", "law.b", "law.L"};
+    auto four = three;
+    four.emplace_back("law.contact_stiffness.tangential");
+    int right = 0, bracketed = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const std::vector<Measurement> data = {noisy(truth, response(), 20, seed)};
+      const auto rigid = fit(ageing(), data, {.parameters = three, .starts = 1, .profiles = false, .folds = 0});
+      const auto sprung = fit(with_spring, data, {.parameters = four, .starts = 1, .folds = 0});
+      right += (sprung.bic < rigid.bic) == present;
+      const auto& stiffness = sprung.parameters.back();
+      // Without a spring the profile has no upper end.
+      bracketed += present ? stiffness.profile_low < 2e4 && stiffness.profile_high > 2e4 && stiffness.profile_high < 3e4
+                           : stiffness.profile_high > 1e9;
+    }
+    INFO("right " << right << ", bracketed " << bracketed << " of 20, present " << present);
+    CHECK(right >= (present ? 20 : 17));  // by chance BIC takes a parameter too many once in 25
+    CHECK(bracketed >= 17);
+  }
+}
+
+TEST_CASE("fits that cannot be done are refused, and weak ones are said to be weak", "[fit]") {
+  const auto data = noisy(ageing(), step(), 1e-3, 1);
+  CHECK_THROWS_WITH(fit(ageing(), {data}, {.parameters = {"law.c"}}), Catch::Contains("unknown parameter"));
+  auto few = data;
+  few.x.resize(2), few.y.resize(2), few.error.resize(2);
+  CHECK_THROWS_WITH(fit(ageing(), {few}, {.parameters = {"law.a", "law.b"}}), Catch::Contains("do not determine"));
+  few.error[0] = 0;
+  CHECK_THROWS_WITH(fit(ageing(), {few}, {.parameters = {"law.a"}}), Catch::Contains("standard errors"));
+  // mu0 and v0 shift the same curve.
+  const auto twins = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.v0"}, .profiles = false, .folds = 0});
+  CHECK_FALSE(twins.warnings.empty());
+}
