@@ -1,0 +1,347 @@
+/// The pencil of structure and contacts, its eigenvalues by QZ, and the turns of its determinant along the axis.
+#include "analysis/structure.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "analysis/lab/sensor.hpp"
+#include "core/error.hpp"
+
+namespace rosin::analysis {
+
+using Complex = std::complex<double>;
+using Matrix = Eigen::MatrixXd;
+using ComplexMatrix = Eigen::MatrixXcd;
+
+namespace {
+
+Matrix matrix_of(const std::vector<double>& entries, int n, const char* name) {
+  if (int(entries.size()) != n * n)
+    throw InputError(fmt::format("{} has {} entries, but {} coordinates need {}", name, entries.size(), n, n * n));
+  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(entries.data(), n, n);
+}
+
+Eigen::VectorXd vector_of(const std::vector<double>& entries, int n, const char* name) {
+  if (int(entries.size()) != n)
+    throw InputError(fmt::format("the {} direction of a contact has {} entries, the structure {} coordinates", name,
+                                 entries.size(), n));
+  return Eigen::Map<const Eigen::VectorXd>(entries.data(), n);
+}
+
+/// Structure and contacts with everything checked.
+struct Assembly {
+  int n;
+  Matrix M, C, K;
+  struct Direction {
+    Eigen::VectorXd t, normal;
+    bool pressed;
+  };
+  std::vector<Direction> contacts;
+  FrictionResponse response;
+  NormalContact normal;
+
+  Assembly(const Structure& structure, const Model& model, const std::optional<NormalContact>& given)
+      : n(structure.size()), response(model), normal(given.value_or(NormalContact{})) {
+    if (n == 0) throw InputError("a structure needs a contact");
+    M = matrix_of(structure.M, n, "M"), C = matrix_of(structure.C, n, "C"), K = matrix_of(structure.K, n, "K");
+    if (!M.allFinite() || !C.allFinite() || !K.allFinite()) throw InputError("M, C and K must be finite");
+    if (Eigen::FullPivLU<Matrix>(M).rank() < n) throw InputError("M is singular: every coordinate needs a mass");
+    for (const auto& contact : structure.contacts) {
+      const bool pressed = !contact.normal.empty();
+      if (pressed && !given)
+        throw InputError("a contact with a normal direction needs the normal contact: stiffness and damping");
+      contacts.push_back({vector_of(contact.tangential, n, "tangential"),
+                          pressed ? vector_of(contact.normal, n, "normal") : Eigen::VectorXd::Zero(n).eval(), pressed});
+    }
+  }
+
+  /// E ẏ = A y with y = (x, ẋ, of each contact z and N).
+  void pencil(Matrix& E, Matrix& A) const {
+    const auto& l = response.linear();
+    const int nz = l.size(), each = nz + 1, total = 2 * n + each * int(contacts.size());
+    E.setZero(total, total), A.setZero(total, total);
+    E.topLeftCorner(n, n).setIdentity();
+    A.block(0, n, n, n).setIdentity();
+    E.block(n, n, n, n) = M;
+    A.block(n, 0, n, n) = -K, A.block(n, n, n, n) = -C;
+    for (std::size_t j = 0; j < contacts.size(); ++j) {
+      const auto& [t, normal_direction, pressed] = contacts[j];
+      const int z = 2 * n + int(j) * each, N = z + nz;
+      const auto tt = t.transpose();
+      // δv = −tᵀẋ, δN = N; δF = c z + d_v v + d_N N + d_R Ṅ
+      for (int i = 0; i < nz; ++i) {
+        const auto k = std::size_t(i);
+        E(z + i, z + i) = l.mass[k];
+        E(z + i, N) = -l.b_R[k];
+        for (int m = 0; m < nz; ++m) A(z + i, z + m) = l.A[k * std::size_t(nz) + std::size_t(m)];
+        A.block(z + i, n, 1, n) = -l.b_v[k] * tt;
+        A(z + i, N) = l.b_N[k];
+        A.block(n, z + i, n, 1) += t * l.c[k];
+      }
+      A.block(n, n, n, n) -= t * l.d_v * tt;
+      A.block(n, N, n, 1) += t * l.d_N - normal_direction;
+      E.block(n, N, n, 1) -= t * l.d_R;
+      A(N, N) = -1;  // 0 = −N + (k_n + c_n s) nᵀx + lift·v
+      A.block(N, 0, 1, n) = normal.stiffness * normal_direction.transpose();
+      A.block(N, n, 1, n) = normal.damping * normal_direction.transpose() - (pressed ? normal.lift : 0.0) * tt;
+    }
+  }
+
+  /// Dynamic stiffness of the structure with its contacts at s.
+  ComplexMatrix stiffness(Complex s, bool with_contacts) const {
+    ComplexMatrix D = s * s * M.cast<Complex>() + s * C.cast<Complex>() + K.cast<Complex>();
+    if (!with_contacts) return D;
+    const Complex Z = response.tangential(s), Y = response.normal(s);
+    for (const auto& [t, direction, pressed] : contacts) {
+      const ComplexMatrix tangential = t.cast<Complex>(), pressing = direction.cast<Complex>();
+      // F = −Z s tᵀx + Y N, N = (k_n + c_n s) nᵀx − lift s tᵀx; on the structure t F − n N
+      const ComplexMatrix N = (normal.stiffness + normal.damping * s) * pressing.transpose() -
+                              (pressed ? normal.lift : 0.0) * s * tangential.transpose();
+      D += tangential * (Z * s * tangential.transpose() - Y * N) + pressing * N;
+    }
+    return D;
+  }
+};
+
+/// Angle by which f turns from a to b, by halving until each piece turns little. Nothing if it will not resolve.
+template <class F>
+std::optional<double> turn(const F& f, double a, Complex fa, double b, Complex fb, int depth) {
+  const double middle = 0.5 * (a + b);
+  const Complex fm = f(middle);
+  const double first = std::arg(fm / fa), second = std::arg(fb / fm);
+  constexpr double small = 0.4;
+  if (std::abs(first) < small && std::abs(second) < small) return first + second;
+  if (depth == 0 || !(middle > a && middle < b)) return std::nullopt;
+  const auto left = turn(f, a, fa, middle, fm, depth - 1);
+  if (!left) return left;
+  const auto right = turn(f, middle, fm, b, fb, depth - 1);
+  if (!right) return right;
+  return *left + *right;
+}
+
+std::vector<Complex> eigenvalues(const Assembly& assembly) {
+  Matrix E, A;
+  assembly.pencil(E, A);
+  // Time in the unit of the structure, rows in their own sizes.
+  const double clock = std::max(1e-30, std::sqrt(assembly.K.cwiseAbs().maxCoeff() / assembly.M.cwiseAbs().maxCoeff()));
+  E *= clock;
+  for (int pass = 0; pass < 4; ++pass) {
+    for (int i = 0; i < E.rows(); ++i) {
+      const double size = std::max(A.row(i).cwiseAbs().maxCoeff(), E.row(i).cwiseAbs().maxCoeff());
+      if (size > 0) A.row(i) /= size, E.row(i) /= size;
+    }
+    for (int i = 0; i < E.cols(); ++i) {
+      const double size = std::max(A.col(i).cwiseAbs().maxCoeff(), E.col(i).cwiseAbs().maxCoeff());
+      if (size > 0) A.col(i) /= size, E.col(i) /= size;
+    }
+  }
+  const Eigen::GeneralizedEigenSolver<Matrix> solver(A, E, false);
+  if (solver.info() != Eigen::Success)
+    throw InputError("the eigenvalues of structure and contacts could not be computed");
+  std::vector<Complex> list;
+  for (int i = 0; i < E.rows(); ++i) {
+    const Complex alpha = solver.alphas()[i];
+    const double beta = solver.betas()[i];
+    if (std::abs(beta) > 1e-13 * std::abs(alpha)) list.push_back(alpha / beta * clock);
+  }
+  std::ranges::sort(list, [](const Complex& a, const Complex& b) {
+    return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag();
+  });
+  return list;
+}
+
+}  // namespace
+
+Structure modal(const std::vector<Mode>& modes) {
+  Structure s;
+  const std::size_t n = modes.size();
+  s.M.assign(n * n, 0), s.C = s.M, s.K = s.M;
+  Structure::Contact contact;
+  bool pressed = false;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto& mode = modes[i];
+    s.M[i * n + i] = mode.mass;
+    s.C[i * n + i] = 2 * mode.damping_ratio * mode.angular_frequency * mode.mass;
+    s.K[i * n + i] = mode.angular_frequency * mode.angular_frequency * mode.mass;
+    contact.tangential.push_back(mode.tangential);
+    contact.normal.push_back(mode.normal);
+    pressed = pressed || mode.normal != 0;
+  }
+  if (!pressed) contact.normal.clear();
+  s.contacts.push_back(contact);
+  return s;
+}
+
+Complex receptance(const Structure& structure, Complex s) {
+  const int n = structure.size();
+  const ComplexMatrix D = s * s * matrix_of(structure.M, n, "M").cast<Complex>() +
+                          s * matrix_of(structure.C, n, "C").cast<Complex>() +
+                          matrix_of(structure.K, n, "K").cast<Complex>();
+  const ComplexMatrix t = vector_of(structure.contacts.front().tangential, n, "tangential").cast<Complex>();
+  return (t.transpose() * D.partialPivLu().solve(t))(0, 0);
+}
+
+ClosedLoop close_loop(const Structure& structure, const Model& model, const std::optional<NormalContact>& normal) {
+  const Assembly assembly(structure, model, normal);
+  for (const auto& pole : assembly.response.poles())
+    if (pole.value.real() > 0)
+      throw InputError(
+          "the contact is unstable by itself, at an imposed slip rate: its spring is softer than friction "
+          "weakens");
+  ClosedLoop result;
+  result.eigenvalues = eigenvalues(assembly);
+  for (const auto& z : result.eigenvalues) result.unstable_by_eigenvalues += z.real() > 0;
+  result.stable = result.unstable_by_eigenvalues == 0;
+
+  // det D(s)/∏(s + ω₀) has 2n zeros, and poles only to the left: it turns by −π less along the axis for each zero to
+  // the right. Frequencies near which it may turn fast: those of the structure, free and clamped by its contacts.
+  const double highest = std::sqrt(assembly.K.cwiseAbs().maxCoeff() / assembly.M.cwiseAbs().minCoeff() > 0 &&
+                                           std::isfinite(assembly.K.cwiseAbs().maxCoeff())
+                                       ? (assembly.M.partialPivLu().solve(assembly.K)).cwiseAbs().maxCoeff()
+                                       : 1.0);
+  const double reference = std::max(highest, 1e-30);
+  const int n = assembly.n;
+  const auto characteristic = [&](double omega) {
+    const Complex s(0, omega);
+    return (assembly.M.partialPivLu().solve(Matrix::Identity(n, n)).cast<Complex>() * assembly.stiffness(s, true))
+               .determinant() /
+           std::pow(s + reference, 2 * n);
+  };
+  std::vector<double> grid{0};
+  double fastest = reference;
+  for (const auto& pole : assembly.response.poles()) fastest = std::max(fastest, std::abs(pole.value));
+  const double size = assembly.contacts.size() * std::abs(assembly.response.limits().high) /
+                      std::max(1e-300, assembly.M.cwiseAbs().minCoeff());
+  fastest = std::max(fastest, std::isfinite(size) && size < 1e12 * reference ? size : fastest);
+  constexpr int points = 1500;
+  const double from = 1e-6 * reference, to = 1e6 * fastest;
+  for (int i = 0; i <= points; ++i) grid.push_back(from * std::pow(to / from, double(i) / points));
+  for (const auto& z : result.eigenvalues)  // where to look, not what to find there
+    for (const double shift : {0.5, 2.0, -2.0})
+      if (const double omega = std::abs(z.imag()) + shift * std::abs(z.real()); omega > 0) grid.push_back(omega);
+  std::ranges::sort(grid);
+  grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+  double angle = 0;
+  bool resolved = true;
+  Complex before = characteristic(grid.front());
+  for (std::size_t i = 1; resolved && i < grid.size(); ++i) {
+    const Complex now = characteristic(grid[i]);
+    const auto part = turn(characteristic, grid[i - 1], before, grid[i], now, 45);
+    resolved = part.has_value() && std::isfinite(*part);
+    if (resolved) angle += *part;
+    before = now;
+  }
+  // With all zeros to the left the ratio ends with the phase it began with.
+  result.unstable_by_nyquist = resolved ? int(std::lround(-angle / std::numbers::pi)) : -1;
+
+  result.margin = result.margin_frequency = std::nan("");
+  if (assembly.contacts.size() == 1) {
+    result.margin = infinity;
+    for (const double omega : grid) {
+      if (omega == 0) continue;
+      const Complex open = assembly.stiffness({0, omega}, false).determinant();
+      const Complex closed = assembly.stiffness({0, omega}, true).determinant();
+      const double distance = std::abs(closed / open);  // = |1 + L| of the one loop
+      if (distance < result.margin) result.margin = distance, result.margin_frequency = omega;
+    }
+  }
+  return result;
+}
+
+std::vector<CriticalValue> critical_values(const Structure& structure, const Model& model,
+                                           const std::optional<NormalContact>& normal, const std::string& parameter,
+                                           double low, double high, int points) {
+  const auto leading = [&](double value) {
+    return eigenvalues(Assembly(structure, model.with(parameter, value), normal)).front();
+  };
+  std::vector<CriticalValue> found;
+  double a = low;
+  Complex at_a = leading(a);
+  for (int i = 1; i <= points; ++i) {
+    const double b = i == points ? high : low * std::pow(high / low, double(i) / points);
+    const Complex at_b = leading(b);
+    if ((at_a.real() > 0) != (at_b.real() > 0)) {
+      double left = a, right = b;
+      const bool left_unstable = at_a.real() > 0;
+      Complex there = at_b;
+      for (int k = 0; k < 60 && right - left > 4e-16 * right; ++k) {
+        const double middle = 0.5 * (left + right);
+        there = leading(middle);
+        ((there.real() > 0) == left_unstable ? left : right) = middle;
+      }
+      found.push_back({0.5 * (left + right), std::abs(there.imag()), right - left + 1e-12 * right});
+    }
+    a = b, at_a = at_b;
+  }
+  return found;
+}
+
+Uncertainty propagate(const Structure& structure, const Model& model, const std::optional<NormalContact>& normal,
+                      const std::vector<Uncertain>& inputs, int samples, std::uint64_t seed) {
+  Uncertainty result;
+  std::vector<double> growth;
+  std::vector<std::vector<double>> drawn(inputs.size());
+  const auto random = lab::white_noise(inputs.size() * std::size_t(samples), seed);
+  for (int s = 0; s < samples; ++s) {
+    Model changed = model;
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      const double g = random[std::size_t(s) * inputs.size() + i];
+      drawn[i].push_back(g);
+      changed = changed.with(inputs[i].parameter,
+                             model.get(inputs[i].parameter) * std::exp(std::log1p(inputs[i].relative) * g));
+    }
+    growth.push_back(eigenvalues(Assembly(structure, changed, normal)).front().real());
+    result.unstable += growth.back() > 0;
+  }
+  result.samples = samples;
+  result.probability = double(result.unstable) / samples;
+  result.standard_error = std::sqrt(std::max(result.probability * (1 - result.probability), 0.25 / samples) / samples);
+  const auto ranks = [](const std::vector<double>& x) {
+    std::vector<std::size_t> order(x.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::ranges::sort(order, {}, [&](std::size_t i) { return x[i]; });
+    std::vector<double> rank(x.size());
+    for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = double(i) - (double(x.size()) - 1) / 2;
+    return rank;
+  };
+  const auto by_growth = ranks(growth);
+  double spread = 0;
+  for (const double r : by_growth) spread += r * r;
+  for (const auto& list : drawn) {
+    const auto rank = ranks(list);
+    result.influence.push_back(std::inner_product(rank.begin(), rank.end(), by_growth.begin(), 0.0) / spread);
+  }
+  std::ranges::sort(growth);
+  const auto quantile = [&](double q) { return growth[std::size_t(q * (double(samples) - 1))]; };
+  result.growth_low = quantile(0.05), result.growth_median = quantile(0.5), result.growth_high = quantile(0.95);
+  return result;
+}
+
+TableLoop close_table(const std::vector<double>& frequency, const std::vector<Complex>& friction,
+                      const std::vector<Complex>& receptance) {
+  if (frequency.size() != friction.size() || frequency.size() != receptance.size() || frequency.size() < 3)
+    throw InputError("friction and receptance must be given at the same three frequencies or more");
+  TableLoop result;
+  result.margin = infinity;
+  double angle = 0;
+  for (std::size_t k = 0; k < frequency.size(); ++k) {
+    const Complex L = Complex(0, 2 * std::numbers::pi * frequency[k]) * friction[k] * receptance[k];
+    result.loop.push_back(L);
+    const double distance = std::abs(1.0 + L);
+    if (distance < result.margin) result.margin = distance, result.margin_frequency = frequency[k];
+    if (k == 0) continue;
+    const double step = std::arg((1.0 + L) / (1.0 + result.loop[k - 1]));
+    angle += step;
+    if (std::abs(step) > std::numbers::pi / 2) result.resolved = false;
+  }
+  result.turns = angle / (2 * std::numbers::pi);
+  result.unstable = std::max(0, int(std::lround(-angle / std::numbers::pi)));
+  return result;
+}
+
+}  // namespace rosin::analysis
