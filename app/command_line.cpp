@@ -37,6 +37,8 @@ constexpr VerbHelp verbs[] = {
     {"cycle", "SCENE", "periodic motion, its multipliers and metrics"},
     {"map", "SCENE", "regimes and metrics over a parameter plane"},
     {"compare", "SCENE", "several laws or parameter sets side by side; --design: which measurement tells them apart"},
+    {"frf", "SCENE", "friction frequency response: how friction answers small changes of slip rate and load"},
+    {"fit", "SCENE", "parameters of laws from responses, velocity steps, steady curves and holds; laws ranked"},
     {"lab", "SCENE", "an experiment as it is done in the laboratory: its record and what is read off it"},
     {"study", "SCENE", "the published force algorithms against exact stick-slip over random oscillators"},
     {"stress", "", "random scenes over ten decades, each certified by a second method or refused with a reason"},

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <array>
@@ -14,8 +13,10 @@
 #include <sstream>
 #include <utility>
 
+#include "app/fit_scene.hpp"
+#include "app/frf_scene.hpp"
+#include "app/scene_table.hpp"
 #include "core/error.hpp"
-#include "core/units.hpp"
 #include "laws/catalogue.hpp"
 #include "laws/formula.hpp"
 #include "laws/heating.hpp"
@@ -27,8 +28,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t largest_scene = 10'000'000, largest_record = 200'000'000;  // bytes
-constexpr int most_points = 10'000'000;
-constexpr std::string_view override_mark = "--set ";
 
 std::string read_file(const fs::path& path, std::uintmax_t largest) {
   std::error_code problem;
@@ -47,189 +46,6 @@ std::string read_file(const fs::path& path, std::uintmax_t largest) {
   if (!file) throw InputError(fmt::format("{}: cannot be read", shown));
   return std::move(text).str();
 }
-
-/// "scene.toml:7:5", or the override that a value came from.
-std::string place(const toml::source_region& source) {
-  const std::string path = source.path ? *source.path : "scene";
-  if (path.starts_with(override_mark)) return path;
-  return fmt::format("{}:{}:{}", path, std::max(1u, source.begin.line), std::max(1u, source.begin.column));
-}
-
-/// An InputError that already begins with its place.
-class PlacedError : public InputError {
- public:
-  using InputError::InputError;
-};
-
-template <class... Args>
-[[noreturn]] void fail(const toml::source_region& source, fmt::format_string<Args...> text, Args&&... args) {
-  throw PlacedError(place(source) + ": " + fmt::format(text, std::forward<Args>(args)...));
-}
-
-/// Calls `f`; an InputError from below gets the place in front, unless it names a more exact one already.
-template <class F>
-auto located(const toml::source_region& source, F f) {
-  try {
-    return f();
-  } catch (const PlacedError&) {
-    throw;
-  } catch (const InputError& error) {
-    throw PlacedError(place(source) + ": " + error.what());
-  }
-}
-
-std::string suggestion(std::string_view name, const std::vector<std::string>& known) {
-  const auto near = nearest_name(name, known);
-  return near.empty() ? fmt::format("; known here: {}", fmt::join(known, ", "))
-                      : fmt::format("; did you mean '{}'?", near);
-}
-
-std::string_view kind(const toml::node& node) {
-  if (node.is_string()) return "a text";
-  if (node.is_boolean()) return "a truth value";
-  if (node.is_array()) return "a list";
-  if (node.is_table()) return "a table";
-  if (node.is_number()) return "a number";
-  return "a date or time";
-}
-
-[[noreturn]] void wrong_kind(const toml::node& node, std::string_view path, std::string_view wanted) {
-  fail(node.source(), "{} is {}, but {} is needed", path, kind(node), wanted);
-}
-
-/// A number in SI units: plain, or a text with a unit.
-double number(const toml::node& node, const Quantity& quantity) {
-  double value = 0;
-  if (const auto* text = node.as_string())
-    value = located(node.source(), [&] {
-      try {
-        return to_si(text->get(), quantity.unit);
-      } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: {}", quantity.name, error.what()));
-      }
-    });
-  else if (node.is_number())
-    value = *node.value<double>();
-  else
-    wrong_kind(node, quantity.name, fmt::format("a number ({}, {})", quantity.meaning, readable_unit(quantity.unit)));
-  located(node.source(), [&] { require(value, quantity.range, quantity.name, quantity.meaning, quantity.unit); });
-  return value;
-}
-
-int count(const toml::node& node, std::string_view path, int low, std::string_view meaning) {
-  if (!node.is_integer()) wrong_kind(node, path, fmt::format("a whole number ({})", meaning));
-  const auto value = *node.value<std::int64_t>();
-  if (value < low || value > most_points)
-    fail(node.source(), "{} = {} is outside {} … {} ({})", path, value, low, most_points, meaning);
-  return static_cast<int>(value);
-}
-
-std::string text(const toml::node& node, std::string_view path) {
-  if (const auto* value = node.as_string()) return value->get();
-  wrong_kind(node, path, "a text");
-}
-
-std::string choice(const toml::node& node, std::string_view path, const std::vector<std::string>& known) {
-  auto value = text(node, path);
-  if (std::ranges::find(known, value) == known.end())
-    fail(node.source(), "{} = '{}' is not known{}", path, value, suggestion(value, known));
-  return value;
-}
-
-const toml::array& list(const toml::node& node, std::string_view path, std::string_view of) {
-  if (const auto* array = node.as_array()) return *array;
-  wrong_kind(node, path, fmt::format("a list of {}", of));
-}
-
-std::vector<double> numbers(const toml::node& node, const Quantity& quantity) {
-  std::vector<double> values;
-  for (const auto& element : list(node, quantity.name, "numbers")) values.push_back(number(element, quantity));
-  return values;
-}
-
-std::vector<std::string> texts(const toml::node& node, std::string_view path) {
-  std::vector<std::string> values;
-  for (const auto& element : list(node, path, "texts")) values.push_back(text(element, path));
-  return values;
-}
-
-/// One table of a scene. Every key that is asked for becomes known; `finish` refuses the rest.
-class Table {
- public:
-  Table(const toml::node& node, std::string path) : path_(std::move(path)) {
-    if (!node.is_table()) wrong_kind(node, path_, "a table");
-    table_ = node.as_table();
-  }
-
-  std::string path(std::string_view key) const {
-    return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
-  }
-  const toml::source_region& source() const { return table_->source(); }
-
-  /// Makes keys known ahead, so that a misspelt key is reported before the one that it leaves missing.
-  Table& expect(std::initializer_list<std::string_view> keys) {
-    known_.assign(keys.begin(), keys.end());
-    expected_ = true;
-    return *this;
-  }
-  const toml::node* find(std::string_view key) {
-    known_.emplace_back(key);
-    return table_->get(key);
-  }
-  const toml::node& required(std::string_view key, std::string_view meaning) {
-    if (const auto* node = find(key)) return *node;
-    if (expected_) finish();
-    if (path_.empty()) fail(source(), "the scene has no [{}] ({})", key, meaning);
-    fail(source(), "[{}] has no '{}' ({})", path_, key, meaning);
-  }
-  /// Reads a number into `target` if the key is there.
-  void read(std::string_view key, double& target, Quantity quantity) {
-    quantity.name = path(key);
-    if (const auto* node = find(key)) target = number(*node, quantity);
-  }
-  void read(std::string_view key, std::optional<double>& target, Quantity quantity) {
-    quantity.name = path(key);
-    if (const auto* node = find(key)) target = number(*node, quantity);
-  }
-  void read(std::string_view key, int& target, int low, std::string_view meaning) {
-    if (const auto* node = find(key)) target = count(*node, path(key), low, meaning);
-  }
-  void refuse(std::string_view key) {
-    if (const auto* node = table_->get(key)) fail(node->source(), "{} is not available in this version", path(key));
-  }
-  /// The tables in this one, in the order of the file: their keys are names that the user chose.
-  std::vector<std::pair<std::string, Table>> named_tables() const {
-    std::vector<std::pair<const toml::key*, const toml::node*>> entries;
-    for (const auto& [key, node] : *table_) entries.emplace_back(&key, &node);
-    const auto position = [](const auto& entry) {
-      const auto& begin = entry.first->source().begin;
-      return std::pair{begin.line, begin.column};
-    };
-    std::ranges::stable_sort(entries, {}, position);
-    std::vector<std::pair<std::string, Table>> tables;
-    for (const auto& [key, node] : entries) tables.emplace_back(key->str(), Table(*node, path(key->str())));
-    return tables;
-  }
-  std::optional<Table> table(std::string_view key) {
-    if (const auto* node = find(key)) return Table(*node, path(key));
-    return std::nullopt;
-  }
-  void finish() const {
-    for (const auto& [key, node] : *table_) {
-      if (std::ranges::find(known_, key.str()) != known_.end()) continue;
-      // an override's key has no place of its own, its value has
-      const auto& source = key.source().path ? key.source() : node.source();
-      fail(source, "unknown {} '{}'{}{}", node.is_table() ? "table" : "key", key.str(),
-           path_.empty() ? std::string() : fmt::format(" in [{}]", path_), suggestion(key.str(), known_));
-    }
-  }
-
- private:
-  const toml::table* table_ = nullptr;
-  std::string path_;
-  std::vector<std::string> known_;
-  bool expected_ = false;
-};
 
 // ---------------------------------------------------------------- overrides
 
@@ -318,11 +134,12 @@ Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::p
   const Quantity time{quantity.name, "s", {0, 1e300}, "time"};
   const auto *steps = table.find("steps"), *ramp = table.find("ramp"), *file = table.find("table");
   const auto *harmonics = table.find("harmonics"), *mean = table.find("mean");
-  table.refuse("noise");
+  const auto* noise = table.find("noise");
   table.finish();
-  const auto forms = std::ranges::count_if(std::array{steps, ramp, file, harmonics}, [](auto* form) { return form; });
-  if (forms != 1 || (mean && !harmonics))
-    fail(node.source(), "{} needs one of steps, ramp, table, or harmonics with a mean", quantity.name);
+  const auto forms =
+      std::ranges::count_if(std::array{steps, ramp, file, harmonics, noise}, [](auto* form) { return form; });
+  if (forms != 1 || (mean && !harmonics && !noise))
+    fail(node.source(), "{} needs one of steps, ramp, table, or harmonics or noise with a mean", quantity.name);
 
   const Signal signal = located(node.source(), [&]() -> Signal {
     if (steps) {
@@ -349,6 +166,23 @@ Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::p
       const fs::path record = text(*file, quantity.name + ".table");
       return Signal(
           located(file->source(), [&] { return read_record(record.is_absolute() ? record : folder / record); }));
+    }
+    if (noise) {
+      Table keys(*noise, quantity.name + ".noise");
+      keys.expect({"rms", "band", "seed"});
+      Signal::Noise form{0, {0, 0, 0, 1}};
+      if (mean) form.mean = number(*mean, unbounded);
+      keys.required("rms", quantity.unit);
+      keys.read("rms", form.band.rms, {"", quantity.unit, {0, 1e300}, "root mean square"});
+      const auto band = numbers(keys.required("band", "[lowest, highest] frequency, Hz"),
+                                {keys.path("band"), "Hz", {0, 1e12}, "end of the band"});
+      if (band.size() != 2) fail(noise->source(), "{} needs two frequencies", keys.path("band"));
+      form.band.low = band[0], form.band.high = band[1];
+      int seed = 1;
+      keys.read("seed", seed, 0, "of the random numbers");
+      form.band.seed = std::uint64_t(seed);
+      keys.finish();
+      return Signal(form);
     }
     Signal::Harmonics form{0, {}};
     if (mean) form.mean = number(*mean, unbounded);
@@ -1083,9 +917,9 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   scene.path = path;
   scene.name = fs::path(path).stem().string();
   Table root(document, "");
-  for (const char* table : {"frf", "fit", "sweep", "branch", "lyapunov"}) root.refuse(table);
-  root.expect({"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "compare", "lab",
-               "solver", "study"});
+  for (const char* table : {"sweep", "branch", "lyapunov"}) root.refuse(table);
+  root.expect({"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "compare", "fit",
+               "frf", "lab", "solver", "study"});
   if (const auto* title = root.find("title")) scene.title = text(*title, "title");
   if (verb == Verb::study) {  // draws its own models
     read_study(Table(root.required("study", "cases, seed and algorithms"), "study"), scene.study);
@@ -1095,7 +929,8 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   }
   read_law(Table(root.required("law", "the friction law"), "law"), scene.model);
 
-  const bool needs_slider = verb != Verb::curve && verb != Verb::lab, complete = verb != Verb::lab;
+  const bool contact_only = verb == Verb::curve || verb == Verb::frf || verb == Verb::fit;  // no slider is asked for
+  const bool needs_slider = !contact_only && verb != Verb::lab, complete = verb != Verb::lab;
   if (chosen) {
     scene.experiment = chosen;
     scene.lab = analysis::lab::task_for(*chosen, scene.model.law);
@@ -1122,7 +957,9 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   }
   if (oscillator) read_oscillator(Table(*oscillator, "oscillator"), scene.model.slider, complete);
   const toml::node* drive = root.find("drive");
-  if (needs_slider) root.required("drive", "speed and normal load");
+  const auto* response = document.at_path("frf.record").node();  // a measured one needs no drive
+  if (needs_slider || (verb == Verb::frf && !response)) root.required("drive", "speed and normal load");
+  scene.frf_predicts = drive;
   if (drive) {
     read_drive(Table(*drive, "drive"), scene.model.drive, folder, complete);
     scene.curve.normal_load = scene.model.drive.normal_load.level();
@@ -1153,6 +990,11 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     root.required("compare", "members, and what is made equal in them");
     read_compare(Table(*comparison, "compare"), scene, verb);
   }
+  if (verb == Verb::frf) root.required("frf", "frequencies");
+  if (auto table = root.table("frf"); table && verb == Verb::frf) read_frf(*table, scene, folder);
+  if (verb == Verb::fit) root.required("fit", "parameters and data");
+  if (auto table = root.table("fit"); table && verb == Verb::fit)
+    read_fit(*table, scene, folder, [](Table law, oscillators::Model& model) { read_law(std::move(law), model); });
   if (auto table = root.table("solver")) read_solver(*table, scene.run);
   if (auto table = root.table("lab"); table && chosen) read_lab(*table, scene, folder);
   root.finish();

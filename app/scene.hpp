@@ -8,17 +8,22 @@
 #include "analysis/cycle.hpp"
 #include "analysis/discrimination.hpp"
 #include "analysis/equalise.hpp"
+#include "analysis/extraction.hpp"
+#include "analysis/fit.hpp"
+#include "analysis/frf.hpp"
+#include "analysis/frf_simulation.hpp"
 #include "analysis/lab/experiment.hpp"
 #include "analysis/map.hpp"
 #include "analysis/plane_run.hpp"
 #include "analysis/run.hpp"
 #include "analysis/study.hpp"
+#include "app/record.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::app {
 
 /// What is asked of a scene; decides which tables must be there.
-enum class Verb { curve, stability, run, cycle, map, compare, design, lab, study };
+enum class Verb { curve, stability, run, cycle, map, compare, design, lab, study, frf, fit };
 
 /// The slip rates at which a steady curve is drawn, logarithmically spaced.
 struct CurveOptions {
@@ -43,6 +48,27 @@ struct CompareOptions {
   std::string parameter;  ///< of which a design asks; empty: it tells members apart
 };
 
+/// A measured record, and how a response is taken out of it.
+struct FrfRecord {
+  RecordSource source;  ///< columns in the order of the channels
+  analysis::Channels channels;
+  double resolution = 0;  ///< Hz
+  analysis::WelchOptions welch;
+  analysis::ExtractionOptions extraction;
+};
+
+/// Data, and the laws that are fitted to them.
+struct FitTask {
+  struct Candidate {
+    std::string name;
+    oscillators::Model model;
+    std::vector<std::string> parameters;
+  };
+  std::vector<Candidate> candidates;  ///< the scene's own law first
+  std::vector<analysis::Measurement> data;
+  analysis::FitOptions options;
+};
+
 struct Scene {
   std::string path;  ///< as the user gave it
   std::string name;  ///< the file's name without its ending: results go to out/<name>
@@ -56,6 +82,12 @@ struct Scene {
   analysis::MapOptions map;
   CompareOptions compare;
   analysis::StudyOptions study;                           ///< of the verb study, whose scenes have no model
+  analysis::FrfOptions frf;
+  bool frf_predicts = true;  ///< the scene has a drive to predict at
+  std::optional<FrfRecord> frf_record;
+  std::optional<analysis::SweepOptions> frf_sweep;
+  std::optional<analysis::NoiseOptions> frf_noise;
+  FitTask fit;
   const analysis::lab::Experiment* experiment = nullptr;  ///< only of the verb lab
   std::optional<analysis::lab::Task> lab;
   std::string resolved;            ///< the scene as TOML, overrides included

@@ -12,6 +12,8 @@
 
 #include "app/compare.hpp"
 #include "app/files.hpp"
+#include "app/fit.hpp"
+#include "app/frf.hpp"
 #include "app/job.hpp"
 #include "app/partial.hpp"
 #include "app/pictures.hpp"
@@ -394,6 +396,8 @@ Status execute(const Request& request, std::stop_token stop) {
   if (request.verb == "cycle") return cycle(request);
   if (request.verb == "map") return map(request, std::move(stop));
   if (request.verb == "compare") return compare(request, std::move(stop));
+  if (request.verb == "frf") return frf(request);
+  if (request.verb == "fit") return fit(request);
   if (request.verb == "lab") return lab(request);
   if (request.verb == "stress") return stress(request, std::move(stop));
   if (request.verb == "study") return study(request, std::move(stop));

@@ -1,0 +1,360 @@
+/// Reading records: text by blocks of a mebibyte, NetCDF by hyperslabs, and the check that time runs evenly.
+#include "app/record.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <netcdf.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "core/error.hpp"
+#include "core/units.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t block_length = 1 << 16;
+
+[[noreturn]] void no_column(const RecordSource& source, const std::string& name,
+                            const std::vector<std::string>& known) {
+  const auto near = nearest_name(name, known);
+  throw InputError(fmt::format(
+      "{}: has no column '{}'{}", source.file.string(), name,
+      near.empty() ? fmt::format("; it has {}", fmt::join(known, ", ")) : fmt::format("; did you mean '{}'?", near)));
+}
+
+/// What a number of the file is worth in SI.
+double factor(const RecordSource& source, const RecordColumn& column, const std::string& unit_in_file) {
+  const auto& unit = column.unit.empty() ? unit_in_file : column.unit;
+  if (unit.empty()) return 1;
+  try {
+    return to_si("1 " + unit, column.si);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: column '{}': {}", source.file.string(), column.name, error.what()));
+  }
+}
+
+/// Rows of the wanted columns, in the file's units times their factors.
+class Rows {
+ public:
+  virtual ~Rows() = default;
+  /// Appends up to block_length rows to `block`; false when there are no more.
+  virtual bool read(std::vector<std::vector<double>>& block) = 0;
+  /// Where a sample stands: "record.csv:12".
+  virtual std::string place(long sample) const = 0;
+};
+
+// ---------------------------------------------------------------- text
+
+class TextRows final : public Rows {
+ public:
+  TextRows(const RecordSource& source, const std::vector<RecordColumn>& wanted)
+      : path_(source.file.string()), file_(std::fopen(path_.c_str(), "rb")) {
+    if (!file_) throw InputError(fmt::format("{}: cannot be read", path_));
+    std::string_view header;
+    do
+      if (!line(header))
+        throw InputError(fmt::format("{}: is empty; a header line with the names of the columns is needed", path_));
+    while (skipped(header));
+    for (const char c : {',', ';', '\t'})
+      if (separator_ == ' ' && header.find(c) != std::string_view::npos) separator_ = c;
+    std::vector<std::string> names, units;
+    for (std::string_view cell; next_cell(header, cell);) {
+      const auto open = cell.rfind('('), close = cell.rfind(')');
+      const bool has_unit = open != std::string_view::npos && close != std::string_view::npos && open < close;
+      names.emplace_back(trimmed(has_unit ? cell.substr(0, open) : cell));
+      units.emplace_back(has_unit ? cell.substr(open + 1, close - open - 1) : std::string_view());
+    }
+    for (const auto& column : wanted) {
+      const auto found = std::ranges::find(names, column.name);
+      if (found == names.end()) no_column(source, column.name, names);
+      const auto index = std::size_t(found - names.begin());
+      wanted_.push_back({index, factor(source, column, units[index]), column.name});
+    }
+    columns_ = names.size();
+  }
+
+  bool read(std::vector<std::vector<double>>& block) override {
+    std::vector<double> cells(columns_);
+    std::vector<char> present(columns_);
+    std::size_t rows = 0;
+    for (std::string_view text; rows < block_length && line(text);) {
+      if (skipped(text)) continue;
+      std::fill(present.begin(), present.end(), 0);
+      std::size_t index = 0;
+      for (std::string_view cell; next_cell(text, cell); ++index) {
+        if (index >= columns_)
+          throw InputError(fmt::format("{}:{}: has more cells than the header has names", path_, line_number_));
+        const auto [end, problem] = std::from_chars(cell.data(), cell.data() + cell.size(), cells[index]);
+        present[index] = problem == std::errc{} && end == cell.data() + cell.size() && std::isfinite(cells[index]);
+      }
+      if (index != columns_)
+        throw InputError(fmt::format("{}:{}: has {} cells, the header {} names", path_, line_number_, index, columns_));
+      for (std::size_t c = 0; c < wanted_.size(); ++c) {
+        const auto& column = wanted_[c];
+        if (!present[column.index])
+          throw InputError(
+              fmt::format("{}:{}: column '{}' is missing or not a finite number here; nothing is "
+                          "interpolated: cut the record, or fill it yourself",
+                          path_, line_number_, column.name));
+        block[c].push_back(cells[column.index] * column.factor);
+      }
+      lines_.push_back(line_number_);
+      ++rows;
+    }
+    first_ = passed_;
+    passed_ += long(rows);
+    if (lines_.size() > rows) lines_.erase(lines_.begin(), lines_.end() - std::ptrdiff_t(rows));
+    return rows > 0;
+  }
+
+  std::string place(long sample) const override {
+    const auto i = std::size_t(std::clamp(sample - first_, 0L, long(lines_.size()) - 1));
+    return fmt::format("{}:{}", path_, lines_[i]);
+  }
+
+ private:
+  struct Wanted {
+    std::size_t index;
+    double factor;
+    std::string name;
+  };
+
+  static std::string_view trimmed(std::string_view text) {
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '"'; };
+    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+    while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+    return text;
+  }
+  static bool skipped(std::string_view text) { return trimmed(text).empty() || trimmed(text).front() == '#'; }
+
+  /// Takes the first cell off `rest`.
+  bool next_cell(std::string_view& rest, std::string_view& cell) const {
+    if (separator_ == ' ') {
+      rest = trimmed(rest);
+      if (rest.empty()) return false;
+    } else if (rest.data() == nullptr) {
+      return false;
+    }
+    const auto end = rest.find(separator_);
+    cell = trimmed(rest.substr(0, end));
+    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
+    return true;
+  }
+
+  bool line(std::string_view& text) {
+    while (true) {
+      const auto* begin = buffer_.data() + at_;
+      const auto* end = static_cast<const char*>(std::memchr(begin, '\n', filled_ - at_));
+      if (end || (ended_ && filled_ > at_)) {
+        if (!end) end = buffer_.data() + filled_;
+        text = std::string_view(begin, std::size_t(end - begin));
+        at_ = std::min(filled_, at_ + text.size() + 1);
+        ++line_number_;
+        return true;
+      }
+      if (ended_) return false;
+      std::memmove(buffer_.data(), begin, filled_ - at_);
+      filled_ -= at_, at_ = 0;
+      if (filled_ == buffer_.size()) throw InputError(fmt::format("{}: a line is longer than a mebibyte", path_));
+      const auto got = std::fread(buffer_.data() + filled_, 1, buffer_.size() - filled_, file_.get());
+      filled_ += got;
+      ended_ = got == 0;
+    }
+  }
+
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::string path_;
+  std::unique_ptr<std::FILE, Close> file_;
+  std::vector<char> buffer_ = std::vector<char>(1 << 20);
+  std::size_t filled_ = 0, at_ = 0, columns_ = 0;
+  bool ended_ = false;
+  char separator_ = ' ';
+  long line_number_ = 0, first_ = 0, passed_ = 0;
+  std::vector<Wanted> wanted_;
+  std::vector<long> lines_;  ///< of the last block
+};
+
+// ---------------------------------------------------------------- NetCDF
+
+class NetcdfRows final : public Rows {
+ public:
+  NetcdfRows(const RecordSource& source, const std::vector<RecordColumn>& wanted) : path_(source.file.string()) {
+    check(nc_open(path_.c_str(), NC_NOWRITE, &file_.id));
+    std::vector<std::string> names;
+    int count = 0;
+    check(nc_inq_nvars(file_.id, &count));
+    for (int v = 0; v < count; ++v) {
+      char name[NC_MAX_NAME + 1] = {};
+      check(nc_inq_varname(file_.id, v, name));
+      names.emplace_back(name);
+    }
+    for (const auto& column : wanted) {
+      Variable variable{0, 1, std::nan(""), column.name};
+      if (nc_inq_varid(file_.id, column.name.c_str(), &variable.id) != NC_NOERR) no_column(source, column.name, names);
+      int dimensions = 0, dimension = 0;
+      check(nc_inq_varndims(file_.id, variable.id, &dimensions));
+      if (dimensions != 1)
+        throw InputError(fmt::format("{}: '{}' has {} dimensions, one is needed", path_, column.name, dimensions));
+      check(nc_inq_vardimid(file_.id, variable.id, &dimension));
+      std::size_t length = 0;
+      check(nc_inq_dimlen(file_.id, dimension, &length));
+      if (!variables_.empty() && length != length_)
+        throw InputError(fmt::format("{}: '{}' has {} samples, '{}' has {}", path_, column.name, length,
+                                     variables_.front().name, length_));
+      length_ = length;
+      std::string unit;
+      std::size_t size = 0;
+      if (nc_inq_attlen(file_.id, variable.id, "units", &size) == NC_NOERR) {
+        unit.resize(size);
+        check(nc_get_att_text(file_.id, variable.id, "units", unit.data()));
+        unit.resize(std::strlen(unit.c_str()));
+      }
+      nc_get_att_double(file_.id, variable.id, "_FillValue", &variable.fill);
+      variable.factor = factor(source, column, unit);
+      variables_.push_back(variable);
+    }
+  }
+
+  bool read(std::vector<std::vector<double>>& block) override {
+    const std::size_t rows = std::min(block_length, length_ - at_);
+    if (rows == 0) return false;
+    for (std::size_t c = 0; c < variables_.size(); ++c) {
+      const auto& variable = variables_[c];
+      auto& list = block[c];
+      const auto before = list.size();
+      list.resize(before + rows);
+      check(nc_get_vara_double(file_.id, variable.id, &at_, &rows, list.data() + before));
+      for (std::size_t i = before; i < list.size(); ++i) {
+        if (!std::isfinite(list[i]) || list[i] == variable.fill || list[i] == NC_FILL_DOUBLE)
+          throw InputError(
+              fmt::format("{}: '{}' is missing or not a finite number at sample {}; nothing is "
+                          "interpolated: cut the record, or fill it yourself",
+                          path_, variable.name, at_ + i - before));
+        list[i] *= variable.factor;
+      }
+    }
+    at_ += rows;
+    return true;
+  }
+  std::string place(long sample) const override { return fmt::format("{}: sample {}", path_, sample); }
+
+ private:
+  struct Variable {
+    int id;
+    double factor, fill;
+    std::string name;
+  };
+  void check(int status) const {
+    if (status != NC_NOERR) throw InputError(fmt::format("{}: {}", path_, nc_strerror(status)));
+  }
+  struct Handle {
+    int id = -1;
+    ~Handle() {
+      if (id >= 0) nc_close(id);
+    }
+  };
+  std::string path_;
+  Handle file_;
+  std::size_t length_ = 0, at_ = 0;
+  std::vector<Variable> variables_;
+};
+
+// ---------------------------------------------------------------- even time
+
+/// Holds times to an even spacing: each step within a tenth of it, and the whole within half a sample of a straight
+/// line.
+class Clock {
+ public:
+  void take(const std::vector<double>& times, const Rows& rows) {
+    if (step_ == 0) begin(times);
+    for (const double t : times) {
+      if (count_ > 0) {
+        const double step = t - last_;
+        if (!(step > 0))
+          throw InputError(fmt::format("{}: time does not ascend: {} s follows {} s", rows.place(count_), t, last_));
+        if (step > 1.5 * step_)
+          throw InputError(
+              fmt::format("{}: a gap: time {} s follows {} s, where samples are {:.6g} s apart; nothing is "
+                          "interpolated: cut the record there, or fill it yourself",
+                          rows.place(count_), t, last_, step_));
+        if (std::abs(step - step_) > 0.1 * step_)
+          throw InputError(
+              fmt::format("{}: samples are not evenly spaced: a step of {:.6g} s among steps of {:.6g} s; "
+                          "sample the record evenly first",
+                          rows.place(count_), step, step_));
+      }
+      last_ = t;
+      ++count_;
+    }
+    marks_.emplace_back(count_ - 1, last_);
+  }
+  double rate() const { return 1 / step_; }
+  double mean_rate(const RecordSource& source) const {
+    const double step = (last_ - first_) / double(count_ - 1);
+    for (const auto& [index, time] : marks_)
+      if (std::abs(time - first_ - double(index) * step) > 0.5 * step)
+        throw InputError(fmt::format("{}: the clock runs unevenly: sample {} is {:.3g} samples from its place",
+                                     source.file.string(), index, (time - first_) / step - double(index)));
+    return 1 / step;
+  }
+
+ private:
+  void begin(const std::vector<double>& times) {
+    if (times.size() < 2) throw InputError("a record needs two samples at least");
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
+    std::ranges::nth_element(steps, steps.begin() + std::ptrdiff_t(steps.size() / 2));
+    step_ = steps[steps.size() / 2];
+    first_ = times.front();
+    if (!(step_ > 0)) throw InputError("times of the record do not ascend");
+  }
+  double step_ = 0, first_ = 0, last_ = 0;
+  long count_ = 0;
+  std::vector<std::pair<long, double>> marks_;
+};
+
+}  // namespace
+
+RecordEnd read_record(const RecordSource& source,
+                      const std::function<void(double, std::span<const std::span<const double>>)>& use) {
+  if (!fs::is_regular_file(source.file)) throw InputError(fmt::format("{}: no such file", source.file.string()));
+  auto wanted = source.columns;
+  if (source.time) wanted.push_back(*source.time);
+  const auto ending = source.file.extension();
+  std::unique_ptr<Rows> rows;
+  if (ending == ".nc" || ending == ".nc4" || ending == ".cdf")
+    rows = std::make_unique<NetcdfRows>(source, wanted);
+  else
+    rows = std::make_unique<TextRows>(source, wanted);
+
+  Clock clock;
+  RecordEnd end{source.sample_rate, 0};
+  std::vector<std::vector<double>> block(wanted.size());
+  while (rows->read(block)) {
+    if (source.time) {
+      clock.take(block.back(), *rows);
+      end.sample_rate = clock.rate();
+    }
+    std::vector<std::span<const double>> columns;
+    for (std::size_t c = 0; c < source.columns.size(); ++c) columns.emplace_back(block[c]);
+    use(end.sample_rate, columns);
+    end.samples += long(block.front().size());
+    for (auto& list : block) list.clear();
+  }
+  if (end.samples < 2)
+    throw InputError(fmt::format("{}: has {} samples, too few for anything", source.file.string(), end.samples));
+  if (source.time) end.sample_rate = clock.mean_rate(source);
+  return end;
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,113 @@
+/// Measured records as files: what is read, and what is refused rather than interpolated.
+#include "app/record.hpp"
+
+#include <netcdf.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+
+#include "core/error.hpp"
+
+using namespace rosin;
+using namespace rosin::app;
+using Catch::Matchers::Contains;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Folder {
+  fs::path path = fs::temp_directory_path() / ("rosin-record-" + std::to_string(getpid()));
+  Folder() { fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+};
+
+struct Read {
+  RecordEnd end;
+  std::vector<std::vector<double>> columns;
+};
+Read all_of(const RecordSource& source) {
+  Read read;
+  read.columns.resize(source.columns.size());
+  read.end = read_record(source, [&](double, std::span<const std::span<const double>> block) {
+    for (std::size_t c = 0; c < block.size(); ++c)
+      read.columns[c].insert(read.columns[c].end(), block[c].begin(), block[c].end());
+  });
+  return read;
+}
+
+Read text(const std::string& content) {
+  const Folder folder;
+  std::ofstream(folder.path / "r.csv") << content;
+  return all_of({folder.path / "r.csv", RecordColumn{"t", "", "s"}, 0, {{"v", "", "m/s"}, {"F", "", "N"}}});
+}
+
+}  // namespace
+
+TEST_CASE("columns are found by name and converted by the header's units", "[record]") {
+  for (const std::string separator : {",", ";", "\t"}) {
+    std::string content = "# a comment\nF (mN)" + separator + "t (ms)" + separator + "other" + separator + "v (mm/s)\n";
+    for (int k = 0; k < 5; ++k)
+      content += std::to_string(k) + separator + std::to_string(2 * k) + separator + "x" + separator + "7\r\n";
+    const auto read = text(content);
+    CHECK(read.end.samples == 5);
+    CHECK(read.end.sample_rate == Approx(500));
+    CHECK(read.columns[0] == std::vector<double>(5, 7.0 * 1e-3));
+    CHECK(read.columns[1][3] == Approx(3e-3).epsilon(1e-15));
+  }
+  CHECK(text("t v F\n0 1 2\n1 1 2\n2  1 2").end.samples == 3);
+}
+
+TEST_CASE("nothing is interpolated in silence", "[record]") {
+  CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,2\n2,1,2\n5,1,2\n"), Contains("r.csv:5: a gap"));
+  CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,2\n2.2,1,2\n3.2,1,2\n4.2,1,2\n"),
+                    Contains("r.csv:4: samples are not even"));
+  CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,2\n2,1,2\n2,1,2\n"), Contains("r.csv:5: time does not ascend"));
+  CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,nan,2\n"), Contains("r.csv:3: column 'v' is missing or not a finite number"));
+  CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,\n"), Contains("r.csv:3: column 'F' is missing"));
+  CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1\n"), Contains("r.csv:3: has 2 cells, the header 3 names"));
+  CHECK_THROWS_WITH(text("t,v\n0,1\n1,1\n"), Contains("has no column 'F'"));
+  CHECK_THROWS_WITH(text("t,v,F (kg)\n0,1,2\n"), Contains("column 'F'"));
+  CHECK_THROWS_WITH(text("t,v,F\n"), Contains("has 0 samples"));
+  CHECK_THROWS_WITH(text(""), Contains("is empty"));
+  std::string drifting = "t,v,F\n";  // each step within a tenth, the whole far off
+  for (int k = 0; k < 200000; ++k) drifting += std::to_string(k < 100000 ? k : 100000 + (k - 100000) * 1.05) + ",1,2\n";
+  CHECK_THROWS_WITH(text(drifting), Contains("the clock runs unevenly"));
+}
+
+TEST_CASE("NetCDF records, with their units and their missing values", "[record]") {
+  const Folder folder;
+  const auto path = folder.path / "r.nc";
+  const auto write = [&](double bad) {
+    int file, dimension, other, v, F, odd;
+    REQUIRE(nc_create(path.c_str(), NC_NETCDF4 | NC_CLOBBER, &file) == NC_NOERR);
+    nc_def_dim(file, "sample", 100000, &dimension);
+    nc_def_dim(file, "few", 3, &other);
+    nc_def_var(file, "v", NC_DOUBLE, 1, &dimension, &v);
+    nc_def_var(file, "F", NC_FLOAT, 1, &dimension, &F);
+    nc_def_var(file, "odd", NC_DOUBLE, 1, &other, &odd);
+    nc_put_att_text(file, v, "units", 4, "mm/s");
+    nc_enddef(file);
+    std::vector<double> values(100000, 2.0);
+    nc_put_var_double(file, F, values.data());
+    values[70000] = bad;
+    nc_put_var_double(file, v, values.data());
+    nc_close(file);
+  };
+  const RecordSource source{path, {}, 1e4, {{"v", "", "m/s"}, {"F", "kN", "N"}}};
+  write(3);
+  const auto read = all_of(source);
+  CHECK(read.end.samples == 100000);
+  CHECK(read.end.sample_rate == 1e4);
+  CHECK(read.columns[0][70000] == 3e-3);
+  CHECK(read.columns[1][5] == 2e3);
+  auto mismatched = source;
+  mismatched.columns.push_back({"odd", "", "1"});
+  CHECK_THROWS_WITH(all_of(mismatched), Contains("'odd' has 3 samples, 'v' has 100000"));
+  write(std::nan(""));
+  CHECK_THROWS_WITH(all_of(source), Contains("'v' is missing or not a finite number at sample 70000"));
+  write(NC_FILL_DOUBLE);
+  CHECK_THROWS_AS(all_of(source), InputError);
+}
