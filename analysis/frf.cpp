@@ -10,6 +10,7 @@
 
 #include "core/characteristic.hpp"
 #include "core/error.hpp"
+#include "oscillators/slider_system.hpp"
 
 namespace rosin::analysis {
 
@@ -21,14 +22,11 @@ constexpr int most = Slopes<double>::capacity;
 using SmallMatrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, most, most>;
 using SmallVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1, Eigen::ColMajor, most, 1>;
 
-/// What surrounds the law; without a spring the law is asked at a slip rate and needs no explicit inverse.
-ContactSetup contact_setup(const Model& model) {
-  ContactSetup setup{.lambda = model.lambda,
-                     .compliance = 1 / model.contact_stiffness.tangential,
-                     .compliance_per_load = 1 / model.contact_stiffness.per_load,
-                     .unknowns = Unknowns::states};
-  if (setup.compliance > 0 || setup.compliance_per_load > 0) setup.unknowns = Unknowns::friction;
-  return setup;
+/// What surrounds the law in a contact of the model; any slider would do. Without a spring the law is asked at a slip
+/// rate and needs no explicit inverse.
+ContactSetup contact_setup(Model model) {
+  model.slider = {};
+  return oscillators::SliderSystem(std::move(model), Unknowns::states).contact_setup();
 }
 
 Complex at_frequency(double hertz) { return {0, 2 * std::numbers::pi * hertz}; }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "app/files.hpp"
+#include "app/frf_use.hpp"
 #include "app/gnuplot.hpp"
 #include "app/job.hpp"
 #include "app/json.hpp"
@@ -49,7 +50,7 @@ void describe(ordered_json& object, const FrfCurve& curve) {
   }
 }
 
-std::string to_json(const Scene& scene, const analysis::FrfPrediction& prediction) {
+ordered_json document_of(const Scene& scene, const analysis::FrfPrediction& prediction) {
   auto document = begin(scene, "frf");
   document["frequency"] = scene.frf.frequencies;
   describe(document, prediction.curve);
@@ -68,7 +69,7 @@ std::string to_json(const Scene& scene, const analysis::FrfPrediction& predictio
     }
     if (!prediction.load_exponent.empty()) family["load_exponent"] = prediction.load_exponent;
   }
-  return text(document);
+  return document;
 }
 
 std::string to_json(const Scene& scene, const analysis::MeasuredFrf& measured, const std::vector<Complex>& predicted) {
@@ -343,8 +344,13 @@ Status simulate_sweep(Job& job, const Request& request) {
   document["predicted"] = pairs(predicted);
   write_curve(job.folder() / "frf.csv", options.frequencies, swept.tangential);
   write_curve(job.folder() / "frf-predicted.csv", options.frequencies, predicted);
-  write_script(job.folder(), scene, {{"frf.csv", "simulated"}, {"frf-predicted.csv", "predicted"}});
-  return job.finish(text(document), {"frf.csv", "frf-predicted.csv", "frf.gp"}, "frf.gp", {});
+  std::vector<std::string> files{"frf.csv", "frf-predicted.csv"};
+  const bool drawn = options.frequencies.size() > 1;
+  if (drawn) {
+    write_script(job.folder(), scene, {{"frf.csv", "simulated"}, {"frf-predicted.csv", "predicted"}});
+    files.emplace_back("frf.gp");
+  }
+  return job.finish(text(document), std::move(files), drawn ? "frf.gp" : "", {});
 }
 
 }  // namespace
@@ -399,9 +405,14 @@ Status frf(const Request& request) {
                                                member.value, quantity.unit == "1" ? "" : " " + quantity.unit)});
   }
   if (lines.empty()) lines.push_back({"frf.csv", "predicted"});
-  write_script(job.folder(), scene, lines);
-  files.emplace_back("frf.gp");
-  return job.finish(to_json(scene, prediction), std::move(files), "frf.gp", {});
+  const bool drawn = scene.frf.frequencies.size() > 1;  // one frequency is no line
+  if (drawn) {
+    write_script(job.folder(), scene, lines);
+    files.emplace_back("frf.gp");
+  }
+  auto document = document_of(scene, prediction);
+  add_stability(job, document, files);
+  return job.finish(text(document), std::move(files), drawn ? "frf.gp" : "", {});
 }
 
 }  // namespace rosin::app

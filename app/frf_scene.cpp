@@ -2,6 +2,7 @@
 #include "app/frf_scene.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include "app/scene_table.hpp"
 
@@ -98,6 +99,133 @@ FrfRecord read_frf_record(Table table, const fs::path& folder) {
   return record;
 }
 
+/// A matrix as a list of rows, row-major.
+std::vector<double> read_matrix(const toml::node& node, const Quantity& quantity, std::size_t& size) {
+  std::vector<double> entries;
+  const auto& rows = list(node, quantity.name, "rows");
+  if (size == 0) size = rows.size();
+  if (rows.size() != size)
+    fail(node.source(), "{} has {} rows, the matrices before it {}", quantity.name, rows.size(), size);
+  for (const auto& row : rows) {
+    const auto values = numbers(row, quantity);
+    if (values.size() != size)
+      fail(row.source(), "{} is not square: a row has {} of {}", quantity.name, values.size(), size);
+    entries.insert(entries.end(), values.begin(), values.end());
+  }
+  return entries;
+}
+
+FrfUse::Measured read_complex_table(const toml::node& node, const std::string& path, const char* unit,
+                                    const fs::path& folder) {
+  const fs::path file = text(node, path);
+  FrfUse::Measured table;
+  located(node.source(), [&] {
+    read_record({file.is_absolute() ? file : folder / file,
+                 {},
+                 1,
+                 {{"frequency", "", "Hz"}, {"real", "", unit}, {"imaginary", "", unit}}},
+                [&](double, std::span<const std::span<const double>> block) {
+                  for (std::size_t i = 0; i < block[0].size(); ++i) {
+                    table.frequency.push_back(block[0][i]);
+                    table.value.emplace_back(block[1][i], block[2][i]);
+                  }
+                });
+    if (std::ranges::adjacent_find(table.frequency, std::greater_equal{}) != table.frequency.end())
+      throw InputError(fmt::format("{}: frequencies must ascend", file.string()));
+  });
+  return table;
+}
+
+FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, const fs::path& folder) {
+  FrfUse use;
+  table.expect({"modes", "M", "C", "K", "contacts", "receptance", "friction", "scan", "uncertain", "samples", "seed"});
+  constexpr Range any{-1e15, 1e15};
+  const auto *modes = table.find("modes"), *M = table.find("M"), *C = table.find("C"), *K = table.find("K");
+  const auto *contacts = table.find("contacts"), *receptance = table.find("receptance");
+  if ((modes != nullptr) + (M != nullptr) + (receptance != nullptr) > 1)
+    fail(table.source(), "frf.structure: give modes, or M, C and K, or receptance");
+  if (modes) {
+    std::vector<analysis::Mode> read;
+    for (const auto& element : list(*modes, table.path("modes"), "tables")) {
+      Table keys(element, table.path("modes"));
+      keys.expect({"frequency", "damping_ratio", "mass", "tangential", "normal"});
+      double frequency = 0;
+      analysis::Mode mode{0, 0, 1, 1, 0};
+      keys.required("frequency", "Hz");
+      keys.read("frequency", frequency, {"", "Hz", {1e-9, 1e9}, "natural frequency"});
+      keys.read("damping_ratio", mode.damping_ratio, {"", "1", {0, 10}, "damping over critical"});
+      keys.read("mass", mode.mass, {"", "kg", {1e-12, 1e12}, "modal mass"});
+      keys.read("tangential", mode.tangential, {"", "1", any, "amplitude at the contact along slip"});
+      keys.read("normal", mode.normal, {"", "1", any, "amplitude at the contact, pressing"});
+      keys.finish();
+      mode.angular_frequency = 2 * std::numbers::pi * frequency;
+      read.push_back(mode);
+    }
+    if (read.empty()) fail(modes->source(), "frf.structure.modes is empty");
+    use.structure = analysis::modal(read);
+  } else if (M) {
+    std::size_t size = 0;
+    analysis::Structure structure;
+    structure.M = read_matrix(*M, {table.path("M"), "kg", any, "mass"}, size);
+    structure.K = read_matrix(table.required("K", "stiffness, N/m"), {table.path("K"), "N/m", any, "stiffness"}, size);
+    structure.C =
+        C ? read_matrix(*C, {table.path("C"), "N s/m", any, "damping"}, size) : std::vector<double>(size * size, 0.0);
+    if (!contacts) fail(table.source(), "frf.structure.contacts is needed: tables with a tangential direction");
+    for (const auto& element : list(*contacts, table.path("contacts"), "tables")) {
+      Table keys(element, table.path("contacts"));
+      keys.expect({"tangential", "normal"});
+      analysis::Structure::Contact contact;
+      const Quantity entry{"", "1", any, "direction of a contact"};
+      contact.tangential = numbers(keys.required("tangential", "direction of slip"),
+                                   {keys.path("tangential"), "1", any, "direction of slip"});
+      if (const auto* normal = keys.find("normal"))
+        contact.normal = numbers(*normal, {keys.path("normal"), "1", any, "direction that presses"});
+      keys.finish();
+      structure.contacts.push_back(std::move(contact));
+    }
+    use.structure = std::move(structure);
+  } else if (receptance) {
+    use.receptance = read_complex_table(*receptance, table.path("receptance"), "m/N", folder);
+  } else if (oscillator) {
+    const auto& slider = scene.model.slider;
+    if (!(slider.mass > 0)) fail(oscillator->source(), "frf.structure: the slider needs a mass");
+    use.structure = analysis::Structure{{slider.mass}, {slider.damping}, {slider.stiffness}, {{{1}, {}}}};
+  } else {
+    fail(table.source(), "frf.structure needs modes, or M, C and K, or receptance, or an [oscillator]");
+  }
+  if (const auto* friction = table.find("friction"))
+    use.friction = read_complex_table(*friction, table.path("friction"), "N s/m", folder);
+  if (auto scan = table.table("scan")) {
+    scan->expect({"parameter", "from", "to", "points"});
+    const auto& parameter = scan->required("parameter", "path, such as drive.normal_load");
+    use.scan = text(parameter, scan->path("parameter"));
+    auto quantity = located(parameter.source(), [&] { return scene.model.describe(use.scan); });
+    scan->required("from", quantity.meaning);
+    scan->required("to", quantity.meaning);
+    scan->read("from", use.scan_from, quantity);
+    scan->read("to", use.scan_to, quantity);
+    scan->read("points", use.scan_points, 1, "intervals that are searched");
+    scan->finish();
+    if (!(use.scan_from > 0) || !(use.scan_from < use.scan_to))
+      fail(scan->source(), "frf.structure.scan: 0 < from < to is needed");
+  }
+  if (const auto* uncertain = table.find("uncertain")) {
+    if (!uncertain->is_table())
+      wrong_kind(*uncertain, "frf.structure.uncertain", "a table such as { \"law.a\" = 0.1 }");
+    for (const auto& [key, value] : *uncertain->as_table()) {
+      const std::string path(key.str());
+      located(value.source(), [&] { scene.model.describe(path); });
+      use.uncertain.push_back({path, number(value, {path, "1", {1e-9, 2}, "relative standard deviation"})});
+    }
+  }
+  table.read("samples", use.samples, 20, "of uncertain inputs");
+  int seed = 1;
+  table.read("seed", seed, 0, "of the random numbers");
+  use.seed = std::uint64_t(seed);
+  table.finish();
+  return use;
+}
+
 void read_simulation(Table table, Scene& scene) {
   table.expect({"type", "amplitude", "resolution", "averages", "seed", "overlap", "window"});
   const auto& f = scene.frf.frequencies;
@@ -130,10 +258,10 @@ void read_simulation(Table table, Scene& scene) {
 
 }  // namespace
 
-void read_frf(Table& table, Scene& scene, const fs::path& folder) {
+void read_frf(Table& table, Scene& scene, const toml::node* oscillator, const fs::path& folder) {
   auto& options = scene.frf;
-  table.expect(
-      {"frequencies", "normal", "normal_contact", "sensor_mass", "sensitivities", "family", "record", "simulate"});
+  table.expect({"frequencies", "normal", "normal_contact", "sensor_mass", "sensitivities", "family", "record",
+                "simulate", "structure"});
   if (auto record = table.table("record")) scene.frf_record = read_frf_record(*record, folder);
   const auto* frequencies = scene.frf_record ? table.find("frequencies") : &table.required("frequencies", "Hz");
   if (frequencies) options.frequencies = read_frequencies(*frequencies, table.path("frequencies"));
@@ -144,6 +272,11 @@ void read_frf(Table& table, Scene& scene, const fs::path& folder) {
   if (auto simulation = table.table("simulate")) {
     if (scene.frf_record) fail(simulation->source(), "[frf] has a record: give record or simulate, not both");
     read_simulation(*simulation, scene);
+  }
+  if (auto structure = table.table("structure")) {
+    if (scene.frf_record || scene.frf_sweep || scene.frf_noise)
+      fail(structure->source(), "[frf.structure] goes with a prediction, or with a measured table 'friction' in it");
+    scene.frf_use = read_use(*structure, scene, oscillator, folder);
   }
   if (const auto* normal = table.find("normal")) {
     if (!normal->is_boolean()) wrong_kind(*normal, "frf.normal", "true or false");

@@ -3,12 +3,12 @@
 #include <filesystem>
 
 #include "app/scene.hpp"
+#include "app/scene_table.hpp"
 
 namespace rosin::app {
 
-class Table;
-
-/// Files are looked for in `folder`. \throws InputError with the place of what cannot be used.
-void read_frf(Table&, Scene&, const std::filesystem::path& folder);
+/// Files are looked for in `folder`; `oscillator` is the scene's, or null. \throws InputError with the place of what
+/// cannot be used.
+void read_frf(Table&, Scene&, const toml::node* oscillator, const std::filesystem::path& folder);
 
 }  // namespace rosin::app

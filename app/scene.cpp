@@ -991,7 +991,7 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     read_compare(Table(*comparison, "compare"), scene, verb);
   }
   if (verb == Verb::frf) root.required("frf", "frequencies");
-  if (auto table = root.table("frf"); table && verb == Verb::frf) read_frf(*table, scene, folder);
+  if (auto table = root.table("frf"); table && verb == Verb::frf) read_frf(*table, scene, oscillator, folder);
   if (verb == Verb::fit) root.required("fit", "parameters and data");
   if (auto table = root.table("fit"); table && verb == Verb::fit)
     read_fit(*table, scene, folder, [](Table law, oscillators::Model& model) { read_law(std::move(law), model); });

@@ -16,6 +16,7 @@
 #include "analysis/map.hpp"
 #include "analysis/plane_run.hpp"
 #include "analysis/run.hpp"
+#include "analysis/structure.hpp"
 #include "analysis/study.hpp"
 #include "app/record.hpp"
 #include "oscillators/model.hpp"
@@ -57,6 +58,23 @@ struct FrfRecord {
   analysis::ExtractionOptions extraction;
 };
 
+/// A structure that a friction response is used on, and what is asked of both.
+struct FrfUse {
+  std::optional<analysis::Structure> structure;
+  /// Measured: at the same frequencies (Hz) where both are.
+  struct Measured {
+    std::vector<double> frequency;
+    std::vector<std::complex<double>> value;
+  };
+  Measured friction, receptance;  ///< N s/m, m/N
+  std::string scan;               ///< path of a parameter, or empty
+  double scan_from = 0, scan_to = 0;
+  int scan_points = 60;
+  std::vector<analysis::Uncertain> uncertain;
+  int samples = 400;
+  std::uint64_t seed = 1;
+};
+
 /// Data, and the laws that are fitted to them.
 struct FitTask {
   struct Candidate {
@@ -81,10 +99,11 @@ struct Scene {
   analysis::CycleOptions cycle;
   analysis::MapOptions map;
   CompareOptions compare;
-  analysis::StudyOptions study;                           ///< of the verb study, whose scenes have no model
+  analysis::StudyOptions study;  ///< of the verb study, whose scenes have no model
   analysis::FrfOptions frf;
   bool frf_predicts = true;  ///< the scene has a drive to predict at
   std::optional<FrfRecord> frf_record;
+  std::optional<FrfUse> frf_use;
   std::optional<analysis::SweepOptions> frf_sweep;
   std::optional<analysis::NoiseOptions> frf_noise;
   FitTask fit;

@@ -1,0 +1,140 @@
+/// The verbs frf and fit as a user runs them: the fields that callers rely on, and refusals with their place.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Catch::Matchers::Contains;
+using nlohmann::json;
+
+struct Folder {
+  fs::path path = fs::temp_directory_path() / ("rosin-frf-" + std::to_string(getpid()));
+  Folder() {
+    fs::remove_all(path);
+    fs::create_directories(path);
+  }
+  ~Folder() { fs::remove_all(path); }
+};
+
+std::string content(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+struct Answer {
+  int status;
+  std::string out, error;
+};
+Answer rosin(const Folder& folder, const std::string& arguments) {
+  const auto line =
+      "cd '" + folder.path.string() + "' && '" ROSIN_COMMAND "' " + arguments + " >out.txt 2>error.txt </dev/null";
+  const int status = std::system(line.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content(folder.path / "out.txt"),
+          content(folder.path / "error.txt")};
+}
+
+const std::string examples = ROSIN_SOURCE_DIR "/examples/";
+
+}  // namespace
+
+TEST_CASE("a response answers in JSON with the fields that callers rely on", "[frf-command]") {
+  const Folder folder;
+  const auto answer =
+      rosin(folder, "frf " + examples +
+                        "frf-load-family.toml --json --set frf.normal=true --set frf.frequencies=[10,100,1000]");
+  INFO(answer.error);
+  REQUIRE(answer.status == 0);
+  const auto document = json::parse(answer.out);
+  CHECK(document["frequency"] == json::array({10.0, 100.0, 1000.0}));
+  for (const char* entry : {"tt", "tn", "nt", "nn"}) CHECK(document["matrix"][entry].size() == 3);
+  CHECK(document["tangential"] == document["matrix"]["tt"]);
+  CHECK(document["tangential"][0].size() == 2);
+  CHECK(document["low_frequency_limit"].get<double>() == Approx(16 * (0.010 - 0.012) / 2e-3).epsilon(1e-6));
+  CHECK(document["high_frequency_stiffness"].get<double>() == Approx(2e5));
+  CHECK(document["family"]["members"].size() == 5);
+  CHECK(document["family"]["load_exponent"][2].get<double>() < 0.5);
+  for (const char* file : {"frf.csv", "frf.png", "frf.svg", "manifest.json"})
+    CHECK(fs::exists(folder.path / "out/frf-load-family" / file));
+}
+
+TEST_CASE("a simulated record goes through extraction to the same response, and on into a fit", "[frf-command]") {
+  const Folder folder;
+  REQUIRE(rosin(folder, "frf " + examples + "frf-noise.toml --out noise --quiet").status == 0);
+  const auto simulated = json::parse(content(folder.path / "noise/result.json"));
+  const auto record = (folder.path / "noise/frf-record.csv").string();
+  const auto answer = rosin(folder, "frf " + examples + "frf-record.toml --json --set frf.record.file=" + record);
+  INFO(answer.error);
+  REQUIRE(answer.status == 0);
+  const auto extracted = json::parse(answer.out);
+  CHECK(extracted["coherence"].size() == extracted["frequency"].size());
+  CHECK(extracted["standard_error"].size() == extracted["frequency"].size());
+  CHECK(extracted["warnings"].empty());
+  CHECK(extracted["tangential"][0][0].get<double>() ==
+        Approx(simulated["tangential"][0][0].get<double>()).epsilon(1e-9));
+
+  const auto fitted =
+      rosin(folder, "fit " + examples + "fit-laws.toml --json --set fit.profiles=false --set fit.starts=1");
+  INFO(fitted.error);
+  REQUIRE(fitted.status == 0);
+  const auto document = json::parse(fitted.out);
+  for (const char* path : {"law.mu0", "law.a", "law.b", "law.L"}) {
+    const auto& p = document["parameters"][path];
+    CHECK(p["interval"][0].get<double>() < p["value"].get<double>());
+    CHECK(p["interval"][1].get<double>() > p["value"].get<double>());
+    CHECK(p["standard_error"].get<double>() > 0);
+  }
+  CHECK(document["parameters"]["law.a"]["value"].get<double>() == Approx(0.010).epsilon(1e-3));
+  CHECK(document["ranking"][0]["law"] == "ageing");
+  CHECK(document["ranking"].size() == 3);
+  CHECK(document["ranking"][2]["aic"].get<double>() > document["ranking"][0]["aic"].get<double>());
+}
+
+TEST_CASE("a structure with friction answers by eigenvalues and by Nyquist", "[frf-command]") {
+  const Folder folder;
+  const auto answer = rosin(folder, "frf " + examples + "frf-squeal.toml --json");
+  INFO(answer.error);
+  REQUIRE(answer.status == 0);
+  const auto stability = json::parse(answer.out)["stability"];
+  CHECK(stability["unstable_by_eigenvalues"] == stability["unstable_by_nyquist"]);
+  CHECK(stability["stable"] == (stability["unstable_by_eigenvalues"] == 0));
+  CHECK(stability["critical"].size() >= 1);
+  CHECK(stability["uncertainty"]["influence"].size() == 4);
+  // The slider of a scene is a structure too: the critical load of the Bristol board.
+  const auto slider = rosin(folder, "frf " + examples +
+                                        "bristol-board-cycle.toml --json --set frf.frequencies=[0.1] --set "
+                                        "\"frf.structure.scan={parameter='drive.normal_load', from=1e-5, to=1e-2}\"");
+  INFO(slider.error);
+  REQUIRE(slider.status == 0);
+  CHECK(json::parse(slider.out)["stability"]["critical"][0]["value"].get<double>() ==
+        Approx(4.0877514056773e-4).epsilon(1e-9));
+}
+
+TEST_CASE("what a response or a fit cannot use is refused with its place", "[frf-command]") {
+  const Folder folder;
+  const auto refused = [&](const std::string& arguments) {
+    const auto answer = rosin(folder, arguments);
+    CHECK(answer.status == 2);
+    return answer.error;
+  };
+  const auto family = "frf " + examples + "frf-load-family.toml --set ";
+  CHECK_THAT(refused(family + "frf.frequencies=[]"), Contains("frf.frequencies is empty"));
+  CHECK_THAT(refused(family + "frf.frequencies=[2,1]"), Contains("must ascend"));
+  CHECK_THAT(refused(family + "frf.frequences=[1]"), Contains("did you mean 'frequencies'"));
+  CHECK_THAT(refused(family + "\"frf.sensitivities=['law.c']\""), Contains("unknown parameter"));
+  CHECK_THAT(refused(family + "frf.record.file=x.csv"), Contains("needs time (a column) or sample_rate"));
+  CHECK_THAT(refused(family + "drive.speed=0"), Contains("drive.speed = 0"));
+  CHECK_THAT(refused(family + "frf.structure.M=[[1]]"), Contains("has no 'K'"));
+  CHECK_THAT(refused("frf " + examples + "frf-record.toml --set frf.record.file=none.csv"), Contains("no such file"));
+  CHECK_THAT(refused("fit " + examples + "fit-laws.toml --set \"fit.parameters=['law.q']\""),
+             Contains("unknown parameter"));
+  CHECK_THAT(refused("fit " + examples + "fit-laws.toml --set fit.data=[]"), Contains("fit.data is empty"));
+}
