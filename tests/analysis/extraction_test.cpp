@@ -3,8 +3,8 @@
 #include "analysis/extraction.hpp"
 
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <numbers>
 
 #include "analysis/lab/sensor.hpp"
@@ -203,11 +203,11 @@ TEST_CASE("records that are too short, bands without bins and coarse segments ar
 }
 
 TEST_CASE("ten million samples take seconds", "[extraction]") {
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = std::clock();  // of the processor: other work does not count
   CrossSpectra spectra(2, {.segment = 8192});
   const auto x = white_noise(100000, 1);
   const std::vector<std::span<const double>> block = {x, x};
   for (int k = 0; k < 100; ++k) spectra.add(block);
   CHECK(spectra.samples() == 10000000);
-  CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < 10);
+  CHECK(double(std::clock() - begin) / CLOCKS_PER_SEC < 5);
 }

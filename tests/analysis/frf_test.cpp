@@ -2,8 +2,8 @@
 #include "analysis/frf.hpp"
 
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <numbers>
 
 #include "core/error.hpp"
@@ -272,12 +272,12 @@ TEST_CASE("magnitudes scale with load at low frequency and forget it behind a co
 }
 
 TEST_CASE("ten thousand frequencies of every law take well under a second", "[frf]") {
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = std::clock();  // of the processor: other work does not count
   double sum = 0;
   for (const auto& model : catalogue_models()) {
     const FrictionResponse response(model);
     for (int k = 0; k < 10000; ++k) sum += std::abs(response.tangential({0, 0.1 * (k + 1)}));
   }
   CHECK(std::isfinite(sum));
-  CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < 2);  // 0.3 s where idle
+  CHECK(double(std::clock() - begin) / CLOCKS_PER_SEC < 1);
 }
