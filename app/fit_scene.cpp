@@ -119,6 +119,7 @@ void read_fit(Table& table, Scene& scene, const fs::path& folder,
       FitTask::Candidate candidate{"", scene.model, {}};
       candidate.model.lambda = 1;
       candidate.model.contact_stiffness = {};
+      candidate.model.load_memory = 0;
       const auto& law = keys.required("law", "the friction law");
       read_law(Table(law, "fit.candidates.law"), candidate.model);
       candidate.name = candidate.model.law->card().name;
