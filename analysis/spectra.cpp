@@ -41,7 +41,7 @@ const std::vector<std::string>& window_names() {
 struct CrossSpectra::Work {
   int channels, segment, hop;
   std::vector<double> window;
-  double power = 0;  ///< Σ w²
+  double power = 0;                          ///< Σ w²
   std::vector<std::vector<double>> pending;  ///< samples not yet passed by all segments
   std::vector<std::complex<double>> sums;    ///< [(i·channels + j)·bins + bin], j ≥ i
   std::vector<Level> levels;
