@@ -10,6 +10,7 @@
 
 #include "core/characteristic.hpp"
 #include "core/error.hpp"
+#include "core/tower.hpp"
 #include "oscillators/slider_system.hpp"
 
 namespace rosin::analysis {
@@ -188,13 +189,6 @@ double FrictionResponse::amplitude_of_harmonic(double omega, double share) const
   const int n = linear_.size();
   const auto first = solve({0, omega}, {linear_.b_v.begin(), linear_.b_v.end()});
   const auto curvature = [&](double v, const std::vector<double>& z) {
-    const auto along = [](double x, double d) {
-      Tower t(x);
-      t.slope[0].value.value = d;
-      t.value.slope[0].value = d;
-      t.value.value.slope[0] = d;
-      return t;
-    };
     Tower unknown[most], g[most], F;
     for (int i = 0; i < n; ++i) unknown[i] = along(steady_[std::size_t(i)], z[std::size_t(i)]);
     tower_->evaluate({along(slip_rate_, v), Tower(normal_load_), Tower(0.0), Tower(direction_)}, unknown, g, F);

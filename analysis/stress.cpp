@@ -14,6 +14,7 @@
 
 #include "analysis/cycle_lanes.hpp"
 #include "analysis/stability.hpp"
+#include "core/random.hpp"
 
 namespace rosin::analysis {
 
@@ -22,11 +23,10 @@ using Complex = std::complex<double>;
 
 namespace {
 
-/// Random numbers that depend on seed and index alone, the same on every machine (SplitMix64; Steele, Lea & Flood
-/// 2014).
+/// Random numbers that depend on seed and index alone.
 class Dice {
  public:
-  Dice(std::uint64_t seed, std::uint64_t index) : state_(seed * 0x9E3779B97F4A7C15u) {
+  Dice(std::uint64_t seed, std::uint64_t index) : state_(seed * splitmix_step) {
     state_ ^= next() + index * 0xD1B54A32D192ED03u;
     next();
   }
@@ -38,12 +38,7 @@ class Dice {
   double sign() { return chance(0.5) ? 1 : -1; }
 
  private:
-  std::uint64_t next() {
-    std::uint64_t z = (state_ += 0x9E3779B97F4A7C15u);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-  }
+  std::uint64_t next() { return splitmix(state_ += splitmix_step); }
   std::uint64_t state_;
 };
 

@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "core/error.hpp"
+#include "core/random.hpp"
 
 namespace rosin {
 
@@ -18,15 +19,7 @@ namespace {
 
 constexpr int points = 1 << 20, points_per_period = 16;
 
-/// Uniform on (0, 1) from a counter (splitmix64; Steele, Lea & Flood 2014).
-double uniform(std::uint64_t& state) {
-  state += 0x9e3779b97f4a7c15ULL;
-  std::uint64_t z = state;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  z ^= z >> 31;
-  return (double(z >> 11) + 0.5) * 0x1p-53;
-}
+double uniform(std::uint64_t& state) { return open_unit(splitmix(state += splitmix_step)); }
 
 }  // namespace
 
@@ -73,25 +66,30 @@ BandNoise::BandNoise(const NoiseBand& band) : band_(band) {
   lowest_ = low, highest_ = high;
 }
 
-double BandNoise::value(double t) const {
-  const double at = t / step_, whole = std::floor(at), x = at - whole;
+/// p = f + f' x + ½ f'' x² + c₃ x³ + c₄ x⁴ + c₅ x⁵ with value, slope and curvature of both ends.
+BandNoise::Piece BandNoise::piece(double t) const {
+  const double at = t / step_, whole = std::floor(at);
   const auto i = std::size_t(std::int64_t(whole) & (points - 1)), j = (i + 1) & (points - 1);
   const double d = value_[j] - value_[i];
-  // p = f + f' x + ½ f'' x² + c₃ x³ + c₄ x⁴ + c₅ x⁵ with value, slope and curvature of both ends
   const double a = d - slope_[i] - 0.5 * curvature_[i], b = slope_[j] - slope_[i] - curvature_[i],
                c = curvature_[j] - curvature_[i];
-  const double c3 = 10 * a - 4 * b + 0.5 * c, c4 = -15 * a + 7 * b - c, c5 = 6 * a - 3 * b + 0.5 * c;
-  return value_[i] + x * (slope_[i] + x * (0.5 * curvature_[i] + x * (c3 + x * (c4 + x * c5))));
+  return {at - whole,
+          value_[i],
+          slope_[i],
+          curvature_[i],
+          10 * a - 4 * b + 0.5 * c,
+          -15 * a + 7 * b - c,
+          6 * a - 3 * b + 0.5 * c};
+}
+
+double BandNoise::value(double t) const {
+  const auto [x, f, slope, curvature, c3, c4, c5] = piece(t);
+  return f + x * (slope + x * (0.5 * curvature + x * (c3 + x * (c4 + x * c5))));
 }
 
 double BandNoise::rate(double t) const {
-  const double at = t / step_, whole = std::floor(at), x = at - whole;
-  const auto i = std::size_t(std::int64_t(whole) & (points - 1)), j = (i + 1) & (points - 1);
-  const double d = value_[j] - value_[i];
-  const double a = d - slope_[i] - 0.5 * curvature_[i], b = slope_[j] - slope_[i] - curvature_[i],
-               c = curvature_[j] - curvature_[i];
-  const double c3 = 10 * a - 4 * b + 0.5 * c, c4 = -15 * a + 7 * b - c, c5 = 6 * a - 3 * b + 0.5 * c;
-  return (slope_[i] + x * (curvature_[i] + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / step_;
+  const auto [x, f, slope, curvature, c3, c4, c5] = piece(t);
+  return (slope + x * (curvature + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / step_;
 }
 
 }  // namespace rosin

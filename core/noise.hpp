@@ -25,6 +25,13 @@ class BandNoise {
   const NoiseBand& band() const { return band_; }
 
  private:
+  /// The polynomial around a time: x in steps past the last point, then its coefficients; value, slope and curvature
+  /// (twice the second coefficient) as tabulated.
+  struct Piece {
+    double x, value, slope, curvature, third, fourth, fifth;
+  };
+  Piece piece(double t) const;
+
   NoiseBand band_;
   double step_, lowest_, highest_;
   std::vector<double> value_, slope_, curvature_;  ///< the last two times step and step²

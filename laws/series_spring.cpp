@@ -141,7 +141,7 @@ class SpringContact final : public Contact<Real> {
           part(slopes.g_u[i]) = g_v * v_u;
           part(slopes.g_N[i]) = part(of_law.g_N[i]) + g_v * v_N;
         }
-        // ė = u − v; where the law carries friction, v falls as u grows by less than rounding shows: ∂ė/∂u = 0 exactly.
+        // ė = u − v; where the law carries friction it is (N μ − k e)/c, which does not know u.
         for (int j = 0; j < all; ++j) part(slopes.g_z[e * all + j]) = -v_z[j];
         part(slopes.g_u[e]) = 1.0 - v_u;
         part(slopes.g_N[e]) = -v_N;

@@ -7,12 +7,18 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 
+#include "core/tower.hpp"
+
 namespace rosin::oscillators {
 
 namespace {
 Mechanics mechanics_of(const Slider& slider) {
   if (slider.mass > 0) return Mechanics::inertial;
   return slider.damping > 0 ? Mechanics::damped : Mechanics::elastic;
+}
+
+double compliance_at(const SeriesSpring& spring, double N) {
+  return spring.compliance + spring.compliance_per_load / N;
 }
 
 constexpr double creep_share =
@@ -228,14 +234,6 @@ void SliderSystem::restore(double t, double* y) const {
 void SliderSystem::expand(double t, const double* y, const double* direction, double* second, double* third) const {
   const Forcing now = forcing(t);
   const int nz = contact_->unknowns();
-  // x + ε d with its three first-order parts, one per level of nesting.
-  const auto along = [](double x, double d) {
-    Tower tower(x);
-    tower.slope[0].value.value = d;
-    tower.value.slope[0].value = d;
-    tower.value.value.slope[0] = d;
-    return tower;
-  };
   const double u = imposed_slip_rate(now, y, mechanics_ == Mechanics::damped ? now.load * y[mechanical_] : 0);
   const double u_d = mechanics_ == Mechanics::inertial ? direction[1]
                      : mechanics_ == Mechanics::damped
@@ -363,7 +361,7 @@ std::vector<double> SliderSystem::unknowns_at(double t, double x, double u, std:
   if (setup_.spring.present()) {
     // Unless the contact spring stretches, the contact slips as the slider does.
     const double N = std::max(now.load, 1e-300);
-    y.back() = friction * (setup_.spring.compliance + setup_.spring.compliance_per_load / N);
+    y.back() = friction * compliance_at(setup_.spring, N);
     if (const int v = contact_slip_rate_index(); v >= 0) y[v] = u;
     settle(t, y.data());
   }
@@ -442,9 +440,8 @@ double SliderSystem::slip_rate(double t, const double* y) const {
   if (contact_slip_rate_index() >= 0) {  // elastic: the slider's spring takes its share of the deflection
     std::vector<double> f(size());
     evaluate(t, y, f.data());
-    const auto& spring = setup_.spring;
-    const double compliance = spring.compliance + spring.compliance_per_load / now.load;
-    const double k_N = spring.compliance_per_load / (now.load * now.load * compliance * compliance);
+    const double compliance = compliance_at(setup_.spring, now.load);
+    const double k_N = setup_.spring.compliance_per_load / (now.load * now.load * compliance * compliance);
     const double F_rate = f[size() - 1] / compliance + k_N * now.load_rate * y[size() - 1];
     return now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
   }

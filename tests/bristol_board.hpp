@@ -19,6 +19,9 @@ inline oscillators::Model bristol_board(double load_over_weight, double lambda, 
   return model;
 }
 
+/// Where the question is of the contact alone.
+inline constexpr oscillators::Slider any_slider{.mass = 1, .stiffness = 1, .damping = 0};
+
 /// Law `name` with parameter values in the order of its table, on a slider.
 inline oscillators::Model slider_under(const char* name, std::vector<Value> values, oscillators::Slider slider,
                                        double speed, double load) {

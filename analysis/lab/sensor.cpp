@@ -8,21 +8,14 @@
 #include <numbers>
 
 #include "core/error.hpp"
+#include "core/random.hpp"
 
 namespace rosin::analysis::lab {
 
 namespace {
 
-/// SplitMix64 (Steele, Lea & Flood 2014): a good mixer, short enough to be the same everywhere.
-std::uint64_t mix(std::uint64_t x) {
-  x += 0x9E3779B97F4A7C15u;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
-  return x ^ (x >> 31);
-}
-
-/// In (0, 1).
-double uniform(std::uint64_t x) { return (static_cast<double>(mix(x) >> 11) + 0.5) * 0x1p-53; }
+std::uint64_t mix(std::uint64_t x) { return splitmix(x + splitmix_step); }
+double uniform(std::uint64_t x) { return open_unit(mix(x)); }
 
 /// ẏ = ω (x − y) for x linear between samples, from rest on the first.
 std::vector<double> low_passed(const std::vector<double>& t, const std::vector<double>& x, double corner) {

@@ -11,6 +11,7 @@
 using namespace rosin;
 using namespace rosin::analysis;
 using oscillators::Model;
+using tests::any_slider;
 using tests::bristol_board;
 using tests::slider_under;
 using Complex = std::complex<double>;
@@ -36,8 +37,6 @@ void check_numbers(const Model& model, const std::vector<Number>& numbers, doubl
     CHECK(std::abs(Z.imag() - n.imaginary) <= tolerance * std::abs(n.imaginary));
   }
 }
-
-const oscillators::Slider any_slider{.mass = 1, .stiffness = 1, .damping = 0};
 
 /// A contact on which each shipped law slides steadily, with whatever springs it takes.
 std::vector<Model> catalogue_models() {

@@ -12,13 +12,13 @@
 using namespace rosin;
 using namespace rosin::analysis;
 using oscillators::Model;
+using tests::any_slider;
 using tests::bristol_board;
 using tests::slider_under;
 using Complex = std::complex<double>;
 
 namespace {
 
-const oscillators::Slider any_slider{.mass = 1, .stiffness = 1, .damping = 0};
 const Structure single{{1}, {0}, {1.09}, {{{1}, {}}}};
 
 }  // namespace

@@ -14,29 +14,17 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/app/folder.hpp"
+
 extern char** environ;
 
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using rosin::tests::content;
+using rosin::tests::Folder;
 using Arguments = std::vector<std::string>;
-
-/// A folder of its own for each test, removed at its end.
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("rosin-command-" + std::to_string(getpid()));
-  Folder() {
-    fs::remove_all(path);
-    fs::create_directories(path);
-  }
-  ~Folder() { fs::remove_all(path); }
-};
-
-std::string content(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 pid_t start(const fs::path& folder, Arguments arguments) {
   arguments.insert(arguments.begin(), ROSIN_COMMAND);
@@ -72,7 +60,7 @@ struct Answer {
   int status;
   std::string out, error;
 };
-Answer rosin(const Folder& folder, const Arguments& arguments) {
+Answer run_rosin(const Folder& folder, const Arguments& arguments) {
   const int status = wait(start(folder.path, arguments));
   return {status, content(folder.path / "stdout.txt"), content(folder.path / "stderr.txt")};
 }
@@ -106,9 +94,9 @@ json timeless(const fs::path& path) {
 
 TEST_CASE("the command answers for itself") {
   const Folder folder;
-  CHECK(rosin(folder, {"--version"}).out.starts_with("rosin 0."));
-  CHECK(rosin(folder, {"--help"}).status == 0);
-  CHECK(rosin(folder, {"map", "--help"}).status == 0);
+  CHECK(run_rosin(folder, {"--version"}).out.starts_with("rosin 0."));
+  CHECK(run_rosin(folder, {"--help"}).status == 0);
+  CHECK(run_rosin(folder, {"map", "--help"}).status == 0);
 }
 
 TEST_CASE("wrong usage ends with status 2 and says what to try") {
@@ -131,7 +119,7 @@ TEST_CASE("wrong usage ends with status 2 and says what to try") {
       {{"plot", scene}, "holds no results"},
   };
   for (const auto& [arguments, message] : cases) {
-    const auto answer = rosin(folder, arguments);
+    const auto answer = run_rosin(folder, arguments);
     CAPTURE(message);
     CHECK(answer.status == 2);
     CHECK_THAT(answer.error, Catch::Contains(message));
@@ -158,14 +146,14 @@ TEST_CASE("with --json one document is printed, the same as result.json, and not
   for (auto [arguments, fields] : cases) {
     CAPTURE(arguments.front());
     arguments.insert(arguments.end(), {"--json", "--out", "results"});
-    const auto answer = rosin(folder, arguments);
+    const auto answer = run_rosin(folder, arguments);
     CHECK(answer.status == 0);
     CHECK(answer.out == content(folder.path / "results/result.json"));
     const auto document = json::parse(answer.out);
     for (const auto& field : fields) CHECK(document.contains(field));
     CHECK(fs::exists(folder.path / "results/manifest.json"));
   }
-  const auto laws = json::parse(rosin(folder, {"laws", "--json"}).out);
+  const auto laws = json::parse(run_rosin(folder, {"laws", "--json"}).out);
   CHECK(laws.size() >= 10);
   for (const auto& law : laws)
     for (const char* field : {"name", "title", "formula", "source", "parameters", "states", "presets"})
@@ -175,7 +163,7 @@ TEST_CASE("with --json one document is printed, the same as result.json, and not
 TEST_CASE("a cycle that does not exist ends with status 1 and keeps its result") {
   const Folder folder;
   const auto answer =
-      rosin(folder, {"cycle", example("bristol-board-cycle"), "--out", "r", "--set", "drive.normal_load=1e-6"});
+      run_rosin(folder, {"cycle", example("bristol-board-cycle"), "--out", "r", "--set", "drive.normal_load=1e-6"});
   CHECK(answer.status == 1);
   CHECK_THAT(answer.error, Catch::Contains("none exists"));
   const auto document = json::parse(content(folder.path / "r/result.json"));
@@ -185,22 +173,22 @@ TEST_CASE("a cycle that does not exist ends with status 1 and keeps its result")
 
 TEST_CASE("results go to out/ and the name of the scene, with pictures and without leftovers") {
   const Folder folder;
-  REQUIRE(rosin(folder, {"curve", example("bristol-board-cycle")}).status == 0);
+  REQUIRE(run_rosin(folder, {"curve", example("bristol-board-cycle")}).status == 0);
   const auto results = folder.path / "out/bristol-board-cycle";
   for (const char* name : {"result.json", "manifest.json", "curve.csv", "curve.gp"}) CHECK(fs::exists(results / name));
   for (const auto& entry : fs::directory_iterator(results))
     CHECK_FALSE(entry.path().filename().string().starts_with('.'));
   CHECK(content(results / "curve.csv").starts_with("slip_rate (m/s),friction_coefficient\n"));
-  CHECK(rosin(folder, {"plot", results.string()}).status == 0);
+  CHECK(run_rosin(folder, {"plot", results.string()}).status == 0);
   CHECK(fs::exists(results / "curve.svg"));
   CHECK(fs::exists(results / "curve.png"));
-  CHECK(rosin(folder, {"plot", example("bristol-board-cycle")}).status == 0);
+  CHECK(run_rosin(folder, {"plot", example("bristol-board-cycle")}).status == 0);
 }
 
 TEST_CASE("a map does not depend on threads, nor on being killed and taken up again") {
   const Folder folder;
-  REQUIRE(rosin(folder, small_map("one", "1")).status == 0);
-  REQUIRE(rosin(folder, small_map("three", "3")).status == 0);
+  REQUIRE(run_rosin(folder, small_map("one", "1")).status == 0);
+  REQUIRE(run_rosin(folder, small_map("three", "3")).status == 0);
   CHECK(content(folder.path / "one/map.nc") == content(folder.path / "three/map.nc"));
   CHECK(timeless(folder.path / "one/result.json") == timeless(folder.path / "three/result.json"));
   const auto document = timeless(folder.path / "one/result.json");
@@ -222,7 +210,7 @@ TEST_CASE("a map does not depend on threads, nor on being killed and taken up ag
   const bool killed_in_time = fs::exists(journal);
   CHECK(killed_in_time == !fs::exists(folder.path / "killed/result.json"));
   if (killed_in_time) std::ofstream(journal, std::ios::app | std::ios::binary) << "torn record";
-  REQUIRE(rosin(folder, small_map("killed", "2")).status == 0);
+  REQUIRE(run_rosin(folder, small_map("killed", "2")).status == 0);
   CHECK(content(folder.path / "killed/map.nc") == content(folder.path / "one/map.nc"));
   CHECK(timeless(folder.path / "killed/result.json") == timeless(folder.path / "one/result.json"));
 }
@@ -244,7 +232,7 @@ TEST_CASE("an interrupted map ends in order with status 130 and says how to go o
 
 TEST_CASE("a comparison and a design answer in JSON with the fields that callers rely on", "[app]") {
   const Folder folder;
-  const auto cycle = rosin(folder, {"compare", example("ageing-or-slip"), "--json", "--out", "a"});
+  const auto cycle = run_rosin(folder, {"compare", example("ageing-or-slip"), "--json", "--out", "a"});
   REQUIRE(cycle.status == 0);
   const auto document = json::parse(cycle.out);
   CHECK(document["members"].size() == 2);
@@ -253,8 +241,8 @@ TEST_CASE("a comparison and a design answer in JSON with the fields that callers
   CHECK(std::abs(stick["differences"][1].get<double>() -
                  (stick["values"][1].get<double>() - stick["values"][0].get<double>())) < 1e-15);
   CHECK(stick["difference_errors"][1].get<double>() < 1e-7);
-  const auto design = rosin(folder, {"compare", example("ageing-or-slip"), "--design", "--set", "map.x.points=4",
-                                     "--set", "map.y.points=3", "--json", "--out", "b"});
+  const auto design = run_rosin(folder, {"compare", example("ageing-or-slip"), "--design", "--set", "map.x.points=4",
+                                         "--set", "map.y.points=3", "--json", "--out", "b"});
   REQUIRE(design.status == 0);
   const auto plane = json::parse(design.out);
   REQUIRE(plane["discriminability"].size() == 3);
@@ -266,7 +254,7 @@ TEST_CASE("a comparison and a design answer in JSON with the fields that callers
   CHECK(plane["best"]["repeats"].get<double>() >= 1);
   CHECK(fs::exists(folder.path / "b" / "design.svg"));
   // One member: nothing to compare.
-  CHECK(rosin(folder, {"compare", example("bristol-board-cycle"), "--out", "c"}).status == 2);
+  CHECK(run_rosin(folder, {"compare", example("bristol-board-cycle"), "--out", "c"}).status == 2);
 }
 
 TEST_CASE("the laboratory answers with a record, readings and a picture, and the same noise for the same seed",
@@ -275,7 +263,7 @@ TEST_CASE("the laboratory answers with a record, readings and a picture, and the
   const auto step = [&](Arguments more) {
     Arguments arguments = {"lab", "velocity-step", example("lab-velocity-step"), "--json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    const auto answer = rosin(folder, arguments);
+    const auto answer = run_rosin(folder, arguments);
     INFO(answer.error);
     REQUIRE(answer.status == 0);
     return json::parse(answer.out);
@@ -304,13 +292,13 @@ TEST_CASE("every example of the laboratory runs; wrong ones are refused with sta
   const Folder folder;
   for (const std::string name : {"inclined-plane", "impulse", "velocity-step", "slide-hold-slide", "spring-pulled",
                                  "reciprocation", "inverse"}) {
-    const auto answer = rosin(folder, {"lab", name, example("lab-" + name)});
+    const auto answer = run_rosin(folder, {"lab", name, example("lab-" + name)});
     INFO(name << ": " << answer.error);
     CHECK(answer.status == 0);
     CHECK(fs::exists(folder.path / "out" / ("lab-" + name) / "lab.csv"));
   }
   const auto refused = [&](Arguments arguments) {
-    const auto answer = rosin(folder, arguments);
+    const auto answer = run_rosin(folder, arguments);
     CHECK(answer.status == 2);
     return answer.error;
   };

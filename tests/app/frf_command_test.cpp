@@ -9,32 +9,21 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/app/folder.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
 using nlohmann::json;
-
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("rosin-frf-" + std::to_string(getpid()));
-  Folder() {
-    fs::remove_all(path);
-    fs::create_directories(path);
-  }
-  ~Folder() { fs::remove_all(path); }
-};
-
-std::string content(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
+using rosin::tests::content;
+using rosin::tests::Folder;
 
 struct Answer {
   int status;
   std::string out, error;
 };
-Answer rosin(const Folder& folder, const std::string& arguments) {
+Answer run_rosin(const Folder& folder, const std::string& arguments) {
   const auto line =
       "cd '" + folder.path.string() + "' && '" ROSIN_COMMAND "' " + arguments + " >out.txt 2>error.txt </dev/null";
   const int status = std::system(line.c_str());
@@ -49,8 +38,8 @@ const std::string examples = ROSIN_SOURCE_DIR "/examples/";
 TEST_CASE("a response answers in JSON with the fields that callers rely on", "[frf-command]") {
   const Folder folder;
   const auto answer =
-      rosin(folder, "frf " + examples +
-                        "frf-load-family.toml --json --set frf.normal=true --set frf.frequencies=[10,100,1000]");
+      run_rosin(folder, "frf " + examples +
+                            "frf-load-family.toml --json --set frf.normal=true --set frf.frequencies=[10,100,1000]");
   INFO(answer.error);
   REQUIRE(answer.status == 0);
   const auto document = json::parse(answer.out);
@@ -68,10 +57,10 @@ TEST_CASE("a response answers in JSON with the fields that callers rely on", "[f
 
 TEST_CASE("a simulated record goes through extraction to the same response, and on into a fit", "[frf-command]") {
   const Folder folder;
-  REQUIRE(rosin(folder, "frf " + examples + "frf-noise.toml --out noise --quiet").status == 0);
+  REQUIRE(run_rosin(folder, "frf " + examples + "frf-noise.toml --out noise --quiet").status == 0);
   const auto simulated = json::parse(content(folder.path / "noise/result.json"));
   const auto record = (folder.path / "noise/frf-record.csv").string();
-  const auto answer = rosin(folder, "frf " + examples + "frf-record.toml --json --set frf.record.file=" + record);
+  const auto answer = run_rosin(folder, "frf " + examples + "frf-record.toml --json --set frf.record.file=" + record);
   INFO(answer.error);
   REQUIRE(answer.status == 0);
   const auto extracted = json::parse(answer.out);
@@ -82,7 +71,7 @@ TEST_CASE("a simulated record goes through extraction to the same response, and 
         Approx(simulated["tangential"][0][0].get<double>()).epsilon(1e-9));
 
   const auto fitted =
-      rosin(folder, "fit " + examples + "fit-laws.toml --json --set fit.profiles=false --set fit.starts=1");
+      run_rosin(folder, "fit " + examples + "fit-laws.toml --json --set fit.profiles=false --set fit.starts=1");
   INFO(fitted.error);
   REQUIRE(fitted.status == 0);
   const auto document = json::parse(fitted.out);
@@ -100,7 +89,7 @@ TEST_CASE("a simulated record goes through extraction to the same response, and 
 
 TEST_CASE("a structure with friction answers by eigenvalues and by Nyquist", "[frf-command]") {
   const Folder folder;
-  const auto answer = rosin(folder, "frf " + examples + "frf-squeal.toml --json");
+  const auto answer = run_rosin(folder, "frf " + examples + "frf-squeal.toml --json");
   INFO(answer.error);
   REQUIRE(answer.status == 0);
   const auto stability = json::parse(answer.out)["stability"];
@@ -109,9 +98,10 @@ TEST_CASE("a structure with friction answers by eigenvalues and by Nyquist", "[f
   CHECK(stability["critical"].size() >= 1);
   CHECK(stability["uncertainty"]["influence"].size() == 4);
   // The slider of a scene is a structure too: the critical load of the Bristol board.
-  const auto slider = rosin(folder, "frf " + examples +
-                                        "bristol-board-cycle.toml --json --set frf.frequencies=[0.1] --set "
-                                        "\"frf.structure.scan={parameter='drive.normal_load', from=1e-5, to=1e-2}\"");
+  const auto slider =
+      run_rosin(folder, "frf " + examples +
+                            "bristol-board-cycle.toml --json --set frf.frequencies=[0.1] --set "
+                            "\"frf.structure.scan={parameter='drive.normal_load', from=1e-5, to=1e-2}\"");
   INFO(slider.error);
   REQUIRE(slider.status == 0);
   CHECK(json::parse(slider.out)["stability"]["critical"][0]["value"].get<double>() ==
@@ -121,7 +111,7 @@ TEST_CASE("a structure with friction answers by eigenvalues and by Nyquist", "[f
 TEST_CASE("what a response or a fit cannot use is refused with its place", "[frf-command]") {
   const Folder folder;
   const auto refused = [&](const std::string& arguments) {
-    const auto answer = rosin(folder, arguments);
+    const auto answer = run_rosin(folder, arguments);
     CHECK(answer.status == 2);
     return answer.error;
   };

@@ -2,13 +2,13 @@
 #include "app/record.hpp"
 
 #include <netcdf.h>
-#include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
 
 #include "core/error.hpp"
+#include "tests/app/folder.hpp"
 
 using namespace rosin;
 using namespace rosin::app;
@@ -17,12 +17,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("rosin-record-" + std::to_string(getpid()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-};
+using rosin::tests::Folder;
 
 struct Read {
   RecordEnd end;
