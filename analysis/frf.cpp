@@ -126,11 +126,15 @@ Complex FrictionResponse::normal(Complex s) const {
   return answer;
 }
 
-ResponseMatrix FrictionResponse::matrix(Complex s, const std::optional<NormalContact>& contact) const {
-  const Complex by_load = normal(s);
-  if (!contact) return {tangential(s), by_load, 0, 1};
+ResponseMatrix response_matrix(Complex s, Complex by_slip_rate, Complex by_load,
+                               const std::optional<NormalContact>& contact) {
+  if (!contact) return {by_slip_rate, by_load, 0, 1};
   const Complex approach = contact->stiffness / s + contact->damping;
-  return {tangential(s) + by_load * contact->lift, by_load * approach, contact->lift, approach};
+  return {by_slip_rate + by_load * contact->lift, by_load * approach, contact->lift, approach};
+}
+
+ResponseMatrix FrictionResponse::matrix(Complex s, const std::optional<NormalContact>& contact) const {
+  return response_matrix(s, tangential(s), normal(s), contact);
 }
 
 FrictionResponse::Limits FrictionResponse::limits() const {
@@ -233,11 +237,11 @@ FrfCurve predict_curve(const Model& model, const FrfOptions& options) {
   constexpr double share = 0.01;
   for (const double f : options.frequencies) {
     const auto s = at_frequency(f);
-    curve.tangential.push_back(response.tangential(s) + options.sensor_mass * s);
+    curve.tangential.push_back(response.tangential(s) + options.rig.sensor_mass * s);
     curve.linear_amplitude.push_back(response.amplitude_of_harmonic(s.imag(), share));
-    if (!options.matrix) continue;
-    curve.matrix.push_back(response.matrix(s, options.normal));
-    curve.matrix.back().tt += options.sensor_mass * s;
+    if (!options.rig.matrix) continue;
+    curve.matrix.push_back(response.matrix(s, options.rig.normal));
+    curve.matrix.back().tt += options.rig.sensor_mass * s;
   }
   return curve;
 }

@@ -28,6 +28,10 @@ struct ResponseMatrix {
   std::complex<double> tt, tn, nt, nn;
 };
 
+/// The matrix of δF/δv at fixed load and δF/δN at fixed slip rate, with the normal contact around them if there is one.
+ResponseMatrix response_matrix(std::complex<double> s, std::complex<double> by_slip_rate, std::complex<double> by_load,
+                               const std::optional<NormalContact>&);
+
 /// The linear answer of a contact about steady sliding at the levels of the drive's speed and load. Needs no slider.
 class FrictionResponse {
  public:
@@ -81,12 +85,17 @@ class FrictionResponse {
   double slip_rate_, normal_load_, friction_, direction_;
 };
 
+/// How a response is measured.
+struct Rig {
+  double sensor_mass = 0;  ///< kg of live mass between contact and force sensor: adds m s
+  bool matrix = false;     ///< under normal changes too
+  std::optional<NormalContact> normal;
+};
+
 /// What is asked of a prediction.
 struct FrfOptions {
   std::vector<double> frequencies;  ///< Hz, ascending
-  bool matrix = false;
-  std::optional<NormalContact> normal;
-  double sensor_mass = 0;                  ///< kg of live mass between contact and force sensor: adds m s
+  Rig rig;
   std::vector<std::string> sensitivities;  ///< paths of parameters
   std::string family;                      ///< path of a parameter, or empty
   std::vector<double> family_values;

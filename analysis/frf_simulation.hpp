@@ -1,5 +1,6 @@
 /// Friction frequency responses as an experiment would find them: the law's own equations are integrated under small
-/// changes of an imposed slip rate, by swept sine or by noise, and the response is taken from the record.
+/// changes of an imposed slip rate and normal load, by swept sine or by noise, and the response is taken from the
+/// record.
 #pragma once
 #include "analysis/extraction.hpp"
 
@@ -7,7 +8,8 @@ namespace rosin::analysis {
 
 struct SweepOptions {
   std::vector<double> frequencies;  ///< Hz
-  double amplitude = 0.01;          ///< of slip rate, over its mean
+  double amplitude = 0.01;          ///< of slip rate, then of the load, over its mean
+  Rig rig = {};
   int threads = 1;
   double tolerance = 1e-10;
 };
@@ -18,26 +20,29 @@ struct SweptFrf {
   std::vector<std::complex<double>> at_amplitude;  ///< at ε: their difference is the amplitude dependence
   std::vector<double> error;  ///< absolute, N s/m: of the solution, the transient, the extrapolation
   std::vector<double> second_harmonic, third_harmonic;  ///< of the force at ε, over the first harmonic
-  std::vector<double> coherence;  ///< part of the force's variance at ε that the first harmonic has
+  std::vector<double> coherence;                     ///< part of the force's variance at ε that the first harmonic has
+  std::vector<ResponseMatrix> matrix, matrix_error;  ///< errors (real numbers) as `error`
+  std::vector<std::string> warnings;
 };
 
-/// \throws InputError for a set-valued law, and where the contact by itself is unstable.
+/// \throws InputError where the contact by itself is unstable.
 SweptFrf simulate_sweep(const Model&, const SweepOptions&);
 
 struct NoiseOptions {
-  double amplitude = 0.02;   ///< rms of slip rate over its mean
+  double amplitude = 0.02;   ///< rms of slip rate over its mean; of the load too
   double low = 0, high = 0;  ///< band, Hz
   double resolution = 0;     ///< Hz
   int averages = 64;         ///< segments
   std::uint64_t seed = 1;
-  double tolerance = 1e-8;
+  Rig rig = {};  ///< with the matrix, the load varies too, by noise of its own
+  double tolerance = 1e-6;  ///< far below what noise leaves uncertain
   WelchOptions welch;
 };
 
 struct NoiseFrf {
   MeasuredFrf measured;
   double sample_rate = 0;
-  std::vector<double> time, slip_rate, force;  ///< the record
+  std::vector<double> time, slip_rate, force, normal_load;  ///< the record; the load if it varies
 };
 
 NoiseFrf simulate_noise(const Model&, const NoiseOptions&);

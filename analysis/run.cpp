@@ -81,6 +81,10 @@ class Pass {
 
   Outcome run(double tolerance) {
     const auto y = starting_point(system_, options_.start);
+    if (system_.size() == 0) {
+      for (const double t : times_) record(t, y.data());
+      return {};
+    }
     if (solver_ == "events") return with_events(y, tolerance);
     if (solver_ == "cvode") return with_cvode(y, tolerance);
     if (solver_ == "explicit") return while_not_stiff(y, tolerance);
@@ -297,6 +301,13 @@ Choice choose_solver(const Model& model, const RunOptions& options) {
     if (const auto* why_not = std::get_if<std::string>(&form))
       throw InputError(fmt::format("solver '{}' is for Coulomb friction on a mass and a spring: {}", asked, *why_not));
     return {asked, "as asked, with steps of its own; its errors are the differences to the exact motion"};
+  }
+  if (set_valued && std::isinf(model.slider.stiffness)) {
+    if (asked != "auto" && asked != "collocation")
+      throw InputError(fmt::format("solver '{}' does not fit an imposed slip rate; use 'collocation'", asked));
+    return {"collocation", SliderSystem(model).size() == 0
+                               ? "the slip rate is imposed and friction follows at once: nothing is integrated"
+                               : "the slip rate is imposed and keeps its sign: nothing sticks"};
   }
   if (set_valued && (asked == "auto" || asked == "exact")) {
     const auto form = dry_oscillator(model);

@@ -25,6 +25,22 @@ ordered_json roots(const std::vector<analysis::FrictionResponse::Root>& list) {
   return array;
 }
 
+using analysis::ResponseMatrix;
+
+/// An array of pairs for each entry; of errors, which are real numbers, an array of numbers.
+ordered_json entries(const std::vector<ResponseMatrix>& matrices, bool errors = false) {
+  ordered_json object;
+  for (const auto& [name, entry] : {std::pair{"tt", &ResponseMatrix::tt}, std::pair{"tn", &ResponseMatrix::tn},
+                                    std::pair{"nt", &ResponseMatrix::nt}, std::pair{"nn", &ResponseMatrix::nn}}) {
+    auto& list = object[name] = ordered_json::array();
+    for (const auto& matrix : matrices)
+      list.push_back(errors ? ordered_json((matrix.*entry).real()) : pair(matrix.*entry));
+  }
+  return object;
+}
+
+const char* second_input(const Scene& scene) { return scene.frf.rig.normal ? "approach_rate" : "normal_load"; }
+
 void describe(ordered_json& object, const FrfCurve& curve) {
   object["slip_rate"] = curve.slip_rate;
   object["normal_load"] = curve.normal_load;
@@ -40,22 +56,14 @@ void describe(ordered_json& object, const FrfCurve& curve) {
   for (const auto& root : curve.zeros) zero_error.push_back(root.error);
   object["error"] = {{"poles", pole_error}, {"zeros", zero_error}};
   object["linear_amplitude"] = curve.linear_amplitude;
-  if (curve.matrix.empty()) return;
-  for (const auto& [name, member] :
-       {std::pair{"tt", &analysis::ResponseMatrix::tt}, std::pair{"tn", &analysis::ResponseMatrix::tn},
-        std::pair{"nt", &analysis::ResponseMatrix::nt}, std::pair{"nn", &analysis::ResponseMatrix::nn}}) {
-    auto entries = ordered_json::array();
-    for (const auto& matrix : curve.matrix) entries.push_back(pair(matrix.*member));
-    object["matrix"][name] = std::move(entries);
-  }
+  if (!curve.matrix.empty()) object["matrix"] = entries(curve.matrix);
 }
 
 ordered_json document_of(const Scene& scene, const analysis::FrfPrediction& prediction) {
   auto document = begin(scene, "frf");
   document["frequency"] = scene.frf.frequencies;
   describe(document, prediction.curve);
-  if (scene.frf.matrix)
-    document["matrix"]["inputs"] = {"slip_rate", scene.frf.normal ? "approach_rate" : "normal_load"};
+  if (scene.frf.rig.matrix) document["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
   for (const auto& s : prediction.sensitivities)
     document["sensitivities"][s.parameter] = {{"unit", s.unit}, {"slope", pairs(s.slope)}, {"error", s.error}};
   if (!prediction.family.empty()) {
@@ -85,15 +93,8 @@ std::string to_json(const Scene& scene, const analysis::MeasuredFrf& measured, c
     document["hv"] = pairs(measured.hv);
   }
   if (!measured.matrix.empty()) {
-    for (const auto& [name, member] :
-         {std::pair{"tt", &analysis::ResponseMatrix::tt}, std::pair{"tn", &analysis::ResponseMatrix::tn},
-          std::pair{"nt", &analysis::ResponseMatrix::nt}, std::pair{"nn", &analysis::ResponseMatrix::nn}}) {
-      auto entries = ordered_json::array(), errors = ordered_json::array();
-      for (const auto& matrix : measured.matrix) entries.push_back(pair(matrix.*member));
-      for (const auto& error : measured.matrix_error) errors.push_back((error.*member).real());
-      document["matrix"][name] = std::move(entries);
-      document["matrix_standard_error"][name] = std::move(errors);
-    }
+    document["matrix"] = entries(measured.matrix);
+    document["matrix_standard_error"] = entries(measured.matrix_error, true);
     document["conditioning"] = measured.conditioning;
     if (!measured.load_coherence.empty()) document["load_coherence"] = measured.load_coherence;
   }
@@ -227,7 +228,7 @@ Status finish_measured(Job& job, const analysis::MeasuredFrf& measured, std::vec
     const analysis::FrictionResponse response(scene.model);
     for (const double f : measured.frequency) {
       const Complex s(0, 2 * std::numbers::pi * f);
-      predicted.push_back(response.tangential(s) + scene.frf.sensor_mass * s);
+      predicted.push_back(response.tangential(s) + scene.frf.rig.sensor_mass * s);
     }
   }
   job.say("{} frequencies from {:.6g} to {:.6g} Hz, {:.4g} independent averages, resolution {:.4g} Hz",
@@ -298,8 +299,10 @@ Status simulate_noise(Job& job, std::optional<double> tolerance) {
   const auto begin = std::chrono::steady_clock::now();
   const auto noise = analysis::simulate_noise(job.scene().model, options);
   job.manifest().cost = {{"seconds", seconds_since(begin)}, {"samples", double(noise.time.size())}};
-  write_csv(job.folder() / "frf-record.csv",
-            {{"time (s)", noise.time}, {"slip_rate (m/s)", noise.slip_rate}, {"friction_force (N)", noise.force}});
+  std::vector<Column> columns = {
+      {"time (s)", noise.time}, {"slip_rate (m/s)", noise.slip_rate}, {"friction_force (N)", noise.force}};
+  if (!noise.normal_load.empty()) columns.push_back({"normal_load (N)", noise.normal_load});
+  write_csv(job.folder() / "frf-record.csv", columns);
   return finish_measured(job, noise.measured, {"frf-record.csv"});
 }
 
@@ -317,18 +320,30 @@ Status simulate_sweep(Job& job, const Request& request) {
   job.manifest().cost = {{"seconds", seconds_since(begin)}};
   const analysis::FrictionResponse response(scene.model);
   std::vector<Complex> predicted;
+  std::vector<ResponseMatrix> predicted_matrix;
   Reached reached;
   double worst = 0, dependence = 0;
+  const auto relative = [](const Complex& difference, double size) {
+    return difference == 0.0 ? 0.0 : std::abs(difference) / size;
+  };
   for (std::size_t k = 0; k < options.frequencies.size(); ++k) {
-    predicted.push_back(response.tangential({0, 2 * std::numbers::pi * options.frequencies[k]}));
+    const Complex s(0, 2 * std::numbers::pi * options.frequencies[k]);
+    predicted.push_back(response.tangential(s) + options.rig.sensor_mass * s);
     const double size = std::abs(predicted.back());
     reached.add(size, swept.error[k]);
-    worst = std::max(worst, std::abs(swept.tangential[k] - predicted.back()) / size);
-    dependence = std::max(dependence, std::abs(swept.at_amplitude[k] - swept.tangential[k]) / size);
+    worst = std::max(worst, relative(swept.tangential[k] - predicted.back(), size));
+    dependence = std::max(dependence, relative(swept.at_amplitude[k] - swept.tangential[k], size));
+    if (!options.rig.matrix) continue;
+    predicted_matrix.push_back(response.matrix(s, options.rig.normal));
+    auto& matrix = predicted_matrix.back();
+    matrix.tt += options.rig.sensor_mass * s;
+    reached.add(std::abs(matrix.tn), swept.matrix_error[k].tn.real());
+    worst = std::max(worst, relative(swept.matrix[k].tn - matrix.tn, std::abs(matrix.tn)));
   }
   job.manifest().tolerance_reached = reached.value();
-  job.say("{} frequencies: at most {:.2g} from the prediction, stated error at most {:.2g}", predicted.size(), worst,
-          reached.value());
+  for (const auto& warning : swept.warnings) job.note(warning);
+  job.say("{} frequencies{}: at most {:.2g} from the prediction, stated error at most {:.2g}", predicted.size(),
+          options.rig.matrix ? ", slip rate and load moved in turn" : "", worst, reached.value());
   job.say(
       "an amplitude of {:g} of the mean changes the response by {:.2g} at most; second harmonic up to {:.2g}, third "
       "up to {:.2g} of the first",
@@ -342,6 +357,13 @@ Status simulate_sweep(Job& job, const Request& request) {
   document["second_harmonic"] = swept.second_harmonic;
   document["third_harmonic"] = swept.third_harmonic;
   document["predicted"] = pairs(predicted);
+  if (options.rig.matrix) {
+    document["matrix"] = entries(swept.matrix);
+    document["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
+    document["matrix_standard_error"] = entries(swept.matrix_error, true);
+    document["predicted_matrix"] = entries(predicted_matrix);
+  }
+  document["warnings"] = swept.warnings;
   write_curve(job.folder() / "frf.csv", options.frequencies, swept.tangential);
   write_curve(job.folder() / "frf-predicted.csv", options.frequencies, predicted);
   std::vector<std::string> files{"frf.csv", "frf-predicted.csv"};

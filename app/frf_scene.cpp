@@ -140,7 +140,7 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
   FrfUse use;
   table.expect({"modes", "M", "C", "K", "contacts", "receptance", "friction", "scan", "uncertain", "samples", "seed"});
   constexpr Range any{-1e15, 1e15};
-  const auto *modes = table.find("modes"), *M = table.find("M"), *C = table.find("C"), *K = table.find("K");
+  const auto *modes = table.find("modes"), *M = table.find("M"), *C = table.find("C");
   const auto *contacts = table.find("contacts"), *receptance = table.find("receptance");
   if ((modes != nullptr) + (M != nullptr) + (receptance != nullptr) > 1)
     fail(table.source(), "frf.structure: give modes, or M, C and K, or receptance");
@@ -280,19 +280,22 @@ void read_frf(Table& table, Scene& scene, const toml::node* oscillator, const fs
   }
   if (const auto* normal = table.find("normal")) {
     if (!normal->is_boolean()) wrong_kind(*normal, "frf.normal", "true or false");
-    options.matrix = *normal->value<bool>();
+    options.rig.matrix = *normal->value<bool>();
   }
   if (auto contact = table.table("normal_contact")) {
     contact->expect({"stiffness", "damping", "lift"});
     contact->required("stiffness", "of the contact normal to the interface, N/m");
-    auto& normal = options.normal.emplace();
+    auto& normal = options.rig.normal.emplace();
     contact->read("stiffness", normal.stiffness, {"", "N/m", {0, 1e15}, "normal stiffness of the contact"});
     contact->read("damping", normal.damping, {"", "N s/m", {0, 1e15}, "normal damping of the contact"});
     contact->read("lift", normal.lift, {"", "N s/m", {-1e15, 1e15}, "load gained by slip rate"});
     contact->finish();
-    options.matrix = true;
+    options.rig.matrix = true;
   }
-  table.read("sensor_mass", options.sensor_mass, {"", "kg", {0, 1e6}, "live mass between contact and force sensor"});
+  table.read("sensor_mass", options.rig.sensor_mass,
+             {"", "kg", {0, 1e6}, "live mass between contact and force sensor"});
+  if (scene.frf_sweep) scene.frf_sweep->rig = options.rig;
+  if (scene.frf_noise) scene.frf_noise->rig = options.rig;
   if (const auto* list = table.find("sensitivities")) {
     options.sensitivities = texts(*list, table.path("sensitivities"));
     for (std::size_t i = 0; i < options.sensitivities.size(); ++i)

@@ -87,7 +87,7 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
     return;
   }
   const auto& structure = *use.structure;
-  const auto& normal = scene.frf.normal;
+  const auto& normal = scene.frf.rig.normal;
   const auto loop = analysis::close_loop(structure, scene.model, normal);
   stability["stable"] = loop.stable;
   stability["eigenvalues"] = pairs(loop.eigenvalues);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/error.hpp"
@@ -190,6 +191,13 @@ bool Signal::within(Range range) const {
                         },
                     },
                     form_);
+}
+
+int Signal::direction() const {
+  const int start = value(0) < 0 ? -1 : 1;
+  constexpr double least = std::numeric_limits<double>::min();
+  if (const auto* ramp = std::get_if<Ramp>(&form_); ramp && start * ramp->rate < 0) return 0;
+  return within(start > 0 ? Range{least, infinity} : Range{-infinity, -least}) ? start : 0;
 }
 
 double Signal::level() const {

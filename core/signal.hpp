@@ -64,6 +64,8 @@ class Signal {
   /// All values stay within the range (checked at break points, by the sum of amplitudes for harmonics, and at its
   /// start for a ramp, which has no end of its own).
   bool within(Range) const;
+  /// +1 or −1 if all values have that sign, else 0.
+  int direction() const;
   /// The constant value or the mean of harmonics or noise; the value at t = 0 for other forms.
   double level() const;
   /// The same signal with another level; other forms than constant, harmonics and noise become constant.

@@ -143,11 +143,19 @@ void Model::check() const {
     require(get(quantity.name), quantity.range, quantity.name, quantity.meaning, quantity.unit);
   }
   const auto name = law->card().name;
-  if (slider.mass == 0 && law->set_valued())
-    throw InputError(
-        fmt::format("oscillator.mass = 0 does not go with law '{}', whose force at rest is any value up to "
-                    "its limit: a slider without mass would have to jump at slip; give it a mass",
-                    name));
+  if (slider.mass == 0 && law->set_valued()) {
+    if (std::isfinite(slider.stiffness))
+      throw InputError(
+          fmt::format("oscillator.mass = 0 does not go with law '{}', whose force at rest is any value up to "
+                      "its limit: a slider without mass would have to jump at slip; give it a mass, or impose the slip "
+                      "rate with oscillator.stiffness = inf",
+                      name));
+    if (drive.speed.direction() == 0)
+      throw InputError(
+          fmt::format("oscillator.stiffness = inf imposes the slip rate, and drive.speed reaches or passes 0 (m/s), "
+                      "where the force of law '{}' is any value up to its limit; give the slider a spring and a mass",
+                      name));
+  }
   if (slider.mass > 0 && std::isinf(slider.stiffness))
     throw InputError("oscillator.stiffness = inf imposes the slip rate and needs oscillator.mass = 0");
   if (slider.mass == 0 && slider.stiffness == 0 && slider.damping == 0)

@@ -55,6 +55,7 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   states_ = contact_->unknowns() - (carries_friction() ? 1 : 0) -
             (setup_.spring.present() ? (carries_friction() ? 1 : 2) : 0);
   set_valued_ = law.set_valued();
+  if (std::isinf(model_.slider.stiffness)) direction_ = model_.drive.speed.value(0) < 0 ? -1 : 1;
   is_constant_ = model_.drive.constant();
   if (is_constant_) {
     const auto& d = model_.drive;

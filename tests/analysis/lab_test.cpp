@@ -433,7 +433,7 @@ TEST_CASE("every experiment runs on every law, or says why not", "[lab]") {
           for (const double value : column) REQUIRE(std::isfinite(value));
         for (const auto& reading : result.readings) CHECK((reading.error >= 0 || std::isnan(reading.value)));
       } catch (const InputError& error) {
-        CHECK_THAT(error.what(), Catch::Contains("give it a mass"));  // sticks and remembers: no imposed slip
+        CHECK_THAT(error.what(), Catch::Contains("drive.speed reaches or passes 0"));  // sticks and remembers: no imposed slip
       }
     }
 }
