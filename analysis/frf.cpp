@@ -126,6 +126,14 @@ Complex FrictionResponse::normal(Complex s) const {
   return answer;
 }
 
+const std::vector<NormalContactField>& normal_contact_fields() {
+  static const std::vector<NormalContactField> fields = {
+      {{"stiffness", "N/m", {0, 1e15}, "normal stiffness of the contact"}, &NormalContact::stiffness},
+      {{"damping", "N s/m", {0, 1e15}, "normal damping of the contact"}, &NormalContact::damping},
+      {{"lift", "N s/m", {-1e15, 1e15}, "load gained by slip rate"}, &NormalContact::lift}};
+  return fields;
+}
+
 ResponseMatrix response_matrix(Complex s, Complex by_slip_rate, Complex by_load,
                                const std::optional<NormalContact>& contact) {
   if (!contact) return {by_slip_rate, by_load, 0, 1};

@@ -23,6 +23,13 @@ struct NormalContact {
   double lift = 0;       ///< load gained by slip rate, N s/m; negative where a film or dilatancy lifts the slider off
 };
 
+/// What a normal contact is given by.
+struct NormalContactField {
+  Quantity quantity;
+  double NormalContact::*member;
+};
+const std::vector<NormalContactField>& normal_contact_fields();
+
 /// [δF; δN] = [tt tn; nt nn] [δv; δw]; without a normal contact the load is prescribed and [δv; δN] are the inputs.
 struct ResponseMatrix {
   std::complex<double> tt, tn, nt, nn;

@@ -2,6 +2,7 @@
 #include "analysis/structure.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -157,6 +158,17 @@ std::vector<Complex> eigenvalues(const Assembly& assembly) {
 
 }  // namespace
 
+const std::vector<ModeField>& mode_fields() {
+  constexpr Range amplitude{-1e15, 1e15};
+  static const std::vector<ModeField> fields = {
+      {{"frequency", "Hz", {1e-9, 1e9}, "natural frequency"}, &Mode::frequency},
+      {{"damping_ratio", "1", {0, 10}, "damping over critical"}, &Mode::damping_ratio},
+      {{"mass", "kg", {1e-12, 1e12}, "modal mass"}, &Mode::mass},
+      {{"tangential", "1", amplitude, "amplitude at the contact along slip"}, &Mode::tangential},
+      {{"normal", "1", amplitude, "amplitude at the contact, pressing"}, &Mode::normal}};
+  return fields;
+}
+
 Structure modal(const std::vector<Mode>& modes) {
   Structure s;
   const std::size_t n = modes.size();
@@ -165,9 +177,10 @@ Structure modal(const std::vector<Mode>& modes) {
   bool pressed = false;
   for (std::size_t i = 0; i < n; ++i) {
     const auto& mode = modes[i];
+    const double omega = 2 * std::numbers::pi * mode.frequency;
     s.M[i * n + i] = mode.mass;
-    s.C[i * n + i] = 2 * mode.damping_ratio * mode.angular_frequency * mode.mass;
-    s.K[i * n + i] = mode.angular_frequency * mode.angular_frequency * mode.mass;
+    s.C[i * n + i] = 2 * mode.damping_ratio * omega * mode.mass;
+    s.K[i * n + i] = omega * omega * mode.mass;
     contact.tangential.push_back(mode.tangential);
     contact.normal.push_back(mode.normal);
     pressed = pressed || mode.normal != 0;
@@ -253,11 +266,82 @@ ClosedLoop close_loop(const Structure& structure, const Model& model, const std:
   return result;
 }
 
-std::vector<CriticalValue> critical_values(const Structure& structure, const Model& model,
-                                           const std::optional<NormalContact>& normal, const std::string& parameter,
-                                           double low, double high, int points) {
+Structure SlidingStructure::structure() const {
+  if (const auto* modes = std::get_if<std::vector<Mode>>(&form)) return modal(*modes);
+  if (const auto* matrices = std::get_if<Structure>(&form)) return *matrices;
+  const auto& slider = model.slider;
+  if (!(slider.mass > 0)) throw InputError("the slider needs a mass (oscillator.mass, kg) to be a structure");
+  return {{slider.mass}, {slider.damping}, {slider.stiffness}, {{{1}, {}}}};
+}
+
+std::vector<SlidingStructure::Entry> SlidingStructure::entries() const {
+  std::vector<Entry> list;
+  const auto add = [&](std::string path, Quantity quantity, double value, auto set) {
+    quantity.name = std::move(path);
+    list.push_back({std::move(quantity), value, set});
+  };
+  if (const auto* modes = std::get_if<std::vector<Mode>>(&form))
+    for (std::size_t k = 0; k < modes->size(); ++k)
+      for (const auto& [quantity, member] : mode_fields())
+        add(fmt::format("structure.modes.{}.{}", k + 1, quantity.name), quantity, (*modes)[k].*member,
+            [k, member = member](SlidingStructure& changed, double value) {
+              std::get<std::vector<Mode>>(changed.form)[k].*member = value;
+            });
+  if (std::holds_alternative<Structure>(form))
+    for (const auto& [name, member] : {std::pair{"M", &Structure::M}, {"C", &Structure::C}, {"K", &Structure::K}})
+      add(fmt::format("structure.{}", name), {"", "1", {1e-12, 1e12}, "factor on the matrix"}, 1,
+          [member = member](SlidingStructure& changed, double factor) {
+            for (double& entry : std::get<Structure>(changed.form).*member) entry *= factor;
+          });
+  if (normal)
+    for (const auto& [quantity, member] : normal_contact_fields())
+      add("normal_contact." + quantity.name, quantity, (*normal).*member,
+          [member = member](SlidingStructure& changed, double value) { (*changed.normal).*member = value; });
+  return list;
+}
+
+std::optional<SlidingStructure::Entry> SlidingStructure::find(const std::string& path) const {
+  std::vector<std::string> names;
+  for (auto& entry : entries()) {
+    if (entry.quantity.name == path) return std::move(entry);
+    names.push_back(entry.quantity.name);
+  }
+  if (!path.starts_with("structure.") && !path.starts_with("normal_contact.")) return std::nullopt;
+  const auto near = nearest_name(path, names);
+  throw InputError(fmt::format("unknown parameter '{}'{}", path,
+                               near.empty() ? names.empty() ? std::string("; the structure is the model's oscillator")
+                                                            : fmt::format(" (known: {})", fmt::join(names, ", "))
+                                            : fmt::format("; did you mean '{}'?", near)));
+}
+
+Quantity SlidingStructure::describe(const std::string& path) const {
+  const auto entry = find(path);
+  return entry ? entry->quantity : model.describe(path);
+}
+
+double SlidingStructure::get(const std::string& path) const {
+  const auto entry = find(path);
+  return entry ? entry->value : model.get(path);
+}
+
+SlidingStructure SlidingStructure::with(const std::string& path, double value) const {
+  SlidingStructure changed = *this;
+  const auto entry = find(path);
+  if (!entry) {
+    changed.model = model.with(path, value);
+    return changed;
+  }
+  const auto& quantity = entry->quantity;
+  require(value, quantity.range, path, quantity.meaning, quantity.unit);
+  entry->set(changed, value);
+  return changed;
+}
+
+std::vector<CriticalValue> critical_values(const SlidingStructure& sliding, const std::string& parameter, double low,
+                                           double high, int points) {
   const auto leading = [&](double value) {
-    return eigenvalues(Assembly(structure, model.with(parameter, value), normal)).front();
+    const auto changed = sliding.with(parameter, value);
+    return eigenvalues(Assembly(changed.structure(), changed.model, changed.normal)).front();
   };
   std::vector<CriticalValue> found;
   double a = low;
@@ -281,22 +365,31 @@ std::vector<CriticalValue> critical_values(const Structure& structure, const Mod
   return found;
 }
 
-Uncertainty propagate(const Structure& structure, const Model& model, const std::optional<NormalContact>& normal,
-                      const std::vector<Uncertain>& inputs, int samples, std::uint64_t seed) {
+Uncertainty propagate(const SlidingStructure& sliding, const std::vector<Uncertain>& inputs, int samples,
+                      std::uint64_t seed) {
+  return propagate(sliding, inputs, samples, seed, [](const SlidingStructure& changed, int) {
+    const double growth = eigenvalues(Assembly(changed.structure(), changed.model, changed.normal)).front().real();
+    return Drawn{growth > 0, growth};
+  });
+}
+
+Uncertainty propagate(const SlidingStructure& sliding, const std::vector<Uncertain>& inputs, int samples,
+                      std::uint64_t seed, const std::function<Drawn(const SlidingStructure&, int)>& judge) {
   Uncertainty result;
-  std::vector<double> growth;
+  std::vector<double> measure;
   std::vector<std::vector<double>> drawn(inputs.size());
   const auto random = lab::white_noise(inputs.size() * std::size_t(samples), seed);
   for (int s = 0; s < samples; ++s) {
-    Model changed = model;
+    auto changed = sliding;
     for (std::size_t i = 0; i < inputs.size(); ++i) {
+      const auto& [path, relative] = inputs[i];
       const double g = random[std::size_t(s) * inputs.size() + i];
       drawn[i].push_back(g);
-      changed = changed.with(inputs[i].parameter,
-                             model.get(inputs[i].parameter) * std::exp(std::log1p(inputs[i].relative) * g));
+      changed = changed.with(path, sliding.get(path) * std::exp(std::log1p(relative) * g));
     }
-    growth.push_back(eigenvalues(Assembly(structure, changed, normal)).front().real());
-    result.unstable += growth.back() > 0;
+    const auto judged = judge(changed, s);
+    measure.push_back(judged.measure);
+    result.unstable += judged.unstable;
   }
   result.samples = samples;
   result.probability = double(result.unstable) / samples;
@@ -309,16 +402,16 @@ Uncertainty propagate(const Structure& structure, const Model& model, const std:
     for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = double(i) - (double(x.size()) - 1) / 2;
     return rank;
   };
-  const auto by_growth = ranks(growth);
+  const auto by_measure = ranks(measure);
   double spread = 0;
-  for (const double r : by_growth) spread += r * r;
+  for (const double r : by_measure) spread += r * r;
   for (const auto& list : drawn) {
     const auto rank = ranks(list);
-    result.influence.push_back(std::inner_product(rank.begin(), rank.end(), by_growth.begin(), 0.0) / spread);
+    result.influence.push_back(std::inner_product(rank.begin(), rank.end(), by_measure.begin(), 0.0) / spread);
   }
-  std::ranges::sort(growth);
-  const auto quantile = [&](double q) { return growth[std::size_t(q * (double(samples) - 1))]; };
-  result.growth_low = quantile(0.05), result.growth_median = quantile(0.5), result.growth_high = quantile(0.95);
+  std::ranges::sort(measure);
+  const auto quantile = [&](double q) { return measure[std::size_t(q * (double(samples) - 1))]; };
+  result.low = quantile(0.05), result.median = quantile(0.5), result.high = quantile(0.95);
   return result;
 }
 

@@ -11,6 +11,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "analysis/frf.hpp"
@@ -29,12 +30,47 @@ struct Structure {
   int size() const { return contacts.empty() ? 0 : int(contacts.front().tangential.size()); }
 };
 
-/// A mode: its angular frequency (rad/s), damping ratio, modal mass, and amplitudes at the contact.
+/// A mode: its frequency (Hz), damping ratio, modal mass (kg), and amplitudes at the contact.
 struct Mode {
-  double angular_frequency, damping_ratio, mass, tangential, normal = 0;
+  double frequency = 0, damping_ratio = 0, mass = 1, tangential = 1, normal = 0;
 };
+/// What a mode is given by.
+struct ModeField {
+  Quantity quantity;
+  double Mode::*member;
+};
+const std::vector<ModeField>& mode_fields();
 /// Modes at one contact as matrices.
 Structure modal(const std::vector<Mode>&);
+
+/// A structure in sliding contact, every contact of which answers as the model does at its load, with the parameters
+/// that a path names: those of the model; `structure.modes.2.damping_ratio` of modes, counted from 1;
+/// `structure.M`, `.C` and `.K`, factors on matrices; `normal_contact.stiffness`, `.damping` and `.lift`.
+struct SlidingStructure {
+  /// The slider of the model, modes at one contact, or matrices.
+  std::variant<std::monostate, std::vector<Mode>, Structure> form;
+  Model model;
+  std::optional<NormalContact> normal;
+
+  /// \throws InputError for a slider without mass.
+  Structure structure() const;
+  /// \throws InputError for a path that names nothing, with what there is.
+  Quantity describe(const std::string& path) const;
+  double get(const std::string& path) const;
+  /// \throws InputError for a value out of range.
+  SlidingStructure with(const std::string& path, double value) const;
+
+ private:
+  /// A parameter of structure or normal contact, by its path.
+  struct Entry {
+    Quantity quantity;
+    double value;
+    std::function<void(SlidingStructure&, double)> set;
+  };
+  std::vector<Entry> entries() const;
+  /// Nothing if the path is one of the model's.
+  std::optional<Entry> find(const std::string& path) const;
+};
 
 struct ClosedLoop {
   std::vector<std::complex<double>> eigenvalues;  ///< 1/s, largest real part first; those at infinity left out
@@ -60,23 +96,31 @@ struct CriticalValue {
   double value, angular_frequency, error;
 };
 /// Along a parameter from low to high on a logarithmic scan, each located by bisection.
-std::vector<CriticalValue> critical_values(const Structure&, const Model&, const std::optional<NormalContact>& normal,
-                                           const std::string& parameter, double low, double high, int points = 60);
+std::vector<CriticalValue> critical_values(const SlidingStructure&, const std::string& parameter, double low,
+                                           double high, int points = 60);
 
 /// An uncertain parameter: its path and relative standard deviation (log-normal).
 struct Uncertain {
   std::string parameter;
   double relative;
 };
+/// What one drawing of the inputs gives.
+struct Drawn {
+  bool unstable;
+  double measure;  ///< of stability: the largest real part (1/s), or the margin of tables
+};
 struct Uncertainty {
   int samples = 0, unstable = 0;
-  double probability = 0, standard_error = 0;                 ///< that steady sliding is unstable
-  double growth_low = 0, growth_median = 0, growth_high = 0;  ///< largest real part, 1/s: 5, 50 and 95 %
-  /// Rank correlation of each parameter with the largest real part: which of them matters.
+  double probability = 0, standard_error = 0;  ///< that steady sliding is unstable
+  double low = 0, median = 0, high = 0;        ///< of the measure: 5, 50 and 95 %
+  /// Rank correlation of each parameter with the measure: which of them matters.
   std::vector<double> influence;
 };
-Uncertainty propagate(const Structure&, const Model&, const std::optional<NormalContact>& normal,
-                      const std::vector<Uncertain>&, int samples, std::uint64_t seed);
+/// By eigenvalues.
+Uncertainty propagate(const SlidingStructure&, const std::vector<Uncertain>&, int samples, std::uint64_t seed);
+/// By any judgement of the changed structure; the number of the sample tells what else is drawn for it.
+Uncertainty propagate(const SlidingStructure&, const std::vector<Uncertain>&, int samples, std::uint64_t seed,
+                      const std::function<Drawn(const SlidingStructure&, int sample)>&);
 
 /// Nyquist on tables at the same frequencies: loop iω Z H, measured or predicted. Nothing is interpolated: where the
 /// phase of 1 + L turns by more than a quarter from one frequency to the next the count is not to be relied on.

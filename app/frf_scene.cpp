@@ -12,6 +12,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The keys of a table that are the members of an object; the first of them must be there.
+template <class Fields, class Object>
+void read_fields(Table& table, const Fields& fields, Object& object) {
+  for (const auto& field : fields) {
+    auto quantity = field.quantity;
+    quantity.name.clear();
+    table.read(field.quantity.name, object.*field.member, quantity);
+  }
+  table.finish();
+  const auto& first = fields.front().quantity;
+  table.required(first.name, fmt::format("{}, {}", first.meaning, first.unit));
+}
+
 /// A list in Hz, or { from, to, points, scale }.
 std::vector<double> read_frequencies(const toml::node& node, const std::string& path) {
   const Quantity hertz{path, "Hz", {1e-12, 1e12}, "frequency"};
@@ -115,29 +128,43 @@ std::vector<double> read_matrix(const toml::node& node, const Quantity& quantity
   return entries;
 }
 
+/// A file by name, or { file, standard_error } with the name of a column.
 FrfUse::Measured read_complex_table(const toml::node& node, const std::string& path, const char* unit,
                                     const fs::path& folder) {
-  const fs::path file = text(node, path);
+  fs::path file;
+  std::vector<RecordColumn> columns = {{"frequency", "", "Hz"}, {"real", "", unit}, {"imaginary", "", unit}};
+  if (node.is_string()) {
+    file = text(node, path);
+  } else {
+    Table table(node, path);
+    table.expect({"file", "standard_error"});
+    file = text(table.required("file", "CSV with frequency, real and imaginary"), table.path("file"));
+    if (const auto* error = table.find("standard_error"))
+      columns.push_back({text(*error, table.path("standard_error")), "", unit});
+    table.finish();
+  }
   FrfUse::Measured table;
   located(node.source(), [&] {
-    read_record({file.is_absolute() ? file : folder / file,
-                 {},
-                 1,
-                 {{"frequency", "", "Hz"}, {"real", "", unit}, {"imaginary", "", unit}}},
+    read_record({file.is_absolute() ? file : folder / file, {}, 1, columns},
                 [&](double, std::span<const std::span<const double>> block) {
                   for (std::size_t i = 0; i < block[0].size(); ++i) {
                     table.frequency.push_back(block[0][i]);
                     table.value.emplace_back(block[1][i], block[2][i]);
+                    if (block.size() > 3) table.error.push_back(block[3][i]);
                   }
                 });
     if (std::ranges::adjacent_find(table.frequency, std::greater_equal{}) != table.frequency.end())
       throw InputError(fmt::format("{}: frequencies must ascend", file.string()));
+    if (std::ranges::any_of(table.error, [](double e) { return e < 0; }))
+      throw InputError(fmt::format("{}: standard errors must not be negative", file.string()));
   });
   return table;
 }
 
 FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, const fs::path& folder) {
   FrfUse use;
+  use.sliding.model = scene.model;
+  use.sliding.normal = scene.frf.rig.normal;
   table.expect({"modes", "M", "C", "K", "contacts", "receptance", "friction", "scan", "uncertain", "samples", "seed"});
   constexpr Range any{-1e15, 1e15};
   const auto *modes = table.find("modes"), *M = table.find("M"), *C = table.find("C");
@@ -148,21 +175,12 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
     std::vector<analysis::Mode> read;
     for (const auto& element : list(*modes, table.path("modes"), "tables")) {
       Table keys(element, table.path("modes"));
-      keys.expect({"frequency", "damping_ratio", "mass", "tangential", "normal"});
-      double frequency = 0;
-      analysis::Mode mode{0, 0, 1, 1, 0};
-      keys.required("frequency", "Hz");
-      keys.read("frequency", frequency, {"", "Hz", {1e-9, 1e9}, "natural frequency"});
-      keys.read("damping_ratio", mode.damping_ratio, {"", "1", {0, 10}, "damping over critical"});
-      keys.read("mass", mode.mass, {"", "kg", {1e-12, 1e12}, "modal mass"});
-      keys.read("tangential", mode.tangential, {"", "1", any, "amplitude at the contact along slip"});
-      keys.read("normal", mode.normal, {"", "1", any, "amplitude at the contact, pressing"});
-      keys.finish();
-      mode.angular_frequency = 2 * std::numbers::pi * frequency;
+      analysis::Mode mode;
+      read_fields(keys, analysis::mode_fields(), mode);
       read.push_back(mode);
     }
     if (read.empty()) fail(modes->source(), "frf.structure.modes is empty");
-    use.structure = analysis::modal(read);
+    use.sliding.form = std::move(read);
   } else if (M) {
     std::size_t size = 0;
     analysis::Structure structure;
@@ -183,13 +201,11 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
       keys.finish();
       structure.contacts.push_back(std::move(contact));
     }
-    use.structure = std::move(structure);
+    use.sliding.form = std::move(structure);
   } else if (receptance) {
     use.receptance = read_complex_table(*receptance, table.path("receptance"), "m/N", folder);
   } else if (oscillator) {
-    const auto& slider = scene.model.slider;
-    if (!(slider.mass > 0)) fail(oscillator->source(), "frf.structure: the slider needs a mass");
-    use.structure = analysis::Structure{{slider.mass}, {slider.damping}, {slider.stiffness}, {{{1}, {}}}};
+    located(oscillator->source(), [&] { use.sliding.structure(); });
   } else {
     fail(table.source(), "frf.structure needs modes, or M, C and K, or receptance, or an [oscillator]");
   }
@@ -199,7 +215,7 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
     scan->expect({"parameter", "from", "to", "points"});
     const auto& parameter = scan->required("parameter", "path, such as drive.normal_load");
     use.scan = text(parameter, scan->path("parameter"));
-    auto quantity = located(parameter.source(), [&] { return scene.model.describe(use.scan); });
+    auto quantity = located(parameter.source(), [&] { return use.sliding.describe(use.scan); });
     scan->required("from", quantity.meaning);
     scan->required("to", quantity.meaning);
     scan->read("from", use.scan_from, quantity);
@@ -214,7 +230,7 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
       wrong_kind(*uncertain, "frf.structure.uncertain", "a table such as { \"law.a\" = 0.1 }");
     for (const auto& [key, value] : *uncertain->as_table()) {
       const std::string path(key.str());
-      located(value.source(), [&] { scene.model.describe(path); });
+      located(value.source(), [&] { use.sliding.describe(path); });
       use.uncertain.push_back({path, number(value, {path, "1", {1e-9, 2}, "relative standard deviation"})});
     }
   }
@@ -273,24 +289,18 @@ void read_frf(Table& table, Scene& scene, const toml::node* oscillator, const fs
     if (scene.frf_record) fail(simulation->source(), "[frf] has a record: give record or simulate, not both");
     read_simulation(*simulation, scene);
   }
-  if (auto structure = table.table("structure")) {
-    if (scene.frf_record || scene.frf_sweep || scene.frf_noise)
-      fail(structure->source(), "[frf.structure] goes with a prediction, or with a measured table 'friction' in it");
-    scene.frf_use = read_use(*structure, scene, oscillator, folder);
-  }
   if (const auto* normal = table.find("normal")) {
     if (!normal->is_boolean()) wrong_kind(*normal, "frf.normal", "true or false");
     options.rig.matrix = *normal->value<bool>();
   }
   if (auto contact = table.table("normal_contact")) {
-    contact->expect({"stiffness", "damping", "lift"});
-    contact->required("stiffness", "of the contact normal to the interface, N/m");
-    auto& normal = options.rig.normal.emplace();
-    contact->read("stiffness", normal.stiffness, {"", "N/m", {0, 1e15}, "normal stiffness of the contact"});
-    contact->read("damping", normal.damping, {"", "N s/m", {0, 1e15}, "normal damping of the contact"});
-    contact->read("lift", normal.lift, {"", "N s/m", {-1e15, 1e15}, "load gained by slip rate"});
-    contact->finish();
+    read_fields(*contact, analysis::normal_contact_fields(), options.rig.normal.emplace());
     options.rig.matrix = true;
+  }
+  if (auto structure = table.table("structure")) {
+    if (scene.frf_record || scene.frf_sweep || scene.frf_noise)
+      fail(structure->source(), "[frf.structure] goes with a prediction, or with a measured table 'friction' in it");
+    scene.frf_use = read_use(*structure, scene, oscillator, folder);
   }
   table.read("sensor_mass", options.rig.sensor_mass,
              {"", "kg", {0, 1e6}, "live mass between contact and force sensor"});

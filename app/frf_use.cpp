@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "analysis/lab/sensor.hpp"
 #include "app/files.hpp"
 #include "app/gnuplot.hpp"
 #include "app/pictures.hpp"
@@ -44,22 +45,55 @@ void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector
   files.insert(files.end(), drawn.files.begin(), drawn.files.end());
 }
 
+void add_uncertainty(Job& job, ordered_json& stability, const analysis::Uncertainty& spread, const char* measure,
+                     const char* unit) {
+  const auto& inputs = job.scene().frf_use->uncertain;
+  job.say("with uncertain inputs: unstable in {:.3g} ± {:.1g} % of {} samples, {} {:.4g} … {:.4g}{} (5 to 95 %)",
+          100 * spread.probability, 100 * spread.standard_error, spread.samples, measure, spread.low, spread.high,
+          std::string_view(unit).empty() ? "" : fmt::format(" {}", unit));
+  auto& uncertainty = stability["uncertainty"];
+  uncertainty = {{"samples", spread.samples},
+                 {"probability_unstable", spread.probability},
+                 {"standard_error", spread.standard_error},
+                 {measure, {spread.low, spread.median, spread.high}}};
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    uncertainty["influence"][inputs[i].parameter] = spread.influence[i];
+    job.say("  {:<32} rank correlation with {} {:+.3f}", inputs[i].parameter, measure, spread.influence[i]);
+  }
+}
+
+/// Friction and receptance at the frequencies of the tables, as measured or as the sliding structure gives them.
+std::pair<std::vector<Complex>, std::vector<Complex>> table_sides(const FrfUse& use,
+                                                                  const analysis::SlidingStructure& sliding,
+                                                                  const std::vector<double>& frequency) {
+  auto friction = use.friction.value, receptance = use.receptance.value;
+  if (friction.empty()) {
+    const analysis::FrictionResponse response(sliding.model);
+    for (const double f : frequency) friction.push_back(response.tangential({0, 2 * std::numbers::pi * f}));
+  }
+  if (receptance.empty()) {
+    const auto structure = sliding.structure();
+    for (const double f : frequency)
+      receptance.push_back(analysis::receptance(structure, {0, 2 * std::numbers::pi * f}));
+  }
+  return {std::move(friction), std::move(receptance)};
+}
+
+/// Adds to each value what its standard error lets expect.
+void disturb(std::vector<Complex>& values, const std::vector<double>& error, std::uint64_t seed) {
+  const auto noise = analysis::lab::white_noise(2 * error.size(), seed);
+  for (std::size_t k = 0; k < error.size(); ++k) values[k] += error[k] * Complex(noise[2 * k], noise[2 * k + 1]);
+}
+
 void table_stability(Job& job, ordered_json& stability, std::vector<std::string>& files) {
   const auto& use = *job.scene().frf_use;
   const auto& table = use.friction.frequency.empty() ? use.receptance : use.friction;
-  auto friction = use.friction.value, receptance = use.receptance.value;
-  if (friction.empty()) {
-    const analysis::FrictionResponse response(job.scene().model);
-    for (const double f : table.frequency) friction.push_back(response.tangential({0, 2 * std::numbers::pi * f}));
-  }
-  if (receptance.empty())
-    for (const double f : table.frequency)
-      receptance.push_back(analysis::receptance(*use.structure, {0, 2 * std::numbers::pi * f}));
   if (!use.friction.frequency.empty() && !use.receptance.frequency.empty() &&
       use.friction.frequency != use.receptance.frequency)
     throw InputError(
         "frf.structure: friction and receptance must be measured at the same frequencies; nothing is "
         "interpolated");
+  const auto [friction, receptance] = table_sides(use, use.sliding, table.frequency);
   const auto loop = analysis::close_table(table.frequency, friction, receptance);
   stability["stable"] = loop.unstable == 0;
   stability["unstable_by_nyquist"] = loop.unstable;
@@ -72,6 +106,17 @@ void table_stability(Job& job, ordered_json& stability, std::vector<std::string>
   if (!loop.resolved)
     job.note(
         "the loop turns by more than a quarter between neighbouring frequencies: the count is not to be relied on");
+  if (!use.uncertain.empty() || !use.friction.error.empty() || !use.receptance.error.empty()) {
+    const auto spread = analysis::propagate(
+        use.sliding, use.uncertain, use.samples, use.seed, [&](const analysis::SlidingStructure& changed, int sample) {
+          auto [friction, receptance] = table_sides(use, changed, table.frequency);
+          disturb(friction, use.friction.error, use.seed + 2 * std::uint64_t(sample) + 1);
+          disturb(receptance, use.receptance.error, use.seed + 2 * std::uint64_t(sample) + 2);
+          const auto drawn = analysis::close_table(table.frequency, friction, receptance);
+          return analysis::Drawn{drawn.unstable > 0, drawn.margin};
+        });
+    add_uncertainty(job, stability, spread, "margin", "");
+  }
   draw_loop(job, table.frequency, loop.loop, files);
 }
 
@@ -86,9 +131,8 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
     table_stability(job, stability, files);
     return;
   }
-  const auto& structure = *use.structure;
-  const auto& normal = scene.frf.rig.normal;
-  const auto loop = analysis::close_loop(structure, scene.model, normal);
+  const auto structure = use.sliding.structure();
+  const auto loop = analysis::close_loop(structure, scene.model, use.sliding.normal);
   stability["stable"] = loop.stable;
   stability["eigenvalues"] = pairs(loop.eigenvalues);
   stability["unstable_by_eigenvalues"] = loop.unstable_by_eigenvalues;
@@ -108,9 +152,8 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
 
   if (!use.scan.empty()) {
     stability["critical"] = ordered_json::array();
-    const auto unit = scene.model.describe(use.scan).unit;
-    const auto values = analysis::critical_values(structure, scene.model, normal, use.scan, use.scan_from, use.scan_to,
-                                                  use.scan_points);
+    const auto unit = use.sliding.describe(use.scan).unit;
+    const auto values = analysis::critical_values(use.sliding, use.scan, use.scan_from, use.scan_to, use.scan_points);
     for (const auto& critical : values) {
       job.say("critical {} = {}, at {:.6g} Hz", use.scan, justified(critical.value, critical.error, unit),
               critical.angular_frequency / (2 * std::numbers::pi));
@@ -122,19 +165,8 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
     if (values.empty()) job.say("no critical value of {} from {} to {}", use.scan, use.scan_from, use.scan_to);
   }
   if (!use.uncertain.empty()) {
-    const auto spread = analysis::propagate(structure, scene.model, normal, use.uncertain, use.samples, use.seed);
-    job.say(
-        "with uncertain inputs: unstable in {:.3g} ± {:.1g} % of {} samples, growth {:.4g} … {:.4g} 1/s (5 to 95 %)",
-        100 * spread.probability, 100 * spread.standard_error, spread.samples, spread.growth_low, spread.growth_high);
-    auto& uncertainty = stability["uncertainty"];
-    uncertainty = {{"samples", spread.samples},
-                   {"probability_unstable", spread.probability},
-                   {"standard_error", spread.standard_error},
-                   {"growth", {spread.growth_low, spread.growth_median, spread.growth_high}}};
-    for (std::size_t i = 0; i < use.uncertain.size(); ++i) {
-      uncertainty["influence"][use.uncertain[i].parameter] = spread.influence[i];
-      job.say("  {:<32} rank correlation with growth {:+.3f}", use.uncertain[i].parameter, spread.influence[i]);
-    }
+    const auto spread = analysis::propagate(use.sliding, use.uncertain, use.samples, use.seed);
+    add_uncertainty(job, stability, spread, "growth", "1/s");
   }
   if (structure.contacts.size() == 1 && structure.contacts.front().normal.empty()) {
     const analysis::FrictionResponse response(scene.model);

@@ -60,11 +60,12 @@ struct FrfRecord {
 
 /// A structure that a friction response is used on, and what is asked of both.
 struct FrfUse {
-  std::optional<analysis::Structure> structure;
-  /// Measured: at the same frequencies (Hz) where both are.
+  analysis::SlidingStructure sliding;
+  /// Measured: at the same frequencies (Hz) where both are. Errors are of real and imaginary part each, or none.
   struct Measured {
     std::vector<double> frequency;
     std::vector<std::complex<double>> value;
+    std::vector<double> error;
   };
   Measured friction, receptance;  ///< N s/m, m/N
   std::string scan;               ///< path of a parameter, or empty

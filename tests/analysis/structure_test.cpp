@@ -27,7 +27,7 @@ TEST_CASE("the single slider gives its critical load, rigid and behind a contact
   for (const auto& [stiffness, load] : {std::pair{infinity, 4.0877514056773e-4}, std::pair{0.5, 1.8372063200725e-4}}) {
     auto model = bristol_board(1e-4, 10);
     model.contact_stiffness.tangential = stiffness;
-    const auto found = critical_values(single, model, {}, "drive.normal_load", 1e-5, 1e-1);
+    const auto found = critical_values({.form = single, .model = model, .normal = {}}, "drive.normal_load", 1e-5, 1e-1);
     REQUIRE(found.size() == 1);
     CHECK(found.front().value == Approx(load).epsilon(1e-9));
     CHECK(found.front().angular_frequency == Approx(0.69102017882153).epsilon(1e-6));
@@ -102,7 +102,8 @@ TEST_CASE("Nyquist and eigenvalues agree on 1000 random structures", "[structure
 }
 
 TEST_CASE("modes are matrices, and 1 + L is what the margin measures", "[structure]") {
-  const auto s = modal({{100, 0.01, 0.5, 1.0}, {270, 0.02, 0.2, -0.6}});
+  const double turn = 2 * std::numbers::pi;
+  const auto s = modal({{100 / turn, 0.01, 0.5, 1.0}, {270 / turn, 0.02, 0.2, -0.6}});
   const Complex at(0, 130);
   const Complex H = 1.0 / (0.5 * (at * at + 2 * 0.01 * 100.0 * at + 1e4)) +
                     0.36 / (0.2 * (at * at + 2 * 0.02 * 270.0 * at + 270.0 * 270.0));
@@ -151,10 +152,37 @@ TEST_CASE("mode coupling under Coulomb friction: two modes merge at the friction
 TEST_CASE("uncertain inputs move stability by as much as their spread", "[structure]") {
   auto model = bristol_board(4.0877514056773e-4 / tests::gravity, 10);
   // At the critical load itself any spread of load makes half of the samples unstable.
-  const auto spread = propagate(single, model, {}, {{"drive.normal_load", 0.1}, {"law.mu0", 0.1}}, 400, 3);
+  const auto spread =
+      propagate({.form = single, .model = model, .normal = {}}, {{"drive.normal_load", 0.1}, {"law.mu0", 0.1}}, 400, 3);
   CHECK(std::abs(spread.probability - 0.5) < 4 * spread.standard_error);
   CHECK(spread.influence[0] > 0.99);
   CHECK(std::abs(spread.influence[1]) < 0.2);  // the mean coefficient does not matter
-  CHECK(spread.growth_low < 0);
-  CHECK(spread.growth_high > 0);
+  CHECK(spread.low < 0);
+  CHECK(spread.high > 0);
+}
+
+TEST_CASE("parameters of the structure move stability as those of the model do", "[structure]") {
+  // At the damping that is critical half of the samples are unstable, and more damping is more stable.
+  const auto model = bristol_board(1e-3 / tests::gravity, 10);
+  const double omega = std::sqrt(1.09);
+  const SlidingStructure sliding{std::vector<Mode>{{omega / (2 * std::numbers::pi), 1e-3, 1, 1}}, model, {}};
+  const auto critical = critical_values(sliding, "structure.modes.1.damping_ratio", 1e-6, 1);
+  REQUIRE(critical.size() == 1);
+  const auto at_it = sliding.with("structure.modes.1.damping_ratio", critical[0].value);
+  CHECK(at_it.get("structure.modes.1.damping_ratio") == critical[0].value);
+  // The same damping on the slider makes the load critical.
+  auto slider = sliding.model;
+  slider.slider = {.mass = 1, .stiffness = 1.09, .damping = 2 * critical[0].value * omega};
+  CHECK(std::abs(stability(slider).eigenvalues.front().real()) < 1e-9);
+  const auto spread = propagate(at_it, {{"structure.modes.1.damping_ratio", 0.1}, {"law.mu0", 0.1}}, 400, 3);
+  CHECK(std::abs(spread.probability - 0.5) < 4 * spread.standard_error);
+  CHECK(spread.influence[0] < -0.99);
+  CHECK_THROWS_WITH(sliding.describe("structure.modes.1.damping"), Catch::Contains("structure.modes.1.damping_ratio"));
+  CHECK_THROWS_WITH(sliding.with("structure.modes.1.mass", -1), Catch::Contains("is outside"));
+
+  // The model's own slider as the structure follows its parameters, and factors scale matrices.
+  const SlidingStructure own{{}, slider, {}};
+  CHECK(own.with("oscillator.mass", 3.0).structure().M[0] == 3);
+  const SlidingStructure matrices{Structure{{1}, {0}, {1.09}, {{{1}, {}}}}, model, {}};
+  CHECK(matrices.with("structure.K", 2.0).structure().K[0] == Approx(2.18));
 }

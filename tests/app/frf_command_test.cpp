@@ -108,6 +108,36 @@ TEST_CASE("a structure with friction answers by eigenvalues and by Nyquist", "[f
         Approx(4.0877514056773e-4).epsilon(1e-9));
 }
 
+TEST_CASE("structures are uncertain too, and so are tables with errors", "[frf-command]") {
+  const Folder folder;
+  const auto squeal = "frf " + examples + "frf-squeal.toml --json --set ";
+  const auto modes =
+      run_rosin(folder, squeal + "\"frf.structure.uncertain={'structure.modes.1.damping_ratio'=0.3, 'law.b'=0.1}\"");
+  INFO(modes.error);
+  REQUIRE(modes.status == 0);
+  const auto influence = json::parse(modes.out)["stability"]["uncertainty"]["influence"];
+  CHECK(influence["structure.modes.1.damping_ratio"].get<double>() < 0);
+  CHECK(influence["law.b"].get<double>() > 0.5);
+  // A measured response, its errors growing: the margin spreads in proportion.
+  double spread[2];
+  for (const int k : {0, 1}) {
+    std::ofstream file(folder.path / "friction.csv");
+    file << "frequency (Hz),real (N s/m),imaginary (N s/m),standard_error (N s/m)\n";
+    for (int i = 0; i < 40; ++i) file << 100 + 5 * i << ",-20,3," << (k ? 0.2 : 0.1) << '\n';
+    file.close();
+    const auto table =
+        run_rosin(folder, squeal + "\"frf.structure.friction={file='" + (folder.path / "friction.csv").string() +
+                              "', standard_error='standard_error'}\" --set "
+                              "\"frf.structure.uncertain={'structure.modes.1.mass'=1e-9}\"");
+    INFO(table.error);
+    REQUIRE(table.status == 0);
+    const auto margin = json::parse(table.out)["stability"]["uncertainty"]["margin"];
+    spread[k] = margin[2].get<double>() - margin[0].get<double>();
+  }
+  CHECK(spread[1] == Approx(2 * spread[0]).epsilon(0.1));
+  CHECK(spread[0] > 0);
+}
+
 TEST_CASE("what a response or a fit cannot use is refused with its place", "[frf-command]") {
   const Folder folder;
   const auto refused = [&](const std::string& arguments) {
@@ -123,6 +153,11 @@ TEST_CASE("what a response or a fit cannot use is refused with its place", "[frf
   CHECK_THAT(refused(family + "frf.record.file=x.csv"), Contains("needs time (a column) or sample_rate"));
   CHECK_THAT(refused(family + "drive.speed=0"), Contains("drive.speed = 0"));
   CHECK_THAT(refused(family + "frf.structure.M=[[1]]"), Contains("has no 'K'"));
+  const auto squeal = "frf " + examples + "frf-squeal.toml --set ";
+  CHECK_THAT(refused(squeal + "\"frf.structure.modes=[{damping_ratio=0.1}]\""), Contains("has no 'frequency'"));
+  CHECK_THAT(refused(squeal + "\"frf.structure.modes=[{frequency=1, mas=2}]\""), Contains("did you mean 'mass'?"));
+  CHECK_THAT(refused(squeal + "\"frf.structure.uncertain={'structure.modes.4.mass'=0.1}\""),
+             Contains("did you mean 'structure.modes.1.mass'?"));
   CHECK_THAT(refused("frf " + examples + "frf-record.toml --set frf.record.file=none.csv"), Contains("no such file"));
   CHECK_THAT(refused("fit " + examples + "fit-laws.toml --set \"fit.parameters=['law.q']\""),
              Contains("unknown parameter"));
