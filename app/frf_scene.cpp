@@ -297,8 +297,12 @@ void read_frf(Table& table, Scene& scene, const toml::node* oscillator, const fs
     read_fields(*contact, analysis::normal_contact_fields(), options.rig.normal.emplace());
     options.rig.matrix = true;
   }
+  const bool found = scene.frf_record || scene.frf_sweep || scene.frf_noise;
+  for (const char* key : {"sensitivities", "family"})
+    if (const auto* node = found ? table.find(key) : nullptr)
+      fail(node->source(), "{} belongs to a prediction, without frf.record and frf.simulate", table.path(key));
   if (auto structure = table.table("structure")) {
-    if (scene.frf_record || scene.frf_sweep || scene.frf_noise)
+    if (found)
       fail(structure->source(), "[frf.structure] goes with a prediction, or with a measured table 'friction' in it");
     scene.frf_use = read_use(*structure, scene, oscillator, folder);
   }

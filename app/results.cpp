@@ -343,8 +343,9 @@ std::string to_json(const Scene& scene, const Manifest& manifest) {
   document["overrides"] = manifest.overrides;
   document["scene_resolved"] = scene.resolved;
   auto& parameters = document["parameters"] = ordered_json::object();
-  for (const auto& quantity : scene.model.parameters())
-    parameters[quantity.name] = {{"value", scene.model.get(quantity.name)}, {"unit", quantity.unit}};
+  if (scene.model.law)
+    for (const auto& quantity : scene.model.parameters())
+      parameters[quantity.name] = {{"value", scene.model.get(quantity.name)}, {"unit", quantity.unit}};
   document["tolerance"] = {{"asked", manifest.tolerance_asked}, {"reached", manifest.tolerance_reached}};
   document["cost"] = manifest.cost;
   document["files"] = manifest.files;

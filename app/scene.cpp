@@ -927,6 +927,16 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     write_table(scene.resolved, document, "");
     return scene;
   }
+  const fs::path folder = fs::path(path).parent_path();
+  const auto* response = document.at_path("frf.record").node();  // a measured one needs neither law nor drive
+  if (verb == Verb::frf && response && !document.contains("law") && !document.contains("drive")) {
+    scene.frf_predicts = false;
+    auto table = root.table("frf");
+    read_frf(*table, scene, nullptr, folder);
+    root.finish();
+    write_table(scene.resolved, document, "");
+    return scene;
+  }
   read_law(Table(root.required("law", "the friction law"), "law"), scene.model);
 
   const bool contact_only = verb == Verb::curve || verb == Verb::frf || verb == Verb::fit;  // no slider is asked for
@@ -937,7 +947,6 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     scene.model.slider = chosen->slider;
     scene.model.drive = chosen->drive;
   }
-  const fs::path folder = fs::path(path).parent_path();
   const toml::node* oscillator = root.find("oscillator");
   if (needs_slider) root.required("oscillator", "mass, stiffness and damping of the slider");
   const auto* type = oscillator && oscillator->is_table() ? oscillator->as_table()->get("type") : nullptr;
@@ -957,7 +966,6 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   }
   if (oscillator) read_oscillator(Table(*oscillator, "oscillator"), scene.model.slider, complete);
   const toml::node* drive = root.find("drive");
-  const auto* response = document.at_path("frf.record").node();  // a measured one needs no drive
   if (needs_slider || (verb == Verb::frf && !response)) root.required("drive", "speed and normal load");
   scene.frf_predicts = drive;
   if (drive) {

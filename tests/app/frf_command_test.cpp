@@ -69,6 +69,19 @@ TEST_CASE("a simulated record goes through extraction to the same response, and 
   CHECK(extracted["warnings"].empty());
   CHECK(extracted["tangential"][0][0].get<double>() ==
         Approx(simulated["tangential"][0][0].get<double>()).epsilon(1e-9));
+  // A record by itself needs no law.
+  std::ofstream(folder.path / "record.toml") << "[frf.record]\nfile = \"noise/frf-record.csv\"\ntime = \"time\"\n"
+                                                "slip_rate = \"slip_rate\"\nforce = \"friction_force\"\n"
+                                                "resolution = 0.01\n";
+  const auto alone = run_rosin(folder, "frf record.toml --json");
+  INFO(alone.error);
+  REQUIRE(alone.status == 0);
+  const auto whole = json::parse(alone.out);
+  const auto& bins = whole["frequency"];
+  const auto at = std::size_t(std::find(bins.begin(), bins.end(), extracted["frequency"][20]) - bins.begin());
+  REQUIRE(at < bins.size());
+  CHECK(whole["tangential"][at] == extracted["tangential"][20]);
+  CHECK_FALSE(whole.contains("predicted"));
 
   const auto fitted =
       run_rosin(folder, "fit " + examples + "fit-laws.toml --json --set fit.profiles=false --set fit.starts=1");
@@ -150,6 +163,7 @@ TEST_CASE("what a response or a fit cannot use is refused with its place", "[frf
   CHECK_THAT(refused(family + "frf.frequencies=[2,1]"), Contains("must ascend"));
   CHECK_THAT(refused(family + "frf.frequences=[1]"), Contains("did you mean 'frequencies'"));
   CHECK_THAT(refused(family + "\"frf.sensitivities=['law.c']\""), Contains("unknown parameter"));
+  CHECK_THAT(refused(family + "frf.simulate.type=swept-sine"), Contains("frf.family belongs to a prediction"));
   CHECK_THAT(refused(family + "frf.record.file=x.csv"), Contains("needs time (a column) or sample_rate"));
   CHECK_THAT(refused(family + "drive.speed=0"), Contains("drive.speed = 0"));
   CHECK_THAT(refused(family + "frf.structure.M=[[1]]"), Contains("has no 'K'"));
