@@ -1,9 +1,10 @@
-/// Runs at an imposed slip rate, least squares on harmonics, and Welch's method on what noise leaves.
+/// The steady motion under a sine by Newton's method on its period, its harmonics, and Welch's method on what noise
+/// leaves.
 #include "analysis/frf_simulation.hpp"
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
+#include <Eigen/LU>
 #include <atomic>
 #include <cmath>
 #include <numbers>
@@ -11,6 +12,8 @@
 
 #include "analysis/run.hpp"
 #include "core/error.hpp"
+#include "oscillators/slider_system.hpp"
+#include "solvers/collocation.hpp"
 
 namespace rosin::analysis {
 
@@ -26,15 +29,15 @@ Model imposed(const Model& model) {
   return alone;
 }
 
-/// The time in which transients of the contact fall to `remainder`.
-double settling(const Model& model, double remainder) {
+/// Rate at which transients of the contact fall, 1/s; infinite if it has none.
+double slowest_decay(const Model& model) {
   double slowest = infinity;
   for (const auto& pole : FrictionResponse(model).poles()) slowest = std::min(slowest, -pole.value.real());
   if (!(slowest > 0))
     throw InputError(
         "the contact is unstable by itself, at an imposed slip rate: its spring is softer than friction weakens; no "
         "response can be simulated about steady sliding");
-  return std::isinf(slowest) ? 0 : -std::log(remainder) / slowest;
+  return slowest;
 }
 
 /// The errors of response_matrix() where those of its arguments are independent; the normal contact is exact.
@@ -53,54 +56,88 @@ struct Harmonics {
   double error, coherence;
 };
 
-Run record(const Model& model, std::vector<double> times, double tolerance) {
-  RunOptions options;
-  options.duration = times.back();
-  options.times = std::move(times);
-  options.tolerance = tolerance;
-  options.most_steps = 50'000'000;
-  auto run = analysis::run(model, options);
-  if (!run.outcome.complete()) throw InputError("the simulation of a response ended early: " + run.outcome.detail);
-  return run;
+/// The force over one period of the steady motion under a periodic drive, at evenly spaced times from 0: Newton's
+/// method on the map over a period, with its derivative from the variational equations. No transient is waited for.
+std::vector<double> periodic_force(const Model& model, double period, int samples, double tolerance) {
+  const oscillators::SliderSystem system(model);
+  const int n = system.size();
+  std::vector<double> y = system.steady(0), force(std::size_t(samples), 0.0);
+  const auto sample_time = [&](int i) { return i == samples ? period : period * i / samples; };
+  if (n == 0) {  // friction follows at once
+    for (int i = 0; i < samples; ++i) force[std::size_t(i)] = system.observe(sample_time(i), y.data()).friction_force;
+    return force;
+  }
+  std::vector<double> mass(y.size()), scale(y.size()), S;
+  system.mass(0, mass.data());
+  std::vector<int> moving;  // unknowns with mass; the others follow from them
+  for (int i = 0; i < n; ++i)
+    if (mass[std::size_t(i)] > 0) moving.push_back(i);
+  const auto m = Eigen::Index(moving.size());
+  solvers::Collocation solver(system, tolerance);
+  constexpr int most = 20;
+  double before = infinity;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    S.assign(std::size_t(n * n), 0.0);
+    for (int i = 0; i < n; ++i) S[std::size_t(i * n + i)] = 1;
+    if (!solver.start(0, y)) throw InputError("the simulation of a response cannot begin");
+    y = solver.state();
+    for (int i = 0; i < samples; ++i) {
+      force[std::size_t(i)] = system.observe(solver.time(), solver.state().data()).friction_force;
+      while (solver.time() < sample_time(i + 1)) {
+        if (const auto outcome = solver.step(sample_time(i + 1)); !outcome.complete())
+          throw InputError("the simulation of a response ended early: " + outcome.detail);
+        solver.propagate(S, n);
+      }
+    }
+    Eigen::MatrixXd matrix(m, m);
+    Eigen::VectorXd defect(m);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const int row = moving[std::size_t(i)];
+      defect[i] = solver.state()[std::size_t(row)] - y[std::size_t(row)];
+      for (Eigen::Index k = 0; k < m; ++k)
+        matrix(i, k) = (i == k ? 1 : 0) - S[std::size_t(row * n + moving[std::size_t(k)])];
+    }
+    const Eigen::VectorXd change = matrix.partialPivLu().solve(defect);
+    system.scale(y.data(), scale.data());
+    double size = 0;
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const auto row = std::size_t(moving[std::size_t(i)]);
+      y[row] += change[i];
+      size = std::max(size, std::abs(change[i]) / scale[row]);
+    }
+    // Closed to rounding: the next correction would be of the size of this one's square, or no smaller at all.
+    if (size < 1e-14 || (size < 1e-10 && size >= 0.1 * before)) return force;
+    if (!std::isfinite(size)) break;
+    before = size;
+  }
+  throw InputError("no steady motion was found under the sine; lower frf.simulate.amplitude");
 }
 
-std::size_t column(const Run& run, const char* name) {
-  return std::size_t(std::ranges::find(run.column_names, name) - run.column_names.begin());
-}
-
-Harmonics harmonics(const Model& still, Input input, double frequency, double amplitude, double settle,
-                    double tolerance) {
-  constexpr int cycles = 4, per_cycle = 32;
+Harmonics harmonics(const Model& still, Input input, double frequency, double amplitude, double tolerance) {
+  constexpr int count = 32;
   const double omega = 2 * std::numbers::pi * frequency;
   Model model = still;
   Signal& moved = input == Input::slip_rate ? model.drive.speed : model.drive.normal_load;
   moved = Signal(Signal::Harmonics{moved.level(), {{amplitude, omega, 0}}});
-  const double begin = std::ceil(settle * frequency) / frequency;
-  std::vector<double> times;
-  for (int i = 0; i <= cycles * per_cycle; ++i) times.push_back(begin + double(i) / per_cycle / frequency);
-  const auto run = record(model, times, tolerance);
-  const auto force = column(run, "friction_force");
-  const auto& F = run.columns[force];
-  // Whole cycles, evenly sampled: harmonics are orthogonal.
+  const auto coarse = periodic_force(model, 1 / frequency, count, tolerance);
+  const auto F = periodic_force(model, 1 / frequency, count, 0.01 * tolerance);
+  // A whole period, evenly sampled: harmonics are orthogonal.
   Complex sums[4] = {};
-  double squares = 0, mean = 0;
-  constexpr int count = cycles * per_cycle;
-  for (int i = 0; i < count; ++i) mean += F[std::size_t(i)] / count;
-  for (int i = 0; i < count; ++i) {
-    const double left = F[std::size_t(i)] - mean;
+  double squares = 0, mean = 0, difference = 0;
+  for (const double f : F) mean += f / count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double left = F[i] - mean;
     squares += left * left / count;
+    difference = std::max(difference, std::abs(F[i] - coarse[i]));
     for (int k = 1; k <= 3; ++k)
-      sums[k] += 2.0 / count * left * std::polar(1.0, -k * omega * (times[std::size_t(i)] - begin));
+      sums[k] += 2.0 / count * left * std::polar(1.0, -2 * std::numbers::pi * k * double(i) / count);
   }
   // Friction that does not answer at all leaves rounding.
-  const double rounding = 1e-15 * count * std::abs(mean);
+  const double rounding = 1e-14 * std::abs(mean);
   for (auto& sum : sums)
     if (std::abs(sum) <= rounding) sum = 0;
-  // What has not settled shows as a change from the first cycle to the last.
-  const double unsettled = std::abs(F[count] - F[0]);
-  const double solution = force < run.column_error.size() ? run.column_error[force] : 0;
   const double coherence = squares > rounding * rounding ? 0.5 * std::norm(sums[1]) / squares : 1;
-  return {sums[1], sums[2], sums[3], unsettled + solution, coherence};
+  return {sums[1], sums[2], sums[3], 2 * difference + rounding, coherence};
 }
 
 /// The force's answer to one input: two amplitudes, of which what grows as the square is extrapolated away.
@@ -109,17 +146,17 @@ struct Answer {
   double error, second_harmonic, third_harmonic, coherence;
 };
 
-Answer answer(const Model& still, Input input, double frequency, const SweepOptions& options, double settle) {
+Answer answer(const Model& still, Input input, double frequency, const SweepOptions& options) {
   const Signal& moved = input == Input::slip_rate ? still.drive.speed : still.drive.normal_load;
   const double amplitude = options.amplitude * std::abs(moved.level());
-  const auto full = harmonics(still, input, frequency, amplitude, settle, options.tolerance);
-  const auto half = harmonics(still, input, frequency, amplitude / 2, settle, options.tolerance);
+  const auto full = harmonics(still, input, frequency, amplitude, options.tolerance);
+  const auto half = harmonics(still, input, frequency, amplitude / 2, options.tolerance);
   const Complex H = full.first / amplitude, H_half = half.first / (amplitude / 2);
   const double change = std::abs(H_half - H);
   const auto over = [](double part, const Complex& whole) { return part > 0 ? part / std::abs(whole) : 0; };
   return {.at_amplitude = H,
           .linear = H_half + (H_half - H) / 3.0,
-          .error = (full.error + 8 * half.error) / (3 * amplitude) + change * over(change, H_half),
+          .error = (full.error + 8 * half.error) / (3 * amplitude) + 4 * change * over(change, H_half),
           .second_harmonic = over(std::abs(full.second), full.first),
           .third_harmonic = over(std::abs(full.third), full.first),
           .coherence = full.coherence};
@@ -141,7 +178,7 @@ void warn(SweptFrf& result, const SweepOptions& options) {
 
 SweptFrf simulate_sweep(const Model& model, const SweepOptions& options) {
   const Model still = imposed(model);
-  const double settle = settling(still, 1e-11);
+  slowest_decay(still);  // a steady motion that is unstable would be found too
   const auto count = options.frequencies.size();
   SweptFrf result;
   for (auto* list : {&result.tangential, &result.at_amplitude}) list->resize(count);
@@ -151,7 +188,7 @@ SweptFrf simulate_sweep(const Model& model, const SweepOptions& options) {
   const auto simulate = [&](std::size_t k) {
     const double f = options.frequencies[k];
     const Complex s(0, 2 * std::numbers::pi * f);
-    const auto by_slip_rate = answer(still, Input::slip_rate, f, options, settle);
+    const auto by_slip_rate = answer(still, Input::slip_rate, f, options);
     result.at_amplitude[k] = by_slip_rate.at_amplitude + options.rig.sensor_mass * s;
     result.tangential[k] = by_slip_rate.linear + options.rig.sensor_mass * s;
     result.error[k] = by_slip_rate.error;
@@ -159,7 +196,7 @@ SweptFrf simulate_sweep(const Model& model, const SweepOptions& options) {
     result.third_harmonic[k] = by_slip_rate.third_harmonic;
     result.coherence[k] = by_slip_rate.coherence;
     if (!options.rig.matrix) return;
-    const auto by_load = answer(still, Input::normal_load, f, options, settle);
+    const auto by_load = answer(still, Input::normal_load, f, options);
     result.matrix[k] = response_matrix(s, result.tangential[k], by_load.linear, options.rig.normal);
     result.matrix_error[k] = matrix_error(s, by_slip_rate.error, by_load.error, options.rig.normal);
   };
@@ -182,9 +219,28 @@ SweptFrf simulate_sweep(const Model& model, const SweepOptions& options) {
   return result;
 }
 
+namespace {
+
+Run record(const Model& model, const std::vector<double>& times, double tolerance) {
+  RunOptions options;
+  options.duration = times.back();
+  options.times = times;
+  options.tolerance = tolerance;
+  options.most_steps = 50'000'000;
+  auto run = analysis::run(model, options);
+  if (!run.outcome.complete()) throw InputError("the simulation of a response ended early: " + run.outcome.detail);
+  return run;
+}
+
+std::size_t column(const Run& run, const char* name) {
+  return std::size_t(std::ranges::find(run.column_names, name) - run.column_names.begin());
+}
+
+}  // namespace
+
 NoiseFrf simulate_noise(const Model& model, const NoiseOptions& options) {
   Model moved = imposed(model);
-  const double V = moved.drive.speed.level(), settle = settling(moved, 1e-6);
+  const double V = moved.drive.speed.level(), settle = -std::log(1e-6) / slowest_decay(moved);
   const auto noise = [&](double mean, std::uint64_t seed) {
     return Signal(Signal::Noise{mean, {options.amplitude * std::abs(mean), options.low, options.high, seed}});
   };

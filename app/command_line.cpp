@@ -2,12 +2,14 @@
 #include "app/command_line.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <thread>
 
 #include "analysis/lab/experiment.hpp"
+#include "bench/bench.hpp"
 #include "core/error.hpp"
 
 namespace rosin::app {
@@ -42,7 +44,7 @@ constexpr VerbHelp verbs[] = {
     {"lab", "SCENE", "an experiment as it is done in the laboratory: its record and what is read off it"},
     {"study", "SCENE", "the published force algorithms against exact stick-slip over random oscillators"},
     {"stress", "", "random scenes over ten decades, each certified by a second method or refused with a reason"},
-    {"bench", "WHAT", "run time against true error beside other solvers: cycle, history, plane or stick-slip"},
+    {"bench", "WHAT", "run time against true error beside other solvers"},
     {"plot", "PATH", "draw the pictures of a results folder, or of a scene's results, again"},
 };
 
@@ -93,8 +95,7 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     }
     if (name != "plot") command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
     if (name == "bench") {
-      target->description("cycle, history, plane or stick-slip")
-          ->check(CLI::IsMember({"cycle", "history", "plane", "stick-slip"}));
+      target->description(fmt::format("{}", fmt::join(::bench::names(), ", ")))->check(CLI::IsMember(::bench::names()));
       command->add_flag("--quick", request.quick, "few points and tolerances: checks in seconds that everything works");
       command->add_option("--python", request.python, "Python with SciPy; without it SciPy is left out")
           ->default_val("/usr/bin/python3");

@@ -312,8 +312,9 @@ Status simulate_sweep(Job& job, const Request& request) {
   options.tolerance = request.tolerance.value_or(options.tolerance);
   options.threads = request.threads;
   job.explain(
-      "the contact is run at an imposed slip rate with a sine of {} and {} of its mean, at each frequency until "
-      "transients have gone and four cycles more",
+      "the slip rate is imposed, with a sine of {} and {} of its mean: at each frequency one period of the steady "
+      "motion, "
+      "found by Newton's method; no transient is waited for",
       options.amplitude, options.amplitude / 2);
   const auto begin = std::chrono::steady_clock::now();
   const auto swept = analysis::simulate_sweep(scene.model, options);

@@ -43,6 +43,8 @@ std::string style(const std::string& solver) {
                             {"aabg-sdfm", "#F0E442", 5, 5},
                             {"tr-sdfm", "#CC79A7", 7, 7},
                             {"rosin, whole", "#000000", 7, 7},
+                            {"rosin, prediction", "#000000", 3, 3},
+                            {"rosin, swept sine", "#000000", 7, 7},
                             {"rosin, explicit", "#000000", 3, 3},
                             {"rosin, collocation", "#000000", 14, 14},
                             {"rosin, transient", "#000000", 3, 3},
@@ -114,6 +116,11 @@ bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
 
 }  // namespace
 
+const std::vector<std::string>& names() {
+  static const std::vector<std::string> list = {"cycle", "history", "plane", "response", "stick-slip"};
+  return list;
+}
+
 bool run(const Settings& settings) {
   const SciPy scipy(settings);
   json document = {{"bench", settings.what},
@@ -151,6 +158,10 @@ bool run(const Settings& settings) {
     panels = {{curves, "Stick-slip: seven cases, two to eighteen sticks in 2 s",
                "largest true error of eight displacements over the start, met by nine cases in ten",
                "processor time per case (s)"}};
+  } else if (settings.what == "response") {
+    record = bench_response(settings, curves);
+    panels = {{curves, "Friction frequency response of an ageing contact",
+               "true error of Z over |Z|, met by nine frequencies in ten", "processor time per frequency (s)"}};
   } else {
     record = bench_plane(settings, scipy, curves);
     panels = {{curves, "Plane: N/(m g) = 10^{−8} … 1, {/Symbol l} = 10^{−4} … 10^2",

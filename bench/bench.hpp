@@ -1,11 +1,15 @@
 /// `rosin bench`: run time against true error, rosin and others on the same problem, in one run.
 #pragma once
 #include <string>
+#include <vector>
 
 namespace bench {
 
+/// "cycle", "history", …
+const std::vector<std::string>& names();
+
 struct Settings {
-  std::string what;                         ///< "cycle", "history", "plane" or "stick-slip"
+  std::string what;                         ///< one of names()
   bool quick = false;                       ///< few tolerances and points: checks in seconds that everything works
   bool json = false;                        ///< the record on standard output instead of the tables
   bool quiet = false;                       ///< no progress

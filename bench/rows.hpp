@@ -103,6 +103,7 @@ json lane_steps(const Settings&);
 Record bench_cycle(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_history(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_stick_slip(const Settings&, const std::filesystem::path& curves);
+Record bench_response(const Settings&, const std::filesystem::path& curves);
 Record bench_plane(const Settings&, const SciPy&, const std::filesystem::path& curves);
 
 }  // namespace bench
