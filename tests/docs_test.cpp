@@ -117,7 +117,7 @@ struct Workplace {
 #ifdef ROSIN_COMMAND
 const std::string command = "'" ROSIN_COMMAND "' ";
 
-TEST_CASE("every command in the docs runs, and prints what is quoted below it") {
+TEST_CASE("every command in the docs runs, and prints what is quoted below it", "[long]") {
   int commands = 0;
   for (const auto& page : pages()) {
     const Workplace workplace;

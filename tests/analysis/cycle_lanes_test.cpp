@@ -83,7 +83,7 @@ Tally against_one_by_one(const std::vector<Model>& models, const std::vector<Lan
 
 }  // namespace
 
-TEST_CASE("every law with states finds its cycles in lanes, a user's too", "[cycle-lanes]") {
+TEST_CASE("every law with states finds its cycles in lanes, a user's too", "[cycle-lanes][long]") {
   std::vector<std::shared_ptr<const FrictionLaw>> with_states = {laws::make_law<rosin::tests::Healing>()};
   for (const auto& law : laws::catalogue())
     if (law->has_states() && !law->set_valued() && !law->deflects()) with_states.push_back(law);

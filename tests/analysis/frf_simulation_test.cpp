@@ -112,7 +112,7 @@ TEST_CASE("a sine too large for linear theory says so", "[frf-simulation]") {
   CHECK_THAT(warnings[0], Catch::Contains("second harmonic"));
 }
 
-TEST_CASE("noise in slip rate and load finds both columns within their errors", "[frf-simulation]") {
+TEST_CASE("noise in slip rate and load finds both columns within their errors", "[frf-simulation][long]") {
   for (const std::size_t which : {0, 2}) {
     const auto [model, frequency] = cases()[which];
     INFO(model.law->card().name);
@@ -130,7 +130,8 @@ TEST_CASE("noise in slip rate and load finds both columns within their errors", 
     for (std::size_t k = 0; k < m.frequency.size(); ++k) {
       const Complex s(0, 2 * std::numbers::pi * m.frequency[k]);
       const auto matrix = response.matrix(s);
-      by_slip_rate += std::abs(m.matrix[k].tt - matrix.tt - 1e4 * s) <= 3 * m.matrix_error[k].tt.real() + m.bias_error[k];
+      by_slip_rate +=
+          std::abs(m.matrix[k].tt - matrix.tt - 1e4 * s) <= 3 * m.matrix_error[k].tt.real() + m.bias_error[k];
       by_load += std::abs(m.matrix[k].tn - matrix.tn) <= 3 * m.matrix_error[k].tn.real();
     }
     CHECK(by_slip_rate >= 0.95 * double(m.frequency.size()));
@@ -139,7 +140,7 @@ TEST_CASE("noise in slip rate and load finds both columns within their errors", 
 }
 
 TEST_CASE("noise finds the predicted response within three standard errors at 95 % of the frequencies or more",
-          "[frf-simulation]") {
+          "[frf-simulation][long]") {
   for (const auto& [model, frequency] : cases()) {
     INFO(model.law->card().name);
     const FrictionResponse response(model);

@@ -319,7 +319,7 @@ TEST_CASE("inverse: the force of a simulated record is found to 1e-6 without noi
 }
 
 TEST_CASE("inverse: the band holds what it says over noise of all seeds, for smooth and for sticking friction",
-          "[lab]") {
+          "[lab][long]") {
   auto smooth = task_of("inverse", "spinodal");
   smooth.model.lambda = 10;
   smooth.model.slider = {.mass = 1, .stiffness = 1.09, .damping = 0};
@@ -422,7 +422,7 @@ TEST_CASE("sensors: noise by seed, saturation and aliasing are said, the pole is
   CHECK_THROWS_WITH(measure(truth, hasty, warnings), Catch::Contains("are of use"));
 }
 
-TEST_CASE("every experiment runs on every law, or says why not", "[lab]") {
+TEST_CASE("every experiment runs on every law, or says why not", "[lab][long]") {
   for (const auto& experiment : experiments())
     for (const auto& law : laws::catalogue()) {
       INFO(experiment.name << " on " << law->card().name);
@@ -433,7 +433,8 @@ TEST_CASE("every experiment runs on every law, or says why not", "[lab]") {
           for (const double value : column) REQUIRE(std::isfinite(value));
         for (const auto& reading : result.readings) CHECK((reading.error >= 0 || std::isnan(reading.value)));
       } catch (const InputError& error) {
-        CHECK_THAT(error.what(), Catch::Contains("drive.speed reaches or passes 0"));  // sticks and remembers: no imposed slip
+        CHECK_THAT(error.what(),
+                   Catch::Contains("drive.speed reaches or passes 0"));  // sticks and remembers: no imposed slip
       }
     }
 }

@@ -107,7 +107,7 @@ TEST_CASE("results do not depend on threads, and known points are not computed a
   }
 }
 
-TEST_CASE("a large plane from few points agrees with the plane of all points", "[map]") {
+TEST_CASE("a large plane from few points agrees with the plane of all points", "[map][long]") {
   const auto model = bristol_board(1e-4, 10);
   auto options = small_plane(100);
   options.tolerance = 1e-3;

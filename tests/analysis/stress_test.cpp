@@ -13,7 +13,7 @@ using namespace rosin;
 using namespace rosin::analysis;
 using rosin::tests::slider_under;
 
-TEST_CASE("a scene depends on its seed and number alone, and the report not on threads", "[stress]") {
+TEST_CASE("a scene depends on its seed and number alone, and the report not on threads", "[stress][long]") {
   const auto once = draw_scene(laws::catalogue(), 7, 11), again = draw_scene(laws::catalogue(), 7, 11);
   CHECK(once.settings == again.settings);
   CHECK(once.law->card().name == again.law->card().name);
@@ -32,7 +32,8 @@ TEST_CASE("a scene depends on its seed and number alone, and the report not on t
   CHECK(one.scenes == 24);
 }
 
-TEST_CASE("a small seed set has no NaN, crash or wrong number, and stated errors cover the true ones", "[stress]") {
+TEST_CASE("a small seed set has no NaN, crash or wrong number, and stated errors cover the true ones",
+          "[stress][long]") {
   StressOptions options;
   options.laws = laws::catalogue();
   options.seed = 20;

@@ -52,7 +52,7 @@ TEST_CASE("eigenvalues are those of the slider", "[structure]") {
   }
 }
 
-TEST_CASE("Nyquist and eigenvalues agree on 1000 random structures", "[structure]") {
+TEST_CASE("Nyquist and eigenvalues agree on 1000 random structures", "[structure][long]") {
   std::mt19937 random(7);
   const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(random); };
   const auto decades = [&](double a, double b) { return std::pow(10, uniform(std::log10(a), std::log10(b))); };

@@ -6,7 +6,7 @@
 using namespace rosin;
 using namespace rosin::analysis;
 
-TEST_CASE("sticking cases and errors of a study are those of an independent implementation", "[study]") {
+TEST_CASE("sticking cases and errors of a study are those of an independent implementation", "[study][long]") {
   // The first hundred of the thousand oscillators of seed 1; the whole thousand in docs/stick-slip-study.md.
   StudyOptions options;
   options.cases = 100;

@@ -146,7 +146,7 @@ TEST_CASE("TR-SDFM goes back as many steps as published for its example, and mor
 }
 
 TEST_CASE("observed orders: held directions make every algorithm first-order, interpolation keeps the fourth",
-          "[algorithms]") {
+          "[algorithms][long]") {
   const auto& base = tests::stick_slip_cases()[0];
   const auto order = [&](const char* name, bool closed_form, double coarse) {
     // The errors of steps vary with where events fall between them: fit over many lengths.

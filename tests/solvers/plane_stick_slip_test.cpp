@@ -180,7 +180,7 @@ TEST_CASE("random sliders in the plane: energy balances, none fails", "[plane]")
   CHECK(events > 200);
 }
 
-TEST_CASE("algorithms in the plane: first-order, down to what the adherence spring gives", "[plane]") {
+TEST_CASE("algorithms in the plane: first-order, down to what the adherence spring gives", "[plane][long]") {
   using namespace rosin::solvers::force_algorithms;
   const auto& c = cases[1];
   const auto error = [&](const char* name, double step, bool closed_form, double Kt = 0) {
