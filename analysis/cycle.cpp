@@ -502,15 +502,15 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   const double longest = 300 * natural + 10 * std::abs(loaded_at_rest(system, rest, 1)[0]) / V;
   // Without oscillation, under strong damping, nothing comes and goes within a natural period.
   const bool overdamped = s.damping > 2 * std::sqrt(s.mass * s.stiffness);
+  solver.rewind_at_switches();  // a slip may be far shorter than the last digit of the stick before it
   solver.bound_slip_step(0.1 * (overdamped ? s.damping / s.stiffness : natural));
   const auto sliding = stability(model);
   const double frequency = std::sqrt(s.stiffness / s.mass);
   constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
   Recorder recorder(system, tolerance, stick_threshold, true);
-  // Durations are sums of steps: the clock, which also counts the first stick, may be too coarse for a short slip.
   bool began = onset != nullptr, fast = false;
-  double period = 0, stuck = 0;
-  while (solver.time() < longest) {
+  double elapsed = 0, period = 0, stuck = 0;
+  while (elapsed < longest) {
     if (solver.stepper().count().steps > 200'000) {
       result.outcome = {Ending::budget_spent, "no period of stick and slip within 200000 steps"};
       break;
@@ -521,6 +521,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       result.outcome = outcome;
       break;
     }
+    elapsed += solver.stepper().length();
     if (began) {
       recorder.step(solver.stepper());
       period += solver.stepper().length();

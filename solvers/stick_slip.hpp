@@ -18,6 +18,9 @@ class StickSlip {
   StickSlip(SwitchingSystem&, double tolerance);
   /// No step of slip may be longer (stick is as long as it is); infinity to lift the bound.
   void bound_slip_step(double longest) { longest_slip_step_ = longest; }
+  /// Of a system that does not know the time: every switch sets the clock to 0, so that it resolves short slips between
+  /// long sticks.
+  void rewind_at_switches() { rewinds_ = true; }
   /// Begins at (t, y). The mode follows from the slip rate: stick where it is zero and the contact can hold.
   bool start(double t, std::span<const double> y);
   /// Begins at (t, y), where stick has just given way to slip along `direction`.
@@ -43,7 +46,8 @@ class StickSlip {
   double longest_slip_step_ = infinity;
   double upcoming_ = 0;
   bool switched_ = false;  ///< the last step ended in a switch: begin anew
-  bool armed_ = false;     ///< slip has left the neighbourhood of rest that it started from
+  bool rewinds_ = false;
+  bool armed_ = false;  ///< slip has left the neighbourhood of rest that it started from
   std::vector<double> work_, jacobian_, mass_, behind_switch_;
 };
 
