@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/tools/roots.hpp>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -350,14 +351,11 @@ std::vector<CriticalValue> critical_values(const SlidingStructure& sliding, cons
     const double b = i == points ? high : low * std::pow(high / low, double(i) / points);
     const Complex at_b = leading(b);
     if ((at_a.real() > 0) != (at_b.real() > 0)) {
-      double left = a, right = b;
-      const bool left_unstable = at_a.real() > 0;
-      Complex there = at_b;
-      for (int k = 0; k < 60 && right - left > 4e-16 * right; ++k) {
-        const double middle = 0.5 * (left + right);
-        there = leading(middle);
-        ((there.real() > 0) == left_unstable ? left : right) = middle;
-      }
+      std::uintmax_t iterations = 100;
+      const auto [left, right] =
+          boost::math::tools::toms748_solve([&](double value) { return leading(value).real(); }, a, b, at_a.real(),
+                                            at_b.real(), boost::math::tools::eps_tolerance<double>(51), iterations);
+      const Complex there = leading(0.5 * (left + right));
       found.push_back({0.5 * (left + right), std::abs(there.imag()), right - left + 1e-12 * right});
     }
     a = b, at_a = at_b;

@@ -95,7 +95,7 @@ std::complex<double> receptance(const Structure&, std::complex<double> s);
 struct CriticalValue {
   double value, angular_frequency, error;
 };
-/// Along a parameter from low to high on a logarithmic scan, each located by bisection.
+/// Along a parameter from low to high on a logarithmic scan, each located to its last digits.
 std::vector<CriticalValue> critical_values(const SlidingStructure&, const std::string& parameter, double low,
                                            double high, int points = 60);
 

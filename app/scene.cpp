@@ -95,7 +95,7 @@ void apply_override(toml::table& scene, const std::string& given) {
 
 /// Two numbers a line, separated by a comma or blanks; the first line may be a header. \throws InputError with the
 /// line.
-Signal::Table read_record(const fs::path& path) {
+Signal::Table read_signal(const fs::path& path) {
   Signal::Table record;
   std::istringstream lines(read_file(path, largest_record));
   std::string line;
@@ -165,7 +165,7 @@ Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::p
     if (file) {
       const fs::path record = text(*file, quantity.name + ".table");
       return Signal(
-          located(file->source(), [&] { return read_record(record.is_absolute() ? record : folder / record); }));
+          located(file->source(), [&] { return read_signal(record.is_absolute() ? record : folder / record); }));
     }
     if (noise) {
       Table keys(*noise, quantity.name + ".noise");
@@ -845,7 +845,7 @@ void read_lab(Table table, Scene& scene, const fs::path& folder) {
   if (experiment.takes_motion)
     if (const auto* record = table.find("record"))
       located(record->source(), [&] {
-        task.motion = read_record(folder / text(*record, table.path("record")));
+        task.motion = read_signal(folder / text(*record, table.path("record")));
         Signal{*task.motion};  // refuses empty records and times that do not ascend
       });
   if (auto sensor = table.table("sensor"))
