@@ -53,6 +53,7 @@ void Job::explain_model() const {
           states.empty()      ? std::string("no states")
           : model.lambda == 0 ? std::string("lambda = 0, so its states are in equilibrium: a friction curve")
                               : fmt::format("states {}", fmt::join(states, ", ")));
+  if (!law.approximation().empty()) explain("approximation: {}", law.approximation());
   explain("contact: {}", law.has_slip_rate()
                              ? "the friction coefficient is an unknown, because the slip rate is explicit"
                          : law.set_valued() ? "sticks exactly; switches between stick and slip are located events"

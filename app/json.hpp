@@ -25,9 +25,11 @@ inline ordered_json pairs(const std::vector<std::complex<double>>& list) {
 
 /// What every document of a scene begins with.
 inline ordered_json begin(const Scene& scene, const char* verb, const Outcome& outcome = {}) {
-  ordered_json document{{"title", scene.title},
-                        {"verb", verb}};
-  if (scene.model.law) document["law"] = scene.model.law->card().name;  // measured responses need none
+  ordered_json document{{"title", scene.title}, {"verb", verb}};
+  if (const auto& law = scene.model.law) {  // measured responses need none
+    document["law"] = law->card().name;
+    if (!law->approximation().empty()) document["approximation"] = law->approximation();
+  }
   document["version"] = ROSIN_VERSION;
   document["outcome"] = name(outcome.ending);
   if (!outcome.detail.empty()) document["outcome_detail"] = outcome.detail;

@@ -96,11 +96,16 @@ std::string to_json(std::span<const std::shared_ptr<const FrictionLaw>> laws) {
     for (const auto& p : law->presets())
       presets.push_back({{"name", p.name}, {"source", p.source}, {"values", values(law->parameters(), p.values)}});
     const auto& card = law->card();
+    auto option = ordered_json();
+    if (!card.option.of.empty())
+      option = {{"type", card.option.of}, {"key", card.option.key}, {"word", card.option.word}};
     document.push_back({{"name", card.name},
                         {"title", card.title},
                         {"formula", card.formula},
                         {"source", card.source},
                         {"limits", card.limits},
+                        {"approximation", card.approximation},
+                        {"option", std::move(option)},
                         {"set_valued", law->set_valued()},
                         {"parameters", std::move(parameters)},
                         {"states", std::move(states)},

@@ -329,6 +329,13 @@ void read_law(Table law, oscillators::Model& model) {
   const auto type_name = text(type, law.path("type"));
   const auto* formula = type_name == "formula" ? &law.required("formula", "the law as text") : nullptr;
   auto prototype = formula ? read_formula(*formula) : located(type.source(), [&] { return laws::find_law(type_name); });
+  for (const auto& other : laws::catalogue()) {
+    const auto& option = other->card().option;
+    const auto* word = option.of == type_name ? law.find(option.key) : nullptr;
+    if (word &&
+        choice(*word, law.path(option.key), {std::string(option.usual), std::string(option.word)}) == option.word)
+      prototype = other;
+  }
   if (const auto* name = law.find("preset"))
     prototype = located(name->source(), [&] { return laws::preset(*prototype, text(*name, law.path("preset"))); });
   auto values = prototype->values();
@@ -354,6 +361,10 @@ void read_law(Table law, oscillators::Model& model) {
       quantity.name = heat->path(quantity.name);
       *values[i] = number(node, quantity);
     }
+    if (const auto* word = heat->find("conduction"))
+      heating.kernel = choice(*word, heat->path("conduction"), {"lumped", "disc"}) == "disc"
+                           ? std::span<const laws::HeatMode>(laws::disc)
+                           : laws::lump;
     model.law = located(heat->source(), [&] { return laws::heated(model.law, heating); });
     heat->finish();
   }

@@ -39,6 +39,9 @@ void print_law(const FrictionLaw& law) {
   const auto& card = law.card();
   fmt::print("{}: {}\n  {}\n  source: {}\n  limits: {}\n", card.name, card.title, card.formula, card.source,
              card.limits);
+  if (!card.approximation.empty()) fmt::print("  approximation: {}\n", card.approximation);
+  if (!card.option.of.empty())
+    fmt::print("  also: type = \"{}\", {} = \"{}\"\n", card.option.of, card.option.key, card.option.word);
   for (std::size_t i = 0; i < law.parameters().size(); ++i) {
     const auto& p = law.parameters()[i];
     const auto value = std::visit([](const auto& v) { return fmt::format("{}", v); }, law.values()[i]);

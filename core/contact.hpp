@@ -49,7 +49,7 @@ struct ContactInput {
 /// ∂g/∂(z, u, N) and ∂F/∂(z, u, N). Row-major; `g_z` is unknowns × unknowns.
 template <class Real>
 struct Slopes {
-  static constexpr int capacity = 8;  ///< most unknowns of one contact
+  static constexpr int capacity = 16;  ///< most unknowns of one contact: of a law, its heat, and a spring
   Real g_z[capacity * capacity], g_u[capacity], g_N[capacity];
   Real F_z[capacity], F_u, F_N;
 };

@@ -11,13 +11,24 @@ namespace rosin {
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// Where a law stands beside another one, as its option: scenes may write type = "thermal", conduction = "disc" for
+/// "thermal-disc".
+struct LawOption {
+  std::string_view of;     ///< name of the other law
+  std::string_view key;    ///< key in [law]
+  std::string_view usual;  ///< word that means the other law
+  std::string_view word;   ///< word that means this one
+};
+
 /// What a law (or any named model) says of itself.
 struct Card {
   std::string_view name;  ///< the user's word: file, type, scene key, anchor in the docs
   std::string_view title;
-  std::string_view formula;  ///< LaTeX
-  std::string_view source;   ///< paper and equations
-  std::string_view limits;   ///< where the law stops being meaningful
+  std::string_view formula;             ///< LaTeX
+  std::string_view source;              ///< paper and equations
+  std::string_view limits;              ///< where the law stops being meaningful
+  std::string_view approximation = {};  ///< what is computed only nearly, and how nearly; empty if nothing
+  LawOption option = {};
 };
 
 /// Closed interval of accepted values.

@@ -19,18 +19,21 @@ ROSIN_INLINE Real steady_softening(const Real& q) {
   return 0.5 * (1.0 + sqrt(1.0 + 4.0 * q));
 }
 
-/// Rows and force of a heated contact. `law` has n unknowns; ϑ follows as unknown n, unless states are in equilibrium.
+/// Rows and force of a heated contact. `law` has n unknowns; ϑ follows as unknown n, then the parts of the kernel,
+/// unless states are in equilibrium.
 template <class Real>
 struct Heated {
   using Part = Portion<Real>;
   using Scalar = typename Part::Scalar;
   static constexpr int most = Slopes<double>::capacity;
   bool with_friction, equilibrium;
+  std::span<const HeatMode> kernel;
   Real resistance, time, softening, compliance;
 
   Heated(const ContactSetup& setup, const Heating& heating)
       : with_friction(setup.unknowns == Unknowns::friction),
         equilibrium(!with_friction && setup.lambda == 0),
+        kernel(heating.kernel),
         resistance(heating.resistance),
         time(heating.time),
         softening(heating.softening),
@@ -41,7 +44,7 @@ struct Heated {
     detail::set_lane(softening, lane, heating.softening);
     detail::set_lane(compliance, lane, setup.compliance);
   }
-  int added() const { return equilibrium ? 0 : 1; }
+  int added() const { return equilibrium ? 0 : int(kernel.size()); }
 
   /// The law's unknowns: at friction μ the cold law would have friction μ·h.
   void cold(const Real* z, int n, Real* z_cold) const {
@@ -74,9 +77,19 @@ struct Heated {
         } else {
           force = force / (1.0 + Part::of(z[n], p) / soft);
         }
-        if (!equilibrium) Part::of(g[n], p) = (R * force * Part::of(v, p) - Part::of(z[n], p)) / Part::of(time, p);
+        if (equilibrium) continue;
+        Scalar rise[most], rate[most];
+        for (std::size_t k = 0; k < kernel.size(); ++k) rise[k] = Part::of(z[n + k], p);
+        warm(R * force * Part::of(v, p), rise, p, rate);
+        for (std::size_t k = 0; k < kernel.size(); ++k) Part::of(g[n + k], p) = rate[k];
       }
     });
+  }
+  /// Rates of the temperatures. They are linear, so that slopes of R·F·v and of the temperatures give slopes of the
+  /// rates.
+  ROSIN_INLINE void warm(const Scalar& ends_at, const Scalar* rise, int p, Scalar* rate) const {
+    heat_rates(kernel, ends_at, rise, rate);
+    for (std::size_t k = 0; k < kernel.size(); ++k) rate[k] = rate[k] / Part::of(time, p);
   }
   void evaluate(const ContactValues<Real>& law, const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const {
     const int n = law.unknowns();
@@ -125,9 +138,9 @@ class HeatedContact final : public Contact<Real> {
         for (int i = 0; i < n; ++i) {
           for (int j = 0; j < n; ++j)
             part(slopes.g_z[i * all + j]) = part(cold.g_z[i * n + j]) * (with_friction && j == 0 ? h : Scalar(1.0));
-          if (!equilibrium)
-            part(slopes.g_z[i * all + n]) =
-                with_friction ? part(cold.g_z[i * n]) * Part::of(z[0], p) / soft : Scalar(0.0);
+          for (int j = n; j < all; ++j)
+            part(slopes.g_z[i * all + j]) =
+                with_friction && j == n ? part(cold.g_z[i * n]) * Part::of(z[0], p) / soft : Scalar(0.0);
           part(slopes.g_u[i]) = part(cold.g_u[i]);
           part(slopes.g_N[i]) = part(cold.g_N[i]);
         }
@@ -146,18 +159,22 @@ class HeatedContact final : public Contact<Real> {
           part(slopes.F_u) = part(cold.F_u) * by_force - cold_force / (h * h) * stiffening * R * cold_force / soft;
           part(slopes.F_N) = part(cold.F_N) * by_force;
         } else {
-          for (int j = 0; j < n; ++j) part(slopes.F_z[j]) = part(cold.F_z[j]) / h;
+          for (int j = 0; j < all; ++j) part(slopes.F_z[j]) = j < n ? part(cold.F_z[j]) / h : Scalar(0.0);
           part(slopes.F_z[n]) = -force / (h * soft);
           part(slopes.F_u) = part(cold.F_u) / h;
           part(slopes.F_N) = part(cold.F_N) / h;
         }
         if (!equilibrium) {
-          const Scalar& t = Part::of(rows_.time, p);
-          for (int j = 0; j < all; ++j)
-            part(slopes.g_z[n * all + j]) = R * (part(slopes.F_z[j]) * part(v) + force * v_z[j]) / t;
-          part(slopes.g_z[n * all + n]) = part(slopes.g_z[n * all + n]) - 1.0 / t;
-          part(slopes.g_u[n]) = R * (part(slopes.F_u) * part(v) + force * v_u) / t;
-          part(slopes.g_N[n]) = R * (part(slopes.F_N) * part(v) + force * v_N) / t;
+          const auto by = [&](const Scalar& F_x, const Scalar& v_x, int moved, Real* rows, int stride)
+              __attribute__((always_inline)) {
+            Scalar rise[most], rate[most];
+            for (int k = 0; k < all - n; ++k) rise[k] = k == moved ? 1.0 : 0.0;
+            rows_.warm(R * (F_x * part(v) + force * v_x), rise, p, rate);
+            for (int k = 0; k < all - n; ++k) part(rows[k * stride]) = rate[k];
+          };
+          for (int j = 0; j < all; ++j) by(part(slopes.F_z[j]), v_z[j], j - n, slopes.g_z + n * all + j, all);
+          by(part(slopes.F_u), v_u, -1, slopes.g_u + n, 1);
+          by(part(slopes.F_N), v_N, -1, slopes.g_N + n, 1);
         }
       }
     });
@@ -175,7 +192,7 @@ class HeatedContact final : public Contact<Real> {
   }
 
   void slip(const Real& N, const Real* z, Real& v, Real* g, Real* v_z, Real* g_z) const override {
-    const int n = law_->unknowns(), all = n + 1;
+    const int n = law_->unknowns(), all = unknowns();
     Real z_cold[most], cold_v_z[most], cold_g_z[most * most];
     rows_.cold(z, n, z_cold);
     law_->slip(N, z_cold, v, g, cold_v_z, cold_g_z);
@@ -185,23 +202,29 @@ class HeatedContact final : public Contact<Real> {
         const Scalar h = 1.0 + rise / soft;
         const auto warm = [&](const Real* from, Real* to) __attribute__((always_inline)) {
           for (int j = 0; j < n; ++j) Part::of(to[j], p) = Part::of(from[j], p) * (j == 0 ? h : Scalar(1.0));
-          Part::of(to[n], p) = Part::of(from[0], p) * mu / soft;
+          for (int j = n; j < all; ++j) Part::of(to[j], p) = j == n ? Part::of(from[0], p) * mu / soft : Scalar(0.0);
         };
         warm(cold_v_z, v_z);
         for (int i = 0; i < n - 1; ++i) warm(cold_g_z + i * n, g_z + i * all);
-        const Scalar power = Part::of(rows_.resistance, p) * Part::of(N, p) / Part::of(rows_.time, p);
-        Real* row = g_z + (n - 1) * all;
-        Part::of(g[n - 1], p) = power * mu * Part::of(v, p) - rise / Part::of(rows_.time, p);
-        for (int j = 0; j < all; ++j) Part::of(row[j], p) = power * mu * Part::of(v_z[j], p);
-        Part::of(row[0], p) = Part::of(row[0], p) + power * Part::of(v, p);
-        Part::of(row[n], p) = Part::of(row[n], p) - 1.0 / Part::of(rows_.time, p);
+        const Scalar per_slip = Part::of(rows_.resistance, p) * Part::of(N, p) * mu;
+        Scalar temperatures[most], rate[most];
+        for (int k = 0; k < all - n; ++k) temperatures[k] = Part::of(z[n + k], p);
+        rows_.warm(per_slip * Part::of(v, p), temperatures, p, rate);
+        for (int k = 0; k < all - n; ++k) Part::of(g[n - 1 + k], p) = rate[k];
+        for (int j = 0; j < all; ++j) {
+          Scalar ends_at = per_slip * Part::of(v_z[j], p);
+          if (j == 0) ends_at = ends_at + Part::of(rows_.resistance, p) * Part::of(N, p) * Part::of(v, p);
+          for (int k = 0; k < all - n; ++k) temperatures[k] = n + k == j ? 1.0 : 0.0;
+          rows_.warm(ends_at, temperatures, p, rate);
+          for (int k = 0; k < all - n; ++k) Part::of(g_z[(n - 1 + k) * all + j], p) = rate[k];
+        }
       }
     });
   }
 
   void mass(const Real& N, Real* m) const override {
     law_->mass(N, m);
-    if (!rows_.equilibrium) m[law_->unknowns()] = mass_;
+    for (int k = law_->unknowns(); k < unknowns(); ++k) m[k] = mass_;
   }
 
   void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) override {
@@ -209,7 +232,7 @@ class HeatedContact final : public Contact<Real> {
     law_->load(lane, parameters.first(own), setup);
     rows_.load(lane, setup,
                {std::get<double>(parameters[own]), std::get<double>(parameters[own + 1]),
-                std::get<double>(parameters[own + 2])});
+                std::get<double>(parameters[own + 2]), rows_.kernel});
     detail::set_lane(mass_, lane, setup.lambda);
   }
 
@@ -220,6 +243,8 @@ class HeatedContact final : public Contact<Real> {
     const double q = strength_of(lane, u, N), h = steady_softening(q), soft = of(rows_.softening, lane);
     z[n] = soft * q / h;
     weight[n] = std::max(z[n], 1e-3 * soft);
+    for (std::size_t k = 1; k < rows_.kernel.size(); ++k)
+      z[n + k] = rows_.kernel[k].share * z[n], weight[n + k] = rows_.kernel[k].share * weight[n];
     if (rows_.with_friction) z[0] /= h, weight[0] /= h;
   }
 
@@ -231,6 +256,7 @@ class HeatedContact final : public Contact<Real> {
     for (int i = 0; i < states; ++i) slopes[i] /= h;
     Real mu;
     law_->steady_friction(Real(u), Real(N), mu);
+    std::fill_n(slopes + states, rows_.added(), 0.0);
     slopes[states] = -of(mu, lane) / (h * h * of(rows_.softening, lane));
   }
 
@@ -271,13 +297,29 @@ class HeatedLaw final : public FrictionLaw {
       parameters_.back().name = "heating." + quantity.name;
     }
     states_ = law_->states();
+    own_states_ = states_.size();
     states_.push_back({"temperature_rise", "K", {0, 1e15}, "temperature of the contact above its surroundings"});
+    for (std::size_t k = 1; k < heating.kernel.size(); ++k)
+      states_.push_back(
+          {fmt::format("temperature_part_{}", k),
+           "K",
+           {0, 1e15},
+           fmt::format("part of it with the relaxation time {:.3g} heating.time", heating.kernel[k].time)});
+    constexpr int beside_states = 2;  // friction, or the law's slip rate, and the deflection of a spring
+    if (int(states_.size()) + beside_states > Slopes<double>::capacity)
+      throw InputError(
+          fmt::format("law '{}' with heating has {} states, and a contact has room for {}; take conduction "
+                      "through one lump",
+                      card().name, states_.size(), Slopes<double>::capacity - beside_states));
     values_ = law_->values();
     for (const double x : {heating.resistance, heating.time, heating.softening}) values_.emplace_back(x);
     check_parameters(card(), parameters_, values_);
   }
 
   const Card& card() const override { return law_->card(); }
+  std::string_view approximation() const override {
+    return heating_.kernel.data() == disc ? disc_approximation : law_->approximation();
+  }
   const std::vector<Quantity>& parameters() const override { return parameters_; }
   const std::vector<Quantity>& states() const override { return states_; }
   const std::vector<Preset>& presets() const override { return law_->presets(); }
@@ -287,7 +329,7 @@ class HeatedLaw final : public FrictionLaw {
     const auto own = std::ptrdiff_t(values.size() - heating_count);
     const auto number = [&](std::ptrdiff_t i) { return std::get<double>(values[std::size_t(own + i)]); };
     return std::make_shared<HeatedLaw>(law_->with({values.begin(), values.begin() + own}),
-                                       Heating{number(0), number(1), number(2)});
+                                       Heating{number(0), number(1), number(2), heating_.kernel});
   }
 
   bool has_slip_rate() const override { return law_->has_slip_rate(); }
@@ -299,13 +341,18 @@ class HeatedLaw final : public FrictionLaw {
   std::vector<double> rate(Sliding<double> at, std::span<const double> state) const override {
     auto rates = law_->rate(at, cold(state));
     const double power = at.normal_load * friction(at, state) * at.slip_rate;
-    rates.push_back((heating_.resistance * power - state.back()) / heating_.time);
+    const auto rise = state.subspan(own_states_);
+    rates.resize(states_.size());
+    heat_rates(heating_.kernel, heating_.resistance * power, rise.data(), rates.data() + own_states_);
+    for (std::size_t k = own_states_; k < rates.size(); ++k) rates[k] /= heating_.time;
     return rates;
   }
   std::vector<double> steady(Sliding<double> at) const override {
     auto state = law_->steady(at);
     const double q = strength(at, law_->steady_friction(at).friction);
-    state.push_back(heating_.softening * q / steady_softening(q));  // ϑ/ϑ_s = h − 1, free of its cancellation
+    const double rise = heating_.softening * q / steady_softening(q);  // ϑ/ϑ_s = h − 1, free of its cancellation
+    state.push_back(rise);
+    for (const auto& mode : heating_.kernel.subspan(1)) state.push_back(mode.share * rise);
     return state;
   }
   double slip_rate(double mu, double normal_load, std::span<const double> state) const override {
@@ -314,7 +361,7 @@ class HeatedLaw final : public FrictionLaw {
   }
   std::vector<double> rest(double normal_load) const override {
     auto state = law_->rest(normal_load);
-    state.push_back(0);
+    state.resize(states_.size(), 0.0);
     return state;
   }
   double static_limit(double normal_load, std::span<const double> state) const override {
@@ -322,7 +369,7 @@ class HeatedLaw final : public FrictionLaw {
   }
   std::vector<double> after_stop(std::span<const double> state) const override {
     auto after = law_->after_stop(cold(state));
-    after.push_back(state.back());
+    after.insert(after.end(), state.begin() + std::ptrdiff_t(own_states_), state.end());
     return after;
   }
   Steady steady_friction(Sliding<double> at) const override {
@@ -359,10 +406,10 @@ class HeatedLaw final : public FrictionLaw {
     if (state.size() != states_.size())
       throw InputError(
           fmt::format("law '{}' with heating has {} state(s), got {}", card().name, states_.size(), state.size()));
-    return state.first(state.size() - 1);
+    return state.first(own_states_);
   }
   double softened(std::span<const double> state) const {
-    return state.empty() ? 1 : 1 + state.back() / heating_.softening;
+    return state.empty() ? 1 : 1 + state[own_states_] / heating_.softening;
   }
   /// q = R·F₀·v/ϑ_s from the cold coefficient.
   double strength(Sliding<double> at, double mu) const {
@@ -372,6 +419,7 @@ class HeatedLaw final : public FrictionLaw {
   std::shared_ptr<const FrictionLaw> law_;
   Heating heating_;
   std::vector<Quantity> parameters_, states_;
+  std::size_t own_states_;  ///< of the law without heating
   std::vector<Value> values_;
 };
 

@@ -50,6 +50,8 @@ class FrictionLaw {
   virtual ~FrictionLaw() = default;
 
   virtual const Card& card() const = 0;
+  /// What is computed only nearly, and how nearly; empty if nothing is.
+  virtual std::string_view approximation() const { return card().approximation; }
   virtual const std::vector<Quantity>& parameters() const = 0;
   virtual const std::vector<Quantity>& states() const = 0;
   virtual const std::vector<Preset>& presets() const = 0;

@@ -11,6 +11,7 @@
 #include "laws/kato_tullis.hpp"
 #include "laws/loading_rate.hpp"
 #include "laws/lugre.hpp"
+#include "laws/lugre_unscaled.hpp"
 #include "laws/nagata.hpp"
 #include "laws/prz.hpp"
 #include "laws/slip.hpp"
@@ -21,6 +22,7 @@
 #include "laws/stribeck.hpp"
 #include "laws/tabulated.hpp"
 #include "laws/thermal.hpp"
+#include "laws/thermal_disc.hpp"
 #include "laws/two_exponential.hpp"
 #include "laws/two_state_ageing.hpp"
 #include "laws/two_state_slip.hpp"
@@ -46,6 +48,7 @@ using Shipped = LawList<Coulomb,         //
                         BowdenTabor,     //
                         FlashHeating,    //
                         Lugre,           //
+                        LugreUnscaled,   //
                         Dahl,            //
                         SlipDistance,    //
                         SlipWeakening,   //
@@ -53,6 +56,7 @@ using Shipped = LawList<Coulomb,         //
                         KatoGrowth,      //
                         LoadingRate,     //
                         Thermal,         //
+                        ThermalDisc,     //
                         Film>;
 
 }  // namespace rosin::laws

@@ -4,6 +4,7 @@
 #include <complex>
 
 #include "analysis/cycle.hpp"
+#include "analysis/map.hpp"
 #include "analysis/run.hpp"
 #include "analysis/stability.hpp"
 #include "laws/catalogue.hpp"
@@ -233,6 +234,37 @@ TEST_CASE("a heated contact warms as its equation says, and answers to slip with
     const double slope = model.law->steady_friction({V, N}).slope;
     CHECK(N * slope == Approx(-F * F * R / (h * soft) / (1 + R * V * F / (h * soft))).epsilon(1e-12));
   }
+}
+
+TEST_CASE("every law, bare and heated, has cycles and planes", "[wrappers]") {
+  std::vector<std::shared_ptr<const FrictionLaw>> all;
+  for (const auto& law : laws::catalogue()) {
+    all.push_back(law);
+    if (!law->deflects()) all.push_back(laws::heated(law, {30, 0.3, 5}));
+  }
+  for (const char* name : {"coulomb", "spinodal", "static-growth"})
+    all.push_back(laws::heated(laws::find_law(name), {30, 0.3, 5, laws::disc}));
+  MapOptions options;
+  options.x = make_axis("drive.normal_load", 0.5, 5, 2, true, {});
+  options.y = make_axis("drive.speed", 1e-5, 1e-3, 2, true, {});
+  options.metrics = {"period"};
+  options.tolerance = 1e-3;
+  long cycles = 0;
+  for (const auto& law : all) {
+    INFO(law->card().name << " with " << law->states().size() << " states");
+    Model model = slider(law, 1e-4, 0.5);
+    model.slider = {1, 20, 0.3};
+    const auto plane = compute_map(model, options);
+    for (const auto& point : plane.points) {
+      CAPTURE(point.why);
+      CHECK((point.regime != Regime::failed || !point.why.empty()));
+      if (point.regime != Regime::cycle && point.regime != Regime::bistable) continue;
+      ++cycles;
+      CHECK(point.metrics.period > 0);
+      CHECK(point.error.period <= 1e-2 * point.metrics.period);
+    }
+  }
+  CHECK(cycles > 100);
 }
 
 TEST_CASE("every law in every wrapper slides, oscillates and is judged", "[wrappers]") {

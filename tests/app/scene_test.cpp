@@ -106,6 +106,24 @@ TEST_CASE("a law alone is enough for its curve") {
             .model.law->friction({5e-4, 1}, {}) < 0.4);
 }
 
+TEST_CASE("an option of a law takes the law that stands for it, with its own units") {
+  const auto law = [](const std::string& text) { return read("[law]\n" + text, Verb::curve).model.law; };
+  const auto free = law("type = 'lugre'\nload_scaling = 'none'\nsigma0 = '20 N/mm'");
+  CHECK(free->card().name == "lugre-unscaled");
+  CHECK(free->parameter("sigma0") == 2e4);
+  CHECK(law("type = 'lugre'\nload_scaling = 'load'\nsigma0 = 2e4")->card().name == "lugre");
+  CHECK(law("type = 'thermal'\nconduction = 'disc'\ntime = '1 ms'")->card().name == "thermal-disc");
+  CHECK(law("type = 'thermal'\nconduction = 'lumped'\nC = 1e-6")->card().name == "thermal");
+  const auto heated =
+      law("type = 'coulomb'\n[law.heating]\nresistance = 3\ntime = 0.1\nsoftening = 9\nconduction = 'disc'");
+  CHECK(heated->states().size() == 10);
+  CHECK(heated->states()[0].name == "temperature_rise");
+  CHECK_THAT(refusal("[law]\ntype = 'lugre'\nload_scaling = 'some'\n", Verb::curve),
+             Catch::Contains("scene.toml:3:16: law.load_scaling = 'some' is not known"));
+  CHECK_THAT(refusal("[law]\ntype = 'dahl'\nload_scaling = 'none'\n", Verb::curve),
+             Catch::Contains("unknown key 'load_scaling' in [law]"));
+}
+
 TEST_CASE("drive signals are read in every form") {
   const auto drive = [](const std::string& load) {
     return read(spinodal + "[oscillator]\nmass = 1\nstiffness = 1\n[drive]\nspeed = 1\nnormal_load = " + load,

@@ -11,6 +11,8 @@ namespace {
 double curve(double w) { return 0.35 + 0.4 * std::exp(-w / 0.01) + 0.45 * std::exp(-w / 0.1); }
 /// Steady rise of temperature, K, with h0 = 1e-3 and h1 = 8e-3.
 double rise(double w) { return curve(w) * w / (1e-3 + 8e-3 * w); }
+/// The law's state for the temperature of steady sliding at w.
+double state(double w) { return w / (1 + 8 * w); }
 }  // namespace
 
 TEST_CASE("thermal: steady sliding has the curve that the law is calibrated by", "[laws][thermal]") {
@@ -31,7 +33,8 @@ TEST_CASE("thermal: its state obeys the heat balance", "[laws][thermal]") {
       const double h = 1e-5 * w,
                    slope = (8 * (rise(w + h / 2) - rise(w - h / 2)) - (rise(w + h) - rise(w - h))) / (6 * h);
       const double heating = (curve(w) * v - (1e-3 + 8e-3 * v) * rise(w)) / 5e-7;  // K/s
-      CHECK(law->rate({v, 1}, std::vector{w})[0] * slope == Approx(heating).epsilon(1e-8));
+      const double w_y = (1 + 8 * w) * (1 + 8 * w);
+      CHECK(law->rate({v, 1}, std::vector{state(w)})[0] * w_y * slope == Approx(heating).epsilon(1e-8));
     }
 }
 
@@ -60,7 +63,7 @@ TEST_CASE("thermal: friction answers a small oscillation of the slip rate late, 
 TEST_CASE("thermal: after a step in slip rate friction goes to the new curve without a jump", "[laws][thermal]") {
   const auto law = laws::find_law("thermal");
   const auto rate = [&](double w) { return law->rate({0.2, 1}, std::vector{w})[0]; };
-  double w = 0.05, last = curve(w);
+  double w = state(0.05), last = curve(0.05);
   constexpr double h = 1e-6;
   for (int i = 0; i < 20000; ++i) {  // classical Runge-Kutta
     const double k1 = rate(w), k2 = rate(w + h / 2 * k1), k3 = rate(w + h / 2 * k2), k4 = rate(w + h * k3);
@@ -71,6 +74,22 @@ TEST_CASE("thermal: after a step in slip rate friction goes to the new curve wit
     last = mu;
   }
   CHECK(last == Approx(curve(0.2)).epsilon(1e-9));
+}
+
+TEST_CASE("thermal: a contact of fixed area is hotter under more load", "[laws][thermal]") {
+  const auto law = laws::find_law("thermal")->with("area_exponent", 0.0);
+  CHECK(law->steady_friction({0.1, 1}).friction == Approx(0.515563908499).epsilon(1e-11));
+  // Without what is swept away, five times the load heats as five times the speed.
+  const auto still = law->with("h1", 0.0);
+  CHECK(still->steady_friction({0.01, 5}).friction == Approx(curve(0.05)).epsilon(1e-14));
+  CHECK(still->rate({0.01, 5}, std::vector{0.05})[0] == Approx(0).margin(1e-12));
+  // 2.5 N at 0.1 m/s: 48.6 K, beyond the 43.75 K of fastest sliding at 1 N, so that friction is that of a hot contact.
+  const double hot = law->steady({0.1, 2.5})[0];
+  CHECK(0.35 * hot / 1e-3 == Approx(48.6111111111).epsilon(1e-11));
+  CHECK(law->steady_friction({0.1, 2.5}).friction == 0.35);
+  // Half the area by load: m = 1/2 under 4 N is a fixed area under 2 N.
+  CHECK(law->with("area_exponent", 0.5)->steady_friction({0.03, 4}).friction ==
+        Approx(law->steady_friction({0.03, 2}).friction).epsilon(1e-14));
 }
 
 TEST_CASE("thermal: a curve that falls too steeply for the heat balance is refused", "[laws][thermal]") {
