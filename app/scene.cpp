@@ -262,7 +262,8 @@ Quantity read_quantity(Table& table, const std::string& name, Range range) {
 
 std::shared_ptr<const FrictionLaw> read_formula(const toml::node& node) {
   Table table(node, "law.formula");
-  table.expect({"title", "parameters", "states", "define", "friction", "rate", "steady", "slip_rate", "static_limit"});
+  table.expect({"title", "parameters", "states", "define", "friction", "rate", "steady", "slip_rate", "static_limit",
+                "rest", "after_stop", "size"});
   laws::FormulaDescription law;
   if (const auto* title = table.find("title")) law.title = text(*title, table.path("title"));
 
@@ -317,6 +318,9 @@ std::shared_ptr<const FrictionLaw> read_formula(const toml::node& node) {
   law.friction = text(table.required("friction", "coefficient of friction, a formula"), table.path("friction"));
   law.rate = of_states("rate");
   law.steady = of_states("steady");
+  law.rest = of_states("rest");
+  law.after_stop = of_states("after_stop");
+  law.size = of_states("size");
   law.slip_rate = expression("slip_rate");
   law.static_limit = expression("static_limit");
   table.finish();

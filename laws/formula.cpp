@@ -15,7 +15,7 @@ namespace rosin::laws {
 
 namespace {
 
-constexpr int most_states = Slopes<double>::capacity - 1;
+constexpr int most_states = 7;
 constexpr std::size_t most_names = 200;
 
 /// Inputs of tapes. Contacts carry states from `first_state` on, as their unknowns.
@@ -98,6 +98,7 @@ class Words final : public Names {
 struct Expressions {
   int friction = -1, slip_rate = -1, static_limit = -1;
   std::vector<int> rate, steady;
+  std::vector<int> rest, after_stop, size;  ///< by default the steady state of slowest creep, and twice the state asked
 };
 
 class Reader {
@@ -108,42 +109,64 @@ class Reader {
     Expressions read;
     const std::size_t states = law_.states.size();
     if (states > std::size_t(most_states)) refuse("states", fmt::format("more than {} states", most_states));
-    read.friction = node("friction", law_.friction, {}, true, true);
+    read.friction = node("friction", law_.friction, {}, {.slip_rate = true, .states = true});
+    const auto written = [&](const std::vector<std::string>& list, std::size_t k) {
+      return k < list.size() && !list[k].empty();
+    };
     for (std::size_t k = 0; k < states; ++k) {
       const auto& state = law_.states[k];
       const auto unit = Words::unit_of(state.unit);
-      if (law_.rate.size() <= k || law_.rate[k].empty())
-        refuse("rate", fmt::format("there is no rate of state '{}'", state.name));
-      if (law_.steady.size() <= k || law_.steady[k].empty())
+      if (!written(law_.rate, k)) refuse("rate", fmt::format("there is no rate of state '{}'", state.name));
+      if (!written(law_.steady, k))
         refuse("steady",
                fmt::format("there is no steady state of '{}': give the value at which its rate vanishes, as a "
                            "formula of v and N",
                            state.name));
-      read.rate.push_back(node("rate." + state.name, law_.rate[k], unit / Words::unit_of("s"), true, true));
-      read.steady.push_back(node("steady." + state.name, law_.steady[k], unit, true, false));
+      read.rate.push_back(
+          node("rate." + state.name, law_.rate[k], unit / Words::unit_of("s"), {.slip_rate = true, .states = true}));
+      const int steady = node("steady." + state.name, law_.steady[k], unit, {.slip_rate = true});
+      read.steady.push_back(steady);
+      const int own = graph_.input(Input::first_state + int(k));
+      read.size.push_back(written(law_.size, k) ? node("size." + state.name, law_.size[k], unit, {.load = false})
+                                                : own);
+      const int creep[] = {Symbol(FrictionLaw::slowest_creep).in(graph_), graph_.input(Input::normal_load)};
+      read.rest.push_back(written(law_.rest, k) ? node("rest." + state.name, law_.rest[k], unit, {})
+                                                : graph_.substitute({&steady, 1}, creep).front());
+      if (written(law_.after_stop, k) && law_.static_limit.empty())
+        refuse("after_stop", "is of use beside a static_limit only: else nothing ever stops; leave it out");
+      read.after_stop.push_back(written(law_.after_stop, k) ? node("after_stop." + state.name, law_.after_stop[k], unit,
+                                                                   {.load = false, .states = true})
+                                                            : own);
     }
     if (!law_.slip_rate.empty()) {
       if (states == 0) refuse("slip_rate", "is of use to laws with states only; leave it out");
-      read.slip_rate = node("slip_rate", law_.slip_rate, Words::unit_of("m/s"), false, true);
+      if (!law_.static_limit.empty())
+        refuse("slip_rate", "does not go with a static_limit, which makes friction at rest any value; leave one out");
+      read.slip_rate = node("slip_rate", law_.slip_rate, Words::unit_of("m/s"), {.states = true});
     }
     if (!law_.static_limit.empty()) {
-      if (states > 0) refuse("static_limit", "is for laws without states only; leave it out");
-      read.static_limit = node("static_limit", law_.static_limit, {}, false, false);
+      read.static_limit = node("static_limit", law_.static_limit, {}, {.states = true});
     }
     for (const auto& [name, text] : law_.define) words_.find(name, 0);  // wrong ones are refused, used or not
     return read;
   }
 
  private:
-  int node(const std::string& path, const std::string& text, const Dimension& unit, bool of_v, bool of_states) {
+  /// What an expression may depend on beside the parameters.
+  struct Knows {
+    bool load = true, slip_rate = false, states = false;
+  };
+  int node(const std::string& path, const std::string& text, const Dimension& unit, Knows knows) {
     const auto value = parse_expression(graph_, words_, path, text);
     if (value.dimension != unit)
       refuse(path, fmt::format("must be {}, but is {}", in_words(unit), in_words(value.dimension)));
-    if (!of_v && graph_.uses_input(value.node, Input::slip_rate))
+    if (!knows.slip_rate && graph_.uses_input(value.node, Input::slip_rate))
       refuse(path, "must not depend on the slip rate v, directly or through a definition");
     if (path != "slip_rate" && graph_.uses_input(value.node, Input::friction))
       refuse(path, "uses mu, which is known in slip_rate only");
-    for (std::size_t k = 0; k < law_.states.size() && !of_states; ++k)
+    if (!knows.load && graph_.uses_input(value.node, Input::normal_load))
+      refuse(path, "must not depend on the normal load N, directly or through a definition");
+    for (std::size_t k = 0; k < law_.states.size() && !knows.states; ++k)
       if (graph_.uses_input(value.node, Input::first_state + int(k)))
         refuse(path,
                fmt::format("must not depend on the state '{}', directly or through a definition", law_.states[k].name));
@@ -211,9 +234,9 @@ struct Program {
   std::vector<Value> defaults;
   int states;
   bool has_slip_rate, set_valued;
-  Tape friction, rate, steady, slip_rate, static_limit;  ///< of (v, N, mu, states)
-  Tape friction_slopes, slip_rate_slope;                 ///< ∂μ/∂ψ, ∂v/∂μ
-  Tape steady_coefficient, steady_slope;                 ///< μ_ss(v), odd; μ_ss and dμ_ss/dv on the side of v > 0
+  Tape friction, rate, steady, slip_rate, static_limit, rest, after_stop, size;  ///< of (v, N, mu, states)
+  Tape friction_slopes, slip_rate_slope;                                         ///< ∂μ/∂ψ, ∂v/∂μ
+  Tape steady_coefficient, steady_slope;  ///< μ_ss(v), odd; μ_ss and dμ_ss/dv on the side of v > 0
   ContactTapes of_friction, of_states, of_equilibrium;
   PoolTape pool;
 
@@ -250,6 +273,9 @@ Program::Program(const FormulaDescription& description)
   friction = one(nodes.friction);
   rate = tape(nodes.rate);
   steady = tape(nodes.steady);
+  rest = tape(nodes.rest);
+  after_stop = tape(nodes.after_stop);
+  size = tape(nodes.size);
   std::vector<int> slopes;
   for (int k = 0; k < states; ++k)
     slopes.push_back(graph.differentiate({&nodes.friction, 1}, Input::first_state + k).front());
@@ -337,7 +363,8 @@ struct Answering {
     answer(program.steady, at.slip_rate, at.normal_load, 0, nullptr, state);
   }
   void sizes(const double* steady, double* sizes) const {
-    for (int k = 0; k < states; ++k) sizes[k] = std::abs(steady[k]);
+    answer(program.size, 0, 0, 0, steady, sizes);
+    for (int k = 0; k < states; ++k) sizes[k] = std::abs(sizes[k]);
   }
   double slip_rate(double mu, double N, const double* state) const {
     double v;
@@ -507,35 +534,33 @@ class FormulaLaw final : public FrictionLaw {
   double friction(Sliding<double> at, std::span<const double> state) const override {
     require_states(state);
     const double direction = set_valued() ? sign(at.slip_rate) : 1.0;
-    const double speed = set_valued() ? std::abs(at.slip_rate) : at.slip_rate;
-    return finite_answer(card(), "friction", at,
-                         direction * answering().friction({speed, at.normal_load}, state.data()));
+    return finite_answer(card(), "friction", at, direction * answering().friction(asked(at), state.data()));
   }
   std::vector<double> rate(Sliding<double> at, std::span<const double> state) const override {
     require_states(state);
-    std::vector<double> rates(state.size());
-    answering().rate(at, state.data(), rates.data());
-    for (const double x : rates) finite_answer(card(), "rate", at, x);
-    return rates;
+    return of_states("rate", program_->rate, asked(at), state.data());
   }
   std::vector<double> steady(Sliding<double> at) const override {
-    std::vector<double> state(states().size());
-    answering().steady(at, state.data());
-    for (const double x : state) finite_answer(card(), "steady state", at, x);
-    return state;
+    return of_states("steady state", program_->steady, asked(at), nullptr);
   }
   double slip_rate(double mu, double normal_load, std::span<const double> state) const override {
     if (!has_slip_rate()) throw InputError(fmt::format("law '{}' has no explicit slip rate", card().name));
     require_states(state);
     return answering().slip_rate(mu, normal_load, state.data());
   }
-  std::vector<double> rest(double normal_load) const override { return steady({slowest_creep, normal_load}); }
-  std::vector<double> after_stop(std::span<const double> state) const override { return {state.begin(), state.end()}; }
-  double static_limit(double normal_load, std::span<const double>) const override {
+  std::vector<double> rest(double normal_load) const override {
+    return of_states("state at rest", program_->rest, {0, normal_load}, nullptr);
+  }
+  std::vector<double> after_stop(std::span<const double> state) const override {
+    require_states(state);
+    return of_states("state after a stop", program_->after_stop, {}, state.data());
+  }
+  double static_limit(double normal_load, std::span<const double> state) const override {
     if (!set_valued())
       throw InputError(fmt::format("law '{}' has no static limit: its force at rest is unique", card().name));
+    require_states(state);
     double limit;
-    answering().answer(program_->static_limit, 0, normal_load, 0, nullptr, &limit);
+    answering().answer(program_->static_limit, 0, normal_load, 0, state.data(), &limit);
     return finite_answer(card(), "static limit", {0, normal_load}, limit);
   }
   Steady steady_friction(Sliding<double> at) const override {
@@ -576,6 +601,17 @@ class FormulaLaw final : public FrictionLaw {
           fmt::format("law '{}' has no explicit slip rate: its contact cannot carry μ as unknown", card().name));
     return setup;
   }
+  /// Set-valued laws are asked for slip along v.
+  Sliding<double> asked(Sliding<double> at) const {
+    if (set_valued()) at.slip_rate = std::abs(at.slip_rate);
+    return at;
+  }
+  std::vector<double> of_states(const char* question, const Tape& tape, Sliding<double> at, const double* state) const {
+    std::vector<double> answers(states().size());
+    answering().answer(tape, at.slip_rate, at.normal_load, 0, state, answers.data());
+    for (const double x : answers) finite_answer(card(), question, at, x);
+    return answers;
+  }
   void require_states(std::span<const double> values) const {
     if (values.size() != states().size())
       throw InputError(fmt::format("law '{}' has {} state(s), got {}", card().name, states().size(), values.size()));
@@ -614,9 +650,12 @@ class Interview {
         refuse("steady." + quantity.name, fmt::format("is {} at {}, outside its range {} … {}", state_[k], where(),
                                                       quantity.range.low, quantity.range.high));
     }
+    if (!state_.empty()) check_rate();
     if (law_.set_valued()) {
-      if (const double limit = asked("static_limit", [&] { return law_.static_limit(1); }); limit < 0)
-        refuse("static_limit", fmt::format("is {}, but must not be negative", limit));
+      const auto rest = asked("rest", [&] { return law_.rest(1); });
+      for (const auto& state : {rest, asked("after_stop", [&] { return law_.after_stop(rest); })})
+        if (const double limit = asked("static_limit", [&] { return law_.static_limit(1, state); }); limit < 0)
+          refuse("static_limit", fmt::format("is {}, but must not be negative", limit));
       return;
     }
     const Sliding<double> back{-at_.slip_rate, 1};
@@ -625,7 +664,6 @@ class Interview {
       refuse("friction", fmt::format("must change sign with v, but is {} at {} and {} at v = {} m/s; a law in ln(v) is "
                                      "written with asinh_exp (or give static_limit, and v ≥ 0 alone is asked)",
                                      mu, where(), opposite, back.slip_rate));
-    if (!state_.empty()) check_rate();
     if (law_.has_slip_rate()) check_slip_rate();
   }
 

@@ -23,8 +23,11 @@ struct FormulaDescription {
   std::vector<std::pair<std::string, std::string>> define;  ///< names of parts and what they stand for
   std::string friction;
   std::vector<std::string> rate, steady;  ///< of each state: dψ/dt for λ = 1, and ψ of steady sliding
+  std::vector<std::string> rest;          ///< of each state after long rest; empty: that of the slowest creep
+  std::vector<std::string> after_stop;    ///< of each state, what a stop makes of it; empty: nothing
+  std::vector<std::string> size;          ///< of each state, what its changes are measured by; empty: its steady value
   std::string slip_rate;                  ///< v from mu; empty: none
-  std::string static_limit;               ///< largest coefficient at rest; empty: the law is not set-valued
+  std::string static_limit;  ///< largest coefficient at rest, of N and states; empty: the law is not set-valued
 };
 
 /// The law of that description. \throws ExpressionError (laws/expression.hpp) for text that is no law.

@@ -8,57 +8,13 @@
 #include <random>
 
 #include "laws/catalogue.hpp"
+#include "tests/laws/formula_texts.hpp"
 
 using namespace rosin;
 using namespace rosin::laws;
+using namespace rosin::tests::text;
 
 namespace {
-
-/// Parameters of a shipped law under the same names.
-FormulaDescription like(const FrictionLaw& law) {
-  FormulaDescription text;
-  text.title = "The same from text";
-  for (std::size_t i = 0; i < law.values().size(); ++i)
-    text.parameters.push_back({law.parameters()[i], std::get<double>(law.values()[i])});
-  text.states = law.states();
-  return text;
-}
-
-FormulaDescription spinodal() {
-  auto law = like(*find_law("spinodal"));
-  law.define = {{"E", "(mu0 + b*ln(c + psi/psi_ref))/a"}, {"psi_ref", "L/(L + v0*t_heal)"}};
-  law.friction = "a*asinh_exp(v/(2*v0), E)";
-  law.rate = {"(1 - psi)/t_heal - abs(v)*psi/L"};
-  law.steady = {"1/(1 + abs(v)*t_heal/L)"};
-  law.slip_rate = "2*v0*sinh_exp(mu/a, E)";
-  return law;
-}
-FormulaDescription ageing() {
-  auto law = like(*find_law("ageing"));
-  law.define = {{"E", "(mu0 + b*ln(v0*theta/L))/a"}};
-  law.friction = "a*asinh_exp(v/(2*v0), E)";
-  law.rate = {"1 - abs(v)*theta/L"};
-  law.steady = {"L/abs(v)"};
-  law.slip_rate = "2*v0*sinh_exp(mu/a, E)";
-  return law;
-}
-FormulaDescription two_state_slip() {
-  auto law = like(*find_law("two-state-slip"));
-  law.define = {{"E", "(mu0 + b1*ln(v0*theta1/L1) + b2*ln(v0*theta2/L2))/a"},
-                {"x1", "abs(v)*theta1/L1"},
-                {"x2", "abs(v)*theta2/L2"}};
-  law.friction = "a*asinh_exp(v/(2*v0), E)";
-  law.rate = {"-x1*ln(max(x1, 1e-300))", "-x2*ln(max(x2, 1e-300))"};
-  law.steady = {"L1/abs(v)", "L2/abs(v)"};
-  law.slip_rate = "2*v0*sinh_exp(mu/a, E)";
-  return law;
-}
-FormulaDescription stribeck() {
-  auto law = like(*find_law("stribeck"));
-  law.friction = "mu_d + (mu_s - mu_d)*exp(-(v/v_s)^exponent) + viscous*v";
-  law.static_limit = "mu_s";
-  return law;
-}
 
 struct Pair {
   std::shared_ptr<const FrictionLaw> text, compiled;
@@ -67,7 +23,9 @@ std::vector<Pair> pairs() {
   return {{make_formula(spinodal()), find_law("spinodal")},
           {make_formula(ageing()), find_law("ageing")},
           {make_formula(two_state_slip()), find_law("two-state-slip")},
-          {make_formula(stribeck()), find_law("stribeck")}};
+          {make_formula(stribeck()), find_law("stribeck")},
+          {make_formula(slip_distance()), find_law("slip-distance")->with("mu_d", 0.2)},
+          {make_formula(static_growth()), find_law("static-growth")->with("mu_d", 0.2)}};
 }
 
 /// Other values of the parameters, the same for both laws.
@@ -156,7 +114,11 @@ TEST_CASE("laws from text equal the compiled laws that they spell", "[laws][form
       const double v = std::pow(10, log_speed(random)), N = std::pow(10, log_load(random));
       check_equal(*text->with(values), *compiled->with(values), i % 3 ? v : -v, N, random);
     }
-    if (compiled->set_valued()) CHECK(text->static_limit(1) == compiled->static_limit(1));
+    auto state = compiled->rest(2);
+    CHECK(text->rest(2) == state);
+    for (double& x : state) x = x == 0 ? 3e-6 : 1.5 * x;
+    CHECK(text->after_stop(state) == compiled->after_stop(state));
+    if (compiled->set_valued()) CHECK(same(text->static_limit(1, state), compiled->static_limit(1, state), 0));
     std::vector<double> speeds, a(75), b(75);
     for (int i = 0; i < 75; ++i) speeds.push_back(std::pow(10, -10 + 0.13 * i));
     text->steady_friction(speeds, 2, a);
@@ -285,7 +247,10 @@ TEST_CASE("a law from text is refused where it is none, by the name of the part"
       {[](Law& l) { l.parameters[0].quantity.unit = "zork"; },
        "law.formula.parameters.mu0: 'zork' is not a known unit"},
       {[](Law& l) { l.parameters[3].quantity.unit = "um"; }, "its unit 'um' must be plain SI, that is m"},
-      {[](Law& l) { l.static_limit = "mu0"; }, "law.formula.static_limit: is for laws without states only"},
+      {[](Law& l) { l.static_limit = "mu0"; }, "law.formula.slip_rate: does not go with a static_limit"},
+      {[](Law& l) { l.after_stop = {"1"}; }, "law.formula.after_stop: is of use beside a static_limit only"},
+      {[](Law& l) { l.rest = {"psi/2"}; }, "law.formula.rest.psi: must not depend on the state 'psi'"},
+      {[](Law& l) { l.size = {"N/(1 N)"}; }, "law.formula.size.psi: must not depend on the normal load N"},
       // what is wrong only when it is asked
       {[](Law& l) { l.friction = "mu0 + a*ln(v/v0)"; }, "law.formula.friction: the friction of law 'formula' is not"},
       {[](Law& l) { l.friction = "mu0 + 0*v/v0"; }, "law.formula.friction: must change sign with v"},
