@@ -78,7 +78,7 @@ struct Heated {
           force = force / (1.0 + Part::of(z[n], p) / soft);
         }
         if (equilibrium) continue;
-        Scalar rise[most], rate[most];
+        Scalar rise[most] = {}, rate[most];
         for (std::size_t k = 0; k < kernel.size(); ++k) rise[k] = Part::of(z[n + k], p);
         warm(R * force * Part::of(v, p), rise, p, rate);
         for (std::size_t k = 0; k < kernel.size(); ++k) Part::of(g[n + k], p) = rate[k];
@@ -167,7 +167,7 @@ class HeatedContact final : public Contact<Real> {
         if (!equilibrium) {
           const auto by = [&](const Scalar& F_x, const Scalar& v_x, int moved, Real* rows, int stride)
               __attribute__((always_inline)) {
-            Scalar rise[most], rate[most];
+            Scalar rise[most] = {}, rate[most];
             for (int k = 0; k < all - n; ++k) rise[k] = k == moved ? 1.0 : 0.0;
             rows_.warm(R * (F_x * part(v) + force * v_x), rise, p, rate);
             for (int k = 0; k < all - n; ++k) part(rows[k * stride]) = rate[k];
@@ -207,7 +207,7 @@ class HeatedContact final : public Contact<Real> {
         warm(cold_v_z, v_z);
         for (int i = 0; i < n - 1; ++i) warm(cold_g_z + i * n, g_z + i * all);
         const Scalar per_slip = Part::of(rows_.resistance, p) * Part::of(N, p) * mu;
-        Scalar temperatures[most], rate[most];
+        Scalar temperatures[most] = {}, rate[most];
         for (int k = 0; k < all - n; ++k) temperatures[k] = Part::of(z[n + k], p);
         rows_.warm(per_slip * Part::of(v, p), temperatures, p, rate);
         for (int k = 0; k < all - n; ++k) Part::of(g[n - 1 + k], p) = rate[k];

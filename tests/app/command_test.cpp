@@ -257,6 +257,53 @@ TEST_CASE("a comparison and a design answer in JSON with the fields that callers
   CHECK(run_rosin(folder, {"compare", example("bristol-board-cycle"), "--out", "c"}).status == 2);
 }
 
+TEST_CASE("a member under a law from text has the numbers of the compiled law that it spells") {
+  const Folder folder;
+  std::ofstream(folder.path / "scene.toml") << R"toml([law]
+type = "ageing"
+[oscillator]
+mass = 1
+stiffness = 1500
+[drive]
+speed = 1e-5
+normal_load = 5
+[compare]
+protocol = "cycle"
+[[compare.members]]
+name = "compiled"
+[[compare.members]]
+name = "text"
+[compare.members.law]
+type = "formula"
+[compare.members.law.formula]
+friction = "a*asinh_exp(v/(2*v0), (mu0 + b*ln(v0*theta/L))/a)"
+slip_rate = "2*v0*sinh_exp(mu/a, (mu0 + b*ln(v0*theta/L))/a)"
+[compare.members.law.formula.parameters]
+mu0 = { default = 0.6 }
+a = { default = 0.010 }
+b = { default = 0.015 }
+L = { default = "10 um", unit = "m" }
+v0 = { default = "1 um/s", unit = "m/s" }
+[compare.members.law.formula.states]
+theta = { unit = "s", scale = "log" }
+[compare.members.law.formula.rate]
+theta = "1 - abs(v)*theta/L"
+[compare.members.law.formula.steady]
+theta = "L/abs(v)"
+)toml";
+  const auto answer = run_rosin(folder, {"compare", "scene.toml", "--json", "--out", "a"});
+  INFO(answer.error);
+  REQUIRE(answer.status == 0);
+  const auto differences = json::parse(answer.out)["differences"];
+  CHECK(differences.size() > 5);
+  for (const auto& [metric, row] : differences.items()) {
+    INFO(metric << ": " << row.dump());
+    const double compiled = row["values"][0], text = row["values"][1];
+    CHECK(std::abs(text - compiled) <= double(row["errors"][0]) + double(row["errors"][1]));
+    CHECK(std::abs(text - compiled) <= 1e-7 * std::abs(compiled));
+  }
+}
+
 TEST_CASE("the laboratory answers with a record, readings and a picture, and the same noise for the same seed",
           "[lab]") {
   const Folder folder;

@@ -145,9 +145,10 @@ TEST_CASE("every law of the catalogue keeps the promises of a friction law", "[l
   std::set<std::string_view> names;
   for (const auto& [shared, heated] : subjects()) {
     const FrictionLaw& law = *shared;
-    const std::string label = std::string(law.card().name) + (!heated                       ? ""
-                                                              : law.approximation().empty() ? ", heated,"
-                                                                                            : ", heated as a disc,");
+    const bool of_parts = !law.states().empty() && law.states().back().name.starts_with("temperature_part");
+    const std::string label = std::string(law.card().name) + (!heated    ? ""
+                                                              : of_parts ? ", heated as a disc,"
+                                                                         : ", heated,");
     if (!heated) CHECK(names.insert(law.card().name).second);
 
     DYNAMIC_SECTION(label << " says what it is") {
