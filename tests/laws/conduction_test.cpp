@@ -63,8 +63,9 @@ TEST_CASE("ten exponentials stand for a disc with the error that is stated", "[l
   CHECK(worst_response > 0.95 * laws::disc_response_error);
   const std::string said(laws::disc_approximation);
   for (const auto& number :
-       {fmt::format("within {:.3g} %", 100 * laws::disc_error), fmt::format("within {:.3g} %", 100 * laws::disc_response_error),
-        fmt::format("from {} r2", laws::disc_from), fmt::format("= {} kappa", 1 / laws::disc_from)})
+       {fmt::format("within {:.3g} %", 100 * laws::disc_error),
+        fmt::format("within {:.3g} %", 100 * laws::disc_response_error), fmt::format("from {} r2", laws::disc_from),
+        fmt::format("= {} kappa", 1 / laws::disc_from)})
     CHECK_THAT(said, Catch::Contains(number));
   // The shares are those of least squares: no exchange between two of them brings the sum of squares down.
   const auto squares = [](int raised, int lowered, double by) {
