@@ -1,4 +1,4 @@
-/// Linear response of a contact from its derivatives: dense complex solves of at most eight unknowns.
+/// Linear response of a contact from its derivatives: dense complex solves of at most sixteen unknowns.
 #include "analysis/frf.hpp"
 
 #include <fmt/format.h>
