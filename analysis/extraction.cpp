@@ -126,8 +126,9 @@ MeasuredFrf extract_frf(const CrossSpectra& spectra, const Channels& channels, d
     const double S_vv = S(slip, slip).real(), S_FF = S(force, force).real();
     if (channels.inputs() == 1) {
       const Complex S_vF = S(slip, force);
-      const Complex h1 = S_vF / S_vv, h2 = S_FF / std::conj(S_vF);
-      const double coherence = std::norm(S_vF) / (S_vv * S_FF);
+      // A force that does not move at all answers with nothing, by every estimator.
+      const Complex h1 = S_vF / S_vv, h2 = S_FF > 0 ? S_FF / std::conj(S_vF) : 0;
+      const double coherence = S_FF > 0 ? std::norm(S_vF) / (S_vv * S_FF) : 0;
       if (channels.reference) {
         const Complex S_rv = S(reference, slip), H = S(reference, force) / S_rv;
         const double unexplained = S_FF - 2 * (std::conj(H) * S_vF).real() + std::norm(H) * S_vv;
@@ -136,7 +137,7 @@ MeasuredFrf extract_frf(const CrossSpectra& spectra, const Channels& channels, d
         result.standard_error.push_back(
             random_error(unexplained, S(reference, reference).real() / std::norm(S_rv), freedom));
       } else {
-        const Complex hv = h1 / std::abs(h1) * std::sqrt(S_FF / S_vv);
+        const Complex hv = S_FF > 0 ? h1 / std::abs(h1) * std::sqrt(S_FF / S_vv) : 0;
         result.h1.push_back(h1), result.h2.push_back(h2), result.hv.push_back(hv);
         result.tangential.push_back(options.estimator == "h2" ? h2 : options.estimator == "hv" ? hv : h1);
         result.coherence.push_back(coherence);

@@ -238,47 +238,53 @@ std::size_t column(const Run& run, const char* name) {
 
 }  // namespace
 
-NoiseFrf simulate_noise(const Model& model, const NoiseOptions& options) {
-  Model moved = imposed(model);
-  const double V = moved.drive.speed.level(), settle = -std::log(1e-6) / slowest_decay(moved);
+NoisePlan plan_noise(const Model& model, const NoiseOptions& options) {
+  NoisePlan plan{.model = imposed(model), .times = {}, .sample_rate = 0, .margin = 0, .welch = options.welch};
+  auto& drive = plan.model.drive;
+  const double settle = -std::log(1e-6) / slowest_decay(plan.model);
   const auto noise = [&](double mean, std::uint64_t seed) {
     return Signal(Signal::Noise{mean, {options.amplitude * std::abs(mean), options.low, options.high, seed}});
   };
-  moved.drive.speed = noise(V, options.seed);
-  if (options.rig.matrix) moved.drive.normal_load = noise(moved.drive.normal_load.level(), ~options.seed);
+  drive.speed = noise(drive.speed.level(), options.seed);
+  if (options.rig.matrix) drive.normal_load = noise(drive.normal_load.level(), ~options.seed);
   constexpr double rate_over_band = 4;  // half of the sample rate is twice the band: second harmonics are seen
-  NoiseFrf result;
-  result.sample_rate = rate_over_band * options.high;
-  auto welch = options.welch;
-  welch.segment = segment_for(options.resolution, result.sample_rate);
-  const double hops = welch.segment * (1 - welch.overlap);
-  const auto count = std::size_t(std::ceil(welch.segment + hops * (options.averages - 1))) + 1;
+  constexpr double reach = 3;           // of the window, in bins
+  plan.sample_rate = rate_over_band * options.high;
+  plan.welch.segment = segment_for(options.resolution, plan.sample_rate);
+  plan.margin = reach * plan.sample_rate / plan.welch.segment;
+  const double hops = plan.welch.segment * (1 - plan.welch.overlap);
+  const auto count = std::size_t(std::ceil(plan.welch.segment + hops * (options.averages - 1))) + 1;
   if (count > 20'000'000)
     throw InputError(
         fmt::format("the simulated record would have {} samples; ask for a coarser resolution or a lower "
                     "band",
                     count));
-  for (std::size_t i = 0; i < count; ++i) result.time.push_back(settle + double(i) / result.sample_rate);
-  auto run = record(moved, result.time, options.tolerance);
+  for (std::size_t i = 0; i < count; ++i) plan.times.push_back(settle + double(i) / plan.sample_rate);
+  return plan;
+}
+
+NoiseFrf simulate_noise(const Model& model, const NoiseOptions& options) {
+  const auto plan = plan_noise(model, options);
+  NoiseFrf result;
+  result.sample_rate = plan.sample_rate;
+  result.time = plan.times;
+  auto run = record(plan.model, plan.times, options.tolerance);
   result.slip_rate = std::move(run.columns[column(run, "slip_rate")]);
   result.force = std::move(run.columns[column(run, "friction_force")]);
-  for (std::size_t i = 0; options.rig.sensor_mass > 0 && i < count; ++i)
-    result.force[i] += options.rig.sensor_mass * moved.drive.speed.rate(result.time[i]);
+  for (std::size_t i = 0; options.rig.sensor_mass > 0 && i < result.time.size(); ++i)
+    result.force[i] += options.rig.sensor_mass * plan.model.drive.speed.rate(result.time[i]);
   std::vector<std::span<const double>> block = {result.slip_rate, result.force};
   Channels channels;
   if (options.rig.matrix) {
-    for (const double t : result.time) result.normal_load.push_back(moved.drive.normal_load.value(t));
+    for (const double t : result.time) result.normal_load.push_back(plan.model.drive.normal_load.value(t));
     block.emplace_back(result.normal_load);
     channels.second = Channels::Second::normal_load;
   }
-  CrossSpectra spectra(channels.count(), welch);
+  CrossSpectra spectra(channels.count(), plan.welch);
   spectra.add(block);
-  // A bin within the window's reach of the band's end is driven by leakage only.
-  constexpr double reach = 3;
-  const double margin = reach * result.sample_rate / welch.segment;
   auto& measured = result.measured;
   measured = extract_frf(spectra, channels, result.sample_rate,
-                         {.from = options.low + margin, .to = options.high - margin, .estimator = "h1"});
+                         {.from = options.low + plan.margin, .to = options.high - plan.margin, .estimator = "h1"});
   for (std::size_t k = 0; options.rig.normal && k < measured.frequency.size(); ++k) {
     const Complex s(0, 2 * std::numbers::pi * measured.frequency[k]);
     auto &H = measured.matrix[k], &error = measured.matrix_error[k];

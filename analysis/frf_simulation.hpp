@@ -34,7 +34,7 @@ struct NoiseOptions {
   double resolution = 0;     ///< Hz
   int averages = 64;         ///< segments
   std::uint64_t seed = 1;
-  Rig rig = {};  ///< with the matrix, the load varies too, by noise of its own
+  Rig rig = {};             ///< with the matrix, the load varies too, by noise of its own
   double tolerance = 1e-6;  ///< far below what noise leaves uncertain
   WelchOptions welch;
 };
@@ -44,6 +44,16 @@ struct NoiseFrf {
   double sample_rate = 0;
   std::vector<double> time, slip_rate, force, normal_load;  ///< the record; the load if it varies
 };
+
+/// The experiment before it is run: the slip rate imposed with noise, and when it is sampled.
+struct NoisePlan {
+  Model model;
+  std::vector<double> times;
+  double sample_rate, margin;  ///< Hz; the ends of the band, where bins are driven by the window's leakage only
+  WelchOptions welch;
+};
+/// \throws InputError where the contact by itself is unstable, and for records too long.
+NoisePlan plan_noise(const Model&, const NoiseOptions&);
 
 NoiseFrf simulate_noise(const Model&, const NoiseOptions&);
 

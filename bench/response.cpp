@@ -62,7 +62,8 @@ json long_record(const Settings& settings) {
   std::vector<double> slip_rate(block), force(block);
   std::uint64_t state = 1;
   for (std::size_t i = 0; i < block; ++i)
-    slip_rate[i] = open_unit(splitmix(state += splitmix_step)), force[i] = slip_rate[i] + 0.1 * open_unit(splitmix(state += splitmix_step));
+    slip_rate[i] = open_unit(splitmix(state += splitmix_step)),
+    force[i] = slip_rate[i] + 0.1 * open_unit(splitmix(state += splitmix_step));
   const std::vector<std::span<const double>> channels = {slip_rate, force};
   analysis::CrossSpectra spectra(2, {.segment = 2000});
   const double begin = now();
@@ -108,8 +109,7 @@ Record bench_response(const Settings& settings, const std::filesystem::path& cur
   add("rosin, swept sine", list, [&](double f, double tolerance) {
     return SweptSine{analysis::simulate_sweep(model, {.frequencies = {f}, .tolerance = tolerance}).tangential[0]};
   });
-  add("CVODE, swept sine", list,
-      [](double f, double tolerance) { return swept_by_cvode(contact, f, tolerance); });
+  add("CVODE, swept sine", list, [](double f, double tolerance) { return swept_by_cvode(contact, f, tolerance); });
   for (const auto& row : rows)
     if (row.solver.starts_with("CVODE") && row.tolerance <= 1e-8 && !(row.quantile(1) < 1e-5))
       record.findings.push_back(

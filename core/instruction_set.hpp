@@ -1,8 +1,8 @@
 /// Lane kernels compiled for several instruction sets, one of which is chosen at run time.
 #pragma once
 
-/// Lanes are compiled once per instruction set where the compiler can. Builds that look for faults of the source, not of
-/// the machine code, set it to 0: sanitized kernels take minutes to compile.
+/// Lanes are compiled once per instruction set where the compiler can. Builds that look for faults of the source, not
+/// of the machine code, set it to 0: sanitized kernels take minutes to compile.
 #if defined(ROSIN_RUNTIME_INSTRUCTION_SETS)
 #elif defined(__x86_64__) && !defined(__clang__)
 #define ROSIN_RUNTIME_INSTRUCTION_SETS 1

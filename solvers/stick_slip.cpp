@@ -86,7 +86,8 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   if (switched_) {
     system_.set_direction(upcoming_);
     armed_ = switched_ = false;
-    if (!collocation_.start(rewinds_ ? 0 : collocation_.time(), behind_switch_)) return {Ending::not_finite, "after a switch"};
+    if (!collocation_.start(rewinds_ ? 0 : collocation_.time(), behind_switch_))
+      return {Ending::not_finite, "after a switch"};
   }
   const double small = rest * system_.reference_speed();
   collocation_.bound_step(system_.direction() == 0 ? infinity

@@ -71,7 +71,8 @@ const Reading& Result::reading(std::string_view name) const {
 
 const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> list = {
-      inclined_plane(), impulse(), velocity_step(), slide_hold_slide(), spring_pulled(), reciprocation(), inverse(),
+      inclined_plane(), impulse(),       velocity_step(),      slide_hold_slide(),
+      spring_pulled(),  reciprocation(), frequency_response(), inverse(),
   };
   return list;
 }

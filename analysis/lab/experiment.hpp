@@ -118,6 +118,7 @@ Experiment velocity_step();
 Experiment slide_hold_slide();
 Experiment spring_pulled();
 Experiment reciprocation();
+Experiment frequency_response();
 Experiment inverse();
 
 }  // namespace rosin::analysis::lab

@@ -1,6 +1,7 @@
 /// The virtual laboratory against closed forms, published relaxations and its own stated errors.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include "analysis/lab/experiment.hpp"
@@ -420,6 +421,34 @@ TEST_CASE("sensors: noise by seed, saturation and aliasing are said, the pole is
   Sensor hasty;
   hasty.sample_rate = 1e9;
   CHECK_THROWS_WITH(measure(truth, hasty, warnings), Catch::Contains("are of use"));
+}
+
+TEST_CASE("frequency response: what the rig measures is the closed form, with a noisy sensor too", "[lab]") {
+  auto task = task_of("frequency-response", "ageing", rock);
+  const double V = 1e-5, N = 5, a = 0.010, b = 0.015, L = 1e-5;
+  task.model.drive = {V, N, 0.0};
+  double least_before = 1;
+  for (const double noise : {0.0, 2e-4}) {
+    if (noise > 0) task.sensor.noise["friction_force"] = noise;
+    const auto result = done("frequency-response", task);
+    const auto& table = result.tables.front();
+    const auto &f = table.values[0], &real = table.values[1], &imaginary = table.values[2], &error = table.values[3];
+    std::size_t inside = 0;
+    for (std::size_t k = 0; k < f.size(); ++k) {
+      const std::complex<double> Z =
+          N / V * (a - b / (1.0 + std::complex<double>(0, 2 * std::numbers::pi * f[k] * L / V)));
+      inside += std::abs(real[k] - Z.real()) < 3 * error[k] + 0.005 * std::abs(Z) &&
+                std::abs(imaginary[k] - Z.imag()) < 3 * error[k] + 0.005 * std::abs(Z);
+    }
+    CHECK(f.size() > 20);
+    CHECK(double(inside) >= 0.95 * double(f.size()));
+    // Re Z = 0 where (ωL/V)² = b/a − 1
+    const double crossing = V / L / (2 * std::numbers::pi) * std::sqrt(b / a - 1);
+    check(result, "crossing_frequency", crossing, 0.1 * crossing);
+    const double least = result.reading("least_coherence").value;
+    CHECK(least < least_before);
+    least_before = least;
+  }
 }
 
 TEST_CASE("every experiment runs on every law, or says why not", "[lab][long]") {
