@@ -54,8 +54,8 @@ struct Visit {
 /// the fixed point.
 struct Search {
   explicit Search(const Model& model) : map(model), scale(map.differential().size()) {
-    double s[solvers::Ensemble::capacity];
-    map.system().relevance_scale(s);
+    std::vector<double> s(map.system().size());
+    map.system().relevance_scale(s.data());
     for (int k = 0; k < scale.size(); ++k) scale[k] = s[map.differential()[k]];
   }
   ReturnMap map;
