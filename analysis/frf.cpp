@@ -126,14 +126,6 @@ Complex FrictionResponse::normal(Complex s) const {
   return answer;
 }
 
-const std::vector<NormalContactField>& normal_contact_fields() {
-  static const std::vector<NormalContactField> fields = {
-      {{"stiffness", "N/m", {0, 1e15}, "normal stiffness of the contact"}, &NormalContact::stiffness},
-      {{"damping", "N s/m", {0, 1e15}, "normal damping of the contact"}, &NormalContact::damping},
-      {{"lift", "N s/m", {-1e15, 1e15}, "load gained by slip rate"}, &NormalContact::lift}};
-  return fields;
-}
-
 ResponseMatrix response_matrix(Complex s, Complex by_slip_rate, Complex by_load,
                                const std::optional<NormalContact>& contact) {
   if (!contact) return {by_slip_rate, by_load, 0, 1};
@@ -143,6 +135,14 @@ ResponseMatrix response_matrix(Complex s, Complex by_slip_rate, Complex by_load,
 
 ResponseMatrix FrictionResponse::matrix(Complex s, const std::optional<NormalContact>& contact) const {
   return response_matrix(s, tangential(s), normal(s), contact);
+}
+
+Complex FrictionResponse::tangential(Complex s, const Rig& rig) const { return tangential(s) + rig.sensor_mass * s; }
+
+ResponseMatrix FrictionResponse::matrix(Complex s, const Rig& rig) const {
+  auto seen = matrix(s, rig.normal);
+  seen.tt += rig.sensor_mass * s;
+  return seen;
 }
 
 FrictionResponse::Limits FrictionResponse::limits() const {
@@ -245,11 +245,9 @@ FrfCurve predict_curve(const Model& model, const FrfOptions& options) {
   constexpr double share = 0.01;
   for (const double f : options.frequencies) {
     const auto s = at_frequency(f);
-    curve.tangential.push_back(response.tangential(s) + options.rig.sensor_mass * s);
+    curve.tangential.push_back(response.tangential(s, options.rig));
     curve.linear_amplitude.push_back(response.amplitude_of_harmonic(s.imag(), share));
-    if (!options.rig.matrix) continue;
-    curve.matrix.push_back(response.matrix(s, options.rig.normal));
-    curve.matrix.back().tt += options.rig.sensor_mass * s;
+    if (options.rig.matrix) curve.matrix.push_back(response.matrix(s, options.rig));
   }
   return curve;
 }

@@ -24,11 +24,17 @@ struct NormalContact {
 };
 
 /// What a normal contact is given by.
-struct NormalContactField {
-  Quantity quantity;
-  double NormalContact::*member;
+inline constexpr Field<NormalContact, double> normal_contact_fields[] = {
+    field(&NormalContact::stiffness, "stiffness", "N/m", {0, 1e15}, "normal stiffness of the contact"),
+    field(&NormalContact::damping, "damping", "N s/m", {0, 1e15}, "normal damping of the contact"),
+    field(&NormalContact::lift, "lift", "N s/m", {-1e15, 1e15}, "load gained by slip rate")};
+
+/// How a response is measured.
+struct Rig {
+  double sensor_mass = 0;  ///< kg of live mass between contact and force sensor: adds m s
+  bool matrix = false;     ///< under normal changes too
+  std::optional<NormalContact> normal;
 };
-const std::vector<NormalContactField>& normal_contact_fields();
 
 /// [δF; δN] = [tt tn; nt nn] [δv; δw]; without a normal contact the load is prescribed and [δv; δN] are the inputs.
 struct ResponseMatrix {
@@ -50,6 +56,9 @@ class FrictionResponse {
   /// δF/δN at fixed slip rate; for friction proportional to load and states that do not know it, μ_ss.
   std::complex<double> normal(std::complex<double> s) const;
   ResponseMatrix matrix(std::complex<double> s, const std::optional<NormalContact>& = {}) const;
+  /// The same as the force sensor of a rig sees them, with the inertia of its live mass.
+  std::complex<double> tangential(std::complex<double> s, const Rig&) const;
+  ResponseMatrix matrix(std::complex<double> s, const Rig&) const;
 
   /// What Z tends to: N μ_ss' for s → 0; for s → ∞ N μ_v, or, where that is 0, stiffness/s.
   struct Limits {
@@ -90,13 +99,6 @@ class FrictionResponse {
   std::vector<double> steady_;
   std::shared_ptr<const ContactValues<Tower>> tower_;
   double slip_rate_, normal_load_, friction_, direction_;
-};
-
-/// How a response is measured.
-struct Rig {
-  double sensor_mass = 0;  ///< kg of live mass between contact and force sensor: adds m s
-  bool matrix = false;     ///< under normal changes too
-  std::optional<NormalContact> normal;
 };
 
 /// What is asked of a prediction.

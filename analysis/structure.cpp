@@ -159,17 +159,6 @@ std::vector<Complex> eigenvalues(const Assembly& assembly) {
 
 }  // namespace
 
-const std::vector<ModeField>& mode_fields() {
-  constexpr Range amplitude{-1e15, 1e15};
-  static const std::vector<ModeField> fields = {
-      {{"frequency", "Hz", {1e-9, 1e9}, "natural frequency"}, &Mode::frequency},
-      {{"damping_ratio", "1", {0, 10}, "damping over critical"}, &Mode::damping_ratio},
-      {{"mass", "kg", {1e-12, 1e12}, "modal mass"}, &Mode::mass},
-      {{"tangential", "1", amplitude, "amplitude at the contact along slip"}, &Mode::tangential},
-      {{"normal", "1", amplitude, "amplitude at the contact, pressing"}, &Mode::normal}};
-  return fields;
-}
-
 Structure modal(const std::vector<Mode>& modes) {
   Structure s;
   const std::size_t n = modes.size();
@@ -277,27 +266,29 @@ Structure SlidingStructure::structure() const {
 
 std::vector<SlidingStructure::Entry> SlidingStructure::entries() const {
   std::vector<Entry> list;
-  const auto add = [&](std::string path, Quantity quantity, double value, auto set) {
-    quantity.name = std::move(path);
-    list.push_back({std::move(quantity), value, set});
+  const auto add = [&](const auto& field, std::string path, const auto& object, auto set) {
+    list.push_back({{std::move(path), std::string(field.unit), field.range, std::string(field.meaning)},
+                    object.*field.member,
+                    set});
   };
   if (const auto* modes = std::get_if<std::vector<Mode>>(&form))
     for (std::size_t k = 0; k < modes->size(); ++k)
-      for (const auto& [quantity, member] : mode_fields())
-        add(fmt::format("structure.modes.{}.{}", k + 1, quantity.name), quantity, (*modes)[k].*member,
-            [k, member = member](SlidingStructure& changed, double value) {
+      for (const auto& f : mode_fields)
+        add(f, fmt::format("structure.modes.{}.{}", k + 1, f.name), (*modes)[k],
+            [k, member = f.member](SlidingStructure& changed, double value) {
               std::get<std::vector<Mode>>(changed.form)[k].*member = value;
             });
   if (std::holds_alternative<Structure>(form))
     for (const auto& [name, member] : {std::pair{"M", &Structure::M}, {"C", &Structure::C}, {"K", &Structure::K}})
-      add(fmt::format("structure.{}", name), {"", "1", {1e-12, 1e12}, "factor on the matrix"}, 1,
-          [member = member](SlidingStructure& changed, double factor) {
-            for (double& entry : std::get<Structure>(changed.form).*member) entry *= factor;
-          });
+      list.push_back({{fmt::format("structure.{}", name), "1", {1e-12, 1e12}, "factor on the matrix"},
+                      1,
+                      [member = member](SlidingStructure& changed, double factor) {
+                        for (double& entry : std::get<Structure>(changed.form).*member) entry *= factor;
+                      }});
   if (normal)
-    for (const auto& [quantity, member] : normal_contact_fields())
-      add("normal_contact." + quantity.name, quantity, (*normal).*member,
-          [member = member](SlidingStructure& changed, double value) { (*changed.normal).*member = value; });
+    for (const auto& f : normal_contact_fields)
+      add(f, fmt::format("normal_contact.{}", f.name), *normal,
+          [member = f.member](SlidingStructure& changed, double value) { (*changed.normal).*member = value; });
   return list;
 }
 

@@ -35,11 +35,12 @@ struct Mode {
   double frequency = 0, damping_ratio = 0, mass = 1, tangential = 1, normal = 0;
 };
 /// What a mode is given by.
-struct ModeField {
-  Quantity quantity;
-  double Mode::*member;
-};
-const std::vector<ModeField>& mode_fields();
+inline constexpr Field<Mode, double> mode_fields[] = {
+    field(&Mode::frequency, "frequency", "Hz", {1e-9, 1e9}, "natural frequency"),
+    field(&Mode::damping_ratio, "damping_ratio", "1", {0, 10}, "damping over critical"),
+    field(&Mode::mass, "mass", "kg", {1e-12, 1e12}, "modal mass"),
+    field(&Mode::tangential, "tangential", "1", {-1e15, 1e15}, "amplitude at the contact along slip"),
+    field(&Mode::normal, "normal", "1", {-1e15, 1e15}, "amplitude at the contact, pressing")};
 /// Modes at one contact as matrices.
 Structure modal(const std::vector<Mode>&);
 

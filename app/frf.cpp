@@ -228,7 +228,7 @@ Status finish_measured(Job& job, const analysis::MeasuredFrf& measured, std::vec
     const analysis::FrictionResponse response(scene.model);
     for (const double f : measured.frequency) {
       const Complex s(0, 2 * std::numbers::pi * f);
-      predicted.push_back(response.tangential(s) + scene.frf.rig.sensor_mass * s);
+      predicted.push_back(response.tangential(s, scene.frf.rig));
     }
   }
   job.say("{} frequencies from {:.6g} to {:.6g} Hz, {:.4g} independent averages, resolution {:.4g} Hz",
@@ -329,15 +329,14 @@ Status simulate_sweep(Job& job, const Request& request) {
   };
   for (std::size_t k = 0; k < options.frequencies.size(); ++k) {
     const Complex s(0, 2 * std::numbers::pi * options.frequencies[k]);
-    predicted.push_back(response.tangential(s) + options.rig.sensor_mass * s);
+    predicted.push_back(response.tangential(s, options.rig));
     const double size = std::abs(predicted.back());
     reached.add(size, swept.error[k]);
     worst = std::max(worst, relative(swept.tangential[k] - predicted.back(), size));
     dependence = std::max(dependence, relative(swept.at_amplitude[k] - swept.tangential[k], size));
     if (!options.rig.matrix) continue;
-    predicted_matrix.push_back(response.matrix(s, options.rig.normal));
-    auto& matrix = predicted_matrix.back();
-    matrix.tt += options.rig.sensor_mass * s;
+    predicted_matrix.push_back(response.matrix(s, options.rig));
+    const auto& matrix = predicted_matrix.back();
     reached.add(std::abs(matrix.tn), swept.matrix_error[k].tn.real());
     worst = std::max(worst, relative(swept.matrix[k].tn - matrix.tn, std::abs(matrix.tn)));
   }

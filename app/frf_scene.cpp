@@ -15,13 +15,10 @@ namespace fs = std::filesystem;
 /// The keys of a table that are the members of an object; the first of them must be there.
 template <class Fields, class Object>
 void read_fields(Table& table, const Fields& fields, Object& object) {
-  for (const auto& field : fields) {
-    auto quantity = field.quantity;
-    quantity.name.clear();
-    table.read(field.quantity.name, object.*field.member, quantity);
-  }
+  for (const auto& f : fields)
+    table.read(f.name, object.*f.member, {"", std::string(f.unit), f.range, std::string(f.meaning)});
   table.finish();
-  const auto& first = fields.front().quantity;
+  const auto& first = *std::begin(fields);
   table.required(first.name, fmt::format("{}, {}", first.meaning, first.unit));
 }
 
@@ -176,7 +173,7 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
     for (const auto& element : list(*modes, table.path("modes"), "tables")) {
       Table keys(element, table.path("modes"));
       analysis::Mode mode;
-      read_fields(keys, analysis::mode_fields(), mode);
+      read_fields(keys, analysis::mode_fields, mode);
       read.push_back(mode);
     }
     if (read.empty()) fail(modes->source(), "frf.structure.modes is empty");
@@ -294,7 +291,7 @@ void read_frf(Table& table, Scene& scene, const toml::node* oscillator, const fs
     options.rig.matrix = *normal->value<bool>();
   }
   if (auto contact = table.table("normal_contact")) {
-    read_fields(*contact, analysis::normal_contact_fields(), options.rig.normal.emplace());
+    read_fields(*contact, analysis::normal_contact_fields, options.rig.normal.emplace());
     options.rig.matrix = true;
   }
   const bool found = scene.frf_record || scene.frf_sweep || scene.frf_noise;

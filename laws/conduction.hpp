@@ -35,8 +35,7 @@ inline constexpr int disc_modes = int(std::size(disc));
 inline constexpr double disc_error = 0.0061, disc_response_error = 0.0138, disc_from = 1e-3;
 inline constexpr std::string_view disc_approximation =
     "conduction from a disc by 10 exponentials: its rise of temperature within 0.61 % from 0.001 r2/kappa on, its "
-    "answer "
-    "to an oscillation within 1.38 % up to omega = 1000 kappa/r2";
+    "answer to an oscillation within 1.38 % up to omega = 1000 kappa/r2";
 
 /// Rates of a contact's temperatures per unit of the kernel's time. rise[0] and rate[0] are of the whole rise ϑ, the
 /// others of the parts ϑ_k of the modes behind the fastest, whose own part is what is left. `ends_at` is R·P, the rise

@@ -24,11 +24,8 @@ struct LugreUnscaled {
       field(&LugreUnscaled::mu_d, "mu_d", "1", {1e-6, 10}, "dynamic coefficient, far above v_s without viscous part"),
       field(&LugreUnscaled::v_s, "v_s", "m/s", {1e-12, 1e3}, "Stribeck speed, over which friction falls"));
 
-  struct State {
-    Real z;
-  };
-  static constexpr auto states =
-      table(field(&State::z, "z", "m", {-1e6, 1e6}, "deflection of the bristles", Scale::linear, Parity::odd));
+  using State = typename Lugre<Real>::State;
+  static constexpr auto states = Lugre<Real>::states;
 
   struct Published {
     std::string_view name, source;
@@ -43,9 +40,9 @@ struct LugreUnscaled {
   /// The same bristles per unit of the present load.
   Lugre<Real> at_load(const Real& N) const { return {sigma0 / N, sigma1 / N, sigma2 / N, mu_s, mu_d, v_s}; }
 
-  Real friction(Sliding<Real> at, State s) const { return at_load(at.normal_load).friction(at, {s.z}); }
-  State rate(Sliding<Real> at, State s) const { return {at_load(at.normal_load).rate(at, {s.z}).z}; }
-  State steady(Sliding<Real> at) const { return {at_load(at.normal_load).steady(at).z}; }
+  Real friction(Sliding<Real> at, State s) const { return at_load(at.normal_load).friction(at, s); }
+  State rate(Sliding<Real> at, State s) const { return at_load(at.normal_load).rate(at, s); }
+  State steady(Sliding<Real> at) const { return at_load(at.normal_load).steady(at); }
   State rest(Sliding<Real>) const { return {Real(0.0)}; }
 };
 

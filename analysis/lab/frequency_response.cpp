@@ -82,18 +82,15 @@ Result perform(const Task& task) {
       {"frequency", "real", "imaginary", "standard_error", "coherence", "predicted_real", "predicted_imaginary"},
       {"Hz", "N s/m", "N s/m", "N s/m", "1", "N s/m", "N s/m"},
       std::vector<std::vector<double>>(7)};
-  Panel magnitude{.x_label = "frequency",
-                  .x_unit = "Hz",
-                  .y_label = "magnitude of Z",
-                  .y_unit = "N s/m",
-                  .x_decades = true,
-                  .curves = {{"measured", {}, {}, true}, {"predicted", {}, {}}}};
-  Panel phase{.x_label = "frequency",
-              .x_unit = "Hz",
-              .y_label = "phase of Z",
-              .y_unit = "degree",
-              .x_decades = true,
-              .curves = {{"measured", {}, {}, true}, {"predicted", {}, {}}}};
+  const auto panel = [](std::string label, std::string unit) {
+    return Panel{.x_label = "frequency",
+                 .x_unit = "Hz",
+                 .y_label = std::move(label),
+                 .y_unit = std::move(unit),
+                 .x_decades = true,
+                 .curves = {{"measured", {}, {}, true}, {"predicted", {}, {}}}};
+  };
+  Panel magnitude = panel("magnitude of Z", "N s/m"), phase = panel("phase of Z", "degree");
   const auto add = [](Panel::Curve& curve, double x, double y) { curve.x.push_back(x), curve.y.push_back(y); };
   for (std::size_t k = 0; k < measured.frequency.size(); ++k) {
     const double f = measured.frequency[k];
