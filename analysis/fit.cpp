@@ -1,4 +1,4 @@
-/// Least squares on GSL, profiles by repeated fits, states at a constant slip rate by an explicit method.
+/// Least squares on GSL with the slopes of predictions, profiles by repeated fits.
 #include "analysis/fit.hpp"
 
 #include <fmt/format.h>
@@ -11,154 +11,34 @@
 #include <numbers>
 #include <optional>
 
-#include "analysis/frf.hpp"
 #include "analysis/lab/sensor.hpp"
-#include "analysis/run.hpp"
 
 namespace rosin::analysis {
 
 namespace {
-
-// ---------------------------------------------------------------- predictions
-
-/// ψ at each of the ascending times t ≥ 0 of sliding at slip rate v, from ψ(0). Dormand & Prince (1980), tolerance
-/// 1e-10.
-class States {
- public:
-  States(const Model& model, double v, double N) : law_(*model.law), lambda_(model.lambda), at_{v, N} {}
-
-  std::vector<double> advance(std::vector<double> state, double duration) {
-    const auto& fields = law_.states();
-    auto y = state;
-    for (std::size_t k = 0; k < y.size(); ++k)
-      if (fields[k].scale == Scale::log) y[k] = std::log(y[k]);
-    double t = 0;
-    if (step_ == 0) step_ = duration / 16;
-    for (int count = 0; t < duration; ++count) {
-      if (count > 100000) throw InputError("the states of the law change too fast to be followed in a velocity step");
-      const double h = std::min(step_, duration - t);
-      const auto [next, error] = attempt(y, h);
-      if (error <= 1) t += h, y = next;
-      const double grow = std::isfinite(error) ? 0.9 * std::pow(std::max(error, 1e-8), -0.2) : 0.1;
-      if (error > 1 || h == step_) step_ = h * std::clamp(grow, 0.1, 5.0);
-      if (!(step_ > 1e-14 * duration))
-        throw InputError("the states of the law could not be followed in a velocity step");
-    }
-    for (std::size_t k = 0; k < y.size(); ++k) state[k] = fields[k].scale == Scale::log ? std::exp(y[k]) : y[k];
-    return state;
-  }
-
- private:
-  std::vector<double> slope(const std::vector<double>& y) const {
-    const auto& fields = law_.states();
-    auto state = y;
-    for (std::size_t k = 0; k < y.size(); ++k)
-      if (fields[k].scale == Scale::log) state[k] = std::exp(y[k]);
-    auto rate = law_.rate(at_, state);
-    for (std::size_t k = 0; k < y.size(); ++k) {
-      rate[k] /= lambda_;
-      if (fields[k].scale == Scale::log) rate[k] /= state[k];
-    }
-    return rate;
-  }
-  std::pair<std::vector<double>, double> attempt(const std::vector<double>& y, double h) const {
-    static constexpr double a[6][6] = {{1. / 5},
-                                       {3. / 40, 9. / 40},
-                                       {44. / 45, -56. / 15, 32. / 9},
-                                       {19372. / 6561, -25360. / 2187, 64448. / 6561, -212. / 729},
-                                       {9017. / 3168, -355. / 33, 46732. / 5247, 49. / 176, -5103. / 18656},
-                                       {35. / 384, 0, 500. / 1113, 125. / 192, -2187. / 6784, 11. / 84}};
-    static constexpr double e[7] = {71. / 57600, 0, -71. / 16695, 71. / 1920, -17253. / 339200, 22. / 525, -1. / 40};
-    std::vector<std::vector<double>> k{slope(y)};
-    std::vector<double> next;
-    for (const auto& row : a) {
-      next = y;
-      for (std::size_t s = 0; s < k.size(); ++s)
-        for (std::size_t i = 0; i < y.size(); ++i) next[i] += h * row[s] * k[s][i];
-      k.push_back(slope(next));
-    }
-    double error = 0;
-    for (std::size_t i = 0; i < y.size(); ++i) {
-      double local = 0;
-      for (std::size_t s = 0; s < k.size(); ++s) local += h * e[s] * k[s][i];
-      const bool logarithmic = law_.states()[i].scale == Scale::log;
-      error += std::pow(local / (1e-10 * (logarithmic ? 1.0 : std::max(std::abs(y[i]), std::abs(next[i])))), 2);
-    }
-    return {next, std::sqrt(error)};  // NaN fails every comparison: the step is refused
-  }
-
-  const FrictionLaw& law_;
-  double lambda_;
-  Sliding<double> at_;
-  double step_ = 0;
-};
-
-bool sprung(const Model& model) {
-  return std::isfinite(model.contact_stiffness.tangential) || std::isfinite(model.contact_stiffness.per_load);
-}
-
-std::vector<double> predict_step(const Model& model, const Measurement& m) {
-  const auto& law = *model.law;
-  std::vector<double> mu;
-  if (!law.has_states() || model.lambda == 0) {
-    for (std::size_t i = 0; i < m.x.size(); ++i)
-      mu.push_back(law.steady_friction({m.next_slip_rate, m.normal_load}).friction);
-  } else if (!sprung(model)) {
-    States states(model, m.next_slip_rate, m.normal_load);
-    auto state = law.steady({m.slip_rate, m.normal_load});
-    double t = 0;
-    for (const double x : m.x) {
-      if (x > t) state = states.advance(state, x - t);
-      t = x;
-      mu.push_back(law.friction({m.next_slip_rate, m.normal_load}, state));
-    }
-  } else {  // the spring turns the jump into a fast rise: followed by the stiff solvers of runs
-    Model imposed = model;
-    imposed.slider = {.mass = 0, .stiffness = infinity, .damping = 0};
-    const double before = std::max(1e-3 * m.x.back(), 1e-9);
-    imposed.drive = {Signal(Signal::Steps{{{0, m.slip_rate}, {before, m.next_slip_rate}}}), m.normal_load, 0.0};
-    RunOptions options;
-    for (const double x : m.x) options.times.push_back(before + x);
-    options.duration = options.times.back();
-    options.tolerance = 1e-9;
-    const auto run = analysis::run(imposed, options);
-    if (!run.outcome.complete()) throw InputError("the velocity step could not be followed: " + run.outcome.detail);
-    const auto column = std::ranges::find(run.column_names, "friction_coefficient") - run.column_names.begin();
-    mu = run.columns[std::size_t(column)];
-  }
-  return mu;
-}
-
-std::vector<double> predict_holds(const Model& model, const Measurement& m) {
-  const auto& law = *model.law;
-  if (!law.has_states() || model.lambda == 0)
-    throw InputError(fmt::format("law '{}' without states does not remember a hold", law.card().name));
-  std::vector<double> mu;
-  for (const double time : m.x) {
-    States rest(model, 0, m.normal_load);
-    const auto state = rest.advance(law.steady({m.slip_rate, m.normal_load}), time);
-    mu.push_back(law.friction({m.slip_rate, m.normal_load}, state));
-  }
-  return mu;
-}
-
-// ---------------------------------------------------------------- variables
 
 /// A fitted parameter as the variable q = ln p, or p itself where it may be negative.
 struct Variable {
   Quantity quantity;
   bool logarithmic;
   double low, high;  ///< of q
-  double scale;      ///< of steps in q
+  double scale;      ///< of changes in q
 
   double value(double q) const {
     const double x = std::clamp(q, low, high);
     return std::clamp(logarithmic ? std::exp(x) : x, quantity.range.low, quantity.range.high);
   }
   double of(double p) const { return logarithmic ? std::log(p) : p; }
+  /// dp/dq; 0 beyond the bounds.
+  double slope(double q) const { return q < low || q > high ? 0 : logarithmic ? value(q) : 1; }
 };
 
 Variable make_variable(const Model& model, const std::string& path) {
+  if (!path.starts_with("law."))
+    throw InputError(
+        fmt::format("{}: a fit finds numbers of the law and its contact, law.…; measurements have their own drive, and "
+                    "none of them knows a slider",
+                    path));
   Variable v{model.describe(path), false, 0, 0, 1};
   const double value = model.get(path);
   v.logarithmic = v.quantity.range.low >= 0;
@@ -185,26 +65,39 @@ struct Problem {
       changed = changed.with(variables[i].quantity.name, variables[i].value(all[i]));
     return changed;
   }
-  /// Standardised residuals; nothing where the model does not answer.
-  std::optional<std::vector<double>> residuals(const std::vector<double>& all) const {
-    std::vector<double> r;
+  /// Standardised residuals, and their slopes by the variables of `moved`, row by row.
+  struct Residuals {
+    std::vector<double> values, slopes;
+  };
+  /// Nothing where the model does not answer.
+  std::optional<Residuals> residuals(const std::vector<double>& all, const std::vector<std::size_t>& moved = {}) const {
+    Residuals r;
+    std::vector<std::string> paths;
+    for (const auto i : moved) paths.push_back(variables[i].quantity.name);
     try {
       const Model changed = at(all);
       std::size_t point = 0;
       for (const auto& m : *data) {
-        const auto y = predict(changed, m);
-        for (std::size_t i = 0; i < y.size(); ++i, ++point) {
-          const double weight = used.empty() || used[point] ? 1 : 0;
-          r.push_back(weight * (y[i] - m.y[i]) / m.error[i]);
-          if (!std::isfinite(r.back())) return std::nullopt;
+        const auto predicted = predict(changed, m, paths);
+        for (std::size_t k = 0; k < predicted.y.size(); ++k, ++point) {
+          const double weight = (used.empty() || used[point] ? 1 : 0) / m.error[k];
+          r.values.push_back(weight * (predicted.y[k] - m.y[k]));
+          for (std::size_t j = 0; j < moved.size(); ++j)
+            r.slopes.push_back(weight * predicted.slopes[j][k] * variables[moved[j]].slope(all[moved[j]]));
         }
       }
     } catch (const InputError&) {
       return std::nullopt;
     }
     // Beyond a bound the model stands still: a slope leads back.
-    for (std::size_t i = 0; i < variables.size(); ++i)
-      r.push_back(1e3 * (all[i] - std::clamp(all[i], variables[i].low, variables[i].high)) / variables[i].scale);
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+      const auto& v = variables[i];
+      const double beyond = all[i] - std::clamp(all[i], v.low, v.high), steep = 1e3 / v.scale;
+      r.values.push_back(steep * beyond);
+      for (const auto j : moved) r.slopes.push_back(j == i && beyond != 0 ? steep : 0);
+    }
+    const auto finite = [](double x) { return std::isfinite(x); };
+    if (!std::ranges::all_of(r.values, finite) || !std::ranges::all_of(r.slopes, finite)) return std::nullopt;
     return r;
   }
   std::vector<double> with_free(const gsl_vector* x) const {
@@ -224,20 +117,15 @@ constexpr double refused = 1e8;  ///< residual where the model does not answer
 int residual_callback(const gsl_vector* x, void* context, gsl_vector* f) {
   const auto& problem = *static_cast<const Problem*>(context);
   const auto r = problem.residuals(problem.with_free(x));
-  for (std::size_t i = 0; i < f->size; ++i) gsl_vector_set(f, i, r ? (*r)[i] : refused);
+  for (std::size_t i = 0; i < f->size; ++i) gsl_vector_set(f, i, r ? r->values[i] : refused);
   return GSL_SUCCESS;
 }
 
 int jacobian_callback(const gsl_vector* x, void* context, gsl_matrix* J) {
   const auto& problem = *static_cast<const Problem*>(context);
-  const auto all = problem.with_free(x);
-  for (std::size_t j = 0; j < problem.free.size(); ++j) {
-    const double h = 1e-4 * problem.variables[problem.free[j]].scale;
-    auto up = all, down = all;
-    up[problem.free[j]] += h, down[problem.free[j]] -= h;
-    const auto a = problem.residuals(up), b = problem.residuals(down);
-    for (std::size_t i = 0; i < J->size1; ++i) gsl_matrix_set(J, i, j, a && b ? ((*a)[i] - (*b)[i]) / (2 * h) : 0);
-  }
+  const auto r = problem.residuals(problem.with_free(x), problem.free);
+  for (std::size_t i = 0; i < J->size1; ++i)
+    for (std::size_t j = 0; j < J->size2; ++j) gsl_matrix_set(J, i, j, r ? r->slopes[i * J->size2 + j] : 0);
   return GSL_SUCCESS;
 }
 
@@ -254,7 +142,7 @@ Minimum minimise(Problem& problem) {
   if (p == 0) {
     if (const auto r = problem.residuals(problem.q)) {
       best.chi_square = 0;
-      for (const double x : *r) best.chi_square += x * x;
+      for (const double x : r->values) best.chi_square += x * x;
       best.converged = true;
     }
     return best;
@@ -274,7 +162,7 @@ Minimum minimise(Problem& problem) {
   const auto* f = gsl_multifit_nlinear_residual(work.get());
   best.chi_square = 0;
   for (std::size_t i = 0; i < n; ++i) best.chi_square += std::pow(gsl_vector_get(f, i), 2);
-  best.converged = status == GSL_SUCCESS || status == GSL_ENOPROG;  // no progress: at the rounding of the differences
+  best.converged = status == GSL_SUCCESS || status == GSL_ENOPROG;  // no progress: at the rounding of the predictions
   best.covariance.resize(p * p);
   auto covariance = gsl_matrix_view_array(best.covariance.data(), p, p);
   gsl_multifit_nlinear_covar(gsl_multifit_nlinear_jac(work.get()), 0, &covariance.matrix);
@@ -313,30 +201,6 @@ double profile_end(Problem problem, const Minimum& best, std::size_t index, doub
 }
 
 }  // namespace
-
-std::vector<double> predict(const Model& given, const Measurement& m) {
-  Model model = given;
-  model.drive = {m.slip_rate, m.normal_load, 0.0};
-  std::vector<double> y;
-  switch (m.kind) {
-    case Measurement::Kind::frequency_response: {
-      const FrictionResponse response(model);
-      for (const double f : m.x) {
-        const auto Z = response.tangential({0, 2 * std::numbers::pi * f});
-        y.push_back(Z.real()), y.push_back(Z.imag());
-      }
-      return y;
-    }
-    case Measurement::Kind::steady_curve:
-      for (const double v : m.x) y.push_back(model.law->steady_friction({v, m.normal_load}).friction);
-      return y;
-    case Measurement::Kind::velocity_step:
-      return predict_step(model, m);
-    case Measurement::Kind::hold:
-      return predict_holds(model, m);
-  }
-  return y;
-}
 
 Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptions& options) {
   gsl_set_error_handler_off();
@@ -420,7 +284,7 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
         "chi square is {:.4g} where {:.4g} is expected: the law does not describe these data, or their errors are "
         "larger than stated; intervals are too narrow",
         best.chi_square, expected));
-  const auto residuals = *problem.residuals(best.q);
+  const auto residuals = problem.residuals(best.q)->values;
   std::size_t point = 0;
   for (const auto& m : data) {
     result.residuals.emplace_back(residuals.begin() + std::ptrdiff_t(point),
@@ -444,7 +308,7 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
       problem.used.clear();
       const auto all = problem.residuals(trained.q);
       for (std::size_t i = 0; i < left_out.size(); ++i)
-        if (!left_out[i]) sum += all ? (*all)[i] * (*all)[i] : infinity;
+        if (!left_out[i]) sum += all ? all->values[i] * all->values[i] : infinity;
     }
     result.cross_validation = sum / result.points;
   }

@@ -2,39 +2,17 @@
 /// together.
 ///
 /// Weighted least squares by trust-region Levenberg-Marquardt (GSL), in ln p for parameters that are positive, with
-/// derivatives by central differences of the predictions (relative error 1e-8); several starts; intervals from the
+/// derivatives by dual numbers and variational equations (analysis/measurement.hpp); several starts; intervals from the
 /// covariance and from the profile of the likelihood; ranking by AIC, BIC and cross-validation.
 #pragma once
-#include <complex>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "analysis/measurement.hpp"
 #include "core/error.hpp"
-#include "oscillators/model.hpp"
 
 namespace rosin::analysis {
-
-using oscillators::Model;
-
-/// One set of numbers, each with its standard error.
-struct Measurement {
-  enum class Kind {
-    frequency_response,  ///< x: Hz; y: real and imaginary part of Z in turn, N s/m
-    velocity_step,       ///< x: s after the step of an imposed slip rate; y: friction coefficient
-    steady_curve,        ///< x: m/s; y: friction coefficient
-    hold,                ///< x: s at rest; y: peak coefficient as sliding resumes, on a stiff machine
-  };
-  Kind kind = Kind::frequency_response;
-  std::string name;
-  double slip_rate = 1;       ///< mean, before the step, or around the hold, m/s
-  double next_slip_rate = 1;  ///< after the step, m/s
-  double normal_load = 1;     ///< N
-  std::vector<double> x, y, error;
-};
-
-/// What a model says to a measurement's x, as its y. \throws InputError where the law does not answer.
-std::vector<double> predict(const Model&, const Measurement&);
 
 struct FitOptions {
   std::vector<std::string> parameters;  ///< paths

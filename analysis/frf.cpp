@@ -8,10 +8,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/contact_slopes.hpp"
 #include "core/characteristic.hpp"
 #include "core/error.hpp"
 #include "core/tower.hpp"
-#include "oscillators/slider_system.hpp"
 
 namespace rosin::analysis {
 
@@ -22,13 +22,6 @@ namespace {
 constexpr int most = Slopes<double>::capacity;
 using SmallMatrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, most, most>;
 using SmallVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1, Eigen::ColMajor, most, 1>;
-
-/// What surrounds the law in a contact of the model; any slider would do. Without a spring the law is asked at a slip
-/// rate and needs no explicit inverse.
-ContactSetup contact_setup(Model model) {
-  model.slider = {};
-  return oscillators::SliderSystem(std::move(model), Unknowns::states).contact_setup();
-}
 
 Complex at_frequency(double hertz) { return {0, 2 * std::numbers::pi * hertz}; }
 
@@ -53,7 +46,7 @@ FrictionResponse::FrictionResponse(const Model& model) {
   if (!(normal_load_ > 0))
     throw InputError(fmt::format("drive.normal_load = {}: a contact without load has no response (N)", normal_load_));
   direction_ = slip_rate_ < 0 ? -1 : 1;
-  const auto setup = contact_setup(model);
+  const auto setup = imposed_contact_setup(model);
   const auto contact = model.law->contact(setup);
   tower_ = model.law->tower(setup);
   const int n = contact->unknowns();
@@ -63,8 +56,7 @@ FrictionResponse::FrictionResponse(const Model& model) {
   contact->steady(0, model.law->set_valued() ? std::abs(slip_rate_) : slip_rate_, normal_load_, z, weight);
   std::copy(z, z + n, steady_.begin());
   Slopes<double> slopes;
-  const ContactInput<double> in{slip_rate_, normal_load_, 0, direction_};
-  contact->linearise(in, z, g, F, slopes);
+  contact->linearise(input(), z, g, F, slopes);
   friction_ = F;
 
   auto& l = linear_;
@@ -256,35 +248,12 @@ FrfCurve predict_curve(const Model& model, const FrfOptions& options) {
 
 FrfSensitivity frf_sensitivity(const Model& model, const std::string& parameter,
                                const std::vector<double>& frequencies) {
-  const auto quantity = model.describe(parameter);
-  const double value = model.get(parameter);
-  if (value == 0 || !std::isfinite(value))
-    throw InputError(
-        fmt::format("{} = {}: a sensitivity is taken at a value that is neither 0 nor infinite", parameter, value));
-  constexpr int levels = 3;
-  const double room = std::min(value - quantity.range.low, quantity.range.high - value);
-  const double widest = std::min(0.01 * std::abs(value), room);
-  if (!(widest > 1e-6 * std::abs(value)))
-    throw InputError(fmt::format("{} = {} is at the end of its range: no sensitivity", parameter, value));
-  FrfSensitivity result{parameter, "N s/m per " + readable_unit(quantity.unit), {}, {}};
-  std::vector<FrictionResponse> above, below;
-  for (int k = 0; k < levels; ++k) {
-    const double h = widest / (1 << k);
-    above.emplace_back(model.with(parameter, value + h));
-    below.emplace_back(model.with(parameter, value - h));
-  }
+  FrfSensitivity result{parameter, "N s/m per " + readable_unit(model.describe(parameter).unit), {}, {}};
+  const ResponseSlope slope(model, parameter);
   for (const double f : frequencies) {
-    const auto s = at_frequency(f);
-    Complex slope[levels];
-    double size = 0;
-    for (int k = 0; k < levels; ++k) {
-      const Complex up = above[std::size_t(k)].tangential(s), down = below[std::size_t(k)].tangential(s);
-      slope[k] = (up - down) / (2 * widest / (1 << k));
-      size = std::max(size, std::abs(up));
-    }
-    const Complex coarse = (4.0 * slope[1] - slope[0]) / 3.0, fine = (4.0 * slope[2] - slope[1]) / 3.0;
-    result.slope.push_back((16.0 * fine - coarse) / 15.0);
-    result.error.push_back(std::abs(result.slope.back() - fine) + 1e-15 * size / (widest / 4));
+    const auto answer = slope(at_frequency(f));
+    result.slope.push_back(answer.slope);
+    result.error.push_back(answer.error);
   }
   return result;
 }

@@ -79,6 +79,9 @@ class FrictionResponse {
   /// second-order response of the contact: linear theory holds well below it. Infinite where there is no such harmonic.
   double amplitude_of_harmonic(double angular_frequency, double share) const;
 
+  /// x of (s M − A) x = b.
+  std::vector<std::complex<double>> solve(std::complex<double> s, const std::vector<std::complex<double>>& b) const;
+
   double slip_rate() const { return slip_rate_; }
   double normal_load() const { return normal_load_; }
   double friction_coefficient() const { return friction_ / normal_load_; }
@@ -90,11 +93,11 @@ class FrictionResponse {
     int size() const { return int(mass.size()); }
   };
   const Linear& linear() const { return linear_; }
+  /// Unknowns of the contact in steady sliding, and what is imposed on it.
+  const std::vector<double>& steady() const { return steady_; }
+  ContactInput<double> input() const { return {slip_rate_, normal_load_, 0, direction_}; }
 
  private:
-  /// x of (s M − A) x = b.
-  std::vector<std::complex<double>> solve(std::complex<double> s, const std::vector<std::complex<double>>& b) const;
-
   Linear linear_;
   std::vector<double> steady_;
   std::shared_ptr<const ContactValues<Tower>> tower_;
@@ -140,7 +143,8 @@ struct FrfPrediction {
 /// \throws InputError for a parameter that does not exist or leaves its range.
 FrfPrediction predict_frf(const Model&, const FrfOptions&);
 
-/// ∂Z/∂p at frequencies (Hz) by central differences of three steps, extrapolated; errors from their disagreement.
+/// ∂Z/∂p at frequencies (Hz), exact but for rounding. \throws InputError where the contact is another one beside the
+/// value of p: a spring that is infinite, a damper or a λ that is 0.
 FrfSensitivity frf_sensitivity(const Model&, const std::string& parameter, const std::vector<double>& frequencies);
 
 }  // namespace rosin::analysis

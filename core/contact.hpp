@@ -4,6 +4,7 @@
 /// diagonal mass. Solvers and oscillators see contacts only through this form and never a friction law.
 #pragma once
 #include <span>
+#include <vector>
 
 #include "core/dual.hpp"
 #include "core/parameters.hpp"
@@ -36,6 +37,12 @@ struct ContactSetup {
   double load_memory = 0;    ///< α: at constant slip rate, states change so that dμ = −α dN/N
 };
 
+/// A direction in which the numbers that make a contact change.
+struct ContactChange {
+  std::vector<double> parameters = {};  ///< slope of each of the law's, in the order of its table; empty: they stand
+  ContactSetup setup = {.lambda = 0};   ///< slope of each number of the setup
+};
+
 /// What the oscillator imposes on a contact.
 template <class Real>
 struct ContactInput {
@@ -63,9 +70,11 @@ class ContactValues {
   virtual int unknowns() const = 0;
   /// g (unknowns) and the friction force F in newton, positive along u.
   virtual void evaluate(const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const = 0;
+  /// Diagonal of M at load N: N/k_t for the friction row, λ for states, 1 for a deflection; 0 marks an algebraic row.
+  virtual void mass(const Real& N, Real* m) const = 0;
 };
 
-/// As ContactValues, with first derivatives, masses, starts and error weights.
+/// As ContactValues, with first derivatives, starts and error weights.
 template <class Real>
 class Contact : public ContactValues<Real> {
  public:
@@ -76,8 +85,6 @@ class Contact : public ContactValues<Real> {
   /// unknowns), and their slopes by z at a given load, `v_z` (unknowns) and `g_z` (states × unknowns, row-major).
   /// Cheaper than `linearise`.
   virtual void slip(const Real& N, const Real* z, Real& v, Real* g, Real* v_z, Real* g_z) const = 0;
-  /// Diagonal of M at load N: N/k_t for the friction row, λ for states, 1 for a deflection; 0 marks an algebraic row.
-  virtual void mass(const Real& N, Real* m) const = 0;
   /// Replaces the parameters of one lane (lane 0 of a double contact). `parameters` in the order of the law's table.
   /// Lists are shared by all lanes. \throws InputError if the setup changes the number of unknowns.
   virtual void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) = 0;

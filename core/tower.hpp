@@ -1,4 +1,4 @@
-/// Third derivatives along a line, by nested dual numbers.
+/// Third derivatives along a line, and mixed ones of two, by nested dual numbers.
 #pragma once
 #include "core/dual.hpp"
 
@@ -11,6 +11,15 @@ inline Tower along(double x, double d) {
   tower.slope[0].value.value = d;
   tower.value.slope[0].value = d;
   tower.value.value.slope[0] = d;
+  return tower;
+}
+
+/// x with a slope in one direction and another in a second: what is computed from it has the derivative by the first as
+/// slope[0].value.value, by the second as value.slope[0].value, and by both as slope[0].slope[0].value.
+inline Tower across(double x, double first, double second) {
+  Tower tower(x);
+  tower.slope[0].value.value = first;
+  tower.value.slope[0].value = second;
   return tower;
 }
 

@@ -9,6 +9,7 @@
 #include <array>
 #include <utility>
 
+#include "core/tower.hpp"
 #include "laws/law.hpp"
 #include "laws/portion.hpp"
 
@@ -75,13 +76,26 @@ Member convert(const Value& value) {
     return Member(std::get<double>(value));
 }
 
+/// The law whose parameters are member(field, index): members that derive from them follow.
+template <class L, class Member>
+L assemble(const Member& member) {
+  return [&]<std::size_t... i>(std::index_sequence<i...>) { return L{member(std::get<i>(L::parameters), i)...}; }
+  (std::make_index_sequence<parameter_count<L>>());
+}
+
 template <class L>
 L build(std::span<const Value> values) {
-  return [&]<std::size_t... i>(std::index_sequence<i...>) {
-    return L{
-        convert<std::remove_cvref_t<decltype(std::declval<L>().*(std::get<i>(L::parameters).member))>>(values[i])...};
-  }
-  (std::make_index_sequence<parameter_count<L>>());
+  return assemble<L>([&]<class Member>(const Field<L, Member>&, std::size_t i) { return convert<Member>(values[i]); });
+}
+/// The same with slopes of its numbers in the second direction of towers; empty: none.
+template <class L>
+L build(std::span<const Value> values, std::span<const double> slopes) {
+  return assemble<L>([&]<class Member>(const Field<L, Member>&, std::size_t i) {
+    auto x = convert<Member>(values[i]);
+    if constexpr (std::is_same_v<Member, Tower>)
+      if (!slopes.empty()) x = across(x.value.value.value, 0, slopes[i]);
+    return x;
+  });
 }
 
 template <class L>
@@ -104,18 +118,14 @@ std::vector<Quantity> describe(const Table& fields) {
 /// Sets the parameters of one lane and rebuilds the law, so that derived members follow. Lists are shared by all lanes.
 template <class L>
 void assign(L& law, std::span<const Value> parameters, int lane) {
-  law = [&]<std::size_t... i>(std::index_sequence<i...>) {
-    const auto member = [&](const auto& f, std::size_t k) {
-      auto x = law.*(f.member);
-      if constexpr (std::is_same_v<decltype(x), std::vector<double>>)
-        x = std::get<std::vector<double>>(parameters[k]);
-      else
-        set_lane(x, lane, std::get<double>(parameters[k]));
-      return x;
-    };
-    return L{member(std::get<i>(L::parameters), i)...};
-  }
-  (std::make_index_sequence<parameter_count<L>>());
+  law = assemble<L>([&](const auto& f, std::size_t k) {
+    auto x = law.*(f.member);
+    if constexpr (std::is_same_v<decltype(x), std::vector<double>>)
+      x = std::get<std::vector<double>>(parameters[k]);
+    else
+      set_lane(x, lane, std::get<double>(parameters[k]));
+    return x;
+  });
 }
 
 /// \throws InputError if a list in `parameters` differs from the law's.
@@ -338,6 +348,11 @@ class Surroundings {
         lambda_(setup.lambda),
         compliance_(setup.compliance),
         compliance_per_load_(setup.compliance_per_load) {}
+  Surroundings(const ContactSetup& setup, const ContactSetup& slopes) requires(std::is_same_v<Real, Tower>)
+      : rows_(setup),
+        lambda_(across(setup.lambda, 0, slopes.lambda)),
+        compliance_(across(setup.compliance, 0, slopes.compliance)),
+        compliance_per_load_(across(setup.compliance_per_load, 0, slopes.compliance_per_load)) {}
 
   void load(int lane, const ContactSetup& setup) {
     if (detail::Rows(setup) != rows_) throw InputError("the lanes of one batch must carry the same unknowns");
@@ -345,7 +360,7 @@ class Surroundings {
     detail::set_lane(compliance_, lane, setup.compliance);
     detail::set_lane(compliance_per_load_, lane, setup.compliance_per_load);
   }
-  /// Contact::mass
+  /// ContactValues::mass
   void mass(const Real& N, int states, Real* m) const {
     for (int p = 0; p < Part::count; ++p) {
       int i = 0;
@@ -482,21 +497,23 @@ class LawContact final : public Contact<Real> {
   std::array<L<double>, std::is_same_v<Real, Lanes> ? lane_count : 1> lane_law_;  ///< for starts, one lane at a time
 };
 
-/// The contact of law L in Tower arithmetic: values and derivatives to third order along a direction.
+/// The contact of law L in Tower arithmetic: values and derivatives to third order along a direction, and mixed ones
+/// by its numbers.
 template <template <class> class L>
 class LawTower final : public ContactValues<Tower> {
  public:
-  LawTower(std::span<const Value> parameters, const ContactSetup& setup)
-      : rows_(setup), law_(detail::build<L<Tower>>(parameters)), compliance_(setup.compliance) {}
-  int unknowns() const override { return rows_.unknowns(detail::count_states<L>()); }
+  LawTower(std::span<const Value> parameters, const ContactSetup& setup, const ContactChange& change)
+      : setup_(setup, change.setup), law_(detail::build<L<Tower>>(parameters, change.parameters)) {}
+  int unknowns() const override { return setup_.rows().unknowns(states); }
   void evaluate(const ContactInput<Tower>& in, const Tower* z, Tower* g, Tower& F) const override {
-    rows_(detail::Written<L, Tower>{law_}, in, compliance_, z, g, F);
+    setup_.rows()(detail::Written<L, Tower>{law_}, in, setup_.compliance(), z, g, F);
   }
+  void mass(const Tower& N, Tower* m) const override { setup_.mass(N, states, m); }
 
  private:
-  detail::Rows rows_;
+  static constexpr int states = detail::count_states<L>();
+  Surroundings<Tower> setup_;
   L<Tower> law_;
-  Tower compliance_;
 };
 
 /// Law L behind the abstract FrictionLaw.
@@ -625,8 +642,9 @@ class Law final : public FrictionLaw {
   std::unique_ptr<Contact<Lanes>> bare_lanes(const ContactSetup& setup) const override {
     return std::make_unique<LawContact<L, Lanes>>(values_, accepted(setup));
   }
-  std::unique_ptr<ContactValues<Tower>> bare_tower(const ContactSetup& setup) const override {
-    return std::make_unique<LawTower<L>>(values_, accepted(setup));
+  std::unique_ptr<ContactValues<Tower>> bare_tower(const ContactSetup& setup,
+                                                   const ContactChange& change) const override {
+    return std::make_unique<LawTower<L>>(values_, accepted(setup), change);
   }
   static const ContactSetup& accepted(const ContactSetup& setup) {
     if (setup.unknowns == Unknowns::friction && !HasSlipRate<L>)

@@ -487,24 +487,28 @@ class FormulaContact final : public Contact<Real> {
 
 class FormulaTower final : public ContactValues<Tower> {
  public:
-  FormulaTower(std::shared_ptr<const Program> program, const std::vector<double>& constants, const ContactSetup& setup)
-      : program_(std::move(program)),
-        rows_(setup),
-        compliance_(setup.compliance),
-        constants_(constants.begin(), constants.end()) {}
-  int unknowns() const override { return rows_.unknowns(program_->states); }
+  FormulaTower(std::shared_ptr<const Program> program, const std::vector<double>& parameters, const ContactSetup& setup,
+               const ContactChange& change)
+      : program_(std::move(program)), setup_(setup, change.setup) {
+    std::vector<Tower> varied(parameters.begin(), parameters.end());
+    for (std::size_t k = 0; k < change.parameters.size(); ++k)
+      varied[k] = across(parameters[k], 0, change.parameters[k]);
+    constants_ = program_->pool(varied);
+  }
+  int unknowns() const override { return setup_.rows().unknowns(program_->states); }
   void evaluate(const ContactInput<Tower>& in, const Tower* z, Tower* g, Tower& F) const override {
     const int n = unknowns();
-    const TapeRun<Tower> run(program_->tapes(rows_).evaluate, constants_.data(),
-                             ContactInputs<Tower>(in, compliance_, z, n, rows_.with_friction).at);
+    const auto& rows = setup_.rows();
+    const TapeRun<Tower> run(program_->tapes(rows).evaluate, constants_.data(),
+                             ContactInputs<Tower>(in, setup_.compliance(), z, n, rows.with_friction).at);
     for (int i = 0; i < n; ++i) g[i] = run[std::size_t(i)];
     F = run[std::size_t(n)];
   }
+  void mass(const Tower& N, Tower* m) const override { setup_.mass(N, program_->states, m); }
 
  private:
   std::shared_ptr<const Program> program_;
-  detail::Rows rows_;
-  Tower compliance_;
+  Surroundings<Tower> setup_;
   std::vector<Tower> constants_;
 };
 
@@ -591,8 +595,9 @@ class FormulaLaw final : public FrictionLaw {
   std::unique_ptr<Contact<Lanes>> bare_lanes(const ContactSetup& setup) const override {
     return std::make_unique<FormulaContact<Lanes>>(program_, constants_, accepted(setup));
   }
-  std::unique_ptr<ContactValues<Tower>> bare_tower(const ContactSetup& setup) const override {
-    return std::make_unique<FormulaTower>(program_, constants_, accepted(setup));
+  std::unique_ptr<ContactValues<Tower>> bare_tower(const ContactSetup& setup,
+                                                   const ContactChange& change) const override {
+    return std::make_unique<FormulaTower>(program_, numbers(values_), accepted(setup), change);
   }
 
   const ContactSetup& accepted(const ContactSetup& setup) const {

@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "core/tower.hpp"
 #include "laws/portion.hpp"
 
 namespace rosin::laws {
@@ -276,16 +278,29 @@ class HeatedContact final : public Contact<Real> {
 
 class HeatedTower final : public ContactValues<Tower> {
  public:
-  HeatedTower(std::unique_ptr<ContactValues<Tower>> law, const ContactSetup& setup, const Heating& heating)
-      : law_(std::move(law)), rows_(setup, heating) {}
+  /// `slopes`: of the three numbers of the heating, or empty.
+  HeatedTower(std::unique_ptr<ContactValues<Tower>> law, const ContactSetup& setup, const Heating& heating,
+              const ContactSetup& change, std::span<const double> slopes)
+      : law_(std::move(law)), rows_(setup, heating), mass_(across(setup.lambda, 0, change.lambda)) {
+    rows_.compliance = across(setup.compliance, 0, change.compliance);
+    if (slopes.empty()) return;
+    rows_.resistance = across(heating.resistance, 0, slopes[0]);
+    rows_.time = across(heating.time, 0, slopes[1]);
+    rows_.softening = across(heating.softening, 0, slopes[2]);
+  }
   int unknowns() const override { return law_->unknowns() + rows_.added(); }
   void evaluate(const ContactInput<Tower>& in, const Tower* z, Tower* g, Tower& F) const override {
     rows_.evaluate(*law_, in, z, g, F);
+  }
+  void mass(const Tower& N, Tower* m) const override {
+    law_->mass(N, m);
+    std::fill(m + law_->unknowns(), m + unknowns(), mass_);
   }
 
  private:
   std::unique_ptr<ContactValues<Tower>> law_;
   Heated<Tower> rows_;
+  Tower mass_;
 };
 
 class HeatedLaw final : public FrictionLaw {
@@ -392,8 +407,12 @@ class HeatedLaw final : public FrictionLaw {
   std::unique_ptr<Contact<Lanes>> bare_lanes(const ContactSetup& setup) const override {
     return std::make_unique<HeatedContact<Lanes>>(law_->lanes(bare(setup)), setup, heating_);
   }
-  std::unique_ptr<ContactValues<Tower>> bare_tower(const ContactSetup& setup) const override {
-    return std::make_unique<HeatedTower>(law_->tower(bare(setup)), setup, heating_);
+  std::unique_ptr<ContactValues<Tower>> bare_tower(const ContactSetup& setup,
+                                                   const ContactChange& change) const override {
+    ContactChange of_law = change;
+    of_law.parameters.resize(change.parameters.empty() ? 0 : change.parameters.size() - heating_count);
+    const auto of_heating = std::span(change.parameters).subspan(of_law.parameters.size());
+    return std::make_unique<HeatedTower>(law_->tower(bare(setup), of_law), setup, heating_, change.setup, of_heating);
   }
   /// Load memory and series springs go around the heated contact, not inside.
   static ContactSetup bare(ContactSetup setup) {

@@ -78,9 +78,10 @@ std::unique_ptr<Contact<Lanes>> FrictionLaw::lanes(const ContactSetup& setup) co
   if (setup.spring.present()) contact = laws::behind_spring(std::move(contact), with_spring(*this, setup));
   return contact;
 }
-std::unique_ptr<ContactValues<Tower>> FrictionLaw::tower(const ContactSetup& setup) const {
-  auto contact = bare_tower(setup);
-  if (setup.spring.present()) contact = laws::behind_spring(std::move(contact), with_spring(*this, setup));
+std::unique_ptr<ContactValues<Tower>> FrictionLaw::tower(const ContactSetup& setup, const ContactChange& change) const {
+  auto contact = bare_tower(setup, change);
+  if (setup.spring.present())
+    contact = laws::behind_spring(std::move(contact), with_spring(*this, setup), change.setup.spring);
   return contact;
 }
 

@@ -97,7 +97,8 @@ class FrictionLaw {
   /// does not go with the law.
   std::unique_ptr<Contact<double>> contact(const ContactSetup&) const;
   std::unique_ptr<Contact<Lanes>> lanes(const ContactSetup&) const;
-  std::unique_ptr<ContactValues<Tower>> tower(const ContactSetup&) const;
+  /// Numbers that change have the slopes of `change` in the second direction of their towers (core/tower.hpp).
+  std::unique_ptr<ContactValues<Tower>> tower(const ContactSetup&, const ContactChange& change = {}) const;
 
   bool has_states() const { return !states().empty(); }
   /// True where a state is a deflection: friction then holds an elastic part, on which a mass may ring.
@@ -113,7 +114,7 @@ class FrictionLaw {
   /// The law's own contacts, without wrappers.
   virtual std::unique_ptr<Contact<double>> bare_contact(const ContactSetup&) const = 0;
   virtual std::unique_ptr<Contact<Lanes>> bare_lanes(const ContactSetup&) const = 0;
-  virtual std::unique_ptr<ContactValues<Tower>> bare_tower(const ContactSetup&) const = 0;
+  virtual std::unique_ptr<ContactValues<Tower>> bare_tower(const ContactSetup&, const ContactChange&) const = 0;
 };
 
 namespace laws {

@@ -1,5 +1,6 @@
 /// Any contact behind a spring and a damper.
 #include "core/error.hpp"
+#include "core/tower.hpp"
 #include "laws/portion.hpp"
 #include "laws/wrappers.hpp"
 
@@ -19,6 +20,11 @@ class Spring {
         compliance_per_load_(s.compliance_per_load),
         damping_(s.damping),
         damping_per_load_(s.damping_per_load) {}
+  Spring(const SeriesSpring& s, const SeriesSpring& slopes) requires(std::is_same_v<Real, Tower>)
+      : compliance_(across(s.compliance, 0, slopes.compliance)),
+        compliance_per_load_(across(s.compliance_per_load, 0, slopes.compliance_per_load)),
+        damping_(across(s.damping, 0, slopes.damping)),
+        damping_per_load_(across(s.damping_per_load, 0, slopes.damping_per_load)) {}
   void load(int lane, const SeriesSpring& s) {
     detail::set_lane(compliance_, lane, s.compliance);
     detail::set_lane(compliance_per_load_, lane, s.compliance_per_load);
@@ -52,6 +58,13 @@ struct BehindSpring {
   bool with_friction;
 
   int added() const { return with_friction ? 1 : 2; }
+
+  void mass(const ContactValues<Real>& law, const Real& N, Real* m) const {
+    law.mass(N, m);
+    const int n = law.unknowns();
+    if (!with_friction) m[n] = 0.0;
+    m[n + added() - 1] = 1.0;
+  }
 
   /// Slip rate of the law; of a contact that carries friction also ė, free of the cancellation in u − v.
   void slip(const ContactInput<Real>& in, const Real* z, int n, Real& v, Real& stretching) const {
@@ -171,12 +184,7 @@ class SpringContact final : public Contact<Real> {
     throw InputError("a contact behind a damped spring has no slip rate of its unknowns alone");
   }
 
-  void mass(const Real& N, Real* m) const override {
-    law_->mass(N, m);
-    const int n = law_->unknowns();
-    if (!rows_.with_friction) m[n] = 0.0;
-    m[unknowns() - 1] = 1.0;
-  }
+  void mass(const Real& N, Real* m) const override { rows_.mass(*law_, N, m); }
 
   void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) override {
     law_->load(lane, parameters, setup);
@@ -221,12 +229,13 @@ class SpringContact final : public Contact<Real> {
 
 class SpringTower final : public ContactValues<Tower> {
  public:
-  SpringTower(std::unique_ptr<ContactValues<Tower>> law, const ContactSetup& setup)
-      : law_(std::move(law)), rows_{Spring<Tower>(setup.spring), setup.unknowns == Unknowns::friction} {}
+  SpringTower(std::unique_ptr<ContactValues<Tower>> law, const ContactSetup& setup, const SeriesSpring& slopes)
+      : law_(std::move(law)), rows_{Spring<Tower>(setup.spring, slopes), setup.unknowns == Unknowns::friction} {}
   int unknowns() const override { return law_->unknowns() + rows_.added(); }
   void evaluate(const ContactInput<Tower>& in, const Tower* z, Tower* g, Tower& F) const override {
     rows_.evaluate(*law_, in, z, g, F);
   }
+  void mass(const Tower& N, Tower* m) const override { rows_.mass(*law_, N, m); }
 
  private:
   std::unique_ptr<ContactValues<Tower>> law_;
@@ -242,8 +251,8 @@ std::unique_ptr<Contact<Lanes>> behind_spring(std::unique_ptr<Contact<Lanes>> la
   return std::make_unique<SpringContact<Lanes>>(std::move(law), setup);
 }
 std::unique_ptr<ContactValues<Tower>> behind_spring(std::unique_ptr<ContactValues<Tower>> law,
-                                                    const ContactSetup& setup) {
-  return std::make_unique<SpringTower>(std::move(law), setup);
+                                                    const ContactSetup& setup, const SeriesSpring& slopes) {
+  return std::make_unique<SpringTower>(std::move(law), setup, slopes);
 }
 
 }  // namespace rosin::laws

@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "core/error.hpp"
-#include "core/instruction_set.hpp"
 #include "laws/operations.hpp"
+#include "laws/portion.hpp"
 
 namespace rosin::laws {
 
@@ -188,36 +188,24 @@ PoolTape compile_pool(const Graph& graph, const ConstantPool& pool) {
   return compiled;
 }
 
-std::vector<double> PoolTape::operator()(std::span<const double> parameters) const {
-  std::vector<const double*> inputs;
-  for (const double& x : parameters) inputs.push_back(&x);
-  const TapeRun<double> run(tape, numbers.data(), inputs.data());
-  std::vector<double> constants(tape.outputs.size());
+template <class Real>
+std::vector<Real> PoolTape::operator()(const std::vector<Real>& parameters) const {
+  std::vector<const Real*> inputs;
+  for (const Real& x : parameters) inputs.push_back(&x);
+  const std::vector<Real> own(numbers.begin(), numbers.end());
+  const TapeRun<Real> run(tape, own.data(), inputs.data());
+  std::vector<Real> constants(tape.outputs.size());
   for (std::size_t k = 0; k < constants.size(); ++k) constants[k] = run[k];
   return constants;
 }
+template std::vector<double> PoolTape::operator()(const std::vector<double>&) const;
+template std::vector<Tower> PoolTape::operator()(const std::vector<Tower>&) const;
 
 namespace {
 
-/// The scalars that a Real is made of.
-template <class Real>
-struct Parts {
-  using Scalar = Real;
-  static constexpr int count = 1;
-  ROSIN_INLINE static const Real& of(const Real& x, int) { return x; }
-  ROSIN_INLINE static Real& of(Real& x, int) { return x; }
-};
-template <>
-struct Parts<Lanes> {
-  using Scalar = Pack;
-  static constexpr int count = lane_packs;
-  ROSIN_INLINE static const Pack& of(const Lanes& x, int i) { return x.pack[i]; }
-  ROSIN_INLINE static Pack& of(Lanes& x, int i) { return x.pack[i]; }
-};
-
 template <class Real>
 ROSIN_INLINE void execute_here(const Tape& tape, const Real* constants, const Real* const* inputs, Real* registers) {
-  using Part = Parts<Real>;
+  using Part = Portion<Real>;
   for (const auto& load : tape.loads) registers[load.target] = *inputs[load.input];
   const Real* const bank[] = {registers, constants};
   const auto at = [&](std::uint16_t r) __attribute__((always_inline))->const Real& {
@@ -249,11 +237,7 @@ ROSIN_INLINE void execute_here(const Tape& tape, const Real* constants, const Re
 
 template <class Real>
 void TapeRun<Real>::execute(const Real* const* inputs) {
-  const auto kernel = [&] { execute_here(tape_, constants_, inputs, registers_); };
-  if constexpr (Parts<Real>::count > 1)
-    run_on_lanes(kernel);
-  else
-    kernel();
+  on_lanes<Real>([&] { execute_here(tape_, constants_, inputs, registers_); });
 }
 
 template class TapeRun<double>;

@@ -44,8 +44,9 @@ Tape compile(const Graph&, std::span<const int> outputs, ConstantPool& pool);
 struct PoolTape {
   Tape tape;
   std::vector<double> numbers;
-  /// The constants of the pool at these parameters.
-  std::vector<double> operator()(std::span<const double> parameters) const;
+  /// The constants of the pool at these parameters, double or Tower.
+  template <class Real>
+  std::vector<Real> operator()(const std::vector<Real>& parameters) const;
 };
 PoolTape compile_pool(const Graph&, const ConstantPool& pool);
 

@@ -14,7 +14,9 @@ namespace rosin::laws {
 ///   v (m/s) and e    where it does not; 0 = k·e + c·(u − v) − F(v), which needs c + ∂F/∂v > 0.
 std::unique_ptr<Contact<double>> behind_spring(std::unique_ptr<Contact<double>> law, const ContactSetup&);
 std::unique_ptr<Contact<Lanes>> behind_spring(std::unique_ptr<Contact<Lanes>> law, const ContactSetup&);
-std::unique_ptr<ContactValues<Tower>> behind_spring(std::unique_ptr<ContactValues<Tower>> law, const ContactSetup&);
+/// `slopes`: of the numbers of the spring, in the second direction of towers.
+std::unique_ptr<ContactValues<Tower>> behind_spring(std::unique_ptr<ContactValues<Tower>> law, const ContactSetup&,
+                                                    const SeriesSpring& slopes);
 
 /// A contact whose states forget a part of their past when the load grows (ContactSetup::load_memory, α): at constant
 /// slip rate a change of load changes friction by dμ = −α dN/N, by way of the states, and the rates λ·ψ̇ then bring it

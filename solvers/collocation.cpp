@@ -23,6 +23,8 @@ Collocation::Collocation(const System& system, double tolerance)
       tableau_(RadauTableau::get()),
       n_(system.size()),
       tolerance_(std::max(tolerance, least_tolerance)) {
+  if (s * n_ > largest_lu)
+    throw InputError(fmt::format("{} unknowns are more than the collocation takes, {}", n_, largest_lu / s));
   // The embedded estimate falls with h^6, the error of the solution with h^9: ask of the estimate what makes the
   // solution meet the tolerance (after the idea of Hairer & Wanner 1999 for their code of variable order). Unknowns
   // that are moderately stiff, such as the slip rate in slow stick, keep an error of the size of the estimate.
@@ -351,8 +353,8 @@ bool Collocation::shorten(double theta) {
   return true;
 }
 
-void Collocation::propagate(std::vector<double>& S, int columns) {
-  // (A⁻¹⊗M/h − J_i) δZ = J_i δy₀ stage by stage, with the exact Jacobians of the converged stages.
+void Collocation::propagate(std::vector<double>& S, int columns, const Forcing& forcing) {
+  // (A⁻¹⊗M/h − J_i) δZ = J_i δy₀ + ∂f/∂p stage by stage, with the exact Jacobians of the converged stages.
   const int n = n_, m = s * n;
   big_.assign(m * m, 0.0);
   big_right_.assign(m * columns, 0.0);
@@ -363,6 +365,7 @@ void Collocation::propagate(std::vector<double>& S, int columns) {
     stage(i, work_.data());
     system_.linearise(t, work_.data(), f_stage_.data(), J_stage_.data());
     system_.mass(t, &stage_mass_[i * n]);
+    if (forcing) forcing(t, work_.data(), &big_right_[i * n * columns]);
     for (int k = 0; k < n; ++k) {
       for (int j = 0; j < s; ++j)
         big_[(i * n + k) * m + j * n + k] += tableau_.a_inverse[i][j] * stage_mass_[i * n + k] / h_last_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -23,6 +24,7 @@ class Collocation {
   static constexpr double least_tolerance = 1e-18;
 
   /// `tolerance`: relative accuracy aimed at for the solution, in units of the system's scale.
+  /// \throws InputError for more than 19 unknowns.
   Collocation(const System&, double tolerance);
 
   /// Begins at (t, y); algebraic unknowns are made consistent by Newton's method where they are not.
@@ -60,9 +62,11 @@ class Collocation {
   template <class F>
   std::optional<double> locate(F f, double low, double high, double f_low, double f_high);
 
-  /// Multiplies the columns of S (size × columns, row-major, differential unknowns) by the derivative of the last step
-  /// with respect to its start.
-  void propagate(std::vector<double>& S, int columns);
+  /// ∂f/∂p at (t, y), size × columns, row-major.
+  using Forcing = std::function<void(double t, const double* y, double* f_p)>;
+  /// Carries the columns of S (size × columns, row-major, differential unknowns) across the last step: multiplies them
+  /// by its derivative with respect to its start, and adds that with respect to the numbers p of a column's own.
+  void propagate(std::vector<double>& S, int columns, const Forcing& forcing = {});
   /// Derivative of the solution in time at the end of the last step, algebraic unknowns included.
   void rate(double* rate) const;
 

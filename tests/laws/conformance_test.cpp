@@ -3,6 +3,7 @@
 #include <random>
 #include <set>
 
+#include "core/tower.hpp"
 #include "core/units.hpp"
 #include "laws/adapter.hpp"
 #include "laws/catalogue.hpp"
@@ -95,13 +96,6 @@ std::vector<double> answer(const Contact<double>& contact, Point p, std::size_t 
 double slope_of(const Slopes<double>& s, std::size_t n, std::size_t row, std::size_t k) {
   if (row == n) return k < n ? s.F_z[k] : k == n ? s.F_u : s.F_N;
   return k < n ? s.g_z[row * n + k] : k == n ? s.g_u[row] : s.g_N[row];
-}
-
-Tower along(double x, double direction) {
-  using First = Dual<double, 1>;
-  using Second = Dual<First, 1>;
-  const Tower t = Tower::variable(Second::variable(First::variable(0.0, 0), 0), 0);
-  return x + direction * t;
 }
 
 /// Other values of the same parameters, within their ranges.

@@ -47,7 +47,7 @@ Evaluated evaluated(const std::string& text) {
   const auto parsed = parse_expression(graph, names, "test", text);
   ConstantPool pool;
   const Tape tape = compile(graph, {&parsed.node, 1}, pool);
-  const auto constants = compile_pool(graph, pool)({});
+  const auto constants = compile_pool(graph, pool)(std::vector<double>());
   const double* inputs[] = {&x, &y, &L, &t, &s};
   return {TapeRun<double>(tape, constants.data(), inputs)[0], coherent_unit(parsed.dimension)};
 }

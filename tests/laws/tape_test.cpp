@@ -20,7 +20,7 @@ struct Compiled {
   Compiled(const Graph& graph, std::vector<int> outputs) {
     ConstantPool pool;
     tape = compile(graph, outputs, pool);
-    constants = compile_pool(graph, pool)({});
+    constants = compile_pool(graph, pool)(std::vector<double>());
   }
   template <class Real>
   std::vector<Real> operator()(const std::vector<Real>& at) const {

@@ -1,0 +1,221 @@
+/// Responses and curves from the contact's derivatives; steps and holds as motion of the contact at a held slip rate.
+#include "analysis/measurement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include "analysis/contact_slopes.hpp"
+#include "analysis/frf.hpp"
+#include "core/error.hpp"
+#include "solvers/collocation.hpp"
+
+namespace rosin::analysis {
+
+namespace {
+
+constexpr int most = Slopes<double>::capacity;
+
+/// A contact at constant slip rate and load as a system, and what numbers of the model do to it. Lists of slopes S are
+/// unknowns × numbers, row-major.
+class HeldContact final : public System {
+ public:
+  /// \param typical the slip rate in whose steady sliding errors are measured
+  HeldContact(const Model& model, double slip_rate, double typical, const std::vector<std::string>& paths)
+      : in_{slip_rate, model.drive.normal_load.level(), 0, double((slip_rate > 0) - (slip_rate < 0))},
+        set_valued_(model.law->set_valued()),
+        contact_(model.law->contact(imposed_contact_setup(model))) {
+    for (const auto& path : paths) slopes_.emplace_back(model, path);
+    contact_->mass(in_.normal_load, mass_);
+    double z[most];
+    contact_->steady(0, along(typical), in_.normal_load, z, scale_);
+    for (int i = 0; i < size(); ++i) scale_[i] = std::max(scale_[i], 1e-30);
+  }
+
+  int size() const override { return contact_->unknowns(); }
+  bool autonomous() const override { return true; }
+  void mass(double, double* m) const override {
+    for (int i = 0; i < size(); ++i) m[i] = algebraic(i) ? 0 : 1;
+  }
+  void evaluate(double, const double* z, double* f) const override {
+    double F;
+    contact_->evaluate(in_, z, f, F);
+    for (int i = 0; i < size(); ++i) f[i] /= divisor(i);
+  }
+  void linearise(double, const double* z, double* f, double* jacobian) const override {
+    const int n = size();
+    Slopes<double> slopes;
+    double F;
+    contact_->linearise(in_, z, f, F, slopes);
+    for (int i = 0; i < n; ++i) {
+      f[i] /= divisor(i);
+      for (int j = 0; j < n; ++j) jacobian[i * n + j] = slopes.g_z[i * n + j] / divisor(i);
+    }
+  }
+  void scale(const double*, double* s) const override { std::copy_n(scale_, size(), s); }
+  std::string unknown(int i) const override { return fmt::format("unknown {} of the contact", i); }
+
+  int numbers() const { return int(slopes_.size()); }
+  /// Slopes of f by the numbers.
+  void force(const double* z, double* f_p) const {
+    double f[most];
+    evaluate(0, z, f);
+    for (int p = 0; p < numbers(); ++p) {
+      const auto change = slopes_[std::size_t(p)].values(in_, z);
+      for (int i = 0; i < size(); ++i)
+        f_p[i * numbers() + p] = (change.g[std::size_t(i)] - f[i] * change.mass[std::size_t(i)]) / divisor(i);
+    }
+  }
+  /// Unknowns of steady sliding, and their slopes.
+  std::vector<double> steady(std::vector<double>& S) const {
+    double z[most], weight[most], g[most], F;
+    contact_->steady(0, along(in_.slip_rate), in_.normal_load, z, weight);
+    const int n = size();
+    Slopes<double> slopes;
+    contact_->linearise(in_, z, g, F, slopes);
+    const std::vector<double> A(slopes.g_z, slopes.g_z + n * n);
+    S.assign(std::size_t(n * numbers()), 0.0);
+    for (int p = 0; p < numbers(); ++p) {
+      const auto shift = slopes_[std::size_t(p)].steady(in_, z, A);
+      for (int i = 0; i < n; ++i) S[std::size_t(i * numbers() + p)] = shift[std::size_t(i)];
+    }
+    return {z, z + n};
+  }
+  /// Makes S consistent with an algebraic row at z, as a jump of the slip rate has left it.
+  void settle(const double* z, std::vector<double>& S) const {
+    const int n = size();
+    double f[most], J[most * most];
+    std::vector<double> f_p(std::size_t(n * numbers()));
+    linearise(0, z, f, J);
+    force(z, f_p.data());
+    for (int i = 0; i < n; ++i) {
+      if (!algebraic(i)) continue;
+      for (int p = 0; p < numbers(); ++p) {
+        double sum = f_p[std::size_t(i * numbers() + p)];
+        for (int j = 0; j < n; ++j)
+          if (j != i) sum += J[i * n + j] * S[std::size_t(j * numbers() + p)];
+        S[std::size_t(i * numbers() + p)] = -sum / J[i * n + i];
+      }
+    }
+  }
+  /// Adds friction at these unknowns and its slopes to the prediction.
+  void read(const double* z, const std::vector<double>& S, Prediction& prediction) const {
+    Slopes<double> slopes;
+    double g[most], F;
+    contact_->linearise(in_, z, g, F, slopes);
+    prediction.y.push_back(F / in_.normal_load);
+    for (int p = 0; p < numbers(); ++p) {
+      double change = slopes_[std::size_t(p)].values(in_, z).F;
+      for (int i = 0; i < size(); ++i) change += slopes.F_z[i] * S[std::size_t(i * numbers() + p)];
+      prediction.slopes[std::size_t(p)].push_back(change / in_.normal_load);
+    }
+  }
+
+ private:
+  bool algebraic(int i) const { return mass_[i] == 0; }
+  double divisor(int i) const { return algebraic(i) ? 1 : mass_[i]; }
+  /// The slip rate that a law is asked at for its steady sliding.
+  double along(double slip_rate) const { return set_valued_ ? std::abs(slip_rate) : slip_rate; }
+
+  ContactInput<double> in_;
+  bool set_valued_;
+  std::unique_ptr<const Contact<double>> contact_;
+  std::vector<ContactSlopes> slopes_;
+  double mass_[most] = {}, scale_[most] = {};
+};
+
+/// What `reader` reads at each time of the motion of `held` from steady sliding in `before`.
+void follow(const HeldContact& held, const HeldContact& before, const HeldContact& reader, const Measurement& m,
+            Prediction& prediction) {
+  std::vector<double> S;
+  const auto start = before.steady(S);
+  if (held.size() == 0) {
+    for (std::size_t i = 0; i < m.x.size(); ++i) reader.read(start.data(), S, prediction);
+    return;
+  }
+  const auto forcing = [&](double, const double* z, double* f_p) { held.force(z, f_p); };
+  solvers::Collocation solver(held, 1e-10);
+  if (!solver.start(0, start)) throw InputError(m.name + ": the motion cannot begin");
+  held.settle(solver.state().data(), S);
+  for (const double time : m.x) {
+    while (solver.time() < time) {
+      if (const auto outcome = solver.step(time); !outcome.complete())
+        throw InputError(fmt::format("{}: the motion could not be followed: {}", m.name, outcome.detail));
+      if (held.numbers() > 0) solver.propagate(S, held.numbers(), forcing);
+    }
+    reader.read(solver.state().data(), S, prediction);
+  }
+}
+
+}  // namespace
+
+Prediction predict(const Model& given, const Measurement& m, const std::vector<std::string>& paths) {
+  using Kind = Measurement::Kind;
+  Model model = given;
+  model.drive = {m.slip_rate, m.normal_load, 0.0};
+  // Steady sliding does not know the clock of the states, and neither it nor rest a spring.
+  std::vector<std::string> own = paths;
+  const auto leave_out = [&](std::string_view start) {
+    std::erase_if(own, [&](const std::string& path) { return path.starts_with(start); });
+  };
+  if (m.kind == Kind::hold && (!model.law->has_states() || model.lambda == 0))
+    throw InputError(fmt::format("law '{}' without states does not remember a hold", model.law->card().name));
+  if (m.kind == Kind::steady_curve || m.kind == Kind::hold) {
+    model.contact_stiffness = {};
+    leave_out("law.contact_stiffness.");
+  }
+  if (m.kind == Kind::steady_curve) {
+    model.lambda = 0;
+    leave_out("law.lambda");
+  }
+
+  Prediction found{{}, std::vector<std::vector<double>>(own.size())};
+  const auto held = [&](double slip_rate) { return HeldContact(model, slip_rate, m.next_slip_rate, own); };
+  switch (m.kind) {
+    case Kind::frequency_response: {
+      const FrictionResponse response(model);
+      std::vector<ResponseSlope> slopes;
+      for (const auto& path : own) slopes.emplace_back(model, path);
+      const auto add = [](std::vector<double>& list, std::complex<double> Z) {
+        list.push_back(Z.real()), list.push_back(Z.imag());
+      };
+      for (const double f : m.x) {
+        const std::complex<double> s(0, 2 * std::numbers::pi * f);
+        add(found.y, response.tangential(s));
+        for (std::size_t p = 0; p < own.size(); ++p) add(found.slopes[p], slopes[p](s).slope);
+      }
+      break;
+    }
+    case Kind::steady_curve:
+      for (const double v : m.x) {
+        const HeldContact sliding(model, v, v, own);
+        std::vector<double> S;
+        const auto z = sliding.steady(S);
+        sliding.read(z.data(), S, found);
+      }
+      break;
+    case Kind::velocity_step: {
+      const auto after = held(m.next_slip_rate);
+      follow(after, held(m.slip_rate), after, m, found);
+      break;
+    }
+    case Kind::hold: {
+      const auto sliding = held(m.slip_rate);
+      follow(held(0), sliding, sliding, m, found);
+      break;
+    }
+  }
+  Prediction prediction{std::move(found.y), {}};
+  for (const auto& path : paths) {
+    const auto at = std::ranges::find(own, path);
+    prediction.slopes.push_back(at == own.end() ? std::vector<double>(prediction.y.size(), 0.0)
+                                                : found.slopes[std::size_t(at - own.begin())]);
+  }
+  return prediction;
+}
+
+}  // namespace rosin::analysis
