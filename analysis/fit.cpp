@@ -34,16 +34,10 @@ struct Variable {
 };
 
 Variable make_variable(const Model& model, const std::string& path) {
-  if (!path.starts_with("law."))
-    throw InputError(
-        fmt::format("{}: a fit finds numbers of the law and its contact, law.…; measurements have their own drive, and "
-                    "none of them knows a slider",
-                    path));
+  require_fittable(model, path);
   Variable v{model.describe(path), false, 0, 0, 1};
   const double value = model.get(path);
   v.logarithmic = v.quantity.range.low >= 0;
-  if (!std::isfinite(value) || (v.logarithmic && !(value > 0)))
-    throw InputError(fmt::format("{} = {}: a fit needs a start above 0 and finite", path, value));
   constexpr double smallest = 1e-30, largest = 1e30;
   v.low = v.logarithmic ? std::log(std::max(v.quantity.range.low, smallest)) : v.quantity.range.low;
   v.high = v.logarithmic ? std::log(std::min(v.quantity.range.high, largest)) : v.quantity.range.high;
@@ -201,6 +195,18 @@ double profile_end(Problem problem, const Minimum& best, std::size_t index, doub
 }
 
 }  // namespace
+
+void require_fittable(const Model& model, const std::string& path) {
+  const auto quantity = model.describe(path);
+  const double value = model.get(path);
+  if (!path.starts_with("law."))
+    throw InputError(
+        fmt::format("{}: a fit finds numbers of the law and its contact, law.…; measurements have their own drive, and "
+                    "none of them knows a slider",
+                    path));
+  if (!std::isfinite(value) || (quantity.range.low >= 0 && !(value > 0)))
+    throw InputError(fmt::format("{} = {}: a fit needs a start above 0 and finite", path, value));
+}
 
 Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptions& options) {
   gsl_set_error_handler_off();

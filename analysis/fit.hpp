@@ -44,6 +44,10 @@ struct Fit {
   Outcome outcome;
 };
 
+/// \throws InputError unless a fit can find the number at `path`: one of the law or its contact, finite, and above 0
+/// where it cannot be negative.
+void require_fittable(const Model&, const std::string& path);
+
 /// \throws InputError for unknown or unfit parameters, errors that are not positive, and fewer points than parameters.
 Fit fit(const Model&, const std::vector<Measurement>&, const FitOptions&);
 

@@ -105,7 +105,7 @@ void read_fit(Table& table, Scene& scene, const fs::path& folder,
   const auto read_parameters = [](const toml::node& node, const std::string& path, const oscillators::Model& model) {
     const auto paths = texts(node, path);
     for (std::size_t i = 0; i < paths.size(); ++i)
-      located(node.as_array()->get(i)->source(), [&] { model.describe(paths[i]); });
+      located(node.as_array()->get(i)->source(), [&] { analysis::require_fittable(model, paths[i]); });
     if (paths.empty()) fail(node.source(), "{} is empty", path);
     return paths;
   };

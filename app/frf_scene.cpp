@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/contact_slopes.hpp"
 #include "app/scene_table.hpp"
 
 namespace rosin::app {
@@ -310,7 +311,8 @@ void read_frf(Table& table, Scene& scene, const toml::node* oscillator, const fs
   if (const auto* list = table.find("sensitivities")) {
     options.sensitivities = texts(*list, table.path("sensitivities"));
     for (std::size_t i = 0; i < options.sensitivities.size(); ++i)
-      located(list->as_array()->get(i)->source(), [&] { scene.model.describe(options.sensitivities[i]); });
+      located(list->as_array()->get(i)->source(),
+              [&] { analysis::ContactSlopes(scene.model, options.sensitivities[i]); });
   }
   if (auto family = table.table("family")) {
     family->expect({"parameter", "values"});
