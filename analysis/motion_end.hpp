@@ -15,7 +15,7 @@ bool unbounded_at_rest(const FrictionLaw&, double normal_load);
 /// - λ = 0 under a curve that rises without bound toward rest: once at rest, nothing slips again;
 /// - λ = 0 under a weakening curve with no mass between it and a spring: where the curve turns back, slip would jump;
 /// - neither mass nor damping between friction and a spring: slip that weakens faster than the spring unloads reaches
-///   infinite speed in finite time (Rice & Gu 1983).
+///   infinite speed in finite time (Rice & Gu, Pure Appl. Geophys. 121, 187-219, 1983).
 std::optional<std::string> why_motion_ends(const oscillators::SliderSystem&, double t, const double* y);
 
 }  // namespace rosin::analysis

@@ -25,7 +25,7 @@ std::vector<double> window_values(const std::string& name, int n) {
     const double x = 2 * std::numbers::pi * i / n;
     if (name == "hann")
       w[std::size_t(i)] = 0.5 - 0.5 * std::cos(x);
-    else if (name == "blackman-harris")  // Harris (1978), four terms, −92 dB
+    else if (name == "blackman-harris")  // F. J. Harris, Proc. IEEE 66, 51-83, 1978: four terms, −92 dB
       w[std::size_t(i)] = 0.35875 - 0.48829 * std::cos(x) + 0.14128 * std::cos(2 * x) - 0.01168 * std::cos(3 * x);
   }
   return w;

@@ -47,7 +47,8 @@ void expand(std::span<const double> J, std::span<const double> mass, std::size_t
   }
 }
 
-/// Starting points on circles whose radii follow from the Newton polygon of the coefficients (Bini 1996).
+/// Starting points on circles whose radii follow from the Newton polygon of the coefficients (D. A. Bini, Numer.
+/// Algorithms 13, 179-200, 1996).
 std::vector<Complex> starts(const std::vector<Real>& a) {
   const int degree = int(a.size()) - 1;
   std::vector<int> hull;

@@ -127,7 +127,7 @@ ROSIN_INLINE void Ensemble::solve_stage(int p) {
 }
 
 /// The estimate decides, and says how long the next step may be: the smaller of the elementary and the predictive
-/// control (Gustafsson 1994, as in RODAS of Hairer & Wanner).
+/// control (K. Gustafsson, ACM Trans. Math. Softw. 20, 496-517, 1994, as in RODAS of Hairer & Wanner).
 template <int n>
 ROSIN_INLINE void Ensemble::decide(int p) {
   constexpr double order = Method::estimate_order;

@@ -1,6 +1,6 @@
 /// Coefficients of Dormand & Prince's explicit Runge-Kutta method of order 8(5, 3) with dense output of order 7.
 ///
-/// Hairer, Norsett & Wanner (1993), Solving ODEs I, II.5 and II.6, and their code DOP853.
+/// Hairer, Nørsett & Wanner (1993), Solving ODEs I, II.5 and II.6, and their code DOP853.
 #pragma once
 
 namespace rosin::solvers {

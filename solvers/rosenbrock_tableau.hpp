@@ -7,7 +7,8 @@
 
 namespace rosin::solvers {
 
-/// Rodas5 of Di Marzo (1993), order 5(4), eight stages, L-stable and stiffly accurate, dense output of order 4.
+/// Rodas5 of G. Di Marzo (thesis, Geneva, 1993), order 5(4), eight stages, L-stable and stiffly accurate, dense output
+/// of order 4.
 struct Rodas5 {
   static constexpr int stages = 8, dense_terms = 3;
   static constexpr int estimate_order = 5;  ///< the estimate behaves as h to this power

@@ -1,7 +1,8 @@
 /// Reciprocating sliding: friction against displacement closes a loop, whose area is the energy of a cycle.
 ///
 /// Where the force passes through zero the contact itself does not slip, so that the slope of the loop there is the
-/// tangential stiffness in series with it (Mindlin 1949 for partial slip; here one contact).
+/// tangential stiffness in series with it (R. D. Mindlin, J. Appl. Mech. 16, 259-268, 1949, for partial slip; here one
+/// contact).
 #include <fmt/format.h>
 
 #include <algorithm>

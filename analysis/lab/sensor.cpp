@@ -82,7 +82,7 @@ bool Sensor::ideal() const {
 
 std::vector<double> white_noise(std::size_t count, std::uint64_t seed) {
   std::vector<double> values(count);
-  for (std::size_t i = 0; i < count; ++i) {  // Box & Muller (1958)
+  for (std::size_t i = 0; i < count; ++i) {  // Box & Muller, Ann. Math. Stat. 29, 610-611, 1958
     const std::uint64_t at = mix(seed) + 2 * i;
     values[i] = std::sqrt(-2 * std::log(uniform(at))) * std::cos(2 * std::numbers::pi * uniform(at + 1));
   }

@@ -1,7 +1,7 @@
 /// Force-balance models: stick keeps the velocity it was found with, friction balances all other forces.
 ///
 /// Source: D. Karnopp, J. Dyn. Syst. Meas. Control 107 (1985) 100, with the force balance of X. Tan & R. J. Rogers,
-/// J. Vib. Acoust. 118 (1996). The velocity that stick keeps is not zero, so that it drifts.
+/// Flow-Induced Vibration, ASME PVP 328 (1996) 347. The velocity that stick keeps is not zero, so that it drifts.
 #pragma once
 #include "solvers/force_algorithms/cfm.hpp"
 
