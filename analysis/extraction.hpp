@@ -1,7 +1,7 @@
 /// Friction frequency responses out of records: H1, H2, Hv, coherence, random and bias error, and when not to believe
 /// them.
 ///
-/// Sources: Bendat & Piersol (2010), chapters 6, 7 and 9; Welch (1967); Wicks & Vold (1986) for Hv.
+/// Sources: Bendat & Piersol (2010), chapters 6, 7 and 9; Welch (1967); Rocklin, Crowley & Vold (1985) for Hv.
 #pragma once
 #include <complex>
 #include <string>

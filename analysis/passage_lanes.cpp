@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/loop_area.hpp"
 #include "core/instruction_set.hpp"
 
 namespace rosin::analysis {
@@ -124,8 +125,6 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
       consider(Landing::level, int(k), bisect([&](double t) { return q.value(t) - level; }, 0, theta));
     }
   }
-  if (recording_.loop_area && (u0 < 0) != (u1 < 0) && std::abs(u0) > 1e-12 * at.V)
-    consider(Landing::reversal, 0, crossing(0));
   if (recording_.extremes) {
     // Only turns that reach beyond what was seen so far: in deep stick, rounding turns at every step.
     const auto consider_turn = [&](Landing kind, int unknown, const Lanes* slopes, const Lanes& highest,
@@ -193,7 +192,8 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
   if (at.passage->record && recording_.loop_area && friction_index_ >= 0) {
     // The step is summed to its end; the section lies a little off.
     const auto& model = at.loaded->model();
-    const double steady = model.law->steady_friction({at.V, model.drive.normal_load.level()}).friction;
+    const Sliding<double> reference{loop_slip_rate(at.V, at.V), model.drive.normal_load.level()};
+    const double steady = model.law->steady_friction(reference).friction;
     const double off = (theta - 1) * ensemble_.slope(lane, slip_rate_index, 1);
     loop_.set(lane, loop_[lane] + (ensemble_.unknown(friction_index_)[lane] - steady) * off);
   }
@@ -203,7 +203,7 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
 
 void PassageLanes::screen() {
   const int levels = int(levels_.size());
-  const bool extremes = recording_.extremes, reversals = recording_.loop_area, friction = friction_index_ >= 0;
+  const bool extremes = recording_.extremes, friction = friction_index_ >= 0;
   run_on_lanes([&] {
     const Pack zero = 0.0, one = 1.0;
     for (int p = 0; p < lane_packs; ++p) {
@@ -218,7 +218,6 @@ void PassageLanes::screen() {
         const Mask inside = holds(inside_[k]), now = !(abs(u1) > thresholds_[k].pack[p]);
         event = event | (records & (inside ^ now)) | (records & !inside & turned);
       }
-      if (reversals) event = event | (records & turned);
       if (extremes || rings_) {
         event = event | (records & ((slip_rate_slope_[0].pack[p] > zero) ^ (slip_rate_slope_[1].pack[p] > zero)));
         if (friction)
@@ -308,13 +307,14 @@ void PassageLanes::accumulate() {
   constexpr int nodes = 3;
   constexpr double node[nodes] = {0.1127016653792583, 0.5, 0.8872983346207417};
   constexpr double weight[nodes] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
-  Lanes u[nodes], u_slope[nodes], mu[nodes], steady[nodes];
+  Lanes u[nodes], reference[nodes], u_slope[nodes], mu[nodes], steady[nodes];
   run_on_lanes([&] {
     for (int p = 0; p < lane_packs; ++p) {
       const auto slip_rate = ensemble_.polynomial_of_pack(p, slip_rate_index);
       ROSIN_UNROLL
       for (int k = 0; k < nodes; ++k) {
         u[k].pack[p] = slip_rate.value(Pack(node[k]));
+        reference[k].pack[p] = loop_slip_rate(u[k].pack[p], V_.pack[p]);
         u_slope[k].pack[p] = slip_rate.slope(Pack(node[k]));
       }
       if (friction_index_ >= 0) {
@@ -336,7 +336,7 @@ void PassageLanes::accumulate() {
     }
   }
   if (recording_.loop_area)
-    for (int k = 0; k < nodes; ++k) sliders_.steady_friction(u[k], steady[k]);
+    for (int k = 0; k < nodes; ++k) sliders_.steady_friction(reference[k], steady[k]);
   run_on_lanes([&] {
     for (int p = 0; p < lane_packs; ++p) {
       const Mask counts = counted_.pack[p] > Pack(0.0);

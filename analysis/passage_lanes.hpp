@@ -61,7 +61,7 @@ class PassageLanes {
   bool fits(const oscillators::SliderSystem& slider) const { return sliders_.fits(slider); }
 
  private:
-  enum class Landing : std::int8_t { none, section, level, reversal, slip_rate_extreme, friction_extreme };
+  enum class Landing : std::int8_t { none, section, level, slip_rate_extreme, friction_extreme };
   struct Event {
     Landing kind = Landing::none;
     int level = 0;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/loop_area.hpp"
 #include "analysis/motion_end.hpp"
 #include "analysis/stability.hpp"
 
@@ -103,16 +104,14 @@ Recorder::Loop Recorder::loop(const std::vector<Sample>& samples) const {
     };
     return std::array{weight(a, b, c), weight(b, a, c), weight(c, a, b)};
   }();
+  const double V = system_.model().drive.speed.level(), N = system_.model().drive.normal_load.level();
   Loop result{0, 0, 0};
   for (int i = 0; i < s; ++i) {
     const Sample& at = samples[i + 1];
     // dv/dθ from the polynomial: the force balance would lose it to cancellation in near-stick.
     double rate = 0;
     for (int j = 0; j < s; ++j) rate += tableau.a_inverse[i][j] * (samples[j + 1].slip_rate - samples[0].slip_rate);
-    const double steady =
-        at.slip_rate == 0
-            ? at.friction
-            : system_.model().law->steady_friction({at.slip_rate, system_.model().drive.normal_load.level()}).friction;
+    const double steady = system_.model().law->steady_friction({loop_slip_rate(at.slip_rate, V), N}).friction;
     const double density = (at.friction - steady) * rate;
     result.integral += tableau.b[i] * density;
     result.magnitude += tableau.b[i] * std::abs(density);
@@ -183,8 +182,7 @@ void Recorder::step(Collocation& solver) {
   }
   if (!follows_steady_curve_) {
     const Loop whole = loop(samples);
-    // Orders 10 and 4: the relative error of the full rule is about that of the part to the power 2.5. Where slip
-    // reverses, μ_ss turns over within a tiny part of a step, unseen by the solver, and the step is divided.
+    // Orders 10 and 4: the relative error of the full rule is about that of the part to the power 2.5.
     const double ratio = std::abs(whole.integral - whole.check) / std::max(whole.magnitude, 1e-300);
     const bool resolved = std::pow(ratio, 2.5) * whole.magnitude <= loop_tolerance();
     sums_.loop_area += resolved ? whole.integral : refined_loop(solver, 0, 1, whole.integral, infinity);

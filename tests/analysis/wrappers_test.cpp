@@ -5,11 +5,13 @@
 
 #include "analysis/cycle.hpp"
 #include "analysis/cycle_lanes.hpp"
+#include "analysis/map.hpp"
 #include "analysis/run.hpp"
 #include "analysis/stability.hpp"
 #include "laws/catalogue.hpp"
 #include "laws/formula.hpp"
 #include "laws/heating.hpp"
+#include "tests/surrounded_laws.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis;
@@ -260,6 +262,61 @@ TEST_CASE("every law, bare and heated, has a cycle or a reason for none, and the
   }
   CHECK(cycles > 38);
   CHECK(in_lanes > 18);
+}
+
+TEST_CASE("planes of every law in all its surroundings have a regime at each point, or the reason for none",
+          "[wrappers][long]") {
+  int cycles = 0, stable = 0;
+  for (auto model : tests::surrounded_laws()) {
+    model.slider = {1, 20, 0.3};
+    model.drive = {1e-4, 0.5, 0.0};
+    MapOptions plane;
+    plane.x = make_axis("oscillator.mass", 0.5, 2, 2, true, {});
+    plane.y = make_axis("oscillator.stiffness", 20, 200, 2, true, {});
+    plane.metrics = {"period", "loop_area"};
+    plane.tolerance = 1e-3;
+    const auto map = compute_map(model, plane);
+    INFO(model.law->card().name << " with " << model.law->states().size() << " states, lambda " << model.lambda
+                                << ", spring " << model.contact_stiffness.tangential << ", "
+                                << model.contact_stiffness.per_load);
+    for (const auto& point : map.points) {
+      CAPTURE(name(point.regime), point.why);
+      stable += point.regime == Regime::stable;
+      if (point.regime == Regime::failed) {
+        // A bristle gives energy back: behind a damped spring slip may jump, and beside one motion need not repeat.
+        CHECK(model.law->card().name.starts_with("lugre"));
+        CHECK((point.why.find("slip rate of the contact, which jumps") != std::string::npos ||
+               point.why.find("no periodic motion") != std::string::npos));
+      } else if (point.regime != Regime::stable) {
+        ++cycles;
+        CHECK(point.metrics.period > 0);
+        CHECK(point.error.period < 0.01 * point.metrics.period);
+        CHECK(std::isfinite(point.metrics.loop_area));
+      }
+    }
+  }
+  CHECK(cycles > 200);
+  CHECK(stable > 100);
+}
+
+TEST_CASE("the loop's area is as accurate as the cycle where the slider rings on its contact spring", "[wrappers]") {
+  // Slip reverses some hundred times in a period, and with it μ_ss turns over.
+  Model model = slider(laws::find_law("bowden-tabor"), 1e-4, 0.05);
+  model.lambda = 3;
+  model.slider = {1, 200, 0.3};
+  model.contact_stiffness.tangential = 3e5;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(cycle.outcome.complete());
+  REQUIRE(fine.outcome.complete());
+  CHECK(cycle.metrics.slip_rate_min < 0);
+  CHECK(cycle.error.loop_area < 1e-6 * cycle.metrics.loop_area);
+  CHECK(std::abs(cycle.metrics.loop_area - fine.metrics.loop_area) < cycle.error.loop_area + fine.error.loop_area);
+  // The area of the polygon through the solver's steps, from friction alone.
+  double area = 0;
+  for (std::size_t i = 1; i < fine.orbit.size(); ++i)
+    area += 0.5 * (fine.orbit[i].friction_coefficient + fine.orbit[i - 1].friction_coefficient) *
+            (fine.orbit[i].slip_rate - fine.orbit[i - 1].slip_rate);
+  CHECK(std::abs(area) == Approx(fine.metrics.loop_area).epsilon(0.01));
 }
 
 TEST_CASE("every law in every wrapper slides, oscillates and is judged", "[wrappers]") {

@@ -1,0 +1,18 @@
+/// What is taken off friction where the area of the friction-velocity loop is summed.
+#pragma once
+#include <cmath>
+
+#include "core/dual.hpp"
+
+namespace rosin::analysis {
+
+/// The slip rate at which ∮ (μ − μ_ss) dv asks for μ_ss: v, but for slip much slower than the drive V > 0 near a tenth
+/// of it. Any function of v may be taken off, as none has an area; this one is smooth where slip reverses, so that no
+/// step of a solver has to see the steady curve turn over.
+template <class Real>
+Real loop_slip_rate(const Real& v, const Real& V) {
+  using std::sqrt;
+  return sqrt(v * v + 0.01 * (V * V));
+}
+
+}  // namespace rosin::analysis
