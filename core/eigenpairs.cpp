@@ -6,11 +6,25 @@
 
 namespace rosin {
 
-Eigenpairs eigenpairs(const Eigen::MatrixXd& A, bool with_vectors) {
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(A, with_vectors);
-  if (solver.info() != Eigen::Success)
-    return {Eigen::VectorXcd::Constant(A.rows(), std::numeric_limits<double>::quiet_NaN()), {}};
-  return {solver.eigenvalues(), with_vectors ? Eigen::MatrixXcd(solver.eigenvectors()) : Eigen::MatrixXcd()};
+namespace {
+template <class Pairs, class Matrix>
+Pairs solve(const Matrix& A, bool with_vectors) {
+  const Eigen::EigenSolver<Matrix> solver(A, with_vectors);
+  Pairs pairs;
+  if (solver.info() != Eigen::Success) {
+    pairs.values.setConstant(A.rows(), std::numeric_limits<double>::quiet_NaN());
+  } else {
+    pairs.values = solver.eigenvalues();
+    if (with_vectors) pairs.vectors = solver.eigenvectors();
+  }
+  return pairs;
+}
+}  // namespace
+
+Eigenpairs eigenpairs(const Eigen::MatrixXd& A, bool with_vectors) { return solve<Eigenpairs>(A, with_vectors); }
+
+SmallEigenpairs small_eigenpairs(const SmallMatrix<double>& A, bool with_vectors) {
+  return solve<SmallEigenpairs>(A, with_vectors);
 }
 
 }  // namespace rosin

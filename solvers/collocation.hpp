@@ -82,6 +82,7 @@ class Collocation {
   void factorise(double h);
   Newton solve_stages(double t, const double* y0, double h, int most_iterations);
   double estimate_error(double t, const double* y0, double h, bool refine);
+  double ringing_error(double h, const double* estimate);
   double norm(const double* v) const;
   double first_step(double t_limit);
 

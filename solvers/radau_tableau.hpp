@@ -37,6 +37,10 @@ struct RadauTableau {
     return result;
   }
 
+  /// |R(z) − e^z|/|ρ(z)| for y' = λy and z = hλ: what a step errs by over what the embedded estimate, filtered once by
+  /// (γ/h − λ)⁻¹, says.
+  double error_over_estimate(Complex z) const;
+
   static const RadauTableau& get();
 };
 

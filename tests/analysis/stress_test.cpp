@@ -1,11 +1,13 @@
 /// The stress suite on a small set, its reproducibility, and scenes that once failed.
 #include "analysis/stress.hpp"
 
+#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
 #include "analysis/motion_end.hpp"
 #include "analysis/run.hpp"
 #include "analysis/stability.hpp"
+#include "core/eigenpairs.hpp"
 #include "laws/catalogue.hpp"
 #include "tests/bristol_board.hpp"
 
@@ -224,4 +226,50 @@ TEST_CASE("a start beside the friction of its state keeps its transient at every
 TEST_CASE("slip at 1e12 times the drive speed comes to rest after a stick of 1e12 s", "[stress]") {
   const auto model = slider_under("coulomb", {0.9626, 0.1462}, {0.0001032, 0.001275, 0}, 1.809e-05, 2.457e4);
   CHECK(find_cycle(model, {.tolerance = 1e-6}).outcome.complete());
+}
+
+TEST_CASE("an elastic film rings under a mass until damping has stilled it", "[stress]") {
+  // At a millionth of its activation the film is a spring and a damper: three linear equations, solved by modes.
+  const double A = 1e-8, d = 1e-9, S = 1e9, tau_star = 1e6, v0 = 1e-9, lambda = 0.078602846212235108;
+  const double m = 3.2859899641644707e-05, k = 234.45935586931932, c = 1.2801842604094109;
+  const double V = 1.7910921058749208e-14, N = 2.9845660626918942e-13;
+  Model model = slider_under("film", {A, d, S, tau_star, v0, 5e7}, {m, k, c}, V, N);
+  model.lambda = lambda;
+  RunOptions options;
+  options.times = {1e-7, 1e-5, 0.00023637451208622772, 0.00047274902417245544, 0.0047274902417245544};
+  options.start.kind = Start::Kind::rest;
+  options.tolerance = 1e-6;
+  const auto found = run(model, options);
+  REQUIRE(found.outcome.complete());
+  // x' = V - u, m u' = k x + c (V - u) - F, F' = (S A/(lambda d)) (u - v0 F/(A tau*)), in units that balance.
+  const double K = S * A / (lambda * d), w = std::sqrt(K / m);
+  Eigen::Matrix3d J;
+  J << 0, -1, 0, k / (m * w * w), -c / (m * w), -1, 0, 1, -K * v0 / (A * tau_star) / w;
+  const Eigen::Vector3d constant(1, c / (m * w), 0), steady = -J.partialPivLu().solve(constant);
+  const auto [rates, modes] = eigenpairs(J, true);
+  const Eigen::VectorXcd start = modes.partialPivLu().solve((-steady).cast<std::complex<double>>());
+  for (std::size_t i = 0; i < options.times.size(); ++i) {
+    const Eigen::VectorXcd grown = (rates * (w * options.times[i])).array().exp() * start.array();
+    const Eigen::Vector3d y = steady + (modes * grown).real();
+    CHECK(std::abs(found.columns[2][i] - V * y[1]) <= found.column_error[2]);
+    CHECK(std::abs(found.columns[3][i] - m * w * V * y[2]) <= found.column_error[3]);
+  }
+  CHECK(found.column_error[2] < 1e-6 * V);
+}
+
+TEST_CASE("what rounding leaves of balanced forces does not ring", "[stress]") {
+  // Steady sliding of a slider of 3e-15 kg: forces of 0.3 N balance to the last digit, which moves it by 1e-7 V.
+  Model model =
+      slider_under("film",
+                   {7.5502729778027861e-09, 5.2346519390639572e-11, 73391482290.043625, 38659.846304146587,
+                    1.1983531949242278e-08, 351030.42555164074},
+                   {2.6405344687776252e-15, 445.42430654060166, 0}, 1.079265387051467e-09, 2.6827478553210518);
+  model.lambda = 0.18846712778723071;
+  RunOptions options;
+  options.duration = 4.5894441301477541e-06;
+  options.start.kind = Start::Kind::steady;
+  options.tolerance = 1e-6;
+  const auto found = run(model, options);
+  CHECK(found.outcome.complete());
+  CHECK(found.cost.steps < 1'000);
 }

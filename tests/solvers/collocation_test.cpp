@@ -1,6 +1,7 @@
 /// The collocation method: orders, stiff and algebraic rows, events, variational equations.
 #include "solvers/collocation.hpp"
 
+#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <tuple>
@@ -162,4 +163,52 @@ TEST_CASE("a solution that ceases to exist ends in a typed outcome", "[collocati
   CHECK_FALSE(outcome.complete());
   CHECK(solver.time() == Approx(1).epsilon(1e-6));
   CHECK_THAT(outcome.detail, Catch::Contains("'y'"));
+}
+
+TEST_CASE("ringing far below the scale is followed as closely as asked, not damped away", "[collocation]") {
+  // The pendulum at 5e-7 rad swings as cos t; the square root of this is what the embedded estimate alone lets go at.
+  const Pendulum system;
+  const double amplitude = 5e-7, end = 40;
+  for (const double tolerance : {1e-9, 1e-11}) {
+    Collocation solver(system, tolerance);
+    solver.start(0, std::vector{amplitude, 0.0});
+    const auto y = advance(solver, end);
+    CHECK(std::abs(y[0] - amplitude * std::cos(end)) < 30 * tolerance);
+    CHECK(std::abs(y[1] + amplitude * std::sin(end)) < 30 * tolerance);
+  }
+  // Below the tolerance it is nothing that was asked for.
+  Collocation solver(system, 1e-6);
+  solver.start(0, std::vector{amplitude, 0.0});
+  advance(solver, 1e4);
+  CHECK(solver.count().steps < 1'000);
+}
+
+TEST_CASE("the error of an oscillation over the embedded estimate falls with the fourth power of the step",
+          "[collocation]") {
+  const auto& tableau = solvers::RadauTableau::get();
+  // Followed: one step of R(z) and e^z by the stability function of Radau IIA, the (4, 5) Padé approximant of e^z.
+  const auto pade = [](std::complex<double> z) {
+    const double p[] = {1, 4.0 / 9, 1.0 / 12, 1.0 / 126, 1.0 / 3024};
+    const double q[] = {1, -5.0 / 9, 5.0 / 36, -5.0 / 252, 5.0 / 3024, -1.0 / 15120};
+    std::complex<double> top = 0, bottom = 0;
+    for (int k = 4; k >= 0; --k) top = top * z + p[k];
+    for (int k = 5; k >= 0; --k) bottom = bottom * z + q[k];
+    return top / bottom;
+  };
+  const auto estimate = [&](std::complex<double> z) {  // (γ − z)⁻¹ (z + γ Σ e_i Z_i), Z from the five equations
+    Eigen::MatrixXcd A(5, 5);
+    for (int i = 0; i < 5; ++i)
+      for (int j = 0; j < 5; ++j) A(i, j) = tableau.a_inverse[i][j] - (i == j ? z : 0.0);
+    const Eigen::VectorXcd Z = A.partialPivLu().solve(Eigen::VectorXcd::Constant(5, z));
+    std::complex<double> sum = z;
+    for (int i = 0; i < 5; ++i) sum += tableau.gamma * tableau.error_weights[i] * Z[i];
+    return sum / (tableau.gamma - z);
+  };
+  for (const std::complex<double> z : {std::complex<double>(0, 1.5), {-1, 3}, {-0.1, 8}, {0, 40}, {2, 30}})
+    CHECK(tableau.error_over_estimate(z) ==
+          Approx(std::abs(pade(z) - std::exp(z)) / std::abs(estimate(z))).epsilon(1e-6));
+  CHECK(tableau.error_over_estimate({0, 1e12}) == Approx(1).epsilon(1e-6));
+  const double ratio = tableau.error_over_estimate({0, 0.1}) / tableau.error_over_estimate({0, 0.05});
+  CHECK(ratio == Approx(16).epsilon(1e-9));
+  CHECK(tableau.error_over_estimate({0, 0.999999}) == Approx(tableau.error_over_estimate({0, 1.000001})).epsilon(1e-3));
 }
