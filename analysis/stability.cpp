@@ -59,7 +59,7 @@ struct Linearisation {
   std::vector<Eigenvalue> eigenvalues() const {
     if (!J.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
     std::vector<Eigenvalue> list;
-    if (constexpr int largest_expanded = 6; mass.size() <= largest_expanded) {
+    if (constexpr int largest_expanded = 14; mass.size() <= largest_expanded) {
       const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = J;
       const auto roots =
           characteristic_roots({rows.data(), std::size_t(rows.size())}, {mass.data(), std::size_t(mass.size())});

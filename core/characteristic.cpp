@@ -2,6 +2,7 @@
 #include "core/characteristic.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -19,32 +20,35 @@ struct Polynomial {
   std::vector<Real> value, size;
 };
 
-/// Adds to `sum` the terms of det(J − s M) by permutations of the rows from `row` on; `term` is the product so far.
-void expand(std::span<const double> J, std::span<const double> mass, std::size_t row, unsigned columns_left, Real sign,
-            const std::vector<Real>& term, Polynomial& sum) {
-  const std::size_t n = mass.size();
-  if (row == n) {
-    for (std::size_t k = 0; k <= n; ++k) {
-      sum.value[k] += sign * term[k];
-      sum.size[k] += std::abs(term[k]);
-    }
-    return;
-  }
-  int transpositions = 0;
-  for (std::size_t column = 0; column < n; ++column) {
-    if (!(columns_left >> column & 1)) continue;
-    const Real entry = J[row * n + column], inertia = row == column ? Real(mass[row]) : Real(0);
-    if (entry != 0 || inertia != 0) {
-      std::vector<Real> product(n + 1, 0);
-      for (std::size_t k = 0; k <= n; ++k) {
-        product[k] += entry * term[k];
-        if (k < n) product[k + 1] -= inertia * term[k];
+/// det(J − s M) by rows: the minors of the first rows in all choices of columns follow from those of one row less.
+Polynomial expand(std::span<const double> J, std::span<const double> mass) {
+  const std::size_t n = mass.size(), terms = n + 1, choices = std::size_t(1) << n;
+  std::vector<Real> value(choices * terms, 0), size(choices * terms, 0);
+  value[0] = size[0] = 1;
+  for (std::size_t columns = 0; columns + 1 < choices; ++columns) {
+    const std::size_t row = std::size_t(std::popcount(columns));
+    const Real *minor = &value[columns * terms], *minor_size = &size[columns * terms];
+    if (std::all_of(minor_size, minor_size + terms, [](Real x) { return x == 0; })) continue;
+    Real sign = 1;
+    for (std::size_t column = 0; column < n; ++column) {
+      if (columns >> column & 1) continue;
+      const Real entry = J[row * n + column], inertia = row == column ? Real(mass[row]) : Real(0);
+      if (entry != 0 || inertia != 0) {
+        const std::size_t next = (columns | std::size_t(1) << column) * terms;
+        for (std::size_t k = 0; k <= row + 1; ++k) {
+          value[next + k] += sign * entry * minor[k];
+          size[next + k] += std::abs(entry) * minor_size[k];
+          if (k > 0) {
+            value[next + k] -= sign * inertia * minor[k - 1];
+            size[next + k] += inertia * minor_size[k - 1];
+          }
+        }
       }
-      // The entry and the inertia of one diagonal element are summed only after the product: they may cancel.
-      expand(J, mass, row + 1, columns_left & ~(1u << column), transpositions % 2 ? -sign : sign, product, sum);
+      sign = -sign;
     }
-    ++transpositions;
   }
+  const auto last = std::ptrdiff_t((choices - 1) * terms);
+  return {{value.begin() + last, value.end()}, {size.begin() + last, size.end()}};
 }
 
 /// Starting points on circles whose radii follow from the Newton polygon of the coefficients (D. A. Bini, Numer.
@@ -85,10 +89,7 @@ Complex newton_correction(const std::vector<Real>& a, Complex x) {
 
 CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::span<const double> mass) {
   const std::size_t n = mass.size();
-  Polynomial p{std::vector<Real>(n + 1, 0), std::vector<Real>(n + 1, 0)};
-  std::vector<Real> one(n + 1, 0);
-  one[0] = 1;
-  expand(jacobian, mass, 0, (1u << n) - 1, 1, one, p);
+  Polynomial p = expand(jacobian, mass);
   // What is no more than the rounding of its terms is zero.
   std::size_t degree = n;
   for (std::size_t k = 0; k <= n; ++k)
