@@ -51,6 +51,9 @@ class SwitchingSystem : public System {
   virtual double holding_limit(double t, const double* y) const = 0;
   /// Sets the slip rate to exactly zero.
   virtual void hold(double* y) const = 0;
+  /// At rest, where stick gives way to slip in the present direction: loads the contact by the last digits that are
+  /// missing for the balance of forces to start it, which rounding may have left the other way.
+  virtual void release(double t, double* y) const = 0;
   /// Ends a slip: the slip rate is exactly zero, and contacts that count from their last stop begin anew.
   virtual void stop(double* y) const = 0;
   /// A speed that slip rates are measured against, > 0.

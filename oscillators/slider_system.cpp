@@ -487,6 +487,16 @@ double SliderSystem::holding_limit(double t, const double* y) const {
   return N * law.static_limit(N, {state, law.states().size()});
 }
 
+void SliderSystem::release(double t, double* y) const {
+  std::vector<double> f(size());
+  constexpr int most_digits = 60;
+  for (int digit = 0; digit < most_digits; ++digit) {
+    evaluate(t, y, f.data());
+    if (!(direction_ * f[1] < 0)) return;
+    y[0] = std::nextafter(y[0], direction_ * infinity);
+  }
+}
+
 void SliderSystem::stop(double* y) const {
   hold(y);
   const int count = contact_->unknowns();

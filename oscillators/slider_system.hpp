@@ -85,6 +85,7 @@ class SliderSystem final : public SwitchingSystem {
   double holding_force(double t, const double* y) const override;
   double holding_limit(double t, const double* y) const override;
   void hold(double* y) const override { y[1] = 0; }
+  void release(double t, double* y) const override;
   void stop(double* y) const override;
   double reference_speed() const override { return reference_speed_; }
 

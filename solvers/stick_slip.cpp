@@ -67,7 +67,9 @@ bool StickSlip::start_slip(double t, std::span<const double> y, double direction
   armed_ = switched_ = false;
   upcoming_ = direction;
   system_.set_direction(direction);
-  return collocation_.start(t, y);
+  std::vector<double> released(y.begin(), y.end());
+  system_.release(t, released.data());
+  return collocation_.start(t, released);
 }
 
 bool StickSlip::start(double t, std::span<const double> y) {
@@ -84,8 +86,10 @@ bool StickSlip::start(double t, std::span<const double> y) {
 Outcome StickSlip::step(double t_limit, Switch& switched) {
   switched = Switch::none;
   if (switched_) {
+    const bool stuck = system_.direction() == 0;
     system_.set_direction(upcoming_);
     armed_ = switched_ = false;
+    if (stuck) system_.release(collocation_.time(), behind_switch_.data());
     if (!collocation_.start(rewinds_ ? 0 : collocation_.time(), behind_switch_))
       return {Ending::not_finite, "after a switch"};
   }
