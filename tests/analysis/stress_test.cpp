@@ -273,3 +273,35 @@ TEST_CASE("what rounding leaves of balanced forces does not ring", "[stress]") {
   CHECK(found.outcome.complete());
   CHECK(found.cost.steps < 1'000);
 }
+
+TEST_CASE("slip begins along the load that released it, whatever rounding left of the balance", "[stress]") {
+  // Friction falls within a slip of 7e-11 m under a mass of 5e-16 kg: a force short by its last digit would grow back.
+  const double mu_s = 0.2157961547899758, mu_d = 0.17013801916236376, d_c = 4.3697824852651513e-07;
+  const double lambda = 0.00015800977651383668, m = 4.7659877379912278e-16, k = 11.520220551619538;
+  const double V = 9.7180548702959792e-05, N = 64.179716334361871;
+  Model model = slider_under("slip-distance", {mu_s, mu_d, d_c}, {m, k, 0}, V, N);
+  model.lambda = lambda;
+  model.drive.force = 0.11542503756978967;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.stable);
+  // Nothing is lost but the work of the weakening, N (mu_s - mu_d) lambda d_c/2, 1e-9 of the spring's: slip swings
+  // from N mu_s to as far below N mu_d, at the speed of a free mass on its spring.
+  CHECK(cycle.metrics.period == Approx(2 * N * (mu_s - mu_d) / (k * V)).epsilon(1e-8));
+  CHECK(cycle.metrics.slip_rate_max == Approx(N * (mu_s - mu_d) / std::sqrt(k * m)).epsilon(1e-8));
+  CHECK(cycle.metrics.friction_min == Approx(2 * mu_d - mu_s).epsilon(1e-8));
+}
+
+TEST_CASE("what is neither fed nor damped beyond rounding is marginal, and has no Hopf points", "[stress]") {
+  // Heat in ten parts under a mass at 16 m/s: friction hardly depends on the slip rate any more, growth is 1e-17 1/s.
+  const auto model =
+      slider_under("thermal-disc",
+                   {0.17879711705997789, 0.23587319202475932, 0.0044526981359473746, 0.31423942174284486,
+                    0.09849502775184045, 0.0078296504473596325, 0.0053742218684421769, 0.008425444162276443,
+                    0.63389093573405453, 4.6545538461453677e-05, 0.95480781492335165},
+                   {2.0255730000000001e-05, 39.25059743236541, 0}, 15.924063041650385, 1.1687825);
+  const auto found = stability(model);
+  REQUIRE(found.eigenvalues.size() == 12);
+  CHECK(found.marginal);
+  CHECK(hopf_points(model, "drive.normal_load").empty());
+}
