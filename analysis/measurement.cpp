@@ -159,22 +159,20 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
   model.drive = {m.slip_rate, m.normal_load, 0.0};
   // Steady sliding does not know the clock of the states, and neither it nor rest a spring.
   std::vector<std::string> own = paths;
-  const auto leave_out = [&](std::string_view start) {
-    std::erase_if(own, [&](const std::string& path) { return path.starts_with(start); });
-  };
   if (m.kind == Kind::hold && (!model.law->has_states() || model.lambda == 0))
     throw InputError(fmt::format("law '{}' without states does not remember a hold", model.law->card().name));
   if (m.kind == Kind::steady_curve || m.kind == Kind::hold) {
     model.contact_stiffness = {};
-    leave_out("law.contact_stiffness.");
+    std::erase_if(own, [](const std::string& path) { return path.starts_with("law.contact_stiffness."); });
   }
   if (m.kind == Kind::steady_curve) {
     model.lambda = 0;
-    leave_out("law.lambda");
+    std::erase(own, "law.lambda");
   }
 
   Prediction found{{}, std::vector<std::vector<double>>(own.size())};
-  const auto held = [&](double slip_rate) { return HeldContact(model, slip_rate, m.next_slip_rate, own); };
+  const double typical = m.kind == Kind::velocity_step ? m.next_slip_rate : m.slip_rate;
+  const auto held = [&](double slip_rate) { return HeldContact(model, slip_rate, typical, own); };
   switch (m.kind) {
     case Kind::frequency_response: {
       const FrictionResponse response(model);

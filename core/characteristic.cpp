@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 
@@ -21,34 +22,44 @@ struct Polynomial {
 };
 
 /// det(J − s M) by rows: the minors of the first rows in all choices of columns follow from those of one row less.
+/// Only those that are not empty are kept: of heat in many parts, which answer to the slip alone, they are few.
 Polynomial expand(std::span<const double> J, std::span<const double> mass) {
   const std::size_t n = mass.size(), terms = n + 1, choices = std::size_t(1) << n;
-  std::vector<Real> value(choices * terms, 0), size(choices * terms, 0);
+  constexpr std::uint32_t none = -1;
+  std::vector<std::uint32_t> place(choices, none);  // of each choice among the minors
+  std::vector<Real> value(terms, 0), size(terms, 0);
+  place[0] = 0;
   value[0] = size[0] = 1;
   for (std::size_t columns = 0; columns + 1 < choices; ++columns) {
-    const std::size_t row = std::size_t(std::popcount(columns));
-    const Real *minor = &value[columns * terms], *minor_size = &size[columns * terms];
-    if (std::all_of(minor_size, minor_size + terms, [](Real x) { return x == 0; })) continue;
+    if (place[columns] == none) continue;
+    const std::size_t row = std::size_t(std::popcount(columns)), minor = place[columns] * terms;
     Real sign = 1;
     for (std::size_t column = 0; column < n; ++column) {
       if (columns >> column & 1) continue;
       const Real entry = J[row * n + column], inertia = row == column ? Real(mass[row]) : Real(0);
       if (entry != 0 || inertia != 0) {
-        const std::size_t next = (columns | std::size_t(1) << column) * terms;
+        auto& further = place[columns | std::size_t(1) << column];
+        if (further == none) {
+          further = std::uint32_t(value.size() / terms);
+          value.resize(value.size() + terms, 0);
+          size.resize(value.size(), 0);
+        }
+        const std::size_t next = further * terms;
         for (std::size_t k = 0; k <= row + 1; ++k) {
-          value[next + k] += sign * entry * minor[k];
-          size[next + k] += std::abs(entry) * minor_size[k];
+          value[next + k] += sign * entry * value[minor + k];
+          size[next + k] += std::abs(entry) * size[minor + k];
           if (k > 0) {
-            value[next + k] -= sign * inertia * minor[k - 1];
-            size[next + k] += inertia * minor_size[k - 1];
+            value[next + k] -= sign * inertia * value[minor + k - 1];
+            size[next + k] += inertia * size[minor + k - 1];
           }
         }
       }
       sign = -sign;
     }
   }
-  const auto last = std::ptrdiff_t((choices - 1) * terms);
-  return {{value.begin() + last, value.end()}, {size.begin() + last, size.end()}};
+  if (place[choices - 1] == none) return {std::vector<Real>(terms, 0), std::vector<Real>(terms, 0)};
+  const auto last = std::ptrdiff_t(place[choices - 1] * terms), end = last + std::ptrdiff_t(terms);
+  return {{value.begin() + last, value.begin() + end}, {size.begin() + last, size.begin() + end}};
 }
 
 /// Starting points on circles whose radii follow from the Newton polygon of the coefficients (D. A. Bini, Numer.

@@ -206,6 +206,8 @@ double Collocation::ringing_error(double h, const double* estimate) {
   using Complex = std::complex<double>;
   static_assert(s * most_small_rows >= largest_lu);
   const int n = n_;
+  const auto m = n - std::count(mass_.begin(), mass_.end(), 0.0);
+  if (m < 2) return 0;  // nothing that could ring
   // (γM/h − J)⁻¹ M r = r h/(γ − z) where J r = λ M r. Algebraic unknowns have no rates: their columns are zero.
   std::array<double, most_small_rows * most_small_rows> columns;
   const auto answers_to = [&](const auto& source) {  // of the filter, to a source in each row
@@ -215,15 +217,16 @@ double Collocation::ringing_error(double h, const double* estimate) {
   };
   answers_to([&](int i) { return mass_[i] * scale_[i]; });
   SmallMatrix<double> G(n, n), moving(n, n);
-  int m = 0;
-  for (int j = 0; j < n; ++j) {
+  for (int j = 0, column = 0; j < n; ++j) {
     for (int i = 0; i < n; ++i) G(i, j) = columns[i * n + j] / scale_[i];
-    if (mass_[j] != 0) moving.col(m++) = G.col(j);
+    if (mass_[j] != 0) moving.col(column++) = G.col(j);
   }
   if (!G.allFinite()) return 0;
   for (int i = 0, row = 0; i < n; ++i)
     if (mass_[i] != 0) moving.row(row++) = moving.row(i).eval();
   moving.conservativeResize(m, m);
+  if (const double apart = moving(0, 0) - moving(1, 1); m == 2 && apart * apart + 4 * moving(0, 1) * moving(1, 0) >= 0)
+    return 0;  // both real
   const double size = norm(estimate);
   const auto rings = [&](const Complex& value) {
     const Complex z = tableau_.gamma - h / value;
