@@ -64,6 +64,7 @@ bool Collocation::start(double t, std::span<const double> y) {
   std::fill(carry_.begin(), carry_.end(), 0.0);
   h_next_ = 0;
   fresh_ = true;
+  mode_rates_.clear();  // what a solution costs and gives must not depend on those before it
   system_.mass(t, mass_.data());
   // Newton on the algebraic rows in the algebraic unknowns.
   std::vector<int> rows;
@@ -197,64 +198,160 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
   return std::max(size / estimate_tolerance_, std::pow(ringing / tolerance_, 0.6));
 }
 
+/// The modes from the answers of the filter that the embedded estimate has passed: (γM/h − J)⁻¹ M r = r h/(γ − z) where
+/// J r = λ M r and z = hλ. That keeps the digits of slow modes beside those of a stuck contact, which J does not.
+/// \returns false where there are none to be had.
+bool Collocation::find_modes(double h) {
+  const int n = n_, m = int(moving_.size());
+  std::array<double, most_small_rows * most_small_rows> columns;
+  std::fill_n(columns.begin(), n * m, 0.0);
+  for (int j = 0; j < m; ++j) columns[moving_[j] * m + j] = mass_[moving_[j]] * scale_[moving_[j]];
+  solve_lu(real_lu_, real_pivot_, n, columns.data(), m);
+  SmallMatrix<double> G(m, m), vectors(m, m);
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < m; ++j) G(i, j) = columns[moving_[i] * m + j] / scale_[moving_[i]];
+  mode_rates_.clear();
+  if (!G.allFinite()) return false;
+  const auto pairs = small_eigenpairs(G, true);
+  if (!pairs.values.allFinite()) return false;
+  for (int k = 0; k < m; ++k) {
+    const bool pair = pairs.values[k].imag() != 0;
+    const int first = pairs.values[k].imag() > 0 ? k : k - 1;  // Eigen puts it before its conjugate
+    mode_rates_.push_back(tableau_.gamma / h - 1.0 / pairs.values[pair ? first : k]);
+    for (int i = 0; i < m; ++i) {
+      const auto part = pairs.vectors(i, pair ? first : k) * scale_[moving_[i]];
+      vectors(i, k) = pair && first != k ? part.imag() : part.real();
+    }
+  }
+  modes_.assign(vectors.data(), vectors.data() + m * m);
+  // The inverse by way of scales, in which the vectors are of one size.
+  for (int i = 0; i < m; ++i) vectors.row(i) /= scale_[moving_[i]];
+  SmallMatrix<double> inverse = vectors.inverse();
+  for (int i = 0; i < m; ++i) inverse.col(i) /= scale_[moving_[i]];
+  modes_inverse_.assign(inverse.data(), inverse.data() + m * m);
+  return true;
+}
+
 /// The error of the modes that ring, in scales. That the solution is better than the estimate holds for motion of the
 /// size of the scale alone. A weak oscillation y' = λy, on a stiff spring say, is followed by a long step to nothing
 /// at once while the estimate is still small. But for it both are known: with z = hλ the method errs by
 /// |R(z) − e^z| and estimates |ρ(z)|, each times the amplitude, so that the part of the estimate in the mode times
-/// κ(z) = |R − e^z|/|ρ| is the error.
+/// κ(z) = |R − e^z|/|ρ| is the error. Modes with |Im z| < |Re z| die out within a turn.
+///
+/// Modes are found again when those of an earlier step no longer serve. In their vectors J is nearly diagonal, and each
+/// rate is within the sum of its row's other entries from the diagonal (Gershgorin): as long as no rate that may lie
+/// where κ matters is surrounded by a tenth of its size, or is one of those that did not ring, they serve.
 double Collocation::ringing_error(double h, const double* estimate) {
   using Complex = std::complex<double>;
   static_assert(s * most_small_rows >= largest_lu);
   const int n = n_;
-  const auto m = n - std::count(mass_.begin(), mass_.end(), 0.0);
-  if (m < 2) return 0;  // nothing that could ring
-  // (γM/h − J)⁻¹ M r = r h/(γ − z) where J r = λ M r. Algebraic unknowns have no rates: their columns are zero.
-  std::array<double, most_small_rows * most_small_rows> columns;
-  const auto answers_to = [&](const auto& source) {  // of the filter, to a source in each row
-    std::fill_n(columns.begin(), n * n, 0.0);
-    for (int i = 0; i < n; ++i) columns[i * n + i] = source(i);
-    solve_lu(real_lu_, real_pivot_, n, columns.data(), n);
-  };
-  answers_to([&](int i) { return mass_[i] * scale_[i]; });
-  SmallMatrix<double> G(n, n), moving(n, n);
-  for (int j = 0, column = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) G(i, j) = columns[i * n + j] / scale_[i];
-    if (mass_[j] != 0) moving.col(column++) = G.col(j);
-  }
-  if (!G.allFinite()) return 0;
-  for (int i = 0, row = 0; i < n; ++i)
-    if (mass_[i] != 0) moving.row(row++) = moving.row(i).eval();
-  moving.conservativeResize(m, m);
-  if (const double apart = moving(0, 0) - moving(1, 1); m == 2 && apart * apart + 4 * moving(0, 1) * moving(1, 0) >= 0)
-    return 0;  // both real
+  moving_.clear(), following_.clear();
+  for (int i = 0; i < n; ++i) (mass_[i] != 0 ? moving_ : following_).push_back(i);
+  const int m = int(moving_.size()), a = int(following_.size());
   const double size = norm(estimate);
-  const auto rings = [&](const Complex& value) {
-    const Complex z = tableau_.gamma - h / value;
-    return value.imag() > 0 && std::abs(z.imag()) > std::abs(z.real()) &&  // else it dies out within a turn
-           tableau_.error_over_estimate(z) * size > 0.1 * tolerance_;
-  };
-  const auto values = small_eigenpairs(moving).values;
-  if (std::none_of(values.begin(), values.end(), rings)) return 0;
-  const auto modes = small_eigenpairs(G, true);
-  // Beside the estimate the estimates of what rounding leaves of forces that balance, which rings at every start.
-  answers_to([&](int i) {
-    double force = 0;
-    for (int j = 0; j < n; ++j) force += 4 * rounding * std::abs(J_[i * n + j] * y_[j]);
-    return force;
-  });
-  SmallMatrix<Complex> sources(n, n), e(n, 1);
-  for (int i = 0; i < n; ++i) {
-    e(i, 0) = estimate[i] / scale_[i];
-    for (int j = 0; j < n; ++j) sources(i, j) = columns[i * n + j] / scale_[i];
+  if (m < 2 || !(size > 0)) return 0;  // nothing that could ring
+  // What has no rate follows the moving unknowns, δy_a = −J_aa⁻¹ J_am δy_m.
+  following_lu_.resize(a * a), following_answer_.resize(a * m), following_pivot_.resize(a);
+  for (int i = 0; i < a; ++i) {
+    for (int j = 0; j < a; ++j) following_lu_[i * a + j] = J_[following_[i] * n + following_[j]];
+    for (int j = 0; j < m; ++j) following_answer_[i * m + j] = -J_[following_[i] * n + moving_[j]];
   }
-  const Eigen::PartialPivLU<SmallMatrix<Complex>> lu(modes.vectors);
-  const SmallMatrix<Complex> parts = lu.solve(e), noise = lu.solve(sources);
+  if (a > 0 && !factorise_lu(following_lu_, following_pivot_, a)) return 0;
+  solve_lu(following_lu_, following_pivot_, a, following_answer_.data(), m);
+  SmallMatrix<double> rates(m, m);
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < m; ++j) {
+      const double* row = &J_[moving_[i] * n];
+      double sum = row[moving_[j]];
+      for (int k = 0; k < a; ++k) sum += row[following_[k]] * following_answer_[k * m + j];
+      rates(i, j) = h * sum / mass_[moving_[i]];
+    }
+  if (const double apart = rates(0, 0) - rates(1, 1); m == 2 && apart * apart + 4 * rates(0, 1) * rates(1, 0) >= 0)
+    return 0;  // both real
+  struct Ringing {
+    int mode;
+    Complex z;
+  };
+  std::array<Ringing, most_small_rows / 2> ringing;
+  int count = 0;
+  const double least = RadauTableau::size_below(0.1 * tolerance_ / size);
+  /// Notes mode k if it rings, with z within `radius`. \returns false if that is not to be told so.
+  const auto note = [&](int k, bool pair, Complex z, double radius) {
+    if (std::abs(z) + radius < least || std::abs(z.real()) - std::abs(z.imag()) > std::sqrt(2) * radius) return true;
+    if (!pair || !(radius < 0.1 * std::abs(z))) return false;
+    ringing[count++] = {k, z};
+    return true;
+  };
+  using Modes = Eigen::Map<const Eigen::MatrixXd>;
+  const auto known = [&] {
+    if (int(mode_rates_.size()) != m) return false;
+    SmallMatrix<double> B = rates.lazyProduct(Modes(modes_.data(), m, m));
+    B = Modes(modes_inverse_.data(), m, m).lazyProduct(B).eval();
+    for (int k = 0; k < m; ++k) {
+      const bool pair = mode_rates_[k].imag() > 0;
+      const int last = pair ? k + 1 : k;
+      double radius = 0;
+      for (int j = 0; j < m; ++j)
+        if (j < k || j > last) radius += pair ? std::hypot(B(k, j), B(last, j)) : std::abs(B(k, j));
+      Complex z = B(k, k);
+      if (pair) {
+        z = {0.5 * (B(k, k) + B(last, last)), 0.5 * (B(k, last) - B(last, k))};
+        radius += 0.5 * std::hypot(B(k, k) - B(last, last), B(k, last) + B(last, k));
+      }
+      if (!note(k, pair, z, radius)) return false;
+      k = last;
+    }
+    return true;
+  };
+  if (!known()) {
+    count = 0;
+    if (!find_modes(h)) return 0;
+    for (int k = 0; k < m; ++k) {
+      const bool pair = mode_rates_[k].imag() > 0;
+      note(k, pair, h * mode_rates_[k], 0);
+      k += pair;
+    }
+  }
+  const Modes vectors(modes_.data(), m, m), inverse(modes_inverse_.data(), m, m);
+  std::array<double, most_small_rows * most_small_rows> noise;
   double sum = 0;
-  for (int k = 0; k < n; ++k) {
-    if (!rings(modes.values[k])) continue;
-    const double part = std::max(std::abs(parts(k, 0)) - noise.row(k).cwiseAbs().sum(), 0.0);
-    const double kappa = tableau_.error_over_estimate(tableau_.gamma - h / modes.values[k]);
-    sum += kappa * 2 * part * modes.vectors.col(k).norm() / std::sqrt(n);
+  bool heard = false;
+  for (int r = 0; r < count; ++r) {
+    const auto& [k, z] = ringing[r];
+    const double kappa = tableau_.error_over_estimate(z);
+    if (!(kappa * size > 0.1 * tolerance_)) continue;
+    if (!heard) {
+      // Beside the estimate the estimates of what rounding leaves of forces that balance, which rings at every start.
+      std::fill_n(noise.begin(), n * n, 0.0);
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) noise[i * n + i] += 4 * rounding * std::abs(J_[i * n + j] * y_[j]);
+      solve_lu(real_lu_, real_pivot_, n, noise.data(), n);
+      heard = true;
+    }
+    const auto part = [&](const double* source, int stride) {  // in the pair of modes
+      double real = 0, imaginary = 0;
+      for (int j = 0; j < m; ++j) {
+        real += inverse(k, j) * source[moving_[j] * stride];
+        imaginary += inverse(k + 1, j) * source[moving_[j] * stride];
+      }
+      return std::hypot(real, imaginary);
+    };
+    double amplitude = part(estimate, 1);
+    for (int i = 0; i < n; ++i) amplitude -= part(&noise[i], n);
+    double square = 0;  // of the vector, in scales
+    const auto add = [&](int i, double real, double imaginary) {
+      square += (real * real + imaginary * imaginary) / (scale_[i] * scale_[i]);
+    };
+    for (int j = 0; j < m; ++j) add(moving_[j], vectors(j, k), vectors(j, k + 1));
+    for (int i = 0; i < a; ++i) {
+      double real = 0, imaginary = 0;
+      for (int j = 0; j < m; ++j) {
+        real += following_answer_[i * m + j] * vectors(j, k);
+        imaginary += following_answer_[i * m + j] * vectors(j, k + 1);
+      }
+      add(following_[i], real, imaginary);
+    }
+    sum += kappa * std::max(amplitude, 0.0) * std::sqrt(square / n);
   }
   return std::isfinite(sum) ? sum : 0;
 }

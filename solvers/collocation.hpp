@@ -83,6 +83,7 @@ class Collocation {
   Newton solve_stages(double t, const double* y0, double h, int most_iterations);
   double estimate_error(double t, const double* y0, double h, bool refine);
   double ringing_error(double h, const double* estimate);
+  bool find_modes(double h);
   double norm(const double* v) const;
   double first_step(double t_limit);
 
@@ -103,6 +104,14 @@ class Collocation {
   std::vector<double> big_, big_right_, f_stage_, J_stage_;
   std::vector<int> big_pivot_;
   int iterations_ = 0;  ///< of the last Newton solution
+  /// What differs from rest in M ẏ = J y moves in modes, kept while J hardly changes: their vectors in columns, of the
+  /// moving unknowns alone, the inverse of that, both column-major, and their rates. Of a pair the real and the
+  /// imaginary part of the one with the positive frequency, which stands twice among the rates.
+  std::vector<double> modes_, modes_inverse_;
+  std::vector<std::complex<double>> mode_rates_;
+  std::vector<int> moving_, following_;  ///< unknowns with and without a rate of their own
+  std::vector<double> following_lu_, following_answer_;
+  std::vector<int> following_pivot_;
   Count count_;
 };
 

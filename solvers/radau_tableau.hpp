@@ -1,6 +1,8 @@
 /// Coefficients of the five-stage Radau IIA collocation method (order 9), computed rather than listed.
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <complex>
 
 namespace rosin::solvers {
@@ -40,6 +42,8 @@ struct RadauTableau {
   /// |R(z) − e^z|/|ρ(z)| for y' = λy and z = hλ: what a step errs by over what the embedded estimate, filtered once by
   /// (γ/h − λ)⁻¹, says.
   double error_over_estimate(Complex z) const;
+  /// A |z| below which error_over_estimate(z) < ratio wherever |Im z| ≥ |Re z|; at most 2.
+  static double size_below(double ratio) { return std::min(2.0, std::sqrt(std::sqrt(ratio / 3.7e-4))); }
 
   static const RadauTableau& get();
 };
