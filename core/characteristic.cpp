@@ -22,9 +22,16 @@ struct Polynomial {
 };
 
 /// det(J − s M) by rows: the minors of the first rows in all choices of columns follow from those of one row less.
-/// Only those that are not empty are kept: of heat in many parts, which answer to the slip alone, they are few.
+/// Only those that are not empty are kept: of heat in many parts, which answer to the slip alone, they are few, and
+/// fewest where rows of few entries come first.
 Polynomial expand(std::span<const double> J, std::span<const double> mass) {
   const std::size_t n = mass.size(), terms = n + 1, choices = std::size_t(1) << n;
+  std::vector<std::size_t> order(n), entries(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    order[i] = i;
+    entries[i] = n - std::size_t(std::ranges::count(J.subspan(i * n, n), 0.0));
+  }
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return entries[i]; });
   constexpr std::uint32_t none = -1;
   std::vector<std::uint32_t> place(choices, none);  // of each choice among the minors
   std::vector<Real> value(terms, 0), size(terms, 0);
@@ -36,7 +43,7 @@ Polynomial expand(std::span<const double> J, std::span<const double> mass) {
     Real sign = 1;
     for (std::size_t column = 0; column < n; ++column) {
       if (columns >> column & 1) continue;
-      const Real entry = J[row * n + column], inertia = row == column ? Real(mass[row]) : Real(0);
+      const Real entry = J[order[row] * n + order[column]], inertia = row == column ? Real(mass[order[row]]) : Real(0);
       if (entry != 0 || inertia != 0) {
         auto& further = place[columns | std::size_t(1) << column];
         if (further == none) {
@@ -134,7 +141,7 @@ CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::
       const Complex newton = newton_correction(a, x[i]);
       Complex repulsion = 0;
       for (std::size_t j = 0; j < x.size(); ++j)
-        if (j != i) repulsion += Complex(1) / (x[i] - x[j]);
+        if (const Complex apart = x[i] - x[j]; j != i) repulsion += std::conj(apart) / std::norm(apart);
       const Complex step = newton / (Complex(1) - newton * repulsion);
       if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) continue;
       x[i] -= step;
