@@ -69,11 +69,10 @@ ContactSetup imposed_contact_setup(Model model) {
   return oscillators::SliderSystem(std::move(model), Unknowns::states).contact_setup();
 }
 
-ContactSlopes::ContactSlopes(const Model& model, const std::string& path) {
+ContactSlopes::ContactSlopes(const Model& model, const ContactSetup& imposed, const std::string& path) {
   by_slip_rate_ = path == "drive.speed" ? 1 : 0;
   by_load_ = path == "drive.normal_load" ? 1 : 0;
-  const auto setup = imposed_contact_setup(model);
-  contact_ = model.law->tower(setup, change_by(model, setup, path));
+  contact_ = model.law->tower(imposed, change_by(model, imposed, path));
 }
 
 ContactInput<Tower> ContactSlopes::input(const ContactInput<double>& in, double by_slip_rate) const {
@@ -139,15 +138,15 @@ FrictionResponse::Linear ContactSlopes::linear(const ContactInput<double>& in, c
   return change;
 }
 
-ResponseSlope::ResponseSlope(const Model& model, const std::string& path) : response_(model) {
+ResponseSlope::ResponseSlope(const FrictionResponse& response, const Model& model, const std::string& path) {
   // What is left where the parts of an answer cancel, as those of a bristle do in steady sliding.
-  const double force = response_.friction_coefficient() * response_.normal_load(), value = model.get(path);
-  rounding_ = value != 0 && std::isfinite(value) ? 1e-13 * std::abs(force / (response_.slip_rate() * value)) : 0;
-  const ContactSlopes slopes(model, path);
-  const auto in = response_.input();
-  const auto& z = response_.steady();
+  const double force = response.friction_coefficient() * response.normal_load(), value = model.get(path);
+  rounding_ = value != 0 && std::isfinite(value) ? 1e-13 * std::abs(force / (response.slip_rate() * value)) : 0;
+  const ContactSlopes slopes(model, response.setup(), path);
+  const auto in = response.input();
+  const auto& z = response.steady();
   held_ = slopes.linear(in, z.data(), std::vector<double>(z.size(), 0.0));
-  shift_ = slopes.linear(in, z.data(), slopes.steady(in, z.data(), response_.linear().A));
+  shift_ = slopes.linear(in, z.data(), slopes.steady(in, z.data(), response.linear().A));
   const auto subtract = [](std::vector<double>& from, const std::vector<double>& what) {
     for (std::size_t i = 0; i < what.size(); ++i) from[i] -= what[i];
   };
@@ -155,30 +154,22 @@ ResponseSlope::ResponseSlope(const Model& model, const std::string& path) : resp
   subtract(shift_.c, held_.c), shift_.d_v -= held_.d_v;
 }
 
-ResponseSlope::Answer ResponseSlope::operator()(Complex s) const {
+ResponseSlope::Answer ResponseSlope::operator()(const FrictionResponse::Passage& at) const {
   // Z = d + c ζ with (s M − A) ζ = b: dZ = dd + dc ζ + χ (db + dA ζ − s dM ζ) with χ (s M − A) = c.
-  const auto& linear = response_.linear();
-  const auto n = linear.mass.size();
-  const auto follow = response_.solve(s, {linear.b_v.begin(), linear.b_v.end()});
+  const auto n = at.answer.size();
   Answer answer{0, 0};
   const auto add = [&](Complex term) { answer.slope += term, answer.error += std::abs(term); };
-  for (const auto* part : {&held_, &shift_}) add(part->d_v);
-  for (std::size_t i = 0; i < n; ++i) {
-    std::vector<Complex> unit(n);
-    unit[i] = 1;
-    const auto column = response_.solve(s, unit);
-    Complex chi = 0;
-    for (std::size_t k = 0; k < n; ++k) chi += linear.c[k] * column[k];
-    for (const auto* part : {&held_, &shift_}) {
-      add(part->c[i] * follow[i]);
-      add(chi * part->b_v[i]);
-      add(-chi * s * part->mass[i] * follow[i]);
-      for (std::size_t j = 0; j < n; ++j) add(chi * part->A[i * n + j] * follow[j]);
+  for (const auto* part : {&held_, &shift_}) {
+    add(part->d_v);
+    for (std::size_t i = 0; i < n; ++i) {
+      add(part->c[i] * at.answer[i]);
+      add(at.weight[i] * part->b_v[i]);
+      add(-at.weight[i] * at.s * part->mass[i] * at.answer[i]);
+      for (std::size_t j = 0; j < n; ++j) add(at.weight[i] * part->A[i * n + j] * at.answer[j]);
     }
   }
-  answer.error =
-      1e-10 * answer.error +
-      rounding_;  // rounding of the terms, which may cancel: that of exponents mu0/a and of the shift among it
+  // Rounding of the terms, which may cancel: that of exponents mu0/a and of the shift among it.
+  answer.error = 1e-10 * answer.error + rounding_;
   return answer;
 }
 

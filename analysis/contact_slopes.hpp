@@ -19,9 +19,10 @@ ContactSetup imposed_contact_setup(Model);
 /// as the slider's, have none.
 class ContactSlopes {
  public:
+  /// \param imposed the model's imposed_contact_setup.
   /// \throws InputError for an unknown path, and where the contact is another one beside the value of p: a spring that
   /// is infinite, a damper or a λ that is 0.
-  ContactSlopes(const Model&, const std::string& path);
+  ContactSlopes(const Model&, const ContactSetup& imposed, const std::string& path);
 
   /// ∂M/∂p, ∂g/∂p (unknowns) and ∂F/∂p at unknowns z that stand.
   struct Values {
@@ -47,16 +48,16 @@ class ContactSlopes {
 /// ∂Z/∂p of the tangential response, exact but for rounding.
 class ResponseSlope {
  public:
-  /// \throws InputError as ContactSlopes and FrictionResponse.
-  ResponseSlope(const Model&, const std::string& path);
+  /// \param response that of the model.
+  /// \throws InputError as ContactSlopes.
+  ResponseSlope(const FrictionResponse& response, const Model&, const std::string& path);
   struct Answer {
     std::complex<double> slope;
     double error;
   };
-  Answer operator()(std::complex<double> s) const;
+  Answer operator()(const FrictionResponse::Passage&) const;
 
  private:
-  FrictionResponse response_;
   double rounding_;                        ///< N s/m per unit of p
   FrictionResponse::Linear held_, shift_;  ///< d/dp at unknowns that stand, and by the shift of steady sliding
 };

@@ -39,16 +39,15 @@ std::vector<FrictionResponse::Root> roots(const std::vector<double>& J, const st
 
 }  // namespace
 
-FrictionResponse::FrictionResponse(const Model& model) {
+FrictionResponse::FrictionResponse(const Model& model) : setup_(imposed_contact_setup(model)) {
   slip_rate_ = model.drive.speed.level();
   normal_load_ = model.drive.normal_load.level();
   if (slip_rate_ == 0) throw InputError("drive.speed = 0: friction responds linearly only about steady sliding (m/s)");
   if (!(normal_load_ > 0))
     throw InputError(fmt::format("drive.normal_load = {}: a contact without load has no response (N)", normal_load_));
   direction_ = slip_rate_ < 0 ? -1 : 1;
-  const auto setup = imposed_contact_setup(model);
-  const auto contact = model.law->contact(setup);
-  tower_ = model.law->tower(setup);
+  const auto contact = model.law->contact(setup_);
+  tower_ = model.law->tower(setup_);
   const int n = contact->unknowns();
 
   steady_.resize(std::size_t(n));
@@ -84,22 +83,45 @@ FrictionResponse::FrictionResponse(const Model& model) {
         "steady sliding at drive.speed = {} m/s cannot be linearised: its derivatives are not finite", slip_rate_));
 }
 
-std::vector<Complex> FrictionResponse::solve(Complex s, const std::vector<Complex>& b) const {
-  const int n = linear_.size();
+namespace {
+/// s M − A, each row, which has units of its own, divided by its size.
+struct ScaledPencil {
+  Eigen::PartialPivLU<SmallMatrix> lu;
+  SmallVector size;
+};
+ScaledPencil pencil(const FrictionResponse::Linear& linear, Complex s) {
+  const int n = linear.size();
   SmallMatrix K(n, n);
-  SmallVector right(n);
+  SmallVector sizes(n);
   for (int i = 0; i < n; ++i) {
-    double size = 0;  // rows have units of their own
+    double size = 0;
     for (int j = 0; j < n; ++j) {
-      K(i, j) = (i == j ? s * linear_.mass[std::size_t(i)] : Complex(0)) - linear_.A[std::size_t(i * n + j)];
+      K(i, j) = (i == j ? s * linear.mass[std::size_t(i)] : Complex(0)) - linear.A[std::size_t(i * n + j)];
       size = std::max(size, std::abs(K(i, j)));
     }
-    if (!(size > 0)) size = 1;
-    K.row(i) /= size;
-    right[i] = b[std::size_t(i)] / size;
+    sizes[i] = size > 0 ? size : 1;
+    K.row(i) /= sizes[i];
   }
-  const SmallVector x = K.partialPivLu().solve(right);
-  return {x.data(), x.data() + n};
+  return {K.partialPivLu(), sizes};
+}
+SmallVector divided(const std::vector<Complex>& b, const SmallVector& size) {
+  return Eigen::Map<const SmallVector>(b.data(), Eigen::Index(b.size())).cwiseQuotient(size);
+}
+std::vector<Complex> list(const SmallVector& x) { return {x.data(), x.data() + x.size()}; }
+}  // namespace
+
+std::vector<Complex> FrictionResponse::solve(Complex s, const std::vector<Complex>& b) const {
+  const auto K = pencil(linear_, s);
+  return list(K.lu.solve(divided(b, K.size)));
+}
+
+FrictionResponse::Passage FrictionResponse::passage(Complex s) const {
+  const auto K = pencil(linear_, s);
+  const std::vector<Complex> b(linear_.b_v.begin(), linear_.b_v.end()), c(linear_.c.begin(), linear_.c.end());
+  const SmallVector weight = K.lu.transpose().solve(Eigen::Map<const SmallVector>(c.data(), Eigen::Index(c.size())));
+  Passage passage{s, list(K.lu.solve(divided(b, K.size))), list(weight.cwiseQuotient(K.size)), linear_.d_v};
+  for (std::size_t i = 0; i < c.size(); ++i) passage.force += c[i] * passage.answer[i];
+  return passage;
 }
 
 Complex FrictionResponse::tangential(Complex s) const {
@@ -249,9 +271,10 @@ FrfCurve predict_curve(const Model& model, const FrfOptions& options) {
 FrfSensitivity frf_sensitivity(const Model& model, const std::string& parameter,
                                const std::vector<double>& frequencies) {
   FrfSensitivity result{parameter, "N s/m per " + readable_unit(model.describe(parameter).unit), {}, {}};
-  const ResponseSlope slope(model, parameter);
+  const FrictionResponse response(model);
+  const ResponseSlope slope(response, model, parameter);
   for (const double f : frequencies) {
-    const auto answer = slope(at_frequency(f));
+    const auto answer = slope(response.passage(at_frequency(f)));
     result.slope.push_back(answer.slope);
     result.error.push_back(answer.error);
   }

@@ -82,6 +82,15 @@ class FrictionResponse {
   /// x of (s M − A) x = b.
   std::vector<std::complex<double>> solve(std::complex<double> s, const std::vector<std::complex<double>>& b) const;
 
+  /// What lies between slip rate and force: the unknowns' answer ζ, (s M − A) ζ = b_v, and what force has of a source
+  /// in each row, χ (s M − A) = c.
+  struct Passage {
+    std::complex<double> s;
+    std::vector<std::complex<double>> answer, weight;
+    std::complex<double> force;  ///< Z
+  };
+  Passage passage(std::complex<double> s) const;
+
   double slip_rate() const { return slip_rate_; }
   double normal_load() const { return normal_load_; }
   double friction_coefficient() const { return friction_ / normal_load_; }
@@ -96,8 +105,10 @@ class FrictionResponse {
   /// Unknowns of the contact in steady sliding, and what is imposed on it.
   const std::vector<double>& steady() const { return steady_; }
   ContactInput<double> input() const { return {slip_rate_, normal_load_, 0, direction_}; }
+  const ContactSetup& setup() const { return setup_; }
 
  private:
+  ContactSetup setup_;
   Linear linear_;
   std::vector<double> steady_;
   std::shared_ptr<const ContactValues<Tower>> tower_;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -24,12 +23,14 @@ constexpr int most = Slopes<double>::capacity;
 /// unknowns × numbers, row-major.
 class HeldContact final : public System {
  public:
-  /// \param typical the slip rate in whose steady sliding errors are measured
-  HeldContact(const Model& model, double slip_rate, double typical, const std::vector<std::string>& paths)
+  /// \param contact,slopes of the model; kept by reference.
+  /// \param typical the slip rate in whose steady sliding errors are measured.
+  HeldContact(const Model& model, const Contact<double>& contact, const std::vector<ContactSlopes>& slopes,
+              double slip_rate, double typical)
       : in_{slip_rate, model.drive.normal_load.level(), 0, double((slip_rate > 0) - (slip_rate < 0))},
         set_valued_(model.law->set_valued()),
-        contact_(model.law->contact(imposed_contact_setup(model))) {
-    for (const auto& path : paths) slopes_.emplace_back(model, path);
+        contact_(&contact),
+        slopes_(slopes) {
     contact_->mass(in_.normal_load, mass_);
     double z[most];
     contact_->steady(0, along(typical), in_.normal_load, z, scale_);
@@ -123,10 +124,24 @@ class HeldContact final : public System {
 
   ContactInput<double> in_;
   bool set_valued_;
-  std::unique_ptr<const Contact<double>> contact_;
-  std::vector<ContactSlopes> slopes_;
+  const Contact<double>* contact_;
+  const std::vector<ContactSlopes>& slopes_;
   double mass_[most] = {}, scale_[most] = {};
 };
+
+void respond(const Model& model, const std::vector<std::string>& paths, const Measurement& m, Prediction& prediction) {
+  const FrictionResponse response(model);
+  std::vector<ResponseSlope> slopes;
+  for (const auto& path : paths) slopes.emplace_back(response, model, path);
+  const auto add = [](std::vector<double>& list, std::complex<double> Z) {
+    list.push_back(Z.real()), list.push_back(Z.imag());
+  };
+  for (const double f : m.x) {
+    const auto passage = response.passage({0, 2 * std::numbers::pi * f});
+    add(prediction.y, passage.force);
+    for (std::size_t p = 0; p < paths.size(); ++p) add(prediction.slopes[p], slopes[p](passage).slope);
+  }
+}
 
 /// What `reader` reads at each time of the motion of `held` from steady sliding in `before`.
 void follow(const HeldContact& held, const HeldContact& before, const HeldContact& reader, const Measurement& m,
@@ -171,40 +186,29 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
   }
 
   Prediction found{{}, std::vector<std::vector<double>>(own.size())};
-  const double typical = m.kind == Kind::velocity_step ? m.next_slip_rate : m.slip_rate;
-  const auto held = [&](double slip_rate) { return HeldContact(model, slip_rate, typical, own); };
-  switch (m.kind) {
-    case Kind::frequency_response: {
-      const FrictionResponse response(model);
-      std::vector<ResponseSlope> slopes;
-      for (const auto& path : own) slopes.emplace_back(model, path);
-      const auto add = [](std::vector<double>& list, std::complex<double> Z) {
-        list.push_back(Z.real()), list.push_back(Z.imag());
-      };
-      for (const double f : m.x) {
-        const std::complex<double> s(0, 2 * std::numbers::pi * f);
-        add(found.y, response.tangential(s));
-        for (std::size_t p = 0; p < own.size(); ++p) add(found.slopes[p], slopes[p](s).slope);
-      }
-      break;
-    }
-    case Kind::steady_curve:
+  if (m.kind == Kind::frequency_response) {
+    respond(model, own, m, found);
+  } else {
+    const auto setup = imposed_contact_setup(model);
+    const auto contact = model.law->contact(setup);
+    std::vector<ContactSlopes> slopes;
+    for (const auto& path : own) slopes.emplace_back(model, setup, path);
+    const auto held = [&](double slip_rate, double typical) {
+      return HeldContact(model, *contact, slopes, slip_rate, typical);
+    };
+    if (m.kind == Kind::steady_curve) {
       for (const double v : m.x) {
-        const HeldContact sliding(model, v, v, own);
+        const auto sliding = held(v, v);
         std::vector<double> S;
         const auto z = sliding.steady(S);
         sliding.read(z.data(), S, found);
       }
-      break;
-    case Kind::velocity_step: {
-      const auto after = held(m.next_slip_rate);
-      follow(after, held(m.slip_rate), after, m, found);
-      break;
-    }
-    case Kind::hold: {
-      const auto sliding = held(m.slip_rate);
-      follow(held(0), sliding, sliding, m, found);
-      break;
+    } else if (m.kind == Kind::velocity_step) {
+      const auto after = held(m.next_slip_rate, m.next_slip_rate);
+      follow(after, held(m.slip_rate, m.next_slip_rate), after, m, found);
+    } else {
+      const auto sliding = held(m.slip_rate, m.slip_rate);
+      follow(held(0, m.slip_rate), sliding, sliding, m, found);
     }
   }
   Prediction prediction{std::move(found.y), {}};

@@ -310,9 +310,10 @@ void read_frf(Table& table, Scene& scene, const toml::node* oscillator, const fs
   if (scene.frf_noise) scene.frf_noise->rig = options.rig;
   if (const auto* list = table.find("sensitivities")) {
     options.sensitivities = texts(*list, table.path("sensitivities"));
+    const auto imposed = analysis::imposed_contact_setup(scene.model);
     for (std::size_t i = 0; i < options.sensitivities.size(); ++i)
       located(list->as_array()->get(i)->source(),
-              [&] { analysis::ContactSlopes(scene.model, options.sensitivities[i]); });
+              [&] { analysis::ContactSlopes(scene.model, imposed, options.sensitivities[i]); });
   }
   if (auto family = table.table("family")) {
     family->expect({"parameter", "values"});

@@ -49,11 +49,11 @@ TEST_CASE("slopes of every law's response are those that changed parameters give
       INFO(model.law->card().name << ", " << path << " = " << value << ", lambda " << model.lambda << ", spring "
                                   << model.contact_stiffness.tangential << ", " << model.contact_stiffness.per_load
                                   << ", heated " << (model.law->find("heating.resistance") ? "yes" : "no"));
-      const ResponseSlope slope(model, path);
       const FrictionResponse response(model);
+      const ResponseSlope slope(response, model, path);
       for (const double omega : {0.0, 0.3, 40.0, 3e3}) {
         const Complex s(0, omega);
-        const auto exact = slope(s);
+        const auto exact = slope(response.passage(s));
         const auto difference = by_differences(model, path, s);
         INFO("omega " << omega << ": " << exact.slope.real() << " " << exact.slope.imag() << " i against "
                       << difference.slope.real() << " " << difference.slope.imag() << " i, error " << difference.error);
@@ -70,11 +70,13 @@ TEST_CASE("slopes of every law's response are those that changed parameters give
 
 TEST_CASE("no slope is taken where the contact is another one beside the value", "[contact-slopes]") {
   auto model = slider_under("ageing", {0.6, 0.010, 0.015, 1e-5, 1e-6}, any_slider, 1e-5, 5);
-  CHECK_THROWS_WITH(ResponseSlope(model, "law.contact_stiffness.tangential"), Catch::Contains("rigid"));
+  const auto slope = [&](const char* path) { return ContactSlopes(model, imposed_contact_setup(model), path); };
+  CHECK_THROWS_WITH(slope("law.contact_stiffness.tangential"), Catch::Contains("rigid"));
   model.contact_stiffness.tangential = 1e5;
-  CHECK_THROWS_WITH(ResponseSlope(model, "law.contact_stiffness.damping"), Catch::Contains("another contact"));
+  CHECK_THROWS_WITH(slope("law.contact_stiffness.damping"), Catch::Contains("another contact"));
   model.lambda = 0;
-  CHECK_THROWS_WITH(ResponseSlope(model, "law.lambda"), Catch::Contains("equilibrium"));
-  CHECK_THROWS_AS(ResponseSlope(model, "law.q"), InputError);
-  CHECK(ResponseSlope(model, "oscillator.mass")({0, 3}).slope == 0.0);
+  CHECK_THROWS_WITH(slope("law.lambda"), Catch::Contains("equilibrium"));
+  CHECK_THROWS_AS(slope("law.q"), InputError);
+  const FrictionResponse response(model);
+  CHECK(ResponseSlope(response, model, "oscillator.mass")(response.passage({0, 3})).slope == 0.0);
 }
