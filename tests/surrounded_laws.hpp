@@ -33,6 +33,8 @@ inline std::vector<oscillators::Model> surrounded_laws() {
     if (law->has_slip_rate()) {
       model.contact_stiffness.tangential = 3e5;
       models.push_back(model);
+      model.contact_stiffness = {.tangential = infinity, .per_load = 2e5};
+      models.push_back(model);
     }
     model.contact_stiffness = {.tangential = infinity, .per_load = 2e5, .damping = 40};
     models.push_back(model);
