@@ -9,11 +9,37 @@
 
 namespace rosin::analysis {
 
+namespace {
+constexpr double nearly_rest = 1e-140;  // m/s: ages L/v and their slopes stay finite
+
+double reference_speed(const oscillators::Model& model) { return std::max(std::abs(model.drive.speed.level()), 1e-12); }
+}  // namespace
+
 bool unbounded_at_rest(const FrictionLaw& law, double normal_load) {
   if (law.set_valued()) return false;
-  constexpr double nearly_rest = 1e-140;  // m/s: ages L/v and their slopes stay finite
   const auto there = law.steady_friction({nearly_rest, normal_load});
   return !(there.slope > 0) && there.friction > 0;
+}
+
+bool jumps_at_rest(const FrictionLaw& law, double normal_load) {
+  if (law.set_valued()) return false;
+  const auto there = law.steady_friction({nearly_rest, normal_load});
+  return std::abs(there.slope) * nearly_rest < 1e-10 * there.friction;
+}
+
+std::optional<std::string> why_rest_lasts(const oscillators::SliderSystem& system, double t, const double* y) {
+  const auto& model = system.model();
+  const auto& law = *model.law;
+  const double N = model.drive.normal_load.value(t), V = reference_speed(model);
+  if (model.lambda != 0 || !law.has_states()) return std::nullopt;
+  constexpr double at_rest = 1e-5;  // of the drive speed
+  if (jumps_at_rest(law, N) && std::abs(system.contact_slip_rate(t, y)) < at_rest * V)
+    return fmt::format(
+        "law.lambda = 0 leaves '{}' a friction curve that jumps at rest, which slip came to at t = {:.9g} s: what "
+        "holds "
+        "there is the deflection; give the law its memory (lambda > 0), or take a curve that sticks, such as stribeck",
+        law.card().name, t);
+  return std::nullopt;
 }
 
 std::optional<std::string> why_motion_ends(const oscillators::SliderSystem& system, double t, const double* y) {
@@ -22,7 +48,7 @@ std::optional<std::string> why_motion_ends(const oscillators::SliderSystem& syst
   if (!law.has_states()) return std::nullopt;
   const double N = model.drive.normal_load.value(t);
   constexpr double out_of_hand = 1e8;  // times the drive speed
-  const double V = std::max(std::abs(model.drive.speed.level()), 1e-12);
+  const double V = reference_speed(model);
   if (!system.rigid() && std::abs(system.contact_slip_rate(t, y)) > out_of_hand * V)
     return fmt::format(
         "between friction and a spring is neither mass nor damping: slip reaches infinite speed at t = {:.9g} s; give "
@@ -35,6 +61,7 @@ std::optional<std::string> why_motion_ends(const oscillators::SliderSystem& syst
         "{:.9g} s, where the curve turns back, slip would have to jump; give the law its memory (lambda > 0), or mass "
         "to a rigid contact",
         law.card().name, t);
+  if (const auto rest = why_rest_lasts(system, t, y)) return rest;
   if (unbounded_at_rest(law, N))
     return fmt::format(
         "law.lambda = 0 leaves '{}' a friction curve that rises without bound toward rest: at rest at t = {:.9g} s, "

@@ -11,8 +11,16 @@ namespace rosin::analysis {
 /// weakens down to rest. Without its state such a law has no friction at rest, only a jump from −∞ to +∞.
 bool unbounded_at_rest(const FrictionLaw&, double normal_load);
 
+/// True where friction at rest jumps between two values although the law is not set-valued: a deflection that holds at
+/// rest, without which nothing does.
+bool jumps_at_rest(const FrictionLaw&, double normal_load);
+
+/// Why the unknowns y at time t, if they are at rest under λ = 0 and a curve that jumps there, do not get away from it.
+std::optional<std::string> why_rest_lasts(const oscillators::SliderSystem&, double t, const double* y);
+
 /// Why no integration gets beyond the unknowns y at time t, or nothing where the equations give no reason:
 /// - λ = 0 under a curve that rises without bound toward rest: once at rest, nothing slips again;
+/// - λ = 0 under a curve that jumps at rest: what holds there is the deflection alone;
 /// - λ = 0 under a weakening curve with no mass between it and a spring: where the curve turns back, slip would jump;
 /// - neither mass nor damping between friction and a spring: slip that weakens faster than the spring unloads reaches
 ///   infinite speed in finite time (Rice & Gu, Pure Appl. Geophys. 121, 187-219, 1983).

@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "analysis/algorithm_run.hpp"
 #include "analysis/exact_run.hpp"
 #include "analysis/motion_end.hpp"
+#include "analysis/stability.hpp"
 #include "oscillators/slider_system.hpp"
 #include "solvers/collocation.hpp"
 #include "solvers/cvode.hpp"
@@ -66,6 +68,43 @@ class WhileNotStiff {
   int handovers_ = 0;
   double first_handover_ = 0;
 };
+
+/// Eigenvalues of steady sliding; none where it is not what the drive is about.
+std::vector<std::complex<double>> eigenvalues_of(const Model& model) {
+  if (!model.drive.constant() || model.drive.speed.level() == 0) return {};
+  try {
+    return stability(model).eigenvalues;
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+/// How often the fastest oscillation turns until the end, if that is what takes the steps.
+std::string turns_until(const Model& model, double end) {
+  double fastest = 0;
+  for (const auto& e : eigenvalues_of(model))
+    if (std::abs(e.imag()) > 10 * std::abs(e.real())) fastest = std::max(fastest, std::abs(e.imag()));
+  const double turns = fastest * end / (2 * std::numbers::pi);
+  return turns > 1e4 ? fmt::format(
+                           ": about steady sliding it rings with {:.3g} rad/s, hardly damped, and turns {:.2g} "
+                           "times until t = {:.3g} s; run.duration may be shorter",
+                           fastest, turns, end)
+                     : "";
+}
+
+/// Why a run from steady sliding may be known to little: what departs from rounding doubles again and again.
+std::string departure(const Model& model, const RunOptions& options, double end) {
+  if (options.start.kind != Start::Kind::steady) return "";
+  double growth = 0;
+  for (const auto& e : eigenvalues_of(model)) growth = std::max(growth, e.real());
+  constexpr double digits = 36;  // e-foldings from rounding to the motion itself
+  return growth * end > digits
+             ? fmt::format(
+                   ": steady sliding, from which it starts, is unstable with {:.3g} 1/s, so that rounding decides "
+                   "when it is left; start beside it, run.start = {{ slip_rate = … }}",
+                   growth)
+             : "";
+}
 
 /// One pass at one tolerance: fills samples and events.
 class Pass {
@@ -126,8 +165,12 @@ class Pass {
       start(solver, t, y);
       const double limit = std::min(end, system_.next_break(t));
       while (solver.time() < limit) {
-        if (++steps_ > options_.most_steps)
-          return {Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s", options_.most_steps, solver.time())};
+        if (++steps_ > options_.most_steps) {
+          if (const auto end = why_rest_lasts(system_, solver.time(), solver.state().data()))
+            return {Ending::none_exists, *end};
+          return {Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s{}", options_.most_steps, solver.time(),
+                                                    turns_until(system_.model(), end))};
+        }
         const Outcome outcome = advance(limit);
         if (!outcome.complete()) {
           const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
@@ -414,8 +457,9 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     }
     if (ratio[worst] <= options.tolerance) break;
     if (attempt == 3 || tolerance <= least) {
-      result.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} of its size only",
-                                                               result.column_names[worst], ratio[worst])};
+      result.outcome = {Ending::tolerance_not_met,
+                        fmt::format("{} is known to {:.1e} of its size only{}", result.column_names[worst],
+                                    ratio[worst], departure(model, options, times.back()))};
       break;
     }
     coarse = std::move(fine);

@@ -1,6 +1,8 @@
 /// The stress suite on a small set, its reproducibility, and scenes that once failed.
 #include "analysis/stress.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
@@ -304,4 +306,65 @@ TEST_CASE("what is neither fed nor damped beyond rounding is marginal, and has n
   REQUIRE(found.eigenvalues.size() == 12);
   CHECK(found.marginal);
   CHECK(hopf_points(model, "drive.normal_load").empty());
+}
+
+TEST_CASE("a run from steady sliding that is unstable says that rounding decides", "[stress]") {
+  auto model =
+      slider_under("ageing",
+                   {0.95068789918133223, 0.0063692051791188501, 0.020470687561849228, 6.1697686415255567e-06,
+                    6.3457615556247057e-11},
+                   {0, 0.0030732047578541292, 1.5949562694177362e-07}, 2.1884219595186427e-06, 8.8179930393788458e-05);
+  model.lambda = 0.050347019723740283;
+  const auto unsure = run(model, {.duration = 3691, .samples = 20});
+  CHECK(unsure.outcome.ending == Ending::tolerance_not_met);
+  // The growth that stability finds: one state without mass has the larger root of its characteristic equation,
+  // (c + a N/V) λ s² + (k λ + (c + (a − b) N/V) V/L) s + k V/L = 0.
+  const double N = model.drive.normal_load.level(), V = model.drive.speed.level(), lambda = model.lambda;
+  const double a = 0.0063692051791188501, b = 0.020470687561849228, rate = V / 6.1697686415255567e-06;
+  const auto& s = model.slider;
+  const double p = (s.damping + a * N / V) * lambda;
+  const double q = s.stiffness * lambda + (s.damping + (a - b) * N / V) * rate, r = s.stiffness * rate;
+  CHECK((-q + std::sqrt(q * q - 4 * p * r)) / (2 * p) == Approx(15.580562).epsilon(1e-6));
+  CHECK_THAT(unsure.outcome.detail, Catch::Contains("unstable with 15.6 1/s") && Catch::Contains("rounding decides"));
+  // Beside it the same motion is known.
+  RunOptions beside{.duration = 3691, .samples = 20};
+  beside.start = {.kind = Start::Kind::given, .slip_rate = 1.01 * model.drive.speed.level()};
+  CHECK(run(model, beside).outcome.complete());
+}
+
+TEST_CASE("a bristle without its memory does not hold at rest, and that is said", "[stress]") {
+  CHECK(jumps_at_rest(*laws::find_law("lugre"), 1));
+  CHECK(jumps_at_rest(*laws::find_law("dahl"), 1));
+  CHECK(!jumps_at_rest(*laws::find_law("ageing"), 1));
+  CHECK(!jumps_at_rest(*laws::find_law("ageing")->with("b", 0.005), 1));
+  CHECK(!jumps_at_rest(*laws::find_law("spinodal"), 1));
+  CHECK(!jumps_at_rest(*laws::find_law("coulomb"), 1));
+  auto model =
+      slider_under("lugre", {1e5, 316.2277660168379, 0.4, 1.5, 1.0, 1e-3},
+                   {0.045929165364892284, 0.0024905822467912071, 0}, -0.000984345228812995, 0.0014644093541841996);
+  model.lambda = 0;
+  RunOptions options{.duration = 100, .samples = 10};
+  options.start.kind = Start::Kind::rest;
+  options.most_steps = 3000;
+  const auto stopped = run(model, options);
+  CHECK(stopped.outcome.ending == Ending::none_exists);
+  CHECK_THAT(stopped.outcome.detail, Catch::Contains("jumps at rest"));
+  const auto cycle = find_cycle(model);
+  CHECK_FALSE(cycle.outcome.complete());
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("jumps at rest"));
+}
+
+TEST_CASE("ringing on a film that a run cannot follow to its end is counted", "[stress]") {
+  auto model = slider_under("film", {1e-8, 1e-9, 1e9, 1e6, 1e-9, 5e7},
+                            {0.00022106618749442629, 3613.8470701783199, 0.00064860560503839158},
+                            2.1894528200950788e-12, 242.10554774310179);
+  model.lambda = 272.31885044887503;
+  RunOptions options{.duration = 0.46620550637710262, .samples = 20};
+  options.start = {.kind = Start::Kind::given, .slip_rate = 6.1759872743320808e-16};
+  options.most_steps = 1000;
+  const auto followed = run(model, options);
+  CHECK(followed.outcome.ending == Ending::budget_spent);
+  // Faster than it flows the film is a spring A S/(λ d) beside that of the slider: ω² = (k + A S/(λ d))/m, 4.08e5/s.
+  const double omega = std::sqrt((model.slider.stiffness + 1e-8 * 1e9 / (model.lambda * 1e-9)) / model.slider.mass);
+  CHECK_THAT(followed.outcome.detail, Catch::Contains(fmt::format("rings with {:.3g} rad/s", omega)));
 }
