@@ -268,24 +268,30 @@ FrfCurve predict_curve(const Model& model, const FrfOptions& options) {
 
 }  // namespace
 
-FrfSensitivity frf_sensitivity(const Model& model, const std::string& parameter,
-                               const std::vector<double>& frequencies) {
-  FrfSensitivity result{parameter, "N s/m per " + readable_unit(model.describe(parameter).unit), {}, {}};
+std::vector<FrfSensitivity> frf_sensitivities(const Model& model, const std::vector<std::string>& parameters,
+                                              const std::vector<double>& frequencies) {
   const FrictionResponse response(model);
-  const ResponseSlope slope(response, model, parameter);
-  for (const double f : frequencies) {
-    const auto answer = slope(response.passage(at_frequency(f)));
-    result.slope.push_back(answer.slope);
-    result.error.push_back(answer.error);
+  std::vector<FrictionResponse::Passage> passages;
+  for (const double f : frequencies) passages.push_back(response.passage(at_frequency(f)));
+  std::vector<FrfSensitivity> results;
+  for (const auto& parameter : parameters) {
+    FrfSensitivity result{parameter, "N s/m per " + readable_unit(model.describe(parameter).unit), {}, {}};
+    const ResponseSlope slope(response, model, parameter);
+    for (const auto& passage : passages) {
+      const auto answer = slope(passage);
+      result.slope.push_back(answer.slope);
+      result.error.push_back(answer.error);
+    }
+    results.push_back(std::move(result));
   }
-  return result;
+  return results;
 }
 
 FrfPrediction predict_frf(const Model& model, const FrfOptions& options) {
   FrfPrediction prediction;
   prediction.curve = predict_curve(model, options);
-  for (const auto& path : options.sensitivities)
-    prediction.sensitivities.push_back(frf_sensitivity(model, path, options.frequencies));
+  if (!options.sensitivities.empty())
+    prediction.sensitivities = frf_sensitivities(model, options.sensitivities, options.frequencies);
   for (const double value : options.family_values) {
     prediction.family.push_back(predict_curve(model.with(options.family, value), options));
     prediction.family.back().value = value;

@@ -154,8 +154,9 @@ struct FrfPrediction {
 /// \throws InputError for a parameter that does not exist or leaves its range.
 FrfPrediction predict_frf(const Model&, const FrfOptions&);
 
-/// ∂Z/∂p at frequencies (Hz), exact but for rounding. \throws InputError where the contact is another one beside the
-/// value of p: a spring that is infinite, a damper or a λ that is 0.
-FrfSensitivity frf_sensitivity(const Model&, const std::string& parameter, const std::vector<double>& frequencies);
+/// ∂Z/∂p of each parameter at frequencies (Hz), exact but for rounding. \throws InputError where the contact is another
+/// one beside the value of p: a spring that is infinite, a damper or a λ that is 0.
+std::vector<FrfSensitivity> frf_sensitivities(const Model&, const std::vector<std::string>& parameters,
+                                              const std::vector<double>& frequencies);
 
 }  // namespace rosin::analysis

@@ -46,6 +46,8 @@ Collocation::Collocation(const System& system, double tolerance)
     pair_pivot_[k].assign(n, 0);
   }
   f_stage_.assign(n, 0.0);
+  for (auto* v : {&modes_, &modes_inverse_}) v->reserve(n * n);
+  mode_rates_.reserve(n);
 }
 
 double Collocation::norm(const double* v) const {
@@ -201,15 +203,15 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
 /// The modes from the answers of the filter that the embedded estimate has passed: (γM/h − J)⁻¹ M r = r h/(γ − z) where
 /// J r = λ M r and z = hλ. That keeps the digits of slow modes beside those of a stuck contact, which J does not.
 /// \returns false where there are none to be had.
-bool Collocation::find_modes(double h) {
-  const int n = n_, m = int(moving_.size());
+bool Collocation::find_modes(double h, std::span<const int> moving) {
+  const int n = n_, m = int(moving.size());
   std::array<double, most_small_rows * most_small_rows> columns;
   std::fill_n(columns.begin(), n * m, 0.0);
-  for (int j = 0; j < m; ++j) columns[moving_[j] * m + j] = mass_[moving_[j]] * scale_[moving_[j]];
+  for (int j = 0; j < m; ++j) columns[moving[j] * m + j] = mass_[moving[j]] * scale_[moving[j]];
   solve_lu(real_lu_, real_pivot_, n, columns.data(), m);
   SmallMatrix<double> G(m, m), vectors(m, m);
   for (int i = 0; i < m; ++i)
-    for (int j = 0; j < m; ++j) G(i, j) = columns[moving_[i] * m + j] / scale_[moving_[i]];
+    for (int j = 0; j < m; ++j) G(i, j) = columns[moving[i] * m + j] / scale_[moving[i]];
   mode_rates_.clear();
   if (!G.allFinite()) return false;
   const auto pairs = small_eigenpairs(G, true);
@@ -219,15 +221,15 @@ bool Collocation::find_modes(double h) {
     const int first = pairs.values[k].imag() > 0 ? k : k - 1;  // Eigen puts it before its conjugate
     mode_rates_.push_back(tableau_.gamma / h - 1.0 / pairs.values[pair ? first : k]);
     for (int i = 0; i < m; ++i) {
-      const auto part = pairs.vectors(i, pair ? first : k) * scale_[moving_[i]];
+      const auto part = pairs.vectors(i, pair ? first : k) * scale_[moving[i]];
       vectors(i, k) = pair && first != k ? part.imag() : part.real();
     }
   }
   modes_.assign(vectors.data(), vectors.data() + m * m);
   // The inverse by way of scales, in which the vectors are of one size.
-  for (int i = 0; i < m; ++i) vectors.row(i) /= scale_[moving_[i]];
+  for (int i = 0; i < m; ++i) vectors.row(i) /= scale_[moving[i]];
   SmallMatrix<double> inverse = vectors.inverse();
-  for (int i = 0; i < m; ++i) inverse.col(i) /= scale_[moving_[i]];
+  for (int i = 0; i < m; ++i) inverse.col(i) /= scale_[moving[i]];
   modes_inverse_.assign(inverse.data(), inverse.data() + m * m);
   return true;
 }
@@ -245,26 +247,27 @@ double Collocation::ringing_error(double h, const double* estimate) {
   using Complex = std::complex<double>;
   static_assert(s * most_small_rows >= largest_lu);
   const int n = n_;
-  moving_.clear(), following_.clear();
-  for (int i = 0; i < n; ++i) (mass_[i] != 0 ? moving_ : following_).push_back(i);
-  const int m = int(moving_.size()), a = int(following_.size());
+  std::array<int, most_small_rows> moving, following;  // unknowns with and without a rate of their own
+  int m = 0, a = 0;
+  for (int i = 0; i < n; ++i) (mass_[i] != 0 ? moving[m++] : following[a++]) = i;
   const double size = norm(estimate);
   if (m < 2 || !(size > 0)) return 0;  // nothing that could ring
   // What has no rate follows the moving unknowns, δy_a = −J_aa⁻¹ J_am δy_m.
-  following_lu_.resize(a * a), following_answer_.resize(a * m), following_pivot_.resize(a);
+  SmallMatrix<double> own(a, a), follow(a, m);
   for (int i = 0; i < a; ++i) {
-    for (int j = 0; j < a; ++j) following_lu_[i * a + j] = J_[following_[i] * n + following_[j]];
-    for (int j = 0; j < m; ++j) following_answer_[i * m + j] = -J_[following_[i] * n + moving_[j]];
+    for (int j = 0; j < a; ++j) own(i, j) = J_[following[i] * n + following[j]];
+    for (int j = 0; j < m; ++j) follow(i, j) = -J_[following[i] * n + moving[j]];
+    const double largest = own.row(i).cwiseAbs().maxCoeff();  // rows may be fifty decades apart
+    own.row(i) /= largest, follow.row(i) /= largest;
   }
-  if (a > 0 && !factorise_lu(following_lu_, following_pivot_, a)) return 0;
-  solve_lu(following_lu_, following_pivot_, a, following_answer_.data(), m);
+  if (a > 0) follow = own.partialPivLu().solve(follow).eval();
   SmallMatrix<double> rates(m, m);
   for (int i = 0; i < m; ++i)
     for (int j = 0; j < m; ++j) {
-      const double* row = &J_[moving_[i] * n];
-      double sum = row[moving_[j]];
-      for (int k = 0; k < a; ++k) sum += row[following_[k]] * following_answer_[k * m + j];
-      rates(i, j) = h * sum / mass_[moving_[i]];
+      const double* row = &J_[moving[i] * n];
+      double sum = row[moving[j]];
+      for (int k = 0; k < a; ++k) sum += row[following[k]] * follow(k, j);
+      rates(i, j) = h * sum / mass_[moving[i]];
     }
   if (const double apart = rates(0, 0) - rates(1, 1); m == 2 && apart * apart + 4 * rates(0, 1) * rates(1, 0) >= 0)
     return 0;  // both real
@@ -305,7 +308,7 @@ double Collocation::ringing_error(double h, const double* estimate) {
   };
   if (!known()) {
     count = 0;
-    if (!find_modes(h)) return 0;
+    if (!find_modes(h, {moving.data(), std::size_t(m)})) return 0;
     for (int k = 0; k < m; ++k) {
       const bool pair = mode_rates_[k].imag() > 0;
       note(k, pair, h * mode_rates_[k], 0);
@@ -331,8 +334,8 @@ double Collocation::ringing_error(double h, const double* estimate) {
     const auto part = [&](const double* source, int stride) {  // in the pair of modes
       double real = 0, imaginary = 0;
       for (int j = 0; j < m; ++j) {
-        real += inverse(k, j) * source[moving_[j] * stride];
-        imaginary += inverse(k + 1, j) * source[moving_[j] * stride];
+        real += inverse(k, j) * source[moving[j] * stride];
+        imaginary += inverse(k + 1, j) * source[moving[j] * stride];
       }
       return std::hypot(real, imaginary);
     };
@@ -342,14 +345,14 @@ double Collocation::ringing_error(double h, const double* estimate) {
     const auto add = [&](int i, double real, double imaginary) {
       square += (real * real + imaginary * imaginary) / (scale_[i] * scale_[i]);
     };
-    for (int j = 0; j < m; ++j) add(moving_[j], vectors(j, k), vectors(j, k + 1));
+    for (int j = 0; j < m; ++j) add(moving[j], vectors(j, k), vectors(j, k + 1));
     for (int i = 0; i < a; ++i) {
       double real = 0, imaginary = 0;
       for (int j = 0; j < m; ++j) {
-        real += following_answer_[i * m + j] * vectors(j, k);
-        imaginary += following_answer_[i * m + j] * vectors(j, k + 1);
+        real += follow(i, j) * vectors(j, k);
+        imaginary += follow(i, j) * vectors(j, k + 1);
       }
-      add(following_[i], real, imaginary);
+      add(following[i], real, imaginary);
     }
     sum += kappa * std::max(amplitude, 0.0) * std::sqrt(square / n);
   }

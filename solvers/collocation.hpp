@@ -83,7 +83,7 @@ class Collocation {
   Newton solve_stages(double t, const double* y0, double h, int most_iterations);
   double estimate_error(double t, const double* y0, double h, bool refine);
   double ringing_error(double h, const double* estimate);
-  bool find_modes(double h);
+  bool find_modes(double h, std::span<const int> moving);
   double norm(const double* v) const;
   double first_step(double t_limit);
 
@@ -109,9 +109,6 @@ class Collocation {
   /// imaginary part of the one with the positive frequency, which stands twice among the rates.
   std::vector<double> modes_, modes_inverse_;
   std::vector<std::complex<double>> mode_rates_;
-  std::vector<int> moving_, following_;  ///< unknowns with and without a rate of their own
-  std::vector<double> following_lu_, following_answer_;
-  std::vector<int> following_pivot_;
   Count count_;
 };
 
