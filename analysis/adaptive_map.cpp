@@ -157,6 +157,8 @@ class Workshop {
   Model model_at(int ix, int iy) const {
     return model_.with(options_.x.parameter, options_.x.values[ix]).with(options_.y.parameter, options_.y.values[iy]);
   }
+  /// True if steady sliding attracts there.
+  static bool attracts(const Task& task) { return task.piece->patch.class_of(task.pixel) == beside_steady; }
   Model model_of(const Task& task) const {
     const auto& f = task.piece->frame;
     return model_at(f.x0 + task.pixel % task.piece->width(), f.y0 + task.pixel / task.piece->width());
@@ -182,7 +184,7 @@ class Workshop {
     std::vector<Model> models;
     std::vector<GridPlace> places;
     for (const auto& task : tasks) {
-      if (task.piece->patch.class_of(task.pixel) != unstable) {
+      if (task.piece->patch.class_of(task.pixel) == refused || !for_lanes(model_of(task), attracts(task))) {
         alone.push_back(task);
         continue;
       }
@@ -196,18 +198,19 @@ class Workshop {
     for (std::size_t k = 0; k < cycles.size(); ++k) {
       if (stop_.stop_requested()) return false;
       if (cycles[k].found) {
-        take(together[k], models[k], point_of(cycles[k]));
+        take(together[k], models[k], point_of(cycles[k], attracts(together[k])));
         continue;
       }
-      MapPoint point = compute_point(models[k], tolerance, options_.stick_threshold, false);
+      const bool beside = attracts(together[k]);
+      MapPoint point = compute_point(models[k], tolerance, options_.stick_threshold, beside);
       if (point.regime == Regime::failed)  // too much was asked
-        point = compute_point(models[k], options_.tolerance, options_.stick_threshold, false);
+        point = compute_point(models[k], options_.tolerance, options_.stick_threshold, beside);
       take(together[k], models[k], point);
     }
     for (const auto& task : alone) {
       if (stop_.stop_requested()) return false;
       const Model here = model_of(task);
-      if (task.piece->patch.class_of(task.pixel) == beside_steady)
+      if (attracts(task))
         take(task, here, compute_point(here, tolerance, options_.stick_threshold, true));
       else
         try {

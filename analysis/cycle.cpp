@@ -475,16 +475,6 @@ struct StickSlipPeriod {
   long steps = 0, evaluations = 0;
 };
 
-/// Unknowns at rest on the drive with a contact in the given state, loaded to `share` of what it can hold.
-std::vector<double> loaded_at_rest(const SliderSystem& system, std::span<const double> state, double share) {
-  const Model& model = system.model();
-  auto y = system.unknowns_at(0, 0, 0, state, 0);
-  y[0] = (share * system.holding_limit(0, y.data()) - model.slider.damping * model.drive.speed.level() +
-          model.drive.force.level()) /
-         model.slider.stiffness;
-  return y;
-}
-
 /// The period that begins at the `onset` of slip, or else the first full one after stick from rest.
 StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double stick_threshold,
                                   const std::vector<double>* onset = nullptr) {
@@ -494,12 +484,12 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   const double V = model.drive.speed.level();
   const auto& s = model.slider;
   const auto rest = model.law->rest(model.drive.normal_load.level());
-  if (!(onset ? solver.start_slip(0, *onset, 1) : solver.start(0, loaded_at_rest(system, rest, 0.5)))) {
+  if (!(onset ? solver.start_slip(0, *onset, 1) : solver.start(0, system.loaded_at_rest(rest, 0.5)))) {
     result.outcome = {Ending::not_finite, "at the start"};
     return result;
   }
   const double natural = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
-  const double longest = 300 * natural + 10 * std::abs(loaded_at_rest(system, rest, 1)[0]) / V;
+  const double longest = 300 * natural + 10 * std::abs(system.loaded_at_rest(rest, 1)[0]) / V;
   // Without oscillation, under strong damping, nothing comes and goes within a natural period.
   const bool overdamped = s.damping > 2 * std::sqrt(s.mass * s.stiffness);
   solver.rewind_at_switches();  // a slip may be far shorter than the last digit of the stick before it
@@ -623,7 +613,7 @@ class OnsetMap {
   StickSlipPeriod period_from(const VectorXd& z) const {
     std::vector<double> y(system_.size());
     std::copy(z.data(), z.data() + z.size(), y.begin() + mechanical);
-    const auto onset = loaded_at_rest(system_, system_.observe(0, y.data()).state, 1);
+    const auto onset = system_.loaded_at_rest(system_.observe(0, y.data()).state, 1);
     return stick_slip_period(model_, tolerance_, stick_threshold_, &onset);
   }
   MatrixXd derivative(const VectorXd& z) const {
@@ -660,7 +650,7 @@ StickSlipPeriod slip_passage(const Model& model, double swing, double tolerance,
   }
   Recorder recorder(system, tolerance, stick_threshold, true);
   const auto section = [&](double t, const double* y) { return system.slip_rate(t, y) - V; };
-  const double longest = 100 * natural + 10 * std::abs(loaded_at_rest(system, {}, 1)[0]) / V;
+  const double longest = 100 * natural + 10 * std::abs(system.loaded_at_rest({}, 1)[0]) / V;
   bool below = false;
   double period = 0, stuck = 0;
   std::vector<double> y(system.size());

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "analysis/loop_area.hpp"
 #include "analysis/return_map.hpp"
 #include "core/eigenpairs.hpp"
 
@@ -53,13 +54,19 @@ struct Visit {
 /// themselves (Broyden's update). What the metrics change with z is learned likewise, so that they can be carried on to
 /// the fixed point.
 struct Search {
-  explicit Search(const Model& model) : map(model), scale(map.differential().size()) {
+  explicit Search(const Model& model) : map(model), sticks(model.law->set_valued()) {
+    // At the onset of slip the contact's states say all.
+    for (const int i : map.differential())
+      if (!sticks || i > map.system().slip_rate_index()) coordinates.push_back(i);
     std::vector<double> s(map.system().size());
     map.system().relevance_scale(s.data());
-    for (int k = 0; k < scale.size(); ++k) scale[k] = s[map.differential()[k]];
+    scale.resize(coordinates.size());
+    for (int k = 0; k < scale.size(); ++k) scale[k] = s[coordinates[k]];
   }
   ReturnMap map;
-  VectorXd scale;  ///< of the differential unknowns
+  bool sticks;                   ///< the law is set-valued
+  std::vector<int> coordinates;  ///< of the section, among the unknowns
+  VectorXd scale;                ///< of the coordinates
   LanePassage passage;
   enum class Stage { from_stick, coarse, fine } stage = Stage::from_stick;
   int passages = 0, visits = 0;          ///< in all; at the tolerance in use
@@ -75,23 +82,26 @@ struct Search {
   VectorXd inherited;                ///< the same, of certified neighbours; empty: to be found
 
   VectorXd point() const {
-    const auto& differential = map.differential();
-    VectorXd z(differential.size());
-    for (std::size_t k = 0; k < differential.size(); ++k) z[k] = passage.y[differential[k]] / scale[k];
+    VectorXd z(coordinates.size());
+    for (std::size_t k = 0; k < coordinates.size(); ++k) z[k] = passage.y[coordinates[k]] / scale[k];
     return z;
   }
   VectorXd steady() const {
     const auto y = map.system().steady(0);
-    VectorXd z(map.differential().size());
-    for (int k = 0; k < z.size(); ++k) z[k] = y[map.differential()[k]] / scale[k];
+    VectorXd z(coordinates.size());
+    for (int k = 0; k < z.size(); ++k) z[k] = y[coordinates[k]] / scale[k];
     return z;
   }
+  /// What changes of a point on the section are measured against.
+  double size_at(const VectorXd& z) const { return sticks ? std::max(z.norm(), 1.0) : (z - steady()).norm(); }
   /// The next passage starts at z, with friction in agreement where it is algebraic.
   void start_at(const VectorXd& z) {
     const auto& system = map.system();
-    const auto& differential = map.differential();
-    for (std::size_t k = 0; k < differential.size(); ++k) passage.y[differential[k]] = z[k] * scale[k];
-    if (system.rigid()) {
+    for (std::size_t k = 0; k < coordinates.size(); ++k) passage.y[coordinates[k]] = z[k] * scale[k];
+    if (sticks) {
+      const auto onset = system.loaded_at_rest(system.observe(0, passage.y.data()).state, 1);
+      std::copy(onset.begin(), onset.end(), passage.y.begin());
+    } else if (system.rigid()) {
       passage.y[system.slip_rate_index()] = map.drive_speed();
       system.make_consistent(passage.y.data());
     }
@@ -126,11 +136,12 @@ struct Search {
   /// How far the fixed point is from the start of a visit.
   VectorXd newton_step(const Visit& visit) const {
     const VectorXd change = visit.image - visit.start;
+    if (change.size() == 0) return change;
     const MatrixXd A = MatrixXd::Identity(change.size(), change.size()) - derivative;
     VectorXd step = A.partialPivLu().solve(change);
     // Backwards: towards a fixed point that repels. Ahead, then.
     if (!step.allFinite() || step.dot(change) < 0) step = 4 * change;
-    const double longest = 0.3 * (visit.start - steady()).norm() + change.norm();
+    const double longest = 0.3 * size_at(visit.start) + change.norm();
     return step.norm() > longest ? VectorXd(step * (longest / step.norm())) : step;
   }
 };
@@ -164,17 +175,33 @@ class Settling final : public PassageQueue {
     const std::size_t i = passage.label;
     cycles_[i].tries += passage.tries;
     Search& search = *searches_[i];
-    if (go_on(search, cycles_[i])) {
-      again_.push_back(i);
-    } else if (!cycles_[i].found && search.hinted) {  // misled: by itself, then
-      search.hinted = false;
-      search.inherited.resize(0);
-      if (begin(search)) again_.push_back(i);
+    bool goes_on = false;
+    try {
+      goes_on = go_on(search, cycles_[i]);
+    } catch (const InputError&) {  // a step has led beyond what the law answers to
     }
+    if (goes_on || (!cycles_[i].found && begin_by_itself(search))) again_.push_back(i);
   }
 
  private:
+  /// \returns false where there is nothing to start from.
   bool begin(Search& search) const {
+    try {
+      prepare(search);
+      return true;
+    } catch (const InputError&) {
+      return begin_by_itself(search);
+    }
+  }
+  /// Once more where neighbours have misled.
+  bool begin_by_itself(Search& search) const {
+    if (!search.hinted) return false;
+    search.hinted = false;
+    search.inherited.resize(0);
+    return begin(search);
+  }
+
+  void prepare(Search& search) const {
     search.tolerance = std::min(0.5 * coarser * options_.tolerance, loosest);
     search.passages = search.visits = 0;
     search.probed = false;
@@ -182,28 +209,33 @@ class Settling final : public PassageQueue {
     LanePassage& p = search.passage;
     p.slider = &search.map.system();
     p.growth_time = search.map.growth_time();
-    p.longest = search.map.longest_passage();
+    // Slip that has not come to rest after many free swings will not: that is another kind of cycle.
+    p.longest = (search.sticks ? 0.03 : 1.0) * search.map.longest_passage();
     p.first_step = 1e-4 * std::min(1.0, p.growth_time);
     if (search.hinted) {
       search.stage = Search::Stage::coarse;
       p.amplitude = search.amplitude;
       p.from_section = p.record = true;
       search.start_at(search.fixed_point);
-      return true;
+      return;
     }
-    search.stage = Search::Stage::from_stick;
     search.slowest = 0;
     search.derivative.resize(0, 0);
+    if (search.sticks && search.coordinates.empty()) {  // stick forgets the past
+      search.stage = Search::Stage::coarse;
+      p.from_section = p.record = true;
+      search.start_at(VectorXd());
+      return;
+    }
+    search.stage = Search::Stage::from_stick;
     p.tolerance = search.tolerance;
     p.from_section = p.record = false;
     p.dip = 1e-10;
-    try {
-      const auto y = search.map.stick(search.map.drive_speed());
-      std::copy(y.begin(), y.end(), p.y.begin());
-    } catch (const InputError&) {
-      return false;
-    }
-    return true;
+    const auto& system = search.map.system();
+    const auto y = search.sticks
+                       ? system.loaded_at_rest(system.model().law->rest(system.model().drive.normal_load.level()), 0.5)
+                       : search.map.stick(search.map.drive_speed());
+    std::copy(y.begin(), y.end(), p.y.begin());
   }
 
   /// True if another passage is wanted.
@@ -221,14 +253,14 @@ class Settling final : public PassageQueue {
       search.start_at(image);
       return true;
     }
-    const double size = (image - search.steady()).norm();
+    const double size = search.size_at(image);
     const Visit visit{search.begun, image, vector_of(passage.metrics), passage.tolerance * size};
     search.learn(visit);
     if (search.probed) {
       cycle.found = least_attracted(search).multiplier < 1;
       return false;
     }
-    if (search.passages == 2 && !search.hinted && weakly_coupled(search)) {
+    if (!search.sticks && search.passages == 2 && !search.hinted && weakly_coupled(search)) {
       // Contraction may be slow in a direction that the way here does not show: look along the amplitude.
       search.start_at(image + 0.02 * (image - search.steady()));
       return true;
@@ -300,6 +332,7 @@ class Settling final : public PassageQueue {
   };
   static LeastAttracted least_attracted(const Search& search) {
     LeastAttracted least;
+    if (search.derivative.size() == 0) return least;
     const auto pairs = eigenpairs(search.derivative, true);
     for (Eigen::Index k = 0; k < pairs.values.size(); ++k)
       if (const double size = std::abs(pairs.values[k]); k == 0 || !(size <= least.multiplier)) {
@@ -343,8 +376,9 @@ class Settling final : public PassageQueue {
       if (!inherits) change[k] = std::abs(fine[k] - search.coarse[k]) / size[k];
       if (counts(*metrics_[k])) largest = std::max(largest, change[k]);
     }
-    // On a contact spring the slider rings, and errors scatter; so does the loop integral.
-    const double caution = search.map.system().rigid() ? 1 : 4;
+    // On a contact spring the slider rings, and errors scatter; so they do where friction curves have kinks, and so
+    // does the loop integral.
+    const double caution = search.map.system().rigid() && !search.sticks ? 1 : 4;
     search.error_rate.setZero(metrics_.size());
     for (std::size_t k = 0; k < metrics_.size(); ++k) {
       const MetricName& metric = *metrics_[k];
@@ -357,6 +391,7 @@ class Settling final : public PassageQueue {
       cycle.metrics.*metric.member = fine[k];
       // Three times the estimate is stated where the tolerance leaves room: seldom is an error larger than that.
       cycle.error.*metric.member = std::clamp(options_.tolerance, relative, 3 * relative) * size[k];
+      if (is_loop(metric) && follows_steady_curve(search.map.system())) cycle.error.*metric.member = 0;
       search.error_rate[k] = own / search.tolerance;
       if (!counts(metric)) continue;
       if (!std::isfinite(relative)) return infinity;

@@ -149,6 +149,7 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
       std::vector<Model> models;
       std::vector<GridPlace> places;
       std::vector<std::size_t> indices, alone;
+      std::vector<bool> attracted;  // by steady sliding, beside the cycle
       FinishedPoints finished;
       for (std::size_t k = first; k < last; ++k)
         tiles.for_each(open[k], [&](std::size_t i, GridPlace place) {
@@ -156,10 +157,12 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
             Model here = model_at(i);
             const Verdict verdict = judge(here, coexistence);
             if (verdict == Verdict::stable) return void(finished.emplace_back(i, stable_point()));
-            if (verdict == Verdict::look_beside_steady) return alone.push_back(i);
+            const bool attracts = verdict == Verdict::look_beside_steady;
+            if (!for_lanes(here, attracts)) return alone.push_back(i);
             models.push_back(std::move(here));
             places.push_back(place);
             indices.push_back(i);
+            attracted.push_back(attracts);
           } catch (const InputError& e) {
             finished.emplace_back(i, failed_point(e.what()));
           }
@@ -168,7 +171,8 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
       const auto cycles = find_cycles(models, lane_options, places);
       for (std::size_t k = 0; k < cycles.size() && !stop.stop_requested(); ++k) {
         if (map.points[indices[k]].done) continue;  // known from before: only its neighbours needed it again
-        finished.emplace_back(indices[k], cycles[k].found ? point_of(cycles[k]) : alone_at(models[k], false));
+        finished.emplace_back(indices[k],
+                              cycles[k].found ? point_of(cycles[k], attracted[k]) : alone_at(models[k], attracted[k]));
       }
       finish(finished, 0);
       for (std::size_t k = 0; k < alone.size() && !stop.stop_requested(); ++k) {

@@ -36,10 +36,12 @@ MapPoint failed_point(std::string why) {
   return point;
 }
 
-MapPoint point_of(const LaneCycle& cycle) {
+bool for_lanes(const Model& model, bool attracts) { return !attracts || model.law->set_valued(); }
+
+MapPoint point_of(const LaneCycle& cycle, bool attracts) {
   MapPoint point = stable_point();
   point.origin = Origin::computed;
-  point.regime = Regime::cycle;
+  point.regime = attracts ? Regime::bistable : Regime::cycle;
   point.metrics = cycle.metrics;
   point.error = cycle.error;
   return point;

@@ -13,8 +13,10 @@ Verdict judge(const Model&, CoexistenceSearch&);
 
 MapPoint stable_point();
 MapPoint failed_point(std::string why);
-MapPoint point_of(const LaneCycle&);
-/// A point by itself, at the full order of the collocation. `attracts`: steady sliding is stable.
+/// True if a cycle is sought in lanes. Beside steady sliding that `attracts` they find those that stick exactly.
+bool for_lanes(const Model&, bool attracts);
+MapPoint point_of(const LaneCycle&, bool attracts);
+/// A point by itself, at the full order of the collocation.
 MapPoint compute_point(const Model&, double tolerance, double stick_threshold, bool attracts);
 
 }  // namespace rosin::analysis

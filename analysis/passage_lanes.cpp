@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "analysis/loop_area.hpp"
 #include "core/instruction_set.hpp"
@@ -16,13 +17,21 @@ namespace {
 constexpr int slip_rate_index = 1;
 /// A landing that misses by more of the step than this is no landing.
 constexpr double largest_miss = 0.02;
+constexpr double almost_all = 1 - 1e-12;  ///< of a step: what happens at its very end is landed on too
+constexpr double rest = 1e-11;            ///< slip rates below this part of V are rounding noise at a switch
+/// Slip that comes closer to rest than this many times the tolerance of V, or would have gone no further beyond, only
+/// just sticks or just does not: one at a time is followed more closely.
+constexpr double grazing = 100;
 }  // namespace
 
 bool PassageLanes::serves(const SliderSystem& slider) {
   // On a contact that deflects the slider rings through each stick, which one at a time is followed more closely.
   const auto& law = *slider.model().law;
-  return slider.mechanics() == Mechanics::inertial && !law.set_valued() && !law.deflects() && slider.autonomous() &&
-         slider.size() <= solvers::Ensemble::capacity;
+  const auto& drive = slider.model().drive;
+  const bool can_stick_and_slip =
+      slider.model().slider.stiffness > 0 && drive.speed.level() > 0 && drive.normal_load.level() > 0;
+  return slider.mechanics() == Mechanics::inertial && !law.deflects() && slider.autonomous() &&
+         (!law.set_valued() || can_stick_and_slip) && slider.size() <= solvers::Ensemble::capacity;
 }
 
 PassageLanes::PassageLanes(const SliderSystem& pattern, const Recording& recording)
@@ -30,11 +39,23 @@ PassageLanes::PassageLanes(const SliderSystem& pattern, const Recording& recordi
       ensemble_(sliders_),
       recording_(recording),
       friction_index_(pattern.carries_friction() ? 2 : -1),
-      rigid_(pattern.rigid() || !pattern.carries_friction()) {
+      rigid_(pattern.rigid() || !pattern.carries_friction()),
+      switches_(sliders_.switches()) {
   rings_ = !rigid_ && (recording.stick_fraction || recording.stick_fraction_001 || recording.stick_fraction_05);
-  if (recording.stick_fraction) levels_.push_back({recording.stick_threshold, &Metrics::stick_fraction});
+  if (recording.stick_fraction && !switches_)  // a set-valued law sticks exactly
+    levels_.push_back({recording.stick_threshold, &Metrics::stick_fraction});
   if (recording.stick_fraction_001) levels_.push_back({0.01, &Metrics::stick_fraction_001});
   if (recording.stick_fraction_05) levels_.push_back({0.5, &Metrics::stick_fraction_05});
+}
+
+/// Where the law has no answer the motion is given up: one at a time will say why.
+template <class Question>
+PassageLanes::Arrival PassageLanes::answered(Question question) {
+  try {
+    return question();
+  } catch (const InputError&) {
+    return Arrival::given_up;
+  }
 }
 
 template <class F>
@@ -51,8 +72,35 @@ double PassageLanes::bisect(F f, double low, double high) {
 double PassageLanes::section_value(int lane, double theta) const {
   if (rigid_) return ensemble_.interpolate(lane, slip_rate_index, theta) - lanes_[lane].V;
   std::array<double, solvers::Ensemble::capacity> y;
-  for (int i = 0; i < sliders_.size(); ++i) y[i] = ensemble_.interpolate(lane, i, theta);
+  interpolate(lane, theta, y.data());
   return lanes_[lane].loaded->contact_slip_rate(0, y.data()) - lanes_[lane].V;
+}
+
+void PassageLanes::interpolate(int lane, double theta, double* y) const {
+  for (int i = 0; i < sliders_.size(); ++i) y[i] = ensemble_.interpolate(lane, i, theta);
+}
+
+void PassageLanes::interpolate(double theta, Lanes* y) const {
+  run_on_lanes([&] {
+    for (int p = 0; p < lane_packs; ++p)
+      for (int i = 0; i < sliders_.size(); ++i) y[i].pack[p] = ensemble_.polynomial_of_pack(p, i).value(Pack(theta));
+  });
+}
+
+/// Of a slipping lane.
+double PassageLanes::friction_at(int lane, double theta) const {
+  std::array<double, solvers::Ensemble::capacity> y;
+  interpolate(lane, theta, y.data());
+  const SliderSystem& slider = *lanes_[lane].loaded;
+  const auto& model = slider.model();
+  return model.law->friction({y[slip_rate_index], model.drive.normal_load.level()}, slider.observe(0, y.data()).state);
+}
+
+double PassageLanes::holding_margin(int lane, double theta) const {
+  std::array<double, solvers::Ensemble::capacity> y;
+  interpolate(lane, theta, y.data());
+  const SliderSystem& slider = *lanes_[lane].loaded;
+  return slider.holding_limit(0, y.data()) - std::abs(slider.holding_force(0, y.data()));
 }
 
 bool PassageLanes::take(int lane, PassageQueue& queue) {
@@ -65,12 +113,17 @@ bool PassageLanes::take(int lane, PassageQueue& queue) {
     at.loaded = passage.slider;
     at.V = passage.slider->model().drive.speed.level();
   }
-  ensemble_.start(lane, passage.y.data(), passage.tolerance, passage.first_step);
+  if (switches_)
+    begin_mode(lane, passage.from_section ? 1 : 0, passage.y.data());
+  else
+    ensemble_.start(lane, passage.y.data(), passage.tolerance, passage.first_step);
   at.landing = {};
   at.begun = attempts_;
+  at.elapsed = at.stuck = 0;
+  at.grazes = false;
   const double v = passage.slider->contact_slip_rate(0, passage.y.data());
   V_.set(lane, at.V);
-  floor_.set(lane, at.V * (1 - passage.dip));
+  floor_.set(lane, switches_ ? -infinity : at.V * (1 - passage.dip));
   growth_time_.set(lane, passage.growth_time);
   longest_.set(lane, passage.longest);
   active_.set(lane, 1);
@@ -78,6 +131,13 @@ bool PassageLanes::take(int lane, PassageQueue& queue) {
   amplitude_.set(lane, 0);
   records_.set(lane, passage.record);
   below_.set(lane, !passage.from_section && v < floor_[lane]);
+  armed_.set(lane, 0);
+  if (switches_) {
+    const auto& s = passage.slider->model().slider;
+    const double swing = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
+    swing_.set(lane, 0.1 * (s.damping > 2 * std::sqrt(s.mass * s.stiffness) ? s.damping / s.stiffness : swing));
+    landing_floor_.set(lane, 0.1 * passage.tolerance * at.V);
+  }
   if (passage.record) {
     const double u = passage.y[slip_rate_index], mu = passage.slider->friction_coefficient(0, passage.y.data());
     passage.metrics = {};
@@ -86,6 +146,7 @@ bool PassageLanes::take(int lane, PassageQueue& queue) {
     for (std::size_t k = 0; k < levels_.size(); ++k) {
       thresholds_[k].set(lane, levels_[k].factor * at.V);
       inside_[k].set(lane, std::abs(u) <= thresholds_[k][lane]);
+      at.entered[k] = 0;
     }
     for (Lanes* sum : {&loop_, &friction_sum_, &slip_rate_sum_}) sum->set(lane, 0);
   }
@@ -98,6 +159,10 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
   const auto consider = [&](Landing kind, int level, double theta) {
     if (theta < first.theta) first = {kind, level, theta};
   };
+  if (switches_) {
+    const Event ends = look_for_switch(lane);
+    consider(ends.kind, 0, ends.theta);
+  }
   if (below_[lane] > 0 && section_[lane] >= at.V)
     consider(Landing::section, 0, bisect([&](double theta) { return section_value(lane, theta); }, 0, 1));
   if (!at.passage->record) return first;
@@ -110,7 +175,7 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
     const bool inside = inside_[k][lane] > 0;
     if (inside != (std::abs(u0) <= threshold)) {
       // Just landed there, a little short; or it only grazed the threshold.
-      if (inside != (std::abs(u1) <= threshold)) cross(lane, int(k), ensemble_.time(lane) - ensemble_.length()[lane]);
+      if (inside != (std::abs(u1) <= threshold)) cross(lane, int(k), now(lane) - ensemble_.length()[lane]);
     } else if (inside) {
       if (std::abs(u1) > threshold) consider(Landing::level, int(k), crossing(u1 > 0 ? threshold : -threshold));
     } else if (std::abs(u1) <= threshold || (u0 < 0) != (u1 < 0)) {
@@ -137,11 +202,91 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
     };
     consider_turn(Landing::slip_rate_extreme, slip_rate_index, slip_rate_slope_, slip_rate_max_, slip_rate_min_,
                   std::max(at.V, std::abs(u1)));
-    if (friction_index_ >= 0)
+    if (friction_index_ >= 0) {
       consider_turn(Landing::friction_extreme, friction_index_, friction_slope_, friction_max_, friction_min_,
                     friction_max_[lane] - friction_min_[lane]);
+    } else if ((friction_slope_[0][lane] > 0) != (friction_slope_[1][lane] > 0)) {
+      consider(Landing::friction_extreme, 0,
+               bisect(
+                   [&](double t) {
+                     constexpr double d = 1e-4;
+                     return friction_at(lane, t + d) - friction_at(lane, t - d);
+                   },
+                   2e-4, 1 - 2e-4));
+    }
   }
   return first;
+}
+
+PassageLanes::Event PassageLanes::look_for_switch(int lane) {
+  const double direction = sliders_.direction()[lane];
+  if (direction == 0) {
+    if (holding_margin(lane, 1) >= 0) return {};
+    const double theta = bisect([&](double t) { return holding_margin(lane, t); }, 0, 1);
+    return {Landing::release, 0, std::min(theta, almost_all)};
+  }
+  if (!(armed_[lane] > 0)) return {};
+  const double V = lanes_[lane].V, close = grazing * lanes_[lane].passage->tolerance * V;
+  const auto q = ensemble_.polynomial(lane, slip_rate_index);
+  const auto slip = [&](double theta) { return direction * q.value(theta); };
+  double end = 1;
+  if (!(slip(1) < 0)) {
+    // Slip may come to rest between the ends of the step and go on.
+    if (!(direction * q.slope(0) < 0 && direction * q.slope(1) > 0)) return {};
+    end = bisect([&](double theta) { return q.slope(theta); }, 0, 1);
+    if (!(slip(end) < 0)) {
+      lanes_[lane].grazes |= slip(end) < close;
+      return {};
+    }
+  }
+  const double theta = bisect(slip, 0, end);
+  // Beyond rest it would have gone on to where the spring stops it.
+  const auto& slider = lanes_[lane].loaded->model().slider;
+  const double rate = q.slope(theta) / ensemble_.length()[lane];
+  lanes_[lane].grazes |= 0.5 * rate * rate < close * V * slider.stiffness / slider.mass;
+  return {Landing::stop, 0, std::min(theta, almost_all)};
+}
+
+void PassageLanes::begin_mode(int lane, double direction, const double* y) {
+  constexpr double begins = 1e-4;
+  const auto& model = lanes_[lane].loaded->model();
+  const auto& s = model.slider;
+  double first_step = begins * std::sqrt(s.mass / s.stiffness);
+  if (direction == 0) {
+    const double margin = lanes_[lane].loaded->holding_limit(0, y) - lanes_[lane].loaded->holding_force(0, y);
+    first_step = std::max(begins * margin / (s.stiffness * lanes_[lane].V), 1e-12 * first_step);
+  }
+  sliders_.set_direction(lane, direction);
+  armed_.set(lane, 0);
+  ensemble_.start(lane, y, lanes_[lane].passage->tolerance, first_step);
+}
+
+PassageLanes::Arrival PassageLanes::change_mode(int lane) {
+  Lane& at = lanes_[lane];
+  const SliderSystem& slider = *at.loaded;
+  const auto& model = slider.model();
+  const double ended = sliders_.direction()[lane];
+  std::array<double, solvers::Ensemble::capacity> y;
+  for (int i = 0; i < sliders_.size(); ++i) y[i] = ensemble_.unknown(i)[lane];
+  at.elapsed += ensemble_.time(lane);
+  if (ended == 0) at.stuck += ensemble_.time(lane);
+  ended == 0 ? slider.hold(y.data()) : slider.stop(y.data());
+  const double force = slider.holding_force(0, y.data()), limit = slider.holding_limit(0, y.data());
+  const bool sticks = ended != 0 && std::abs(force) <= limit;
+  const bool has_states = sliders_.size() > slip_rate_index + 1;
+  const bool released = (ended == 0 && force > 0) || (sticks && !has_states);
+  if (sticks && !has_states) {
+    // Nothing happens but that the drive loads the spring.
+    const double N = model.drive.normal_load.level(), time = (limit - force) / (model.slider.stiffness * at.V);
+    y[0] += at.V * time;
+    at.elapsed += time;
+    at.stuck += time;
+    friction_sum_.set(lane, friction_sum_[lane] + 0.5 * (force + limit) / N * time);
+    friction_max_.set(lane, std::max(friction_max_[lane], limit / N));
+    friction_min_.set(lane, std::min(friction_min_[lane], force / N));
+  }
+  begin_mode(lane, released ? 1 : sticks ? 0 : force > 0 ? 1 : -1, y.data());
+  return released ? Arrival::finished : Arrival::go_on;
 }
 
 void PassageLanes::cross(int lane, int level, double moment) {
@@ -173,6 +318,12 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
     else
       newton([&](double t) { return section_value(lane, t); },
              [&](double t) { return (section_value(lane, t + d) - section_value(lane, t - d)) / (2 * d); });
+  } else if (event.kind == Landing::stop) {
+    land_on(0);
+  } else if (event.kind == Landing::release) {
+    constexpr double d = 1e-4;
+    newton([&](double t) { return holding_margin(lane, t); },
+           [&](double t) { return (holding_margin(lane, t + d) - holding_margin(lane, t - d)) / (2 * d); });
   } else if (event.kind == Landing::level) {
     const double threshold = thresholds_[event.level][lane];
     land_on(ensemble_.unknown(slip_rate_index)[lane] > 0 ? threshold : -threshold);
@@ -186,24 +337,48 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
     return Arrival::go_on;
   }
   at.landing = {};
-  if (event.kind == Landing::level)
-    cross(lane, event.level, ensemble_.time(lane) + (theta - 1) * ensemble_.length()[lane]);
-  if (event.kind != Landing::section) return Arrival::go_on;
-  if (at.passage->record && recording_.loop_area && friction_index_ >= 0) {
-    // The step is summed to its end; the section lies a little off.
-    const auto& model = at.loaded->model();
-    const Sliding<double> reference{loop_slip_rate(at.V, at.V), model.drive.normal_load.level()};
+  if (event.kind == Landing::level) cross(lane, event.level, now(lane) + (theta - 1) * ensemble_.length()[lane]);
+  const bool switched = event.kind == Landing::stop || event.kind == Landing::release;
+  if (event.kind != Landing::section && !switched) return Arrival::go_on;
+  end_step_at(lane, theta);
+  return switched ? Arrival::switched : Arrival::finished;
+}
+
+/// The step is summed to its end; what was to be landed on lies a little off.
+void PassageLanes::end_step_at(int lane, double theta) {
+  const auto& model = lanes_[lane].loaded->model();
+  const double V = lanes_[lane].V, u = ensemble_.unknown(slip_rate_index)[lane];
+  if (lanes_[lane].passage->record && recording_.loop_area && friction_index_ >= 0) {
+    const Sliding<double> reference{loop_slip_rate(u, V), model.drive.normal_load.level()};
     const double steady = model.law->steady_friction(reference).friction;
     const double off = (theta - 1) * ensemble_.slope(lane, slip_rate_index, 1);
     loop_.set(lane, loop_[lane] + (ensemble_.unknown(friction_index_)[lane] - steady) * off);
   }
   ensemble_.adjust(lane, theta);
-  return Arrival::finished;
+}
+
+/// Slip that feeds its own growth is followed step by step, and so is slip that comes to rest: friction may turn over
+/// within a small part of V.
+void PassageLanes::bound_switching_steps() {
+  Lanes bounds, growth_rate, acceleration;
+  sliders_.pace(ensemble_.unknowns(), growth_rate, acceleration);
+  run_on_lanes([&] {
+    const Pack zero = 0.0, unbounded = infinity;
+    for (int p = 0; p < lane_packs; ++p) {
+      const Pack u = ensemble_.unknown(slip_rate_index).pack[p], rate = acceleration.pack[p];
+      const Mask slips = abs(sliders_.direction().pack[p]) > zero;
+      const Mask slows = (u * rate < zero) & (abs(u) > landing_floor_.pack[p]);
+      const Pack growth = select(growth_rate.pack[p] > zero, 1.0 / growth_rate.pack[p], unbounded);
+      const Pack landing = select(slows, 0.5 * abs(u / rate), unbounded);
+      bounds.pack[p] = select(slips, min(min(swing_.pack[p], growth), landing), unbounded);
+    }
+  });
+  ensemble_.bound_steps(bounds);
 }
 
 void PassageLanes::screen() {
   const int levels = int(levels_.size());
-  const bool extremes = recording_.extremes, friction = friction_index_ >= 0;
+  const bool extremes = recording_.extremes, friction = friction_index_ >= 0 || extremes;
   run_on_lanes([&] {
     const Pack zero = 0.0, one = 1.0;
     for (int p = 0; p < lane_packs; ++p) {
@@ -222,6 +397,11 @@ void PassageLanes::screen() {
         event = event | (records & ((slip_rate_slope_[0].pack[p] > zero) ^ (slip_rate_slope_[1].pack[p] > zero)));
         if (friction)
           event = event | (records & ((friction_slope_[0].pack[p] > zero) ^ (friction_slope_[1].pack[p] > zero)));
+      }
+      if (switches_) {
+        const Pack along = sliders_.direction().pack[p];
+        const Mask turns = (along * slip_rate_slope_[0].pack[p] < zero) & (along * slip_rate_slope_[1].pack[p] > zero);
+        event = event | !(abs(along) > zero) | (along * u1 < zero) | turns;
       }
       const Mask late = ensemble_.times().pack[p] > longest_.pack[p];
       const Mask active = holds(active_);
@@ -248,15 +428,16 @@ void PassageLanes::see() {
       const Pack u = ensemble_.unknown(slip_rate_index).pack[p];
       update(slip_rate_max_, max(slip_rate_max_.pack[p], u));
       update(slip_rate_min_, min(slip_rate_min_.pack[p], u));
-      if (friction_index_ >= 0 && recording_.extremes) {
-        const Pack mu = ensemble_.unknown(friction_index_).pack[p];
-        update(friction_max_, max(friction_max_.pack[p], mu));
-        update(friction_min_, min(friction_min_.pack[p], mu));
+      if (recording_.extremes) {
+        const Pack &mu0 = friction_[0].pack[p], &mu1 = friction_[1].pack[p];
+        update(friction_max_, max(friction_max_.pack[p], max(mu0, mu1)));
+        update(friction_min_, min(friction_min_.pack[p], min(mu0, mu1)));
       }
+      if (switches_) update(armed_, select(sliders_.direction().pack[p] * u > rest * V, one, armed_.pack[p]));
       bounds.pack[p] = select(departure < 0.9 * V, growth_time_.pack[p], Pack(infinity));
     }
   });
-  ensemble_.bound_steps(bounds);
+  if (!switches_) ensemble_.bound_steps(bounds);
 }
 
 void PassageLanes::end(int lane, PassageQueue& queue) {
@@ -264,10 +445,10 @@ void PassageLanes::end(int lane, PassageQueue& queue) {
   LanePassage& passage = *at.passage;
   passage.tries = attempts_ - at.begun;
   passage.amplitude = amplitude_[lane];
-  passage.duration = ensemble_.time(lane);
+  passage.duration = now(lane);
   passage.last_step = ensemble_.next_length(lane);
   for (int i = 0; i < sliders_.size(); ++i) passage.y[i] = ensemble_.unknown(i)[lane];
-  if (rigid_ && passage.ending == Ending::reached_end) passage.y[slip_rate_index] = at.V;
+  if (rigid_ && !switches_ && passage.ending == Ending::reached_end) passage.y[slip_rate_index] = at.V;
   if (passage.record) {
     Metrics& m = passage.metrics;
     m.period = passage.duration;
@@ -280,7 +461,11 @@ void PassageLanes::end(int lane, PassageQueue& queue) {
       if (inside_[k][lane] > 0) stuck += passage.duration - at.entered[k];
       stuck /= passage.duration;
     }
-    m.loop_area = std::abs(loop_[lane]);
+    if (switches_) {
+      m.stick_fraction = at.stuck / passage.duration;
+      if (std::abs(m.slip_rate_min) < 1e-10 * at.V) m.slip_rate_min = 0;  // stick is rest
+    }
+    m.loop_area = follows_steady_curve(*at.loaded) ? 0 : std::abs(loop_[lane]);
     m.friction_mean = friction_sum_[lane] / passage.duration;
     m.slip_rate_mean = slip_rate_sum_[lane] / passage.duration;
     m.loop_area_normalised = m.loop_area / (m.slip_rate_max * m.friction_max);
@@ -296,10 +481,25 @@ void PassageLanes::measure_steps() {
     for (int p = 0; p < lane_packs; ++p)
       for (int end = 0; end < 2; ++end) {
         slip_rate_slope_[end].pack[p] = ensemble_.polynomial_of_pack(p, slip_rate_index).slope(Pack(double(end)));
-        if (friction_index_ >= 0)
-          friction_slope_[end].pack[p] = ensemble_.polynomial_of_pack(p, friction_index_).slope(Pack(double(end)));
+        if (friction_index_ < 0) continue;
+        const auto friction = ensemble_.polynomial_of_pack(p, friction_index_);
+        friction_[end].pack[p] = friction.value(Pack(double(end)));
+        friction_slope_[end].pack[p] = friction.slope(Pack(double(end)));
       }
   });
+  if (friction_index_ >= 0 || !recording_.extremes) return;
+  constexpr double d = 1e-3;
+  std::array<Lanes, solvers::Ensemble::capacity> y;
+  Lanes inside;
+  for (int end = 0; end < 2; ++end) {
+    interpolate(end, y.data());
+    sliders_.friction_coefficient(y.data(), friction_[end]);
+    interpolate(end == 0 ? d : 1 - d, y.data());
+    sliders_.friction_coefficient(y.data(), inside);
+    for (int p = 0; p < lane_packs; ++p)
+      friction_slope_[end].pack[p] =
+          (1 / d) * (end == 0 ? inside.pack[p] - friction_[0].pack[p] : friction_[1].pack[p] - inside.pack[p]);
+  }
 }
 
 /// Adds the integrals over the last step of the lanes that count: Gauss's rule with three nodes on the dense output.
@@ -327,11 +527,7 @@ void PassageLanes::accumulate() {
   if (friction_index_ < 0) {
     std::array<Lanes, solvers::Ensemble::capacity> y;
     for (int k = 0; k < nodes; ++k) {
-      run_on_lanes([&] {
-        for (int p = 0; p < lane_packs; ++p)
-          for (int i = 0; i < sliders_.size(); ++i)
-            y[i].pack[p] = ensemble_.polynomial_of_pack(p, i).value(Pack(node[k]));
-      });
+      interpolate(node[k], y.data());
       sliders_.friction_coefficient(y.data(), mu[k]);
     }
   }
@@ -364,54 +560,68 @@ void PassageLanes::accumulate() {
   });
 }
 
+PassageLanes::Arrival PassageLanes::follow(int lane) {
+  Lane& at = lanes_[lane];
+  if (ensemble_.time(lane) > at.passage->longest || attempts_ - at.begun > most_tries) return Arrival::given_up;
+  if (!ensemble_.accepted(lane)) {
+    at.landing = {};  // a step that was to land has failed: look again
+    landing_.set(lane, 0);
+    return Arrival::retaken;
+  }
+  if (at.landing.kind != Landing::none) {
+    const Arrival arrival = arrive(lane);
+    if (arrival != Arrival::retaken) landing_.set(lane, 0);
+    return arrival;
+  }
+  const Event event = look_for_events(lane);
+  if (at.grazes) return Arrival::given_up;
+  if (!(event.theta < 1)) return Arrival::go_on;
+  ensemble_.retake(lane, std::max(event.theta, 1e-6));
+  at.landing = event;
+  landing_.set(lane, 1);
+  return Arrival::retaken;
+}
+
 void PassageLanes::run(PassageQueue& queue) {
   int working = 0;
   for (int lane = 0; lane < lane_count; ++lane) working += take(lane, queue);
   while (working > 0) {
+    if (switches_) bound_switching_steps();
     ensemble_.attempt();
     ++attempts_;
     sliders_.contact_slip_rate(ensemble_.unknowns(), section_);
-    if (recording_.extremes || rings_) measure_steps();
+    if (recording_.extremes || rings_ || switches_) measure_steps();
     screen();
-    std::array<bool, lane_count> ended{};
-    bool any_ended = false;
+    std::array<bool, lane_count> ended{}, switched{};
+    bool any_ended = false, any_switched = false;
+    const auto ends = [&](int lane, Ending how) {
+      lanes_[lane].passage->ending = how;
+      any_ended = ended[lane] = true;
+    };
     for (int lane = 0; lane < lane_count; ++lane) {
-      Lane& at = lanes_[lane];
+      const Lane& at = lanes_[lane];
       if (at.passage && attempts_ - at.begun > most_tries) flagged_.set(lane, 1);
       if (!(flagged_[lane] > 0)) continue;
-      if (ensemble_.time(lane) > at.passage->longest || attempts_ - at.begun > most_tries) {
-        at.passage->ending = Ending::budget_spent;
-        any_ended = ended[lane] = true;
+      const Arrival arrival = answered([&] { return follow(lane); });
+      if (arrival == Arrival::retaken) continue;
+      if (arrival == Arrival::given_up) {
+        ends(lane, Ending::budget_spent);
         continue;
       }
-      if (!ensemble_.accepted(lane)) {
-        at.landing = {};  // a step that was to land has failed: look again
-        landing_.set(lane, 0);
-        continue;
-      }
-      if (at.landing.kind == Landing::none) {
-        const Event event = look_for_events(lane);
-        if (event.theta < 1) {
-          ensemble_.retake(lane, std::max(event.theta, 1e-6));
-          at.landing = event;
-          landing_.set(lane, 1);
-          continue;
-        }
-      } else {
-        const Arrival arrival = arrive(lane);
-        if (arrival == Arrival::retaken) continue;
-        landing_.set(lane, 0);
-        if (arrival == Arrival::finished) {
-          at.passage->ending = Ending::reached_end;
-          any_ended = ended[lane] = true;
-        }
-      }
+      if (arrival == Arrival::finished) ends(lane, Ending::reached_end);
+      if (arrival == Arrival::switched) any_switched = switched[lane] = true;
       flagged_.set(lane, 0);
       counted_.set(lane, records_[lane]);
     }
     see();
     const bool any_counted = any(counted_);
     if ((recording_.loop_area || recording_.means) && any_counted) accumulate();
+    for (int lane = 0; any_switched && lane < lane_count; ++lane) {
+      if (!switched[lane]) continue;
+      const Arrival arrival = answered([&] { return change_mode(lane); });
+      if (arrival != Arrival::go_on)
+        ends(lane, arrival == Arrival::finished ? Ending::reached_end : Ending::budget_spent);
+    }
     if (!any_ended) continue;
     for (int lane = 0; lane < lane_count; ++lane)
       if (ended[lane]) end(lane, queue);

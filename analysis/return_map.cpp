@@ -21,8 +21,7 @@ using solvers::RadauTableau;
 
 Recorder::Recorder(const SliderSystem& system, double tolerance, double stick_threshold, bool keep_orbit)
     : system_(system), tolerance_(tolerance), threshold_{stick_threshold, 0.01, 0.5}, keep_orbit_(keep_orbit) {
-  const auto& model = system.model();
-  follows_steady_curve_ = system.rigid() && (model.lambda == 0 || !model.law->has_states());
+  follows_steady_curve_ = follows_steady_curve(system);
   sums_.slip_rate_max = sums_.friction_max = -infinity;
   sums_.slip_rate_min = sums_.friction_min = infinity;
 }

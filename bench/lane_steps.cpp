@@ -61,7 +61,6 @@ json lane_steps(const Settings& settings) {
     model.drive = {1e-5, 1e-2, 0.0};
     if (c.contact_stiffness > 0) model.contact_stiffness.tangential = c.contact_stiffness;
     const oscillators::SliderSystem slider(model);
-    if (slider.size() > solvers::Ensemble::capacity) continue;  // such systems run one at a time
     oscillators::SliderLanes lanes(slider);
     solvers::Ensemble ensemble(lanes);
     auto y = slider.steady(0);

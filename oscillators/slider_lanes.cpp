@@ -21,6 +21,7 @@ SliderLanes::SliderLanes(const SliderSystem& pattern)
       setup_(pattern.contact_setup()),
       mechanics_(pattern.mechanics()),
       rigid_(pattern.rigid()),
+      switches_(law_->set_valued()),
       contact_slip_rate_(pattern.contact_slip_rate_index()),
       contact_(law_->lanes(setup_)) {
   if (!pattern.autonomous()) throw InputError("sliders in lanes need a drive that is constant in time");
@@ -50,7 +51,8 @@ void SliderLanes::load(int lane, const SliderSystem& slider) {
   speed_.set(lane, model.drive.speed.level());
   load_.set(lane, model.drive.normal_load.level());
   force_.set(lane, model.drive.force.level());
-  double s[Slopes<double>::capacity + 2];
+  direction_.set(lane, 1);
+  double s[capacity];
   slider.relevance_scale(s);  // speeds are measured by the drive's, or their own
   for (int i = 0; i < size(); ++i) scale_[i].set(lane, s[i]);
 }
@@ -81,6 +83,7 @@ void SliderLanes::mechanics(const Lanes* y, const Lanes& F, Lanes* f) const {
     const Pack velocity = speed_.pack[p] - y[1].pack[p];
     f[0].pack[p] = velocity;
     f[1].pack[p] = stiffness_.pack[p] * y[0].pack[p] + damping_.pack[p] * velocity - F.pack[p] - force_.pack[p];
+    if (switches_) f[1].pack[p] = slips(p) * f[1].pack[p];  // in stick the contact bears what is left
   });
 }
 
@@ -115,6 +118,8 @@ void SliderLanes::linearise(const Lanes* y, Lanes* f, Lanes* jacobian) const {
         J(first + j, 0) = 0.0;
         J(first + j, 1) = slopes.g_u[j].pack[p];
       }
+      if (switches_)
+        for (int j = 0; j < n; ++j) J(1, j) = slips(p) * J(1, j);
     } else if (mechanics_ == Mechanics::damped) {
       // u = V − (N μ + f − k x)/c
       const Pack u_x = stiffness_.pack[p] / damping_.pack[p], u_mu = -load_.pack[p] / damping_.pack[p];
@@ -164,7 +169,32 @@ void SliderLanes::friction_coefficient(const Lanes* y, Lanes& mu) const {
   Lanes u, F, f[Slopes<double>::capacity];
   imposed_slip_rate(y, u);
   contact_->evaluate({u, load_, none_, direction_}, y + mechanical_, f, F);
-  for_each_pack([&](int p) __attribute__((always_inline)) { mu.pack[p] = F.pack[p] / load_.pack[p]; });
+  for_each_pack([&](int p) __attribute__((always_inline)) {
+    if (switches_) {
+      const Pack holds = stiffness_.pack[p] * y[0].pack[p] + damping_.pack[p] * speed_.pack[p] - force_.pack[p];
+      F.pack[p] = select(slips(p) > Pack(0.0), F.pack[p], holds);
+    }
+    mu.pack[p] = F.pack[p] / load_.pack[p];
+  });
+}
+
+void SliderLanes::pace(const Lanes* y, Lanes& growth_rate, Lanes& acceleration) const {
+  const int n = size();
+  Lanes f[capacity], jacobian[capacity * capacity], m[capacity];
+  linearise(y, f, jacobian);
+  mass(m);
+  growth_rate = 0.0;
+  for_each_pack([&](int p) __attribute__((always_inline)) {
+    Pack& rate = growth_rate.pack[p];
+    acceleration.pack[p] = f[1].pack[p] / m[1].pack[p];
+    for (int i = 1; i < n; ++i) {
+      rate = max(rate, jacobian[i * n + i].pack[p] / m[i].pack[p]);
+      for (int j = 1; j < i; ++j) {
+        const Pack feedback = jacobian[i * n + j].pack[p] * jacobian[j * n + i].pack[p];
+        rate = max(rate, sqrt(max(feedback, Pack(0.0)) / (m[i].pack[p] * m[j].pack[p])));
+      }
+    }
+  });
 }
 
 }  // namespace rosin::oscillators

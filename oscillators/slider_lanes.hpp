@@ -17,6 +17,11 @@ class SliderLanes final : public LaneSystem {
   bool fits(const SliderSystem&) const;
   /// Gives one lane the parameters of a slider that fits.
   void load(int lane, const SliderSystem&);
+  /// True if the law is set-valued: each lane then slips in one direction, or sticks.
+  bool switches() const { return switches_; }
+  /// As SwitchingSystem::set_direction, of one lane: ±1 for slip, 0 for stick.
+  void set_direction(int lane, double direction) { direction_.set(lane, direction); }
+  const Lanes& direction() const { return direction_; }
 
   int size() const override { return mechanical_ + contact_->unknowns(); }
   void mass(Lanes* m) const override;
@@ -27,18 +32,24 @@ class SliderLanes final : public LaneSystem {
   /// Slip rate of the contact, coefficient of friction.
   void contact_slip_rate(const Lanes* y, Lanes& v) const;
   void friction_coefficient(const Lanes* y, Lanes& mu) const;
+  /// The rate (1/s) at which slip feeds its own growth most, by itself or by way of one state, 0 where it does not, and
+  /// the rate of change of the slip rate (m/s²).
+  void pace(const Lanes* y, Lanes& growth_rate, Lanes& acceleration) const;
   /// Coefficient of steady sliding at slip rate v.
   void steady_friction(const Lanes& v, Lanes& mu) const { contact_->steady_friction(v, load_, mu); }
 
  private:
   void mechanics(const Lanes* y, const Lanes& F, Lanes* f) const;
   void imposed_slip_rate(const Lanes* y, Lanes& u) const;
+  /// 1 in slip, 0 in stick.
+  ROSIN_INLINE Pack slips(int p) const { return direction_.pack[p] * direction_.pack[p]; }
 
+  static constexpr int capacity = Slopes<double>::capacity + 2;  ///< most unknowns
   std::shared_ptr<const FrictionLaw> law_;
   ContactSetup setup_;
   Mechanics mechanics_;
   int mechanical_;
-  bool rigid_;
+  bool rigid_, switches_;
   int contact_slip_rate_;  ///< its index among the unknowns, or −1
   std::unique_ptr<Contact<Lanes>> contact_;
   Lanes mass_, stiffness_, damping_, speed_, load_, force_, direction_ = 1.0, none_ = 0.0;

@@ -419,6 +419,14 @@ std::vector<double> SliderSystem::steady(double t) const {
   return unknowns_at(t, k == 0 ? 0 : (F + now.force) / k, now.speed, state, F);
 }
 
+std::vector<double> SliderSystem::loaded_at_rest(std::span<const double> state, double share) const {
+  auto y = unknowns_at(0, 0, 0, state, 0);
+  y[0] = (share * holding_limit(0, y.data()) - model_.slider.damping * model_.drive.speed.level() +
+          model_.drive.force.level()) /
+         model_.slider.stiffness;
+  return y;
+}
+
 double SliderSystem::friction_coefficient(double t, const double* y) const {
   if (carries_friction()) return y[mechanical_];
   if (sticking()) return holding_force(t, y) / forcing(t).load;

@@ -59,6 +59,9 @@ class SliderSystem final : public SwitchingSystem {
   std::vector<double> unknowns_at(double t, double x, double u, std::span<const double> state, double friction) const;
   /// Steady sliding at time t.
   std::vector<double> steady(double t) const;
+  /// At rest on a steady drive under a set-valued law, with natural `state`, loaded to `share` of what the contact can
+  /// hold.
+  std::vector<double> loaded_at_rest(std::span<const double> state, double share) const;
   /// As scale() at rest, but states that hardly matter to friction are measured by it, up to ten times looser: for
   /// methods whose stiff unknowns are no better than their error estimate.
   void relevance_scale(double* s) const;

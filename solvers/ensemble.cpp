@@ -55,12 +55,20 @@ Ensemble::Polynomial<double> Ensemble::polynomial(int lane, int i) const {
   return q;
 }
 
-/// A = M/(hγ) − J = LU of one pack, and its masses over h.
+// Kernels take the number of unknowns n as std::integral_constant, so that their loops unroll, or as int.
+namespace {
+template <class Size>
+constexpr int most = Ensemble::capacity;
 template <int n>
-ROSIN_INLINE void Ensemble::factorise_pack(int p) {
+constexpr int most<std::integral_constant<int, n>> = n;
+}  // namespace
+
+/// A = M/(hγ) − J = LU of one pack, and its masses over h.
+template <class Size>
+ROSIN_INLINE void Ensemble::factorise_pack(Size n, int p) {
   const Pack h = min(h_.pack[p], longest_.pack[p]), per_h = 1.0 / h;
   length_.pack[p] = h;
-  Pack A[n][n];
+  Pack A[most<Size>][most<Size>];
   ROSIN_UNROLL
   for (int i = 0; i < n; ++i) {
     mass_[i].pack[p] = mass_[i].pack[p] * per_h;
@@ -84,10 +92,10 @@ ROSIN_INLINE void Ensemble::factorise_pack(int p) {
 }
 
 /// U_s of one pack, and the next stage's argument (y₁ after the last).
-template <int n, int s>
-ROSIN_INLINE void Ensemble::solve_stage(int p) {
+template <int s, class Size>
+ROSIN_INLINE void Ensemble::solve_stage(Size n, int p) {
   constexpr bool chained = s + 1 >= Method::chained_from;
-  Pack x[n], next[n];
+  Pack x[most<Size>], next[most<Size>];
   ROSIN_UNROLL
   for (int i = 0; i < n; ++i) {
     x[i] = 0.0;
@@ -128,8 +136,8 @@ ROSIN_INLINE void Ensemble::solve_stage(int p) {
 
 /// The estimate decides, and says how long the next step may be: the smaller of the elementary and the predictive
 /// control (K. Gustafsson, ACM Trans. Math. Softw. 20, 496-517, 1994, as in RODAS of Hairer & Wanner).
-template <int n>
-ROSIN_INLINE void Ensemble::decide(int p) {
+template <class Size>
+ROSIN_INLINE void Ensemble::decide(Size n, int p) {
   constexpr double order = Method::estimate_order;
   Pack squares = 0.0, poison = 0.0;
   ROSIN_UNROLL
@@ -167,48 +175,36 @@ ROSIN_INLINE void Ensemble::decide(int p) {
   accepted_[p] = good;
 }
 
-template <int n>
-void Ensemble::try_step() {
+template <class Size>
+void Ensemble::try_step(Size n) {
   system_.mass(mass_.data());
   system_.scale(y_.data(), scale_.data());
   system_.linearise(y_.data(), f_.data(), factors_.data());
   run_on_lanes([&] {
-    for (int p = 0; p < lane_packs; ++p) factorise_pack<n>(p);
+    for (int p = 0; p < lane_packs; ++p) factorise_pack(n, p);
   });
   [&]<std::size_t... s>(std::index_sequence<s...>) {
     const auto stage = [&]<int number>(std::integral_constant<int, number>) {
       if (number > 0) system_.evaluate(stage_.data(), f_.data());
       run_on_lanes([&] {
-        for (int p = 0; p < lane_packs; ++p) solve_stage<n, number>(p);
+        for (int p = 0; p < lane_packs; ++p) solve_stage<number>(n, p);
       });
     };
     (stage(std::integral_constant<int, int(s)>()), ...);
   }
   (std::make_index_sequence<Method::stages>());
   run_on_lanes([&] {
-    for (int p = 0; p < lane_packs; ++p) decide<n>(p);
+    for (int p = 0; p < lane_packs; ++p) decide(n, p);
   });
 }
 
 void Ensemble::attempt() {
-  switch (size_) {
-    case 1:
-      return try_step<1>();
-    case 2:
-      return try_step<2>();
-    case 3:
-      return try_step<3>();
-    case 4:
-      return try_step<4>();
-    case 5:
-      return try_step<5>();
-    case 6:
-      return try_step<6>();
-    case 7:
-      return try_step<7>();
-    case 8:
-      return try_step<8>();
+  const bool done = [&]<std::size_t... k>(std::index_sequence<k...>) {
+    const auto fits = [&](auto n) { return size_ == n && (try_step(n), true); };
+    return (fits(std::integral_constant<int, int(k) + 1>()) || ...);
   }
+  (std::make_index_sequence<unrolled>());
+  if (!done) try_step(size_);
 }
 
 }  // namespace rosin::solvers

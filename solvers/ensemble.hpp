@@ -14,7 +14,8 @@ namespace rosin::solvers {
 class Ensemble {
  public:
   using Method = Rodas5;
-  static constexpr int capacity = 8;  ///< most unknowns
+  static constexpr int unrolled = 8;   ///< systems up to this size have their own code
+  static constexpr int capacity = 18;  ///< most unknowns: two of the mechanics and all that a contact may have
 
   /// \throws InputError for more unknowns than `capacity`.
   explicit Ensemble(const LaneSystem&);
@@ -65,14 +66,14 @@ class Ensemble {
   ROSIN_INLINE Polynomial<Pack> polynomial_of_pack(int p, int i) const;
 
  private:
-  template <int n>
-  void try_step();
-  template <int n>
-  void factorise_pack(int p);
-  template <int n, int s>
-  void solve_stage(int p);
-  template <int n>
-  void decide(int p);
+  template <class Size>
+  void try_step(Size n);
+  template <class Size>
+  void factorise_pack(Size n, int p);
+  template <int s, class Size>
+  void solve_stage(Size n, int p);
+  template <class Size>
+  void decide(Size n, int p);
 
   const LaneSystem& system_;
   int size_;

@@ -3,13 +3,17 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "analysis/stability.hpp"
 #include "core/instruction_set.hpp"
 #include "laws/adapter.hpp"
 #include "laws/catalogue.hpp"
+#include "laws/formula.hpp"
+#include "laws/heating.hpp"
 #include "tests/bristol_board.hpp"
+#include "tests/laws/formula_texts.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis;
@@ -128,8 +132,90 @@ TEST_CASE("Fig 1 in lanes, with every metric", "[cycle-lanes]") {
   }
 }
 
+TEST_CASE("stick and slip under Coulomb friction in lanes has the closed form's period", "[cycle-lanes]") {
+  // Without damping slip is u = V (1 - cos wt) + w d sin wt with d = (mu_s - mu_d) N/k; the drive then loads 2 d.
+  Model model;
+  model.law = laws::find_law("coulomb");
+  model.slider = {2, 300, 0};
+  model.drive.speed = 0.01;
+  model.drive.normal_load = 1.5;
+  LaneCycleOptions options;
+  options.tolerance = 1e-8;
+  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
+  const auto cycle = find_cycles(std::span(&model, 1), options).front();
+  REQUIRE(cycle.found);
+  const double V = 0.01, w = std::sqrt(300.0 / 2), d = 0.1 * 1.5 / 300;
+  const double slip = 2 * (std::numbers::pi - std::atan(w * d / V)) / w, stick = 2 * d / V, T = slip + stick;
+  const auto check = [&](double value, double error, double exact) {
+    CHECK(std::abs(value - exact) <= error);
+    CHECK(error <= 2 * options.tolerance * std::max(std::abs(exact), V));
+  };
+  check(cycle.metrics.period, cycle.error.period, T);
+  check(cycle.metrics.stick_fraction, cycle.error.stick_fraction, stick / T);
+  check(cycle.metrics.slip_rate_max, cycle.error.slip_rate_max, V + std::hypot(V, w * d));
+  check(cycle.metrics.slip_rate_mean, cycle.error.slip_rate_mean, V);
+  check(cycle.metrics.friction_max, cycle.error.friction_max, 0.4);
+  check(cycle.metrics.friction_min, cycle.error.friction_min, 0.2);  // just after the stop
+  check(cycle.metrics.friction_mean, cycle.error.friction_mean, 0.3);
+  CHECK(cycle.metrics.slip_rate_min == 0);
+  CHECK(cycle.metrics.loop_area == 0);
+  CHECK(cycle.error.loop_area == 0);
+}
+
+TEST_CASE("every set-valued law sticks and slips in lanes, a user's and a heated one too", "[cycle-lanes][long]") {
+  std::vector<std::shared_ptr<const FrictionLaw>> set_valued = {
+      laws::make_formula(rosin::tests::text::stribeck()),
+      laws::heated(laws::find_law("slip-distance"), {.resistance = 2e4, .time = 0.02, .softening = 30})};
+  for (const auto& law : laws::catalogue())
+    if (law->set_valued()) set_valued.push_back(law);
+  LaneCycleOptions options;
+  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
+  int cycles_found = 0, covered = 0;
+  for (const auto& law : set_valued) {
+    std::mt19937 random(17);
+    const auto decades = [&](double low, double high) {
+      return std::pow(10, std::uniform_real_distribution<double>(low, high)(random));
+    };
+    std::vector<Model> models(law->states().size() > 3 ? 4 : 12);
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      models[i].law = law;
+      if (law->has_states() && i % 4 > 1) models[i].lambda = i % 4 == 3 ? 0 : 0.2;
+      models[i].slider = {1, decades(0, 4), 0};
+      if (i % 3 == 0) models[i].slider.damping = decades(-3, 0.3) * std::sqrt(models[i].slider.stiffness);
+      models[i].drive.speed = decades(-5, -2);
+      models[i].drive.normal_load = decades(-1, 2);
+    }
+    const auto cycles = find_cycles(models, options);
+    int stick = 0, found = 0;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      INFO(law->card().name << ", slider " << i);
+      const Cycle fine = find_cycle(models[i], {.tolerance = 1e-8, .multipliers = false});
+      const bool sticks = fine.metrics.period > 0 && fine.metrics.stick_fraction > 0;
+      stick += sticks;
+      if (!cycles[i].found) continue;
+      CHECK(sticks);
+      ++found;
+      bool within = true;
+      for (const auto& metric : metric_names()) {
+        if (is_stick(metric) && cycles[i].ill_conditioned_stick) continue;
+        const double difference = std::abs(cycles[i].metrics.*metric.member - fine.metrics.*metric.member);
+        within &= difference <= cycles[i].error.*metric.member + fine.error.*metric.member;
+        CHECK(difference <= 10 * options.tolerance * size_of(metric, fine.metrics, models[i].drive.speed.level()));
+      }
+      covered += within;
+    }
+    cycles_found += found;
+    INFO(law->card().name << ": " << found << " of " << stick << " found");
+    CHECK(found >= 0.8 * stick);
+  }
+  CHECK(cycles_found >= 100);
+  CHECK(covered >= 0.98 * cycles_found);
+}
+
 TEST_CASE("company, threads and instruction sets leave no trace", "[cycle-lanes]") {
-  const auto models = unstable_sliders(laws::find_law("spinodal"), 40, 11);
+  const char* law = GENERATE("spinodal", "stribeck", "static-growth");
+  auto models = unstable_sliders(laws::find_law("spinodal"), 40, 11);
+  for (auto& model : models) model.law = laws::find_law(law);
   const auto together = find_cycles(models, two_metrics);
   const auto same = [](const LaneCycle& a, const LaneCycle& b) {
     return a.found == b.found && a.tries == b.tries &&
@@ -151,10 +237,10 @@ TEST_CASE("lanes leave to others what they cannot serve, and say so by finding n
   auto massless = bristol_board(1e-4, 10);
   massless.slider.mass = 0;
   massless.slider.damping = 1;
-  auto coulomb = bristol_board(1e-4, 1);
-  coulomb.law = laws::find_law("coulomb");
+  auto equal = bristol_board(1e-4, 1);  // slip from its onset grazes rest once a swing, and never sticks
+  equal.law = laws::find_law("coulomb")->with("mu_s", 0.3);
   const auto stable = bristol_board(1e-6, 90);  // decays onto steady sliding
-  const std::vector<Model> models = {massless, coulomb, stable};
+  const std::vector<Model> models = {massless, equal, stable};
   for (const auto& cycle : find_cycles(models, two_metrics)) CHECK_FALSE(cycle.found);
   CHECK_THROWS_AS(find_cycles(models, {1e-6, 0.1, {"stick_fracton"}}), InputError);
 }

@@ -3,9 +3,11 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "analysis/coexistence.hpp"
 #include "analysis/stability.hpp"
+#include "laws/catalogue.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
@@ -51,6 +53,41 @@ TEST_CASE("a coarse plane of Fig 2: regimes by the closed form, metrics by the c
             point.error.*metric.member + fine.error.*metric.member);
     }
   }
+}
+
+TEST_CASE("Coulomb friction sticks and slips beside stable sliding where the damped swing comes back to rest",
+          "[map]") {
+  // After the onset of slip w = u - V = R e^(-zeta w0 t) sin(wd t - phi): w = -V, dw/dt = (mu_s - mu_d) N/m at t = 0.
+  Model model;
+  model.law = laws::find_law("coulomb");
+  model.slider = {2, 50, 0};
+  model.drive.speed = 0.01;
+  const double V = 0.01, w0 = 5;
+  MapOptions options;
+  options.x = make_axis("drive.normal_load", 0.1, 10, 7, true, {});
+  options.y = make_axis("oscillator.damping", 0.02, 12, 7, true, {});
+  options.metrics = {"period", "friction_mean"};
+  const Map map = compute_map(model, options);
+  REQUIRE(map.outcome.complete());
+  int sticking = 0;
+  for (std::size_t i = 0; i < map.points.size(); ++i) {
+    const double N = map.x.values[i % 7], c = map.y.values[i / 7];
+    const double zeta = c / (2 * std::sqrt(100.0)), wd = w0 * std::sqrt(1 - zeta * zeta);
+    const double B = (0.1 * N / 2 - zeta * w0 * V) / wd, R = std::hypot(V, B), phase = std::atan2(V, B);
+    const double highest = (std::acos(zeta) + phase) / wd, lowest = highest + std::numbers::pi / wd;
+    const double depth = R * std::sqrt(1 - zeta * zeta) * std::exp(-zeta * w0 * lowest) - V;
+    INFO("N = " << N << ", c = " << c << ", slip goes on to " << depth / V << " V beyond rest");
+    REQUIRE(std::abs(depth) > 1e-3 * V);
+    CHECK(map.points[i].regime == (depth > 0 ? Regime::bistable : Regime::stable));
+    if (depth < 0) continue;
+    ++sticking;
+    const Cycle fine =
+        find_cycle(model.with("drive.normal_load", N).with("oscillator.damping", c), {.tolerance = 1e-9});
+    for (const auto member : {&Metrics::period, &Metrics::friction_mean})
+      CHECK(std::abs(map.points[i].metrics.*member - fine.metrics.*member) <=
+            map.points[i].error.*member + fine.error.*member);
+  }
+  CHECK((sticking > 10 && sticking < 40));
 }
 
 TEST_CASE("the threshold line is the closed form to rounding", "[map]") {

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/error.hpp"
 #include "core/instruction_set.hpp"
 
 using namespace rosin;
@@ -59,7 +60,63 @@ std::pair<double, int> error_at(const Driven& system, double tolerance) {
   }
   return {worst, steps};
 }
+/// A chain of relaxations ẏ_i = r_i (y_{i-1} − y_i) behind y_{-1} = 0, from y_0 = 1 and rest: sizes beyond those that
+/// are unrolled.
+class Chain final : public LaneSystem {
+ public:
+  explicit Chain(int n) : n_(n) {}
+  int size() const override { return n_; }
+  void mass(Lanes* m) const override {
+    for (int i = 0; i < n_; ++i) m[i] = 1.0;
+  }
+  void evaluate(const Lanes* y, Lanes* f) const override {
+    for (int i = 0; i < n_; ++i)
+      for (int p = 0; p < lane_packs; ++p)
+        f[i].pack[p] = rate(i) * ((i > 0 ? y[i - 1].pack[p] : Pack(0.0)) - y[i].pack[p]);
+  }
+  void linearise(const Lanes* y, Lanes* f, Lanes* J) const override {
+    evaluate(y, f);
+    for (int i = 0; i < n_ * n_; ++i) J[i] = 0.0;
+    for (int i = 0; i < n_; ++i) {
+      J[i * n_ + i] = -rate(i);
+      if (i > 0) J[i * n_ + i - 1] = rate(i);
+    }
+  }
+  void scale(const Lanes*, Lanes* s) const override {
+    for (int i = 0; i < n_; ++i) s[i] = 1.0;
+  }
+  /// y_i(t) = Π_{k=1..i} r_k Σ_j e^(−r_j t)/Π_{k≠j} (r_k − r_j), H. Bateman, Proc. Camb. Phil. Soc. 15, 423 (1910).
+  long double exact(int i, long double t) const {
+    long double sum = 0, product = 1;
+    for (int k = 1; k <= i; ++k) product *= rate(k);
+    for (int j = 0; j <= i; ++j) {
+      long double term = std::exp(-rate(j) * t);
+      for (int k = 0; k <= i; ++k)
+        if (k != j) term /= rate(k) - rate(j);
+      sum += term;
+    }
+    return product * sum;
+  }
+
+ private:
+  static double rate(int i) { return std::ldexp(1.0, i % 2 == 0 ? i / 2 : -(i + 1) / 2); }
+  int n_;
+};
 }  // namespace
+
+TEST_CASE("systems of any size up to the capacity are solved", "[ensemble]") {
+  const int n = GENERATE(1, 8, 9, 13, 18);
+  const Chain chain(n);
+  Ensemble ensemble(chain);
+  std::array<double, Ensemble::capacity> y{1};
+  ensemble.start(5, y.data(), 1e-8, 1e-4);
+  while (ensemble.time(5) < 3) ensemble.attempt();
+  for (int i = 0; i < n; ++i) {
+    INFO("unknown " << i << " of " << n);
+    CHECK(std::abs(ensemble.unknown(i)[5] - double(chain.exact(i, ensemble.time(5)))) < 1e-7);
+  }
+  CHECK_THROWS_AS(Ensemble(Chain(19)), InputError);
+}
 
 TEST_CASE("errors follow the tolerance, on easy, stiff and algebraic unknowns", "[ensemble]") {
   const double rate = GENERATE(1.0, 30.0, 1e3, 1e6);
