@@ -472,6 +472,7 @@ struct StickSlipPeriod {
   double closure = 0;  ///< relative error that is left because the period does not quite return
   bool found = false;
   double closest = infinity;  ///< lowest slip rate after the first half of a slip, over the drive speed
+  double landing = 0;         ///< to which the times at which slip stops are known together (s)
   long steps = 0, evaluations = 0;
 };
 
@@ -499,7 +500,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
   Recorder recorder(system, tolerance, stick_threshold, true);
   bool began = onset != nullptr, fast = false;
-  double elapsed = 0, period = 0, stuck = 0;
+  double elapsed = 0, period = 0, stuck = 0, fastest = V;
+  std::vector<double> rate(system.size());
   while (elapsed < longest) {
     if (solver.stepper().count().steps > 200'000) {
       result.outcome = {Ending::budget_spent, "no period of stick and slip within 200000 steps"};
@@ -522,6 +524,13 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     const double away = std::hypot(u - V, frequency * (solver.state()[0] - sliding.steady.displacement));
     if (sliding.stable && away < settled * V) break;
     if (fast && switched == solvers::Switch::none) result.closest = std::min(result.closest, std::abs(u) / V);
+    if (began) fastest = std::max(fastest, std::abs(u));
+    if (began && switched == solvers::Switch::stick) {
+      // Slip that only just comes to rest does so at a time that hangs on the last digits of the slip rate.
+      const auto& stop = solver.stepper().state();
+      system.evaluate(solver.time(), stop.data(), rate.data());
+      result.landing += std::max(tolerance, 1e-15) * fastest * s.mass / std::abs(rate[system.slip_rate_index()]);
+    }
     if (switched != solvers::Switch::slip || solver.upcoming() < 0) continue;
     if (began) {
       result.metrics = recorder.finish(period);
@@ -531,6 +540,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       result.orbit = std::move(recorder.orbit);
       result.onset = solver.state();
       result.onset_displacement = result.onset[0];
+      result.closure = result.landing / period;
       result.found = true;
       break;
     }
@@ -561,13 +571,19 @@ class OnsetMap {
     VectorXd z = states_of(period);
     double change = infinity;
     for (int k = 0; k < most_periods && period.found; ++k) {
+      const Metrics before = period.metrics;
       period = period_from(z);
       if (!period.found) break;
       steps += period.steps, evaluations += period.evaluations;
       const VectorXd step = states_of(period) - z;
       const double now = size_of_step(step, z);
-      if (now < 10 * tolerance_ || (k > 3 && now < 1e3 * tolerance_ && !(now < 0.5 * change))) {
-        period.closure = now / std::max(1 - std::min(std::abs(change < infinity ? now / change : 0.0), 0.99), 0.01);
+      const bool settled = now < 10 * tolerance_ || (k > 3 && now < 1e3 * tolerance_ && !(now < 0.5 * change));
+      // States that count the time at rest scatter as the times at which slip stops. Then the metrics show what is
+      // left.
+      if (settled || now < 3 * scatter(period)) {
+        period.closure +=
+            settled ? now / std::max(1 - std::min(std::abs(change < infinity ? now / change : 0.0), 0.99), 0.01)
+                    : 10 * largest_change(before, period.metrics);
         period.steps = steps, period.evaluations = evaluations;
         return period;
       }
@@ -610,6 +626,24 @@ class OnsetMap {
   /// States are measured by themselves: a time at rest may be small or large beside its natural size.
   VectorXd sizes_at(const VectorXd& z) const { return z.cwiseAbs().cwiseMax(1e-12 * scale_); }
   double size_of_step(const VectorXd& step, const VectorXd& z) const { return step.cwiseQuotient(sizes_at(z)).norm(); }
+  /// Of the states at the onset that ends a period.
+  double scatter(const StickSlipPeriod& period) {
+    std::vector<double> f(system_.size()), mass(system_.size());
+    system_.set_direction(0);
+    system_.evaluate(0, period.onset.data(), f.data());
+    system_.mass(0, mass.data());
+    system_.set_direction(1);
+    VectorXd open(scale_.size());
+    for (int k = 0; k < open.size(); ++k) open[k] = period.landing * f[mechanical + k] / mass[mechanical + k];
+    return size_of_step(open, states_of(period));
+  }
+  double largest_change(const Metrics& a, const Metrics& b) const {
+    double largest = 0;
+    for (const auto& metric : metric_names())
+      largest = std::max(
+          largest, std::abs(a.*metric.member - b.*metric.member) / size_of(metric, b, model_.drive.speed.level()));
+    return largest;
+  }
   StickSlipPeriod period_from(const VectorXd& z) const {
     std::vector<double> y(system_.size());
     std::copy(z.data(), z.data() + z.size(), y.begin() + mechanical);
