@@ -157,8 +157,6 @@ class Workshop {
   Model model_at(int ix, int iy) const {
     return model_.with(options_.x.parameter, options_.x.values[ix]).with(options_.y.parameter, options_.y.values[iy]);
   }
-  /// True if steady sliding attracts there.
-  static bool attracts(const Task& task) { return task.piece->patch.class_of(task.pixel) == beside_steady; }
   Model model_of(const Task& task) const {
     const auto& f = task.piece->frame;
     return model_at(f.x0 + task.pixel % task.piece->width(), f.y0 + task.pixel / task.piece->width());
@@ -180,12 +178,17 @@ class Workshop {
 
   /// `neighbours`: the pixels lie side by side and help each other to a start.
   bool work_on(const std::vector<Task>& tasks, double tolerance, bool neighbours) {
-    std::vector<Task> together, alone;
+    std::vector<Task> together;
     std::vector<Model> models;
     std::vector<GridPlace> places;
     for (const auto& task : tasks) {
-      if (task.piece->patch.class_of(task.pixel) == refused || !for_lanes(model_of(task), attracts(task))) {
-        alone.push_back(task);
+      if (task.piece->patch.class_of(task.pixel) == refused) {
+        const Model here = model_of(task);
+        try {
+          (void)judge(here, coexistence_);
+        } catch (const InputError& e) {
+          take(task, here, failed_point(e.what()));
+        }
         continue;
       }
       together.push_back(task);
@@ -197,27 +200,12 @@ class Workshop {
     const auto cycles = find_cycles(models, {tolerance, options_.stick_threshold, quantities_.names}, places);
     for (std::size_t k = 0; k < cycles.size(); ++k) {
       if (stop_.stop_requested()) return false;
-      if (cycles[k].found) {
-        take(together[k], models[k], point_of(cycles[k], attracts(together[k])));
-        continue;
-      }
-      const bool beside = attracts(together[k]);
-      MapPoint point = compute_point(models[k], tolerance, options_.stick_threshold, beside);
-      if (point.regime == Regime::failed)  // too much was asked
+      const bool beside = together[k].piece->patch.class_of(together[k].pixel) == beside_steady;
+      auto point = point_of(cycles[k], beside);
+      if (!point) point = compute_point(models[k], tolerance, options_.stick_threshold, beside);
+      if (point->regime == Regime::failed)  // too much was asked
         point = compute_point(models[k], options_.tolerance, options_.stick_threshold, beside);
-      take(together[k], models[k], point);
-    }
-    for (const auto& task : alone) {
-      if (stop_.stop_requested()) return false;
-      const Model here = model_of(task);
-      if (attracts(task))
-        take(task, here, compute_point(here, tolerance, options_.stick_threshold, true));
-      else
-        try {
-          (void)judge(here, coexistence_);
-        } catch (const InputError& e) {
-          take(task, here, failed_point(e.what()));
-        }
+      take(together[k], models[k], *point);
     }
     return true;
   }

@@ -24,6 +24,12 @@ constexpr double coarser = 10;      ///< ratio of the tolerances that are compar
 constexpr double loosest = 1e-3;    ///< tolerance: above it steps go astray
 constexpr int most_passages = 60;   ///< of one slider
 constexpr double collapsed = 1e-3;  ///< amplitudes |v − V|/V below this are left to the search for small cycles
+// Beside steady sliding that attracts:
+constexpr double dead = 0.02;                      ///< amplitudes below this die out
+constexpr double repeats = 1e-3;                   ///< passages that change by less lead to a cycle,
+constexpr double nearly = 0.05;                    ///< or by this if the changes fall fast
+constexpr int most_plain = 60;                     ///< passages without a guess ahead
+constexpr std::array<double, 2> ages = {1, 1e-4};  ///< speeds over V at which contacts at rest have aged: later, longer
 
 Recording recording_for(const LaneCycleOptions& options) {
   Recording r;
@@ -54,7 +60,8 @@ struct Visit {
 /// themselves (Broyden's update). What the metrics change with z is learned likewise, so that they can be carried on to
 /// the fixed point.
 struct Search {
-  explicit Search(const Model& model) : map(model), sticks(model.law->set_valued()) {
+  explicit Search(const Model& model)
+      : map(model), sticks(model.law->set_valued()), beside(!sticks && map.growth_time() == infinity) {
     // At the onset of slip the contact's states say all.
     for (const int i : map.differential())
       if (!sticks || i > map.system().slip_rate_index()) coordinates.push_back(i);
@@ -65,6 +72,9 @@ struct Search {
   }
   ReturnMap map;
   bool sticks;                   ///< the law is set-valued
+  bool beside;                   ///< steady sliding attracts
+  std::size_t starts = 0;        ///< from stick so far
+  double change = 0;             ///< of the last two points on the section
   std::vector<int> coordinates;  ///< of the section, among the unknowns
   VectorXd scale;                ///< of the coordinates
   LanePassage passage;
@@ -227,26 +237,62 @@ class Settling final : public PassageQueue {
       search.start_at(VectorXd());
       return;
     }
+    search.starts = 0;
+    begin_from_stick(search);
+  }
+
+  void begin_from_stick(Search& search) const {
     search.stage = Search::Stage::from_stick;
+    search.passages = 0;
+    LanePassage& p = search.passage;
     p.tolerance = search.tolerance;
     p.from_section = p.record = false;
     p.dip = 1e-10;
     const auto& system = search.map.system();
     const auto y = search.sticks
                        ? system.loaded_at_rest(system.model().law->rest(system.model().drive.normal_load.level()), 0.5)
-                       : search.map.stick(search.map.drive_speed());
+                       : search.map.stick(ages[search.starts++] * search.map.drive_speed());
     std::copy(y.begin(), y.end(), p.y.begin());
+  }
+
+  /// True if motion from stick has come to swing but little about steady sliding, or to creep towards it.
+  static bool dies_out(const Search& search) {
+    const LanePassage& passage = search.passage;
+    const double V = search.map.drive_speed();
+    if (passage.ending == Ending::reached_end) return search.passages > 0 && passage.amplitude < dead;
+    return passage.duration > passage.longest &&
+           std::abs(search.map.system().contact_slip_rate(0, passage.y.data()) - V) < dead * V;
+  }
+  /// True if motion from stick beside stable sliding is to be followed without a guess where it leads: what dies out
+  /// slowly looks like what settles.
+  static bool goes_plainly(Search& search, const VectorXd& image) {
+    const double before = search.change, size = search.size_at(image);
+    search.change = search.passages == 1 ? infinity : (image - search.begun).norm();
+    const bool converges = search.change < nearly * size && search.change < 0.5 * before;
+    if (search.passages == most_plain || search.change < repeats * size || converges) {
+      search.passages = 1;
+      return false;
+    }
+    search.begun = image;
+    search.passage.from_section = true;
+    return true;
   }
 
   /// True if another passage is wanted.
   bool go_on(Search& search, LaneCycle& cycle) const {
     LanePassage& passage = search.passage;
+    if (search.beside && search.stage == Search::Stage::from_stick && dies_out(search)) {
+      cycle.dies_out = search.starts == ages.size();
+      if (!cycle.dies_out) begin_from_stick(search);
+      return !cycle.dies_out;
+    }
     if (passage.ending != Ending::reached_end || passage.amplitude < collapsed || ++search.passages > most_passages)
       return false;
     const VectorXd image = search.point();
     if (!image.allFinite()) return false;
     passage.first_step = std::min(passage.last_step, 0.01 * passage.duration);
     if (search.stage == Search::Stage::from_stick) {
+      if (search.beside && goes_plainly(search, image)) return true;
       search.stage = Search::Stage::coarse;
       passage.from_section = true;
       passage.record = true;

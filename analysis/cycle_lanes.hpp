@@ -12,6 +12,7 @@ namespace rosin::analysis {
 /// The attracting cycle of one of many sliders.
 struct LaneCycle {
   bool found = false;      ///< false: not served by lanes, or not settled; find_cycle() will say more
+  bool dies_out = false;   ///< motion from stick, and from longer stick, settles on steady sliding, which attracts
   Metrics metrics, error;  ///< of the metrics asked for; NaN for others
   bool ill_conditioned_stick = false;
   long tries = 0;  ///< step attempts
@@ -28,7 +29,7 @@ struct GridPlace {
   int tile = 0, column = 0, row = 0;
 };
 
-/// Cycles reached from stick, for sliders whose steady sliding is unstable. Results do not depend on which sliders
+/// Cycles reached from stick. Results do not depend on which sliders
 /// share the lanes, only on the members of their own tile. `places`: one for each slider, or none. \throws InputError
 /// for unknown metrics.
 std::vector<LaneCycle> find_cycles(std::span<const Model>, const LaneCycleOptions&,

@@ -137,9 +137,6 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
   }
   const std::size_t together = std::clamp<std::size_t>(open.size() / options.threads, 1, 4);
   const LaneCycleOptions lane_options{options.tolerance, options.stick_threshold, options.metrics};
-  const auto alone_at = [&](const Model& here, bool attracts) {
-    return compute_point(here, options.tolerance, options.stick_threshold, attracts);
-  };
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     while (!stop.stop_requested()) {
@@ -148,7 +145,7 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
       const std::size_t last = std::min(first + together, open.size());
       std::vector<Model> models;
       std::vector<GridPlace> places;
-      std::vector<std::size_t> indices, alone;
+      std::vector<std::size_t> indices;
       std::vector<bool> attracted;  // by steady sliding, beside the cycle
       FinishedPoints finished;
       for (std::size_t k = first; k < last; ++k)
@@ -157,12 +154,10 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
             Model here = model_at(i);
             const Verdict verdict = judge(here, coexistence);
             if (verdict == Verdict::stable) return void(finished.emplace_back(i, stable_point()));
-            const bool attracts = verdict == Verdict::look_beside_steady;
-            if (!for_lanes(here, attracts)) return alone.push_back(i);
             models.push_back(std::move(here));
             places.push_back(place);
             indices.push_back(i);
-            attracted.push_back(attracts);
+            attracted.push_back(verdict == Verdict::look_beside_steady);
           } catch (const InputError& e) {
             finished.emplace_back(i, failed_point(e.what()));
           }
@@ -171,14 +166,13 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
       const auto cycles = find_cycles(models, lane_options, places);
       for (std::size_t k = 0; k < cycles.size() && !stop.stop_requested(); ++k) {
         if (map.points[indices[k]].done) continue;  // known from before: only its neighbours needed it again
-        finished.emplace_back(indices[k],
-                              cycles[k].found ? point_of(cycles[k], attracted[k]) : alone_at(models[k], attracted[k]));
-      }
-      finish(finished, 0);
-      for (std::size_t k = 0; k < alone.size() && !stop.stop_requested(); ++k) {
-        if (map.points[alone[k]].done) continue;
-        finished.emplace_back(alone[k], alone_at(model_at(alone[k]), true));
-        finish(finished, 0);
+        if (const auto point = point_of(cycles[k], attracted[k])) {
+          finished.emplace_back(indices[k], *point);
+        } else {
+          finished.emplace_back(indices[k],
+                                compute_point(models[k], options.tolerance, options.stick_threshold, attracted[k]));
+          finish(finished, 0);  // by itself a point takes long
+        }
       }
       finish(finished, double(last - first) / double(open.size()));
     }

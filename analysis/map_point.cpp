@@ -36,11 +36,10 @@ MapPoint failed_point(std::string why) {
   return point;
 }
 
-bool for_lanes(const Model& model, bool attracts) { return !attracts || model.law->set_valued(); }
-
-MapPoint point_of(const LaneCycle& cycle, bool attracts) {
+std::optional<MapPoint> point_of(const LaneCycle& cycle, bool attracts) {
   MapPoint point = stable_point();
   point.origin = Origin::computed;
+  if (!cycle.found) return attracts && cycle.dies_out ? std::optional(point) : std::nullopt;
   point.regime = attracts ? Regime::bistable : Regime::cycle;
   point.metrics = cycle.metrics;
   point.error = cycle.error;

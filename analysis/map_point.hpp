@@ -1,5 +1,7 @@
 /// One point of a plane: what is known of it before any integration, and what integration finds.
 #pragma once
+#include <optional>
+
 #include "analysis/coexistence.hpp"
 #include "analysis/cycle_lanes.hpp"
 #include "analysis/map.hpp"
@@ -13,9 +15,8 @@ Verdict judge(const Model&, CoexistenceSearch&);
 
 MapPoint stable_point();
 MapPoint failed_point(std::string why);
-/// True if a cycle is sought in lanes. Beside steady sliding that `attracts` they find those that stick exactly.
-bool for_lanes(const Model&, bool attracts);
-MapPoint point_of(const LaneCycle&, bool attracts);
+/// What lanes say of a point, or nothing where it is to be looked at by itself. `attracts`: steady sliding is stable.
+std::optional<MapPoint> point_of(const LaneCycle&, bool attracts);
 /// A point by itself, at the full order of the collocation.
 MapPoint compute_point(const Model&, double tolerance, double stick_threshold, bool attracts);
 

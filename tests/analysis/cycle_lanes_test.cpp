@@ -211,6 +211,26 @@ TEST_CASE("every set-valued law sticks and slips in lanes, a user's and a heated
   CHECK(covered >= 0.98 * cycles_found);
 }
 
+TEST_CASE("beside stable sliding lanes find what sticks and slips, and what dies out", "[cycle-lanes]") {
+  // Woodhouse, Putelat & McKay's board at 1 mm/s, above the minimum of its steady curve; numbers by a finer method.
+  auto sticks = bristol_board(1e-2, 1), dies = bristol_board(1e-3, 1);
+  dies.slider.damping = 1;
+  for (auto* model : {&sticks, &dies}) {
+    model->drive.speed = 1e-3;
+    REQUIRE(stability(*model).stable);
+  }
+  const std::vector<Model> models = {sticks, dies};
+  const auto cycles = find_cycles(models, {1e-7, 0.1, {"slip_rate_max", "stick_fraction"}});
+  REQUIRE(cycles[0].found);
+  CHECK(std::abs(cycles[0].metrics.period - 21.782286) < 1e-6);
+  CHECK(std::abs(cycles[0].metrics.slip_rate_max / 1e-3 - 10.59632) < 1e-5);
+  CHECK(std::abs(cycles[0].metrics.stick_fraction - 0.846885) < 1e-6);
+  CHECK_FALSE(cycles[0].dies_out);
+  CHECK_FALSE(cycles[1].found);
+  CHECK(cycles[1].dies_out);
+  CHECK(find_cycle(dies, {}).outcome.ending == Ending::none_exists);
+}
+
 TEST_CASE("company, threads and instruction sets leave no trace", "[cycle-lanes]") {
   const char* law = GENERATE("spinodal", "stribeck", "static-growth");
   auto models = unstable_sliders(laws::find_law("spinodal"), 40, 11);
