@@ -18,6 +18,7 @@ constexpr int slip_rate_index = 1;
 /// A landing that misses by more of the step than this is no landing.
 constexpr double largest_miss = 0.02;
 constexpr double almost_all = 1 - 1e-12;  ///< of a step: what happens at its very end is landed on too
+constexpr double differences = 1e-4;      ///< of a step: differentiates what is no polynomial, and not across its ends
 constexpr double rest = 1e-11;            ///< slip rates below this part of V are rounding noise at a switch
 /// Slip that comes closer to rest than this many times the tolerance of V, or would have gone no further beyond, only
 /// just sticks or just does not: one at a time is followed more closely.
@@ -192,27 +193,28 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
   }
   if (recording_.extremes) {
     // Only turns that reach beyond what was seen so far: in deep stick, rounding turns at every step.
-    const auto consider_turn = [&](Landing kind, int unknown, const Lanes* slopes, const Lanes& highest,
-                                   const Lanes& lowest, double size) {
+    const auto consider_turn = [&](Landing kind, const Lanes* slopes, const Lanes& highest, const Lanes& lowest,
+                                   double size, auto value, auto slope, double edge = 0) {
       if ((slopes[0][lane] > 0) == (slopes[1][lane] > 0)) return;
-      const auto q = ensemble_.polynomial(lane, unknown);
-      const double theta = bisect([&](double t) { return q.slope(t); }, 0, 1), peak = q.value(theta);
+      const double theta = bisect(slope, edge, 1 - edge), peak = value(theta);
       const double least = 1e-3 * at.passage->tolerance * size;
       if (peak > highest[lane] + least || peak < lowest[lane] - least) consider(kind, 0, theta);
     };
-    consider_turn(Landing::slip_rate_extreme, slip_rate_index, slip_rate_slope_, slip_rate_max_, slip_rate_min_,
-                  std::max(at.V, std::abs(u1)));
+    const auto slip_rate = ensemble_.polynomial(lane, slip_rate_index);
+    consider_turn(
+        Landing::slip_rate_extreme, slip_rate_slope_, slip_rate_max_, slip_rate_min_, std::max(at.V, std::abs(u1)),
+        [&](double t) { return slip_rate.value(t); }, [&](double t) { return slip_rate.slope(t); });
+    const auto consider_friction = [&](auto... how) {
+      consider_turn(Landing::friction_extreme, friction_slope_, friction_max_, friction_min_,
+                    friction_max_[lane] - friction_min_[lane], how...);
+    };
     if (friction_index_ >= 0) {
-      consider_turn(Landing::friction_extreme, friction_index_, friction_slope_, friction_max_, friction_min_,
-                    friction_max_[lane] - friction_min_[lane]);
-    } else if ((friction_slope_[0][lane] > 0) != (friction_slope_[1][lane] > 0)) {
-      consider(Landing::friction_extreme, 0,
-               bisect(
-                   [&](double t) {
-                     constexpr double d = 1e-4;
-                     return friction_at(lane, t + d) - friction_at(lane, t - d);
-                   },
-                   2e-4, 1 - 2e-4));
+      const auto friction = ensemble_.polynomial(lane, friction_index_);
+      consider_friction([&](double t) { return friction.value(t); }, [&](double t) { return friction.slope(t); });
+    } else {
+      constexpr double d = differences;
+      consider_friction([&](double t) { return friction_at(lane, t); },
+                        [&](double t) { return friction_at(lane, t + d) - friction_at(lane, t - d); }, 2 * d);
     }
   }
   return first;
@@ -312,7 +314,7 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
     newton([&](double t) { return q.value(t) - level; }, [&](double t) { return q.slope(t); });
   };
   if (event.kind == Landing::section) {
-    constexpr double d = 1e-4;
+    constexpr double d = differences;
     if (rigid_)
       land_on(at.V);
     else
@@ -321,7 +323,7 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
   } else if (event.kind == Landing::stop) {
     land_on(0);
   } else if (event.kind == Landing::release) {
-    constexpr double d = 1e-4;
+    constexpr double d = differences;
     newton([&](double t) { return holding_margin(lane, t); },
            [&](double t) { return (holding_margin(lane, t + d) - holding_margin(lane, t - d)) / (2 * d); });
   } else if (event.kind == Landing::level) {
