@@ -66,6 +66,14 @@ bool is_stick(const MetricName& metric) {
          metric.member == &Metrics::stick_fraction_05;
 }
 
+double swing_time(const Model& model) {
+  const auto& s = model.slider;
+  const double N = model.drive.normal_load.level(), V = model.drive.speed.level();
+  const double damping = s.damping + N * std::max(model.law->steady_friction({V, N}).slope, 0.0);
+  const bool overdamped = damping > 2 * std::sqrt(s.mass * s.stiffness);
+  return overdamped ? damping / s.stiffness : 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
+}
+
 namespace {
 
 constexpr double loose = 1e-6;        ///< tolerance of the search for motions of the size of the drive speed
@@ -491,10 +499,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   }
   const double natural = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
   const double longest = 300 * natural + 10 * std::abs(system.loaded_at_rest(rest, 1)[0]) / V;
-  // Without oscillation, under strong damping, nothing comes and goes within a natural period.
-  const bool overdamped = s.damping > 2 * std::sqrt(s.mass * s.stiffness);
   solver.rewind_at_switches();  // a slip may be far shorter than the last digit of the stick before it
-  solver.bound_slip_step(0.1 * (overdamped ? s.damping / s.stiffness : natural));
+  solver.bound_slip_step(0.1 * swing_time(model));
   const auto sliding = stability(model);
   const double frequency = std::sqrt(s.stiffness / s.mass);
   constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding

@@ -74,4 +74,8 @@ struct Cycle {
 /// coexisting cycles are found.
 Cycle find_cycle(const Model&, const CycleOptions& = {});
 
+/// Time (s) of a free swing about steady sliding, or in which it relaxes where damping, that of friction which grows
+/// with the slip rate included, leaves no swing. Slip is followed in steps that are a part of it.
+double swing_time(const Model&);
+
 }  // namespace rosin::analysis

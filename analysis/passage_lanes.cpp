@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "analysis/loop_area.hpp"
 #include "core/instruction_set.hpp"
@@ -134,9 +133,7 @@ bool PassageLanes::take(int lane, PassageQueue& queue) {
   below_.set(lane, !passage.from_section && v < floor_[lane]);
   armed_.set(lane, 0);
   if (switches_) {
-    const auto& s = passage.slider->model().slider;
-    const double swing = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
-    swing_.set(lane, 0.1 * (s.damping > 2 * std::sqrt(s.mass * s.stiffness) ? s.damping / s.stiffness : swing));
+    swing_.set(lane, 0.1 * swing_time(passage.slider->model()));
     landing_floor_.set(lane, 0.1 * passage.tolerance * at.V);
   }
   if (passage.record) {
