@@ -65,8 +65,7 @@ TEST_CASE("slopes of a step, a hold and a steady curve are the closed forms", "[
   // At rest θ = L/V + t. A spring takes no part in a hold or a steady curve.
   auto sprung = ageing();
   sprung.contact_stiffness.tangential = 1e6;
-  const auto hold =
-      predict(sprung, {.kind = Kind::hold, .name = "hold", .slip_rate = V1, .normal_load = 5, .x = {1, 100}}, paths);
+  const auto hold = predict(sprung, {Kind::hold, "hold", V1, V1, 5, {1, 100}, {}, {}}, paths);
   for (std::size_t k = 0; k < 2; ++k) {
     const double t = k == 0 ? 1 : 100, age = L / V1 + t;
     CHECK(hold.slopes[2][k] == Approx(std::log(age * v0 / L)).epsilon(1e-8));

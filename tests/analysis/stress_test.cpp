@@ -5,6 +5,8 @@
 
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
 
 #include "analysis/motion_end.hpp"
 #include "analysis/run.hpp"
@@ -142,6 +144,46 @@ TEST_CASE("slip that only just comes to rest is not missed at a loose tolerance"
                                   {98760.874836981689, 0.06040836967431993, 0}, 65.099338747539406, 0.1084092043148982);
   const auto cycle = find_cycle(model, {.tolerance = 1e-6});
   CHECK(cycle.metrics.stick_fraction == Approx(5.8209e-7).epsilon(1e-4));
+}
+
+TEST_CASE("a stick of 1e-5 of the period is as long as static friction grows in it", "[stress]") {
+  // Undamped, slip swings as under Coulomb friction with d = (mu_s - mu_d) N/k, and the drive loads 2 d at rest.
+  struct Case {
+    Model model;
+    double mu_s0, beta, t_c, mu_d;
+  };
+  std::vector<Case> cases = {
+      {slider_under("static-growth", {0.4, 0.015, 1.0, 0.3}, {1e12, 7417.2758970568002, 0}, 2.2594259864230005e-07,
+                    0.0083485312614293011),
+       0.4, 0.015, 1.0, 0.3},
+      {slider_under("static-growth",
+                    {0.21666924742058735, 0.019884360333873821, 0.00013517586332933526, 0.13324783403545692},
+                    {0.11320072162744614, 96173.387394206831, 0}, 0.71872512774443065, 0.040363704546974438),
+       0.21666924742058735, 0.019884360333873821, 0.00013517586332933526, 0.13324783403545692}};
+  cases[0].model.lambda = 406972.38301011646;
+  for (const auto& [model, mu_s0, beta, t_c, mu_d] : cases) {
+    const double k = model.slider.stiffness, V = model.drive.speed.level(), N = model.drive.normal_load.level();
+    double d = 0;
+    for (int i = 0; i < 50; ++i) d = (mu_s0 + beta * std::log10(1 + 2 * d / V / model.lambda / t_c) - mu_d) * N / k;
+    const double w = std::sqrt(k / model.slider.mass), stick = 2 * d / V;
+    const double period = 2 * (std::numbers::pi - std::atan(w * d / V)) / w + stick;
+    INFO("stick for " << stick / period << " of the period");
+    const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+    REQUIRE(cycle.outcome.complete());
+    CHECK(std::abs(cycle.metrics.period - period) <= cycle.error.period);
+    CHECK(std::abs(cycle.metrics.stick_fraction - stick / period) <= cycle.error.stick_fraction);
+    CHECK(cycle.error.stick_fraction <= 1e-6);
+    CHECK(cycle.metrics.stick_fraction == Approx(stick / period).epsilon(0.05));
+  }
+}
+
+TEST_CASE("friction that grows with the slip rate leaves no free swing", "[stress]") {
+  // N dmu/dv is 2000 times critical: slip relaxes within 56 000 s, 700 natural periods, onto stable sliding.
+  const auto model = slider_under("stribeck", {1.5, 1.0, 0.001, 2.0, 0.4}, {38.621948962596427, 0.24811757506533327, 0},
+                                  0.028344040399020838, 34714.098857106852);
+  const auto cycle = find_cycle(model);
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK(cycle.cost.steps < 2000);
 }
 
 TEST_CASE("strong damping, curves that only rise, and settled slip end without a cycle at once", "[stress]") {
@@ -315,7 +357,10 @@ TEST_CASE("a run from steady sliding that is unstable says that rounding decides
                     6.3457615556247057e-11},
                    {0, 0.0030732047578541292, 1.5949562694177362e-07}, 2.1884219595186427e-06, 8.8179930393788458e-05);
   model.lambda = 0.050347019723740283;
-  const auto unsure = run(model, {.duration = 3691, .samples = 20});
+  RunOptions options;
+  options.duration = 3691;
+  options.samples = 20;
+  const auto unsure = run(model, options);
   CHECK(unsure.outcome.ending == Ending::tolerance_not_met);
   // The growth that stability finds: one state without mass has the larger root of its characteristic equation,
   // (c + a N/V) λ s² + (k λ + (c + (a − b) N/V) V/L) s + k V/L = 0.
@@ -327,8 +372,9 @@ TEST_CASE("a run from steady sliding that is unstable says that rounding decides
   CHECK((-q + std::sqrt(q * q - 4 * p * r)) / (2 * p) == Approx(15.580562).epsilon(1e-6));
   CHECK_THAT(unsure.outcome.detail, Catch::Contains("unstable with 15.6 1/s") && Catch::Contains("rounding decides"));
   // Beside it the same motion is known.
-  RunOptions beside{.duration = 3691, .samples = 20};
-  beside.start = {.kind = Start::Kind::given, .slip_rate = 1.01 * model.drive.speed.level()};
+  RunOptions beside = options;
+  beside.start.kind = Start::Kind::given;
+  beside.start.slip_rate = 1.01 * model.drive.speed.level();
   CHECK(run(model, beside).outcome.complete());
 }
 
@@ -343,7 +389,9 @@ TEST_CASE("a bristle without its memory does not hold at rest, and that is said"
       slider_under("lugre", {1e5, 316.2277660168379, 0.4, 1.5, 1.0, 1e-3},
                    {0.045929165364892284, 0.0024905822467912071, 0}, -0.000984345228812995, 0.0014644093541841996);
   model.lambda = 0;
-  RunOptions options{.duration = 100, .samples = 10};
+  RunOptions options;
+  options.duration = 100;
+  options.samples = 10;
   options.start.kind = Start::Kind::rest;
   options.most_steps = 3000;
   const auto stopped = run(model, options);
@@ -359,8 +407,11 @@ TEST_CASE("ringing on a film that a run cannot follow to its end is counted", "[
                             {0.00022106618749442629, 3613.8470701783199, 0.00064860560503839158},
                             2.1894528200950788e-12, 242.10554774310179);
   model.lambda = 272.31885044887503;
-  RunOptions options{.duration = 0.46620550637710262, .samples = 20};
-  options.start = {.kind = Start::Kind::given, .slip_rate = 6.1759872743320808e-16};
+  RunOptions options;
+  options.duration = 0.46620550637710262;
+  options.samples = 20;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 6.1759872743320808e-16;
   options.most_steps = 1000;
   const auto followed = run(model, options);
   CHECK(followed.outcome.ending == Ending::budget_spent);
