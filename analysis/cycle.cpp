@@ -377,6 +377,25 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
   return result;
 }
 
+/// Several turns that were taken together, because each seemed to differ from the next, may prove to be one and the
+/// same. True if so; `point` is known to be on the cycle within `closure`, in scales.
+bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double closure) {
+  constexpr double largest = 1e-2;
+  const double same = std::min(10 * closure, largest * map.distance(point.y, map.system().steady(0)));
+  for (int fewer = 1; 2 * fewer <= point.turns; ++fewer) {
+    if (point.turns % fewer != 0) continue;
+    const auto passage = map.follow(point.y, tolerance, fewer, true, true, nullptr, dip_of(point.amplitude));
+    if (!passage.outcome.complete() || map.distance(passage.end, point.y) > same) continue;
+    point.turns = fewer;
+    if (point.by_differences)
+      point.derivative.setZero();  // bounded by that of all turns, which forget what they began with
+    else
+      point.derivative = passage.derivative;
+    return true;
+  }
+  return false;
+}
+
 /// Errors of `fine` by its difference to `coarse`, a result at a hundred times the tolerance or more; never below what
 /// the tolerance and rounding allow. Returns the worst ratio of error to size.
 double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolerance, double closure, double V,
@@ -429,6 +448,8 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   const double magnified = std::min(1.0, point.amplitude) * std::min(1.0, 1 - spectral_radius(point, map));
   double tolerance = 0.2 * options.tolerance * magnified;
   Refined coarse = refine(map, point, tolerance, options.stick_threshold, false);
+  if (coarse.outcome.complete() && fewer_turns_do(map, point, tolerance, coarse.closure))
+    coarse = refine(map, point, tolerance, options.stick_threshold, false);
   std::string worst;
   double sharpening = 0.01;
   for (int attempt = 0; attempt < 4; ++attempt) {
@@ -877,6 +898,10 @@ void mirror(Cycle& cycle, const FrictionLaw& law) {
 
 }  // namespace
 
+bool only_rings(const Model& model) {
+  return model.law->deflects() && !weakens_somewhere(*model.law, model.drive.normal_load.level());
+}
+
 Cycle find_cycle(const Model& model, const CycleOptions& options) {
   model.check();
   require(options.tolerance, {1e-13, 0.1}, "tolerance", "relative accuracy of a cycle", "1");
@@ -899,8 +924,7 @@ Cycle find_cycle(const Model& model, const CycleOptions& options) {
     mirrored.drive.force = -drive.force.level();
     cycle = find_cycle(mirrored, options);
     mirror(cycle, *model.law);
-  } else if (model.law->deflects() && !weakens_somewhere(*model.law, drive.normal_load.level())) {
-    // A ring on the deflected contact dies out, however slowly.
+  } else if (only_rings(model)) {
     cycle.outcome = {Ending::none_exists, "friction nowhere falls with slip rate: nothing feeds an oscillation"};
   } else {
     cycle = model.law->set_valued() ? find_stick_slip_cycle(model, options) : find_smooth_cycle(model, options);

@@ -74,6 +74,10 @@ struct Cycle {
 /// coexisting cycles are found.
 Cycle find_cycle(const Model&, const CycleOptions& = {});
 
+/// True if nothing feeds an oscillation: friction nowhere falls with slip rate, and what rings on the deflected contact
+/// dies out, however slowly.
+bool only_rings(const Model&);
+
 /// Time (s) of a free swing about steady sliding, or in which it relaxes where damping, that of friction which grows
 /// with the slip rate included, leaves no swing. Slip is followed in steps that are a part of it.
 double swing_time(const Model&);

@@ -153,6 +153,27 @@ TEST_CASE("a load too weak to hold the slider gives a cycle of slip that reverse
   CHECK(std::abs(cycle.multipliers.front()) < 1);
 }
 
+TEST_CASE("a period holds no more slips than it must", "[cycle]") {
+  // The ring of the bristles makes every second, fourth or eighth turn more alike than the next before the motion
+  // settles; then slips that follow each other are the same, or a longer and a shorter one by turns.
+  struct Case {
+    double load, stiffness;
+    int slips;
+  };
+  for (const auto& [load, stiffness, expected] :
+       {Case{1.49249555, 1e4, 1}, {0.1823348, 3007.88252, 2}, {0.1, 1649.64807, 2}}) {
+    const auto model = slider_under("lugre", {1e5, 100.0, 0.4, 0.4, 0.3, 1e-3}, {1, stiffness, 0}, 2e-3, load);
+    const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+    REQUIRE(cycle.outcome.complete());
+    std::vector<double> slips;
+    const double fast = 0.5 * cycle.metrics.slip_rate_max;
+    for (std::size_t i = 1; i < cycle.orbit.size(); ++i)
+      if (cycle.orbit[i - 1].slip_rate < fast && cycle.orbit[i].slip_rate >= fast) slips.push_back(cycle.orbit[i].time);
+    REQUIRE(int(slips.size()) == expected);
+    if (expected == 2) CHECK(std::abs(2 * (slips[1] - slips[0]) / cycle.metrics.period - 1) > 1e-3);
+  }
+}
+
 TEST_CASE("an overdamped slider that starts onto unstable sliding leaves it for its cycle", "[cycle]") {
   const auto cycle = find_cycle(slider_under("ageing", {0.6, 0.01, 0.015, 1e-5, 1e-6}, {1, 1e4, 10}, 1e-8, 30));
   REQUIRE(cycle.outcome.complete());
