@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "analysis/loop_area.hpp"
 #include "analysis/return_map.hpp"
@@ -20,10 +21,12 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double coarser = 10;      ///< ratio of the tolerances that are compared
-constexpr double loosest = 1e-3;    ///< tolerance: above it steps go astray
-constexpr int most_passages = 60;   ///< of one slider
-constexpr double collapsed = 1e-3;  ///< amplitudes |v − V|/V below this are left to the search for small cycles
+constexpr double coarser = 10;       ///< ratio of the tolerances that are compared
+constexpr double loosest = 1e-3;     ///< tolerance: above it steps go astray
+constexpr int most_passages = 60;    ///< of one slider
+constexpr long most_tries = 40'000;  ///< of steps of one slider, before it is left to be followed by itself
+constexpr double astray = 1e-3;      ///< amplitude by which a cycle is left to see whether motion comes back to it
+constexpr double collapsed = 1e-3;   ///< amplitudes |v − V|/V below this are left to the search for small cycles
 // Beside steady sliding that attracts:
 constexpr double dead = 0.02;                      ///< amplitudes below this die out
 constexpr double repeats = 1e-3;                   ///< passages that change by less lead to a cycle,
@@ -61,7 +64,10 @@ struct Visit {
 /// the fixed point.
 struct Search {
   explicit Search(const Model& model)
-      : map(model), sticks(model.law->set_valued()), beside(!sticks && map.growth_time() == infinity) {
+      : map(model),
+        sticks(model.law->set_valued()),
+        deflects(model.law->deflects()),
+        beside(!sticks && map.growth_time() == infinity) {
     // At the onset of slip the contact's states say all.
     for (const int i : map.differential())
       if (!sticks || i > map.system().slip_rate_index()) coordinates.push_back(i);
@@ -72,6 +78,7 @@ struct Search {
   }
   ReturnMap map;
   bool sticks;                   ///< the law is set-valued
+  bool deflects;                 ///< the contact rings through each stick
   bool beside;                   ///< steady sliding attracts
   std::size_t starts = 0;        ///< from stick so far
   double change = 0;             ///< of the last two points on the section
@@ -88,6 +95,7 @@ struct Search {
   double amplitude = 1;              ///< |v − V|/V, as neighbours have it
   bool hinted = false;               ///< started from what the neighbours know
   bool probed = false;               ///< looks only whether the cycle attracts
+  double strayed = infinity;         ///< from the fixed point, after the passage before
   VectorXd error_rate;               ///< relative errors over the tolerance, as found in the end
   VectorXd inherited;                ///< the same, of certified neighbours; empty: to be found
 
@@ -156,11 +164,133 @@ struct Search {
   }
 };
 
+constexpr int coarsest_stride = 8;
+
+/// When the points of a tile are worked on: first a coarse grid, then the points half way between those that are done,
+/// along the axes and then amid them.
+int phase_of(const GridPlace& place) {
+  const auto power = [](int i) {
+    int p = 1;
+    while (p < coarsest_stride && i % (2 * p) == 0) p *= 2;
+    return p;
+  };
+  const int x = power(place.column), y = power(place.row), stride = std::min(x, y);
+  int level = 0;
+  for (int s = coarsest_stride; s > stride; s /= 2) ++level;
+  return 2 * level - (level > 0 && x != y);
+}
+
+/// What the neighbours in a tile know of a cycle, brought to the place of another by polynomials along both axes; each
+/// point waits for the neighbours that may advise it, and for no others.
+class Neighbours {
+ public:
+  /// Of the points of these indices.
+  Neighbours(const std::vector<std::size_t>& members, std::span<const GridPlace> places,
+             const std::vector<std::unique_ptr<Search>>& searches, const std::vector<LaneCycle>& cycles)
+      : places_(places), searches_(searches), cycles_(cycles), waits_for_(cycles.size()), waiting_(cycles.size()) {
+    for (const std::size_t i : members)
+      if (!places.empty()) at_[key(places[i])] = i;
+    for (const std::size_t i : members) {
+      if (!places.empty())
+        for (const bool along_row : {true, false})
+          for (const auto& [step, other] : line(i, along_row)) {
+            ++waits_for_[i];
+            waiting_[other].push_back(i);
+          }
+      if (waits_for_[i] == 0) ready_.insert({phase(i), i});
+    }
+  }
+  /// The first point that waits for nobody, advised.
+  std::optional<std::size_t> next() {
+    if (ready_.empty()) return std::nullopt;
+    const std::size_t i = ready_.begin()->second;
+    ready_.erase(ready_.begin());
+    if (phase(i) > 0) advise(i);
+    return i;
+  }
+  /// Nobody waits for this point any longer.
+  void finished(std::size_t i) {
+    for (const std::size_t other : waiting_[i])
+      if (--waits_for_[other] == 0) ready_.insert({phase(other), other});
+  }
+
+ private:
+  static std::array<int, 3> key(const GridPlace& p) { return {p.tile, p.column, p.row}; }
+  int phase(std::size_t i) const { return places_.empty() ? 0 : phase_of(places_[i]); }
+  int stride(std::size_t i) const { return coarsest_stride >> ((phase(i) + 1) / 2); }
+  /// Points of earlier phases on one line through point i, nearest first, and how many strides they lie off.
+  std::vector<std::pair<int, std::size_t>> line(std::size_t i, bool along_row) const {
+    std::vector<std::pair<int, std::size_t>> points;
+    for (const int step : {-1, 1, -3, 3}) {
+      GridPlace other = places_[i];
+      (along_row ? other.column : other.row) += step * stride(i);
+      const auto it = at_.find(key(other));
+      if (it != at_.end() && phase_of(other) < phase(i)) points.emplace_back(step, it->second);
+    }
+    return points;
+  }
+  /// Gives the search a start, if neighbours are near enough.
+  void advise(std::size_t i) const {
+    std::vector<std::pair<double, std::size_t>> members;  // weight, index
+    for (const bool along_row : {true, false}) add_line(i, along_row, members);
+    if (members.empty()) return;
+    Search& search = *searches_[i];
+    const Search& first = *searches_[members.front().second];
+    VectorXd z = VectorXd::Zero(first.fixed_point.size());
+    MatrixXd D = MatrixXd::Zero(z.size(), z.size()), S = MatrixXd::Zero(first.sensitivity.rows(), z.size());
+    double sum = 0, amplitude = infinity;
+    for (const auto& [weight, k] : members) {
+      const Search& other = *searches_[k];
+      if (other.fixed_point.size() != z.size()) return;
+      z += weight * other.fixed_point;
+      D += weight * other.derivative;
+      S += weight * other.sensitivity;
+      amplitude = std::min(amplitude, other.passage.amplitude);
+      sum += weight;
+    }
+    search.fixed_point = z / sum;
+    search.derivative = D / sum;
+    search.sensitivity = S / sum;
+    search.slowest = search.derivative.norm();
+    search.amplitude = amplitude;
+    search.hinted = search.slowest < 1;
+    search.inherited.resize(0);
+    if (!search.hinted || stride(i) > 1) return;
+    // Amid certified neighbours errors are like theirs.
+    search.inherited = first.error_rate;
+    for (const auto& [weight, k] : members) {
+      const Search& other = *searches_[k];
+      search.inherited = search.inherited.cwiseMax(other.error_rate);
+      if (cycles_[k].ill_conditioned_stick) return search.inherited.resize(0);
+    }
+  }
+  /// Adds the neighbours on one line that have a cycle, with the weights of Lagrange's polynomial.
+  void add_line(std::size_t i, bool along_row, std::vector<std::pair<double, std::size_t>>& members) const {
+    auto found = line(i, along_row);
+    std::erase_if(found, [&](const auto& point) { return !cycles_[point.second].found; });
+    if (found.size() < 2 || std::abs(found[0].first) != 1) return;
+    if (found.size() == 3) found.pop_back();
+    for (const auto& [a, k] : found) {
+      double weight = 1;
+      for (const auto& [b, other] : found)
+        if (b != a) weight *= double(-b) / (a - b);
+      members.emplace_back(weight, k);
+    }
+  }
+  std::span<const GridPlace> places_;
+  const std::vector<std::unique_ptr<Search>>& searches_;
+  const std::vector<LaneCycle>& cycles_;
+  std::map<std::array<int, 3>, std::size_t> at_;
+  std::vector<int> waits_for_;                     ///< how many points each waits for
+  std::vector<std::vector<std::size_t>> waiting_;  ///< who waits for a point
+  std::set<std::pair<int, std::size_t>> ready_;    ///< by phase
+};
+
 class Settling final : public PassageQueue {
  public:
-  Settling(std::vector<std::unique_ptr<Search>>& searches, std::vector<std::size_t> open,
-           const LaneCycleOptions& options, std::vector<LaneCycle>& cycles)
-      : searches_(searches), open_(std::move(open)), options_(options), cycles_(cycles) {
+  Settling(std::vector<std::unique_ptr<Search>>& searches, Neighbours& neighbours, const LaneCycleOptions& options,
+           std::vector<LaneCycle>& cycles)
+      : searches_(searches), neighbours_(neighbours), options_(options), cycles_(cycles) {
     for (const auto& name : options.metrics) metrics_.push_back(&find_metric(name));
     metrics_.push_back(&find_metric("period"));
   }
@@ -171,12 +301,12 @@ class Settling final : public PassageQueue {
       again_.pop_back();
       return &searches_[i]->passage;
     }
-    while (next_ < open_.size()) {
-      const std::size_t i = open_[next_++];
-      if (begin(*searches_[i])) {
-        searches_[i]->passage.label = i;
-        return &searches_[i]->passage;
+    while (const auto i = neighbours_.next()) {
+      if (begin(*searches_[*i])) {
+        searches_[*i]->passage.label = *i;
+        return &searches_[*i]->passage;
       }
+      neighbours_.finished(*i);
     }
     return nullptr;
   }
@@ -186,11 +316,15 @@ class Settling final : public PassageQueue {
     cycles_[i].tries += passage.tries;
     Search& search = *searches_[i];
     bool goes_on = false;
+    if (cycles_[i].tries > most_tries) return neighbours_.finished(i);
     try {
       goes_on = go_on(search, cycles_[i]);
     } catch (const InputError&) {  // a step has led beyond what the law answers to
     }
-    if (goes_on || (!cycles_[i].found && begin_by_itself(search))) again_.push_back(i);
+    if (goes_on || (!cycles_[i].found && begin_by_itself(search)))
+      again_.push_back(i);
+    else
+      neighbours_.finished(i);
   }
 
  private:
@@ -302,10 +436,7 @@ class Settling final : public PassageQueue {
     const double size = search.size_at(image);
     const Visit visit{search.begun, image, vector_of(passage.metrics), passage.tolerance * size};
     search.learn(visit);
-    if (search.probed) {
-      cycle.found = least_attracted(search).multiplier < 1;
-      return false;
-    }
+    if (search.probed) return probe(search, image, cycle);
     if (!search.sticks && search.passages == 2 && !search.hinted && weakly_coupled(search)) {
       // Contraction may be slow in a direction that the way here does not show: look along the amplitude.
       search.start_at(image + 0.02 * (image - search.steady()));
@@ -315,7 +446,7 @@ class Settling final : public PassageQueue {
     const bool fine = search.stage == Search::Stage::fine;
     // Metrics are measured on a passage that starts off the cycle by the step; carried on to it they are off by a
     // fraction of that.
-    const double off = 0.05 * step.norm() / size;
+    const double off = (search.deflects ? 0.5 : 0.05) * step.norm() / size;
     const VectorXd next = visit.start + step;
     // Errors are like the neighbours' where the cycle itself is as they foretold.
     if (!fine && step.norm() > 0.01 * size) search.inherited.resize(0);
@@ -353,11 +484,13 @@ class Settling final : public PassageQueue {
       search.fixed_point = next;
       if (reached <= options_.tolerance) {
         const auto [multiplier, direction] = least_attracted(search);
-        cycle.found = multiplier < 1;
+        cycle.found = multiplier < 1 && !search.deflects;
         if (cycle.found) return false;
-        // By what was learned on the way, which may be too little: where friction is weak, multipliers are close to 1.
+        // By what was learned on the way, which may be too little: where friction is weak, multipliers are close to 1,
+        // and a contact that rings may repeat itself after several turns only.
         search.probed = true;
-        search.start_at(next + 0.02 * size * direction);
+        search.strayed = infinity;
+        search.start_at(next + astray * size * direction);
         return true;
       }
       sharpening = std::clamp(1.5 * reached / options_.tolerance, 2.0, 30.0);
@@ -369,6 +502,20 @@ class Settling final : public PassageQueue {
     search.tolerance /= sharpening;
     search.start_at(next);
     return true;
+  }
+
+  /// True if another passage is wanted to see whether motion that has strayed from the cycle comes back to it. After
+  /// one turn it lies where it is least attracted.
+  static bool probe(Search& search, const VectorXd& image, LaneCycle& cycle) {
+    const double before = search.strayed, size = search.size_at(search.fixed_point);
+    search.strayed = (image - search.fixed_point).norm();
+    const bool back = search.strayed < 0.1 * astray * size;
+    if (before == infinity && !back) {
+      search.start_at(image);
+      return true;
+    }
+    cycle.found = back || search.strayed < before;
+    return false;
   }
 
   /// The largest multiplier as far as known, and the unit vector that it goes with.
@@ -424,7 +571,7 @@ class Settling final : public PassageQueue {
     }
     // On a contact spring the slider rings, and errors scatter; so they do where friction curves have kinks, and so
     // does the loop integral.
-    const double caution = search.map.system().rigid() && !search.sticks ? 1 : 4;
+    const double caution = search.map.system().rigid() && !search.sticks && !search.deflects ? 1 : 4;
     search.error_rate.setZero(metrics_.size());
     for (std::size_t k = 0; k < metrics_.size(); ++k) {
       const MetricName& metric = *metrics_[k];
@@ -448,103 +595,11 @@ class Settling final : public PassageQueue {
 
   static constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::unique_ptr<Search>>& searches_;
-  std::vector<std::size_t> open_, again_;
-  std::size_t next_ = 0;
+  Neighbours& neighbours_;
+  std::vector<std::size_t> again_;
   const LaneCycleOptions& options_;
   std::vector<LaneCycle>& cycles_;
   std::vector<const MetricName*> metrics_;
-};
-
-constexpr int coarsest_stride = 8;
-
-/// The order in which the points of a tile are worked on: first a coarse grid, then the points half way between those
-/// that are done, along the axes and then amid them.
-int phase_of(const GridPlace& place) {
-  const auto power = [](int i) {
-    int p = 1;
-    while (p < coarsest_stride && i % (2 * p) == 0) p *= 2;
-    return p;
-  };
-  const int x = power(place.column), y = power(place.row), stride = std::min(x, y);
-  int level = 0;
-  for (int s = coarsest_stride; s > stride; s /= 2) ++level;
-  return 2 * level - (level > 0 && x != y);
-}
-constexpr int phases = 7;
-
-/// What the neighbours in a tile know of a cycle, brought to the place of another by polynomials along both axes.
-class Neighbours {
- public:
-  Neighbours(std::span<const GridPlace> places, const std::vector<std::unique_ptr<Search>>& searches,
-             const std::vector<LaneCycle>& cycles)
-      : places_(places), searches_(searches), cycles_(cycles) {}
-  /// The points of these indices are done.
-  void add(const std::vector<std::size_t>& indices) {
-    for (const std::size_t i : indices)
-      if (cycles_[i].found) at_[key(places_[i])] = i;
-  }
-  /// Gives the search a start, if neighbours are near enough.
-  void advise(std::size_t i, int phase) const {
-    const int stride = coarsest_stride >> ((phase + 1) / 2);
-    std::vector<std::pair<double, std::size_t>> members;  // weight, index
-    for (const bool along_row : {true, false}) add_line(places_[i], stride, along_row, members);
-    if (members.empty()) return;
-    Search& search = *searches_[i];
-    const Search& first = *searches_[members.front().second];
-    VectorXd z = VectorXd::Zero(first.fixed_point.size());
-    MatrixXd D = MatrixXd::Zero(z.size(), z.size()), S = MatrixXd::Zero(first.sensitivity.rows(), z.size());
-    double sum = 0, amplitude = infinity;
-    for (const auto& [weight, k] : members) {
-      const Search& other = *searches_[k];
-      if (other.fixed_point.size() != z.size()) return;
-      z += weight * other.fixed_point;
-      D += weight * other.derivative;
-      S += weight * other.sensitivity;
-      amplitude = std::min(amplitude, other.passage.amplitude);
-      sum += weight;
-    }
-    search.fixed_point = z / sum;
-    search.derivative = D / sum;
-    search.sensitivity = S / sum;
-    search.slowest = search.derivative.norm();
-    search.amplitude = amplitude;
-    search.hinted = search.slowest < 1;
-    search.inherited.resize(0);
-    if (!search.hinted || stride > 1) return;
-    // Amid certified neighbours errors are like theirs.
-    search.inherited = first.error_rate;
-    for (const auto& [weight, k] : members) {
-      const Search& other = *searches_[k];
-      search.inherited = search.inherited.cwiseMax(other.error_rate);
-      if (cycles_[k].ill_conditioned_stick) return search.inherited.resize(0);
-    }
-  }
-
- private:
-  static std::array<int, 3> key(const GridPlace& p) { return {p.tile, p.column, p.row}; }
-  /// Points on one line through `place` at odd multiples of the stride, with the weights of Lagrange's polynomial.
-  void add_line(const GridPlace& place, int stride, bool along_row,
-                std::vector<std::pair<double, std::size_t>>& members) const {
-    std::vector<std::pair<int, std::size_t>> found;
-    for (const int step : {-1, 1, -3, 3}) {
-      GridPlace other = place;
-      (along_row ? other.column : other.row) += step * stride;
-      const auto it = at_.find(key(other));
-      if (it != at_.end()) found.emplace_back(step, it->second);
-    }
-    if (found.size() < 2 || std::abs(found[0].first) != 1) return;
-    if (found.size() == 3) found.pop_back();
-    for (const auto& [a, i] : found) {
-      double weight = 1;
-      for (const auto& [b, j] : found)
-        if (b != a) weight *= double(-b) / (a - b);
-      members.emplace_back(weight, i);
-    }
-  }
-  std::span<const GridPlace> places_;
-  const std::vector<std::unique_ptr<Search>>& searches_;
-  const std::vector<LaneCycle>& cycles_;
-  std::map<std::array<int, 3>, std::size_t> at_;
 };
 
 }  // namespace
@@ -557,31 +612,25 @@ std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycl
   // Sliders of one kind share lanes.
   struct Kind {
     PassageLanes lanes;
-    std::array<std::vector<std::size_t>, phases> members;
+    std::vector<std::size_t> members;
   };
   std::vector<std::unique_ptr<Kind>> kinds;
   for (std::size_t i = 0; i < models.size(); ++i) {
     auto search = std::make_unique<Search>(models[i]);
     const auto& slider = search->map.system();
-    if (!PassageLanes::serves(slider)) continue;
+    if (!PassageLanes::serves(slider) || only_rings(models[i])) continue;
     auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k->lanes.fits(slider); });
     if (kind == kinds.end()) {
       kinds.push_back(std::unique_ptr<Kind>(new Kind{PassageLanes(slider, recording), {}}));
       kind = kinds.end() - 1;
     }
-    (*kind)->members[places.empty() ? 0 : phase_of(places[i])].push_back(i);
+    (*kind)->members.push_back(i);
     searches[i] = std::move(search);
   }
   for (auto& kind : kinds) {
-    Neighbours neighbours(places, searches, cycles);
-    for (int phase = 0; phase < phases; ++phase) {
-      const auto& members = kind->members[phase];
-      if (phase > 0)
-        for (const std::size_t i : members) neighbours.advise(i, phase);
-      Settling queue(searches, members, options, cycles);
-      kind->lanes.run(queue);
-      if (!places.empty()) neighbours.add(members);
-    }
+    Neighbours neighbours(kind->members, places, searches, cycles);
+    Settling queue(searches, neighbours, options, cycles);
+    kind->lanes.run(queue);
   }
   return cycles;
 }

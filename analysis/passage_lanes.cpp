@@ -25,12 +25,11 @@ constexpr double grazing = 100;
 }  // namespace
 
 bool PassageLanes::serves(const SliderSystem& slider) {
-  // On a contact that deflects the slider rings through each stick, which one at a time is followed more closely.
   const auto& law = *slider.model().law;
   const auto& drive = slider.model().drive;
   const bool can_stick_and_slip =
       slider.model().slider.stiffness > 0 && drive.speed.level() > 0 && drive.normal_load.level() > 0;
-  return slider.mechanics() == Mechanics::inertial && !law.deflects() && slider.autonomous() &&
+  return slider.mechanics() == Mechanics::inertial && slider.autonomous() &&
          (!law.set_valued() || can_stick_and_slip) && slider.size() <= solvers::Ensemble::capacity;
 }
 
@@ -80,10 +79,15 @@ void PassageLanes::interpolate(int lane, double theta, double* y) const {
   for (int i = 0; i < sliders_.size(); ++i) y[i] = ensemble_.interpolate(lane, i, theta);
 }
 
-void PassageLanes::interpolate(double theta, Lanes* y) const {
+template <std::size_t n>
+void PassageLanes::interpolate(const double (&theta)[n], std::array<Lanes, solvers::Ensemble::capacity> (&y)[n]) const {
   run_on_lanes([&] {
     for (int p = 0; p < lane_packs; ++p)
-      for (int i = 0; i < sliders_.size(); ++i) y[i].pack[p] = ensemble_.polynomial_of_pack(p, i).value(Pack(theta));
+      for (int i = 0; i < sliders_.size(); ++i) {
+        const auto unknown = ensemble_.polynomial_of_pack(p, i);
+        ROSIN_UNROLL
+        for (std::size_t k = 0; k < n; ++k) y[k][i].pack[p] = unknown.value(Pack(theta[k]));
+      }
   });
 }
 
@@ -488,16 +492,16 @@ void PassageLanes::measure_steps() {
   });
   if (friction_index_ >= 0 || !recording_.extremes) return;
   constexpr double d = 1e-3;
-  std::array<Lanes, solvers::Ensemble::capacity> y;
-  Lanes inside;
-  for (int end = 0; end < 2; ++end) {
-    interpolate(end, y.data());
-    sliders_.friction_coefficient(y.data(), friction_[end]);
-    interpolate(end == 0 ? d : 1 - d, y.data());
-    sliders_.friction_coefficient(y.data(), inside);
-    for (int p = 0; p < lane_packs; ++p)
-      friction_slope_[end].pack[p] =
-          (1 / d) * (end == 0 ? inside.pack[p] - friction_[0].pack[p] : friction_[1].pack[p] - inside.pack[p]);
+  std::array<Lanes, solvers::Ensemble::capacity> y[4];
+  interpolate({0.0, d, 1 - d, 1.0}, y);
+  Lanes inside[2];
+  sliders_.friction_coefficient(y[0].data(), friction_[0]);
+  sliders_.friction_coefficient(y[1].data(), inside[0]);
+  sliders_.friction_coefficient(y[2].data(), inside[1]);
+  sliders_.friction_coefficient(y[3].data(), friction_[1]);
+  for (int p = 0; p < lane_packs; ++p) {
+    friction_slope_[0].pack[p] = (1 / d) * (inside[0].pack[p] - friction_[0].pack[p]);
+    friction_slope_[1].pack[p] = (1 / d) * (friction_[1].pack[p] - inside[1].pack[p]);
   }
 }
 
@@ -524,11 +528,9 @@ void PassageLanes::accumulate() {
     }
   });
   if (friction_index_ < 0) {
-    std::array<Lanes, solvers::Ensemble::capacity> y;
-    for (int k = 0; k < nodes; ++k) {
-      interpolate(node[k], y.data());
-      sliders_.friction_coefficient(y.data(), mu[k]);
-    }
+    std::array<Lanes, solvers::Ensemble::capacity> y[nodes];
+    interpolate(node, y);
+    for (int k = 0; k < nodes; ++k) sliders_.friction_coefficient(y[k].data(), mu[k]);
   }
   if (recording_.loop_area)
     for (int k = 0; k < nodes; ++k) sliders_.steady_friction(reference[k], steady[k]);

@@ -53,8 +53,8 @@ class PassageLanes {
  public:
   static constexpr long most_tries = 20'000;  ///< of steps in one passage
 
-  /// True if lanes can follow this slider: it has mass, a contact that does not deflect by itself, and a constant
-  /// drive; a set-valued law needs load, speed and spring too.
+  /// True if lanes can follow this slider: it has mass and a constant drive; a set-valued law needs load, speed and
+  /// spring too.
   static bool serves(const oscillators::SliderSystem&);
   /// `pattern`: any of the sliders; all must fit it (SliderLanes::fits).
   PassageLanes(const oscillators::SliderSystem& pattern, const Recording&);
@@ -111,7 +111,9 @@ class PassageLanes {
   void accumulate();
   double section_value(int lane, double theta) const;
   void interpolate(int lane, double theta, double* y) const;
-  void interpolate(double theta, Lanes* y) const;
+  /// Unknowns of all lanes at each `theta` of the last step.
+  template <std::size_t n>
+  void interpolate(const double (&theta)[n], std::array<Lanes, solvers::Ensemble::capacity> (&y)[n]) const;
   double friction_at(int lane, double theta) const;
   /// What is left until a contact that sticks gives way (newton).
   double holding_margin(int lane, double theta) const;

@@ -45,15 +45,15 @@ struct Coverage {
   double share() const { return double(covered) / double(numbers); }
 };
 
-/// Random sliders of these laws that settle on a cycle along the drive, with that cycle at 1e-10.
+/// Random sliders that settle on a cycle along the drive, with that cycle at 1e-10.
 struct Known {
   std::vector<Model> models;
   std::vector<Cycle> cycles;
 };
-Known random_cycles(const std::vector<std::shared_ptr<const FrictionLaw>>& laws, std::size_t count) {
+Known random_cycles(std::size_t count) {
   Known known;
   for (long index = 0; known.models.size() < count; ++index) {
-    const auto scene = draw_scene(laws, 77, index);
+    const auto scene = draw_scene(laws::catalogue(), 77, index);
     if (scene.question != Question::cycle) continue;
     try {
       Model model = model_of(scene);
@@ -112,11 +112,8 @@ void report(const char* what, const Coverage& c) {
 }
 
 void check(std::size_t count, int side) {
-  std::vector<std::shared_ptr<const FrictionLaw>> in_lanes;
-  for (const auto& law : laws::catalogue())
-    if (!law->set_valued() && !law->deflects()) in_lanes.push_back(law);
-  const auto cycles = of_find_cycle(random_cycles(laws::catalogue(), count));
-  const auto lanes = of_lanes(random_cycles(in_lanes, count)), points = of_lanes(plane_cycles(side));
+  const auto known = random_cycles(count);
+  const auto cycles = of_find_cycle(known), lanes = of_lanes(known), points = of_lanes(plane_cycles(side));
   report("find_cycle on random cycles", cycles);
   report("lanes on random cycles", lanes);
   report("lanes on a plane", points);

@@ -114,6 +114,52 @@ TEST_CASE("a contact spring is no obstacle", "[cycle-lanes]") {
   CHECK(tally.outside <= 1);
 }
 
+TEST_CASE("bristles that deflect ring through stick in lanes too", "[cycle-lanes][long]") {
+  LaneCycleOptions options;
+  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
+  int found = 0, known = 0, numbers = 0, outside = 0;
+  for (const char* name : {"lugre", "lugre-unscaled"}) {
+    std::mt19937 random(7);
+    const auto decades = [&](double low, double high) {
+      return std::pow(10, std::uniform_real_distribution<double>(low, high)(random));
+    };
+    std::vector<Model> models;
+    while (models.size() < 24) {
+      Model model;
+      model.law = laws::find_law(name);
+      model.slider = {1, decades(0, 4), models.size() % 4 == 0 ? decades(-3, 0) : 0};
+      model.drive.speed = decades(-5, -2);
+      model.drive.normal_load = decades(-2, 2);
+      if (!stability(model).stable) models.push_back(model);
+    }
+    const auto cycles = find_cycles(models, options);
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      const Cycle fine = find_cycle(models[i], {.tolerance = 1e-9, .multipliers = false});
+      if (!fine.outcome.complete()) continue;
+      ++known;
+      if (!cycles[i].found) continue;
+      ++found;
+      for (const auto& metric : metric_names()) {
+        if (is_stick(metric) && cycles[i].ill_conditioned_stick) continue;
+        INFO(name << " " << i << ", " << metric.name);
+        const double difference = std::abs(cycles[i].metrics.*metric.member - fine.metrics.*metric.member);
+        CHECK(difference <= 1e-5 * size_of(metric, fine.metrics, models[i].drive.speed.level()));
+        ++numbers;
+        outside += !(difference <= cycles[i].error.*metric.member + fine.error.*metric.member);
+      }
+    }
+  }
+  INFO(found << " of " << known << " found, " << outside << " of " << numbers << " errors understated");
+  CHECK(known >= 30);
+  CHECK(found >= 0.5 * known);  // elsewhere several turns make a period, or stick rings for longer than lanes wait
+  CHECK(outside <= 0.01 * numbers);
+}
+
+TEST_CASE("a contact that only rings has no cycle in lanes", "[cycle-lanes]") {
+  auto model = rosin::tests::slider_under("dahl", {1e5, 0.3}, {1, 100, 0}, 1e-4, 1);
+  CHECK_FALSE(find_cycles(std::span(&model, 1), two_metrics).front().found);
+}
+
 TEST_CASE("Fig 1 in lanes, with every metric", "[cycle-lanes]") {
   LaneCycleOptions options;
   options.tolerance = 1e-7;
