@@ -604,7 +604,8 @@ class OnsetMap {
       steps += period.steps, evaluations += period.evaluations;
       const VectorXd step = states_of(period) - z;
       const double now = size_of_step(step, z);
-      const bool settled = now < 10 * tolerance_ || (k > 3 && now < 1e3 * tolerance_ && !(now < 0.5 * change));
+      const double known = std::max(tolerance_, 1e-14);  // no state is known better
+      const bool settled = now < 10 * known || (k > 3 && now < 1e3 * known && !(now < 0.5 * change));
       // States that count the time at rest scatter as the times at which slip stops. Then the metrics show what is
       // left.
       if (settled || now < 3 * scatter(period)) {

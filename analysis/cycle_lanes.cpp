@@ -24,7 +24,7 @@ namespace {
 constexpr double coarser = 10;       ///< ratio of the tolerances that are compared
 constexpr double loosest = 1e-3;     ///< tolerance: above it steps go astray
 constexpr int most_passages = 60;    ///< of one slider
-constexpr long most_tries = 40'000;  ///< of steps of one slider, before it is left to be followed by itself
+constexpr long most_tries = 60'000;  ///< of steps of one slider, before it is left to be followed by itself
 constexpr double astray = 1e-3;      ///< amplitude by which a cycle is left to see whether motion comes back to it
 constexpr double collapsed = 1e-3;   ///< amplitudes |v − V|/V below this are left to the search for small cycles
 // Beside steady sliding that attracts:
@@ -67,6 +67,7 @@ struct Search {
       : map(model),
         sticks(model.law->set_valued()),
         deflects(model.law->deflects()),
+        may_alternate(deflects || (sticks && model.law->has_states())),
         beside(!sticks && map.growth_time() == infinity) {
     // At the onset of slip the contact's states say all.
     for (const int i : map.differential())
@@ -79,6 +80,7 @@ struct Search {
   ReturnMap map;
   bool sticks;                   ///< the law is set-valued
   bool deflects;                 ///< the contact rings through each stick
+  bool may_alternate;            ///< a slip may leave another state than it began with, and be followed by another
   bool beside;                   ///< steady sliding attracts
   std::size_t starts = 0;        ///< from stick so far
   double change = 0;             ///< of the last two points on the section
@@ -484,10 +486,10 @@ class Settling final : public PassageQueue {
       search.fixed_point = next;
       if (reached <= options_.tolerance) {
         const auto [multiplier, direction] = least_attracted(search);
-        cycle.found = multiplier < 1 && !search.deflects;
+        cycle.found = multiplier < 1 && !search.may_alternate;
         if (cycle.found) return false;
         // By what was learned on the way, which may be too little: where friction is weak, multipliers are close to 1,
-        // and a contact that rings may repeat itself after several turns only.
+        // and where slips alternate the motion may repeat itself after several turns only.
         search.probed = true;
         search.strayed = infinity;
         search.start_at(next + astray * size * direction);
@@ -557,7 +559,7 @@ class Settling final : public PassageQueue {
     for (std::size_t k = 0; k < metrics_.size(); ++k) sizes.*metrics_[k]->member = fine[k];
     if (sizes.friction_max == 0)
       sizes.friction_max = search.map.system().friction_coefficient(0, search.passage.y.data());
-    cycle.ill_conditioned_stick = false;
+    cycle.ill_conditioned_stick = search.passage.touches_threshold;
     for (const double e : {options_.stick_threshold, 0.01, 0.5})
       if (std::abs(std::abs(lowest) - e * V) < 1e-3 * e * V) cycle.ill_conditioned_stick = true;
     const bool inherits = search.inherited.size() > 0;

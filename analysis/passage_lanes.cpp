@@ -22,6 +22,8 @@ constexpr double rest = 1e-11;            ///< slip rates below this part of V a
 /// Slip that comes closer to rest than this many times the tolerance of V, or would have gone no further beyond, only
 /// just sticks or just does not: one at a time is followed more closely.
 constexpr double grazing = 100;
+/// A turn of the slip rate this close to a threshold, as part of it, may lie on either side.
+constexpr double touches = 1e-3;
 }  // namespace
 
 bool PassageLanes::serves(const SliderSystem& slider) {
@@ -143,6 +145,7 @@ bool PassageLanes::take(int lane, PassageQueue& queue) {
   if (passage.record) {
     const double u = passage.y[slip_rate_index], mu = passage.slider->friction_coefficient(0, passage.y.data());
     passage.metrics = {};
+    passage.touches_threshold = false;
     for (Lanes* extreme : {&slip_rate_max_, &slip_rate_min_}) extreme->set(lane, u);
     for (Lanes* extreme : {&friction_max_, &friction_min_}) extreme->set(lane, mu);
     for (std::size_t k = 0; k < levels_.size(); ++k) {
@@ -169,24 +172,27 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
     consider(Landing::section, 0, bisect([&](double theta) { return section_value(lane, theta); }, 0, 1));
   if (!at.passage->record) return first;
   const double u0 = ensemble_.unknown_before(slip_rate_index)[lane], u1 = ensemble_.unknown(slip_rate_index)[lane];
+  const bool turned = (u0 < 0) != (u1 < 0);
   const auto crossing = [&](double value) {
     return bisect([&](double theta) { return ensemble_.interpolate(lane, slip_rate_index, theta) - value; }, 0, 1);
   };
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     const double threshold = thresholds_[k][lane];
     const bool inside = inside_[k][lane] > 0;
-    if (inside != (std::abs(u0) <= threshold)) {
-      // Just landed there, a little short; or it only grazed the threshold.
-      if (inside != (std::abs(u1) <= threshold)) cross(lane, int(k), now(lane) - ensemble_.length()[lane]);
-    } else if (inside) {
-      if (std::abs(u1) > threshold) consider(Landing::level, int(k), crossing(u1 > 0 ? threshold : -threshold));
-    } else if (std::abs(u1) <= threshold || (u0 < 0) != (u1 < 0)) {
+    const bool begins_inside = std::abs(u0) <= threshold, ends_inside = std::abs(u1) <= threshold;
+    // After a landing a step may begin a little short of the threshold; then it may only have grazed it.
+    const bool grazed = inside ? !begins_inside && !ends_inside && !turned : begins_inside && ends_inside;
+    if (grazed)
+      cross(lane, int(k), now(lane) - ensemble_.length()[lane]);
+    else if (inside && !ends_inside)
+      consider(Landing::level, int(k), crossing(u1 > 0 ? threshold : -threshold));
+    else if (!inside && !begins_inside && (ends_inside || turned))
       consider(Landing::level, int(k), crossing(u0 > 0 ? threshold : -threshold));
-    }
     if (!rings_ || (slip_rate_slope_[0][lane] > 0) == (slip_rate_slope_[1][lane] > 0)) continue;
     // The extreme within the step may reach across the threshold and back.
     const auto q = ensemble_.polynomial(lane, slip_rate_index);
     const double theta = bisect([&](double t) { return q.slope(t); }, 0, 1), peak = q.value(theta);
+    at.passage->touches_threshold |= std::abs(std::abs(peak) / threshold - 1) < touches;
     if (inside != (std::abs(peak) <= threshold)) {
       const double level = (inside ? peak : u0) > 0 ? threshold : -threshold;
       consider(Landing::level, int(k), bisect([&](double t) { return q.value(t) - level; }, 0, theta));

@@ -37,6 +37,7 @@ struct LanePassage {
   double last_step = 0;                ///< s, to go on with
   long tries = 0;                      ///< of steps
   Metrics metrics;                     ///< what was recorded
+  bool touches_threshold = false;      ///< ringing turns at a stick threshold: time within it is ill-conditioned
 };
 
 /// Supplies passages and takes them back.

@@ -14,6 +14,7 @@
 #include "laws/heating.hpp"
 #include "tests/bristol_board.hpp"
 #include "tests/laws/formula_texts.hpp"
+#include "tests/surrounded_laws.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis;
@@ -112,6 +113,33 @@ TEST_CASE("a contact spring is no obstacle", "[cycle-lanes]") {
   const Tally tally = against_one_by_one(models, cycles);
   CHECK(tally.found >= 3);  // elsewhere the damper stills the motion, or the ringing hides the threshold
   CHECK(tally.outside <= 1);
+}
+
+TEST_CASE("every law in all its surroundings is served by lanes, within the stated errors", "[cycle-lanes][long]") {
+  LaneCycleOptions options;
+  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
+  int found = 0;
+  for (auto model : rosin::tests::surrounded_laws()) {
+    model.slider = {0.5, 20, 0.3};
+    model.drive = {1e-4, 0.5, 0.0};
+    INFO(model.law->card().name << " with " << model.law->states().size() << " states, lambda " << model.lambda
+                                << ", spring " << model.contact_stiffness.tangential << ", "
+                                << model.contact_stiffness.per_load);
+    REQUIRE(PassageLanes::serves(rosin::oscillators::SliderSystem(model)));
+    const auto lane = find_cycles(std::span(&model, 1), options).front();
+    if (!lane.found) continue;
+    const auto cycle = find_cycle(model, {.tolerance = 1e-8, .multipliers = false});
+    CHECK(cycle.outcome.complete());
+    for (const auto& metric : metric_names()) {
+      if (is_stick(metric) && lane.ill_conditioned_stick) continue;
+      INFO(metric.name);
+      CHECK(std::abs(lane.metrics.*metric.member - cycle.metrics.*metric.member) <=
+            lane.error.*metric.member + cycle.error.*metric.member);
+    }
+    ++found;
+  }
+  INFO(found << " found");
+  CHECK(found >= 65);
 }
 
 TEST_CASE("bristles that deflect ring through stick in lanes too", "[cycle-lanes][long]") {
