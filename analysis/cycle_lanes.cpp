@@ -67,7 +67,6 @@ struct Search {
       : map(model),
         sticks(model.law->set_valued()),
         deflects(model.law->deflects()),
-        may_alternate(deflects || (sticks && model.law->has_states())),
         beside(!sticks && map.growth_time() == infinity) {
     // At the onset of slip the contact's states say all.
     for (const int i : map.differential())
@@ -80,7 +79,6 @@ struct Search {
   ReturnMap map;
   bool sticks;                   ///< the law is set-valued
   bool deflects;                 ///< the contact rings through each stick
-  bool may_alternate;            ///< a slip may leave another state than it began with, and be followed by another
   bool beside;                   ///< steady sliding attracts
   std::size_t starts = 0;        ///< from stick so far
   double change = 0;             ///< of the last two points on the section
@@ -486,10 +484,10 @@ class Settling final : public PassageQueue {
       search.fixed_point = next;
       if (reached <= options_.tolerance) {
         const auto [multiplier, direction] = least_attracted(search);
-        cycle.found = multiplier < 1 && !search.may_alternate;
+        cycle.found = multiplier < 1 && !search.deflects;
         if (cycle.found) return false;
         // By what was learned on the way, which may be too little: where friction is weak, multipliers are close to 1,
-        // and where slips alternate the motion may repeat itself after several turns only.
+        // and a contact that rings may repeat itself after several turns only.
         search.probed = true;
         search.strayed = infinity;
         search.start_at(next + astray * size * direction);
