@@ -606,9 +606,9 @@ class OnsetMap {
       const double now = size_of_step(step, z);
       const double known = std::max(tolerance_, 1e-14);  // no state is known better
       const bool settled = now < 10 * known || (k > 3 && now < 1e3 * known && !(now < 0.5 * change));
-      // States that count the time at rest scatter as the times at which slip stops. Then the metrics show what is
-      // left.
-      if (settled || now < 3 * scatter(period)) {
+      // States that count the time at rest scatter as the times at which slip stops. Then the metrics of two periods
+      // that both do show what is left.
+      if (settled || std::max(now, change) < 3 * scatter(period)) {
         period.closure +=
             settled ? now / std::max(1 - std::min(std::abs(change < infinity ? now / change : 0.0), 0.99), 0.01)
                     : 10 * largest_change(before, period.metrics);
