@@ -552,13 +552,15 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     if (sliding.stable && away < settled * V) break;
     if (fast && switched == solvers::Switch::none) result.closest = std::min(result.closest, std::abs(u) / V);
     if (began) fastest = std::max(fastest, std::abs(u));
-    if (began && switched == solvers::Switch::stick) {
+    if (began && fastest > V && switched == solvers::Switch::stick) {
       // Slip that only just comes to rest does so at a time that hangs on the last digits of the slip rate.
       const auto& stop = solver.stepper().state();
       system.evaluate(solver.time(), stop.data(), rate.data());
       result.landing += std::max(tolerance, 1e-15) * fastest * s.mass / std::abs(rate[system.slip_rate_index()]);
     }
     if (switched != solvers::Switch::slip || solver.upcoming() < 0) continue;
+    // The mean slip rate is V. Slip that did not pass it, such as rounding makes at its onset, is no period yet.
+    if (began && fastest == V) continue;
     if (began) {
       result.metrics = recorder.finish(period);
       result.metrics.stick_fraction = stuck / period;
