@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <vector>
 
 #include "analysis/curve.hpp"
 
@@ -11,6 +12,22 @@ namespace rosin::analysis {
 
 namespace {
 constexpr double nearly_rest = 1e-140;  // m/s: ages L/v and their slopes stay finite
+
+/// True where the force that slip of the contact meets has come to its largest or least: from there the contact's own
+/// slip rate cannot follow the force in the spring.
+bool slip_rate_turns_back(const oscillators::SliderSystem& system, double t, const double* y) {
+  const int n = system.size(), at = system.contact_slip_rate_index();
+  if (at < 0) return false;
+  constexpr double turned = 1e-3;  // of the resistance at rest
+  std::vector<double> there(y, y + n), f(n), jacobian(n * n);
+  const auto resistance = [&] {
+    system.linearise(t, there.data(), f.data(), jacobian.data());
+    return std::abs(jacobian[at * n + at]);
+  };
+  const double moving = resistance();
+  there[at] = 0;
+  return moving < turned * resistance();
+}
 
 double reference_speed(const oscillators::Model& model) { return std::max(std::abs(model.drive.speed.level()), 1e-12); }
 }  // namespace
@@ -46,6 +63,12 @@ std::optional<std::string> why_motion_ends(const oscillators::SliderSystem& syst
   const auto& model = system.model();
   const auto& law = *model.law;
   if (!law.has_states()) return std::nullopt;
+  if (slip_rate_turns_back(system, t, y))
+    return fmt::format(
+        "friction falls with the slip rate of the contact faster than its damping resists: at t = {:.9g} s that slip "
+        "rate, {:.3g} m/s, would have to jump; give the contact more damping (law.contact_stiffness.damping) or none "
+        "of its springs",
+        t, system.contact_slip_rate(t, y));
   const double N = model.drive.normal_load.value(t);
   constexpr double out_of_hand = 1e8;  // times the drive speed
   const double V = reference_speed(model);

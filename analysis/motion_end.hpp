@@ -22,6 +22,8 @@ std::optional<std::string> why_rest_lasts(const oscillators::SliderSystem&, doub
 /// - λ = 0 under a curve that rises without bound toward rest: once at rest, nothing slips again;
 /// - λ = 0 under a curve that jumps at rest: what holds there is the deflection alone;
 /// - λ = 0 under a weakening curve with no mass between it and a spring: where the curve turns back, slip would jump;
+/// - friction of a law that answers to the slip rate at once (a bristle with damping) falls with the slip rate of a
+///   contact behind a spring faster than damping resists: that rate would have to jump;
 /// - neither mass nor damping between friction and a spring: slip that weakens faster than the spring unloads reaches
 ///   infinite speed in finite time (Rice & Gu, Pure Appl. Geophys. 121, 187-219, 1983).
 std::optional<std::string> why_motion_ends(const oscillators::SliderSystem&, double t, const double* y);

@@ -402,6 +402,22 @@ TEST_CASE("a bristle without its memory does not hold at rest, and that is said"
   CHECK_THAT(cycle.outcome.detail, Catch::Contains("jumps at rest"));
 }
 
+TEST_CASE("a bristle that weakens faster than its contact resists jumps, and that is said", "[stress]") {
+  const double sigma1 = 73.673418652616647, load = 2.1150971677578797e-05;
+  auto model = slider_under(
+      "lugre",
+      {327161.3919947414, sigma1, 0.25783211105401521, 3.6453433563551521, 1.9059413136252337, 0.001473313120862926},
+      {335.18725901835313, 0.0073505041260898121, 147.69868457106494}, 0.00014981692787900943, load);
+  model.lambda = 0.30516668701075256;
+  model.contact_stiffness.tangential = 0.00072536639231633065;
+  const auto jumps = find_cycle(model);
+  CHECK(jumps.outcome.ending == Ending::none_exists);
+  CHECK_THAT(jumps.outcome.detail, Catch::Contains("would have to jump"));
+  // Friction falls by no more than some N sigma1 of the slip rate: a damper that resists more leaves nothing to jump.
+  model.contact_stiffness.damping = 10 * load * sigma1;
+  CHECK_THAT(find_cycle(model).outcome.detail, !Catch::Contains("jump"));
+}
+
 TEST_CASE("slip that just comes to rest at each swing repeats itself as closely as it is asked to", "[stress]") {
   // Its stick of a thousandth of a period is counted by the law's state, which scatters with the times of the stops.
   auto model =
