@@ -384,7 +384,8 @@ bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double 
   const double same = std::min(10 * closure, largest * map.distance(point.y, map.system().steady(0)));
   for (int fewer = 1; 2 * fewer <= point.turns; ++fewer) {
     if (point.turns % fewer != 0) continue;
-    const auto passage = map.follow(point.y, tolerance, fewer, true, true, nullptr, dip_of(point.amplitude));
+    const auto passage =
+        map.follow(point.y, tolerance, fewer, true, !point.by_differences, nullptr, dip_of(point.amplitude));
     if (!passage.outcome.complete() || map.distance(passage.end, point.y) > same) continue;
     point.turns = fewer;
     if (point.by_differences)
