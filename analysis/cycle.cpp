@@ -449,8 +449,8 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   const double magnified = std::min(1.0, point.amplitude) * std::min(1.0, 1 - spectral_radius(point, map));
   double tolerance = 0.2 * options.tolerance * magnified;
   Refined coarse = refine(map, point, tolerance, options.stick_threshold, false);
-  if (coarse.outcome.complete() && fewer_turns_do(map, point, tolerance, coarse.closure))
-    coarse = refine(map, point, tolerance, options.stick_threshold, false);
+  const bool fewer = coarse.outcome.complete() && fewer_turns_do(map, point, tolerance, coarse.closure);
+  if (fewer) coarse = refine(map, point, tolerance, options.stick_threshold, false);
   std::string worst;
   double sharpening = 0.01;
   for (int attempt = 0; attempt < 4; ++attempt) {
@@ -483,7 +483,8 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
         map.follow(point.y, std::max(tolerance, 1e-10), point.turns, true, true, nullptr, dip_of(point.amplitude));
     if (passage.outcome.complete()) point.derivative = passage.derivative;
   }
-  cycle.multipliers = multipliers_of(point.derivative, map.scale());
+  // Of fewer turns than differences were taken over, multipliers are bounded but not known.
+  if (!(fewer && point.by_differences)) cycle.multipliers = multipliers_of(point.derivative, map.scale());
   cycle.stable = cycle.multipliers.empty() || std::abs(cycle.multipliers.front()) < 1;
   const auto at_section = map.system().observe(0, point.y.data());
   cycle.section_displacement = at_section.displacement;
@@ -528,7 +529,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
   Recorder recorder(system, tolerance, stick_threshold, true);
   bool began = onset != nullptr, fast = false;
-  double elapsed = 0, period = 0, stuck = 0, fastest = V;
+  double elapsed = 0, period = 0, stuck = 0, fastest = V, lowest_x = infinity, highest_x = -infinity;
   std::vector<double> rate(system.size());
   while (elapsed < longest) {
     if (solver.stepper().count().steps > 200'000) {
@@ -546,6 +547,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       recorder.step(solver.stepper());
       period += solver.stepper().length();
       if (system.direction() == 0) stuck += solver.stepper().length();
+      lowest_x = std::min(lowest_x, solver.state()[0]), highest_x = std::max(highest_x, solver.state()[0]);
     }
     const double u = system.slip_rate(solver.time(), solver.state().data());
     fast = fast || u > V;
@@ -570,7 +572,9 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       result.orbit = std::move(recorder.orbit);
       result.onset = solver.state();
       result.onset_displacement = result.onset[0];
-      result.closure = result.landing / period;
+      // Slip begins where the spring is loaded beyond the last digits of its force.
+      const double digits = 1e-14 * std::max(std::abs(lowest_x), std::abs(highest_x));
+      result.closure = result.landing / period + digits / (highest_x - lowest_x);
       result.found = true;
       break;
     }

@@ -59,8 +59,9 @@ struct CyclePoint {
 struct Cycle {
   Outcome outcome;  ///< none_exists: no periodic motion was found (steady sliding is reached, or rest)
   Metrics metrics, error;
-  bool ill_conditioned_stick = false;             ///< the lowest speed touches ε·V: the stick fraction jumps nearby
-  std::vector<std::complex<double>> multipliers;  ///< Floquet, largest modulus first; without the trivial 1
+  bool ill_conditioned_stick = false;  ///< the lowest speed touches ε·V: the stick fraction jumps nearby
+  std::vector<std::complex<double>>
+      multipliers;  ///< Floquet, largest modulus first; without the trivial 1; empty: unknown
   bool stable = false;
   double section_displacement = 0;  ///< at v = V with v rising (slip onset for set-valued laws)
   std::vector<double> section_state;

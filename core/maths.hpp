@@ -134,4 +134,12 @@ ROSIN_INLINE Dual<Real, n> real_power(const Dual<Real, n>& x, const Dual<Real, n
                        Real(value * log(max(x.value, Real(1e-300)))));
 }
 
+/// The greater eigenvalue of a real 2 × 2 matrix with the diagonal (a, d) whose other two elements have the product
+/// `feedback` > 0: the rate at which two unknowns grow that feed each other, however fast either forgets.
+template <class Real>
+ROSIN_INLINE Real greater_eigenvalue(const Real& a, const Real& d, const Real& feedback) {
+  const Real middle = 0.5 * (a + d), half = 0.5 * (a - d), root = sqrt(half * half + feedback);
+  return select(middle > Real(0.0), Real(middle + root), Real((feedback - a * d) / (root - middle)));
+}
+
 }  // namespace rosin

@@ -21,7 +21,8 @@ struct HeatedCurve {
   /// w(y)
   Real slip_rate(const Real& y) const {
     const Real left = 1.0 - h1 / h0 * y;
-    return select(left > 0.0, Real(y / left), Real(1e300));
+    constexpr double hottest = 1e100;  // beyond all sliding, and far from overflow where it is divided by v_1
+    return select(left > 0.0, Real(y / left), Real(hottest));
   }
   Real friction(const Real& w) const { return mu_inf + mu_1 * exp(-w / v_1) + mu_2 * exp(-w / v_2); }
   /// w dμ/dw

@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/instruction_set.hpp"
+#include "core/maths.hpp"
 
 namespace rosin::oscillators {
 
@@ -188,10 +189,12 @@ void SliderLanes::pace(const Lanes* y, Lanes& growth_rate, Lanes& acceleration) 
     Pack& rate = growth_rate.pack[p];
     acceleration.pack[p] = f[1].pack[p] / m[1].pack[p];
     for (int i = 1; i < n; ++i) {
-      rate = max(rate, jacobian[i * n + i].pack[p] / m[i].pack[p]);
+      const Pack own = jacobian[i * n + i].pack[p] / m[i].pack[p];
+      rate = max(rate, own);
       for (int j = 1; j < i; ++j) {
-        const Pack feedback = jacobian[i * n + j].pack[p] * jacobian[j * n + i].pack[p];
-        rate = max(rate, sqrt(max(feedback, Pack(0.0)) / (m[i].pack[p] * m[j].pack[p])));
+        const Pack feedback = jacobian[i * n + j].pack[p] * jacobian[j * n + i].pack[p] / (m[i].pack[p] * m[j].pack[p]);
+        const Pack together = greater_eigenvalue(own, Pack(jacobian[j * n + j].pack[p] / m[j].pack[p]), feedback);
+        rate = select(feedback > Pack(0.0), max(rate, together), rate);
       }
     }
   });

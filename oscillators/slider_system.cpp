@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <limits>
 
 #include "core/tower.hpp"
 
@@ -496,13 +497,12 @@ double SliderSystem::holding_limit(double t, const double* y) const {
 }
 
 void SliderSystem::release(double t, double* y) const {
+  constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
+  const double k = model_.slider.stiffness, sure = digits * (holding_limit(t, y) + k * std::abs(y[0]));
   std::vector<double> f(size());
-  constexpr int most_digits = 60;
-  for (int digit = 0; digit < most_digits; ++digit) {
-    evaluate(t, y, f.data());
-    if (!(direction_ * f[1] < 0)) return;
-    y[0] = std::nextafter(y[0], direction_ * infinity);
-  }
+  evaluate(t, y, f.data());
+  const double driving = direction_ * f[1];
+  if (k > 0 && driving < sure) y[0] += direction_ * (sure - driving) / k;
 }
 
 void SliderSystem::stop(double* y) const {

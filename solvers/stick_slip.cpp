@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/maths.hpp"
+
 namespace rosin::solvers {
 
 namespace {
@@ -26,15 +28,16 @@ double StickSlip::growth_time() {
   const int n = system_.size();
   system_.linearise(time(), state().data(), work_.data(), jacobian_.data());
   system_.mass(time(), mass_.data());
-  double shortest = infinity;
+  double fastest = 0;
   for (int i = 0; i < n; ++i) {
-    if (jacobian_[i * n + i] > 0) shortest = std::min(shortest, mass_[i] / jacobian_[i * n + i]);
+    const double own = jacobian_[i * n + i] / mass_[i];
+    fastest = std::max(fastest, own);
     for (int j = 0; j < i; ++j) {
-      const double feedback = jacobian_[i * n + j] * jacobian_[j * n + i];
-      if (feedback > 0) shortest = std::min(shortest, std::sqrt(mass_[i] * mass_[j] / feedback));
+      const double feedback = jacobian_[i * n + j] * jacobian_[j * n + i] / (mass_[i] * mass_[j]);
+      if (feedback > 0) fastest = std::max(fastest, greater_eigenvalue(own, jacobian_[j * n + j] / mass_[j], feedback));
     }
   }
-  return shortest;
+  return fastest > 0 ? 1 / fastest : infinity;
 }
 
 /// Time in which slip that slows down halves. Friction may turn over within a small part of the reference speed just

@@ -453,3 +453,57 @@ TEST_CASE("ringing on a film that a run cannot follow to its end is counted", "[
   const double omega = std::sqrt((model.slider.stiffness + 1e-8 * 1e9 / (model.lambda * 1e-9)) / model.slider.mass);
   CHECK_THAT(followed.outcome.detail, Catch::Contains(fmt::format("rings with {:.3g} rad/s", omega)));
 }
+
+TEST_CASE("heat that is gone within 1e-7 of a slip does not hold its steps", "[stress]") {
+  // Then friction follows the curve of steady sliding.
+  const oscillators::Slider slider{110.60805470885502, 202.27066491033651, 3.8439392731208124};
+  const double V = 0.00045540887973891136, N = 3.8485042026233818;
+  const double mu_inf = 0.11752786743193777, mu_1 = 0.53408144591815643, v_1 = 0.054403551227559126,
+               mu_2 = 0.33436500973515476, v_2 = 1.1243027906980536;
+  Model model = slider_under("thermal-disc",
+                             {mu_inf, mu_1, v_1, mu_2, v_2, 2.8022988424202327e-07, 19.2192658401611,
+                              0.41515418750918776, 1.0, 0.0, 942.779609663305},
+                             slider, V, N);
+  model.lambda = 0.15620812240438806;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.cost.steps < 20'000);
+  const auto curve = find_cycle(slider_under("two-exponential", {mu_inf, mu_1, v_1, mu_2, v_2}, slider, V, N));
+  REQUIRE(curve.outcome.complete());
+  CHECK(cycle.metrics.period == Approx(curve.metrics.period).epsilon(1e-5));
+  CHECK(cycle.metrics.slip_rate_max == Approx(curve.metrics.slip_rate_max).epsilon(1e-5));
+}
+
+TEST_CASE("slip that feeds itself within 1e-7 s begins though the load takes 1e-3 s for a digit", "[stress]") {
+  const oscillators::Slider slider{2.3978973692283655e-05, 0.15573245442549336, 28.256068005290938};
+  const double V = 6.7065075286857852e-09, N = 9703.2721907455361;
+  const double mu_inf = 0.71365209251316641, mu_1 = 0.20562928484517984, mu_2 = 0.23729601615587642;
+  Model model =
+      slider_under("thermal",
+                   {mu_inf, mu_1, 0.00052680721731381919, mu_2, 3.7116626985891639, 7.9214428616353568e-05,
+                    0.00010907716484894348, 2.6133560126471069e-05, 0.86915250923840082, 0.014194115278911621},
+                   slider, V, N);
+  model.lambda = 0.008152056747148315;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  // Slip takes no time beside the load: the drive makes good what it unloads the spring by, down to a little above the
+  // least friction.
+  const auto& m = cycle.metrics;
+  CHECK(m.friction_max == Approx(mu_inf + mu_1 + mu_2).epsilon(1e-12));
+  CHECK(m.period == Approx(N * (m.friction_max - m.friction_min) / (slider.stiffness * V)).epsilon(1e-2));
+  CHECK(cycle.cost.steps < 50'000);
+}
+
+TEST_CASE("slip hotter than any steady sliding keeps its derivatives", "[stress]") {
+  // h1/h0 bounds the temperature of steady sliding at the load N_ref; a larger one rises beyond.
+  Model model = slider_under(
+      "thermal-disc",
+      {0.17181197647607901, 1.2070692613809408, 1.6319543606258784e-07, 0.62546001073735813, 0.0083029340889577159,
+       0.12021253839458883, 0.082045753949010078, 1.7038717141622586, 1.0, 6.7272908344463451e-05, 103.20991165488056},
+      {11.611021946046218, 53598.878726838208, 1111180.3920725191}, 0.052532753121183502, 38585422728.933914);
+  model.lambda = 676.67319448392209;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.metrics.friction_max == Approx(0.17181197647607901 + 1.2070692613809408 + 0.62546001073735813));
+  CHECK(cycle.metrics.slip_rate_mean == Approx(0.052532753121183502).epsilon(1e-6));
+}
