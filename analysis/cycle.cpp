@@ -66,12 +66,20 @@ bool is_stick(const MetricName& metric) {
          metric.member == &Metrics::stick_fraction_05;
 }
 
+namespace {
+/// Damping of the slider and of steady friction that rises with the slip rate together, N s/m.
+double resistance(const Model& model) {
+  const double N = model.drive.normal_load.level(), V = model.drive.speed.level();
+  return model.slider.damping + N * std::max(model.law->steady_friction({V, N}).slope, 0.0);
+}
+bool overdamped(const Model& model) {
+  return resistance(model) > 2 * std::sqrt(model.slider.mass * model.slider.stiffness);
+}
+}  // namespace
+
 double swing_time(const Model& model) {
   const auto& s = model.slider;
-  const double N = model.drive.normal_load.level(), V = model.drive.speed.level();
-  const double damping = s.damping + N * std::max(model.law->steady_friction({V, N}).slope, 0.0);
-  const bool overdamped = damping > 2 * std::sqrt(s.mass * s.stiffness);
-  return overdamped ? damping / s.stiffness : 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
+  return overdamped(model) ? resistance(model) / s.stiffness : 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
 }
 
 namespace {
@@ -493,23 +501,29 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   return cycle;
 }
 
+/// True where the contact carries states of its own.
+bool remembers(const Model& model) { return model.law->has_states() && model.lambda > 0; }
+
 /// One period of stick–slip: from one onset of slip along the drive to the next.
 struct StickSlipPeriod {
   Outcome outcome;
   Metrics metrics;
   std::vector<CyclePoint> orbit;
   std::vector<double> onset;  ///< unknowns where the period ends
+  int slips = 1;              ///< in the period
   double onset_displacement = 0;
   double closure = 0;  ///< relative error that is left because the period does not quite return
   bool found = false;
   double closest = infinity;  ///< lowest slip rate after the first half of a slip, over the drive speed
+  bool grazes = false;        ///< slip comes to rest or not by less than the tolerance tells
+  double rounding = 0;        ///< relative error that rounding of the slip rate makes where it just comes to rest
   double landing = 0;         ///< to which the times at which slip stops are known together (s)
   long steps = 0, evaluations = 0;
 };
 
-/// The period that begins at the `onset` of slip, or else the first full one after stick from rest.
+/// The period of so many slips that begins at the `onset` of slip, or else the first full one after stick from rest.
 StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double stick_threshold,
-                                  const std::vector<double>* onset = nullptr) {
+                                  const std::vector<double>* onset = nullptr, int slips = 1) {
   StickSlipPeriod result;
   SliderSystem system(model);
   solvers::StickSlip solver(system, tolerance);
@@ -523,13 +537,20 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   const double natural = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
   const double longest = 300 * natural + 10 * std::abs(system.loaded_at_rest(rest, 1)[0]) / V;
   solver.rewind_at_switches();  // a slip may be far shorter than the last digit of the stick before it
-  solver.bound_slip_step(0.1 * swing_time(model));
   const auto sliding = stability(model);
-  const double frequency = std::sqrt(s.stiffness / s.mass);
+  const double frequency = std::sqrt(s.stiffness / s.mass), swing = swing_time(model);
+  solver.bound_slip_step(0.1 * swing);
   constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
+  constexpr double last_digits = 8 * std::numeric_limits<double>::epsilon();
+  // Slip rate that the last digits of the spring's force make.
+  const double noise = last_digits * s.stiffness * std::abs(sliding.steady.displacement) /
+                       std::max(resistance(model), std::sqrt(s.stiffness * s.mass));
+  constexpr double many = 300, quiet_enough = 20;  // swings
+  double quiet = 0, slipping = 0;                  // s, in which slip has gone at the drive's speed, or gone on at all
   Recorder recorder(system, tolerance, stick_threshold, true);
   bool began = onset != nullptr, fast = false;
-  double elapsed = 0, period = 0, stuck = 0, fastest = V, lowest_x = infinity, highest_x = -infinity;
+  double elapsed = 0, period = 0, stuck = 0, fastest = V, highest = 0, slip = 0, lowest_x = infinity,
+         highest_x = -infinity;
   std::vector<double> rate(system.size());
   while (elapsed < longest) {
     if (solver.stepper().count().steps > 200'000) {
@@ -552,18 +573,48 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     const double u = system.slip_rate(solver.time(), solver.state().data());
     fast = fast || u > V;
     const double away = std::hypot(u - V, frequency * (solver.state()[0] - sliding.steady.displacement));
-    if (sliding.stable && away < settled * V) break;
-    if (fast && switched == solvers::Switch::none) result.closest = std::min(result.closest, std::abs(u) / V);
+    quiet = std::abs(u - V) < settled * V + noise ? quiet + solver.stepper().length() : 0;
+    slipping = system.direction() != 0 && switched == solvers::Switch::none ? slipping + solver.stepper().length() : 0;
+    if (sliding.stable && (away < settled * V + noise || quiet > quiet_enough * swing)) break;
+    // Without memory slip that has gone on for so long has found its own cycle.
+    if (slipping > many * swing && !remembers(model)) break;
+    if (fast && switched == solvers::Switch::none) result.closest = std::min(result.closest, solver.lowest() / V);
     if (began) fastest = std::max(fastest, std::abs(u));
-    if (began && fastest > V && switched == solvers::Switch::stick) {
-      // Slip that only just comes to rest does so at a time that hangs on the last digits of the slip rate.
-      const auto& stop = solver.stepper().state();
-      system.evaluate(solver.time(), stop.data(), rate.data());
-      result.landing += std::max(tolerance, 1e-15) * fastest * s.mass / std::abs(rate[system.slip_rate_index()]);
+    const double before = highest, slip_before = slip;  // of this slip
+    slip = std::abs(u);
+    highest = system.direction() == 0 || switched != solvers::Switch::none ? 0 : std::max(highest, std::abs(u));
+    if (began && before > V) {
+      const double lowest = std::min(solver.lowest(), slip_before);
+      double dip = switched == solvers::Switch::none && 2 * lowest < slip ? lowest : infinity;
+      if (switched == solvers::Switch::stick) {
+        // Slip that only just comes to rest does so at a time that hangs on the last digits of the slip rate.
+        const auto& stop = solver.stepper().state();
+        system.evaluate(solver.time(), stop.data(), rate.data());
+        const double slowing = std::abs(rate[system.slip_rate_index()]) / s.mass;
+        result.landing += std::max(tolerance, 1e-15) * before / slowing;
+        dip = 0.5 * slowing * slowing * s.mass / (s.stiffness * V);  // to which the spring would have let it go on
+      }
+      // The last digits of the highest slip rate, unless damping makes slip forget them, are lost where it comes to
+      // rest, and with them that part of how hard it does.
+      constexpr double known = 1e-16, grazing = 100;
+      const double lost = overdamped(model) ? 0 : known * before / dip;
+      result.grazes = result.grazes || grazing * tolerance * lost > known;
+      result.rounding += lost;
+      if (lost > 1) {
+        result.outcome = {
+            Ending::tolerance_not_met,
+            fmt::format("at {:.1e} of the highest slip rate, which is rounding, slip comes to rest or not",
+                        dip / before)};
+        break;
+      }
     }
     if (switched != solvers::Switch::slip || solver.upcoming() < 0) continue;
     // The mean slip rate is V. Slip that did not pass it, such as rounding makes at its onset, is no period yet.
     if (began && fastest == V) continue;
+    if (began && --slips > 0) {
+      fastest = V;
+      continue;
+    }
     if (began) {
       result.metrics = recorder.finish(period);
       result.metrics.stick_fraction = stuck / period;
@@ -574,7 +625,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       result.onset_displacement = result.onset[0];
       // Slip begins where the spring is loaded beyond the last digits of its force.
       const double digits = 1e-14 * std::max(std::abs(lowest_x), std::abs(highest_x));
-      result.closure = result.landing / period + digits / (highest_x - lowest_x);
+      result.closure = result.landing / period + digits / (highest_x - lowest_x) + result.rounding;
       result.found = true;
       break;
     }
@@ -588,8 +639,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
 /// The return of contact states from onset to onset, about the fixed point that periods from stick lead to.
 class OnsetMap {
  public:
-  OnsetMap(const Model& model, double tolerance, double stick_threshold)
-      : model_(model), system_(model), tolerance_(tolerance), stick_threshold_(stick_threshold) {
+  OnsetMap(const Model& model, double tolerance, double stick_threshold, int slips = 1)
+      : model_(model), system_(model), tolerance_(tolerance), stick_threshold_(stick_threshold), slips_(slips) {
     std::vector<double> s(system_.size());
     const std::vector<double> rest(system_.size());
     system_.scale(rest.data(), s.data());
@@ -601,41 +652,56 @@ class OnsetMap {
     auto period = stick_slip_period(model_, tolerance_, stick_threshold_);
     if (!period.found || scale_.size() == 0) return period;  // without memory stick forgets the past
     long steps = period.steps, evaluations = period.evaluations;
-    constexpr int most_periods = 60;
+    constexpr int most_periods = 400;
+    constexpr long most_steps = 200'000;
     VectorXd z = states_of(period);
-    double change = infinity;
-    for (int k = 0; k < most_periods && period.found; ++k) {
+    std::vector<VectorXd> onsets, changes;  // of the last periods, as long as they belong together
+    double change = infinity, change_before = infinity, closest = infinity;
+    VectorXd closest_image;
+    bool leapt = false;
+    for (int k = 0; k < most_periods && steps < most_steps && period.found; ++k) {
       const Metrics before = period.metrics;
       period = period_from(z);
       if (!period.found) break;
       steps += period.steps, evaluations += period.evaluations;
       const VectorXd step = states_of(period) - z;
       const double now = size_of_step(step, z);
+      onsets.push_back(z), changes.push_back(step);
+      const VectorXd onward = accelerated(onsets, changes);
       const double known = std::max(tolerance_, 1e-14);  // no state is known better
       const bool settled = now < 10 * known || (k > 3 && now < 1e3 * known && !(now < 0.5 * change));
       // States that count the time at rest scatter as the times at which slip stops. Then the metrics of two periods
       // that both do show what is left.
       if (settled || std::max(now, change) < 3 * scatter(period)) {
         period.closure +=
-            settled ? now / std::max(1 - std::min(std::abs(change < infinity ? now / change : 0.0), 0.99), 0.01)
-                    : 10 * largest_change(before, period.metrics);
-        period.steps = steps, period.evaluations = evaluations;
+            settled ? std::max(now, size_of_step(onward, z)) : 10 * largest_change(before, period.metrics);
+        period.steps = steps, period.evaluations = evaluations, period.slips = slips_;
         return period;
       }
-      // Plain periods lead to what attracts; where they come in slowly, Newton's method goes the rest.
-      z += step;
-      if (k > 1 && now > 0.1 * change && now < 0.3) {
-        const MatrixXd D = derivative(z - step);
-        const VectorXd newton = (MatrixXd::Identity(z.size(), z.size()) - D).partialPivLu().solve(step);
-        const auto there = newton.allFinite() ? period_from(z - step + newton) : StickSlipPeriod{};
-        if (there.found && size_of_step(states_of(there) - (z - step + newton), z) < 0.5 * now) z += newton - step;
+      if (slips_ == 1 && alternate(onsets, z + step, now)) {
+        onsets.clear(), changes.clear();
+        closest = change = infinity;
+        z += step;
+        continue;
       }
+      // Plain periods lead to what attracts; where they come in, what they have in common leads there faster.
+      constexpr int plain = 6;
+      constexpr double comes_in = 0.9999;
+      if (leapt && now > 2 * closest) {
+        onsets.clear(), changes.clear();
+        z = closest_image;
+        leapt = false;
+      } else {
+        if (now < closest) closest = now, closest_image = z + step;
+        leapt = k >= plain && std::max(now / change, change / change_before) < comes_in;
+        z += leapt ? onward : step;
+      }
+      change_before = change;
       change = now;
     }
     if (period.found) {
       period.found = false;
-      period.outcome = {Ending::budget_spent,
-                        fmt::format("stick and slip do not repeat themselves within {} periods", most_periods)};
+      period.outcome = {Ending::budget_spent, "stick and slip do not come to repeat themselves"};
     }
     return period;
   }
@@ -661,6 +727,38 @@ class OnsetMap {
   /// States are measured by themselves: a time at rest may be small or large beside its natural size.
   VectorXd sizes_at(const VectorXd& z) const { return z.cwiseAbs().cwiseMax(1e-12 * scale_); }
   double size_of_step(const VectorXd& step, const VectorXd& z) const { return step.cwiseQuotient(sizes_at(z)).norm(); }
+  /// The way from the last onset to the one that repeats itself: Anderson mixing of the last periods, and no farther
+  /// than half of what each state is.
+  VectorXd accelerated(std::vector<VectorXd>& onsets, std::vector<VectorXd>& changes) const {
+    constexpr std::size_t depth = 6;
+    const VectorXd z = onsets.back(), step = changes.back(), sizes = sizes_at(z);
+    const std::size_t m = std::min({depth, onsets.size() - 1, std::size_t(z.size())});
+    if (m == 0) return step;
+    MatrixXd moved(z.size(), m), differed(z.size(), m);
+    for (std::size_t i = 0; i < m; ++i) {
+      const std::size_t at = onsets.size() - 1 - i;
+      moved.col(i) = (onsets[at] - onsets[at - 1]).cwiseQuotient(sizes);
+      differed.col(i) = (changes[at] - changes[at - 1]).cwiseQuotient(sizes);
+    }
+    const VectorXd share = differed.colPivHouseholderQr().solve(step.cwiseQuotient(sizes));
+    VectorXd onward = step - ((moved + differed) * share).cwiseProduct(sizes);
+    if (!onward.allFinite()) return step;
+    constexpr double most = 0.5;
+    const double farthest = onward.cwiseQuotient(sizes).cwiseAbs().maxCoeff();
+    return farthest > most ? VectorXd(onward * (most / farthest)) : onward;
+  }
+  /// True if slips of two kinds or more follow each other by turns: a period then holds as many. `change`: from the
+  /// last onset to z.
+  bool alternate(const std::vector<VectorXd>& onsets, const VectorXd& z, double change) {
+    constexpr std::size_t settled = 8, most = 8;
+    constexpr double alike = 1e-3, apart = 1e-3;
+    for (std::size_t n = 2; n <= most && onsets.size() >= settled + n && change > apart; ++n)
+      if (size_of_step(z - onsets[onsets.size() - n], z) < alike * change) {
+        slips_ = int(n);
+        return true;
+      }
+    return false;
+  }
   /// Of the states at the onset that ends a period.
   double scatter(const StickSlipPeriod& period) {
     std::vector<double> f(system_.size()), mass(system_.size());
@@ -683,7 +781,7 @@ class OnsetMap {
     std::vector<double> y(system_.size());
     std::copy(z.data(), z.data() + z.size(), y.begin() + mechanical);
     const auto onset = system_.loaded_at_rest(system_.observe(0, y.data()).state, 1);
-    return stick_slip_period(model_, tolerance_, stick_threshold_, &onset);
+    return stick_slip_period(model_, tolerance_, stick_threshold_, &onset, slips_);
   }
   MatrixXd derivative(const VectorXd& z) const {
     const int n = int(z.size());
@@ -701,6 +799,7 @@ class OnsetMap {
   const Model& model_;
   SliderSystem system_;
   double tolerance_, stick_threshold_;
+  int slips_;       ///< in a period
   VectorXd scale_;  ///< of the contact's states
 };
 
@@ -787,9 +886,6 @@ std::optional<double> balanced_swing(const Model& model, double tolerance) {
   return std::nullopt;
 }
 
-/// True where the contact carries states of its own.
-bool remembers(const Model& model) { return model.law->has_states() && model.lambda > 0; }
-
 /// True where friction never falls with slip rate, not even from rest: then two motions never part, and none repeats
 /// itself but steady sliding (or free oscillation about it, which nothing attracts).
 bool never_weakens(const Model& model) {
@@ -821,8 +917,8 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       // Slip that only just comes to rest is missed by a solution that is not better than the miss.
       auto period = OnsetMap(model, tol, options.stick_threshold).cycle();
       constexpr double grazing = 1e-3, sharp = 1e-14;
-      if (!period.found && period.outcome.complete() && period.closest < grazing && tol > sharp)
-        period = OnsetMap(model, sharp, options.stick_threshold).cycle();
+      const bool missed = !period.found && period.outcome.complete() && period.closest < grazing;
+      if ((period.grazes || missed) && tol > sharp) period = OnsetMap(model, sharp, options.stick_threshold).cycle();
       return period;
     }
     const auto swing = balanced_swing(model, tol);
@@ -839,6 +935,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   }
   std::string worst;
   std::vector<double> onset;
+  int slips = 1;
   double sharpening = 0.01;
   for (int attempt = 0; attempt < 4; ++attempt) {
     tolerance = std::max(sharpening * tolerance, solvers::Collocation::least_tolerance);
@@ -861,7 +958,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     cycle.metrics = fine.metrics;
     cycle.orbit = fine.orbit;
     cycle.section_displacement = fine.onset_displacement;
-    if (sticks) onset = fine.onset;
+    if (sticks) onset = fine.onset, slips = fine.slips;
     cycle.outcome = {};
     if (reached <= options.tolerance) break;
     cycle.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
@@ -870,7 +967,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     coarse = std::move(fine);
   }
   if (sticks) {
-    cycle.multipliers = OnsetMap(model, 1e-10, options.stick_threshold).multipliers(onset);
+    cycle.multipliers = OnsetMap(model, 1e-10, options.stick_threshold, slips).multipliers(onset);
     if (remembers(model)) cycle.section_state = SliderSystem(model).observe(0, onset.data()).state;
   } else {
     const double swing = cycle.section_displacement - steady_sliding(model).displacement, h = 1e-4 * swing;

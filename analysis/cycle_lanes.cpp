@@ -151,6 +151,8 @@ struct Search {
     slowest = derivative.norm();
   }
   double slowest = 0;  ///< bound on the multipliers, as far as known
+  /// Of the last turn, over the cycle's size: what it left over, and the step that was to make it good.
+  double residual = 0, stepped = 0;
   /// How far the fixed point is from the start of a visit.
   VectorXd newton_step(const Visit& visit) const {
     const VectorXd change = visit.image - visit.start;
@@ -484,12 +486,15 @@ class Settling final : public PassageQueue {
       search.fixed_point = next;
       if (reached <= options_.tolerance) {
         const auto [multiplier, direction] = least_attracted(search);
-        cycle.found = multiplier < 1 && !search.deflects;
+        constexpr double surely = 0.9;
+        cycle.found = multiplier < surely && !search.deflects;
         if (cycle.found) return false;
         // By what was learned on the way, which may be too little: where friction is weak, multipliers are close to 1,
-        // and a contact that rings may repeat itself after several turns only.
+        // below it or above, and a contact that rings may repeat itself after several turns only.
         search.probed = true;
         search.strayed = infinity;
+        search.residual = (image - visit.start).norm() / size;
+        search.stepped = step.norm() / size;
         search.start_at(next + astray * size * direction);
         return true;
       }
@@ -505,8 +510,9 @@ class Settling final : public PassageQueue {
   }
 
   /// True if another passage is wanted to see whether motion that has strayed from the cycle comes back to it. After
-  /// one turn it lies where it is least attracted.
-  static bool probe(Search& search, const VectorXd& image, LaneCycle& cycle) {
+  /// one turn it lies where it is least attracted. How fast it comes tells how far off the cycle what the last turn
+  /// left over was: where that is more than was thought, and than the tolerance, the cycle is not known.
+  bool probe(Search& search, const VectorXd& image, LaneCycle& cycle) const {
     const double before = search.strayed, size = search.size_at(search.fixed_point);
     search.strayed = (image - search.fixed_point).norm();
     const bool back = search.strayed < 0.1 * astray * size;
@@ -515,6 +521,11 @@ class Settling final : public PassageQueue {
       return true;
     }
     cycle.found = back || search.strayed < before;
+    if (back || !cycle.found) return false;
+    const double off = search.residual / (1 - search.strayed / before) - search.stepped;
+    cycle.found = off < options_.tolerance;
+    for (const auto& metric : metrics_)
+      cycle.error.*metric->member += 2 * std::max(off, 0.0) * size_of(*metric, cycle.metrics, search.map.drive_speed());
     return false;
   }
 

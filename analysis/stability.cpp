@@ -19,6 +19,7 @@ using oscillators::Mechanics;
 using oscillators::SliderSystem;
 using Complex = std::complex<double>;
 using Matrix = Eigen::MatrixXd;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using ComplexMatrix = Eigen::MatrixXcd;
 using Vector = Eigen::VectorXd;
 using ComplexVector = Eigen::VectorXcd;
@@ -29,7 +30,7 @@ namespace {
 struct Linearisation {
   SliderSystem system;
   std::vector<double> y;
-  Matrix J;
+  Matrix J, size;  ///< of what each entry of J was summed from, as far as rounding of y shows it
   Vector mass, scale;
 
   explicit Linearisation(const Model& model) : system(frozen(model), Unknowns::states) {
@@ -41,7 +42,17 @@ struct Linearisation {
     system.linearise(0, y.data(), f.data(), jacobian.data());
     system.mass(0, mass.data());
     system.scale(y.data(), scale.data());
-    J = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobian.data(), n, n);
+    const auto read = [&] { return Eigen::Map<RowMajor>(jacobian.data(), n, n); };
+    J = read();
+    // Entries may be differences of larger numbers: what the last digits of y change is not known.
+    size = J.cwiseAbs();
+    constexpr double digits = 2 * std::numeric_limits<double>::epsilon();
+    for (const double pattern : {1.0, -0.7, 0.4}) {
+      auto beside = y;
+      for (int i = 0; i < n; ++i) beside[i] *= 1 + digits * (i % 2 ? pattern : -pattern * pattern);
+      system.linearise(0, beside.data(), f.data(), jacobian.data());
+      size = size.cwiseMax((read() - J).cwiseAbs() / entry_rounding);
+    }
   }
 
   /// Signals replaced by their levels.
@@ -60,9 +71,10 @@ struct Linearisation {
     if (!J.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
     std::vector<Eigenvalue> list;
     if (constexpr int largest_expanded = 14; mass.size() <= largest_expanded) {
-      const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = J;
+      const RowMajor rows = J, sizes = size;
+      const auto count = std::size_t(rows.size());
       const auto roots =
-          characteristic_roots({rows.data(), std::size_t(rows.size())}, {mass.data(), std::size_t(mass.size())});
+          characteristic_roots({rows.data(), count}, {mass.data(), std::size_t(mass.size())}, {sizes.data(), count});
       for (std::size_t i = 0; i < roots.values.size(); ++i)
         list.push_back({roots.values[i], roots.errors[i], roots.real_errors[i]});
     } else {
@@ -262,7 +274,8 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
   const double here = model.get(parameter);
   if (!(here > 0) || !std::isfinite(here)) return {};
   const double low = std::max(here * std::pow(10.0, -decades), std::max(quantity.range.low, 1e-290));
-  const double high = std::min(here * std::pow(10.0, decades), quantity.range.high);
+  const double high = std::min({here * std::pow(10.0, decades), quantity.range.high, 1e290});
+  if (!(low < high)) return {};
   const auto at = [&](double w) { return growth(model.with(parameter, std::clamp(std::exp(w), low, high))); };
   std::vector<HopfPoint> found;
   constexpr int points_per_decade = 12;
@@ -275,19 +288,20 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
     if (before && now && now->decided() && (before->rate > 0) != (now->rate > 0)) {
       std::uintmax_t iterations = 100;
       const auto rate = [&](double x) {
-        const auto g = at(x);
+        const auto g = std::isfinite(x) ? at(x) : std::nullopt;
         return g ? g->rate : NAN;
       };
       const auto [a, b] = boost::math::tools::toms748_solve(rate, w_before, w, before->rate, now->rate,
                                                             boost::math::tools::eps_tolerance<double>(52), iterations);
       const double root = 0.5 * (a + b);
-      const auto there = at(root);
+      const auto there = std::isfinite(root) ? at(root) : std::nullopt;
       if (there && there->frequency > 0) {
         HopfPoint point{std::string(parameter), std::exp(root), 0, there->frequency, {}, 0, false};
         // The slope of the growth rate turns its error into one of the value.
         const double step = 1e-4;
         const double slope = std::abs(rate(root + step) - rate(root - step)) / (2 * step);
         point.value_error = point.value * ((b - a) + 1e-15 + there->error / std::max(slope, 1e-300));
+        if (!(point.value_error < point.value)) continue;  // the sign changes by rounding
         const auto closed =
             parameter == "drive.normal_load" && model.slider.mass >= 0 ? [&]() -> std::optional<double> {
           const auto c = critical_load(model);

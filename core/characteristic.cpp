@@ -14,7 +14,6 @@ namespace {
 
 using Real = long double;  // for its exponents: products of rates leave the range of double
 using Complex = std::complex<Real>;
-constexpr Real entry_rounding = 4e-15L;
 
 /// Coefficients of a polynomial in s, and the sum of the magnitudes that each was summed from.
 struct Polynomial {
@@ -24,7 +23,7 @@ struct Polynomial {
 /// det(J − s M) by rows: the minors of the first rows in all choices of columns follow from those of one row less.
 /// Only those that are not empty are kept: of heat in many parts, which answer to the slip alone, they are few, and
 /// fewest where rows of few entries come first.
-Polynomial expand(std::span<const double> J, std::span<const double> mass) {
+Polynomial expand(std::span<const double> J, std::span<const double> mass, std::span<const double> sizes) {
   const std::size_t n = mass.size(), terms = n + 1, choices = std::size_t(1) << n;
   std::vector<std::size_t> order(n), entries(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -44,7 +43,8 @@ Polynomial expand(std::span<const double> J, std::span<const double> mass) {
     for (std::size_t column = 0; column < n; ++column) {
       if (columns >> column & 1) continue;
       const Real entry = J[order[row] * n + order[column]], inertia = row == column ? Real(mass[order[row]]) : Real(0);
-      if (entry != 0 || inertia != 0) {
+      const Real entry_size = sizes.empty() ? std::abs(entry) : Real(sizes[order[row] * n + order[column]]);
+      if (entry != 0 || entry_size != 0 || inertia != 0) {
         auto& further = place[columns | std::size_t(1) << column];
         if (further == none) {
           further = std::uint32_t(value.size() / terms);
@@ -54,7 +54,7 @@ Polynomial expand(std::span<const double> J, std::span<const double> mass) {
         const std::size_t next = further * terms;
         for (std::size_t k = 0; k <= row + 1; ++k) {
           value[next + k] += sign * entry * value[minor + k];
-          size[next + k] += std::abs(entry) * size[minor + k];
+          size[next + k] += entry_size * size[minor + k];
           if (k > 0) {
             value[next + k] -= sign * inertia * value[minor + k - 1];
             size[next + k] += inertia * size[minor + k - 1];
@@ -105,9 +105,10 @@ Complex newton_correction(const std::vector<Real>& a, Complex x) {
 
 }  // namespace
 
-CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::span<const double> mass) {
+CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::span<const double> mass,
+                                         std::span<const double> sizes) {
   const std::size_t n = mass.size();
-  Polynomial p = expand(jacobian, mass);
+  Polynomial p = expand(jacobian, mass, sizes);
   // What is no more than the rounding of its terms is zero.
   std::size_t degree = n;
   for (std::size_t k = 0; k <= n; ++k)

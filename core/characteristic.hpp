@@ -11,12 +11,16 @@ namespace rosin {
 
 struct CharacteristicRoots {
   std::vector<std::complex<double>> values;
-  /// Absolute errors of the roots, and of their real parts alone, for entries of J and M known to 2e-15 of their size.
+  /// Absolute errors of the roots, and of their real parts alone, for entries of J and M known to 4e-15 of their size.
   std::vector<double> errors, real_errors;
 };
 
 /// \param jacobian row-major n × n. \param mass diagonal of M; zero rows are algebraic and lower the degree.
+/// \param sizes of the entries of J, which are known to 4e-15 of these; their own magnitudes if empty.
 /// NaN throughout where an entry is not finite. Costs n!, so n ≤ 6 is meant.
-CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::span<const double> mass);
+CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::span<const double> mass,
+                                         std::span<const double> sizes = {});
+/// The part of their sizes that entries are known to.
+inline constexpr double entry_rounding = 4e-15;
 
 }  // namespace rosin

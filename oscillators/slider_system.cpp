@@ -22,8 +22,9 @@ double compliance_at(const SeriesSpring& spring, double N) {
   return spring.compliance + spring.compliance_per_load / N;
 }
 
-constexpr double creep_share =
-    1e-14;  ///< of the reference speed: slip beside the law's at the friction of steady sliding
+/// Slip beside the law's at the friction of steady sliding, as part of the reference speed: without memory a start from
+/// rest slips by 1e-14 of it, which must not show it.
+constexpr double creep_share = 1e-14, creep_share_without_memory = 1e-24;
 constexpr double nearly_stuck = 1e-6;  ///< of the reference speed: below it the slip rate is read from friction
 }  // namespace
 
@@ -88,7 +89,8 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   const double friction_scale = carries_friction() ? contact_scale_[0] : 0.1;
   const auto& s = model_.slider;
   if (mechanics_ == Mechanics::inertial && rigid() && carries_friction())
-    creep_ = creep_share * reference_speed_ / std::max(std::abs(z[0]), 0.1 * friction_scale);
+    creep_ = (model_.lambda == 0 ? creep_share_without_memory : creep_share) * reference_speed_ /
+             std::max(std::abs(z[0]), 0.1 * friction_scale);
   displacement_scale_ =
       mechanics_ == Mechanics::inertial && s.stiffness > 0
           ? reference_speed_ * std::sqrt(s.mass / s.stiffness) + start.load * friction_scale / s.stiffness
@@ -371,14 +373,19 @@ std::vector<double> SliderSystem::unknowns_at(double t, double x, double u, std:
 }
 
 /// Solves the algebraic row of a contact behind a spring: for friction, or for the contact's own slip rate. Left as it
-/// was where the row has no solution in sight.
+/// was where that is a solution but for rounding, or where the row has no solution in sight.
 void SliderSystem::settle(double t, double* y) const {
-  const int row = carries_friction() ? mechanical_ : contact_slip_rate_index();
-  std::vector<double> m(size()), f(size());
+  const int n = size(), row = carries_friction() ? mechanical_ : contact_slip_rate_index();
+  std::vector<double> m(n), f(n), jacobian(n * n);
   mass(t, m.data());
   if (m[row] != 0) return;
   double& x = y[row];
-  const double start = x;
+  const double start = x, size_of_x = std::max(contact_scale_[row - mechanical_], std::abs(start));
+  constexpr double close = 1e-10, rounding = 1e-14;
+  linearise(t, y, f.data(), jacobian.data());
+  double open = close * size_of_x * std::abs(jacobian[row * n + row]);
+  for (int j = 0; j < n; ++j) open += rounding * std::abs(jacobian[row * n + j] * y[j]);
+  if (std::abs(f[row]) <= open) return;
   const auto residual = [&](double trial) {  // falls with x
     x = trial;
     evaluate(t, y, f.data());
@@ -389,7 +396,7 @@ void SliderSystem::settle(double t, double* y) const {
     x = start;
     return;
   }
-  double step = 1e-3 * std::max(contact_scale_[row - mechanical_], std::abs(start));
+  double step = 1e-3 * size_of_x;
   double near = start, far = start, at_near = here, at_far = here;
   for (int i = 0; i < 60 && at_near * at_far > 0; ++i, step *= 2) {
     near = far, at_near = at_far;

@@ -23,6 +23,7 @@ struct Cvode::Core {
   SUNMatrix matrix = nullptr;
   SUNLinearSolver linear = nullptr;
   void* memory = nullptr;
+  bool fresh = true;                     ///< no step has been taken since the start
   double t = 0, last_moment = infinity;  // just before the limit of the step: a jump there must not be seen early
   std::vector<double> y, mass, scale, jacobian, f;
   std::vector<int> found;
@@ -94,6 +95,7 @@ Cvode::Cvode(Cvode&&) noexcept = default;
 void Cvode::start(double t, std::span<const double> y) {
   Core& c = *core_;
   c.t = t;
+  c.fresh = true;
   c.y.assign(y.begin(), y.end());
   std::copy(y.begin(), y.end(), N_VGetArrayPointer(c.vector));
   if (c.memory) {
@@ -108,13 +110,18 @@ void Cvode::start(double t, std::span<const double> y) {
   CVodeSetLinearSolver(c.memory, c.linear, c.matrix);
   CVodeSetJacFn(c.memory, Core::jacobian_function);
   CVodeSetMaxNumSteps(c.memory, 1'000'000);
-  if (const double longest = c.system.resolution(); std::isfinite(longest)) CVodeSetMaxStep(c.memory, longest);
   if (c.roots > 0) CVodeRootInit(c.memory, c.roots, Core::root_function);
 }
 
 Outcome Cvode::step(double t_limit) {
   Core& c = *core_;
   CVodeSetStopTime(c.memory, t_limit);
+  if (c.fresh) {
+    // What is small in its scale would be passed over in a few long steps, the same at every tolerance.
+    const double share = 0.3 * std::cbrt(c.tolerance);
+    CVodeSetMaxStep(c.memory, std::min(c.system.resolution(), share * (t_limit - c.t)));
+    c.fresh = false;
+  }
   c.last_moment = std::nextafter(t_limit, c.t);
   const int flag = CVode(c.memory, t_limit, c.vector, &c.t, CV_ONE_STEP);
   std::copy_n(N_VGetArrayPointer(c.vector), c.system.size(), c.y.begin());
@@ -138,6 +145,11 @@ const std::vector<int>& Cvode::root_found() const { return core_->found; }
 void Cvode::interpolate(double t, double* y) const {
   CVodeGetDky(core_->memory, t, 0, core_->inside);
   std::copy_n(N_VGetArrayPointer(core_->inside), core_->system.size(), y);
+}
+
+void Cvode::rate(double* rate) const {
+  CVodeGetDky(core_->memory, core_->t, 1, core_->inside);
+  std::copy_n(N_VGetArrayPointer(core_->inside), core_->system.size(), rate);
 }
 
 Cvode::Count Cvode::count() const {

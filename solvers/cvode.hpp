@@ -30,6 +30,8 @@ class Cvode {
   const std::vector<double>& state() const;
   /// The solution inside the last internal step (order of the method).
   void interpolate(double t, double* y) const;
+  /// dy/dt of the method's own polynomial, at time().
+  void rate(double* rate) const;
   /// Directions of the roots found by the last step (0: none, ±1: rising or falling); empty unless it ended at one.
   const std::vector<int>& root_found() const;
   struct Count {

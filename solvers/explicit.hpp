@@ -31,8 +31,8 @@ class Explicit {
 
   double time() const { return t_; }
   double time_before() const { return t_before_; }
-  const std::vector<double>& state() const { return y_; }
-  const std::vector<double>& state_before() const { return y_before_; }
+  std::span<const double> state() const { return {y_.data(), std::size_t(n_)}; }
+  std::span<const double> state_before() const { return {y_before_.data(), std::size_t(n_)}; }
   /// The solution at time t inside the last step (order 7).
   void interpolate(double t, double* y);
 

@@ -106,6 +106,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   std::array<double, Collocation::stages + 1> values;
   double low_value = values[0] = indicator(collocation_.time_before(), collocation_.state_before().data());
   const bool sticking = system_.direction() == 0;
+  lowest_ = infinity;
   for (int i = 0; i < Collocation::stages; ++i) {
     collocation_.stage(i, work_.data());
     const double value = values[i + 1] = indicator(collocation_.stage_time(i), work_.data());
@@ -118,6 +119,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
         continue;
       }
     }
+    if (!sticking) lowest_ = std::min(lowest_, value);
     if (value < 0) {
       high = theta, high_value = value;
       break;
@@ -143,6 +145,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
       const double theta = 0.5 * (left + right);
       if (!collocation_.solve_at(theta, work_.data())) return {Ending::not_finite, "while looking for a switch"};
       const double value = indicator(collocation_.time_at(theta), work_.data());
+      if (!sticking) lowest_ = std::min(lowest_, value);
       if (value < 0) {
         high = theta, high_value = value, low = 0, low_value = values[0];
         for (int i = 0; i < Collocation::stages; ++i)

@@ -28,6 +28,8 @@ class StickSlip {
   /// One step, not past t_limit. `switched` tells whether it ended in a switch, at time(). Until the next call the
   /// system and the stepper still show the step as it was taken; then the mode `upcoming()` begins.
   Outcome step(double t_limit, Switch& switched);
+  /// The lowest slip rate, along its direction, that the last step of slip came to after it had left rest.
+  double lowest() const { return lowest_; }
   /// Direction of the mode that the next step is taken in.
   double upcoming() const { return upcoming_; }
   const Collocation& stepper() const { return collocation_; }
@@ -44,7 +46,7 @@ class StickSlip {
   SwitchingSystem& system_;
   Collocation collocation_;
   double longest_slip_step_ = infinity;
-  double upcoming_ = 0;
+  double upcoming_ = 0, lowest_ = infinity;
   bool switched_ = false;  ///< the last step ended in a switch: begin anew
   bool rewinds_ = false;
   bool armed_ = false;  ///< slip has left the neighbourhood of rest that it started from

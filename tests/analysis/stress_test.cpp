@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/cycle_lanes.hpp"
 #include "analysis/motion_end.hpp"
 #include "analysis/run.hpp"
 #include "analysis/stability.hpp"
@@ -506,4 +507,161 @@ TEST_CASE("slip hotter than any steady sliding keeps its derivatives", "[stress]
   REQUIRE(cycle.outcome.complete());
   CHECK(cycle.metrics.friction_max == Approx(0.17181197647607901 + 1.2070692613809408 + 0.62546001073735813));
   CHECK(cycle.metrics.slip_rate_mean == Approx(0.052532753121183502).epsilon(1e-6));
+}
+
+TEST_CASE("a contact that weakens keeps the slip rate of steady sliding, whatever rounding left of its forces",
+          "[stress]") {
+  // Next to it, at rounding of 5e3 N, lies sliding at 7e3 m/s, where viscous friction alone bears the load.
+  Model model =
+      slider_under("lugre-unscaled",
+                   {46480.751039495248, 93.497018984199173, 0.97546048362248622, 1.3618204099696485,
+                    0.096518418515680826, 0.0010581581467592022},
+                   {0.74433448840933458, 0.056487882517845686, 0}, 1.0608260902805297e-08, 3946.3492492970595);
+  model.lambda = 0;
+  model.contact_stiffness.tangential = 11.668564547205897;
+  model.drive.force = 95.33562712237395;
+  // The mass rings on the contact spring k_t against a falling curve of slope Z: growth k_t^2/(-2 Z m w^2).
+  const auto at = [&](double N) { return stability(model.with("drive.normal_load", N)).eigenvalues.front(); };
+  for (double N = 2e3; N < 2e5; N *= 1.07) {
+    const double slope = N * model.law->steady_friction({1.0608260902805297e-08, N}).slope, k_t = 11.668564547205897;
+    CHECK(at(N).real() == Approx(-k_t * k_t / (2 * slope * (k_t + 0.056487882517845686))).epsilon(0.01));
+  }
+  // Stability changes once, where the falling curve and the viscous part balance: there the mass swings freely.
+  const auto points = hopf_points(model, "drive.normal_load");
+  REQUIRE(points.size() == 1);
+  CHECK(points[0].angular_frequency == Approx(std::sqrt(0.056487882517845686 / 0.74433448840933458)).epsilon(1e-9));
+}
+
+TEST_CASE("Hopf points lie where growth changes its sign, though bristles cancel all but 1e-12 of it", "[stress]") {
+  Model model = slider_under("lugre-unscaled",
+                             {98947.363989344216, 88.741980482181575, 0.7516193832437309, 1.9113110873610328,
+                              0.052829100850126369, 0.0024215521122809211},
+                             {0.0005590878346448941, 134077.26374908187, 0}, 4.2619042945508318e-06, 0.3);
+  model.lambda = 1.7077828045856894e-05;
+  const auto points = hopf_points(model, "drive.normal_load", 1);
+  REQUIRE_FALSE(points.empty());
+  for (const auto& p : points) {
+    const double step = std::max(3 * p.value_error, 1e-12 * p.value);
+    const auto below = stability(model.with("drive.normal_load", p.value - step)),
+               above = stability(model.with("drive.normal_load", p.value + step));
+    CHECK((below.marginal || above.marginal || below.stable != above.stable));
+  }
+}
+
+TEST_CASE("whether slip comes to rest at 1e-17 of its size is not claimed", "[stress]") {
+  Model model = slider_under(
+      "thermal",
+      {0.33585916474116218, 0.20825638535587948, 0.02325709185140034, 0.17711313208223628, 0.061780923511331187,
+       6.3733466403889319e-08, 0.0027150045706471034, 0.0060653615001405774, 1.0, 2.2802216399185342},
+      {0.044495818895484887, 7.6702894274767885, 0}, 15.268239987777854, 0.200363624424968);
+  model.lambda = 110879.92526355224;
+  model.drive.force = -0.1170360682928305;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::tolerance_not_met);
+  CHECK(cycle.outcome.detail.find("comes to rest or not") != std::string::npos);
+}
+
+TEST_CASE("lanes do not take a cycle that repels by 1e-3 in a turn for the one that attracts", "[stress]") {
+  Model model = slider_under("flash-heating",
+                             {1.0886887310132416, 0.0085094637855725602, 0.039455177797844312, 4.5990989953730702e-06,
+                              2.4120247329403187e-06, 0.1164368952741212, 0.046655625015932449},
+                             {343102740816.03033, 13509.094173843772, 19994.853040345213}, 1.4342814877834198e-09,
+                             0.00094861883602054915);
+  model.lambda = 0.22706781245940272;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-8});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.stable);
+  LaneCycleOptions options;
+  options.metrics = {"slip_rate_max"};
+  const auto lane = find_cycles(std::span(&model, 1), options).front();
+  if (lane.found)
+    CHECK(std::abs(lane.metrics.slip_rate_max - cycle.metrics.slip_rate_max) <
+          lane.error.slip_rate_max + cycle.error.slip_rate_max);
+}
+
+TEST_CASE("slip that swings about a kink of its curve without sticking is a cycle", "[stress]") {
+  const double V = 0.0019993389337696612;
+  const std::vector<double> v = {0.0,
+                                 0.10053204603944142,
+                                 0.30159613811832425,
+                                 1.0053204603944141,
+                                 3.0159613811832426,
+                                 10.053204603944142},
+                            mu = {0.1495422333626745,  0.12711089835827333, 0.11589523085607273,
+                                  0.11215667502200587, 0.11589523085607273, 0.12337234252420647};
+  const auto model = slider_under("tabulated", {v, mu}, {2.534717752986017e-05, 24976.058222864056, 202.65684452682558},
+                                  V, 725.18235380249359);
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.stable);
+  CHECK(cycle.metrics.stick_fraction == 0);
+  CHECK(cycle.metrics.slip_rate_mean == Approx(V).epsilon(1e-6));
+}
+
+TEST_CASE("a run that stays on steady sliding is exact", "[stress]") {
+  const double V = 8.8075414704447876;
+  const auto model = slider_under("coulomb", {0.66587274806205732, 0.55254000319681851},
+                                  {50209.9199487816, 439.29491838418016, 313.52925390557999}, V, 1.2851023256448413);
+  RunOptions options;
+  options.duration = 5.4456571463347294e-07;
+  options.start.kind = Start::Kind::steady;
+  const auto found = run(model, options);
+  REQUIRE(found.outcome.complete());
+  for (const double velocity : found.columns[1]) CHECK(std::abs(velocity) <= 1e-15 * V);
+}
+
+TEST_CASE("without its clock a contact at rest is as old as the slip that it is let go with", "[stress]") {
+  const double V = 0.18082903517627649, L1 = 4.2506715037058932e-07;
+  Model model = slider_under("two-state-slip",
+                             {0.32832886102091241, 0.012385434648840701, 0.0032278681470680423, L1,
+                              0.0033278518618039131, 6.2779926183344255e-05, 5.6829951254714751e-06},
+                             {6755.4110213813465, 35260.485533194696, 934196406.27698731}, V, 398.01077815464862);
+  model.lambda = 0;
+  RunOptions options;
+  options.duration = 0.0214;
+  options.start.kind = Start::Kind::rest;
+  const auto found = run(model, options);
+  REQUIRE(found.outcome.complete());
+  CHECK(found.columns[5].front() == Approx(L1 / (1e-14 * V)).epsilon(1e-6));
+}
+
+TEST_CASE("BDF in the natural unknowns says that it has lost the balance of forces in stick", "[stress]") {
+  Model model =
+      slider_under("nagata",
+                   {1.0476500443239833, 0.032003496291063749, 0.023104995948886767, 1.0817163780458958e-08,
+                    4.0899096456780308e-09, 3.2552323245183428},
+                   {1.0812653392050681e-14, 460.97372775059199, 0}, 1.9345530865906832e-05, 5.4493900988416289e-10);
+  model.lambda = 5.5635475527238766e-05;
+  RunOptions options;
+  options.duration = 6.9974979237395863e-07;
+  options.samples = 20;
+  options.start.kind = Start::Kind::rest;
+  options.tolerance = 1e-7;
+  const auto found = run(model, options);
+  REQUIRE(found.outcome.complete());
+  CHECK(found.columns[2].back() > 0.99 * model.drive.speed.level());  // it has begun to slip
+  options.solver = "cvode";
+  CHECK(run(model, options).outcome.ending == Ending::tolerance_not_met);
+}
+
+TEST_CASE("slips that are long and short by turns are one period together", "[stress]") {
+  Model model =
+      slider_under("loading-rate", {2.9000581685382709, 0.21381485320796856, 0.023898756286017855, 0.15172238828838766},
+                   {0.92819021850439876, 0.01972134487470539, 0}, 0.011191291104575705, 0.018692964587698684);
+  model.lambda = 20.535870762644862;
+  model.drive.force = -0.00251380472460066;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.stable);
+  RunOptions options;
+  options.duration = 4000;
+  options.start.kind = Start::Kind::rest;
+  const auto history = run(model, options);
+  std::vector<double> onsets;
+  for (const auto& event : history.events)
+    if (event.kind == "slip") onsets.push_back(event.time);
+  REQUIRE(onsets.size() > 20);
+  const auto last = onsets.end() - 1;
+  CHECK(std::abs((last[0] - last[-1]) / (last[-1] - last[-2]) - 1) > 0.01);
+  CHECK(last[0] - last[-2] == Approx(cycle.metrics.period).epsilon(1e-5));
 }
