@@ -79,8 +79,4 @@ Cycle find_cycle(const Model&, const CycleOptions& = {});
 /// dies out, however slowly.
 bool only_rings(const Model&);
 
-/// Time (s) of a free swing about steady sliding, or in which it relaxes where damping, that of friction which grows
-/// with the slip rate included, leaves no swing. Slip is followed in steps that are a part of it.
-double swing_time(const Model&);
-
 }  // namespace rosin::analysis

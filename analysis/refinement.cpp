@@ -1,0 +1,35 @@
+/// Differences, rounding and tolerances as errors.
+#include "analysis/refinement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rosin::analysis {
+
+double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolerance, double closure, double V,
+                       bool stick_is_ill_conditioned, Metrics& error, std::string& worst, double caution) {
+  double largest = 0;
+  for (const auto& metric : metric_names()) {
+    const double size = size_of(metric, fine, V), value = fine.*metric.member;
+    // The loop integral scatters with the division of its steps; three times its difference was seen to fall short.
+    double e = caution * (is_loop(metric) ? 6 : 3) * std::abs(coarse.*metric.member - value);
+    if (value != 0)
+      // The lowest slip rate is held to its own size; in slow stick it is as good as the error estimate of the steps
+      // only.
+      e += metric.member == &Metrics::slip_rate_min ? (10 * tolerance + 5e-14 + closure) * std::abs(value)
+                                                    : (3 * tolerance + 5e-14 + closure) * size;
+    // Divided steps are each summed to a small part of the tolerance.
+    if (value != 0 && metric.member == &Metrics::loop_area)
+      e += 0.3 * std::max(tolerance, 1e-13) * fine.slip_rate_max * fine.friction_max;
+    if (value != 0 && metric.member == &Metrics::loop_area_normalised) e += 0.3 * std::max(tolerance, 1e-13);
+    error.*metric.member = e;
+    if (is_stick(metric) && stick_is_ill_conditioned) continue;
+    const double ratio = std::isfinite(e / size) ? e / size : infinity;
+    if (ratio > largest) largest = ratio, worst = metric.name;
+  }
+  return largest;
+}
+
+double next_sharpening(double wanted) { return std::clamp(0.3 * std::pow(wanted, 1.5), 1e-4, 0.01); }
+
+}  // namespace rosin::analysis

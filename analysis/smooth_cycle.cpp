@@ -1,0 +1,412 @@
+/// Search from stick, Newton's method on the return map, refinement.
+#include "analysis/smooth_cycle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "analysis/refinement.hpp"
+#include "analysis/return_map.hpp"
+#include "analysis/stability.hpp"
+#include "core/eigenpairs.hpp"
+
+namespace rosin::analysis {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using oscillators::SliderSystem;
+
+namespace {
+
+constexpr double loose = 1e-6;        ///< tolerance of the search for motions of the size of the drive speed
+constexpr long most_steps = 300'000;  ///< of one search
+constexpr double collapsed = 1e-5;    ///< amplitudes |v − V|/V below this are steady sliding
+
+/// Small motions are followed more closely: what matters are errors against their drift, which falls with A². So are
+/// those of a slow `drift` ln(A'/A) in a passage.
+double search_tolerance(double amplitude, double drift) {
+  return std::clamp(1e-3 * std::abs(drift), 1e-13, loose) * std::clamp(amplitude * amplitude, 1e-6, 1.0);
+}
+
+/// What a motion of some amplitude |v − V|/V must dip below V to count as having left it.
+double dip_of(double amplitude) { return std::max(1e-6 * std::min(1.0, amplitude), ReturnMap::least_dip); }
+
+/// A fixed point of the return map.
+struct FixedPoint {
+  std::vector<double> y;
+  MatrixXd derivative;
+  int turns = 1;
+  double amplitude = 0;
+  bool by_differences = false;  ///< the derivative is that of neighbouring passages
+};
+
+/// Moduli of the multipliers, largest first.
+std::vector<std::complex<double>> multipliers_of(const MatrixXd& derivative, const VectorXd& scale) {
+  const MatrixXd balanced = scale.cwiseInverse().asDiagonal() * derivative * scale.asDiagonal();
+  const auto found = eigenpairs(balanced).values;
+  std::vector<std::complex<double>> values(found.data(), found.data() + found.size());
+  std::sort(values.begin(), values.end(), [](auto a, auto b) {
+    return std::abs(a) != std::abs(b) ? std::abs(a) > std::abs(b) : a.imag() > b.imag();
+  });
+  values.pop_back();  // the projection's own zero: the direction off the section
+  return values;
+}
+
+double spectral_radius(const FixedPoint& point, const ReturnMap& map) {
+  const auto values = multipliers_of(point.derivative, map.scale());
+  return values.empty() ? 0 : std::abs(values.front());
+}
+
+/// Newton's method for y = P(y), kept from falling onto steady sliding, which is a fixed point too.
+std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turns, double amplitude, double drift) {
+  const double least_amplitude = 0.4 * amplitude, tolerance = search_tolerance(amplitude, drift);
+  // In near-stick a slip at many times V is but a few scales away.
+  const double size = std::min(amplitude, map.distance(y, map.system().steady(0)));
+  const VectorXd scale = map.scale();
+  const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
+  std::vector<double> last = y;
+  VectorXd step;
+  double residual = infinity, factor = 1;
+  int halvings = 0;
+  for (int iteration = 0; iteration < 14; ++iteration) {
+    const auto passage = map.follow(y, tolerance, turns, true, true, nullptr, dip_of(amplitude));
+    const double now = passage.outcome.complete() ? map.distance(passage.end, y) / std::max(size, 1e-12) : infinity;
+    if (passage.amplitude < least_amplitude || !(now < residual)) {
+      if (iteration == 0 || ++halvings > 2) return std::nullopt;
+      factor *= 0.3;
+      y = map.moved(last, step, factor);
+      continue;
+    }
+    halvings = 0;
+    const MatrixXd A = scale.cwiseInverse().asDiagonal() * (I - passage.derivative) * scale.asDiagonal();
+    step =
+        scale.asDiagonal() * A.partialPivLu().solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, y));
+    if (!step.allFinite()) return std::nullopt;
+    const double length = (step.array() / scale.array()).matrix().norm() / std::max(size, 1e-12);
+    if (length < std::max({30 * tolerance, 1e-8, 0.1 * tolerance / std::max(std::abs(drift), tolerance)}))
+      return FixedPoint{map.moved(y, step, 1), passage.derivative, turns, passage.amplitude};
+    last = y;
+    residual = std::max(now, 1e-3 * tolerance);
+    factor = std::min(1.0, 0.5 / length);
+    y = map.moved(last, step, factor);
+  }
+  return std::nullopt;
+}
+
+/// Relaxation oscillations forget all but the time within one passage, while slips at 10¹⁰ V leave nothing of the
+/// derivative but rounding. Where passages have come to repeat themselves, neighbouring ones show whether they are led
+/// back, and by how much.
+std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, int turns, double amplitude) {
+  const double dip = dip_of(amplitude), size = map.distance(y, map.system().steady(0));
+  const auto passage = map.follow(y, loose, turns, true, false, nullptr, dip);
+  if (!passage.outcome.complete() || !(map.distance(passage.end, y) < 1e-2 * size)) return std::nullopt;
+  const int n = int(map.differential().size());
+  FixedPoint point{passage.end, MatrixXd::Zero(n, n), turns, passage.amplitude, true};
+  const double share = 0.05 * std::min(size, 2.0);
+  for (int k = 0; k < n; ++k) {
+    const VectorXd step = VectorXd::Unit(n, k) * (share * map.scale()[k]);
+    const auto start = map.moved(y, step, 1);
+    if (start == y) continue;  // off the section
+    auto neighbour = map.follow(start, loose, turns, true, false, nullptr, dip);
+    if (neighbour.outcome.complete() && neighbour.duration < 0.5 * passage.duration)  // it began beside the section
+      neighbour = map.follow(neighbour.end, loose, turns, true, false, nullptr, dip);
+    if (!neighbour.outcome.complete()) return std::nullopt;
+    point.derivative.col(k) = map.difference(neighbour.end, passage.end) / step[k];
+  }
+  return point;
+}
+
+/// Near a Hopf point the amplitude drifts slowly along one direction. This finds where the drift per passage,
+/// r(A) = ln(A'/A), falls through zero: a stable cycle. A is the distance of the section point from steady sliding,
+/// which is smooth. `y` lies on the section. Returns a section point near the cycle.
+std::optional<std::vector<double>> balance_of_drift(ReturnMap& map, const std::vector<double>& y, double amplitude,
+                                                    double drift_at_rest) {
+  const auto steady = map.system().steady(0);
+  const double start = map.distance(y, steady), least = 0.02 * start / amplitude;
+  VectorXd direction = map.difference(y, steady) / start;
+  struct Drift {
+    double size, rate;
+    std::vector<double> y;
+  };
+  // Two passages: the first relaxes the fast directions, the second shows the drift.
+  const auto drift = [&](double size) -> std::optional<Drift> {
+    const double A = amplitude * size / start, tolerance = search_tolerance(A, drift_at_rest), dip = dip_of(A);
+    const auto first = map.follow(map.moved(steady, direction, size), tolerance, 1, true, false, nullptr, dip);
+    if (!first.outcome.complete()) return std::nullopt;
+    const auto second = map.follow(first.end, tolerance, 1, true, false, nullptr, dip);
+    if (!second.outcome.complete()) return std::nullopt;
+    const double a = map.distance(first.end, steady), b = map.distance(second.end, steady);
+    if (!(a > 0 && b > 0)) return std::nullopt;
+    direction = map.difference(second.end, steady) / b;
+    return Drift{a, std::log(b / a), second.end};
+  };
+  auto high = drift(start);
+  if (!high) return std::nullopt;
+  // The lower end: drift that grows. At rest it is that of the linear mode; above a stable steady state it is sought.
+  double low = 0, low_rate = drift_at_rest;
+  for (int larger = 0; high->rate > 0; ++larger) {
+    low = high->size, low_rate = high->rate;
+    high = drift((larger < 8 ? 1.05 : 1.25) * low);
+    if (!high || larger > 40) return std::nullopt;
+  }
+  for (double size = 0.8 * high->size; low_rate <= 0 && size > least; size *= 0.8) {
+    const auto here = drift(size);
+    if (!here) return std::nullopt;
+    if (here->rate > 0)
+      low = here->size, low_rate = here->rate;
+    else
+      high = here;
+  }
+  if (low_rate <= 0) return std::nullopt;
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    // Drift is nearly linear in the squared amplitude.
+    const double l2 = low * low, h2 = high->size * high->size, width = h2 - l2;
+    const double a2 = std::clamp(l2 + width * low_rate / (low_rate - high->rate), l2 + 1e-4 * width, h2 - 1e-4 * width);
+    const auto here = drift(std::sqrt(a2));
+    if (!here) return std::nullopt;
+    if (std::abs(here->rate) < 0.02 * low_rate || width < 1e-3 * h2) return here->y;
+    if (here->rate > 0)
+      low = here->size, low_rate = here->rate;
+    else
+      high = here;
+  }
+  return high->y;
+}
+
+/// What a search ends with: a stable fixed point, or why there is none.
+struct Search {
+  std::optional<FixedPoint> point;
+  Outcome outcome;
+};
+
+/// `drift_at_rest`: growth of a small oscillation about steady sliding in one period, ln(A'/A).
+Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::optional<Start>& start) {
+  Search result;
+  const bool steady_is_stable = drift_at_rest < 0;
+  const double V = map.drive_speed();
+  // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin of
+  // a cycle beside stable sliding that the first start misses, and does not fall straight onto an unstable steady
+  // state.
+  std::vector<double> ages = {V};
+  if (steady_is_stable) max_cycles = std::min(max_cycles, 12);
+  ages.push_back((steady_is_stable ? 1e-4 : 0.1) * V);
+  constexpr int most_creeping = 9;
+  int creeping = 0;  ///< times that motion far from any cycle was found neither to settle nor to grow
+  const auto attracts = [&](const std::optional<FixedPoint>& point) {
+    return point && point->amplitude >= collapsed && spectral_radius(*point, map) < 1;
+  };
+  const auto accept = [&](const std::vector<double>& y, int turns, double amplitude, double change) {
+    auto found = newton(map, y, turns, amplitude, drift_at_rest);
+    constexpr double repeats = 1e-3, certainly = 0.5, hardly = 0.99;
+    const double size = map.distance(y, map.system().steady(0));
+    if (!attracts(found) && change < repeats * size) {
+      found = settled(map, y, turns, amplitude);
+      if (found && !(spectral_radius(*found, map) < certainly)) {
+        if (spectral_radius(*found, map) > hardly && ++creeping == most_creeping)
+          result.outcome = {Ending::budget_spent,
+                            fmt::format("the motion hardly changes from passage to passage, by {:.1e} of its size, and "
+                                        "a cycle that it may approach was not reached",
+                                        change / size)};
+        return false;
+      }
+    }
+    if (!attracts(found)) return false;
+    result.point = found;
+    result.outcome = {};
+    return true;
+  };
+  if (start) ages = {V};
+  for (const double aged_at : ages) {
+    std::vector<double> y;
+    try {
+      y = start ? starting_point(map.system(), *start) : map.stick(aged_at);
+    } catch (const InputError& e) {
+      result.outcome = {Ending::not_finite, e.what()};
+      continue;
+    }
+    result.outcome =
+        steady_is_stable
+            ? Outcome{Ending::none_exists, fmt::format("the motion started from {} dies out onto steady sliding",
+                                                       start ? "the given start" : "stick")}
+            : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", max_cycles)};
+    std::vector<std::vector<double>> visited;
+    int next_attempt = 2;
+    bool enlarged = false, balanced_once = false;
+    double last_amplitude = 1;
+    for (int k = 0; k < max_cycles; ++k) {
+      const auto passage = map.follow(y, loose, 1, k > 0, false, nullptr, dip_of(last_amplitude));
+      if (!passage.outcome.complete()) {
+        if (passage.outcome.ending != Ending::budget_spent || !steady_is_stable) result.outcome = passage.outcome;
+        break;
+      }
+      if (map.cost().steps > most_steps) {
+        result.outcome = {Ending::budget_spent, fmt::format("no periodic motion within {} steps", most_steps)};
+        break;
+      }
+      y = passage.end;
+      visited.push_back(y);
+      const double amplitude = last_amplitude = passage.amplitude;
+      if (k > 0 && steady_is_stable && amplitude < 0.02) break;
+      if (!steady_is_stable && !enlarged && amplitude < 1e-3) {
+        // An overdamped start has all but reached steady sliding, which repels: go on from where growth would lead.
+        if (amplitude < 1e-11) break;
+        const auto steady = map.system().steady(0);
+        // States that changed more than the speed did are not carried away by it.
+        y = map.moved(steady, map.difference(y, steady), std::min(0.1 / amplitude, 1 / map.distance(y, steady)));
+        enlarged = true;
+        continue;
+      }
+      const double moved = k > 0 ? map.distance(y, visited[k - 1]) : infinity, change = moved / amplitude;
+      if (k < next_attempt && !(k > 0 && change < 1e-3)) continue;
+      next_attempt = k + std::max(2, k / 2);
+      // Motion that hardly drifts is not waited for.
+      constexpr double slow = 1e-3;
+      const bool drifts = k >= 2 && std::abs(drift_at_rest) < slow && amplitude < 10 && !balanced_once;
+      if (!drifts && accept(y, 1, amplitude, moved)) return result;
+      if (creeping == most_creeping) return result;
+      // Several passages in a period: as many as bring the motion nearly back.
+      for (int turns = 2; turns <= 8 && turns < k; ++turns)
+        if (map.distance(y, visited[k - turns]) < 0.2 * map.distance(y, visited[k - 1]) &&
+            accept(y, turns, amplitude, map.distance(y, visited[k - turns])))
+          return result;
+      if (k >= 6 || (steady_is_stable && k >= 3) || drifts) {
+        balanced_once = true;
+        const auto balanced = balance_of_drift(map, y, amplitude, drift_at_rest);
+        if (balanced) {
+          const auto there = map.follow(*balanced, search_tolerance(amplitude, drift_at_rest), 1, true, false, nullptr,
+                                        dip_of(amplitude));
+          if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return result;
+        }
+        if (!balanced && steady_is_stable) break;
+      }
+    }
+  }
+  return result;
+}
+
+/// Metrics of the cycle through `point` at one tolerance; moves the point onto the cycle.
+struct Refined {
+  Metrics metrics;
+  double closure;  ///< remaining change of the section point, in scales
+  std::vector<CyclePoint> orbit;
+  Outcome outcome;
+};
+Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick_threshold, bool keep_orbit) {
+  Refined result{{}, infinity, {}, {}};
+  const VectorXd scale = map.scale();
+  const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
+  const auto lu =
+      MatrixXd(scale.cwiseInverse().asDiagonal() * (I - point.derivative) * scale.asDiagonal()).partialPivLu();
+  for (int iteration = 0; iteration < 12; ++iteration) {
+    const auto passage = map.follow(point.y, tolerance, point.turns, true, false, nullptr, dip_of(point.amplitude));
+    if (!passage.outcome.complete()) {
+      result.outcome = passage.outcome;
+      return result;
+    }
+    const VectorXd step =
+        scale.asDiagonal() * lu.solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, point.y));
+    const double length = (step.array() / scale.array()).matrix().norm();
+    if (!std::isfinite(length) || length > 0.5 * result.closure) break;  // rounding reached
+    point.y = map.moved(point.y, step, 1);
+    result.closure = length;
+    if (length < 0.1 * tolerance * std::min(1.0, point.amplitude)) break;
+  }
+  Recorder recorder(map.system(), tolerance, stick_threshold, keep_orbit);
+  const auto passage = map.follow(point.y, tolerance, point.turns, true, false, &recorder, dip_of(point.amplitude));
+  result.outcome = passage.outcome;
+  result.metrics = recorder.finish(passage.duration);
+  result.orbit = std::move(recorder.orbit);
+  return result;
+}
+
+/// Several turns that were taken together, because each seemed to differ from the next, may prove to be one and the
+/// same. True if so; `point` is known to be on the cycle within `closure`, in scales.
+bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double closure) {
+  constexpr double largest = 1e-2;
+  const double same = std::min(10 * closure, largest * map.distance(point.y, map.system().steady(0)));
+  for (int fewer = 1; 2 * fewer <= point.turns; ++fewer) {
+    if (point.turns % fewer != 0) continue;
+    const auto passage =
+        map.follow(point.y, tolerance, fewer, true, !point.by_differences, nullptr, dip_of(point.amplitude));
+    if (!passage.outcome.complete() || map.distance(passage.end, point.y) > same) continue;
+    point.turns = fewer;
+    if (point.by_differences)
+      point.derivative.setZero();  // bounded by that of all turns, which forget what they began with
+    else
+      point.derivative = passage.derivative;
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
+  Cycle cycle;
+  // Growth in one turn of the leading oscillation; of one e-folding time where it does not oscillate.
+  const auto leading = stability(model).eigenvalues.front();
+  const double turn = 2 * std::numbers::pi / std::max(std::abs(leading.imag()), std::abs(leading.real()));
+  ReturnMap map(model);
+  if (map.differential().size() < 2) {
+    cycle.outcome = {Ending::none_exists, "one unknown alone evolves, and that cannot oscillate (no mass, no memory)"};
+    return cycle;
+  }
+  auto found = search(map, leading.real() * turn, options.max_cycles, options.start);
+  cycle.cost = map.cost();
+  if (!found.point) {
+    cycle.outcome = found.outcome;
+    return cycle;
+  }
+  FixedPoint& point = *found.point;
+  const double V = map.drive_speed();
+  // Small or weakly attracting cycles magnify errors by 1/A and 1/(1 − ρ).
+  const double magnified = std::min(1.0, point.amplitude) * std::min(1.0, 1 - spectral_radius(point, map));
+  double tolerance = 0.2 * options.tolerance * magnified;
+  Refined coarse = refine(map, point, tolerance, options.stick_threshold, false);
+  const bool fewer = coarse.outcome.complete() && fewer_turns_do(map, point, tolerance, coarse.closure);
+  if (fewer) coarse = refine(map, point, tolerance, options.stick_threshold, false);
+  std::string worst;
+  double sharpening = 0.01;
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    tolerance = std::max(sharpening * tolerance, solvers::Collocation::least_tolerance);
+    const bool last_possible = tolerance <= solvers::Collocation::least_tolerance;
+    Refined fine = refine(map, point, tolerance, options.stick_threshold, true);
+    if (!coarse.outcome.complete() || !fine.outcome.complete()) {
+      cycle.outcome = coarse.outcome.complete() ? fine.outcome : coarse.outcome;
+      break;
+    }
+    const double lowest = fine.metrics.slip_rate_min;
+    cycle.ill_conditioned_stick = false;
+    for (const double e : {options.stick_threshold, 0.01, 0.5})
+      if (std::abs(std::abs(lowest) - e * V) < 1e-4 * e * V) cycle.ill_conditioned_stick = true;
+    // Rounding in one passage returns with every one that the cycle takes to forget it.
+    const double forgetting = 1e-14 / std::max(1 - spectral_radius(point, map), 1e-14);
+    const double reached = estimate_errors(coarse.metrics, fine.metrics, tolerance, fine.closure + forgetting, V,
+                                           cycle.ill_conditioned_stick, cycle.error, worst);
+    cycle.metrics = fine.metrics;
+    cycle.orbit = std::move(fine.orbit);
+    cycle.outcome = {};
+    if (reached <= options.tolerance) break;
+    cycle.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
+    if (last_possible) break;
+    sharpening = next_sharpening(options.tolerance / reached);
+    coarse = std::move(fine);
+  }
+  if (options.multipliers && !point.by_differences) {
+    const auto passage =
+        map.follow(point.y, std::max(tolerance, 1e-10), point.turns, true, true, nullptr, dip_of(point.amplitude));
+    if (passage.outcome.complete()) point.derivative = passage.derivative;
+  }
+  // Of fewer turns than differences were taken over, multipliers are bounded but not known.
+  if (!(fewer && point.by_differences)) cycle.multipliers = multipliers_of(point.derivative, map.scale());
+  cycle.stable = cycle.multipliers.empty() || std::abs(cycle.multipliers.front()) < 1;
+  const auto at_section = map.system().observe(0, point.y.data());
+  cycle.section_displacement = at_section.displacement;
+  cycle.section_state = at_section.state;
+  cycle.cost = map.cost();
+  return cycle;
+}
+
+}  // namespace rosin::analysis

@@ -1,0 +1,552 @@
+/// Periods from onset to onset of slip, the map of the contact's states between them, and slip without stick.
+#include "analysis/stick_slip_cycle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/tools/roots.hpp>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "analysis/curve.hpp"
+#include "analysis/refinement.hpp"
+#include "analysis/return_map.hpp"
+#include "analysis/stability.hpp"
+#include "core/eigenpairs.hpp"
+#include "solvers/stick_slip.hpp"
+
+namespace rosin::analysis {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using oscillators::SliderSystem;
+
+namespace {
+/// Damping of the slider and of steady friction that rises with the slip rate together, N s/m.
+double resistance(const Model& model) {
+  const double N = model.drive.normal_load.level(), V = model.drive.speed.level();
+  return model.slider.damping + N * std::max(model.law->steady_friction({V, N}).slope, 0.0);
+}
+bool overdamped(const Model& model) {
+  return resistance(model) > 2 * std::sqrt(model.slider.mass * model.slider.stiffness);
+}
+}  // namespace
+
+double swing_time(const Model& model) {
+  const auto& s = model.slider;
+  return overdamped(model) ? resistance(model) / s.stiffness : 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
+}
+
+namespace {
+
+/// True where the contact carries states of its own.
+bool remembers(const Model& model) { return model.law->has_states() && model.lambda > 0; }
+
+/// One period of stick–slip: from one onset of slip along the drive to the next.
+struct StickSlipPeriod {
+  Outcome outcome;
+  Metrics metrics;
+  std::vector<CyclePoint> orbit;
+  std::vector<double> onset;  ///< unknowns where the period ends
+  int slips = 1;              ///< in the period
+  double onset_displacement = 0;
+  double closure = 0;  ///< relative error that is left because the period does not quite return
+  bool found = false;
+  double closest = infinity;  ///< lowest slip rate after the first half of a slip, over the drive speed
+  bool grazes = false;        ///< slip comes to rest or not by less than the tolerance tells
+  double rounding = 0;        ///< relative error that rounding of the slip rate makes where it just comes to rest
+  double landing = 0;         ///< to which the times at which slip stops are known together (s)
+  long steps = 0, evaluations = 0;
+};
+
+/// Where slip that was faster than the drive comes down to rest, or turns up again just above it.
+struct Bottom {
+  double highest;           ///< slip rate of this slip, m/s
+  double dip;               ///< how far slip stayed above rest, or would have gone below it had it not stuck
+  double deceleration = 0;  ///< m/s², where it came to rest
+};
+class Bottoms {
+ public:
+  Bottoms(const Model& model, const SliderSystem& system) : model_(model), system_(system), rate_(system.size()) {}
+
+  /// What the last step has come to, if to a bottom.
+  std::optional<Bottom> after(const solvers::StickSlip& solver, solvers::Switch switched) {
+    const double V = model_.drive.speed.level(), u = std::abs(system_.slip_rate(solver.time(), solver.state().data()));
+    const double lowest = std::min(solver.lowest(), slip_);
+    Bottom bottom{highest_, lowest};
+    slip_ = u;
+    highest_ = system_.direction() == 0 || switched != solvers::Switch::none ? 0 : std::max(highest_, u);
+    if (!(bottom.highest > V)) return std::nullopt;
+    if (switched == solvers::Switch::none) return 2 * lowest < u ? std::optional(bottom) : std::nullopt;
+    if (switched != solvers::Switch::stick) return std::nullopt;
+    const auto& s = model_.slider;
+    system_.evaluate(solver.time(), solver.stepper().state().data(), rate_.data());
+    bottom.deceleration = std::abs(rate_[system_.slip_rate_index()]) / s.mass;
+    // The spring, loaded by the drive, would have turned it.
+    bottom.dip = 0.5 * bottom.deceleration * bottom.deceleration * s.mass / (s.stiffness * V);
+    return bottom;
+  }
+
+ private:
+  const Model& model_;
+  const SliderSystem& system_;
+  double highest_ = 0, slip_ = 0;  ///< of this slip: slip rates so far, and at the end of the last step
+  std::vector<double> rate_;
+};
+
+/// The period of so many slips that begins at the `onset` of slip, or else the first full one after stick from rest.
+StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double stick_threshold,
+                                  const std::vector<double>* onset = nullptr, int slips = 1) {
+  StickSlipPeriod result;
+  SliderSystem system(model);
+  solvers::StickSlip solver(system, tolerance);
+  const double V = model.drive.speed.level();
+  const auto& s = model.slider;
+  const auto rest = model.law->rest(model.drive.normal_load.level());
+  if (!(onset ? solver.start_slip(0, *onset, 1) : solver.start(0, system.loaded_at_rest(rest, 0.5)))) {
+    result.outcome = {Ending::not_finite, "at the start"};
+    return result;
+  }
+  const double natural = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
+  const double longest = 300 * natural + 10 * std::abs(system.loaded_at_rest(rest, 1)[0]) / V;
+  solver.rewind_at_switches();  // a slip may be far shorter than the last digit of the stick before it
+  const auto sliding = stability(model);
+  const double frequency = std::sqrt(s.stiffness / s.mass), swing = swing_time(model);
+  solver.bound_slip_step(0.1 * swing);
+  constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
+  constexpr double last_digits = 8 * std::numeric_limits<double>::epsilon();
+  // Slip rate that the last digits of the spring's force make.
+  const double noise = last_digits * s.stiffness * std::abs(sliding.steady.displacement) /
+                       std::max(resistance(model), std::sqrt(s.stiffness * s.mass));
+  const bool damped = overdamped(model);
+  constexpr double many = 300, quiet_enough = 20;  // swings
+  double quiet = 0, slipping = 0;                  // s, in which slip has gone at the drive's speed, or gone on at all
+  Recorder recorder(system, tolerance, stick_threshold, true);
+  bool began = onset != nullptr, fast = false;
+  double elapsed = 0, period = 0, stuck = 0, fastest = V, lowest_x = infinity, highest_x = -infinity;
+  Bottoms bottoms(model, system);
+  while (elapsed < longest) {
+    if (solver.stepper().count().steps > 200'000) {
+      result.outcome = {Ending::budget_spent, "no period of stick and slip within 200000 steps"};
+      break;
+    }
+    solvers::Switch switched;
+    const Outcome outcome = solver.step(longest, switched);
+    if (!outcome.complete()) {
+      result.outcome = outcome;
+      break;
+    }
+    elapsed += solver.stepper().length();
+    if (began) {
+      recorder.step(solver.stepper());
+      period += solver.stepper().length();
+      if (system.direction() == 0) stuck += solver.stepper().length();
+      lowest_x = std::min(lowest_x, solver.state()[0]), highest_x = std::max(highest_x, solver.state()[0]);
+    }
+    const double u = system.slip_rate(solver.time(), solver.state().data());
+    fast = fast || u > V;
+    const double away = std::hypot(u - V, frequency * (solver.state()[0] - sliding.steady.displacement));
+    quiet = std::abs(u - V) < settled * V + noise ? quiet + solver.stepper().length() : 0;
+    slipping = system.direction() != 0 && switched == solvers::Switch::none ? slipping + solver.stepper().length() : 0;
+    if (sliding.stable && (away < settled * V + noise || quiet > quiet_enough * swing)) break;
+    // Without memory slip that has gone on for so long has found its own cycle.
+    if (slipping > many * swing && !remembers(model)) break;
+    if (fast && switched == solvers::Switch::none) result.closest = std::min(result.closest, solver.lowest() / V);
+    if (began) fastest = std::max(fastest, std::abs(u));
+    if (const auto bottom = bottoms.after(solver, switched); bottom && began) {
+      // The time at which slip comes to rest hangs on the last digits of the slip rate.
+      if (bottom->deceleration > 0)
+        result.landing += std::max(tolerance, 1e-15) * bottom->highest / bottom->deceleration;
+      // What the highest slip rate has lost in rounding, unless damping made slip forget it, is missing where it just
+      // comes to rest, and with it that part of how hard it does.
+      constexpr double known = 5e-17, grazing = 100;
+      const double lost = damped ? 0 : known * bottom->highest / bottom->dip;
+      if (!damped) result.grazes |= bottom->dip < grazing * tolerance * bottom->highest;
+      result.rounding += lost;
+      if (lost > 1) {
+        result.outcome = {
+            Ending::tolerance_not_met,
+            fmt::format("at {:.1e} of the highest slip rate, which is rounding, slip comes to rest or not",
+                        bottom->dip / bottom->highest)};
+        break;
+      }
+    }
+    if (switched != solvers::Switch::slip || solver.upcoming() < 0) continue;
+    // The mean slip rate is V. Slip that did not pass it, such as rounding makes at its onset, is no period yet.
+    if (began && fastest == V) continue;
+    if (began && --slips > 0) {
+      fastest = V;
+      continue;
+    }
+    if (began) {
+      result.metrics = recorder.finish(period);
+      result.metrics.stick_fraction = stuck / period;
+      // Stick is rest; the end of a located slip is rest but for rounding.
+      if (std::abs(result.metrics.slip_rate_min) < 1e-10 * V) result.metrics.slip_rate_min = 0;
+      result.orbit = std::move(recorder.orbit);
+      result.onset = solver.state();
+      result.onset_displacement = result.onset[0];
+      // Slip begins where the spring is loaded beyond the last digits of its force.
+      const double digits = 1e-14 * std::max(std::abs(lowest_x), std::abs(highest_x));
+      result.closure = result.landing / period + digits / (highest_x - lowest_x) + result.rounding;
+      result.found = true;
+      break;
+    }
+    began = true;
+  }
+  result.steps = solver.stepper().count().steps;
+  result.evaluations = solver.stepper().count().evaluations;
+  return result;
+}
+
+/// The return of contact states from onset to onset, about the fixed point that periods from stick lead to.
+class OnsetMap {
+ public:
+  OnsetMap(const Model& model, double tolerance, double stick_threshold, int slips = 1)
+      : model_(model), system_(model), tolerance_(tolerance), stick_threshold_(stick_threshold), slips_(slips) {
+    std::vector<double> s(system_.size());
+    const std::vector<double> rest(system_.size());
+    system_.scale(rest.data(), s.data());
+    scale_ = Eigen::Map<VectorXd>(s.data(), s.size()).tail(s.size() - mechanical);
+  }
+
+  /// The period that repeats itself.
+  StickSlipPeriod cycle() {
+    auto period = stick_slip_period(model_, tolerance_, stick_threshold_);
+    if (!period.found || scale_.size() == 0) return period;  // without memory stick forgets the past
+    long steps = period.steps, evaluations = period.evaluations;
+    constexpr int most_periods = 400;
+    constexpr long most_steps = 200'000;
+    VectorXd z = states_of(period);
+    std::vector<VectorXd> onsets, changes;  // of the last periods, as long as they belong together
+    double change = infinity, change_before = infinity, closest = infinity;
+    VectorXd closest_image;
+    bool leapt = false;
+    for (int k = 0; k < most_periods && steps < most_steps && period.found; ++k) {
+      const Metrics before = period.metrics;
+      period = period_from(z);
+      if (!period.found) break;
+      steps += period.steps, evaluations += period.evaluations;
+      const VectorXd step = states_of(period) - z;
+      const double now = size_of_step(step, z);
+      onsets.push_back(z), changes.push_back(step);
+      const VectorXd onward = accelerated(onsets, changes);
+      const double known = std::max(tolerance_, 1e-14);  // no state is known better
+      const bool settled = now < 10 * known || (k > 3 && now < 1e3 * known && !(now < 0.5 * change));
+      // States that count the time at rest scatter as the times at which slip stops. Then the metrics of two periods
+      // that both do show what is left.
+      if (settled || std::max(now, change) < 3 * scatter(period)) {
+        period.closure +=
+            settled ? std::max(now, size_of_step(onward, z)) : 10 * largest_change(before, period.metrics);
+        period.steps = steps, period.evaluations = evaluations, period.slips = slips_;
+        return period;
+      }
+      if (slips_ == 1 && alternate(onsets, z + step, now)) {
+        onsets.clear(), changes.clear();
+        closest = change = infinity;
+        z += step;
+        continue;
+      }
+      // Plain periods lead to what attracts; where they come in, what they have in common leads there faster.
+      constexpr int plain = 6;
+      constexpr double comes_in = 0.9999;
+      if (leapt && now > 2 * closest) {
+        onsets.clear(), changes.clear();
+        z = closest_image;
+        leapt = false;
+      } else {
+        if (now < closest) closest = now, closest_image = z + step;
+        leapt = k >= plain && std::max(now / change, change / change_before) < comes_in;
+        z += leapt ? onward : step;
+      }
+      change_before = change;
+      change = now;
+    }
+    if (period.found) {
+      period.found = false;
+      period.outcome = {Ending::budget_spent, "stick and slip do not come to repeat themselves"};
+    }
+    return period;
+  }
+
+  /// Multipliers of the period that ends, and so begins, at `onset`, largest first; none where neighbouring periods
+  /// do not return.
+  std::vector<std::complex<double>> multipliers(const std::vector<double>& onset) const {
+    if (scale_.size() == 0) return {0.0};
+    const VectorXd values_at = Eigen::Map<const VectorXd>(onset.data(), onset.size()).tail(scale_.size());
+    const MatrixXd D = derivative(values_at);
+    if (!D.allFinite()) return {};
+    const auto found = eigenpairs(D).values;
+    std::vector<std::complex<double>> values(found.data(), found.data() + found.size());
+    std::sort(values.begin(), values.end(), [](auto a, auto b) { return std::abs(a) > std::abs(b); });
+    return values;
+  }
+
+ private:
+  static constexpr int mechanical = 2;
+  VectorXd states_of(const StickSlipPeriod& period) const {
+    return Eigen::Map<const VectorXd>(period.onset.data(), period.onset.size()).tail(scale_.size());
+  }
+  /// States are measured by themselves: a time at rest may be small or large beside its natural size.
+  VectorXd sizes_at(const VectorXd& z) const { return z.cwiseAbs().cwiseMax(1e-12 * scale_); }
+  double size_of_step(const VectorXd& step, const VectorXd& z) const { return step.cwiseQuotient(sizes_at(z)).norm(); }
+  /// The way from the last onset to the one that repeats itself: Anderson mixing of the last periods, and no farther
+  /// than half of what each state is.
+  VectorXd accelerated(const std::vector<VectorXd>& onsets, const std::vector<VectorXd>& changes) const {
+    constexpr std::size_t depth = 6;
+    const VectorXd z = onsets.back(), step = changes.back(), sizes = sizes_at(z);
+    const std::size_t m = std::min({depth, onsets.size() - 1, std::size_t(z.size())});
+    if (m == 0) return step;
+    MatrixXd moved(z.size(), m), differed(z.size(), m);
+    for (std::size_t i = 0; i < m; ++i) {
+      const std::size_t at = onsets.size() - 1 - i;
+      moved.col(i) = (onsets[at] - onsets[at - 1]).cwiseQuotient(sizes);
+      differed.col(i) = (changes[at] - changes[at - 1]).cwiseQuotient(sizes);
+    }
+    const VectorXd share = differed.colPivHouseholderQr().solve(step.cwiseQuotient(sizes));
+    VectorXd onward = step - ((moved + differed) * share).cwiseProduct(sizes);
+    if (!onward.allFinite()) return step;
+    constexpr double most = 0.5;
+    const double farthest = onward.cwiseQuotient(sizes).cwiseAbs().maxCoeff();
+    return farthest > most ? VectorXd(onward * (most / farthest)) : onward;
+  }
+  /// True if slips of two kinds or more follow each other by turns: a period then holds as many. `change`: from the
+  /// last onset to z.
+  bool alternate(const std::vector<VectorXd>& onsets, const VectorXd& z, double change) {
+    constexpr std::size_t settled = 8, most = 8;
+    constexpr double alike = 1e-3, apart = 1e-3;
+    for (std::size_t n = 2; n <= most && onsets.size() >= settled + n && change > apart; ++n)
+      if (size_of_step(z - onsets[onsets.size() - n], z) < alike * change) {
+        slips_ = int(n);
+        return true;
+      }
+    return false;
+  }
+  /// Of the states at the onset that ends a period.
+  double scatter(const StickSlipPeriod& period) {
+    std::vector<double> f(system_.size()), mass(system_.size());
+    system_.set_direction(0);
+    system_.evaluate(0, period.onset.data(), f.data());
+    system_.mass(0, mass.data());
+    system_.set_direction(1);
+    VectorXd open(scale_.size());
+    for (int k = 0; k < open.size(); ++k) open[k] = period.landing * f[mechanical + k] / mass[mechanical + k];
+    return size_of_step(open, states_of(period));
+  }
+  double largest_change(const Metrics& a, const Metrics& b) const {
+    double largest = 0;
+    for (const auto& metric : metric_names())
+      largest = std::max(
+          largest, std::abs(a.*metric.member - b.*metric.member) / size_of(metric, b, model_.drive.speed.level()));
+    return largest;
+  }
+  StickSlipPeriod period_from(const VectorXd& z) const {
+    std::vector<double> y(system_.size());
+    std::copy(z.data(), z.data() + z.size(), y.begin() + mechanical);
+    const auto onset = system_.loaded_at_rest(system_.observe(0, y.data()).state, 1);
+    return stick_slip_period(model_, tolerance_, stick_threshold_, &onset, slips_);
+  }
+  MatrixXd derivative(const VectorXd& z) const {
+    const int n = int(z.size());
+    MatrixXd D = MatrixXd::Zero(n, n);
+    const double part = std::max(1e-4, 100 * tolerance_);
+    for (int k = 0; k < n; ++k) {
+      const double h = part * sizes_at(z)[k];
+      const auto right = period_from(z + h * VectorXd::Unit(n, k)), left = period_from(z - h * VectorXd::Unit(n, k));
+      if (!right.found || !left.found) return MatrixXd::Constant(n, n, std::nan(""));
+      D.col(k) = (states_of(right) - states_of(left)) / (2 * h);
+    }
+    return D;
+  }
+
+  const Model& model_;
+  SliderSystem system_;
+  double tolerance_, stick_threshold_;
+  int slips_;       ///< in a period
+  VectorXd scale_;  ///< of the contact's states
+};
+
+/// A passage of slip, which may reverse but does not stick for long, from v = V rising at a displacement `swing` above
+/// that of steady sliding to the next such passage. Two mechanical unknowns, so the section is a line.
+StickSlipPeriod slip_passage(const Model& model, double swing, double tolerance, double stick_threshold, bool record) {
+  StickSlipPeriod result;
+  SliderSystem system(model);
+  solvers::StickSlip solver(system, tolerance);
+  const double V = model.drive.speed.level(), x_steady = steady_sliding(model).displacement;
+  const double natural = 2 * std::numbers::pi * std::sqrt(model.slider.mass / model.slider.stiffness);
+  solver.bound_slip_step(0.1 * natural);
+  if (!solver.start(0, system.unknowns_at(0, x_steady + swing, V, {}, 0))) {
+    result.outcome = {Ending::not_finite, "at the start"};
+    return result;
+  }
+  Recorder recorder(system, tolerance, stick_threshold, true);
+  const auto section = [&](double t, const double* y) { return system.slip_rate(t, y) - V; };
+  const double longest = 100 * natural + 10 * std::abs(system.loaded_at_rest({}, 1)[0]) / V;
+  bool below = false;
+  double period = 0, stuck = 0;
+  std::vector<double> y(system.size());
+  while (!result.found && solver.time() < longest && solver.stepper().count().steps < 5'000) {
+    solvers::Switch switched;
+    result.outcome = solver.step(longest, switched);
+    if (!result.outcome.complete()) break;
+    auto& step = solver.stepper();
+    double low = 0, low_value = section(step.time_before(), step.state_before().data());
+    for (int i = 0; i < solvers::Collocation::stages; ++i) {
+      step.stage(i, y.data());
+      const double value = section(step.stage_time(i), y.data());
+      if (below && value >= 0) {
+        const auto located = step.locate(section, low, step.node(i), std::min(low_value, -1e-300), value);
+        result.found = located && step.shorten(*located);
+        break;
+      }
+      if (value < -1e-10 * V) below = true;
+      low = step.node(i), low_value = value;
+    }
+    period += step.length();
+    if (system.direction() == 0) stuck += step.length();
+    if (record) recorder.step(step);
+  }
+  if (result.found) {
+    result.onset_displacement = solver.state()[0] - x_steady;  // the next swing
+    if (record) {
+      result.metrics = recorder.finish(period);
+      result.metrics.stick_fraction = stuck / period;
+      result.orbit = std::move(recorder.orbit);
+    }
+  }
+  result.steps = solver.stepper().count().steps;
+  result.evaluations = solver.stepper().count().evaluations;
+  return result;
+}
+
+/// Static limit of a contact without memory.
+double static_limit_of_curve(const Model& model) {
+  const double N = model.drive.normal_load.level();
+  return model.law->static_limit(N, model.law->steady({0, N}));
+}
+
+/// The swing at which slip that never sticks repeats itself: where the drift ln(A'/A) falls through zero.
+std::optional<double> balanced_swing(const Model& model, double tolerance) {
+  const double natural = std::sqrt(model.slider.mass / model.slider.stiffness);
+  const double largest = model.drive.speed.level() * natural +
+                         2 * model.drive.normal_load.level() * static_limit_of_curve(model) / model.slider.stiffness;
+  const auto drift = [&](double log_swing) {
+    const auto passage = slip_passage(model, std::exp(log_swing), tolerance, 0.1, false);
+    return passage.found && passage.onset_displacement > 0 ? std::log(passage.onset_displacement) - log_swing : -1.0;
+  };
+  double high = std::log(8 * largest), f_high = drift(high);
+  for (double low = high - 0.25; low > high - 12 && f_high < 0; low -= 0.25) {
+    const double f_low = drift(low);
+    if (f_low <= 0) {
+      high = low, f_high = f_low;
+      continue;
+    }
+    std::uintmax_t iterations = 100;
+    const auto [a, b] = boost::math::tools::toms748_solve(drift, low, high, f_low, f_high,
+                                                          boost::math::tools::eps_tolerance<double>(50), iterations);
+    return std::exp(0.5 * (a + b));
+  }
+  return std::nullopt;
+}
+
+/// True where friction never falls with slip rate, not even from rest: then two motions never part, and none repeats
+/// itself but steady sliding (or free oscillation about it, which nothing attracts).
+bool never_weakens(const Model& model) {
+  const auto& law = *model.law;
+  const double N = model.drive.normal_load.level();
+  double limit = static_limit_of_curve(model);
+  if (remembers(model)) {
+    // What slip has taken comes back at a stop or at rest, or never.
+    const auto spent = law.after_stop(law.steady({model.drive.speed.level(), N}));
+    for (const double rate : law.rate({0, N}, spent))
+      if (rate != 0) return false;
+    limit = law.static_limit(N, spent);
+  }
+  constexpr double nearly_rest = 1e-14, rounding = 1e-12;
+  return !weakens_somewhere(law, N) && limit <= law.steady_friction({nearly_rest, N}).friction * (1 + rounding);
+}
+
+}  // namespace
+
+Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
+  Cycle cycle;
+  if (never_weakens(model)) {
+    cycle.outcome = {Ending::none_exists, "friction nowhere falls with slip rate: nothing feeds an oscillation"};
+    return cycle;
+  }
+  const double V = model.drive.speed.level();
+  double tolerance = 0.2 * options.tolerance;
+  bool sticks = true;
+  const auto period_at = [&](double tol) -> StickSlipPeriod {
+    if (sticks) {
+      // Slip that only just comes to rest is missed by a solution that is not better than the miss.
+      auto period = OnsetMap(model, tol, options.stick_threshold).cycle();
+      constexpr double grazing = 1e-3, sharp = 1e-14;
+      const bool missed = !period.found && period.outcome.complete() && period.closest < grazing;
+      if ((period.grazes || missed) && tol > sharp) period = OnsetMap(model, sharp, options.stick_threshold).cycle();
+      return period;
+    }
+    const auto swing = balanced_swing(model, tol);
+    if (!swing) return {};
+    auto period = slip_passage(model, *swing, tol, options.stick_threshold, true);
+    period.onset_displacement = steady_sliding(model).displacement + *swing;
+    return period;
+  };
+  StickSlipPeriod coarse = period_at(tolerance);
+  const auto sliding = stability(model);
+  if (!coarse.found && coarse.outcome.complete() && !sliding.stable && !sliding.marginal && !remembers(model)) {
+    sticks = false;
+    coarse = period_at(tolerance);
+  }
+  std::string worst;
+  std::vector<double> onset;
+  int slips = 1;
+  // Slip that passes the kinks of a table meets them anywhere within its steps.
+  const auto& parameters = model.law->parameters();
+  const bool kinks = std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.is_list; });
+  const double caution = kinks ? 4 : 1;
+  double sharpening = 0.01;
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    tolerance = std::max(sharpening * tolerance, solvers::Collocation::least_tolerance);
+    const bool last_possible = tolerance <= solvers::Collocation::least_tolerance;
+    StickSlipPeriod fine = coarse.found ? period_at(tolerance) : coarse;
+    cycle.cost.steps += fine.steps + coarse.steps;
+    cycle.cost.evaluations += fine.evaluations + coarse.evaluations;
+    ++cycle.cost.cycles;
+    if (!fine.outcome.complete()) {
+      cycle.outcome = fine.outcome;
+      return cycle;
+    }
+    if (!fine.found && attempt > 0) break;  // what was found before stays, as it was known
+    if (!fine.found) {
+      cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
+      return cycle;
+    }
+    const double reached =
+        estimate_errors(coarse.metrics, fine.metrics, tolerance, fine.closure, V, false, cycle.error, worst, caution);
+    cycle.metrics = fine.metrics;
+    cycle.orbit = fine.orbit;
+    cycle.section_displacement = fine.onset_displacement;
+    if (sticks) onset = fine.onset, slips = fine.slips;
+    cycle.outcome = {};
+    if (reached <= options.tolerance) break;
+    cycle.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
+    if (last_possible) break;
+    sharpening = next_sharpening(options.tolerance / reached);
+    coarse = std::move(fine);
+  }
+  if (sticks) {
+    cycle.multipliers = OnsetMap(model, 1e-10, options.stick_threshold, slips).multipliers(onset);
+    if (remembers(model)) cycle.section_state = SliderSystem(model).observe(0, onset.data()).state;
+  } else {
+    const double swing = cycle.section_displacement - steady_sliding(model).displacement, h = 1e-4 * swing;
+    const auto left = slip_passage(model, swing - h, 1e-10, options.stick_threshold, false);
+    const auto right = slip_passage(model, swing + h, 1e-10, options.stick_threshold, false);
+    cycle.multipliers = {(right.onset_displacement - left.onset_displacement) / (2 * h)};
+  }
+  cycle.stable = !cycle.multipliers.empty() && std::abs(cycle.multipliers.front()) < 1;
+  return cycle;
+}
+
+}  // namespace rosin::analysis
