@@ -1,8 +1,12 @@
 /// Differences, rounding and tolerances as errors.
 #include "analysis/refinement.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "solvers/collocation.hpp"
 
 namespace rosin::analysis {
 
@@ -30,6 +34,20 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
   return largest;
 }
 
-double next_sharpening(double wanted) { return std::clamp(0.3 * std::pow(wanted, 1.5), 1e-4, 0.01); }
+bool Sharpening::next() {
+  constexpr int most = 4;
+  const bool exhausted = attempts_ > 0 && tolerance_ <= solvers::Collocation::least_tolerance;
+  if (attempts_ == most || exhausted) return false;
+  ++attempts_;
+  tolerance_ = std::max(factor_ * tolerance_, solvers::Collocation::least_tolerance);
+  return true;
+}
+
+Outcome Sharpening::judge(double reached, const std::string& worst) {
+  if (reached <= asked_) return {};
+  // Errors of moderately stiff unknowns follow the estimate, which is the tolerance to the power 2/3.
+  factor_ = std::clamp(0.3 * std::pow(asked_ / reached, 1.5), 1e-4, 0.01);
+  return {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
+}
 
 }  // namespace rosin::analysis

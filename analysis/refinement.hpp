@@ -12,8 +12,20 @@ namespace rosin::analysis {
 double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolerance, double closure, double V,
                        bool stick_is_ill_conditioned, Metrics& error, std::string& worst, double caution = 1);
 
-/// The next factor on the tolerance where the error found is to fall by `wanted`: errors of moderately stiff unknowns
-/// follow the estimate, which is the tolerance to the power 2/3.
-double next_sharpening(double wanted);
+/// The tolerances of the refinements of a cycle, each finer than the one before, until the error asked for is met.
+class Sharpening {
+ public:
+  /// `first`: the tolerance of the coarsest.
+  Sharpening(double asked, double first) : asked_(asked), tolerance_(first) {}
+  double tolerance() const { return tolerance_; }
+  /// Turns to the next tolerance. False after the last.
+  bool next();
+  /// Takes the worst ratio of error to size, that of the metric `worst`. \returns how well the cycle is known.
+  Outcome judge(double reached, const std::string& worst);
+
+ private:
+  double asked_, tolerance_, factor_ = 0.01;
+  int attempts_ = 0;
+};
 
 }  // namespace rosin::analysis

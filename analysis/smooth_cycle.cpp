@@ -363,16 +363,16 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   const double V = map.drive_speed();
   // Small or weakly attracting cycles magnify errors by 1/A and 1/(1 − ρ).
   const double magnified = std::min(1.0, point.amplitude) * std::min(1.0, 1 - spectral_radius(point, map));
-  double tolerance = 0.2 * options.tolerance * magnified;
-  Refined coarse = refine(map, point, tolerance, options.stick_threshold, false);
-  const bool fewer = coarse.outcome.complete() && fewer_turns_do(map, point, tolerance, coarse.closure);
-  if (fewer) coarse = refine(map, point, tolerance, options.stick_threshold, false);
+  Sharpening sharpening(options.tolerance, 0.2 * options.tolerance * magnified);
+  const auto refined = [&](bool keep_orbit) {
+    return refine(map, point, sharpening.tolerance(), options.stick_threshold, keep_orbit);
+  };
+  Refined coarse = refined(false);
+  const bool fewer = coarse.outcome.complete() && fewer_turns_do(map, point, sharpening.tolerance(), coarse.closure);
+  if (fewer) coarse = refined(false);
   std::string worst;
-  double sharpening = 0.01;
-  for (int attempt = 0; attempt < 4; ++attempt) {
-    tolerance = std::max(sharpening * tolerance, solvers::Collocation::least_tolerance);
-    const bool last_possible = tolerance <= solvers::Collocation::least_tolerance;
-    Refined fine = refine(map, point, tolerance, options.stick_threshold, true);
+  while (sharpening.next()) {
+    Refined fine = refined(true);
     if (!coarse.outcome.complete() || !fine.outcome.complete()) {
       cycle.outcome = coarse.outcome.complete() ? fine.outcome : coarse.outcome;
       break;
@@ -383,20 +383,18 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
       if (std::abs(std::abs(lowest) - e * V) < 1e-4 * e * V) cycle.ill_conditioned_stick = true;
     // Rounding in one passage returns with every one that the cycle takes to forget it.
     const double forgetting = 1e-14 / std::max(1 - spectral_radius(point, map), 1e-14);
-    const double reached = estimate_errors(coarse.metrics, fine.metrics, tolerance, fine.closure + forgetting, V,
-                                           cycle.ill_conditioned_stick, cycle.error, worst);
+    const double reached =
+        estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), fine.closure + forgetting, V,
+                        cycle.ill_conditioned_stick, cycle.error, worst);
     cycle.metrics = fine.metrics;
     cycle.orbit = std::move(fine.orbit);
-    cycle.outcome = {};
-    if (reached <= options.tolerance) break;
-    cycle.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
-    if (last_possible) break;
-    sharpening = next_sharpening(options.tolerance / reached);
+    cycle.outcome = sharpening.judge(reached, worst);
+    if (cycle.outcome.complete()) break;
     coarse = std::move(fine);
   }
   if (options.multipliers && !point.by_differences) {
-    const auto passage =
-        map.follow(point.y, std::max(tolerance, 1e-10), point.turns, true, true, nullptr, dip_of(point.amplitude));
+    const auto passage = map.follow(point.y, std::max(sharpening.tolerance(), 1e-10), point.turns, true, true, nullptr,
+                                    dip_of(point.amplitude));
     if (passage.outcome.complete()) point.derivative = passage.derivative;
   }
   // Of fewer turns than differences were taken over, multipliers are bounded but not known.

@@ -30,7 +30,7 @@ namespace {
 struct Linearisation {
   SliderSystem system;
   std::vector<double> y;
-  Matrix J, size;  ///< of what each entry of J was summed from, as far as rounding of y shows it
+  Matrix J;
   Vector mass, scale;
 
   explicit Linearisation(const Model& model) : system(frozen(model), Unknowns::states) {
@@ -42,17 +42,7 @@ struct Linearisation {
     system.linearise(0, y.data(), f.data(), jacobian.data());
     system.mass(0, mass.data());
     system.scale(y.data(), scale.data());
-    const auto read = [&] { return Eigen::Map<RowMajor>(jacobian.data(), n, n); };
-    J = read();
-    // Entries may be differences of larger numbers: what the last digits of y change is not known.
-    size = J.cwiseAbs();
-    constexpr double digits = 2 * std::numeric_limits<double>::epsilon();
-    for (const double pattern : {1.0, -0.7, 0.4}) {
-      auto beside = y;
-      for (int i = 0; i < n; ++i) beside[i] *= 1 + digits * (i % 2 ? pattern : -pattern * pattern);
-      system.linearise(0, beside.data(), f.data(), jacobian.data());
-      size = size.cwiseMax((read() - J).cwiseAbs() / entry_rounding);
-    }
+    J = Eigen::Map<RowMajor>(jacobian.data(), n, n);
   }
 
   /// Signals replaced by their levels.
@@ -71,7 +61,7 @@ struct Linearisation {
     if (!J.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
     std::vector<Eigenvalue> list;
     if (constexpr int largest_expanded = 14; mass.size() <= largest_expanded) {
-      const RowMajor rows = J, sizes = size;
+      const RowMajor rows = J, sizes = entry_sizes();
       const auto count = std::size_t(rows.size());
       const auto roots =
           characteristic_roots({rows.data(), count}, {mass.data(), std::size_t(mass.size())}, {sizes.data(), count});
@@ -93,6 +83,21 @@ struct Linearisation {
   }
 
  private:
+  /// What each entry of J was summed from. Entries may be differences of larger numbers: what the last digits of y
+  /// change is not known.
+  RowMajor entry_sizes() const {
+    const int n = system.size();
+    std::vector<double> f(n);
+    RowMajor beside(n, n), sizes = J.cwiseAbs();
+    constexpr double digits = 2 * std::numeric_limits<double>::epsilon();
+    for (const double pattern : {1.0, -0.7, 0.4}) {
+      auto z = y;
+      for (int i = 0; i < n; ++i) z[i] *= 1 + digits * (i % 2 ? pattern : -pattern * pattern);
+      system.linearise(0, z.data(), f.data(), beside.data());
+      sizes = sizes.cwiseMax((beside - J).cwiseAbs() / entry_rounding);
+    }
+    return sizes;
+  }
   /// By QR, for systems too large to expand their determinant: good to rounding of the largest.
   std::vector<Complex> by_iteration() const {
     // Algebraic rows are eliminated; unknowns are measured in their scales, which balances the matrix.

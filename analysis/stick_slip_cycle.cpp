@@ -70,10 +70,9 @@ class Bottoms {
  public:
   Bottoms(const Model& model, const SliderSystem& system) : model_(model), system_(system), rate_(system.size()) {}
 
-  /// What the last step has come to, if to a bottom.
-  std::optional<Bottom> after(const solvers::StickSlip& solver, solvers::Switch switched) {
-    const double V = model_.drive.speed.level(), u = std::abs(system_.slip_rate(solver.time(), solver.state().data()));
-    const double lowest = std::min(solver.lowest(), slip_);
+  /// What the last step, at whose end slip goes at ±u, has come to, if to a bottom.
+  std::optional<Bottom> after(const solvers::StickSlip& solver, solvers::Switch switched, double u) {
+    const double V = model_.drive.speed.level(), lowest = std::min(solver.lowest(), slip_);
     Bottom bottom{highest_, lowest};
     slip_ = u;
     highest_ = system_.direction() == 0 || switched != solvers::Switch::none ? 0 : std::max(highest_, u);
@@ -154,7 +153,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     if (slipping > many * swing && !remembers(model)) break;
     if (fast && switched == solvers::Switch::none) result.closest = std::min(result.closest, solver.lowest() / V);
     if (began) fastest = std::max(fastest, std::abs(u));
-    if (const auto bottom = bottoms.after(solver, switched); bottom && began) {
+    if (const auto bottom = bottoms.after(solver, switched, std::abs(u)); bottom && began) {
       // The time at which slip comes to rest hangs on the last digits of the slip rate.
       if (bottom->deceleration > 0)
         result.landing += std::max(tolerance, 1e-15) * bottom->highest / bottom->deceleration;
@@ -476,9 +475,10 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     return cycle;
   }
   const double V = model.drive.speed.level();
-  double tolerance = 0.2 * options.tolerance;
+  Sharpening sharpening(options.tolerance, 0.2 * options.tolerance);
   bool sticks = true;
-  const auto period_at = [&](double tol) -> StickSlipPeriod {
+  const auto period_now = [&]() -> StickSlipPeriod {
+    const double tol = sharpening.tolerance();
     if (sticks) {
       // Slip that only just comes to rest is missed by a solution that is not better than the miss.
       auto period = OnsetMap(model, tol, options.stick_threshold).cycle();
@@ -493,11 +493,11 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     period.onset_displacement = steady_sliding(model).displacement + *swing;
     return period;
   };
-  StickSlipPeriod coarse = period_at(tolerance);
+  StickSlipPeriod coarse = period_now();
   const auto sliding = stability(model);
   if (!coarse.found && coarse.outcome.complete() && !sliding.stable && !sliding.marginal && !remembers(model)) {
     sticks = false;
-    coarse = period_at(tolerance);
+    coarse = period_now();
   }
   std::string worst;
   std::vector<double> onset;
@@ -506,11 +506,8 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   const auto& parameters = model.law->parameters();
   const bool kinks = std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.is_list; });
   const double caution = kinks ? 4 : 1;
-  double sharpening = 0.01;
-  for (int attempt = 0; attempt < 4; ++attempt) {
-    tolerance = std::max(sharpening * tolerance, solvers::Collocation::least_tolerance);
-    const bool last_possible = tolerance <= solvers::Collocation::least_tolerance;
-    StickSlipPeriod fine = coarse.found ? period_at(tolerance) : coarse;
+  while (sharpening.next()) {
+    StickSlipPeriod fine = coarse.found ? period_now() : coarse;
     cycle.cost.steps += fine.steps + coarse.steps;
     cycle.cost.evaluations += fine.evaluations + coarse.evaluations;
     ++cycle.cost.cycles;
@@ -518,22 +515,19 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       cycle.outcome = fine.outcome;
       return cycle;
     }
-    if (!fine.found && attempt > 0) break;  // what was found before stays, as it was known
+    if (!fine.found && cycle.metrics.period > 0) break;  // what was found before stays, as it was known
     if (!fine.found) {
       cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;
     }
-    const double reached =
-        estimate_errors(coarse.metrics, fine.metrics, tolerance, fine.closure, V, false, cycle.error, worst, caution);
+    const double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), fine.closure, V, false,
+                                           cycle.error, worst, caution);
     cycle.metrics = fine.metrics;
     cycle.orbit = fine.orbit;
     cycle.section_displacement = fine.onset_displacement;
     if (sticks) onset = fine.onset, slips = fine.slips;
-    cycle.outcome = {};
-    if (reached <= options.tolerance) break;
-    cycle.outcome = {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
-    if (last_possible) break;
-    sharpening = next_sharpening(options.tolerance / reached);
+    cycle.outcome = sharpening.judge(reached, worst);
+    if (cycle.outcome.complete()) break;
     coarse = std::move(fine);
   }
   if (sticks) {
