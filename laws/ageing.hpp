@@ -23,11 +23,11 @@ E = \frac{1}{a}\Bigl(\mu_0 + b\ln\frac{v_0\theta}{L}\Bigr),\quad \lambda\dot\the
       table(field(&State::theta, "theta", "s", any_age, "mean age of the contacts", Scale::log));
 
   // E = E₁ + (b/a) ln θ, θ in seconds: what does not change is divided and taken the logarithm of once.
-  Real b_by_a = b / a, E_1 = (mu0 + b * log(v0 / L)) / a - log(2.0 * v0);
+  Real per_a = 1.0 / a, b_by_a = b / a, E_1 = (mu0 + b * log(v0 / L)) / a - log(2.0 * v0);
   Real exponent(State s) const { return E_1 + b_by_a * log(s.theta); }
 
   Real friction(Sliding<Real> at, State s) const { return a * asinh_exp(at.slip_rate, exponent(s)); }
-  Real slip_rate(Real mu, Sliding<Real>, State s) const { return sinh_exp(Real(mu / a), exponent(s)); }
+  Real slip_rate(Real mu, Sliding<Real>, State s) const { return sinh_exp(Real(mu * per_a), exponent(s)); }
   State rate(Sliding<Real> at, State s) const { return {1.0 - abs(at.slip_rate) * s.theta / L}; }
   State steady(Sliding<Real> at) const { return {L / abs(at.slip_rate)}; }
 };

@@ -43,13 +43,17 @@ E = \frac{1}{a}\Bigl[\mu_0 + b\ln\Bigl(c + \frac{\psi}{\psi_*}\Bigr)\Bigr],\quad
   }
 
   Real psi_ref = L / (L + v0 * t_heal);  ///< ψ*, steady state at v0
+  // What does not change is divided by once: divisions are the dearest part of an evaluation in lanes.
+  Real per_psi_ref = 1.0 / psi_ref, per_a = 1.0 / a, per_L = 1.0 / L, per_t_heal = 1.0 / t_heal;
   Real log_2v0 = log(2.0 * v0);
-  Real exponent(State s) const { return (mu0 + b * log(c + s.psi / psi_ref)) / a - log_2v0; }
+  Real exponent(State s) const { return (mu0 + b * log(c + s.psi * per_psi_ref)) * per_a - log_2v0; }
 
   Real friction(Sliding<Real> at, State s) const { return a * asinh_exp(at.slip_rate, exponent(s)); }
-  Real slip_rate(Real mu, Sliding<Real>, State s) const { return sinh_exp(Real(mu / a), exponent(s)); }
-  State rate(Sliding<Real> at, State s) const { return {(1.0 - s.psi) / t_heal - abs(at.slip_rate) * s.psi / L}; }
-  State steady(Sliding<Real> at) const { return {1.0 / (1.0 + abs(at.slip_rate) * t_heal / L)}; }
+  Real slip_rate(Real mu, Sliding<Real>, State s) const { return sinh_exp(Real(mu * per_a), exponent(s)); }
+  State rate(Sliding<Real> at, State s) const {
+    return {(1.0 - s.psi) * per_t_heal - abs(at.slip_rate) * s.psi * per_L};
+  }
+  State steady(Sliding<Real> at) const { return {1.0 / (1.0 + abs(at.slip_rate) * t_heal * per_L)}; }
 };
 
 }  // namespace rosin::laws

@@ -25,12 +25,12 @@ E = \frac{1}{a}\Bigl(\mu_0 + \sum_{i=1}^{2} b_i\ln\frac{v_0\theta_i}{L_i}\Bigr),
             field(&State::theta2, "theta2", "s", any_age, "state that evolves over L2", Scale::log));
 
   // E = E₁ + (b₁ ln θ₁ + b₂ ln θ₂)/a, θ in seconds: what does not change is divided and taken the logarithm of once.
-  Real b1_by_a = b1 / a, b2_by_a = b2 / a;
+  Real per_a = 1.0 / a, b1_by_a = b1 / a, b2_by_a = b2 / a;
   Real E_1 = (mu0 + b1 * log(v0 / L1) + b2 * log(v0 / L2)) / a - log(2.0 * v0);
   Real exponent(State s) const { return E_1 + b1_by_a * log(s.theta1) + b2_by_a * log(s.theta2); }
 
   Real friction(Sliding<Real> at, State s) const { return a * asinh_exp(at.slip_rate, exponent(s)); }
-  Real slip_rate(Real mu, Sliding<Real>, State s) const { return sinh_exp(Real(mu / a), exponent(s)); }
+  Real slip_rate(Real mu, Sliding<Real>, State s) const { return sinh_exp(Real(mu * per_a), exponent(s)); }
   State rate(Sliding<Real> at, State s) const {
     const Real speed = abs(at.slip_rate);
     return {-xlogx(Real(speed * s.theta1 / L1)), -xlogx(Real(speed * s.theta2 / L2))};
