@@ -6,7 +6,6 @@
 #include "analysis/lab/sensor.hpp"
 #include "app/files.hpp"
 #include "app/gnuplot.hpp"
-#include "app/pictures.hpp"
 
 namespace rosin::app {
 

@@ -4,7 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "app/files.hpp"
-#include "app/pictures.hpp"
+#include "app/gnuplot.hpp"
 
 namespace rosin::app {
 

@@ -18,15 +18,4 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&,
                                        const std::vector<analysis::lab::Panel>&);
 
-/// A text for gnuplot in single quotes: markup characters are shown as they are, control characters dropped.
-std::string single_quoted(std::string_view text);
-/// What every script begins with. `format` and `output` may be set by the caller: gnuplot -e "format='png'" map.gp
-std::string preamble(const std::string& name, std::string_view what, int width, int height);
-
-/// Draws one script of the folder as SVG and PNG, or all of them if `script` is empty.
-struct Drawn {
-  std::vector<std::string> files, problems;
-};
-Drawn draw(const std::filesystem::path& folder, const std::string& script = {});
-
 }  // namespace rosin::app

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/files.hpp"
+#include "app/gnuplot.hpp"
 #include "app/job.hpp"
-#include "app/pictures.hpp"
 #include "app/progress.hpp"
 #include "app/scene.hpp"
 

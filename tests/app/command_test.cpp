@@ -5,9 +5,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -213,6 +216,45 @@ TEST_CASE("a map does not depend on threads, nor on being killed and taken up ag
   REQUIRE(run_rosin(folder, small_map("killed", "2")).status == 0);
   CHECK(content(folder.path / "killed/map.nc") == content(folder.path / "one/map.nc"));
   CHECK(timeless(folder.path / "killed/result.json") == timeless(folder.path / "one/result.json"));
+}
+
+TEST_CASE("a fine plane is drawn as an image, a coarse one as boxes, and what lies outside the scales always so") {
+  const Folder folder;
+  // The load falls along its axis: pictures have the least at the left all the same.
+  const auto plane = [&](const std::string& out, const std::string& points) {
+    REQUIRE(run_rosin(folder, {"map", example("bristol-board-plane"), "--quiet", "--out", out, "--tolerance=1e-3",
+                               "--set", "map.metrics=['loop_area']", "--set",
+                               "map.x={parameter='drive.normal_load',from=9.81,to=9.81e-8,points=" + points +
+                                   ",scale='log',extra=[1e-9]}",
+                               "--set", "map.y.points=2", "--set", "map.y.extra=[]"})
+                .status == 0);
+    return json::parse(content(folder.path / out / "result.json"))["metrics"]["loop_area"];
+  };
+  const auto lines = [&](const fs::path& path) {
+    const auto text = content(folder.path / path);
+    return std::ranges::count(text, '\n');
+  };
+  plane("coarse", "40");
+  CHECK(lines("coarse/map-cells.csv") == 1 + 2 * 41);
+  CHECK_FALSE(fs::exists(folder.path / "coarse/map-grid.bin"));
+
+  const auto loop_area = plane("fine", "161");
+  CHECK(lines("fine/map-cells.csv") == 1 + 2);
+  CHECK(lines("fine/map-marks.csv") <= 1 + 2 * 24);
+  const auto grid = content(folder.path / "fine/map-grid.bin");
+  REQUIRE(grid.size() == 2 * 161 * sizeof(double));
+  std::vector<double> values(2 * 161);
+  std::memcpy(values.data(), grid.data(), grid.size());
+  for (const std::size_t row : {0, 1})
+    for (const std::size_t i : {0, 80, 160}) {
+      const auto& expected = loop_area[row][160 - i];
+      INFO(row << ' ' << i);
+      if (expected.is_null())
+        CHECK(std::isnan(values[row * 161 + i]));
+      else
+        CHECK(values[row * 161 + i] == expected.get<double>());
+    }
+  CHECK(fs::file_size(folder.path / "fine/map.svg") < 300'000);
 }
 
 TEST_CASE("an interrupted map ends in order with status 130 and says how to go on") {
