@@ -108,7 +108,9 @@ Cycle find_cycle(const Model& model, const CycleOptions& options) {
     Model mirrored = model;
     mirrored.drive.speed = -V;
     mirrored.drive.force = -drive.force.level();
-    cycle = find_cycle(mirrored, options);
+    CycleOptions elsewhere = options;
+    elsewhere.near.clear();
+    cycle = find_cycle(mirrored, elsewhere);
     mirror(cycle, *model.law);
   } else if (only_rings(model)) {
     cycle.outcome = {Ending::none_exists, "friction nowhere falls with slip rate: nothing feeds an oscillation"};

@@ -48,6 +48,9 @@ struct CycleOptions {
   int max_cycles = 400;  ///< transient cycles integrated before giving up
   std::optional<Start> start =
       std::nullopt;  ///< where the search starts; else from stick. Set-valued laws: always from stick
+  /// Unknowns on the section that may lie near the cycle, of a smooth law under a drive with V > 0: looked at before
+  /// any motion is waited for; empty: none.
+  std::vector<double> near = {};
 };
 
 /// One sample of a cycle for pictures.

@@ -473,7 +473,8 @@ void PassageLanes::end(int lane, PassageQueue& queue) {
     }
     if (switches_) {
       m.stick_fraction = at.stuck / passage.duration;
-      if (std::abs(m.slip_rate_min) < 1e-10 * at.V) m.slip_rate_min = 0;  // stick is rest
+      // Stick is rest, which slip comes to within its rounding.
+      if (std::abs(m.slip_rate_min) < std::max(1e-10 * at.V, 1e-15 * m.slip_rate_max)) m.slip_rate_min = 0;
     }
     m.loop_area = follows_steady_curve(*at.loaded) ? 0 : std::abs(loop_[lane]);
     m.friction_mean = friction_sum_[lane] / passage.duration;

@@ -120,9 +120,12 @@ std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, 
 
 /// Near a Hopf point the amplitude drifts slowly along one direction. This finds where the drift per passage,
 /// r(A) = ln(A'/A), falls through zero: a stable cycle. A is the distance of the section point from steady sliding,
-/// which is smooth. `y` lies on the section. Returns a section point near the cycle.
-std::optional<std::vector<double>> balance_of_drift(ReturnMap& map, const std::vector<double>& y, double amplitude,
-                                                    double drift_at_rest) {
+/// which is smooth. `y` lies on the section.
+struct Balance {
+  std::optional<std::vector<double>> y;  ///< a section point near the cycle
+  bool dies_out = false;  ///< the drift is towards steady sliding at every amplitude below that of the start
+};
+Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double amplitude, double drift_at_rest) {
   const auto steady = map.system().steady(0);
   const double start = map.distance(y, steady), least = 0.02 * start / amplitude;
   VectorXd direction = map.difference(y, steady) / start;
@@ -130,49 +133,65 @@ std::optional<std::vector<double>> balance_of_drift(ReturnMap& map, const std::v
     double size, rate;
     std::vector<double> y;
   };
-  // Two passages: the first relaxes the fast directions, the second shows the drift.
+  // The first passages relax the fast directions; the drift is known once the next shows the same.
   const auto drift = [&](double size) -> std::optional<Drift> {
+    constexpr int most_passages = 8;
+    constexpr double same = 0.02;
     const double A = amplitude * size / start, tolerance = search_tolerance(A, drift_at_rest), dip = dip_of(A);
-    const auto first = map.follow(map.moved(steady, direction, size), tolerance, 1, true, false, nullptr, dip);
-    if (!first.outcome.complete()) return std::nullopt;
-    const auto second = map.follow(first.end, tolerance, 1, true, false, nullptr, dip);
-    if (!second.outcome.complete()) return std::nullopt;
-    const double a = map.distance(first.end, steady), b = map.distance(second.end, steady);
-    if (!(a > 0 && b > 0)) return std::nullopt;
-    direction = map.difference(second.end, steady) / b;
-    return Drift{a, std::log(b / a), second.end};
+    auto y = map.moved(steady, direction, size);
+    double before = 0, rate = infinity;
+    for (int k = 0; k < most_passages; ++k) {
+      const auto passage = map.follow(y, tolerance, 1, true, false, nullptr, dip);
+      if (!passage.outcome.complete()) return std::nullopt;
+      const double a = before, last = rate, b = map.distance(passage.end, steady);
+      if (!(b > 0)) return std::nullopt;
+      y = passage.end;
+      before = b;
+      if (k == 0) continue;
+      rate = std::log(b / a);
+      if (std::abs(rate - last) <= same * std::max(std::abs(rate), std::abs(drift_at_rest))) break;
+    }
+    direction = map.difference(y, steady) / before;
+    return Drift{before, rate, y};
   };
   auto high = drift(start);
-  if (!high) return std::nullopt;
+  if (!high) return {};
   // The lower end: drift that grows. At rest it is that of the linear mode; above a stable steady state it is sought.
   double low = 0, low_rate = drift_at_rest;
   for (int larger = 0; high->rate > 0; ++larger) {
     low = high->size, low_rate = high->rate;
     high = drift((larger < 8 ? 1.05 : 1.25) * low);
-    if (!high || larger > 40) return std::nullopt;
+    if (!high || larger > 40) return {};
   }
   for (double size = 0.8 * high->size; low_rate <= 0 && size > least; size *= 0.8) {
     const auto here = drift(size);
-    if (!here) return std::nullopt;
+    if (!here) return {};
     if (here->rate > 0)
       low = here->size, low_rate = here->rate;
     else
       high = here;
   }
-  if (low_rate <= 0) return std::nullopt;
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    // Drift is nearly linear in the squared amplitude.
+  if (low_rate <= 0) return {.y = {}, .dies_out = true};
+  // Drift is nearly linear in the squared amplitude; the end that stays twice counts half (Illinois).
+  const double growth = low_rate;
+  double high_rate = high->rate;
+  for (int iteration = 0, stays = 0; iteration < 30; ++iteration) {
     const double l2 = low * low, h2 = high->size * high->size, width = h2 - l2;
-    const double a2 = std::clamp(l2 + width * low_rate / (low_rate - high->rate), l2 + 1e-4 * width, h2 - 1e-4 * width);
+    const double a2 = std::clamp(l2 + width * low_rate / (low_rate - high_rate), l2 + 1e-4 * width, h2 - 1e-4 * width);
     const auto here = drift(std::sqrt(a2));
-    if (!here) return std::nullopt;
-    if (std::abs(here->rate) < 0.02 * low_rate || width < 1e-3 * h2) return here->y;
-    if (here->rate > 0)
+    if (!here) return {};
+    if (std::abs(here->rate) < 0.02 * growth || width < 1e-3 * h2) return {here->y};
+    if (here->rate > 0) {
       low = here->size, low_rate = here->rate;
-    else
-      high = here;
+      if (stays > 0) high_rate *= 0.5;
+      stays = 1;
+    } else {
+      high = here, high_rate = here->rate;
+      if (stays < 0) low_rate *= 0.5;
+      stays = -1;
+    }
   }
-  return high->y;
+  return {high->y};
 }
 
 /// What a search ends with: a stable fixed point, or why there is none.
@@ -182,8 +201,10 @@ struct Search {
 };
 
 /// `drift_at_rest`: growth of a small oscillation about steady sliding in one period, ln(A'/A).
-Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::optional<Start>& start) {
+Search search(ReturnMap& map, double drift_at_rest, const CycleOptions& options) {
   Search result;
+  const auto& start = options.start;
+  int max_cycles = options.max_cycles;
   const bool steady_is_stable = drift_at_rest < 0;
   const double V = map.drive_speed();
   // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin of
@@ -217,6 +238,10 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
     result.outcome = {};
     return true;
   };
+  if (!options.near.empty()) {
+    const auto passage = map.follow(options.near, loose, 1, true);
+    if (passage.outcome.complete() && accept(passage.end, 1, passage.amplitude, infinity)) return result;
+  }
   if (start) ages = {V};
   for (const double aged_at : ages) {
     std::vector<double> y;
@@ -274,12 +299,12 @@ Search search(ReturnMap& map, double drift_at_rest, int max_cycles, const std::o
       if (k >= 6 || (steady_is_stable && k >= 3) || drifts) {
         balanced_once = true;
         const auto balanced = balance_of_drift(map, y, amplitude, drift_at_rest);
-        if (balanced) {
-          const auto there = map.follow(*balanced, search_tolerance(amplitude, drift_at_rest), 1, true, false, nullptr,
-                                        dip_of(amplitude));
+        if (balanced.y) {
+          const auto there = map.follow(*balanced.y, search_tolerance(amplitude, drift_at_rest), 1, true, false,
+                                        nullptr, dip_of(amplitude));
           if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return result;
         }
-        if (!balanced && steady_is_stable) break;
+        if (balanced.dies_out) break;
       }
     }
   }
@@ -353,7 +378,7 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     cycle.outcome = {Ending::none_exists, "one unknown alone evolves, and that cannot oscillate (no mass, no memory)"};
     return cycle;
   }
-  auto found = search(map, leading.real() * turn, options.max_cycles, options.start);
+  auto found = search(map, leading.real() * turn, options);
   cycle.cost = map.cost();
   if (!found.point) {
     cycle.outcome = found.outcome;

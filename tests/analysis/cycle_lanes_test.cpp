@@ -305,6 +305,28 @@ TEST_CASE("beside stable sliding lanes find what sticks and slips, and what dies
   CHECK(find_cycle(dies, {}).outcome.ending == Ending::none_exists);
 }
 
+TEST_CASE("what dies out by thousandths a turn is told in lanes", "[cycle-lanes]") {
+  // Far too slowly to wait for: the drift at amplitudes from stick down to steady sliding tells.
+  Model model;
+  model.law = rosin::laws::find_law("ageing");
+  model.drive = {0.1, 10.0, 0.0};
+  std::vector<Model> models;
+  for (const double stiffness : {341.5, 1e4, 1e6}) {
+    model.slider = {1, stiffness, 1};
+    const auto sliding = stability(model);
+    REQUIRE(sliding.stable);
+    REQUIRE(sliding.eigenvalues[0].real() > -0.02 * std::abs(sliding.eigenvalues[0].imag()));
+    models.push_back(model);
+  }
+  const auto cycles = find_cycles(models, {1e-3, 0.1, {"stick_fraction"}});
+  for (std::size_t k = 0; k < models.size(); ++k) {
+    INFO(k << ": " << cycles[k].tries << " tries");
+    CHECK_FALSE(cycles[k].found);
+    CHECK(cycles[k].dies_out);
+    CHECK(find_cycle(models[k], {.tolerance = 1e-6}).outcome.ending == Ending::none_exists);
+  }
+}
+
 TEST_CASE("company, threads and instruction sets leave no trace", "[cycle-lanes]") {
   const char* law = GENERATE("spinodal", "stribeck", "static-growth");
   auto models = unstable_sliders(laws::find_law("spinodal"), 40, 11);

@@ -2,7 +2,10 @@
 #include "analysis/cycle.hpp"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
 
+#include "laws/spinodal.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
@@ -120,6 +123,48 @@ TEST_CASE("a cycle is found next to the Hopf point and none on the other side", 
   const auto beyond = at(0.98);
   CHECK(beyond.outcome.ending == Ending::none_exists);
   CHECK(beyond.metrics.period == 0);
+}
+
+/// The amplitude (v_max − V)/V at which friction does no work on a harmonic oscillation about steady sliding: what the
+/// cycle has in the limit of weak coupling (averaging, Krylov & Bogoliubov 1937).
+double averaged_amplitude(const rosin::laws::Spinodal<>& law, double lambda, double V, double omega) {
+  const auto work = [&](double amplitude) {
+    constexpr int steps = 4000;
+    const double h = 2 * std::numbers::pi / (omega * steps);
+    const auto slip_rate = [&](double t) { return V * (1 + amplitude * std::sin(omega * t)); };
+    const auto rate = [&](double t, double psi) { return law.rate({slip_rate(t), 0.0}, {psi}).psi / lambda; };
+    double psi = law.steady({V, 0.0}).psi, sum = 0;
+    for (int k = 0; k < 8 * steps; ++k) {  // the last of eight turns, when the first has been forgotten
+      const double t = k * h;
+      if (k >= 7 * steps) sum += law.friction({slip_rate(t), 0.0}, {psi}) * std::sin(omega * t);
+      const double k1 = rate(t, psi), k2 = rate(t + h / 2, psi + h / 2 * k1), k3 = rate(t + h / 2, psi + h / 2 * k2),
+                   k4 = rate(t + h, psi + h * k3);
+      psi += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    }
+    return sum;
+  };
+  double low = 1e-3, high = 0.9;  // work is done on small oscillations, and by large ones
+  for (int i = 0; i < 40; ++i) (work((low + high) / 2) < 0 ? low : high) = (low + high) / 2;
+  return low;
+}
+
+TEST_CASE("a cycle that friction hardly touches has the amplitude of averaging", "[cycle]") {
+  // Loads at which a turn changes the motion by 10⁻⁶: no search could wait for it to settle.
+  const double V = 1e-5;
+  for (const double lambda : {5.5, 6.558685659571432, 6.61}) {
+    Model model;
+    model.law = laws::find_law("spinodal");
+    model.lambda = lambda;
+    model.slider = {1.0, 1.09, 0};
+    model.drive = {V, 1.2e-7, 0.0};
+    const Cycle cycle = find_cycle(model, {.tolerance = 1e-6});
+    INFO("lambda " << lambda << ": " << cycle.outcome.detail);
+    REQUIRE(cycle.outcome.complete());
+    const double expected = averaged_amplitude({}, lambda, V, 2 * std::numbers::pi / cycle.metrics.period);
+    CHECK((cycle.metrics.slip_rate_max / V - 1) / expected == Approx(1).epsilon(2e-3));
+    CHECK(std::abs(cycle.multipliers.front()) < 1);
+    CHECK(std::abs(cycle.multipliers.front()) > 0.999);
+  }
 }
 
 TEST_CASE("Coulomb stick-slip has the closed-form slip and stick times", "[cycle]") {

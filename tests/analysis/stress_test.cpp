@@ -337,6 +337,22 @@ TEST_CASE("slip begins along the load that released it, whatever rounding left o
   CHECK(cycle.metrics.friction_min == Approx(2 * mu_d - mu_s).epsilon(1e-8));
 }
 
+TEST_CASE("slip at 10^13 times the drive's speed comes to rest in lanes, not beyond it", "[stress]") {
+  // Its rounding is a thousandth of the drive's speed, and must not be taken for slip backwards.
+  auto model = slider_under(
+      "thermal",
+      {0.72141590792182886, 0.39938112380275054, 0.002157666253515652, 0.31504281983415283, 0.033259855758328141,
+       1.0329721486377855e-07, 0.003384958195365237, 0.015671768472745953, 1.0, 0.14684608943471836},
+      {3.1418534732887069e-05, 0.038854009957024281, 0}, 8.0588835811057319e-08, 2097.4803878914777);
+  model.drive.force = -10.351454533943739;
+  const auto lanes = find_cycles(std::span(&model, 1), {1e-6, 0.1, {"slip_rate_min", "slip_rate_max"}})[0];
+  REQUIRE(lanes.found);
+  CHECK(lanes.metrics.slip_rate_min == 0);
+  const auto alone = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(alone.outcome.complete());
+  CHECK(std::abs(lanes.metrics.slip_rate_max - alone.metrics.slip_rate_max) < lanes.error.slip_rate_max);
+}
+
 TEST_CASE("what is neither fed nor damped beyond rounding is marginal, and has no Hopf points", "[stress]") {
   // Heat in ten parts under a mass at 16 m/s: friction hardly depends on the slip rate any more, growth is 1e-17 1/s.
   const auto model =
