@@ -2,13 +2,12 @@
 #include "analysis/adaptive_map.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <memory>
-#include <numeric>
-#include <thread>
 
+#include "analysis/forecast.hpp"
+#include "analysis/map_jobs.hpp"
 #include "analysis/map_point.hpp"
 #include "analysis/patch.hpp"
 
@@ -109,17 +108,32 @@ struct Piece {
   std::map<int, std::string> why;  ///< of failures
 };
 
+/// A part of the plane that becomes one patch.
+struct Plot {
+  Frame frame;
+  std::unique_ptr<Patch> outline = nullptr;  ///< knows the classes of pixels, if the time left is foretold
+  double node_work = 0, direct_work = 0;     ///< parts of the expected work
+  int width() const { return frame.x1 - frame.x0 + 1; }
+};
+
 class Workshop {
  public:
   Workshop(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence, const std::stop_token& stop)
       : model_(model), options_(options), coexistence_(coexistence), stop_(stop), quantities_(options) {}
 
   /// \returns false if stopped before the end.
-  bool compute(const std::vector<Frame>& frames, FinishedPoints& finished) {
+  bool compute(const std::vector<const Job<Plot>*>& jobs, const std::function<void(double work)>& advanced,
+               FinishedPoints& finished) {
     std::vector<std::unique_ptr<Piece>> pieces;
-    for (const auto& frame : frames)
-      pieces.push_back(std::make_unique<Piece>(frame, quantities_, options_,
-                                               [this, frame](int x, int y) { return classify(frame, x, y); }));
+    double node_work = 0, direct_work = 0;  // expected, of what is left
+    for (const auto* job : jobs) {
+      const Plot& plot = job->what;
+      node_work += plot.node_work;
+      direct_work += plot.direct_work;
+      pieces.push_back(std::make_unique<Piece>(plot.frame, quantities_, options_, [this, &plot](int x, int y) {
+        return plot.outline ? plot.outline->class_of(y * plot.width() + x) : classify(plot.frame, x, y);
+      }));
+    }
     for (bool open = true; open;) {
       open = false;
       std::vector<Task> nodes, direct;
@@ -129,24 +143,42 @@ class Workshop {
         for (const int pixel : wanted.direct) direct.push_back({pieces[k].get(), int(k), pixel});
         open |= !wanted.empty();
       }
-      if (!work_on(nodes, std::max(node_share * options_.tolerance, finest), false)) return false;
-      if (!work_on(direct, std::max(direct_share * options_.tolerance, finest), true)) return false;
+      // More than was expected shows when all is done only: direct points come last.
+      const auto spend = [&](double& left, double attempts) {
+        const double part = std::min(left, attempts);
+        left -= part;
+        advanced(part);
+      };
+      if (!work_on(nodes, node_tolerance(), false, [&](double attempts) { spend(node_work, attempts); })) return false;
+      if (!work_on(direct, std::max(direct_share * options_.tolerance, finest), true,
+                   [&](double attempts) { spend(direct_work, attempts); }))
+        return false;
     }
     for (const auto& piece : pieces) collect(*piece, finished);
     return true;
   }
 
-  /// How much there is to do in a patch, for the forecast of the time left: little where sliding is stable, much where
-  /// a border runs through it, because cycles settle slowly beside it (as measured on the plane of Fig 2 of Woodhouse,
-  /// Putelat & McKay 2015).
-  double expected_work(const Frame& f) const {
-    constexpr int samples = 5;
-    int busy = 0;
-    for (int j = 0; j < samples; ++j)
-      for (int i = 0; i < samples; ++i)
-        busy += classify(f, (f.x1 - f.x0) * i / (samples - 1), (f.y1 - f.y0) * j / (samples - 1)) != settled;
-    return busy == 0 ? 0.4 : busy == samples * samples ? 1.0 : 16.0;
+  /// Divides the patch for the sake of its borders alone, and sums up what that will take.
+  void outline(Job<Plot>& job, const Forecast& forecast) const {
+    const Frame& f = job.what.frame;
+    const int width = job.what.width();
+    auto& outline = job.what.outline;
+    outline = std::make_unique<Patch>(Patch::Options{width, f.y1 - f.y0 + 1},
+                                      [this, f](int x, int y) { return classify(f, x, y); });
+    const auto weigh = [&](const std::vector<int>& pixels, double& work) {
+      for (const int pixel : pixels) {
+        outline->set(pixel, outline->class_of(pixel), {{0.0}, {0.0}, {1.0}});
+        work += forecast.attempts_at(f.x0 + pixel % width, f.y0 + pixel / width);
+      }
+    };
+    for (auto wanted = outline->advance(); !wanted.empty(); wanted = outline->advance()) {
+      weigh(wanted.nodes, job.what.node_work);
+      weigh(wanted.direct, job.what.direct_work);
+    }
+    job.work = Forecast::judging + job.what.node_work + job.what.direct_work;
   }
+  double node_tolerance() const { return std::max(node_share * options_.tolerance, finest); }
+  const std::vector<std::string>& metrics() const { return quantities_.names; }
 
  private:
   struct Task {
@@ -177,7 +209,8 @@ class Workshop {
   }
 
   /// `neighbours`: the pixels lie side by side and help each other to a start.
-  bool work_on(const std::vector<Task>& tasks, double tolerance, bool neighbours) {
+  bool work_on(const std::vector<Task>& tasks, double tolerance, bool neighbours,
+               const std::function<void(double work)>& advanced) {
     std::vector<Task> together;
     std::vector<Model> models;
     std::vector<GridPlace> places;
@@ -198,13 +231,16 @@ class Workshop {
     }
     if (stop_.stop_requested()) return false;
     const auto cycles = find_cycles(models, {tolerance, options_.stick_threshold, quantities_.names}, places);
+    double attempts = 0;
+    for (const auto& cycle : cycles) attempts += Forecast::attempts_of(cycle);
+    advanced(attempts);
     for (std::size_t k = 0; k < cycles.size(); ++k) {
       if (stop_.stop_requested()) return false;
       const bool beside = together[k].piece->patch.class_of(together[k].pixel) == beside_steady;
       auto point = point_of(cycles[k], beside);
-      if (!point) point = compute_point(models[k], tolerance, options_.stick_threshold, beside);
+      if (!point) point = compute_point(models[k], tolerance, options_.stick_threshold, beside, cycles[k].near);
       if (point->regime == Regime::failed)  // too much was asked
-        point = compute_point(models[k], options_.tolerance, options_.stick_threshold, beside);
+        point = compute_point(models[k], options_.tolerance, options_.stick_threshold, beside, cycles[k].near);
       take(together[k], models[k], *point);
     }
     return true;
@@ -228,8 +264,12 @@ class Workshop {
           point.origin = decided ? Origin::decided : computed ? Origin::computed : Origin::interpolated;
           point.regime = Regime(piece.patch.kind(pixel));
           for (std::size_t q = 0; q < quantities_.metrics.size(); ++q) {
-            point.metrics.*quantities_.metrics[q]->member = piece.patch.value(pixel, int(q));
-            point.error.*quantities_.metrics[q]->member = piece.patch.error(pixel, int(q));
+            const MetricName& metric = *quantities_.metrics[q];
+            double& value = point.metrics.*metric.member = piece.patch.value(pixel, int(q));
+            // Interpolation may leave, by less than the error, the range of what it stands for.
+            if (is_stick(metric)) value = std::clamp(value, 0.0, 1.0);
+            if (is_loop(metric)) value = std::max(value, 0.0);
+            point.error.*metric.member = piece.patch.error(pixel, int(q));
           }
           if (const auto why = piece.why.find(pixel); why != piece.why.end()) point.why = why->second;
           if (!computed && point.regime == Regime::failed) point.why = "as at the points around it";
@@ -256,41 +296,29 @@ bool interpolates(const MapOptions& options) {
 }
 
 void compute_adaptively(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence,
-                        const std::vector<MapPoint>& known,
+                        const std::vector<MapPoint>& known, bool foretell,
                         const std::function<void(FinishedPoints&, double work)>& finish, const std::stop_token& stop) {
-  std::vector<Frame> open;
+  std::vector<Job<Plot>> jobs;
   for (const auto& f : frames(options.x, options.y)) {
     bool missing = false;
     for (int iy = f.y0; iy <= f.y1 - !f.own_top; ++iy)
       for (int ix = f.x0; ix <= f.x1 - !f.own_right; ++ix)
         missing |= !known[std::size_t(iy) * options.x.values.size() + ix].done;
-    if (missing) open.push_back(f);
+    if (missing) jobs.push_back({.what = {.frame = f}});
   }
-  // In an order that mixes all regions, so that the first patches foretell the time of the others.
-  const auto mixed = [&](const Frame& f) { return (std::uint64_t(f.y0) * 65537 + f.x0 + 1) * 0x9e3779b97f4a7c15; };
-  std::ranges::sort(open, {}, mixed);
-  std::vector<double> weights;
-  {
-    const Workshop workshop(model, options, coexistence, stop);
-    for (const auto& frame : open) weights.push_back(workshop.expected_work(frame));
+  const Workshop planner(model, options, coexistence, stop);
+  if (foretell) {
+    const Forecast forecast(model, options, planner.node_tolerance(), planner.metrics(), coexistence, stop);
+    in_parallel(options.threads, jobs.size(), stop, [&](std::size_t k) { planner.outline(jobs[k], forecast); });
   }
-  const double all = std::accumulate(weights.begin(), weights.end(), 0.0);
-  const std::size_t together = std::clamp<std::size_t>(open.size() / (4 * options.threads), 1, 8);
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    Workshop workshop(model, options, coexistence, stop);
-    while (!stop.stop_requested()) {
-      const std::size_t first = next.fetch_add(together);
-      if (first >= open.size()) return;
-      const std::size_t last = std::min(first + together, open.size());
-      FinishedPoints finished;
-      if (!workshop.compute({open.begin() + first, open.begin() + last}, finished)) return;
-      finish(finished, std::accumulate(weights.begin() + first, weights.begin() + last, 0.0) / all);
-    }
-  };
-  std::vector<std::jthread> threads;
-  for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
-  work();
+  const std::size_t together = std::clamp<std::size_t>(jobs.size() / (4 * options.threads), 1, 8);
+  work_in_groups(jobs, together, options.threads, stop, finish,
+                 [&](const std::vector<const Job<Plot>*>& group, const auto& advanced) {
+                   FinishedPoints finished;
+                   return Workshop(model, options, coexistence, stop).compute(group, advanced, finished)
+                              ? std::move(finished)
+                              : FinishedPoints{};
+                 });
 }
 
 }  // namespace rosin::analysis

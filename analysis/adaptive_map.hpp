@@ -13,9 +13,11 @@ namespace rosin::analysis {
 /// Points [row by row] with what was found there, and the work done for them as a part of all.
 using FinishedPoints = std::vector<std::pair<std::size_t, MapPoint>>;
 
-/// Computes the points of the plane that are not done in `known`. `finish` is called from several threads. Neither
+/// Computes the points of the plane that are not done in `known`. `finish` is called from several threads; if
+/// `foretell`, work is weighed beforehand, which takes some of the time itself. Neither
 /// their number nor what is known shows in the results. Ends early on a stop.
 void compute_adaptively(const Model&, const MapOptions&, CoexistenceSearch&, const std::vector<MapPoint>& known,
-                        const std::function<void(FinishedPoints&, double work)>& finish, const std::stop_token& stop);
+                        bool foretell, const std::function<void(FinishedPoints&, double work)>& finish,
+                        const std::stop_token& stop);
 
 }  // namespace rosin::analysis

@@ -347,18 +347,18 @@ CoexistenceSearch::Border CoexistenceSearch::border(const Model& model) {
   if (const auto hopf = border_in_load(model)) {
     border.hopf_load = hopf->value;
     border.subcritical = hopf->criticality != Criticality::supercritical;
-    const auto* traced = parameter_.empty() ? nullptr : line_.at(model.get(parameter_));
-    if (border.subcritical && traced)
-      border.fold_load =
-          hopf->value * std::exp(traced->log_ratio(line_.coordinate(model.get(parameter_))) - traced->error);
-    else if (border.subcritical)
-      border.fold_load = fold_of_cycles(model, hopf->value);
+    if (border.subcritical && !parameter_.empty()) {
+      const double value = model.get(parameter_);
+      const auto* traced = line_.at(value);
+      border.fold_load = traced ? hopf->value * std::exp(traced->log_ratio(line_.coordinate(value)) - traced->error)
+                                : fold_of_cycles(model, hopf->value);
+    }
   }
   const std::scoped_lock lock(mutex_);
   return known_.emplace(key, border).first->second;
 }
 
-Coexistence CoexistenceSearch::ask(const Model& model) {
+Coexistence CoexistenceSearch::ask(const Model& model, const Stability& sliding) {
   using enum Coexistence::Answer;
   const auto& law = *model.law;
   const double V = model.drive.speed.level(), N = model.drive.normal_load.level();
@@ -366,11 +366,16 @@ Coexistence CoexistenceSearch::ask(const Model& model) {
   if (law.set_valued()) return {possible, "the law is set-valued at rest: stick may coexist with sliding"};
   if (!weakens_somewhere(law, N)) return {none, "friction strengthens with slip rate everywhere"};
   if (law.steady_friction({V, N}).slope * V >= 0) return {possible, "the drive lies outside the weakening branch"};
+  constexpr double slowly = 1e-3;
+  const auto leading = sliding.eigenvalues.empty() ? 0.0 : sliding.eigenvalues.front();
+  if (parameter_.empty() && -leading.real() > slowly * std::abs(leading.imag()))
+    return {possible,
+            "motion dies out soon, and whether all does is seen sooner than the border of stability is found"};
   const Border found = border(model);
   if (found.hopf_load <= N) return {possible, "no Hopf point above this load"};
   if (!found.subcritical) return {none, "the border of stability is supercritical"};
   if (found.fold_load > 0 && N < found.fold_load) return {none, "below the fold of cycles at the subcritical border"};
-  return {possible, "between the fold of cycles and the subcritical border"};
+  return {possible, "below the subcritical border, and not known to be below the fold of cycles"};
 }
 
 }  // namespace rosin::analysis

@@ -58,10 +58,14 @@ FoldLine trace_folds(const Model& model, std::string_view parameter, double from
 /// Thread-safe; answers do not depend on the order of the questions.
 class CoexistenceSearch {
  public:
+  /// For points that have no border in common: where motion dies out soon, a cycle is possible, because the border and
+  /// the fold beside it cost more than to look for the cycle itself.
   CoexistenceSearch() = default;
-  /// Takes folds from a line that was traced, where it reaches, instead of searching for each.
+  /// For points that differ in normal load and in `parameter`. Takes folds from a line that was traced, where it
+  /// reaches, instead of searching for each.
   CoexistenceSearch(std::string parameter, FoldLine line) : parameter_(std::move(parameter)), line_(std::move(line)) {}
-  Coexistence ask(const Model& model);
+  /// `sliding`: of this model, stable.
+  Coexistence ask(const Model& model, const Stability& sliding);
 
  private:
   struct Border {

@@ -82,10 +82,12 @@ struct Search {
   bool beside;                   ///< steady sliding attracts
   std::size_t starts = 0;        ///< from stick so far
   double change = 0;             ///< of the last two points on the section
+  VectorXd swing;                ///< from steady sliding to the motion whose drift is looked at
+  int turns = 0;                 ///< that this motion has made
   std::vector<int> coordinates;  ///< of the section, among the unknowns
   VectorXd scale;                ///< of the coordinates
   LanePassage passage;
-  enum class Stage { from_stick, coarse, fine } stage = Stage::from_stick;
+  enum class Stage { from_stick, coarse, fine, descent } stage = Stage::from_stick;
   int passages = 0, visits = 0;          ///< in all; at the tolerance in use
   double tolerance = 0, sharpening = 0;  ///< in use; ratio to the one before
   std::optional<Visit> last;
@@ -323,10 +325,14 @@ class Settling final : public PassageQueue {
       goes_on = go_on(search, cycles_[i]);
     } catch (const InputError&) {  // a step has led beyond what the law answers to
     }
-    if (goes_on || (!cycles_[i].found && begin_by_itself(search)))
+    if (goes_on || (!cycles_[i].found && begin_by_itself(search))) {
       again_.push_back(i);
-    else
-      neighbours_.finished(i);
+      return;
+    }
+    // One whose attraction could not be told is near all the same.
+    if (!cycles_[i].found && search.probed && !search.sticks)
+      cycles_[i].near.assign(passage.y.begin(), passage.y.begin() + search.map.system().size());
+    neighbours_.finished(i);
   }
 
  private:
@@ -347,8 +353,10 @@ class Settling final : public PassageQueue {
     return begin(search);
   }
 
+  double first_tolerance() const { return std::min(0.5 * coarser * options_.tolerance, loosest); }
+
   void prepare(Search& search) const {
-    search.tolerance = std::min(0.5 * coarser * options_.tolerance, loosest);
+    search.tolerance = first_tolerance();
     search.passages = search.visits = 0;
     search.probed = false;
     search.last.reset();
@@ -380,6 +388,7 @@ class Settling final : public PassageQueue {
   void begin_from_stick(Search& search) const {
     search.stage = Search::Stage::from_stick;
     search.passages = 0;
+    search.swing.resize(0);
     LanePassage& p = search.passage;
     p.tolerance = search.tolerance;
     p.from_section = p.record = false;
@@ -414,21 +423,62 @@ class Settling final : public PassageQueue {
     return true;
   }
 
+  /// The motion from one stick dies out: so does all motion, if there is no longer stick to try. True if there is.
+  bool died_out(Search& search, LaneCycle& cycle) const {
+    cycle.dies_out = search.starts == ages.size();
+    if (cycle.dies_out) return false;
+    search.tolerance = first_tolerance();
+    begin_from_stick(search);
+    return true;
+  }
+
+  /// Motion from stick that hardly changes from turn to turn has led to no cycle: looks whether it drifts towards
+  /// steady sliding from there down. True if another passage is wanted.
+  bool descend(Search& search, LaneCycle& cycle) const {
+    constexpr int settling = 2;                        // turns that forget how an amplitude was chosen
+    constexpr double lower = 0.8;                      // from one amplitude to the next
+    constexpr double tolerance = 1e-5, surely = 1e-4;  // of the passages; least loss of amplitude in a turn
+    LanePassage& passage = search.passage;
+    if (search.stage != Search::Stage::descent) {
+      search.stage = Search::Stage::descent;
+      search.tolerance = tolerance;
+      search.slowest = 0;
+      passage.record = false;
+      passage.from_section = true;
+      search.turns = 0;
+    } else {
+      if (passage.ending != Ending::reached_end) return false;
+      const VectorXd image = search.point();
+      const VectorXd swing = image - search.steady();
+      const double ratio = swing.norm() / search.swing.norm();
+      search.swing = swing;
+      if (++search.turns <= settling) {
+        search.start_at(image);
+        return true;
+      }
+      if (!(ratio < 1 - surely)) return false;
+      if (passage.amplitude < dead) return died_out(search, cycle);
+      search.turns = 0;
+      search.swing *= lower;
+    }
+    search.start_at(search.steady() + search.swing);
+    return true;
+  }
+
   /// True if another passage is wanted.
   bool go_on(Search& search, LaneCycle& cycle) const {
     LanePassage& passage = search.passage;
-    if (search.beside && search.stage == Search::Stage::from_stick && dies_out(search)) {
-      cycle.dies_out = search.starts == ages.size();
-      if (!cycle.dies_out) begin_from_stick(search);
-      return !cycle.dies_out;
-    }
-    if (passage.ending != Ending::reached_end || passage.amplitude < collapsed || ++search.passages > most_passages)
-      return false;
+    if (search.stage == Search::Stage::descent) return descend(search, cycle);
+    if (search.beside && search.stage == Search::Stage::from_stick && dies_out(search)) return died_out(search, cycle);
+    const bool lost = passage.ending != Ending::reached_end || passage.amplitude < collapsed;
+    if (lost && search.beside && search.swing.size() > 0) return descend(search, cycle);
+    if (lost || ++search.passages > most_passages) return false;
     const VectorXd image = search.point();
     if (!image.allFinite()) return false;
     passage.first_step = std::min(passage.last_step, 0.01 * passage.duration);
     if (search.stage == Search::Stage::from_stick) {
       if (search.beside && goes_plainly(search, image)) return true;
+      if (search.beside) search.swing = image - search.steady();
       search.stage = Search::Stage::coarse;
       passage.from_section = true;
       passage.record = true;

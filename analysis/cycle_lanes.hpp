@@ -15,7 +15,8 @@ struct LaneCycle {
   bool dies_out = false;   ///< motion from stick, and from longer stick, settles on steady sliding, which attracts
   Metrics metrics, error;  ///< of the metrics asked for; NaN for others
   bool ill_conditioned_stick = false;
-  long tries = 0;  ///< step attempts
+  long tries = 0;            ///< step attempts
+  std::vector<double> near;  ///< not found, but it may lie near this point on the section; else empty
 };
 
 struct LaneCycleOptions {

@@ -4,15 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <mutex>
 #include <numbers>
-#include <thread>
+#include <optional>
 
 #include "analysis/adaptive_map.hpp"
 #include "analysis/borders.hpp"
+#include "analysis/forecast.hpp"
+#include "analysis/map_jobs.hpp"
 #include "analysis/map_point.hpp"
 
 namespace rosin::analysis {
@@ -118,9 +119,10 @@ class Collected {
   double work_ = 0;
 };
 
-/// Every point by itself, in tiles.
+/// Every point by itself, in tiles. Work is weighed beforehand if `foretell`.
 void compute_every_point(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence, const Map& map,
-                         const std::function<void(FinishedPoints&, double)>& finish, const std::stop_token& stop) {
+                         bool foretell, const std::function<void(FinishedPoints&, double)>& finish,
+                         const std::stop_token& stop) {
   const std::size_t nx = options.x.values.size();
   const auto model_at = [&](std::size_t i) {
     return model.with(options.x.parameter, options.x.values[i % nx])
@@ -129,57 +131,65 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
   // Tiles are independent of each other, so that neither threads nor an interruption show in the result. Several at a
   // time keep the lanes full.
   const Tiles tiles(options.x, options.y);
-  std::vector<int> open;
+  std::vector<Job<int>> open;
   for (int tile = 0; tile < tiles.count(); ++tile) {
     bool missing = false;
     tiles.for_each(tile, [&](std::size_t i, GridPlace) { missing |= !map.points[i].done; });
-    if (missing) open.push_back(tile);
+    if (missing) open.push_back({tile});
+  }
+  if (foretell) {
+    const Forecast forecast(model, options, options.tolerance, options.metrics, coexistence, stop);
+    in_parallel(options.threads, open.size(), stop, [&](std::size_t k) {
+      open[k].work = 0;
+      tiles.for_each(open[k].what, [&](std::size_t i, GridPlace place) {
+        constexpr int every = 4;  // point along both axes is judged
+        if (place.column % every != 0 || place.row % every != 0) return;
+        open[k].work += Forecast::judging;
+        try {
+          if (judge(model_at(i), coexistence) != Verdict::stable)
+            open[k].work += forecast.attempts_at(int(i % nx), int(i / nx));
+        } catch (const InputError&) {  // it will be said of the point
+        }
+      });
+    });
   }
   const std::size_t together = std::clamp<std::size_t>(open.size() / options.threads, 1, 4);
   const LaneCycleOptions lane_options{options.tolerance, options.stick_threshold, options.metrics};
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    while (!stop.stop_requested()) {
-      const std::size_t first = next.fetch_add(together);
-      if (first >= open.size()) return;
-      const std::size_t last = std::min(first + together, open.size());
-      std::vector<Model> models;
-      std::vector<GridPlace> places;
-      std::vector<std::size_t> indices;
-      std::vector<bool> attracted;  // by steady sliding, beside the cycle
-      FinishedPoints finished;
-      for (std::size_t k = first; k < last; ++k)
-        tiles.for_each(open[k], [&](std::size_t i, GridPlace place) {
-          try {
-            Model here = model_at(i);
-            const Verdict verdict = judge(here, coexistence);
-            if (verdict == Verdict::stable) return void(finished.emplace_back(i, stable_point()));
-            models.push_back(std::move(here));
-            places.push_back(place);
-            indices.push_back(i);
-            attracted.push_back(verdict == Verdict::look_beside_steady);
-          } catch (const InputError& e) {
-            finished.emplace_back(i, failed_point(e.what()));
+  work_in_groups(
+      open, together, options.threads, stop, finish, [&](const std::vector<const Job<int>*>& group, const auto&) {
+        std::vector<Model> models;
+        std::vector<GridPlace> places;
+        std::vector<std::size_t> indices;
+        std::vector<bool> attracted;  // by steady sliding, beside the cycle
+        FinishedPoints finished;
+        for (const auto* job : group)
+          tiles.for_each(job->what, [&](std::size_t i, GridPlace place) {
+            try {
+              Model here = model_at(i);
+              const Verdict verdict = judge(here, coexistence);
+              if (verdict == Verdict::stable) return void(finished.emplace_back(i, stable_point()));
+              models.push_back(std::move(here));
+              places.push_back(place);
+              indices.push_back(i);
+              attracted.push_back(verdict == Verdict::look_beside_steady);
+            } catch (const InputError& e) {
+              finished.emplace_back(i, failed_point(e.what()));
+            }
+          });
+        finish(finished, 0);
+        const auto cycles = find_cycles(models, lane_options, places);
+        for (std::size_t k = 0; k < cycles.size() && !stop.stop_requested(); ++k) {
+          if (map.points[indices[k]].done) continue;  // known from before: only its neighbours needed it again
+          if (const auto point = point_of(cycles[k], attracted[k])) {
+            finished.emplace_back(indices[k], *point);
+          } else {
+            finished.emplace_back(indices[k], compute_point(models[k], options.tolerance, options.stick_threshold,
+                                                            attracted[k], cycles[k].near));
+            finish(finished, 0);  // by itself a point takes long
           }
-        });
-      finish(finished, 0);
-      const auto cycles = find_cycles(models, lane_options, places);
-      for (std::size_t k = 0; k < cycles.size() && !stop.stop_requested(); ++k) {
-        if (map.points[indices[k]].done) continue;  // known from before: only its neighbours needed it again
-        if (const auto point = point_of(cycles[k], attracted[k])) {
-          finished.emplace_back(indices[k], *point);
-        } else {
-          finished.emplace_back(indices[k],
-                                compute_point(models[k], options.tolerance, options.stick_threshold, attracted[k]));
-          finish(finished, 0);  // by itself a point takes long
         }
-      }
-      finish(finished, double(last - first) / double(open.size()));
-    }
-  };
-  std::vector<std::jthread> threads;
-  for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
-  work();
+        return finished;
+      });
 }
 
 constexpr std::string_view load_path = "drive.normal_load";
@@ -189,20 +199,17 @@ const Axis* load_axis(const Map& map) {
   return map.x.parameter == load_path ? &map.x : map.y.parameter == load_path ? &map.y : nullptr;
 }
 
-/// The folds of cycles along the other axis, where the load is one.
-FoldLine trace_folds_of(const Model& model, const Map& map) {
-  const Axis& along = load_axis(map) == &map.x ? map.y : map.x;
+/// The folds of cycles along the axis beside that of the load.
+FoldLine trace_folds_of(const Model& model, const Axis& along) {
   constexpr int samples = 49;  // stretches narrower than their distance may be missed
   return trace_folds(model, along.parameter, along.values[0], along.values[along.regular - 1], along.logarithmic,
                      samples, fold_tolerance * std::numbers::ln10);
 }
 
 /// The folds as lines, as far as they lie within the plane.
-void draw_folds(const Model& model, const FoldLine& folds, const Axis& along, Map& map) {
+void draw_folds(const Model& model, const FoldLine& folds, const Axis& load, const Axis& along, Map& map) {
   constexpr int vertices = 65;
-  const Axis* load = load_axis(map);
-  if (!load) return;
-  const auto [low, high] = std::minmax(load->values[0], load->values[load->regular - 1]);
+  const auto [low, high] = std::minmax(load.values[0], load.values[load.regular - 1]);
   for (const auto& stretch : folds.stretches) {
     map.fold_error = std::max(map.fold_error, stretch.error / std::numbers::ln10);
     bool begun = false;
@@ -221,8 +228,8 @@ void draw_folds(const Model& model, const FoldLine& folds, const Axis& along, Ma
       if (!begun && !map.fold.x.empty())
         for (auto* list : {&map.fold.x, &map.fold.y}) list->push_back(std::numeric_limits<double>::quiet_NaN());
       begun = true;
-      map.fold.x.push_back(load == &map.x ? N : value);
-      map.fold.y.push_back(load == &map.x ? value : N);
+      map.fold.x.push_back(&load == &map.x ? N : value);
+      map.fold.y.push_back(&load == &map.x ? value : N);
     }
   }
 }
@@ -243,18 +250,23 @@ Map compute_map(const Model& model, const MapOptions& options, const MapHooks& h
   require(options.threads, {1, 4096}, "threads", "number of threads", "1");
 
   map.points.resize(map.x.values.size() * map.y.values.size());
-  FoldLine folds = load_axis(map) ? trace_folds_of(model, map) : FoldLine{};
-  const Axis& along = map.x.parameter == load_path ? map.y : map.x;
-  for (const auto& problem : folds.problems) map.notes.push_back(problem);
-  draw_folds(model, folds, along, map);
-  CoexistenceSearch coexistence(along.parameter, std::move(folds));
+  std::optional<CoexistenceSearch> coexistence;
+  if (const Axis* load = load_axis(map)) {
+    const Axis& along = load == &map.x ? map.y : map.x;
+    FoldLine folds = trace_folds_of(model, along);
+    for (const auto& problem : folds.problems) map.notes.push_back(problem);
+    draw_folds(model, folds, *load, along, map);
+    coexistence.emplace(along.parameter, std::move(folds));
+  } else {
+    coexistence.emplace();
+  }
   Collected collected(map, hooks);
   const auto finish = [&](FinishedPoints& found, double work) { collected.finish(found, work); };
-  const bool adaptive = interpolates(options);
+  const bool adaptive = interpolates(options), foretell = bool(hooks.progress);
   if (adaptive)
-    compute_adaptively(model, options, coexistence, map.points, finish, hooks.stop);
+    compute_adaptively(model, options, *coexistence, map.points, foretell, finish, hooks.stop);
   else
-    compute_every_point(model, options, coexistence, map, finish, hooks.stop);
+    compute_every_point(model, options, *coexistence, map, foretell, finish, hooks.stop);
   if (collected.done() < map.points.size()) {
     map.outcome = {Ending::interrupted, fmt::format("{} of {} points are done", collected.done(), map.points.size())};
     return map;

@@ -12,7 +12,8 @@ namespace rosin::analysis {
 Verdict judge(const Model& model, CoexistenceSearch& coexistence) {
   const Stability sliding = stability(model);
   if (!sliding.stable && !sliding.marginal) return Verdict::look_for_cycle;
-  return coexistence.ask(model).answer == Coexistence::Answer::none ? Verdict::stable : Verdict::look_beside_steady;
+  return coexistence.ask(model, sliding).answer == Coexistence::Answer::none ? Verdict::stable
+                                                                             : Verdict::look_beside_steady;
 }
 
 MapPoint undecided_point() {
@@ -46,13 +47,14 @@ std::optional<MapPoint> point_of(const LaneCycle& cycle, bool attracts) {
   return point;
 }
 
-MapPoint compute_point(const Model& model, double tolerance, double stick_threshold, bool attracts) {
+MapPoint compute_point(const Model& model, double tolerance, double stick_threshold, bool attracts,
+                       const std::vector<double>& near) {
   MapPoint point = stable_point();
   point.origin = Origin::computed;
   point.regime = Regime::failed;
   try {
-    const Cycle cycle =
-        find_cycle(model, {.tolerance = tolerance, .stick_threshold = stick_threshold, .multipliers = false});
+    const Cycle cycle = find_cycle(
+        model, {.tolerance = tolerance, .stick_threshold = stick_threshold, .multipliers = false, .near = near});
     if (cycle.metrics.period > 0 && cycle.stable) {
       point.regime = attracts ? Regime::bistable : Regime::cycle;
       point.metrics = cycle.metrics;

@@ -146,11 +146,7 @@ Comparison compare_maps(const Scene& scene, const Request& request, const std::s
   Progress progress(request.quiet);
   for (std::size_t k = 0; k < members.size(); ++k) {
     comparison.maps.push_back(analysis::compute_map(
-        members[k].model, options,
-        {.known = {},
-         .finished = {},
-         .progress = [&](const analysis::MapProgress& now) { progress.show(now.done, now.total, now.work); },
-         .stop = stop}));
+        members[k].model, options, {.known = {}, .finished = {}, .progress = progress.of_map(), .stop = stop}));
     worsen(comparison.outcome, comparison.maps.back().outcome, members[k].name);
     if (comparison.outcome.ending == Ending::interrupted) return comparison;
   }
@@ -243,11 +239,7 @@ Status design(const Request& request, std::stop_token stop) {
   DesignResult result;
   {
     Progress progress(request.quiet);
-    const analysis::MapHooks hooks{
-        .known = {},
-        .finished = {},
-        .progress = [&](const analysis::MapProgress& now) { progress.show(now.done, now.total, now.work); },
-        .stop = stop};
+    const analysis::MapHooks hooks{.known = {}, .finished = {}, .progress = progress.of_map(), .stop = stop};
     std::vector<oscillators::Model> models;
     for (const auto& member : compare.members) models.push_back(member.model);
     result.design = of_parameter ? analysis::inform(scene.model, compare.parameter, options, hooks)

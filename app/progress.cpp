@@ -17,6 +17,8 @@ Progress::~Progress() {
 
 void Progress::show(std::size_t done, std::size_t total, double work) {
   const auto now = Clock::now();
+  if (work < last_work_) begin_ = now;
+  last_work_ = work;
   if (!visible_ || now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   drawn_ = true;
@@ -30,6 +32,11 @@ void Progress::show(std::size_t done, std::size_t total, double work) {
   fmt::print(stderr, "\r\033[K[{}{}] {:3.0f} %, {} of {} points{}", std::string(filled, '='),
              std::string(width - filled, ' '), 100 * work, done, total, left);
   std::fflush(stderr);
+}
+
+std::function<void(const analysis::MapProgress&)> Progress::of_map() {
+  if (!visible_) return nullptr;
+  return [this](const analysis::MapProgress& now) { show(now.done, now.total, now.work); };
 }
 
 }  // namespace rosin::app

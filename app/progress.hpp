@@ -2,6 +2,9 @@
 #pragma once
 #include <chrono>
 #include <cstddef>
+#include <functional>
+
+#include "analysis/map.hpp"
 
 namespace rosin::app {
 
@@ -10,15 +13,19 @@ class Progress {
   explicit Progress(bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;
-  /// `work`: what is done of what this run has to do, 0 … 1; the time left goes by it.
+  /// `work`: what is done of what this run has to do, 0 … 1; the time left goes by it. Time counts from a first call
+  /// with nothing done, after preparations, and again from where less is done than before, as of the next plane.
   void show(std::size_t done, std::size_t total, double work);
   /// The same where all take alike long.
   void show(std::size_t done, std::size_t total) { show(done, total, double(done) / double(total)); }
+  /// What a map is to call, or nothing where nobody sees it: to foretell its time takes some itself.
+  std::function<void(const analysis::MapProgress&)> of_map();
   bool visible() const { return visible_; }
 
  private:
   using Clock = std::chrono::steady_clock;
   bool visible_, drawn_ = false;
+  double last_work_ = 1;
   Clock::time_point begin_ = Clock::now(), last_{};
 };
 

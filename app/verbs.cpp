@@ -14,6 +14,7 @@
 #include "app/files.hpp"
 #include "app/fit.hpp"
 #include "app/frf.hpp"
+#include "app/gnuplot.hpp"
 #include "app/job.hpp"
 #include "app/partial.hpp"
 #include "app/pictures.hpp"
@@ -267,7 +268,7 @@ Status map(const Request& request, std::stop_token stop) {
         {.known = [&](std::size_t i) { return partial.known(i); },
          .finished = [&](std::span<const std::size_t> indices,
                          const std::vector<analysis::MapPoint>& points) { partial.append(indices, points); },
-         .progress = [&](const analysis::MapProgress& now) { progress.show(now.done, now.total, now.work); },
+         .progress = progress.of_map(),
          .stop = stop});
   }
   auto& map = result.map;
@@ -296,12 +297,19 @@ Status map(const Request& request, std::stop_token stop) {
           between, map.skipped);
   for (const Regime regime : {Regime::stable, Regime::cycle, Regime::bistable, Regime::failed})
     if (const auto count = regimes[static_cast<std::size_t>(regime)]) job.say("  {:<9} {}", name(regime), count);
-  for (const auto& metric : options.metrics) {
-    const auto member = analysis::find_metric(metric).member;
-    Reached reached;
-    for (const auto& point : map.points) reached.add(point.metrics.*member, point.error.*member);
-    manifest.tolerance_reached = std::max(manifest.tolerance_reached, reached.value());
-    job.say("  {:<22} relative error at most {:.1e}", metric, reached.value());
+  for (const auto& wanted : options.metrics) {
+    const auto& metric = analysis::find_metric(wanted);
+    const bool fraction = analysis::is_stick(metric);
+    std::vector<double> errors;
+    for (const auto& point : map.points) {
+      const double value = fraction ? 1 : std::abs(point.metrics.*metric.member), error = point.error.*metric.member;
+      if (std::isfinite(error) && value > 0) errors.push_back(error / value);
+    }
+    if (errors.empty()) continue;
+    std::ranges::sort(errors);
+    manifest.tolerance_reached = std::max(manifest.tolerance_reached, errors.back());
+    job.say("  {:<22} {} at most {:.1e}, at nine points in ten at most {:.1e}", wanted,
+            fraction ? "error" : "relative error", errors.back(), errors[errors.size() * 9 / 10]);
   }
 
   write_plane(job.folder() / "map.nc", scene, map);
