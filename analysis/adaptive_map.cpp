@@ -18,6 +18,7 @@ namespace {
 constexpr int longest = 128;          ///< intervals of a patch along one axis
 constexpr double node_share = 0.01;   ///< of the tolerance, asked of nodes: interpolation multiplies their errors
 constexpr double direct_share = 0.1;  ///< the same of other points: few, but beside borders, where cycles settle slowly
+constexpr int coarsest = 8;           ///< stride of the points beside borders that are looked at first
 constexpr double finest = 1e-11;      ///< tolerance that is asked of any point
 
 /// The pixels of a patch: [x0, x1] × [y0, y1]. Neighbours share a line of pixels, which belongs to the one beyond it.
@@ -105,6 +106,7 @@ struct Piece {
   int width() const { return frame.x1 - frame.x0 + 1; }
   Frame frame;
   Patch patch;
+  Tile tile;                       ///< the cycles known in it
   std::map<int, std::string> why;  ///< of failures
 };
 
@@ -137,10 +139,16 @@ class Workshop {
     for (bool open = true; open;) {
       open = false;
       std::vector<Task> nodes, direct;
-      for (std::size_t k = 0; k < pieces.size(); ++k) {
-        const auto wanted = pieces[k]->patch.advance();
-        for (const int pixel : wanted.nodes) nodes.push_back({pieces[k].get(), int(k), pixel});
-        for (const int pixel : wanted.direct) direct.push_back({pieces[k].get(), int(k), pixel});
+      for (const auto& piece : pieces) {
+        const auto wanted = piece->patch.advance();
+        const auto place = [&](int pixel, int phase) {
+          return GridPlace{&piece->tile, pixel % piece->width(), pixel / piece->width(), phase};
+        };
+        for (const int pixel : wanted.nodes)
+          nodes.push_back({piece.get(), pixel, place(pixel, piece->patch.phase(pixel))});
+        for (const int pixel : wanted.direct)
+          direct.push_back(
+              {piece.get(), pixel, place(pixel, phase_of(pixel % piece->width(), pixel / piece->width(), coarsest))});
         open |= !wanted.empty();
       }
       // More than was expected shows when all is done only: direct points come last.
@@ -149,8 +157,8 @@ class Workshop {
         left -= part;
         advanced(part);
       };
-      if (!work_on(nodes, node_tolerance(), false, [&](double attempts) { spend(node_work, attempts); })) return false;
-      if (!work_on(direct, std::max(direct_share * options_.tolerance, finest), true,
+      if (!work_on(nodes, node_tolerance(), [&](double attempts) { spend(node_work, attempts); })) return false;
+      if (!work_on(direct, std::max(direct_share * options_.tolerance, finest),
                    [&](double attempts) { spend(direct_work, attempts); }))
         return false;
     }
@@ -183,7 +191,8 @@ class Workshop {
  private:
   struct Task {
     Piece* piece;
-    int tile, pixel;
+    int pixel;
+    GridPlace place;
   };
 
   Model model_at(int ix, int iy) const {
@@ -208,9 +217,7 @@ class Workshop {
     return refused;
   }
 
-  /// `neighbours`: the pixels lie side by side and help each other to a start.
-  bool work_on(const std::vector<Task>& tasks, double tolerance, bool neighbours,
-               const std::function<void(double work)>& advanced) {
+  bool work_on(const std::vector<Task>& tasks, double tolerance, const std::function<void(double work)>& advanced) {
     std::vector<Task> together;
     std::vector<Model> models;
     std::vector<GridPlace> places;
@@ -226,8 +233,7 @@ class Workshop {
       }
       together.push_back(task);
       models.push_back(model_of(task));
-      const int width = task.piece->width();
-      if (neighbours) places.push_back({task.tile, task.pixel % width, task.pixel / width});
+      places.push_back(task.place);
     }
     if (stop_.stop_requested()) return false;
     const auto cycles = find_cycles(models, {tolerance, options_.stick_threshold, quantities_.names}, places);
@@ -311,7 +317,7 @@ void compute_adaptively(const Model& model, const MapOptions& options, Coexisten
     const Forecast forecast(model, options, planner.node_tolerance(), planner.metrics(), coexistence, stop);
     in_parallel(options.threads, jobs.size(), stop, [&](std::size_t k) { planner.outline(jobs[k], forecast); });
   }
-  const std::size_t together = std::clamp<std::size_t>(jobs.size() / (4 * options.threads), 1, 8);
+  const std::size_t together = std::clamp<std::size_t>(jobs.size() / (2 * options.threads), 1, 8);
   work_in_groups(jobs, together, options.threads, stop, finish,
                  [&](const std::vector<const Job<Plot>*>& group, const auto& advanced) {
                    FinishedPoints finished;

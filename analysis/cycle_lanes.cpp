@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 
 #include "analysis/loop_area.hpp"
 #include "analysis/return_map.hpp"
@@ -101,6 +99,21 @@ struct Search {
   VectorXd error_rate;               ///< relative errors over the tolerance, as found in the end
   VectorXd inherited;                ///< the same, of certified neighbours; empty: to be found
 
+  void take(const KnownCycle& advice) {
+    fixed_point = advice.fixed_point;
+    derivative = advice.derivative;
+    sensitivity = advice.sensitivity;
+    derivative_error = advice.derivative_error;
+    slowest = largest_multiplier();
+    amplitude = advice.amplitude;
+    hinted = slowest < 1;
+    if (hinted) inherited = advice.error_rate;
+  }
+  /// What can be told of the cycle that was found.
+  KnownCycle knowledge(bool errors_are_smooth) const {
+    return {fixed_point,      derivative,        sensitivity,
+            derivative_error, passage.amplitude, errors_are_smooth ? error_rate : VectorXd()};
+  }
   VectorXd point() const {
     VectorXd z(coordinates.size());
     for (std::size_t k = 0; k < coordinates.size(); ++k) z[k] = passage.y[coordinates[k]] / scale[k];
@@ -135,6 +148,8 @@ struct Search {
   }
   VectorXd begun;
 
+  static constexpr double learned = 0.01;   ///< error of what was
+  static constexpr double least_move = 10;  ///< over the noise, from which something is learned
   void learn(const Visit& visit) {
     const int n = int(visit.start.size());
     if (derivative.size() == 0) {
@@ -144,15 +159,20 @@ struct Search {
     if (last) {
       const VectorXd moved = visit.start - last->start;
       const double square = moved.squaredNorm(), noise = visit.noise + last->noise;
-      if (square > 100 * noise * noise) {
+      if (square > least_move * least_move * noise * noise) {
         derivative += (visit.image - last->image - derivative * moved) * moved.transpose() / square;
         sensitivity += (visit.metrics - last->metrics - sensitivity * moved) * moved.transpose() / square;
+        derivative_error = learned;
       }
     }
     last = visit;
-    slowest = derivative.norm();
+    slowest = largest_multiplier();
   }
-  double slowest = 0;  ///< bound on the multipliers, as far as known
+  double slowest = 0;           ///< largest multiplier, as far as known
+  double derivative_error = 1;  ///< of the derivative, guessed
+  double largest_multiplier() const {
+    return derivative.size() == 0 ? 0.0 : eigenpairs(derivative).values.cwiseAbs().maxCoeff();
+  }
   /// Of the last turn, over the cycle's size: what it left over, and the step that was to make it good.
   double residual = 0, stepped = 0;
   /// How far the fixed point is from the start of a visit.
@@ -166,128 +186,6 @@ struct Search {
     const double longest = 0.3 * size_at(visit.start) + change.norm();
     return step.norm() > longest ? VectorXd(step * (longest / step.norm())) : step;
   }
-};
-
-constexpr int coarsest_stride = 8;
-
-/// When the points of a tile are worked on: first a coarse grid, then the points half way between those that are done,
-/// along the axes and then amid them.
-int phase_of(const GridPlace& place) {
-  const auto power = [](int i) {
-    int p = 1;
-    while (p < coarsest_stride && i % (2 * p) == 0) p *= 2;
-    return p;
-  };
-  const int x = power(place.column), y = power(place.row), stride = std::min(x, y);
-  int level = 0;
-  for (int s = coarsest_stride; s > stride; s /= 2) ++level;
-  return 2 * level - (level > 0 && x != y);
-}
-
-/// What the neighbours in a tile know of a cycle, brought to the place of another by polynomials along both axes; each
-/// point waits for the neighbours that may advise it, and for no others.
-class Neighbours {
- public:
-  /// Of the points of these indices.
-  Neighbours(const std::vector<std::size_t>& members, std::span<const GridPlace> places,
-             const std::vector<std::unique_ptr<Search>>& searches, const std::vector<LaneCycle>& cycles)
-      : places_(places), searches_(searches), cycles_(cycles), waits_for_(cycles.size()), waiting_(cycles.size()) {
-    for (const std::size_t i : members)
-      if (!places.empty()) at_[key(places[i])] = i;
-    for (const std::size_t i : members) {
-      if (!places.empty())
-        for (const bool along_row : {true, false})
-          for (const auto& [step, other] : line(i, along_row)) {
-            ++waits_for_[i];
-            waiting_[other].push_back(i);
-          }
-      if (waits_for_[i] == 0) ready_.insert({phase(i), i});
-    }
-  }
-  /// The first point that waits for nobody, advised.
-  std::optional<std::size_t> next() {
-    if (ready_.empty()) return std::nullopt;
-    const std::size_t i = ready_.begin()->second;
-    ready_.erase(ready_.begin());
-    if (phase(i) > 0) advise(i);
-    return i;
-  }
-  /// Nobody waits for this point any longer.
-  void finished(std::size_t i) {
-    for (const std::size_t other : waiting_[i])
-      if (--waits_for_[other] == 0) ready_.insert({phase(other), other});
-  }
-
- private:
-  static std::array<int, 3> key(const GridPlace& p) { return {p.tile, p.column, p.row}; }
-  int phase(std::size_t i) const { return places_.empty() ? 0 : phase_of(places_[i]); }
-  int stride(std::size_t i) const { return coarsest_stride >> ((phase(i) + 1) / 2); }
-  /// Points of earlier phases on one line through point i, nearest first, and how many strides they lie off.
-  std::vector<std::pair<int, std::size_t>> line(std::size_t i, bool along_row) const {
-    std::vector<std::pair<int, std::size_t>> points;
-    for (const int step : {-1, 1, -3, 3}) {
-      GridPlace other = places_[i];
-      (along_row ? other.column : other.row) += step * stride(i);
-      const auto it = at_.find(key(other));
-      if (it != at_.end() && phase_of(other) < phase(i)) points.emplace_back(step, it->second);
-    }
-    return points;
-  }
-  /// Gives the search a start, if neighbours are near enough.
-  void advise(std::size_t i) const {
-    std::vector<std::pair<double, std::size_t>> members;  // weight, index
-    for (const bool along_row : {true, false}) add_line(i, along_row, members);
-    if (members.empty()) return;
-    Search& search = *searches_[i];
-    const Search& first = *searches_[members.front().second];
-    VectorXd z = VectorXd::Zero(first.fixed_point.size());
-    MatrixXd D = MatrixXd::Zero(z.size(), z.size()), S = MatrixXd::Zero(first.sensitivity.rows(), z.size());
-    double sum = 0, amplitude = infinity;
-    for (const auto& [weight, k] : members) {
-      const Search& other = *searches_[k];
-      if (other.fixed_point.size() != z.size()) return;
-      z += weight * other.fixed_point;
-      D += weight * other.derivative;
-      S += weight * other.sensitivity;
-      amplitude = std::min(amplitude, other.passage.amplitude);
-      sum += weight;
-    }
-    search.fixed_point = z / sum;
-    search.derivative = D / sum;
-    search.sensitivity = S / sum;
-    search.slowest = search.derivative.norm();
-    search.amplitude = amplitude;
-    search.hinted = search.slowest < 1;
-    search.inherited.resize(0);
-    if (!search.hinted || stride(i) > 1) return;
-    // Amid certified neighbours errors are like theirs.
-    search.inherited = first.error_rate;
-    for (const auto& [weight, k] : members) {
-      const Search& other = *searches_[k];
-      search.inherited = search.inherited.cwiseMax(other.error_rate);
-      if (cycles_[k].ill_conditioned_stick) return search.inherited.resize(0);
-    }
-  }
-  /// Adds the neighbours on one line that have a cycle, with the weights of Lagrange's polynomial.
-  void add_line(std::size_t i, bool along_row, std::vector<std::pair<double, std::size_t>>& members) const {
-    auto found = line(i, along_row);
-    std::erase_if(found, [&](const auto& point) { return !cycles_[point.second].found; });
-    if (found.size() < 2 || std::abs(found[0].first) != 1) return;
-    if (found.size() == 3) found.pop_back();
-    for (const auto& [a, k] : found) {
-      double weight = 1;
-      for (const auto& [b, other] : found)
-        if (b != a) weight *= double(-b) / (a - b);
-      members.emplace_back(weight, k);
-    }
-  }
-  std::span<const GridPlace> places_;
-  const std::vector<std::unique_ptr<Search>>& searches_;
-  const std::vector<LaneCycle>& cycles_;
-  std::map<std::array<int, 3>, std::size_t> at_;
-  std::vector<int> waits_for_;                     ///< how many points each waits for
-  std::vector<std::vector<std::size_t>> waiting_;  ///< who waits for a point
-  std::set<std::pair<int, std::size_t>> ready_;    ///< by phase
 };
 
 class Settling final : public PassageQueue {
@@ -306,11 +204,12 @@ class Settling final : public PassageQueue {
       return &searches_[i]->passage;
     }
     while (const auto i = neighbours_.next()) {
+      if (const auto advice = neighbours_.advice(*i)) searches_[*i]->take(*advice);
       if (begin(*searches_[*i])) {
         searches_[*i]->passage.label = *i;
         return &searches_[*i]->passage;
       }
-      neighbours_.finished(*i);
+      finish(*i);
     }
     return nullptr;
   }
@@ -320,7 +219,7 @@ class Settling final : public PassageQueue {
     cycles_[i].tries += passage.tries;
     Search& search = *searches_[i];
     bool goes_on = false;
-    if (cycles_[i].tries > most_tries) return neighbours_.finished(i);
+    if (cycles_[i].tries > most_tries) return finish(i);
     try {
       goes_on = go_on(search, cycles_[i]);
     } catch (const InputError&) {  // a step has led beyond what the law answers to
@@ -332,10 +231,14 @@ class Settling final : public PassageQueue {
     // One whose attraction could not be told is near all the same.
     if (!cycles_[i].found && search.probed && !search.sticks)
       cycles_[i].near.assign(passage.y.begin(), passage.y.begin() + search.map.system().size());
-    neighbours_.finished(i);
+    finish(i);
   }
 
  private:
+  void finish(std::size_t i) {
+    neighbours_.finished(
+        i, cycles_[i].found ? std::optional(searches_[i]->knowledge(!cycles_[i].ill_conditioned_stick)) : std::nullopt);
+  }
   /// \returns false where there is nothing to start from.
   bool begin(Search& search) const {
     try {
@@ -375,6 +278,7 @@ class Settling final : public PassageQueue {
     }
     search.slowest = 0;
     search.derivative.resize(0, 0);
+    search.derivative_error = 1;
     if (search.sticks && search.coordinates.empty()) {  // stick forgets the past
       search.stage = Search::Stage::coarse;
       p.from_section = p.record = true;
@@ -489,16 +393,20 @@ class Settling final : public PassageQueue {
     const Visit visit{search.begun, image, vector_of(passage.metrics), passage.tolerance * size};
     search.learn(visit);
     if (search.probed) return probe(search, image, cycle);
-    if (!search.sticks && search.passages == 2 && !search.hinted && weakly_coupled(search)) {
-      // Contraction may be slow in a direction that the way here does not show: look along the amplitude.
-      search.start_at(image + 0.02 * (image - search.steady()));
+    const bool first = search.passages == (search.hinted ? 1 : 2);
+    if (first && !search.sticks && hides_contraction(search, visit)) {
+      // Look along the amplitude.
+      const double ahead = std::max(0.02, 3 * Search::least_move * passage.tolerance);  // surely enough to learn
+      search.start_at(image + ahead * (image - search.steady()));
       return true;
     }
     const VectorXd step = search.newton_step(visit);
     const bool fine = search.stage == Search::Stage::fine;
     // Metrics are measured on a passage that starts off the cycle by the step; carried on to it they are off by a
-    // fraction of that.
-    const double off = (search.deflects ? 0.5 : 0.05) * step.norm() / size;
+    // fraction of that, all of it where the derivative, learned or told, hardly differs from 1.
+    const double doubt = search.derivative_error;
+    const double fraction = std::max(0.05, doubt / std::max(1 - search.slowest - doubt, 1e-3));
+    const double off = (search.deflects ? std::max(0.5, fraction) : fraction) * step.norm() / size;
     const VectorXd next = visit.start + step;
     // Errors are like the neighbours' where the cycle itself is as they foretold.
     if (!fine && step.norm() > 0.01 * size) search.inherited.resize(0);
@@ -545,7 +453,10 @@ class Settling final : public PassageQueue {
         search.strayed = infinity;
         search.residual = (image - visit.start).norm() / size;
         search.stepped = step.norm() / size;
-        search.start_at(next + astray * size * direction);
+        // Along the amplitude too: what rounding has taught of the derivative may point anywhere.
+        VectorXd swing = search.sticks ? direction : VectorXd((next - search.steady()).normalized());
+        if (swing.dot(direction) < 0) swing = -swing;
+        search.start_at(next + astray * size * (direction + swing).normalized());
         return true;
       }
       sharpening = std::clamp(1.5 * reached / options_.tolerance, 2.0, 30.0);
@@ -596,6 +507,11 @@ class Settling final : public PassageQueue {
     return least;
   }
 
+  /// True if contraction may be slow in a direction that the way here does not show.
+  static bool hides_contraction(const Search& search, const Visit& visit) {
+    if (search.hinted) return search.derivative_error > 0.3 * (1 - search.slowest);
+    return weakly_coupled(search) || (visit.image - visit.start).norm() < Search::least_move * 2 * visit.noise;
+  }
   /// True if friction changes the motion of one turn only a little, so that the amplitude may settle slowly.
   static bool weakly_coupled(const Search& search) {
     const auto& model = search.map.system().model();
@@ -689,7 +605,7 @@ std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycl
     searches[i] = std::move(search);
   }
   for (auto& kind : kinds) {
-    Neighbours neighbours(kind->members, places, searches, cycles);
+    Neighbours neighbours(kind->members, places);
     Settling queue(searches, neighbours, options, cycles);
     kind->lanes.run(queue);
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "analysis/cycle.hpp"
+#include "analysis/neighbours.hpp"
 #include "analysis/passage_lanes.hpp"
 
 namespace rosin::analysis {
@@ -25,13 +26,8 @@ struct LaneCycleOptions {
   std::vector<std::string> metrics;  ///< names; the period is always found
 };
 
-/// Where a slider lies among the others: neighbours in one tile of a parameter plane help each other to a start.
-struct GridPlace {
-  int tile = 0, column = 0, row = 0;
-};
-
-/// Cycles reached from stick. Results do not depend on which sliders
-/// share the lanes, only on the members of their own tile. `places`: one for each slider, or none. \throws InputError
+/// Cycles reached from stick, or from where neighbours expect them. Results do not depend on which sliders share the
+/// lanes, only on what is in their own tile. `places`: one for each slider, or none. \throws InputError
 /// for unknown metrics.
 std::vector<LaneCycle> find_cycles(std::span<const Model>, const LaneCycleOptions&,
                                    std::span<const GridPlace> places = {});

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <mutex>
 #include <numbers>
@@ -62,13 +63,13 @@ class Tiles {
   static constexpr int edge = 32;  ///< most points of a tile along one axis
   Tiles(const Axis& x, const Axis& y) : columns_(cut(x)), rows_(cut(y)), width_(x.values.size()) {}
   int count() const { return int(columns_.size() * rows_.size()); }
-  /// Calls f(index of the point, its place) for each point of a tile.
+  /// Calls f(index of the point, column, row) for each point of a tile.
   template <class F>
   void for_each(int tile, F f) const {
     const auto [x0, x1] = columns_[tile % columns_.size()];
     const auto [y0, y1] = rows_[tile / columns_.size()];
     for (int iy = y0; iy < y1; ++iy)
-      for (int ix = x0; ix < x1; ++ix) f(std::size_t(iy) * width_ + ix, GridPlace{tile, ix - x0, iy - y0});
+      for (int ix = x0; ix < x1; ++ix) f(std::size_t(iy) * width_ + ix, ix - x0, iy - y0);
   }
 
  private:
@@ -134,16 +135,16 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
   std::vector<Job<int>> open;
   for (int tile = 0; tile < tiles.count(); ++tile) {
     bool missing = false;
-    tiles.for_each(tile, [&](std::size_t i, GridPlace) { missing |= !map.points[i].done; });
+    tiles.for_each(tile, [&](std::size_t i, int, int) { missing |= !map.points[i].done; });
     if (missing) open.push_back({tile});
   }
   if (foretell) {
     const Forecast forecast(model, options, options.tolerance, options.metrics, coexistence, stop);
     in_parallel(options.threads, open.size(), stop, [&](std::size_t k) {
       open[k].work = 0;
-      tiles.for_each(open[k].what, [&](std::size_t i, GridPlace place) {
+      tiles.for_each(open[k].what, [&](std::size_t i, int column, int row) {
         constexpr int every = 4;  // point along both axes is judged
-        if (place.column % every != 0 || place.row % every != 0) return;
+        if (column % every != 0 || row % every != 0) return;
         open[k].work += Forecast::judging;
         try {
           if (judge(model_at(i), coexistence) != Verdict::stable)
@@ -154,28 +155,32 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
     });
   }
   const std::size_t together = std::clamp<std::size_t>(open.size() / options.threads, 1, 4);
+  constexpr int coarsest_stride = 8;  // of points that start from stick
   const LaneCycleOptions lane_options{options.tolerance, options.stick_threshold, options.metrics};
   work_in_groups(
       open, together, options.threads, stop, finish, [&](const std::vector<const Job<int>*>& group, const auto&) {
         std::vector<Model> models;
         std::vector<GridPlace> places;
+        std::deque<Tile> known;
         std::vector<std::size_t> indices;
         std::vector<bool> attracted;  // by steady sliding, beside the cycle
         FinishedPoints finished;
-        for (const auto* job : group)
-          tiles.for_each(job->what, [&](std::size_t i, GridPlace place) {
+        for (const auto* job : group) {
+          Tile& tile = known.emplace_back();
+          tiles.for_each(job->what, [&](std::size_t i, int column, int row) {
             try {
               Model here = model_at(i);
               const Verdict verdict = judge(here, coexistence);
               if (verdict == Verdict::stable) return void(finished.emplace_back(i, stable_point()));
               models.push_back(std::move(here));
-              places.push_back(place);
+              places.push_back({&tile, column, row, phase_of(column, row, coarsest_stride)});
               indices.push_back(i);
               attracted.push_back(verdict == Verdict::look_beside_steady);
             } catch (const InputError& e) {
               finished.emplace_back(i, failed_point(e.what()));
             }
           });
+        }
         finish(finished, 0);
         const auto cycles = find_cycles(models, lane_options, places);
         for (std::size_t k = 0; k < cycles.size() && !stop.stop_requested(); ++k) {

@@ -43,7 +43,6 @@ PassageLanes::PassageLanes(const SliderSystem& pattern, const Recording& recordi
       friction_index_(pattern.carries_friction() ? 2 : -1),
       rigid_(pattern.rigid() || !pattern.carries_friction()),
       switches_(sliders_.switches()) {
-  rings_ = !rigid_ && (recording.stick_fraction || recording.stick_fraction_001 || recording.stick_fraction_05);
   if (recording.stick_fraction && !switches_)  // a set-valued law sticks exactly
     levels_.push_back({recording.stick_threshold, &Metrics::stick_fraction});
   if (recording.stick_fraction_001) levels_.push_back({0.01, &Metrics::stick_fraction_001});
@@ -172,33 +171,8 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
   if (below_[lane] > 0 && section_[lane] >= at.V)
     consider(Landing::section, 0, bisect([&](double theta) { return section_value(lane, theta); }, 0, 1));
   if (!at.passage->record) return first;
-  const double u0 = ensemble_.unknown_before(slip_rate_index)[lane], u1 = ensemble_.unknown(slip_rate_index)[lane];
-  const bool turned = (u0 < 0) != (u1 < 0);
-  const auto crossing = [&](double value) {
-    return bisect([&](double theta) { return ensemble_.interpolate(lane, slip_rate_index, theta) - value; }, 0, 1);
-  };
-  for (std::size_t k = 0; k < levels_.size(); ++k) {
-    const double threshold = thresholds_[k][lane];
-    const bool inside = inside_[k][lane] > 0;
-    const bool begins_inside = std::abs(u0) <= threshold, ends_inside = std::abs(u1) <= threshold;
-    // After a landing a step may begin a little short of the threshold; then it may only have grazed it.
-    const bool grazed = inside ? !begins_inside && !ends_inside && !turned : begins_inside && ends_inside;
-    if (grazed)
-      cross(lane, int(k), now(lane) - ensemble_.length()[lane]);
-    else if (inside && !ends_inside)
-      consider(Landing::level, int(k), crossing(u1 > 0 ? threshold : -threshold));
-    else if (!inside && !begins_inside && (ends_inside || turned))
-      consider(Landing::level, int(k), crossing(u0 > 0 ? threshold : -threshold));
-    if (!rings_ || (slip_rate_slope_[0][lane] > 0) == (slip_rate_slope_[1][lane] > 0)) continue;
-    // The extreme within the step may reach across the threshold and back.
-    const auto q = ensemble_.polynomial(lane, slip_rate_index);
-    const double theta = bisect([&](double t) { return q.slope(t); }, 0, 1), peak = q.value(theta);
-    at.passage->touches_threshold |= std::abs(std::abs(peak) / threshold - 1) < touches;
-    if (inside != (std::abs(peak) <= threshold)) {
-      const double level = (inside ? peak : u0) > 0 ? threshold : -threshold;
-      consider(Landing::level, int(k), bisect([&](double t) { return q.value(t) - level; }, 0, theta));
-    }
-  }
+  const Event crosses = look_for_level(lane);
+  consider(crosses.kind, crosses.level, crosses.theta);
   if (recording_.extremes) {
     // Only turns that reach beyond what was seen so far: in deep stick, rounding turns at every step.
     const auto consider_turn = [&](Landing kind, const Lanes* slopes, const Lanes& highest, const Lanes& lowest,
@@ -210,7 +184,8 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
     };
     const auto slip_rate = ensemble_.polynomial(lane, slip_rate_index);
     consider_turn(
-        Landing::slip_rate_extreme, slip_rate_slope_, slip_rate_max_, slip_rate_min_, std::max(at.V, std::abs(u1)),
+        Landing::slip_rate_extreme, slip_rate_slope_, slip_rate_max_, slip_rate_min_,
+        std::max(at.V, std::abs(ensemble_.unknown(slip_rate_index)[lane])),
         [&](double t) { return slip_rate.value(t); }, [&](double t) { return slip_rate.slope(t); });
     const auto consider_friction = [&](auto... how) {
       consider_turn(Landing::friction_extreme, friction_slope_, friction_max_, friction_min_,
@@ -223,6 +198,48 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
       constexpr double d = differences;
       consider_friction([&](double t) { return friction_at(lane, t); },
                         [&](double t) { return friction_at(lane, t + d) - friction_at(lane, t - d); }, 2 * d);
+    }
+  }
+  return first;
+}
+
+/// Where the slip rate first crosses one of the levels in the last step, which it may do and come back.
+PassageLanes::Event PassageLanes::look_for_level(int lane) {
+  Event first;
+  struct Point {
+    double theta, u;
+  };
+  const auto q = ensemble_.polynomial(lane, slip_rate_index);
+  std::array<Point, 3> points;  // monotonic between them
+  std::size_t count = 0;
+  points[count++] = {0, ensemble_.unknown_before(slip_rate_index)[lane]};
+  if ((slip_rate_slope_[0][lane] > 0) != (slip_rate_slope_[1][lane] > 0)) {
+    const double theta = bisect([&](double t) { return q.slope(t); }, 0, 1);
+    points[count++] = {theta, q.value(theta)};
+  }
+  points[count++] = {1, ensemble_.unknown(slip_rate_index)[lane]};
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    const double threshold = thresholds_[k][lane];
+    const bool inside = inside_[k][lane] > 0;
+    if (count == 3)
+      lanes_[lane].passage->touches_threshold |= std::abs(std::abs(points[1].u) / threshold - 1) < touches;
+    for (std::size_t i = 1; i < count; ++i) {
+      const Point &a = points[i - 1], &b = points[i];
+      const bool begins_inside = std::abs(a.u) <= threshold, ends_inside = std::abs(b.u) <= threshold;
+      const bool through = (a.u < 0) != (b.u < 0);
+      if (inside ? ends_inside : !ends_inside && !through) continue;
+      // After a landing a step may begin a little short of the threshold; then it may only have grazed it.
+      const bool grazed = inside ? !begins_inside && !through : begins_inside;
+      if (!grazed) {
+        const double level = (inside ? b.u : a.u) > 0 ? threshold : -threshold;
+        const double theta = bisect([&](double t) { return q.value(t) - level; }, a.theta, b.theta);
+        if (theta < first.theta) first = {Landing::level, int(k), theta};
+      } else if (!inside || std::abs(b.u) > std::abs(a.u)) {
+        cross(lane, int(k), now(lane) - ensemble_.length()[lane]);
+      } else {
+        continue;  // still on its way in
+      }
+      break;
     }
   }
   return first;
@@ -388,7 +405,7 @@ void PassageLanes::bound_switching_steps() {
 
 void PassageLanes::screen() {
   const int levels = int(levels_.size());
-  const bool extremes = recording_.extremes, friction = friction_index_ >= 0 || extremes;
+  const bool extremes = recording_.extremes;
   run_on_lanes([&] {
     const Pack zero = 0.0, one = 1.0;
     for (int p = 0; p < lane_packs; ++p) {
@@ -403,10 +420,20 @@ void PassageLanes::screen() {
         const Mask inside = holds(inside_[k]), now = !(abs(u1) > thresholds_[k].pack[p]);
         event = event | (records & (inside ^ now)) | (records & !inside & turned);
       }
-      if (extremes || rings_) {
-        event = event | (records & ((slip_rate_slope_[0].pack[p] > zero) ^ (slip_rate_slope_[1].pack[p] > zero)));
-        if (friction)
-          event = event | (records & ((friction_slope_[0].pack[p] > zero) ^ (friction_slope_[1].pack[p] > zero)));
+      if (levels > 0 || extremes) {
+        const Pack s0 = slip_rate_slope_[0].pack[p], s1 = slip_rate_slope_[1].pack[p];
+        const Mask turns = records & ((s0 > zero) ^ (s1 > zero));
+        if (extremes)
+          event =
+              event | turns | (records & ((friction_slope_[0].pack[p] > zero) ^ (friction_slope_[1].pack[p] > zero)));
+        // The turn may reach across a threshold; in deep stick, where rounding turns at every step, it does not.
+        const Pack farthest = max(abs(s0), abs(s1)), low = min(abs(u0), abs(u1)), high = max(abs(u0), abs(u1));
+        for (int k = 0; k < levels; ++k) {
+          const Pack threshold = thresholds_[k].pack[p];
+          const Mask inside = holds(inside_[k]);
+          event =
+              event | (turns & ((inside & (high + farthest > threshold)) | (!inside & (low - farthest < threshold))));
+        }
       }
       if (switches_) {
         const Pack along = sliders_.direction().pack[p];
@@ -492,7 +519,7 @@ void PassageLanes::measure_steps() {
     for (int p = 0; p < lane_packs; ++p)
       for (int end = 0; end < 2; ++end) {
         slip_rate_slope_[end].pack[p] = ensemble_.polynomial_of_pack(p, slip_rate_index).slope(Pack(double(end)));
-        if (friction_index_ < 0) continue;
+        if (friction_index_ < 0 || !recording_.extremes) continue;
         const auto friction = ensemble_.polynomial_of_pack(p, friction_index_);
         friction_[end].pack[p] = friction.value(Pack(double(end)));
         friction_slope_[end].pack[p] = friction.slope(Pack(double(end)));
@@ -599,7 +626,7 @@ void PassageLanes::run(PassageQueue& queue) {
     ensemble_.attempt();
     ++attempts_;
     sliders_.contact_slip_rate(ensemble_.unknowns(), section_);
-    if (recording_.extremes || rings_ || switches_) measure_steps();
+    if (recording_.extremes || !levels_.empty() || switches_) measure_steps();
     screen();
     std::array<bool, lane_count> ended{}, switched{};
     bool any_ended = false, any_switched = false;

@@ -96,6 +96,7 @@ class PassageLanes {
   /// Handles the event that the last step was to end on.
   Arrival arrive(int lane);
   /// The end of stick or slip in the last step, if there is one.
+  Event look_for_level(int lane);
   Event look_for_switch(int lane);
   void cross(int lane, int level, double moment);
   /// Moves the end of the last step to `theta` of it, with the integrals.
@@ -132,7 +133,6 @@ class PassageLanes {
   int friction_index_;
   bool rigid_;
   bool switches_;  ///< the law is set-valued
-  bool rings_;     ///< the slip rate may swing several times across a threshold
   std::array<Lane, lane_count> lanes_;
   Lanes section_;                                 ///< contact slip rate
   Lanes slip_rate_slope_[2], friction_slope_[2];  ///< at both ends of the step, by θ

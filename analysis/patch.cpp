@@ -2,8 +2,12 @@
 #include "analysis/patch.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+
+#include "analysis/interpolant.hpp"
+#include "analysis/neighbours.hpp"
 
 namespace rosin::analysis {
 
@@ -18,15 +22,6 @@ constexpr std::uint8_t unasked = 255;  ///< class
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 constexpr double unbounded = std::numeric_limits<double>::infinity();
 
-/// Lagrange's weights of the nodes at a place.
-std::vector<double> weights(const std::vector<int>& nodes, int place) {
-  std::vector<double> w(nodes.size(), 1.0);
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (std::size_t j = 0; j < nodes.size(); ++j)
-      if (j != i) w[i] *= double(place - nodes[j]) / (nodes[i] - nodes[j]);
-  return w;
-}
-
 }  // namespace
 
 Patch::Lattice::Lattice(int pixels) : length(pixels - 1) {
@@ -36,17 +31,6 @@ Patch::Lattice::Lattice(int pixels) : length(pixels - 1) {
   while (length > 0 && intervals * coarsest * 2 <= length) coarsest *= 2;
   cells = std::max(1, intervals * coarsest);
 }
-
-/// A leaf in pixels.
-struct Patch::Geometry {
-  struct Test {
-    int x, y;  ///< pixel
-    enum { along_x, along_y, amid } shows;
-  };
-  int x0, x1, y0, y1;          ///< inclusive
-  std::vector<int> x, y;       ///< of the nodes
-  std::vector<Test> held_out;  ///< half way between nodes
-};
 
 Patch::Patch(Options options, std::function<Class(int, int)> classify)
     : options_(std::move(options)),
@@ -70,6 +54,18 @@ Patch::Class Patch::class_of(int pixel) {
   return known;
 }
 
+int Patch::phase(int pixel) const {
+  // Half indices for what lies between the finest.
+  const auto doubled = [](const Lattice& lattice, int at) {
+    if (lattice.length == 0) return 0;
+    const int index = lattice.index(at);
+    return 2 * index + (lattice.pixel(index) != at);
+  };
+  const int x = pixel % options_.width, y = pixel / options_.width;
+  return phase_of(doubled(lattice_x_, x), doubled(lattice_y_, y),
+                  4 * std::max(lattice_x_.coarsest, lattice_y_.coarsest));
+}
+
 void Patch::set(int pixel, int kind, PixelValues found) {
   if (known(pixel)) return;
   origin_[pixel] = Origin::computed;
@@ -83,71 +79,102 @@ void Patch::set(int pixel, int kind, PixelValues found) {
 
 Patch::Geometry Patch::geometry(const Leaf& leaf) const {
   Geometry g;
-  for (int i = 0; i <= lattice_x_.intervals; ++i) g.x.push_back(lattice_x_.pixel(leaf.x.begin + i * leaf.x.stride));
-  for (int i = 0; i <= lattice_y_.intervals; ++i) g.y.push_back(lattice_y_.pixel(leaf.y.begin + i * leaf.y.stride));
-  g.x0 = g.x.front(), g.x1 = g.x.back(), g.y0 = g.y.front(), g.y1 = g.y.back();
-  // The error of evenly spaced nodes is largest in the outermost intervals. −1: no pixel in between.
-  const auto half = [](const Lattice& lattice, const Side& side, int interval) {
-    const int at = side.begin + interval * side.stride;
-    const int a = lattice.pixel(at), b = lattice.pixel(at + side.stride);
-    if (b - a < 2) return -1;
-    return side.stride > 1 ? lattice.pixel(at + side.stride / 2) : a + 1;
+  const auto nodes = [](const Lattice& lattice, const Side& side) {
+    if (side.line >= 0) return std::vector{side.line};
+    std::vector<int> pixels;
+    for (int i = 0; i <= lattice.intervals; ++i) pixels.push_back(lattice.pixel(side.begin + i * side.stride));
+    return pixels;
   };
-  const int nx = lattice_x_.intervals, ny = lattice_y_.intervals;
-  std::vector<int> hx, hy;
-  for (const int i : {0, nx - 1, nx / 2}) hx.push_back(nx > 0 ? half(lattice_x_, leaf.x, i) : -1);
-  for (const int i : {0, ny - 1, ny / 2}) hy.push_back(ny > 0 ? half(lattice_y_, leaf.y, i) : -1);
-  const auto add = [&](int x, int y, decltype(Geometry::Test::shows) what) {
+  g.x = nodes(lattice_x_, leaf.x);
+  g.y = nodes(lattice_y_, leaf.y);
+  g.x0 = g.x.front(), g.x1 = g.x.back(), g.y0 = g.y.front(), g.y1 = g.y.back();
+  const int nx = int(g.x.size()) - 1, ny = int(g.y.size()) - 1;
+  // The error of evenly spaced nodes is largest in the outermost intervals. −1: no pixel in between.
+  const auto halves = [](const Lattice& lattice, const Side& side, int intervals) {
+    std::vector<int> pixels;
+    for (int i = 0; i < intervals; ++i) {
+      const int at = side.begin + i * side.stride;
+      const int low = lattice.pixel(at), high = lattice.pixel(at + side.stride);
+      pixels.push_back(high - low < 2 ? -1 : side.stride > 1 ? lattice.pixel(at + side.stride / 2) : low + 1);
+    }
+    return pixels;
+  };
+  const auto hx = halves(lattice_x_, leaf.x, nx), hy = halves(lattice_y_, leaf.y, ny);
+  using Test = Geometry::Test;
+  const auto add = [&](int x, int y, Test::Shows what) {
     if (x >= 0 && y >= 0) g.held_out.push_back({x, y, what});
   };
-  using Test = Geometry::Test;
-  add(hx[0], g.y[ny / 3], Test::along_x);
-  add(hx[1], g.y[ny - ny / 3], Test::along_x);
-  add(g.x[nx - nx / 3], hy[0], Test::along_y);
-  add(g.x[nx / 3], hy[1], Test::along_y);
-  for (const int x : {hx[0], hx[1]})
-    for (const int y : {hy[0], hy[1]}) add(x, y, Test::amid);
-  add(hx[2], hy[2], Test::amid);
+  if (ny == 0) {
+    for (const int x : hx) add(x, g.y0, Test::along_x);
+    return g;
+  }
+  if (nx == 0) {
+    for (const int y : hy) add(g.x0, y, Test::along_y);
+    return g;
+  }
+  add(hx.front(), g.y[ny / 3], Test::along_x);
+  add(hx.back(), g.y[ny - ny / 3], Test::along_x);
+  add(g.x[nx - nx / 3], hy.front(), Test::along_y);
+  add(g.x[nx / 3], hy.back(), Test::along_y);
+  for (const int x : {hx.front(), hx.back()})
+    for (const int y : {hy.front(), hy.back()}) add(x, y, Test::amid);
+  add(hx[nx / 2], hy[ny / 2], Test::amid);
   return g;
 }
 
-Patch::Uniform Patch::uniform(const Geometry& g) {
-  const Class first = class_of(g.y0 * options_.width + g.x0);
-  const auto same = [&](int x, int y) { return class_of(y * options_.width + x) == first; };
+Patch::Classes Patch::classes(const Geometry& g) {
+  const auto class_at = [&](int x, int y) { return class_of(y * options_.width + x); };
   const auto line = [](int from, int to) {
     std::vector<int> places;
     for (int i = from; i < to; i += sampling) places.push_back(i);
     places.push_back(to);
     return places;
   };
+  const auto columns = line(g.x0, g.x1), rows = line(g.y0, g.y1);
+  const auto mixed = [](const std::vector<int>& lines, const std::vector<int>& along, const auto& at) {
+    double count = 0;
+    for (const int i : lines)
+      count += !std::ranges::all_of(along, [&](int j) { return at(i, j) == at(i, along.front()); });
+    return count / double(lines.size());
+  };
+  const double mixed_rows = mixed(rows, columns, [&](int y, int x) { return class_at(x, y); }),
+               mixed_columns = mixed(columns, rows, [&](int x, int y) { return class_at(x, y); });
+  // A border that follows an axis lies in few lines: to be cut off along the other.
+  if (mixed_rows > 0 || mixed_columns > 0)
+    return {Uniform::no, mixed_rows < 0.5 * mixed_columns   ? Direction::y
+                         : mixed_columns < 0.5 * mixed_rows ? Direction::x
+                                                            : g.longer()};
+  const Class first = class_at(g.x0, g.y0);
   for (const int y : g.y)
     for (const int x : g.x)
-      if (!same(x, y)) return Uniform::no;
-  const auto columns = line(g.x0, g.x1);
-  for (const int y : line(g.y0, g.y1))
-    for (const int x : columns)
-      if (!same(x, y)) return Uniform::no;
+      if (class_at(x, y) != first) return {Uniform::no, g.longer()};
   for (const auto& test : g.held_out)
-    if (!same(test.x, test.y)) return Uniform::no;
-  return first == blank ? Uniform::blank : Uniform::yes;
+    if (class_at(test.x, test.y) != first) return {Uniform::no, g.longer()};
+  return {first == blank ? Uniform::blank : Uniform::yes};
 }
 
-bool Patch::divide(const Leaf& leaf, bool prefer_x) {
-  const bool can_x = leaf.x.stride > 1, can_y = leaf.y.stride > 1;
-  if (!can_x && !can_y) return false;
-  const bool along_x = can_x && (prefer_x || !can_y);
-  Leaf low = leaf, high = leaf;
-  const auto halve = [](const Lattice& lattice, Side& a, Side& b) {
-    a.stride /= 2;
-    b = {a.begin + lattice.intervals * a.stride, a.stride};
+void Patch::divide(const Leaf& leaf, const Geometry& g, Direction preferred) {
+  const auto can_halve = [](const Side& side) { return side.line < 0 && side.stride > 1; };
+  const auto halve = [&](const Lattice& lattice, Side Leaf::*side) {
+    Leaf low = leaf, high = leaf;
+    (low.*side).stride /= 2;
+    (high.*side) = {(leaf.*side).begin + lattice.intervals * (low.*side).stride, (low.*side).stride};
+    open_.push_back(low);
+    open_.push_back(high);
   };
-  if (along_x)
-    halve(lattice_x_, low.x, high.x);
-  else
-    halve(lattice_y_, low.y, high.y);
-  open_.push_back(low);
-  open_.push_back(high);
-  return true;
+  const bool along_x = preferred == Direction::x;
+  if (can_halve(along_x ? leaf.x : leaf.y)) return along_x ? halve(lattice_x_, &Leaf::x) : halve(lattice_y_, &Leaf::y);
+  // Lines across the preferred axis, if they are long enough by themselves.
+  const bool is_line = leaf.x.line >= 0 || leaf.y.line >= 0;
+  if (!is_line && can_halve(along_x ? leaf.y : leaf.x)) {
+    for (int i = along_x ? g.x0 : g.y0; i <= (along_x ? g.x1 : g.y1); ++i) {
+      Leaf line = leaf;
+      (along_x ? line.x : line.y).line = i;
+      open_.push_back(line);
+    }
+    return;
+  }
+  compute_directly(g);
 }
 
 void Patch::compute_directly(const Geometry& g) {
@@ -169,24 +196,18 @@ Patch::Wanted Patch::advance() {
     const Leaf leaf = open_.back();
     open_.pop_back();
     const Geometry g = geometry(leaf);
-    const bool wider = g.x1 - g.x0 >= g.y1 - g.y0;
-    const auto divided = [&](bool prefer_x) {
-      if (!divide(leaf, prefer_x)) compute_directly(g);
-    };
-    const Uniform kind = uniform(g);
-    if (kind == Uniform::no) {
-      divided(wider);
+    const Classes found = classes(g);
+    if (found.uniform == Uniform::no) {
+      divide(leaf, g, found.divide);
       continue;
     }
-    if (kind == Uniform::blank) {
+    if (found.uniform == Uniform::blank) {
       for (int y = g.y0; y <= g.y1; ++y)
         for (int x = g.x0; x <= g.x1; ++x)
           if (auto& origin = origin_[y * options_.width + x]; origin == Origin::none) origin = Origin::blank;
       continue;
     }
-    // Where nodes are most of the pixels, nothing is gained.
-    const long pixels = long(g.x1 - g.x0 + 1) * (g.y1 - g.y0 + 1);
-    if (pixels < 2 * long(g.x.size() * g.y.size() + g.held_out.size())) {
+    if (!g.pays()) {
       compute_directly(g);
       continue;
     }
@@ -204,19 +225,7 @@ Patch::Wanted Patch::advance() {
       waiting.push_back(leaf);
       continue;
     }
-    switch (interpolate(g)) {
-      case Verdict::accepted:
-        break;
-      case Verdict::split_x:
-        divided(true);
-        break;
-      case Verdict::split_y:
-        divided(false);
-        break;
-      case Verdict::hopeless:
-        divided(wider);
-        break;
-    }
+    if (const auto direction = interpolate(g)) divide(leaf, g, *direction);
   }
   open_ = std::move(waiting);
   std::ranges::sort(wanted.nodes);
@@ -231,192 +240,184 @@ Patch::Wanted Patch::advance() {
   return wanted;
 }
 
-namespace {
-
-/// How a quantity is interpolated: as it is, as its logarithm, or divided by the root of (threshold − helper).
-enum class Form : std::uint8_t { plain, logarithm, root };
-
-/// One quantity on the nodes of a leaf, in one form: f with absolute error e.
-struct Interpolant {
-  Form form = Form::plain;
-  std::vector<double> f, e;  ///< row by row
+/// How one quantity is interpolated on a leaf.
+struct Patch::Fit {
+  std::optional<Interpolant> interpolant;  ///< nothing: the quantity exists nowhere
+  double shown = 0, shown_along_x = 0,
+         shown_along_y = 0;            ///< errors at held-out pixels, relative; the first with safety
+  double size = 0;                     ///< what relative errors refer to, where it is constant; 0: the value itself,
+  std::optional<NodeValues> log_size;  ///< or this
+  double size_at(const NodeWeights& place, double value) const {
+    return log_size ? std::exp(log_size->at(place)) : size > 0 ? size : std::abs(value);
+  }
 };
 
-}  // namespace
+/// A held-out pixel: weights there, and those with one node less along the axis that is tested.
+struct Patch::HeldOut {
+  int pixel;
+  Geometry::Test::Shows shows;
+  NodeWeights weights, fewer;
+};
 
-Patch::Verdict Patch::interpolate(const Geometry& g) {
-  const int w = options_.width, columns = int(g.x.size()), rows = int(g.y.size()), nodes = columns * rows;
-  std::vector<int> at;
-  for (const int y : g.y)
-    for (const int x : g.x) at.push_back(y * w + x);
-  const int kind = kind_[at.front()];
-  const auto alike = [&](int pixel) { return kind_[pixel] == kind; };
-  if (!std::ranges::all_of(at, alike)) return Verdict::hopeless;
-  for (const auto& test : g.held_out)
-    if (!alike(test.y * w + test.x)) return Verdict::hopeless;
-  const auto number = [&](const std::vector<double>& list, int pixel, int q) {
-    return list[std::size_t(pixel) * all_ + q];
-  };
-
-  const auto sum_at = [&](const std::vector<double>& f, const std::vector<double>& wx, const std::vector<double>& wy,
-                          bool absolute) {
-    double sum = 0;
-    for (int j = 0; j < rows; ++j) {
-      double row = 0;
-      for (int i = 0; i < columns; ++i) row += (absolute ? std::abs(wx[i]) : wx[i]) * f[j * columns + i];
-      sum += (absolute ? std::abs(wy[j]) : wy[j]) * row;
-    }
-    return sum;
-  };
-  struct Place {
-    std::vector<double> wx, wy;
-  };
-  std::vector<Place> places, lower;  // lower: with one node less along the axis that is tested
+/// The held-out pixels with their weights.
+std::vector<Patch::HeldOut> Patch::held_out(const Geometry& g) const {
   const auto one_less = [](std::vector<int> line, int place) {
     const bool drop_last = 2 * place < line.front() + line.back();  // the node farthest away
     const std::size_t dropped = drop_last ? line.size() - 1 : 0;
     line.erase(line.begin() + long(dropped));
-    auto w = weights(line, place);
+    auto w = lagrange_weights(line, place);
     w.insert(w.begin() + long(dropped), 0.0);
     return w;
   };
+  std::vector<HeldOut> tests;
   for (const auto& test : g.held_out) {
-    places.push_back({weights(g.x, test.x), weights(g.y, test.y)});
-    lower.push_back(places.back());
-    if (test.shows == Geometry::Test::along_x) lower.back().wx = one_less(g.x, test.x);
-    if (test.shows == Geometry::Test::along_y) lower.back().wy = one_less(g.y, test.y);
+    const NodeWeights weights{lagrange_weights(g.x, test.x), lagrange_weights(g.y, test.y)};
+    tests.push_back({test.y * options_.width + test.x, test.shows, weights, weights});
+    if (test.shows == Geometry::Test::along_x) tests.back().fewer.x = one_less(g.x, test.x);
+    if (test.shows == Geometry::Test::along_y) tests.back().fewer.y = one_less(g.y, test.y);
   }
+  return tests;
+}
 
-  const int interest = options_.quantities - options_.helpers;
-  std::vector<Interpolant> chosen(all_);
-  std::vector<Interpolant> sizes(all_);     // logarithm of the size, where it is neither constant nor the value itself
-  std::vector<double> shown(all_, 0.0);     // relative error of the interpolation, safety included
-  std::vector<double> constant(all_, 0.0);  // size where constant; 0: the value itself; −1: by `sizes`
-  double worst_x = 0, worst_y = 0, worst = 0;
-  const auto plain = [&](int q) {
-    Interpolant p;
-    for (const int pixel : at) p.f.push_back(number(value_, pixel, q)), p.e.push_back(number(error_, pixel, q));
-    return p;
-  };
-  const auto sqrt_of = [&](const Options::Root& root, double helper) {
-    return std::sqrt(std::max(0.0, root.threshold - helper));
-  };
-  for (int q = all_ - 1; q >= 0; --q) {  // helpers first
-    const Interpolant values = plain(q);
-    if (std::ranges::any_of(values.f, [](double v) { return std::isnan(v); })) {
-      if (std::ranges::all_of(values.f, [](double v) { return std::isnan(v); })) {
-        chosen[q] = values;  // nowhere: nothing to interpolate
-        continue;
-      }
-      return Verdict::hopeless;
+/// Quantity q in the form that the held-out pixels bear out best. Nothing: none is of use.
+std::optional<Patch::Fit> Patch::fit(const Geometry& g, const std::vector<HeldOut>& tests, const std::vector<Fit>& fits,
+                                     int q) const {
+  NodeValues values;
+  std::vector<double> sizes;
+  for (const int y : g.y)
+    for (const int x : g.x) {
+      const std::size_t at = std::size_t(y * options_.width + x) * all_ + q;
+      values.value.push_back(value_[at]);
+      values.error.push_back(error_[at]);
+      sizes.push_back(size_[at]);
     }
-    std::vector<Interpolant> candidates = {values};
-    if (std::ranges::all_of(values.f, [](double v) { return v > 0; })) {
-      Interpolant p{Form::logarithm, values.f, values.e};
-      for (int k = 0; k < nodes; ++k) p.e[k] /= p.f[k], p.f[k] = std::log(p.f[k]);
-      candidates.push_back(std::move(p));
-    }
-    const Options::Root* root = nullptr;
-    for (const auto& r : options_.roots)
-      if (r.quantity == q) root = &r;
-    const Interpolant helper = root ? plain(root->helper) : Interpolant{};
-    if (root) {
-      Interpolant p{Form::root, values.f, values.e};
-      bool below = true;
-      for (int k = 0; k < nodes && below; ++k) {
-        const double d = root->threshold - number(value_, at[k], root->helper);
-        below = d > 0;
-        p.e[k] = p.e[k] / std::sqrt(d) + p.f[k] * number(error_, at[k], root->helper) / (2 * d * std::sqrt(d));
-        p.f[k] /= std::sqrt(d);
-      }
-      if (below) candidates.push_back(std::move(p));
-    }
-    const auto value_at = [&](const Interpolant& candidate, const Place& place) {
-      const double v = sum_at(candidate.f, place.wx, place.wy, false);
-      if (candidate.form == Form::logarithm) return std::exp(v);
-      if (candidate.form == Form::root) return v * sqrt_of(*root, sum_at(helper.f, place.wx, place.wy, false));
-      return v;
+  Fit fit;
+  const auto missing = std::ranges::count_if(values.value, [](double v) { return std::isnan(v); });
+  if (missing == std::ssize(values.value)) return fit;
+  if (missing > 0) return std::nullopt;
+  std::vector<Interpolant> candidates = {Interpolant::plain(values)};
+  const bool helps = q >= options_.quantities - options_.helpers;  // as it is
+  if (!helps && std::ranges::all_of(values.value, [](double v) { return v > 0; }))
+    candidates.push_back(Interpolant::logarithm(values));
+  for (const auto& root : options_.roots) {
+    if (root.quantity != q) continue;
+    const Interpolant& helper = *fits[root.helper].interpolant;
+    const auto before = std::ranges::count_if(helper.nodes().value, [&](double h) { return h < root.threshold; });
+    if (before == 0) continue;
+    auto candidate = Interpolant::root(g.x, g.y, values, helper, root.threshold);
+    // Only the root knows where it begins: held-out pixels may lie to either side of it.
+    if (before < std::ssize(values.value)) candidates.clear();
+    if (candidate) candidates.push_back(std::move(*candidate));
+  }
+  fit.shown = unbounded;
+  for (auto& candidate : candidates) {
+    double all = 0, x = 0, y = 0, coarser_x = 0, coarser_y = 0;
+    const auto raise = [](double& largest, double value) {
+      if (!(value <= largest)) largest = value;  // NaN too
     };
-    double best = unbounded, best_x = 0, best_y = 0;
-    for (auto& candidate : candidates) {
-      double all = 0, x = 0, y = 0, coarser_x = 0, coarser_y = 0;
-      const auto raise = [](double& largest, double value) {
-        if (!(value <= largest)) largest = value;  // NaN too
-      };
-      for (std::size_t t = 0; t < places.size(); ++t) {
-        const std::size_t pixel = std::size_t(g.held_out[t].y) * w + g.held_out[t].x;
-        const double exact = number(value_, int(pixel), q), size = number(size_, int(pixel), q);
-        const double off = std::abs(value_at(candidate, places[t]) - exact) / size;
-        raise(all, off);
-        if (g.held_out[t].shows == Geometry::Test::amid) continue;
-        const bool along_x = g.held_out[t].shows == Geometry::Test::along_x;
-        raise(along_x ? x : y, off);
-        raise(along_x ? coarser_x : coarser_y, std::abs(value_at(candidate, lower[t]) - exact) / size);
-      }
-      all *= x > rough * coarser_x || y > rough * coarser_y ? safety_where_rough : safety;
-      if (all < best) best = all, best_x = x, best_y = y, chosen[q] = std::move(candidate);
+    for (const auto& test : tests) {
+      const std::size_t at = std::size_t(test.pixel) * all_ + q;
+      const double off = std::abs(candidate.at(test.weights) - value_[at]) / size_[at];
+      raise(all, off);
+      if (test.shows == Geometry::Test::amid) continue;
+      const bool along_x = test.shows == Geometry::Test::along_x;
+      raise(along_x ? x : y, off);
+      raise(along_x ? coarser_x : coarser_y, std::abs(candidate.at(test.fewer) - value_[at]) / size_[at]);
     }
-    if (!std::isfinite(best)) return Verdict::hopeless;
-    shown[q] = best;
+    all *= x > rough * coarser_x || y > rough * coarser_y ? safety_where_rough : safety;
+    if (!(all < fit.shown)) continue;
+    fit.shown = all, fit.shown_along_x = x, fit.shown_along_y = y;
+    fit.interpolant = std::move(candidate);
+  }
+  if (!std::isfinite(fit.shown)) return std::nullopt;
+  fit.interpolant->shown = fit.shown;
+  bool same = true, itself = true;
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    same &= sizes[k] == sizes[0];
+    itself &= sizes[k] == std::abs(values.value[k]);
+  }
+  if (itself) return fit;
+  if (same) {
+    fit.size = sizes[0];
+  } else {
+    for (double& size : sizes) size = std::log(size);
+    fit.log_size = NodeValues{std::move(sizes), {}};
+  }
+  return fit;
+}
+
+std::optional<Patch::Direction> Patch::interpolate(const Geometry& g) {
+  const int kind = kind_[g.y0 * options_.width + g.x0];
+  const auto alike = [&](int x, int y) { return kind_[y * options_.width + x] == kind; };
+  for (const int y : g.y)
+    for (const int x : g.x)
+      if (!alike(x, y)) return g.longer();
+  for (const auto& test : g.held_out)
+    if (!alike(test.x, test.y)) return g.longer();
+
+  const auto tests = held_out(g);
+  std::vector<Fit> fits(all_);
+  const int interest = options_.quantities - options_.helpers;
+  double worst_x = 0, worst_y = 0, worst = 0;
+  for (int q = all_ - 1; q >= 0; --q) {  // helpers first
+    auto found = fit(g, tests, fits, q);
+    if (!found) return g.longer();
+    fits[q] = std::move(*found);
     if (q >= interest) continue;
-    worst = std::max(worst, best), worst_x = std::max(worst_x, best_x), worst_y = std::max(worst_y, best_y);
-    bool same = true, itself = true;
-    for (int k = 0; k < nodes; ++k) {
-      const double s = number(size_, at[k], q);
-      same &= s == number(size_, at[0], q);
-      itself &= s == std::abs(values.f[k]);
-    }
-    constant[q] = itself ? 0 : same ? number(size_, at[0], q) : -1;
-    if (constant[q] < 0)
-      for (const int pixel : at) sizes[q].f.push_back(std::log(number(size_, pixel, q)));
+    worst = std::max(worst, fits[q].shown);
+    worst_x = std::max(worst_x, fits[q].shown_along_x), worst_y = std::max(worst_y, fits[q].shown_along_y);
   }
   if (worst > options_.tolerance)
-    return worst_x == worst_y ? Verdict::hopeless : worst_x > worst_y ? Verdict::split_x : Verdict::split_y;
+    return worst_x == worst_y ? g.longer() : worst_x > worst_y ? Direction::x : Direction::y;
+  return fill(g, fits, kind) ? std::nullopt : std::optional(g.longer());
+}
 
-  // Every pixel, with what the errors of the nodes make of it; taken back if that is too much.
-  std::vector<Place> of_column(g.x1 - g.x0 + 1), of_row(g.y1 - g.y0 + 1);
-  for (int x = g.x0; x <= g.x1; ++x) of_column[x - g.x0].wx = weights(g.x, x);
-  for (int y = g.y0; y <= g.y1; ++y) of_row[y - g.y0].wy = weights(g.y, y);
-  struct Result {
-    int pixel;
-    std::vector<double> value, error;
-  };
-  std::vector<Result> results;
-  for (int y = g.y0; y <= g.y1; ++y)
+/// Every pixel, with what the errors of the nodes make of it. Few where that is too much, as beside the beginning of a
+/// root, are computed themselves. \returns false if it is too much at many.
+bool Patch::fill(const Geometry& g, const std::vector<Fit>& fits, int kind) {
+  const int interest = options_.quantities - options_.helpers;
+  std::vector<std::vector<double>> of_column, of_row;
+  for (int x = g.x0; x <= g.x1; ++x) of_column.push_back(lagrange_weights(g.x, x));
+  for (int y = g.y0; y <= g.y1; ++y) of_row.push_back(lagrange_weights(g.y, y));
+  std::vector<int> filled, doubtful;
+  NodeWeights place;
+  for (int y = g.y0; y <= g.y1; ++y) {
+    place.y = of_row[y - g.y0];
     for (int x = g.x0; x <= g.x1; ++x) {
-      const int pixel = y * w + x;
+      const int pixel = y * options_.width + x;
       if (origin_[pixel] != Origin::none) continue;
-      const auto &wx = of_column[x - g.x0].wx, &wy = of_row[y - g.y0].wy;
-      Result result{pixel, std::vector<double>(all_, nothing), std::vector<double>(all_, nothing)};
-      for (int q = 0; q < interest; ++q) {
-        const auto& c = chosen[q];
-        if (std::isnan(c.f[0])) continue;
-        double v = sum_at(c.f, wx, wy, false), e = sum_at(c.e, wx, wy, true);
-        if (c.form == Form::logarithm) v = std::exp(v), e *= v;
-        if (c.form == Form::root) {
-          const auto root = std::ranges::find(options_.roots, q, &Options::Root::quantity);
-          const Interpolant helper = plain(root->helper);
-          const double d = std::max(0.0, root->threshold - sum_at(helper.f, wx, wy, false));
-          const double helper_error = sum_at(helper.e, wx, wy, true);
-          e = std::sqrt(d) * e + (d > 0 ? std::abs(v) * helper_error / (2 * std::sqrt(d)) : 0);
-          v *= std::sqrt(d);
-        }
-        const double size = constant[q] > 0    ? constant[q]
-                            : constant[q] == 0 ? std::abs(v)
-                                               : std::exp(sum_at(sizes[q].f, wx, wy, false));
-        result.value[q] = v;
-        result.error[q] = e + shown[q] * size;
-        if (!(result.error[q] <= options_.tolerance * size)) return Verdict::hopeless;
+      place.x = of_column[x - g.x0];
+      bool within = true;
+      for (int q = 0; q < interest && within; ++q) {
+        if (!fits[q].interpolant) continue;
+        const std::size_t at = std::size_t(pixel) * all_ + q;
+        value_[at] = fits[q].interpolant->at(place);
+        const double size = fits[q].size_at(place, value_[at]);
+        error_[at] = fits[q].interpolant->error_at(place) + fits[q].shown * size;
+        within = error_[at] <= options_.tolerance * size;
       }
-      results.push_back(std::move(result));
+      (within ? filled : doubtful).push_back(pixel);
     }
-  for (const auto& result : results) {
-    origin_[result.pixel] = Origin::interpolated;
-    kind_[result.pixel] = std::int8_t(kind);
-    std::ranges::copy(result.value, value_.begin() + std::size_t(result.pixel) * all_);
-    std::ranges::copy(result.error, error_.begin() + std::size_t(result.pixel) * all_);
   }
-  return Verdict::accepted;
+  const bool good = 4 * doubtful.size() <= filled.size();
+  const auto take_back = [&](const std::vector<int>& pixels) {
+    for (const int pixel : pixels) {
+      const long at = long(pixel) * all_;
+      std::fill_n(value_.begin() + at, all_, nothing);
+      std::fill_n(error_.begin() + at, all_, nothing);
+    }
+  };
+  take_back(doubtful);
+  if (!good) {
+    take_back(filled);
+    return false;
+  }
+  for (const int pixel : filled) {
+    origin_[pixel] = Origin::interpolated;
+    kind_[pixel] = std::int8_t(kind);
+  }
+  direct_.insert(direct_.end(), doubtful.begin(), doubtful.end());
+  return true;
 }
 
 }  // namespace rosin::analysis

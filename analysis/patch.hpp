@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct PixelValues {
 ///
 /// The pixels are divided into leaves by bisection along either axis. A leaf has at most 7 × 7 nodes, evenly spaced (so
 /// that both halves use them again) and through them the polynomial of degree 6 in both coordinates. Held-out pixels
-/// half way between nodes show its error along either axis; they are nodes of the halves.
+/// half way between nodes show its error along either axis; they are nodes of the halves. Along borders and kinks that
+/// follow an axis a leaf ends as single lines of pixels, each interpolated by itself.
 class Patch {
  public:
   /// Pixels of one class may share a leaf; a leaf with several classes is divided.
@@ -55,6 +57,8 @@ class Patch {
   Origin origin(int pixel) const { return origin_[pixel]; }
   int kind(int pixel) const { return kind_[pixel]; }
   Class class_of(int pixel);
+  /// When a node is looked at in the order of its lattice, from the coarsest to the finest; see `phase_of`.
+  int phase(int pixel) const;
   /// Quantity q, with its absolute error; NaN where there is none.
   double value(int pixel, int q) const { return value_[std::size_t(pixel) * all_ + q]; }
   double error(int pixel, int q) const { return error_[std::size_t(pixel) * all_ + q]; }
@@ -65,23 +69,49 @@ class Patch {
   struct Lattice {
     explicit Lattice(int pixels);
     int pixel(int index) const { return int((2L * index * length + cells) / (2L * cells)); }  // rounded
+    int index(int pixel) const { return int((2L * pixel * cells + length) / (2L * length)); }
     int length, cells, intervals, coarsest;  ///< pixels − 1; indices − 1; of a leaf; stride of the whole
   };
   struct Side {
     int begin, stride;  ///< lattice indices
+    int line = -1;      ///< if not negative: this one row or column of pixels
   };
   struct Leaf {
     Side x, y;
   };
-  struct Geometry;
+  enum class Direction : std::uint8_t { x, y };
+  /// A leaf in pixels.
+  struct Geometry {
+    struct Test {
+      int x, y;  ///< pixel
+      enum Shows : std::uint8_t { along_x, along_y, amid } shows;
+    };
+    int x0, x1, y0, y1;          ///< inclusive
+    std::vector<int> x, y;       ///< of the nodes
+    std::vector<Test> held_out;  ///< half way between nodes
+    int width() const { return x1 - x0 + 1; }
+    int height() const { return y1 - y0 + 1; }
+    Direction longer() const { return width() >= height() ? Direction::x : Direction::y; }
+    /// Fewer pixels than that are not worth their nodes.
+    bool pays() const { return long(width()) * height() >= 2 * long(x.size() * y.size() + held_out.size()); }
+  };
   Geometry geometry(const Leaf&) const;
-  /// 0: of several classes.
   enum class Uniform : std::uint8_t { no, blank, yes };
-  Uniform uniform(const Geometry&);
-  bool divide(const Leaf&, bool prefer_x);
+  /// Whether one class fills it; if not, along which axis it is better divided.
+  struct Classes {
+    Uniform uniform;
+    Direction divide = Direction::x;
+  };
+  Classes classes(const Geometry&);
+  void divide(const Leaf&, const Geometry&, Direction preferred);
   void compute_directly(const Geometry&);
-  enum class Verdict : std::uint8_t { accepted, split_x, split_y, hopeless };
-  Verdict interpolate(const Geometry&);
+  struct Fit;
+  struct HeldOut;
+  std::vector<HeldOut> held_out(const Geometry&) const;
+  std::optional<Fit> fit(const Geometry&, const std::vector<HeldOut>&, const std::vector<Fit>& helpers, int q) const;
+  bool fill(const Geometry&, const std::vector<Fit>&, int kind);
+  /// \returns along which axis to divide; nothing: it is done.
+  std::optional<Direction> interpolate(const Geometry&);
   bool known(int pixel) const { return origin_[pixel] == Origin::computed; }
 
   Options options_;

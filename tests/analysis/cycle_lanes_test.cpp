@@ -359,3 +359,38 @@ TEST_CASE("lanes leave to others what they cannot serve, and say so by finding n
   for (const auto& cycle : find_cycles(models, two_metrics)) CHECK_FALSE(cycle.found);
   CHECK_THROWS_AS(find_cycles(models, {1e-6, 0.1, {"stick_fracton"}}), InputError);
 }
+
+namespace {
+
+/// A slider on board: point (i, j) of a plane of 400 × 400.
+Model board_slider(double i, double j) {
+  return bristol_board(1e-8 * std::pow(10, 8 * i / 399), 1e-4 * std::pow(10, 6 * j / 399));
+}
+
+}  // namespace
+
+TEST_CASE("slip rates that dip below the threshold within a step count as stick", "[cycle-lanes]") {
+  // Along the curve where stick begins: it lasts for less than a hundredth of the period.
+  std::vector<Model> models;
+  for (int i = 0; i < 60; ++i) models.push_back(board_slider(110 + 0.5 * i, 301.6 + 0.06 * i));
+  for (const double tolerance : {1e-3, 1e-4, 1e-6}) {
+    const auto cycles = find_cycles(models, {tolerance, 0.1, {"stick_fraction", "loop_area"}});
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      const Cycle alone = find_cycle(models[i], {.tolerance = 1e-9, .multipliers = false});
+      if (!cycles[i].found || cycles[i].ill_conditioned_stick || alone.ill_conditioned_stick) continue;
+      INFO(tolerance << ' ' << i << ' ' << alone.metrics.stick_fraction);
+      CHECK(cycles[i].metrics.stick_fraction >= 0);
+      CHECK(std::abs(cycles[i].metrics.stick_fraction - alone.metrics.stick_fraction) <=
+            cycles[i].error.stick_fraction + alone.error.stick_fraction);
+    }
+  }
+}
+
+TEST_CASE("a cycle that settles slowly is not taken for settled because one turn changes little", "[cycle-lanes]") {
+  const Model model = board_slider(198, 345);  // close to its Hopf point
+  const Cycle alone = find_cycle(model, {.tolerance = 1e-9, .multipliers = false});
+  for (const double tolerance : {1e-3, 1e-4}) {
+    const auto cycle = find_cycles(std::span(&model, 1), {tolerance, 0.1, {"loop_area"}}).front();
+    if (cycle.found) CHECK(std::abs(cycle.metrics.loop_area - alone.metrics.loop_area) <= cycle.error.loop_area);
+  }
+}

@@ -97,6 +97,54 @@ TEST_CASE("a quantity that begins as a square root is interpolated up to its beg
   CHECK(without > 3 * with);
 }
 
+TEST_CASE("a root may begin amid a patch, along any curve", "[patch]") {
+  constexpr int width = 128;
+  const auto helper = [](int x, int y) { return 0.1 + 1e-5 * (x - 40 - 0.4 * y) * (60 + 0.2 * x + 0.1 * y); };
+  const auto f = [&](int x, int y) {
+    return std::sqrt(std::max(0.0, 0.1 - helper(x, y))) * (2 + 0.01 * y + 1e-4 * x * x);
+  };
+  Patch patch({width, width, 1e-4, 2, 1, {{0, 1, 0.1}}}, [](int, int) -> Patch::Class { return 1; });
+  finish(patch, width, [&](int x, int y) { return Answer{0, {{f(x, y), helper(x, y)}, {0, 0}, {1, 1}}}; });
+  int beyond = 0;
+  for (int i = 0; i < width * width; ++i) {
+    const double off = std::abs(patch.value(i, 0) - f(i % width, i / width));
+    beyond += off > patch.error(i, 0);
+    CHECK(off <= 1e-4);
+  }
+  CHECK(beyond * 100 <= width * width);
+  CHECK(patch.computed() < 1500);  // of 16384
+}
+
+TEST_CASE("a border that follows an axis is cut off in lines", "[patch]") {
+  constexpr int width = 128;
+  for (const bool transposed : {false, true}) {
+    const auto border = [](int x) { return 90.3 + 4 * std::sin(0.02 * x); };
+    const auto outside = [&](int x, int y) { return transposed ? x > border(y) : y > border(x); };
+    // It grows as the root of the distance from the border: no polynomial.
+    const auto f = [&](int x, int y) { return transposed ? std::sqrt(border(y) - x) : std::sqrt(border(x) - y); };
+    Patch patch({.width = width, .height = width, .tolerance = 1e-3},
+                [&](int x, int y) -> Patch::Class { return outside(x, y) ? Patch::blank : 1; });
+    finish(patch, width, [&](int x, int y) { return Answer{0, {{f(x, y)}, {0}, {1}}}; });
+    for (int i = 0; i < width * width; ++i) {
+      CHECK((patch.origin(i) == Patch::Origin::blank) == outside(i % width, i / width));
+      if (patch.origin(i) != Patch::Origin::blank) CHECK(std::abs(patch.value(i, 0) - f(i % width, i / width)) <= 1e-3);
+    }
+    CHECK(patch.computed() < 1100);  // of some 11 600
+  }
+}
+
+TEST_CASE("the order of the nodes goes from coarse to fine", "[patch]") {
+  Patch patch({.width = 97, .height = 97}, [](int, int) -> Patch::Class { return 1; });
+  const auto phase = [&](int x, int y) { return patch.phase(y * 97 + x); };
+  CHECK(phase(0, 0) == 0);
+  CHECK(phase(32, 64) == 0);
+  CHECK(phase(32, 32) < phase(16, 32));
+  CHECK(phase(16, 32) < phase(16, 16));
+  CHECK(phase(16, 16) < phase(8, 16));
+  CHECK(phase(2, 2) < phase(1, 2));
+  CHECK(phase(1, 2) < phase(1, 1));
+}
+
 TEST_CASE("patches of one row, and tiny ones", "[patch]") {
   for (const auto& [width, height] : {std::pair{100, 1}, {1, 100}, {5, 3}, {1, 1}}) {
     Patch patch({.width = width, .height = height, .tolerance = 1e-6}, [](int, int) -> Patch::Class { return 1; });

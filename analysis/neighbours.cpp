@@ -1,0 +1,151 @@
+/// Interpolation between the cycles of a tile.
+#include "analysis/neighbours.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rosin::analysis {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+int phase_of(int column, int row, int coarsest) {
+  const auto power = [&](int i) {
+    int p = 1;
+    while (p < coarsest && i % (2 * p) == 0) p *= 2;
+    return p;
+  };
+  const int x = power(column), y = power(row), stride = std::min(x, y);
+  int level = 0;
+  for (int s = coarsest; s > stride; s /= 2) ++level;
+  return 2 * level - (level > 0 && x != y);
+}
+
+int Tile::place(const GridPlace& at) {
+  const auto [found, is_new] = rows_[at.row].try_emplace(at.column, int(points_.size()));
+  if (is_new) {
+    columns_[at.column][at.row] = found->second;
+    points_.push_back({at.column, at.row, at.phase});
+  }
+  return found->second;
+}
+
+std::vector<Tile::Neighbour> Tile::line(int point, bool along_row) const {
+  constexpr int most = 2;  // on either side
+  const Point& here = points_[point];
+  const auto& all = along_row ? rows_.at(here.row) : columns_.at(here.column);
+  const int at = along_row ? here.column : here.row;
+  std::vector<Neighbour> found;
+  const auto takes = [&](const auto& entry) {
+    const Point& other = points_[entry.second];
+    if (!other.cycle && !(other.looked_for && other.phase < here.phase)) return false;
+    found.push_back({entry.first - at, entry.second});
+    return true;
+  };
+  int count = 0;
+  for (auto it = all.upper_bound(at); it != all.end() && count < most; ++it) count += takes(*it);
+  count = 0;
+  for (auto it = std::make_reverse_iterator(all.lower_bound(at)); it != all.rend() && count < most; ++it)
+    count += takes(*it);
+  std::ranges::stable_sort(found, {}, [](const Neighbour& n) { return std::abs(n.distance); });
+  return found;
+}
+
+std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Neighbour>> lines) const {
+  constexpr double farthest = 3;  // sum of weights: extrapolation beyond it misleads
+  struct Adviser {
+    double weight;
+    const KnownCycle* cycle;
+  };
+  std::vector<Adviser> advisers;
+  for (auto line : lines) {
+    std::erase_if(line, [&](const Neighbour& n) { return !points_[n.point].cycle; });
+    if (line.size() < 2) continue;
+    std::vector<Adviser> here;
+    double sum = 0;
+    for (const auto& a : line) {
+      double weight = 1;
+      for (const auto& b : line)
+        if (&b != &a) weight *= double(-b.distance) / (a.distance - b.distance);
+      sum += std::abs(weight);
+      // Errors of cubics grow with the fourth power of the distance.
+      here.push_back({weight * std::pow(line.front().distance, -4.0), &*points_[a.point].cycle});
+    }
+    if (sum <= farthest) advisers.insert(advisers.end(), here.begin(), here.end());
+  }
+  if (advisers.empty()) return std::nullopt;
+  KnownCycle advice = *advisers.front().cycle;
+  advice.fixed_point.setZero();
+  advice.derivative.setZero();
+  advice.sensitivity.setZero();
+  advice.derivative_error = 0;
+  const bool found_anew = (points_[point].phase + 1) / 2 % 2 == 0;
+  if (found_anew) advice.error_rate.resize(0);
+  double sum = 0;
+  for (const auto& [weight, cycle] : advisers) {
+    if (cycle->fixed_point.size() != advice.fixed_point.size()) return std::nullopt;  // of another kind
+    advice.fixed_point += weight * cycle->fixed_point;
+    advice.derivative += weight * cycle->derivative;
+    advice.sensitivity += weight * cycle->sensitivity;
+    advice.amplitude = std::min(advice.amplitude, cycle->amplitude);
+    if (cycle->error_rate.size() == 0) advice.error_rate.resize(0);
+    if (advice.error_rate.size() > 0) advice.error_rate = advice.error_rate.cwiseMax(cycle->error_rate);
+    sum += weight;
+  }
+  advice.fixed_point /= sum;
+  advice.derivative /= sum;
+  advice.sensitivity /= sum;
+  for (const auto& [weight, cycle] : advisers)
+    advice.derivative_error = std::max(
+        {advice.derivative_error, cycle->derivative_error, 0.5 * (cycle->derivative - advice.derivative).norm()});
+  return advice;
+}
+
+Neighbours::Neighbours(std::span<const std::size_t> members, std::span<const GridPlace> places) : places_(places) {
+  std::map<std::pair<Tile*, int>, std::size_t> who;
+  for (const std::size_t i : members) {
+    members_[i];
+    if (places.empty()) continue;
+    Tile& tile = *places[i].tile;
+    const int point = members_[i].point = tile.place(places[i]);
+    tile[point].looked_for = true;
+    who[{&tile, point}] = i;
+  }
+  for (auto& [i, member] : members_) {
+    for (const bool along_row : {true, false}) {
+      if (places.empty()) break;
+      Tile& tile = *places[i].tile;
+      member.lines[along_row] = tile.line(member.point, along_row);
+      for (const auto& neighbour : member.lines[along_row])
+        if (const auto other = who.find({&tile, neighbour.point}); other != who.end()) {
+          ++member.waits_for;
+          members_[other->second].waiting.push_back(i);
+        }
+    }
+    if (member.waits_for == 0) ready_.insert({places.empty() ? 0 : places[i].phase, i});
+  }
+  for (const auto& [at, i] : who) (*at.first)[at.second].looked_for = false;
+}
+
+std::optional<std::size_t> Neighbours::next() {
+  if (ready_.empty()) return std::nullopt;
+  const std::size_t i = ready_.begin()->second;
+  ready_.erase(ready_.begin());
+  return i;
+}
+
+std::optional<KnownCycle> Neighbours::advice(std::size_t i) const {
+  if (places_.empty()) return std::nullopt;
+  const Member& member = members_.at(i);
+  return places_[i].tile->advice(member.point, member.lines);
+}
+
+void Neighbours::finished(std::size_t i, std::optional<KnownCycle> cycle) {
+  if (places_.empty()) return;
+  const Member& member = members_.at(i);
+  (*places_[i].tile)[member.point].cycle = std::move(cycle);
+  for (const std::size_t other : member.waiting)
+    if (--members_.at(other).waits_for == 0) ready_.insert({places_[other].phase, other});
+}
+
+}  // namespace rosin::analysis
