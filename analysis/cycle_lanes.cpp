@@ -162,7 +162,7 @@ struct Search {
       if (square > least_move * least_move * noise * noise) {
         derivative += (visit.image - last->image - derivative * moved) * moved.transpose() / square;
         sensitivity += (visit.metrics - last->metrics - sensitivity * moved) * moved.transpose() / square;
-        derivative_error = learned;
+        derivative_error = std::max(learned, 2 * noise / std::sqrt(square));
       }
     }
     last = visit;
