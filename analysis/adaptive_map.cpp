@@ -295,8 +295,8 @@ class Workshop {
 
 bool interpolates(const MapOptions& options) {
   // Nodes come to lie apart by a distance that grows with the seventh root of the tolerance; the planes that broke even
-  // had 80 points a side at 1e-3.
-  const double even = 80 * std::pow(1e-3 / options.tolerance, 1.0 / 7);
+  // had 90 points a side at 1e-3.
+  const double even = 90 * std::pow(1e-3 / options.tolerance, 1.0 / 7);
   return !options.exact && options.x.regular > 1 && options.y.regular > 1 &&
          double(options.x.regular) * options.y.regular >= even * even;
 }

@@ -54,6 +54,7 @@ Recording recording_for(const LaneCycleOptions& options) {
 struct Visit {
   VectorXd start, image;
   VectorXd metrics;
+  double tolerance;
   double noise;  ///< by which images scatter
 };
 
@@ -156,13 +157,13 @@ struct Search {
       derivative = MatrixXd::Zero(n, n);
       sensitivity = MatrixXd::Zero(visit.metrics.size(), n);
     }
-    if (last) {
+    if (last && last->tolerance == visit.tolerance) {  // maps of different tolerances differ by more than scatter
       const VectorXd moved = visit.start - last->start;
       const double square = moved.squaredNorm(), noise = visit.noise + last->noise;
       if (square > least_move * least_move * noise * noise) {
         derivative += (visit.image - last->image - derivative * moved) * moved.transpose() / square;
         sensitivity += (visit.metrics - last->metrics - sensitivity * moved) * moved.transpose() / square;
-        derivative_error = std::max(learned, 2 * noise / std::sqrt(square));
+        derivative_error = learned;
       }
     }
     last = visit;
@@ -390,7 +391,7 @@ class Settling final : public PassageQueue {
       return true;
     }
     const double size = search.size_at(image);
-    const Visit visit{search.begun, image, vector_of(passage.metrics), passage.tolerance * size};
+    const Visit visit{search.begun, image, vector_of(passage.metrics), search.tolerance, passage.tolerance * size};
     search.learn(visit);
     if (search.probed) return probe(search, image, cycle);
     const bool first = search.passages == (search.hinted ? 1 : 2);
