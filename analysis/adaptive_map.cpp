@@ -114,7 +114,6 @@ struct Piece {
 struct Plot {
   Frame frame;
   std::unique_ptr<Patch> outline = nullptr;  ///< knows the classes of pixels, if the time left is foretold
-  double node_work = 0, direct_work = 0;     ///< parts of the expected work
   int width() const { return frame.x1 - frame.x0 + 1; }
 };
 
@@ -127,11 +126,8 @@ class Workshop {
   bool compute(const std::vector<const Job<Plot>*>& jobs, const std::function<void(double work)>& advanced,
                FinishedPoints& finished) {
     std::vector<std::unique_ptr<Piece>> pieces;
-    double node_work = 0, direct_work = 0;  // expected, of what is left
     for (const auto* job : jobs) {
       const Plot& plot = job->what;
-      node_work += plot.node_work;
-      direct_work += plot.direct_work;
       pieces.push_back(std::make_unique<Piece>(plot.frame, quantities_, options_, [this, &plot](int x, int y) {
         return plot.outline ? plot.outline->class_of(y * plot.width() + x) : classify(plot.frame, x, y);
       }));
@@ -151,16 +147,8 @@ class Workshop {
               {piece.get(), pixel, place(pixel, phase_of(pixel % piece->width(), pixel / piece->width(), coarsest))});
         open |= !wanted.empty();
       }
-      // More than was expected shows when all is done only: direct points come last.
-      const auto spend = [&](double& left, double attempts) {
-        const double part = std::min(left, attempts);
-        left -= part;
-        advanced(part);
-      };
-      if (!work_on(nodes, node_tolerance(), [&](double attempts) { spend(node_work, attempts); })) return false;
-      if (!work_on(direct, std::max(direct_share * options_.tolerance, finest),
-                   [&](double attempts) { spend(direct_work, attempts); }))
-        return false;
+      if (!work_on(nodes, node_tolerance(), advanced)) return false;
+      if (!work_on(direct, std::max(direct_share * options_.tolerance, finest), advanced)) return false;
     }
     for (const auto& piece : pieces) collect(*piece, finished);
     return true;
@@ -171,19 +159,19 @@ class Workshop {
     const Frame& f = job.what.frame;
     const int width = job.what.width();
     auto& outline = job.what.outline;
+    job.expected = Forecast::judging;
     outline = std::make_unique<Patch>(Patch::Options{width, f.y1 - f.y0 + 1},
                                       [this, f](int x, int y) { return classify(f, x, y); });
-    const auto weigh = [&](const std::vector<int>& pixels, double& work) {
+    const auto weigh = [&](const std::vector<int>& pixels, double share) {
       for (const int pixel : pixels) {
         outline->set(pixel, outline->class_of(pixel), {{0.0}, {0.0}, {1.0}});
-        work += forecast.attempts_at(f.x0 + pixel % width, f.y0 + pixel / width);
+        job.expected += share * forecast.attempts_at(f.x0 + pixel % width, f.y0 + pixel / width);
       }
     };
     for (auto wanted = outline->advance(); !wanted.empty(); wanted = outline->advance()) {
-      weigh(wanted.nodes, job.what.node_work);
-      weigh(wanted.direct, job.what.direct_work);
+      weigh(wanted.nodes, 1);
+      weigh(wanted.direct, 0.5);  // their tolerance is wider
     }
-    job.work = Forecast::judging + job.what.node_work + job.what.direct_work;
   }
   double node_tolerance() const { return std::max(node_share * options_.tolerance, finest); }
   const std::vector<std::string>& metrics() const { return quantities_.names; }
@@ -318,7 +306,9 @@ void compute_adaptively(const Model& model, const MapOptions& options, Coexisten
     in_parallel(options.threads, jobs.size(), stop, [&](std::size_t k) { planner.outline(jobs[k], forecast); });
   }
   const std::size_t together = std::clamp<std::size_t>(jobs.size() / (2 * options.threads), 1, 8);
-  work_in_groups(jobs, together, options.threads, stop, finish,
+  // Borders are foretold, but not how finely the rest is divided: as the seventh root of the tolerance along both axes.
+  const double usual = 1.15 * std::pow(1e-3 / options.tolerance, 2.0 / 7);
+  work_in_groups(jobs, together, options.threads, usual, stop, finish,
                  [&](const std::vector<const Job<Plot>*>& group, const auto& advanced) {
                    FinishedPoints finished;
                    return Workshop(model, options, coexistence, stop).compute(group, advanced, finished)

@@ -95,8 +95,8 @@ class Collected {
         ++done_;
       }
   }
-  /// `work`: done by now, as a part of all.
-  void finish(std::vector<std::pair<std::size_t, MapPoint>>& found, double work) {
+  /// `done`: as a part of all work; 0: not known.
+  void finish(std::vector<std::pair<std::size_t, MapPoint>>& found, double done) {
     std::vector<std::size_t> fresh;
     const std::scoped_lock lock(mutex_);
     for (auto& [i, point] : found) {
@@ -107,8 +107,8 @@ class Collected {
     found.clear();
     done_ += fresh.size();
     if (hooks_.finished && !fresh.empty()) hooks_.finished(fresh, map_.points);
-    work_ += work;
-    if (hooks_.progress) hooks_.progress({done_, map_.points.size(), std::min(1.0, work_)});
+    work_ = std::max(work_, done);
+    if (hooks_.progress) hooks_.progress({done_, map_.points.size(), work_});
   }
   std::size_t done() const { return done_; }
 
@@ -141,14 +141,14 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
   if (foretell) {
     const Forecast forecast(model, options, options.tolerance, options.metrics, coexistence, stop);
     in_parallel(options.threads, open.size(), stop, [&](std::size_t k) {
-      open[k].work = 0;
+      open[k].expected = 0;
       tiles.for_each(open[k].what, [&](std::size_t i, int column, int row) {
         constexpr int every = 4;  // point along both axes is judged
         if (column % every != 0 || row % every != 0) return;
-        open[k].work += Forecast::judging;
+        open[k].expected += Forecast::judging;
         try {
           if (judge(model_at(i), coexistence) != Verdict::stable)
-            open[k].work += forecast.attempts_at(int(i % nx), int(i / nx));
+            open[k].expected += forecast.attempts_at(int(i % nx), int(i / nx));
         } catch (const InputError&) {  // it will be said of the point
         }
       });
@@ -156,45 +156,51 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
   }
   const std::size_t together = std::clamp<std::size_t>(open.size() / options.threads, 1, 4);
   constexpr int coarsest_stride = 8;  // of points that start from stick
+  constexpr double usual = 7;         // a sixteenth of the points is foretold, and most start beside others
   const LaneCycleOptions lane_options{options.tolerance, options.stick_threshold, options.metrics};
-  work_in_groups(
-      open, together, options.threads, stop, finish, [&](const std::vector<const Job<int>*>& group, const auto&) {
-        std::vector<Model> models;
-        std::vector<GridPlace> places;
-        std::deque<Tile> known;
-        std::vector<std::size_t> indices;
-        std::vector<bool> attracted;  // by steady sliding, beside the cycle
-        FinishedPoints finished;
-        for (const auto* job : group) {
-          Tile& tile = known.emplace_back();
-          tiles.for_each(job->what, [&](std::size_t i, int column, int row) {
-            try {
-              Model here = model_at(i);
-              const Verdict verdict = judge(here, coexistence);
-              if (verdict == Verdict::stable) return void(finished.emplace_back(i, stable_point()));
-              models.push_back(std::move(here));
-              places.push_back({&tile, column, row, phase_of(column, row, coarsest_stride)});
-              indices.push_back(i);
-              attracted.push_back(verdict == Verdict::look_beside_steady);
-            } catch (const InputError& e) {
-              finished.emplace_back(i, failed_point(e.what()));
-            }
-          });
-        }
-        finish(finished, 0);
-        const auto cycles = find_cycles(models, lane_options, places);
-        for (std::size_t k = 0; k < cycles.size() && !stop.stop_requested(); ++k) {
-          if (map.points[indices[k]].done) continue;  // known from before: only its neighbours needed it again
-          if (const auto point = point_of(cycles[k], attracted[k])) {
-            finished.emplace_back(indices[k], *point);
-          } else {
-            finished.emplace_back(indices[k], compute_point(models[k], options.tolerance, options.stick_threshold,
-                                                            attracted[k], cycles[k].near));
-            finish(finished, 0);  // by itself a point takes long
-          }
-        }
-        return finished;
-      });
+  work_in_groups(open, together, options.threads, usual, stop, finish,
+                 [&](const std::vector<const Job<int>*>& group, const auto& advanced) {
+                   std::vector<Model> models;
+                   std::vector<GridPlace> places;
+                   std::deque<Tile> known;
+                   std::vector<std::size_t> indices;
+                   std::vector<bool> attracted;  // by steady sliding, beside the cycle
+                   FinishedPoints finished;
+                   for (const auto* job : group) {
+                     Tile& tile = known.emplace_back();
+                     tiles.for_each(job->what, [&](std::size_t i, int column, int row) {
+                       try {
+                         Model here = model_at(i);
+                         const Verdict verdict = judge(here, coexistence);
+                         if (verdict == Verdict::stable) return void(finished.emplace_back(i, stable_point()));
+                         models.push_back(std::move(here));
+                         places.push_back({&tile, column, row, phase_of(column, row, coarsest_stride)});
+                         indices.push_back(i);
+                         attracted.push_back(verdict == Verdict::look_beside_steady);
+                       } catch (const InputError& e) {
+                         finished.emplace_back(i, failed_point(e.what()));
+                       }
+                     });
+                   }
+                   finish(finished, 0);
+                   const auto cycles = find_cycles(models, lane_options, places);
+                   double attempts = 0;
+                   for (const auto& cycle : cycles) attempts += Forecast::attempts_of(cycle);
+                   advanced(attempts);
+                   for (std::size_t k = 0; k < cycles.size() && !stop.stop_requested(); ++k) {
+                     if (map.points[indices[k]].done)
+                       continue;  // known from before: only its neighbours needed it again
+                     if (const auto point = point_of(cycles[k], attracted[k])) {
+                       finished.emplace_back(indices[k], *point);
+                     } else {
+                       finished.emplace_back(indices[k],
+                                             compute_point(models[k], options.tolerance, options.stick_threshold,
+                                                           attracted[k], cycles[k].near));
+                       finish(finished, 0);  // by itself a point takes long
+                     }
+                   }
+                   return finished;
+                 });
 }
 
 constexpr std::string_view load_path = "drive.normal_load";

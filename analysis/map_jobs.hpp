@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <stop_token>
 #include <thread>
 #include <vector>
@@ -28,49 +29,66 @@ void in_parallel(int threads, std::size_t count, const std::stop_token& stop, F 
   work();
 }
 
-/// A part of the plane, and the work that it is expected to take, in any unit.
+/// What is done of the work of all groups. Groups that are finished teach how far the expectations of the others are
+/// off. For several threads.
+class Ledger {
+ public:
+  /// `expected`: of each group. `usual`: what work takes of what is expected, as far as is known beforehand.
+  Ledger(const std::vector<double>& expected, double usual);
+  /// A group has done this much more. \returns what is done of all, 0 … 1.
+  double advance(std::size_t group, double more);
+  double finish(std::size_t group);
+
+ private:
+  double done_of_all() const;
+  struct Entry {
+    double expected, done = 0;
+    bool finished = false;
+  };
+  std::mutex mutex_;
+  std::vector<Entry> entries_;
+  double usual_;
+};
+
+/// A part of the plane, and the work that it is expected to take, in step attempts.
 template <class Part>
 struct Job {
   Part what;
-  double work = 1;
+  double expected = 1;
 };
 
-/// Computes all jobs, `together` at a time, in groups that take alike long, so that the first foretell the time of the
-/// others. `compute(group, advanced)` returns what `finish` takes over with the group's share of the work; until then
-/// it may call `advanced(work)` for parts of it.
+/// Computes all jobs, `together` at a time, in groups that take alike long. `compute(group, advanced)` returns what
+/// `finish` takes over with what is done of all work; until then it may call `advanced(work)` for parts of it.
 template <class Part, class Compute>
-void work_in_groups(const std::vector<Job<Part>>& jobs, std::size_t together, int threads, const std::stop_token& stop,
-                    const std::function<void(FinishedPoints&, double work)>& finish, Compute compute) {
+void work_in_groups(const std::vector<Job<Part>>& jobs, std::size_t together, int threads, double usual,
+                    const std::stop_token& stop, const std::function<void(FinishedPoints&, double done)>& finish,
+                    Compute compute) {
   struct Group {
     std::vector<const Job<Part>*> jobs;
-    double work = 0;
+    double expected = 0;
   };
   std::vector<Group> groups((jobs.size() + together - 1) / together);
   std::vector<const Job<Part>*> order;
-  double all = 0;
-  for (const auto& job : jobs) {
-    order.push_back(&job);
-    all += job.work;
-  }
-  std::ranges::stable_sort(order, std::greater(), &Job<Part>::work);
+  for (const auto& job : jobs) order.push_back(&job);
+  std::ranges::stable_sort(order, std::greater(), &Job<Part>::expected);
   for (const auto* job : order) {
     auto& group = *std::ranges::min_element(
-        groups, {}, [&](const Group& g) { return g.jobs.size() < together ? g.work : infinity; });
+        groups, {}, [&](const Group& g) { return g.jobs.size() < together ? g.expected : infinity; });
     group.jobs.push_back(job);
-    group.work += job->work;
+    group.expected += job->expected;
   }
-  FinishedPoints finished;
-  finish(finished, 0);
+  std::vector<double> of_groups;
+  for (const auto& group : groups) of_groups.push_back(group.expected);
+  Ledger ledger(of_groups, usual);
+  FinishedPoints none;
+  finish(none, 0);
   in_parallel(threads, groups.size(), stop, [&](std::size_t k) {
-    double left = groups[k].work;
-    const auto advanced = [&](double work) {
-      FinishedPoints none;
-      const double part = std::min(work, left);
-      left -= part;
-      finish(none, part / all);
+    const auto advanced = [&](double more) {
+      FinishedPoints nothing;
+      finish(nothing, ledger.advance(k, more));
     };
     FinishedPoints finished = compute(groups[k].jobs, advanced);
-    if (!stop.stop_requested() || !finished.empty()) finish(finished, left / all);
+    if (!stop.stop_requested() || !finished.empty()) finish(finished, ledger.finish(k));
   });
 }
 
