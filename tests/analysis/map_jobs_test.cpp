@@ -57,10 +57,10 @@ TEST_CASE("every job is done once, in groups of like work", "[map-jobs]") {
       [&](const std::vector<const Job<int>*>& group, const auto& advanced) {
         double all = 0;
         for (const auto* job : group) all += job->expected;
+        advanced(all);
         const std::scoped_lock lock(mutex);
         for (const auto* job : group) CHECK(done.insert(job->what).second);
         of_groups.push_back(all);
-        advanced(all);
         return FinishedPoints{};
       });
   CHECK(done.size() == 12);
