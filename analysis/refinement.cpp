@@ -22,6 +22,10 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
       // only.
       e += metric.member == &Metrics::slip_rate_min ? (10 * tolerance + 5e-14 + closure) * std::abs(value)
                                                     : (3 * tolerance + 5e-14 + closure) * size;
+    // Slip backwards by the last digits of the highest slip rate is rounding.
+    constexpr double digits = 1e-14;
+    if (metric.member == &Metrics::slip_rate_min && value < 0 && -value < digits * fine.slip_rate_max)
+      e += 2 * std::abs(value);
     // Divided steps are each summed to a small part of the tolerance.
     if (value != 0 && metric.member == &Metrics::loop_area)
       e += 0.3 * std::max(tolerance, 1e-13) * fine.slip_rate_max * fine.friction_max;

@@ -10,6 +10,8 @@
 #include <optional>
 
 #include "analysis/curve.hpp"
+#include "analysis/dry_cycle.hpp"
+#include "analysis/exact_run.hpp"
 #include "analysis/refinement.hpp"
 #include "analysis/return_map.hpp"
 #include "analysis/stability.hpp"
@@ -474,6 +476,9 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     cycle.outcome = {Ending::none_exists, "friction nowhere falls with slip rate: nothing feeds an oscillation"};
     return cycle;
   }
+  const auto dry = dry_oscillator(model);
+  if (const auto* oscillator = std::get_if<solvers::DryOscillator>(&dry))
+    if (auto exact = find_dry_cycle(*oscillator, options)) return *std::move(exact);
   const double V = model.drive.speed.level();
   Sharpening sharpening(options.tolerance, 0.2 * options.tolerance);
   bool sticks = true;

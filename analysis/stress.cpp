@@ -119,6 +119,8 @@ std::string name(Verdict v) {
   switch (v) {
     case Verdict::certified:
       return "certified";
+    case Verdict::less_exact:
+      return "certified, less exactly than asked";
     case Verdict::none_exists:
       return "none exists";
     case Verdict::refused:
@@ -401,9 +403,21 @@ double lanes_against(const Cycle& tight, const Model& model, std::string& worst)
   return ratio;
 }
 
+/// True if every metric of a cycle short of its tolerance is known to a thousandth.
+bool is_of_use(const Cycle& cycle, const Model& model) {
+  constexpr double coarsest = 1e-3;
+  return cycle.metrics.period > 0 && std::ranges::all_of(metric_names(), [&](const MetricName& metric) {
+           if (is_stick(metric) && cycle.ill_conditioned_stick) return true;
+           return cycle.error.*metric.member <=
+                  coarsest * size_of(metric, cycle.metrics, std::abs(model.drive.speed.level()));
+         });
+}
+
 Judgement judge_cycle(const Model& model) {
   const auto loose = find_cycle(model, {.tolerance = 1e-6});
-  if (!loose.outcome.complete() && loose.outcome.ending != Ending::none_exists) return failure(loose.outcome);
+  const bool short_of = loose.outcome.ending == Ending::tolerance_not_met && is_of_use(loose, model);
+  if (!loose.outcome.complete() && loose.outcome.ending != Ending::none_exists && !short_of)
+    return failure(loose.outcome);
   const auto tight = find_cycle(model, {.tolerance = 1e-9});
   const bool has_numbers = tight.metrics.period > 0;
   if (tight.outcome.ending == Ending::none_exists && loose.outcome.ending == Ending::none_exists) {
@@ -441,7 +455,12 @@ Judgement judge_cycle(const Model& model) {
   std::string of_lanes;
   const double lanes = V > 0 && tight.outcome.complete() ? lanes_against(tight, model, of_lanes) : 0;
   if (!(lanes <= ratio)) ratio = lanes, worst = of_lanes + " of the lanes";
-  return by_ratio(ratio, worst);
+  Judgement judgement = by_ratio(ratio, worst);
+  if (short_of && judgement.verdict == Verdict::certified) {
+    judgement.verdict = Verdict::less_exact;
+    judgement.reason = loose.outcome.detail;
+  }
+  return judgement;
 }
 
 Judgement judge_run(const Model& model, const RunOptions& options) {
@@ -525,15 +544,9 @@ Judgement judge(const StressScene& scene) {
   return judgement;
 }
 
-long StressReport::failed() const {
+long StressReport::sum(const std::map<std::string, Tally>& table) {
   long sum = 0;
-  for (const auto& [kind, tally] : failures) sum += tally.count;
-  return sum;
-}
-
-long StressReport::refusals() const {
-  long sum = 0;
-  for (const auto& [kind, tally] : refused) sum += tally.count;
+  for (const auto& [kind, tally] : table) sum += tally.count;
   return sum;
 }
 
@@ -616,6 +629,9 @@ StressReport stress(const StressOptions& options, const StressObservers& observe
       case Verdict::certified:
         ++report.certified;
         report.worst_error_ratio = std::max(report.worst_error_ratio, judgement.error_ratio);
+        break;
+      case Verdict::less_exact:
+        count(report.less_exact, without_numbers(judgement.reason));
         break;
       case Verdict::none_exists:
         ++report.none_exists;

@@ -42,6 +42,7 @@ Model model_of(const StressScene&);
 
 enum class Verdict {
   certified,    ///< two methods or tolerances agree within the errors they state
+  less_exact,   ///< the same, with errors above the tolerance asked for, which is said, but of use
   none_exists,  ///< both say that what was asked for does not exist
   refused,      ///< an InputError says why
   failed,       ///< a typed failure: short of the tolerance or the budget, and said
@@ -80,7 +81,7 @@ struct Tally {
 };
 struct StressReport {
   long scenes = 0, certified = 0, none_exists = 0, wrong = 0, not_finite = 0, crashed = 0;
-  std::map<std::string, Tally> refused, failures, alarms;  ///< by reason without its numbers; alarms: what must not be
+  std::map<std::string, Tally> less_exact, refused, failures, alarms;  ///< by reason without its numbers
   std::map<std::string, Tally> questions;
   long compared = 0, covered = 0;                ///< scenes with numbers compared, and those within the stated errors
   double worst_error_ratio = 0;                  ///< among the certified
@@ -88,8 +89,9 @@ struct StressReport {
   std::vector<std::pair<double, long>> slowest;  ///< seconds, index; slowest first
   bool complete = true;                          ///< false where it was stopped
 
-  long failed() const;
-  long refusals() const;
+  static long sum(const std::map<std::string, Tally>&);
+  long failed() const { return sum(failures); }
+  long refusals() const { return sum(refused); }
   /// Failures among the scenes that were not refused.
   double failure_share() const;
   double coverage() const { return compared > 0 ? double(covered) / double(compared) : 1; }

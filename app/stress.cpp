@@ -90,6 +90,7 @@ ordered_json to_json(const StressReport& report, std::uint64_t seed) {
           {"scenes", report.scenes},
           {"questions", tallies(report.questions, report.scenes)},
           {"certified", report.certified},
+          {"less_exact", tallies(report.less_exact, report.scenes)},
           {"none_exists", report.none_exists},
           {"refused", tallies(report.refused, report.scenes)},
           {"failures", tallies(report.failures, asked)},
@@ -106,9 +107,11 @@ ordered_json to_json(const StressReport& report, std::uint64_t seed) {
 }
 
 void say(const StressReport& report) {
-  fmt::print("{} scenes in {:.3g} s: {} certified, {} where none exists, {} refused, {} failures ({:.2f} %)\n",
-             report.scenes, report.seconds, report.certified, report.none_exists, report.refusals(), report.failed(),
-             100 * report.failure_share());
+  fmt::print(
+      "{} scenes in {:.3g} s: {} certified, {} less exactly than asked, {} where none exists, {} refused, "
+      "{} failures ({:.2f} %)\n",
+      report.scenes, report.seconds, report.certified, StressReport::sum(report.less_exact), report.none_exists,
+      report.refusals(), report.failed(), 100 * report.failure_share());
   fmt::print("wrong numbers {}, not finite {}, crashes {}\n", report.wrong, report.not_finite, report.crashed);
   fmt::print("stated errors cover {:.2f} % of {} compared results; worst ratio among the certified {:.2f}\n",
              100 * report.coverage(), report.compared, report.worst_error_ratio);
@@ -117,6 +120,7 @@ void say(const StressReport& report) {
     fmt::print("{}\n", title);
     for (const auto& [kind, tally] : table) fmt::print("  {:6}  {} (such as {})\n", tally.count, kind, tally.example);
   };
+  list("Certified, less exactly than asked", report.less_exact);
   list("Refused", report.refused);
   list("Failures", report.failures);
   list("Alarms", report.alarms);
@@ -152,8 +156,7 @@ Status stress(const Request& request, std::stop_token stop) {
         {.finished =
              [&](const StressScene& scene, const Judgement& judgement) {
                progress.show(++judged, count);
-               const bool fails = judgement.verdict != Verdict::certified &&
-                                  judgement.verdict != Verdict::none_exists && judgement.verdict != Verdict::refused;
+               const bool fails = judgement.verdict > Verdict::refused;  // from there on they must not be
                if (!fails && !single) return;
                const auto path = keep(scene, judgement);
                if (!request.quiet && !progress.visible())
