@@ -123,6 +123,12 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   const bool damped = overdamped(model);
   constexpr double many = 300, quiet_enough = 20;  // swings
   double quiet = 0, slipping = 0;                  // s, in which slip has gone at the drive's speed, or gone on at all
+  // In the plane of displacement and slip rate paths do not cross: what has made a turn without coming to rest stays
+  // within it.
+  const bool plane = system.rigid() && !remembers(model);
+  constexpr int enough_turns = 2;
+  double slip_rate_before = 0;
+  int turns = 0;
   Recorder recorder(system, tolerance, stick_threshold, true);
   bool began = onset != nullptr, fast = false;
   double elapsed = 0, period = 0, stuck = 0, fastest = V, lowest_x = infinity, highest_x = -infinity;
@@ -147,6 +153,9 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     }
     const double u = system.slip_rate(solver.time(), solver.state().data());
     fast = fast || u > V;
+    turns = switched != solvers::Switch::none ? 0 : turns + (slip_rate_before < V && u >= V);
+    slip_rate_before = u;
+    if (plane && turns > enough_turns) break;
     const double away = std::hypot(u - V, frequency * (solver.state()[0] - sliding.steady.displacement));
     quiet = std::abs(u - V) < settled * V + noise ? quiet + solver.stepper().length() : 0;
     slipping = system.direction() != 0 && switched == solvers::Switch::none ? slipping + solver.stepper().length() : 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/exact_run.hpp"
+#include "analysis/stability.hpp"
 #include "laws/catalogue.hpp"
 #include "tests/bristol_board.hpp"
 
@@ -98,4 +99,15 @@ TEST_CASE("the least of friction makes its cycle too", "[dry-cycle]") {
   CHECK(find_cycle(coulomb(0.3, 0.3, {1, 1, 0}, 1, 1), {}).outcome.ending == Ending::none_exists);
   const auto reverses = dry_oscillator(coulomb(0.3, 0.0, {1, 1, 0}, 1, 1));
   CHECK_FALSE(find_dry_cycle(std::get<solvers::DryOscillator>(reverses), {}));
+}
+
+TEST_CASE("slip that has made a turn without rest is not followed any further", "[dry-cycle]") {
+  // A damped slider on a falling curve, whose swing from stick takes hundreds of turns to die out.
+  Model model = rosin::tests::slider_under("stribeck", {0.4, 0.3, 0.01, 2.0, 0.0}, {1, 3e4, 0.05}, 0.05, 0.01);
+  REQUIRE(stability(model).stable);
+  for (const double tolerance : {1e-3, 1e-6}) {
+    const Cycle cycle = find_cycle(model, {.tolerance = tolerance});
+    CHECK(cycle.outcome.ending == Ending::none_exists);
+    CHECK(cycle.cost.steps < 2000);
+  }
 }
