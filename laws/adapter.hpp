@@ -168,7 +168,8 @@ struct Written {
   ROSIN_INLINE void steady(const Sliding<T>& at, T* state) const {
     if constexpr (states > 0) unpack(law.steady(at), state);
   }
-  /// The size that a change of each linear state is measured by: its own in steady sliding, unless the law states one.
+  /// The greatest size that a change of each linear state is measured by: its own in steady sliding, unless the law
+  /// states one.
   ROSIN_INLINE void sizes(const T* steady, T* sizes) const {
     if constexpr (HasSize<L>)
       unpack(law.size(), sizes);
@@ -319,6 +320,11 @@ void start_steady(const Rows& rows, const Law& law, double u, double N, double* 
   if (rows.equilibrium) return;
   double size[Law::capacity];
   law.sizes(state, size);
+  // The law's sizes are the greatest that matter. A drive that hardly moves a state is sensitive to smaller changes of
+  // it, down to those that the rounding of friction hides.
+  constexpr double least = 1e-9;
+  for (int k = 0; k < law.states; ++k)
+    if (const double own = std::abs(state[k]); own > 0) size[k] = std::clamp(own, least * size[k], size[k]);
   for (int k = 0; k < law.states; ++k) {
     z[k] = law.logarithmic(k) ? std::log(state[k]) : state[k];
     weight[k] = law.logarithmic(k) ? 1.0 : size[k];

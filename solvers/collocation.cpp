@@ -18,6 +18,7 @@ constexpr int s = Collocation::stages;
 constexpr double rounding = 2.3e-16;
 constexpr int step_iterations = 12;     ///< more are not worth it: a shorter step converges faster
 constexpr int patient_iterations = 60;  ///< where the length is given
+constexpr int corner_attempt = 4;       ///< failures of Newton's method after which a corner is looked for
 constexpr double least_factor = 0.1, greatest_factor = 8, safety = 0.85;
 }  // namespace
 
@@ -68,6 +69,12 @@ bool Collocation::start(double t, std::span<const double> y) {
   fresh_ = true;
   mode_rates_.clear();  // what a solution costs and gives must not depend on those before it
   system_.mass(t, mass_.data());
+  if (!make_consistent()) return false;
+  y_before_ = y_;
+  return true;
+}
+
+bool Collocation::make_consistent() {
   // Newton on the algebraic rows in the algebraic unknowns.
   std::vector<int> rows;
   for (int i = 0; i < n_; ++i)
@@ -77,7 +84,7 @@ bool Collocation::start(double t, std::span<const double> y) {
   std::vector<double> a(m * m), r(m);
   std::vector<int> pivot(m);
   for (int iteration = 0; iteration < 200; ++iteration) {
-    system_.linearise(t, y_.data(), f0_.data(), J_.data());
+    system_.linearise(t_, y_.data(), f0_.data(), J_.data());
     ++count_.linearisations;
     for (int i = 0; i < m; ++i) {
       r[i] = -f0_[rows[i]];
@@ -93,8 +100,29 @@ bool Collocation::start(double t, std::span<const double> y) {
     for (int i = 0; i < m; ++i) y_[rows[i]] += damping * r[i];
     if (change < 1e-13) break;
   }
-  y_before_ = y_;
   return true;
+}
+
+/// At a corner of an algebraic row (|v| at v = 0) the last step may have ended short of it, but with all solutions
+/// beyond, where the row has another slope: then Newton's method goes to and fro however short the step. The last
+/// digits of the algebraic unknowns decide the side. Where the slope stays, they stay too: the row may turn there, and
+/// new digits at each step would go on for ever by ever shorter ones.
+void Collocation::look_for_corner() {
+  constexpr double corner = 0.05;  // relative change of a slope
+  const std::vector<double> arrived = y_, before = J_;
+  bool turned = false;
+  if (make_consistent()) {
+    system_.linearise(t_, y_.data(), f0_.data(), J_.data());
+    ++count_.linearisations;
+    for (int i = 0; i < n_; ++i) {
+      const double was = before[i * n_ + i];
+      turned |= mass_[i] == 0 && std::abs(J_[i * n_ + i] - was) > corner * std::abs(was);
+    }
+  }
+  if (turned) return;
+  y_ = arrived;
+  system_.linearise(t_, y_.data(), f0_.data(), J_.data());
+  ++count_.linearisations;
 }
 
 void Collocation::factorise(double h) {
@@ -426,6 +454,7 @@ Outcome Collocation::step(double t_limit) {
     }
     const Newton newton = solve_stages(t_, y_.data(), h, step_iterations);
     if (newton != Newton::converged) {
+      if (attempt == corner_attempt) look_for_corner();
       ++count_.rejected;
       h *= newton == Newton::not_finite ? 0.25 : 0.4;
       rejected = true;

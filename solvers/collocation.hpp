@@ -79,6 +79,9 @@ class Collocation {
   /// t + dt, but before the limit of the step: a drive that jumps there must not be seen early.
   double node_time(double t, double dt) const { return std::min(t + dt, last_moment_); }
   enum class Newton { converged, slow, not_finite };
+  /// Solves the algebraic rows for the algebraic unknowns of y_. \returns false where that fails.
+  bool make_consistent();
+  void look_for_corner();
   void factorise(double h);
   Newton solve_stages(double t, const double* y0, double h, int most_iterations);
   double estimate_error(double t, const double* y0, double h, bool refine);

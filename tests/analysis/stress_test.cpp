@@ -660,6 +660,26 @@ TEST_CASE("BDF in the natural unknowns says that it has lost the balance of forc
   CHECK(run(model, options).outcome.ending == Ending::tolerance_not_met);
 }
 
+TEST_CASE("warmth that a slow drive hardly brings is measured by what it brings", "[stress]") {
+  // In stick it decays within 1e-3 of its duration. Measured by the speed of the law's curve, 1e5 of the drive's, the
+  // rest of one long step was as good as nothing, at any tolerance, and held back the next slip by 1e-6 of the period.
+  Model model;
+  model.law = laws::find_law("thermal");
+  model.lambda = 0.00022742250282415478;
+  model.slider = {.mass = 0.00014409534320214445, .stiffness = 33189.36474331416, .damping = 0};
+  model.drive = {.speed = 1.9031971397062264e-07, .normal_load = 0.024382164569351231, .force = 0.0};
+  double before = 0;
+  for (const double tolerance : {1e-5, 1e-6, 1e-7, 1e-8, 1e-9}) {
+    INFO("tolerance " << tolerance);
+    const Cycle cycle = find_cycle(model, {.tolerance = tolerance, .multipliers = false});
+    REQUIRE(cycle.outcome.complete());
+    const double fraction = cycle.metrics.stick_fraction;
+    if (before > 0) CHECK(std::abs(fraction - before) < 10 * tolerance);
+    CHECK(std::abs(fraction - 0.4150668566) <= cycle.error.stick_fraction + 5e-10);
+    before = fraction;
+  }
+}
+
 TEST_CASE("slips that are long and short by turns are one period together", "[stress]") {
   Model model =
       slider_under("loading-rate", {2.9000581685382709, 0.21381485320796856, 0.023898756286017855, 0.15172238828838766},

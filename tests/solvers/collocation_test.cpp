@@ -56,6 +56,22 @@ struct BlowUp final : System {
   std::string unknown(int) const override { return "y"; }
 };
 
+/// ẏ₀ = −2 y₀ − 1, which falls through 0 at t = ln(3)/2 from y₀ = 1, and 0 = y₀ − k y₁ with k = 1 above 0 and 4 below.
+struct Corner final : System {
+  int size() const override { return 2; }
+  void mass(double, double* m) const override { m[0] = 1, m[1] = 0; }
+  void evaluate(double, const double* y, double* f) const override {
+    f[0] = -2 * y[0] - 1;
+    f[1] = y[0] - (y[1] > 0 ? 1 : 4) * y[1];
+  }
+  void linearise(double t, const double* y, double* f, double* J) const override {
+    evaluate(t, y, f);
+    J[0] = -2, J[1] = 0, J[2] = 1, J[3] = y[1] > 0 ? -1 : -4;
+  }
+  void scale(const double*, double* s) const override { s[0] = s[1] = 1; }
+  std::string unknown(int i) const override { return i == 0 ? "y" : "bent"; }
+};
+
 std::vector<double> advance(Collocation& solver, double end) {
   while (solver.time() < end) REQUIRE(solver.step(end).complete());
   return solver.state();
@@ -87,6 +103,20 @@ TEST_CASE("stiff and algebraic rows keep their accuracy", "[collocation]") {
     CHECK(std::abs(y[0] - std::cos(10)) < allowed);
     CHECK(std::abs(y[1] - std::cos(10) * std::cos(10)) < allowed);
     CHECK(solver.count().steps < 60);
+  }
+}
+
+TEST_CASE("a corner of an algebraic row is crossed, whichever side the last step has ended on", "[collocation]") {
+  for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
+    INFO("tolerance " << tolerance);
+    const Corner system;
+    Collocation solver(system, tolerance);
+    REQUIRE(solver.start(0, std::vector{1.0, 1.0}));
+    const auto y = advance(solver, 2);
+    const double exact = 1.5 * std::exp(-4.0) - 0.5;
+    CHECK(std::abs(y[0] - exact) < 10 * tolerance);
+    CHECK(std::abs(y[1] - exact / 4) < 10 * tolerance);
+    CHECK(solver.count().steps < 200);
   }
 }
 
