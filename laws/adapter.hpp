@@ -147,8 +147,10 @@ struct Written {
   static constexpr int states = count_states<L>();
   static constexpr int capacity = std::max(states, 1);  ///< length of a list of states
   static constexpr bool set_valued = SetValued<L>;
+  using Number = WithLog<T>;  ///< in lists of states
   const L<T>& law;
 
+  ROSIN_INLINE static Number from_log(const T& logarithm) { return Number::from_log(logarithm); }
   static constexpr bool logarithmic(int state) {
     bool is = false;
     if constexpr (states > 0)
@@ -156,28 +158,28 @@ struct Written {
                      [&](const auto& f, std::size_t k) { is |= int(k) == state && f.scale == Scale::log; });
     return is;
   }
-  ROSIN_INLINE T friction(const Sliding<T>& at, const T* state) const {
+  ROSIN_INLINE T friction(const Sliding<T>& at, const Number* state) const {
     if constexpr (states == 0)
       return law.friction(at);
     else
       return law.friction(at, packed(state));
   }
-  ROSIN_INLINE void rate(const Sliding<T>& at, const T* state, T* rate) const {
+  ROSIN_INLINE void rate(const Sliding<T>& at, const Number* state, T* rate) const {
     if constexpr (states > 0) unpack(law.rate(at, packed(state)), rate);
   }
-  ROSIN_INLINE void steady(const Sliding<T>& at, T* state) const {
+  ROSIN_INLINE void steady(const Sliding<T>& at, Number* state) const {
     if constexpr (states > 0) unpack(law.steady(at), state);
   }
   /// The greatest size that a change of each linear state is measured by: its own in steady sliding, unless the law
   /// states one.
-  ROSIN_INLINE void sizes(const T* steady, T* sizes) const {
+  ROSIN_INLINE void sizes(const Number* steady, T* sizes) const {
     if constexpr (HasSize<L>)
       unpack(law.size(), sizes);
     else
       for (int k = 0; k < states; ++k) sizes[k] = abs(steady[k]);
   }
   /// Never asked of a law without: its contacts are refused the friction unknown.
-  ROSIN_INLINE T slip_rate(const T& mu, const T& N, const T* state) const {
+  ROSIN_INLINE T slip_rate(const T& mu, const T& N, const Number* state) const {
     if constexpr (HasSlipRate<L>)
       return law.slip_rate(mu, Sliding<T>{T(0.0), N}, packed(state));
     else
@@ -185,10 +187,10 @@ struct Written {
   }
 
   /// ∂v/∂μ at fixed state.
-  T slip_rate_slope(const T& mu, const T& N, const T* state) const {
+  T slip_rate_slope(const T& mu, const T& N, const Number* state) const {
     if constexpr (HasSlipRate<L>) {
       using Slope = Dual<T, 1>;
-      Slope fixed[capacity];
+      WithLog<Slope> fixed[capacity];
       for (int k = 0; k < states; ++k) fixed[k] = Slope(state[k]);
       const auto dual = build<L<Slope>>(values_of(law));
       return Written<L, Slope>{dual}.slip_rate(Slope::variable(mu, 0), Slope(N), fixed).slope[0];
@@ -197,10 +199,10 @@ struct Written {
     }
   }
   /// ∂μ/∂ψ of each state.
-  void friction_slopes(const Sliding<T>& at, const T* state, T* slopes) const {
+  void friction_slopes(const Sliding<T>& at, const Number* state, T* slopes) const {
     if constexpr (states > 0) {
       using Slope = Dual<T, states>;
-      Slope varied[capacity];
+      WithLog<Slope> varied[capacity];
       for (int k = 0; k < states; ++k) varied[k] = Slope::variable(state[k], k);
       const auto dual = build<L<Slope>>(values_of(law));
       const Slope mu = Written<L, Slope>{dual}.friction({Slope(at.slip_rate), Slope(at.normal_load)}, varied);
@@ -209,14 +211,14 @@ struct Written {
   }
 
  private:
-  ROSIN_INLINE static auto packed(const T* list) {
+  ROSIN_INLINE static auto packed(const Number* list) {
     typename L<T>::State state;
     for_each_field(
         L<T>::states, [&](const auto& f, std::size_t k)
                           __attribute__((always_inline)) { state.*(f.member) = list[k]; });
     return state;
   }
-  ROSIN_INLINE static void unpack(const auto& state, T* list) {
+  ROSIN_INLINE static void unpack(const auto& state, auto* list) {
     for_each_field(
         L<T>::states, [&](const auto& f, std::size_t k)
                           __attribute__((always_inline)) { list[k] = state.*(f.member); });
@@ -226,7 +228,7 @@ struct Written {
 /// μ_ss of steady sliding at a slip rate; of set-valued laws at one that is not negative.
 template <class Law, class T>
 ROSIN_INLINE T steady_of(const Law& law, const Sliding<T>& at) {
-  T state[Law::capacity];
+  typename Law::Number state[Law::capacity];
   law.steady(at, state);
   return law.friction(at, state);
 }
@@ -253,7 +255,7 @@ struct Rows {
   ROSIN_INLINE void operator()(const Law& law, const ContactInput<T>& in, const T& compliance, const T* z, T* g,
                                T& F) const {
     const T &u = in.slip_rate, &N = in.normal_load;
-    T state[Law::capacity];
+    typename Law::Number state[Law::capacity];
     if (!law.set_valued && law.states > 0 && with_friction) {
       const T& mu = z[0];
       T v;
@@ -276,7 +278,7 @@ struct Rows {
   /// Slip rate v and rates of the states, g, of a contact that carries friction.
   template <class Law, class T>
   ROSIN_INLINE static void slip(const Law& law, const T& N, const T* z, T& v, T* g) {
-    T state[Law::capacity];
+    typename Law::Number state[Law::capacity];
     read(law, z + 1, state);
     v = law.slip_rate(z[0], N, state);
     rates(law, Sliding<T>{v, N}, state, z + 1, g);
@@ -291,12 +293,17 @@ struct Rows {
   }
   /// States from unknowns: those with Scale::log are carried as logarithms.
   template <class Law, class T>
-  ROSIN_INLINE static void read(const Law& law, const T* z, T* state) {
+  ROSIN_INLINE static void read(const Law& law, const T* z, typename Law::Number* state) {
     ROSIN_UNROLL
-    for (int k = 0; k < law.states; ++k) state[k] = law.logarithmic(k) ? exp(z[k]) : z[k];
+    for (int k = 0; k < law.states; ++k)
+      if (law.logarithmic(k))
+        state[k] = Law::from_log(z[k]);
+      else
+        state[k] = z[k];
   }
   template <class Law, class T>
-  ROSIN_INLINE static void rates(const Law& law, const Sliding<T>& at, const T* state, const T* z, T* g) {
+  ROSIN_INLINE static void rates(const Law& law, const Sliding<T>& at, const typename Law::Number* state, const T* z,
+                                 T* g) {
     law.rate(at, state, g);
     ROSIN_UNROLL
     for (int k = 0; k < law.states; ++k)
@@ -308,7 +315,7 @@ struct Rows {
 template <class Law>
 void start_steady(const Rows& rows, const Law& law, double u, double N, double* z, double* weight) {
   if (law.states == 0) return;
-  double state[Law::capacity];
+  typename Law::Number state[Law::capacity];
   law.steady(Sliding<double>{u, N}, state);
   if (rows.with_friction) {
     // Friction errors are measured by ten times the direct effect, v·∂μ/∂v = v/(∂v/∂μ).
@@ -326,7 +333,7 @@ void start_steady(const Rows& rows, const Law& law, double u, double N, double* 
   for (int k = 0; k < law.states; ++k)
     if (const double own = std::abs(state[k]); own > 0) size[k] = std::clamp(own, least * size[k], size[k]);
   for (int k = 0; k < law.states; ++k) {
-    z[k] = law.logarithmic(k) ? std::log(state[k]) : state[k];
+    z[k] = law.logarithmic(k) ? std::log(double(state[k])) : double(state[k]);
     weight[k] = law.logarithmic(k) ? 1.0 : size[k];
   }
 }
@@ -334,7 +341,7 @@ void start_steady(const Rows& rows, const Law& law, double u, double N, double* 
 /// ∂μ/∂z of the state unknowns in steady sliding at u and N (Contact::friction_slopes).
 template <class Law>
 void steady_friction_slopes(const Law& law, double u, double N, double* slopes) {
-  double state[Law::capacity];
+  typename Law::Number state[Law::capacity];
   law.steady(Sliding<double>{u, N}, state);
   law.friction_slopes(Sliding<double>{u, N}, state, slopes);
   for (int k = 0; k < law.states; ++k)

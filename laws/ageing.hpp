@@ -17,7 +17,7 @@ E = \frac{1}{a}\Bigl(\mu_0 + b\ln\frac{v_0\theta}{L}\Bigr),\quad \lambda\dot\the
   static constexpr auto parameters = one_state_parameters<Ageing>();
 
   struct State {
-    Real theta;
+    WithLog<Real> theta;
   };
   static constexpr auto states =
       table(field(&State::theta, "theta", "s", any_age, "mean age of the contacts", Scale::log));

@@ -184,6 +184,8 @@ class Reader {
 /// The law in symbols: what detail::Rows ask of it, recorded.
 struct Traced {
   static constexpr int capacity = most_states;
+  using Number = Symbol;
+  static Symbol from_log(const Symbol& logarithm) { return exp(logarithm); }
   Graph& graph;
   const Expressions& expressions;
   const std::vector<Quantity>& quantities;
@@ -337,6 +339,8 @@ ContactTapes Program::contact_tapes(const Traced& traced, const detail::Rows& ro
 /// The law at given values, one system at a time, as detail::start_steady and others ask it.
 struct Answering {
   static constexpr int capacity = most_states;
+  using Number = double;
+  static double from_log(double logarithm) { return std::exp(logarithm); }
   const Program& program;
   const std::vector<double>& constants;  ///< of the pool
   int states = program.states;

@@ -66,6 +66,9 @@ int Graph::make(Operation operation, int a, int b, int c) {
     return constant(value);
   }
   switch (operation) {
+    case Operation::log:  // of a state that is carried as its logarithm
+      if ((*this)[a].operation == Operation::exp) return (*this)[a].operand[0];
+      break;
     case Operation::add:
       if (is_number(a, 0)) return b;
       if (is_number(b, 0)) return a;

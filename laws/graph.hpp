@@ -57,7 +57,7 @@ class Graph {
   int constant(double);
   int parameter(int number) { return intern({Operation::parameter, {number, -1, -1}, 0, false}); }
   int input(int number) { return intern({Operation::input, {number, -1, -1}, 0, true}); }
-  /// The node of an operation, simplified: what is constant is computed, 0·x is 0, 1·x is x.
+  /// The node of an operation, simplified: what is constant is computed, 0·x is 0, 1·x is x, ln e^x is x.
   /// \throws InputError beyond the capacity.
   int make(Operation, int a, int b = -1, int c = -1);
 

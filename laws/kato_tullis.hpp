@@ -20,7 +20,7 @@ E = \frac{1}{a}\Bigl(\mu_0 + b\ln\frac{v_0\theta}{L}\Bigr),\quad
       table(field(&KatoTullis::v_c, "v_c", "m/s", {1e-14, 10}, "slip rate above which contacts do not heal")));
 
   struct State {
-    Real theta;
+    WithLog<Real> theta;
   };
   static constexpr auto states =
       table(field(&State::theta, "theta", "s", any_age, "mean age of the contacts", Scale::log));

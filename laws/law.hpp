@@ -22,6 +22,7 @@
 #include "core/error.hpp"
 #include "core/maths.hpp"
 #include "core/parameters.hpp"
+#include "core/with_log.hpp"
 
 namespace rosin {
 

@@ -31,7 +31,7 @@ E = \frac{1}{a}\Bigl[(1+c)\mu_0 + b\ln\frac{v_0\varphi}{L}\Bigr],\quad
             field(&Nagata::c, "c", "1", {0, 10}, "weakening by a rise of stress; 0: the ageing law")));
 
   struct State {
-    Real phi;
+    WithLog<Real> phi;
   };
   static constexpr auto states = table(
       field(&State::phi, "phi", "s", any_age, "age of the contacts without the part that stress took", Scale::log));

@@ -18,7 +18,7 @@ E = \frac{1}{a}\Bigl(\mu_0 + b\ln\frac{v_0\theta}{L}\Bigr),\quad
   static constexpr auto parameters = one_state_parameters<Slip>();
 
   struct State {
-    Real theta;
+    WithLog<Real> theta;
   };
   static constexpr auto states =
       table(field(&State::theta, "theta", "s", any_age, "state, an age in steady sliding", Scale::log));

@@ -18,7 +18,7 @@ E = \frac{1}{a}\Bigl(\mu_0 + \sum_{i=1}^{2} b_i\ln\frac{v_0\theta_i}{L_i}\Bigr),
   static constexpr auto parameters = two_state_parameters<TwoStateAgeing>();
 
   struct State {
-    Real theta1, theta2;
+    WithLog<Real> theta1, theta2;
   };
   static constexpr auto states =
       table(field(&State::theta1, "theta1", "s", any_age, "age of the contacts renewed over L1", Scale::log),
