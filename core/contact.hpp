@@ -81,10 +81,6 @@ class Contact : public ContactValues<Real> {
   virtual void linearise(const ContactInput<Real>& in, const Real* z, Real* g, Real& F, Slopes<Real>& slopes) const = 0;
   /// Coefficient of steady sliding at slip rate u and load N.
   virtual void steady_friction(const Real& u, const Real& N, Real& mu) const = 0;
-  /// Of a contact that carries friction and no spring deflection: its own slip rate v and the rates g of its states (as
-  /// unknowns), and their slopes by z at a given load, `v_z` (unknowns) and `g_z` (states × unknowns, row-major).
-  /// Cheaper than `linearise`.
-  virtual void slip(const Real& N, const Real* z, Real& v, Real* g, Real* v_z, Real* g_z) const = 0;
   /// Replaces the parameters of one lane (lane 0 of a double contact). `parameters` in the order of the law's table.
   /// Lists are shared by all lanes. \throws InputError if the setup changes the number of unknowns.
   virtual void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) = 0;
@@ -96,6 +92,17 @@ class Contact : public ContactValues<Real> {
   /// nothing: only states that remember the load notice.
   virtual void change_load([[maybe_unused]] double v, [[maybe_unused]] double N, [[maybe_unused]] double changed,
                            [[maybe_unused]] double* z) const {}
+};
+
+/// A contact that carries friction, no spring and no memory of the load, as a flow: eight of its states at once.
+class ContactFlow {
+ public:
+  virtual ~ContactFlow() = default;
+  /// Number of unknowns z: μ and the states.
+  virtual int unknowns() const = 0;
+  /// Its own slip rate v and the rates g of its states (as unknowns, for λ = 1), and their slopes by z at a given load:
+  /// `v_z` (unknowns) and `g_z` (states × unknowns, row-major).
+  virtual void slip(const Pack& N, const Pack* z, Pack& v, Pack* g, Pack* v_z, Pack* g_z) const = 0;
 };
 
 }  // namespace rosin

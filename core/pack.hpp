@@ -80,9 +80,12 @@ ROSIN_INLINE Pack abs(const Pack& a) {
 ROSIN_INLINE Pack max(const Pack& a, const Pack& b) { return select(a < b, b, a); }
 ROSIN_INLINE Pack min(const Pack& a, const Pack& b) { return select(b < a, b, a); }
 ROSIN_INLINE Pack sqrt(const Pack& a) {
-  Pack r;
-  for (int i = 0; i < pack_width; ++i) r.block[i] = __builtin_sqrt(a.block[i]);
-  return r;
+  // By way of an array: a loop over elements of a vector is left as it is, eight roots one by one.
+  struct Array {
+    double x[pack_width];
+  } lanes = __builtin_bit_cast(Array, a.block);
+  for (double& x : lanes.x) x = __builtin_sqrt(x);
+  return Pack(__builtin_bit_cast(Block, lanes));
 }
 
 namespace detail {

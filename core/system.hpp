@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include "core/pack.hpp"
 #include "core/parameters.hpp"
 
 namespace rosin {
@@ -31,9 +32,10 @@ class System {
   virtual double resolution() const { return infinity; }
   /// True if the system can be followed as ordinary differential equations, by `flow` and `restore`.
   virtual bool has_flow() const { return false; }
-  /// dy/dt of every unknown at a consistent y, algebraic ones by differentiating their rows in time; and the pace at
-  /// which the system changes (1/s, > 0, smooth in y), a natural unit for steps.
-  virtual void flow(double, const double*, double*, double&) const {}
+  /// At eight times t and consistent states y, one in each lane: dy/dt of every unknown, algebraic ones by
+  /// differentiating their rows in time; and the pace at which the system changes (1/s, > 0, smooth in y), a natural
+  /// unit for steps.
+  virtual void flow(const Pack& /*t*/, const Pack* /*y*/, Pack* /*rate*/, Pack& /*pace*/) const {}
   /// Removes what steps along the flow have left of a defect in the algebraic rows.
   virtual void restore(double, double*) const {}
 };

@@ -405,7 +405,6 @@ class LawContact final : public Contact<Real> {
   LawContact(std::span<const Value> parameters, const ContactSetup& setup) : setup_(setup) {
     law_.fill(detail::build<L<Scalar>>(parameters));
     derivative_law_.fill(detail::build<L<Derivative>>(parameters));
-    slip_law_.fill(detail::build<L<Dual<Scalar, states + 1>>>(parameters));
     lane_law_.fill(detail::build<L<double>>(parameters));
   }
 
@@ -427,24 +426,6 @@ class LawContact final : public Contact<Real> {
     });
   }
 
-  void slip(const Real& N, const Real* z, Real& v, Real* g, Real* v_z, Real* g_z) const override {
-    if constexpr (states > 0) {
-      constexpr int n = states + 1;
-      using Slope = Dual<Scalar, n>;
-      for (int p = 0; p < Part::count; ++p) {
-        Slope part_z[n], part_v, part_g[n];
-        for (int i = 0; i < n; ++i) part_z[i] = Slope::variable(Part::of(z[i], p), i);
-        detail::Rows::slip(detail::Written<L, Slope>{slip_law_[p]}, Slope(Part::of(N, p)), part_z, part_v, part_g);
-        Part::of(v, p) = part_v.value;
-        for (int j = 0; j < n; ++j) Part::of(v_z[j], p) = part_v.slope[j];
-        for (int i = 0; i < states; ++i) {
-          Part::of(g[i], p) = part_g[i].value;
-          for (int j = 0; j < n; ++j) Part::of(g_z[i * n + j], p) = part_g[i].slope[j];
-        }
-      }
-    }
-  }
-
   void mass(const Real& N, Real* m) const override { setup_.mass(N, states, m); }
 
   void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) override {
@@ -453,7 +434,6 @@ class LawContact final : public Contact<Real> {
     lane_law_[lane] = detail::build<L<double>>(parameters);
     detail::assign(law_[lane / pack_width], parameters, lane % pack_width);
     detail::assign(derivative_law_[lane / pack_width], parameters, lane % pack_width);
-    detail::assign(slip_law_[lane / pack_width], parameters, lane % pack_width);
   }
 
   void steady(int lane, double u, double N, double* z, double* weight) const override {
@@ -506,8 +486,38 @@ class LawContact final : public Contact<Real> {
   Surroundings<Real> setup_;
   std::array<L<Scalar>, Part::count> law_;
   std::array<L<Derivative>, Part::count> derivative_law_;
-  std::array<L<Dual<Scalar, states + 1>>, Part::count> slip_law_;
   std::array<L<double>, std::is_same_v<Real, Lanes> ? lane_count : 1> lane_law_;  ///< for starts, one lane at a time
+};
+
+/// The flow of the contact of law L, which has a slip rate.
+template <template <class> class L>
+class LawFlow final : public ContactFlow {
+  static constexpr int n = detail::count_states<L>() + 1;
+  using Slope = Dual<Pack, n>;
+
+ public:
+  explicit LawFlow(std::span<const Value> parameters) : law_(detail::build<L<Slope>>(parameters)) {}
+  int unknowns() const override { return n; }
+  void slip(const Pack& N, const Pack* z, Pack& v, Pack* g, Pack* v_z, Pack* g_z) const override {
+    run_on_lanes([&] {
+      Slope of_z[n], of_v, of_g[n];
+      ROSIN_UNROLL
+      for (int i = 0; i < n; ++i) of_z[i] = Slope::variable(z[i], i);
+      detail::Rows::slip(detail::Written<L, Slope>{law_}, Slope(N), of_z, of_v, of_g);
+      v = of_v.value;
+      ROSIN_UNROLL
+      for (int j = 0; j < n; ++j) v_z[j] = of_v.slope[j];
+      ROSIN_UNROLL
+      for (int i = 0; i < n - 1; ++i) {
+        g[i] = of_g[i].value;
+        ROSIN_UNROLL
+        for (int j = 0; j < n; ++j) g_z[i * n + j] = of_g[i].slope[j];
+      }
+    });
+  }
+
+ private:
+  L<Slope> law_;
 };
 
 /// The contact of law L in Tower arithmetic: values and derivatives to third order along a direction, and mixed ones
@@ -569,6 +579,12 @@ class Law final : public FrictionLaw {
   }
 
   bool has_slip_rate() const override { return HasSlipRate<L>; }
+  std::unique_ptr<ContactFlow> flow() const override {
+    if constexpr (HasSlipRate<L>)
+      return std::make_unique<LawFlow<L>>(values_);
+    else
+      refuse_flow(card());
+  }
   bool set_valued() const override { return SetValued<L>; }
 
   double friction(Sliding<double> at, std::span<const double> state) const override {

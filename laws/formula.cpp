@@ -446,20 +446,6 @@ class FormulaContact final : public Contact<Real> {
     mu = TapeRun<Real>(program_->steady_coefficient, constants_.data(), at)[0];
   }
 
-  void slip(const Real& N, const Real* z, Real& v, Real* g, Real* v_z, Real* g_z) const override {
-    const int n = program_->states + 1;
-    const Real* at[most_inputs] = {nullptr, &N};
-    for (int i = 0; i < n; ++i) at[Input::friction + i] = z + i;
-    const TapeRun<Real> run(tapes_.slip, constants_.data(), at);
-    std::size_t k = 0;
-    v = run[k++];
-    for (int i = 0; i < n - 1; ++i) g[i] = run[k++];
-    for (int j = 0; j < n; ++j) {
-      v_z[j] = run[k++];
-      for (int i = 0; i < n - 1; ++i) g_z[i * n + j] = run[k++];
-    }
-  }
-
   void mass(const Real& N, Real* m) const override { setup_.mass(N, program_->states, m); }
 
   void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) override {
@@ -487,6 +473,33 @@ class FormulaContact final : public Contact<Real> {
   const ContactTapes& tapes_;
   std::vector<Real> constants_;
   std::array<std::vector<double>, lanes> lane_constants_;  ///< for starts, one lane at a time
+};
+
+class FormulaFlow final : public ContactFlow {
+ public:
+  FormulaFlow(std::shared_ptr<const Program> program, const std::vector<double>& constants)
+      : program_(std::move(program)),
+        tape_(program_->tapes(detail::Rows(ContactSetup{})).slip),
+        constants_(constants.begin(), constants.end()) {}
+  int unknowns() const override { return program_->states + 1; }
+  void slip(const Pack& N, const Pack* z, Pack& v, Pack* g, Pack* v_z, Pack* g_z) const override {
+    const int n = unknowns();
+    const Pack* at[most_inputs] = {nullptr, &N};
+    for (int i = 0; i < n; ++i) at[Input::friction + i] = z + i;
+    const TapeRun<Pack> run(tape_, constants_.data(), at);
+    std::size_t k = 0;
+    v = run[k++];
+    for (int i = 0; i < n - 1; ++i) g[i] = run[k++];
+    for (int j = 0; j < n; ++j) {
+      v_z[j] = run[k++];
+      for (int i = 0; i < n - 1; ++i) g_z[i * n + j] = run[k++];
+    }
+  }
+
+ private:
+  std::shared_ptr<const Program> program_;
+  const Tape& tape_;
+  std::vector<Pack> constants_;
 };
 
 class FormulaTower final : public ContactValues<Tower> {
@@ -590,6 +603,11 @@ class FormulaLaw final : public FrictionLaw {
       for (std::size_t i = 0; i < count; ++i)
         friction[first + i] = finite_answer(card(), "steady friction", {v[int(i)], normal_load}, run[0][int(i)]);
     }
+  }
+
+  std::unique_ptr<ContactFlow> flow() const override {
+    if (!has_slip_rate()) refuse_flow(card());
+    return std::make_unique<FormulaFlow>(program_, constants_);
   }
 
  private:

@@ -193,37 +193,6 @@ class HeatedContact final : public Contact<Real> {
     });
   }
 
-  void slip(const Real& N, const Real* z, Real& v, Real* g, Real* v_z, Real* g_z) const override {
-    const int n = law_->unknowns(), all = unknowns();
-    Real z_cold[most], cold_v_z[most], cold_g_z[most * most];
-    rows_.cold(z, n, z_cold);
-    law_->slip(N, z_cold, v, g, cold_v_z, cold_g_z);
-    on_lanes<Real>([&] {
-      for (int p = 0; p < Part::count; ++p) {
-        const Scalar &soft = Part::of(rows_.softening, p), &mu = Part::of(z[0], p), &rise = Part::of(z[n], p);
-        const Scalar h = 1.0 + rise / soft;
-        const auto warm = [&](const Real* from, Real* to) __attribute__((always_inline)) {
-          for (int j = 0; j < n; ++j) Part::of(to[j], p) = Part::of(from[j], p) * (j == 0 ? h : Scalar(1.0));
-          for (int j = n; j < all; ++j) Part::of(to[j], p) = j == n ? Part::of(from[0], p) * mu / soft : Scalar(0.0);
-        };
-        warm(cold_v_z, v_z);
-        for (int i = 0; i < n - 1; ++i) warm(cold_g_z + i * n, g_z + i * all);
-        const Scalar per_slip = Part::of(rows_.resistance, p) * Part::of(N, p) * mu;
-        Scalar temperatures[most] = {}, rate[most];
-        for (int k = 0; k < all - n; ++k) temperatures[k] = Part::of(z[n + k], p);
-        rows_.warm(per_slip * Part::of(v, p), temperatures, p, rate);
-        for (int k = 0; k < all - n; ++k) Part::of(g[n - 1 + k], p) = rate[k];
-        for (int j = 0; j < all; ++j) {
-          Scalar ends_at = per_slip * Part::of(v_z[j], p);
-          if (j == 0) ends_at = ends_at + Part::of(rows_.resistance, p) * Part::of(N, p) * Part::of(v, p);
-          for (int k = 0; k < all - n; ++k) temperatures[k] = n + k == j ? 1.0 : 0.0;
-          rows_.warm(ends_at, temperatures, p, rate);
-          for (int k = 0; k < all - n; ++k) Part::of(g_z[(n - 1 + k) * all + j], p) = rate[k];
-        }
-      }
-    });
-  }
-
   void mass(const Real& N, Real* m) const override {
     law_->mass(N, m);
     for (int k = law_->unknowns(); k < unknowns(); ++k) m[k] = mass_;
@@ -274,6 +243,49 @@ class HeatedContact final : public Contact<Real> {
   std::unique_ptr<Contact<Real>> law_;
   Heated<Real> rows_;
   Real mass_;
+};
+
+/// The flow of a heated contact.
+class HeatedFlow final : public ContactFlow {
+  static constexpr int most = Slopes<double>::capacity;
+
+ public:
+  HeatedFlow(std::unique_ptr<ContactFlow> law, const Heating& heating)
+      : law_(std::move(law)), rows_(ContactSetup{}, heating) {}
+
+  int unknowns() const override { return law_->unknowns() + rows_.added(); }
+  void slip(const Pack& N, const Pack* z, Pack& v, Pack* g, Pack* v_z, Pack* g_z) const override {
+    const int n = law_->unknowns(), all = unknowns();
+    Pack z_cold[most], cold_v_z[most], cold_g_z[most * most];
+    rows_.cold(z, n, z_cold);
+    law_->slip(N, z_cold, v, g, cold_v_z, cold_g_z);
+    run_on_lanes([&] {
+      const Pack &soft = rows_.softening, &mu = z[0], &rise = z[n];
+      const Pack h = 1.0 + rise / soft;
+      const auto warm = [&](const Pack* from, Pack* to) __attribute__((always_inline)) {
+        for (int j = 0; j < n; ++j) to[j] = from[j] * (j == 0 ? h : Pack(1.0));
+        for (int j = n; j < all; ++j) to[j] = j == n ? from[0] * mu / soft : Pack(0.0);
+      };
+      warm(cold_v_z, v_z);
+      for (int i = 0; i < n - 1; ++i) warm(cold_g_z + i * n, g_z + i * all);
+      const Pack per_slip = rows_.resistance * N * mu;
+      Pack temperatures[most] = {}, rate[most];
+      for (int k = 0; k < all - n; ++k) temperatures[k] = z[n + k];
+      rows_.warm(per_slip * v, temperatures, 0, rate);
+      for (int k = 0; k < all - n; ++k) g[n - 1 + k] = rate[k];
+      for (int j = 0; j < all; ++j) {
+        Pack ends_at = per_slip * v_z[j];
+        if (j == 0) ends_at = ends_at + rows_.resistance * N * v;
+        for (int k = 0; k < all - n; ++k) temperatures[k] = n + k == j ? 1.0 : 0.0;
+        rows_.warm(ends_at, temperatures, 0, rate);
+        for (int k = 0; k < all - n; ++k) g_z[(n - 1 + k) * all + j] = rate[k];
+      }
+    });
+  }
+
+ private:
+  std::unique_ptr<ContactFlow> law_;
+  Heated<Pack> rows_;
 };
 
 class HeatedTower final : public ContactValues<Tower> {
@@ -399,6 +411,8 @@ class HeatedLaw final : public FrictionLaw {
     for (std::size_t i = 0; i < friction.size(); ++i)
       friction[i] /= steady_softening(strength({slip_rates[i], normal_load}, friction[i]));
   }
+
+  std::unique_ptr<ContactFlow> flow() const override { return std::make_unique<HeatedFlow>(law_->flow(), heating_); }
 
  private:
   std::unique_ptr<Contact<double>> bare_contact(const ContactSetup& setup) const override {

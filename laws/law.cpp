@@ -87,6 +87,11 @@ std::unique_ptr<ContactValues<Tower>> FrictionLaw::tower(const ContactSetup& set
 
 namespace laws {
 
+void refuse_flow(const Card& card) {
+  throw InputError(
+      fmt::format("law '{}' has no explicit slip rate: its contact cannot be followed as a flow", card.name));
+}
+
 double finite_answer(const Card& card, std::string_view question, Sliding<double> at, double x) {
   if (!std::isfinite(x))
     throw InputError(fmt::format("the {} of law '{}' is not finite at slip rate {} m/s and normal load {} N", question,

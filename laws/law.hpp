@@ -101,6 +101,9 @@ class FrictionLaw {
   /// Numbers that change have the slopes of `change` in the second direction of their towers (core/tower.hpp).
   std::unique_ptr<ContactValues<Tower>> tower(const ContactSetup&, const ContactChange& change = {}) const;
 
+  /// \throws InputError for a law without slip_rate.
+  virtual std::unique_ptr<ContactFlow> flow() const = 0;
+
   bool has_states() const { return !states().empty(); }
   /// True where a state is a deflection: friction then holds an elastic part, on which a mass may ring.
   bool deflects() const;
@@ -119,6 +122,9 @@ class FrictionLaw {
 };
 
 namespace laws {
+
+/// \throws InputError: the law has no slip rate to flow with.
+[[noreturn]] void refuse_flow(const Card&);
 
 /// The answer x of a law to a question. \throws InputError naming the question unless x is finite.
 double finite_answer(const Card&, std::string_view question, Sliding<double> at, double x);

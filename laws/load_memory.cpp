@@ -84,9 +84,6 @@ class MemoryContact final : public Contact<double> {
   }
 
   void steady_friction(const double& u, const double& N, double& mu) const override { law_->steady_friction(u, N, mu); }
-  void slip(const double& N, const double* z, double& v, double* g, double* v_z, double* g_z) const override {
-    law_->slip(N, z, v, g, v_z, g_z);
-  }
   void mass(const double& N, double* m) const override { law_->mass(N, m); }
   void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) override {
     law_->load(lane, parameters, setup);

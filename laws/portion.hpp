@@ -21,10 +21,10 @@ struct Portion<Lanes> {
   ROSIN_INLINE static Pack& of(Lanes& x, int i) { return x.pack[i]; }
 };
 
-/// Runs a kernel once, on the instruction set in use if it is for lanes.
+/// Runs a kernel once, on the instruction set in use if it works on packs.
 template <class Real, class Kernel>
 void on_lanes(const Kernel& kernel) {
-  if constexpr (Portion<Real>::count > 1)
+  if constexpr (std::is_same_v<typename Portion<Real>::Scalar, Pack>)
     run_on_lanes(kernel);
   else
     kernel();

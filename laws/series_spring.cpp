@@ -180,10 +180,6 @@ class SpringContact final : public Contact<Real> {
 
   void steady_friction(const Real& u, const Real& N, Real& mu) const override { law_->steady_friction(u, N, mu); }
 
-  void slip(const Real&, const Real*, Real&, Real*, Real*, Real*) const override {
-    throw InputError("a contact behind a damped spring has no slip rate of its unknowns alone");
-  }
-
   void mass(const Real& N, Real* m) const override { rows_.mass(*law_, N, m); }
 
   void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) override {

@@ -241,6 +241,7 @@ void TapeRun<Real>::execute(const Real* const* inputs) {
 }
 
 template class TapeRun<double>;
+template class TapeRun<Pack>;
 template class TapeRun<Lanes>;
 template class TapeRun<Tower>;
 

@@ -1,4 +1,5 @@
-/// Formulas as a tape: a flat list of instructions, each of which acts on one double, on 32 lanes, or on a Tower.
+/// Formulas as a tape: a flat list of instructions, each of which acts on one double, on a pack, on 32 lanes,
+/// or on a Tower.
 #pragma once
 #include <cstdint>
 #include <span>

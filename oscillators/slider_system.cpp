@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/instruction_set.hpp"
 #include "core/tower.hpp"
 
 namespace rosin::oscillators {
@@ -62,13 +63,15 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   if (is_constant_) {
     const auto& d = model_.drive;
     constant_ = {d.speed.level(), 0, d.normal_load.level(), 0, d.force.level(), 0};
+    constant_in_lanes_ = LaneForcing(constant_);
   }
   // A flow needs rates of the states, no inertia (which is stiff in near-stick), and a force that some spring answers.
   state_clock_ = 1 / setup_.lambda;
-  has_flow_ =
+  const bool flows =
       carries_friction() && setup_.lambda > 0 && !setup_.spring.present() && setup_.load_memory == 0 &&
       (mechanics_ == Mechanics::damped ? rigid() && model_.slider.stiffness > 0 && model_.drive.normal_load.constant()
                                        : mechanics_ == Mechanics::elastic && !rigid());
+  if (flows) flow_ = law.flow();
   const Forcing start = forcing(0);
   reference_speed_ = std::max(std::abs(start.speed), std::abs(model_.drive.speed.level()));
   if (reference_speed_ == 0) reference_speed_ = 1e-9;
@@ -192,40 +195,45 @@ void SliderSystem::linearise(double t, const double* y, double* f, double* jacob
   }
 }
 
-void SliderSystem::flow(double t, const double* y, double* rate, double& pace) const {
+void SliderSystem::flow(const Pack& t, const Pack* y, Pack* rate, Pack& pace) const {
   constexpr int most = Slopes<double>::capacity;
-  const Forcing now = forcing(t);
+  LaneForcing changing;
+  if (!is_constant_)
+    for (int lane = 0; lane < pack_width; ++lane) changing.set(lane, forcing(t.block[lane]));
+  const LaneForcing& now = is_constant_ ? constant_in_lanes_ : changing;
   const auto& s = model_.slider;
-  const int nz = contact_->unknowns();
-  const double* z = y + mechanical_;
-  double* z_rate = rate + mechanical_;
+  const int nz = flow_->unknowns();
+  const Pack* z = y + mechanical_;
+  Pack* z_rate = rate + mechanical_;
   // The slip rate is the law's: in creep it is far below the rounding of V − (N μ + f − k x)/c.
-  double v, v_z[most], g_z[most * most];
-  contact_->slip(now.load, z, v, z_rate + 1, v_z, g_z);
-  double v_rate = 0;  // of the states' change
-  double turnover = 0;
-  const double direct_effect = contact_scale_[0] / 10;
-  for (int i = 1; i < nz; ++i) {
-    z_rate[i] *= state_clock_;
-    v_rate += v_z[i] * z_rate[i];
-    const double* slopes = g_z + (i - 1) * nz;
-    double sum = slopes[0] * slopes[0] * direct_effect * direct_effect;
-    for (int j = 1; j < nz; ++j) sum += slopes[j] * slopes[j];
-    turnover += z_rate[i] * z_rate[i] + sum * state_clock_ * state_clock_;
-  }
-  // How fast states change and respond: never zero while the contact slips or heals, and smooth.
-  pace = std::sqrt(turnover);
-  if (mechanics_ == Mechanics::damped) {
-    // k x = N μ + f − c (V − v), differentiated.
-    rate[0] = now.speed - v;
-    z_rate[0] =
-        (s.stiffness * rate[0] - now.load_rate * z[0] - now.force_rate + s.damping * (now.speed_rate - v_rate)) /
-        (now.load + s.damping * v_z[0]);
-  } else {
-    const double u = imposed_slip_rate(now, y, 0);
-    z_rate[0] = (u - v - setup_.compliance * z[0] * now.load_rate) /
-                (now.load * setup_.compliance + setup_.compliance_per_load);
-  }
+  Pack v, v_z[most], g_z[most * most];
+  flow_->slip(now.load, z, v, z_rate + 1, v_z, g_z);
+  run_on_lanes([&] {
+    Pack v_rate = 0.0;  // of the states' change
+    Pack turnover = 0.0;
+    const double direct_effect = contact_scale_[0] / 10;
+    for (int i = 1; i < nz; ++i) {
+      z_rate[i] = z_rate[i] * state_clock_;
+      v_rate = v_rate + v_z[i] * z_rate[i];
+      const Pack* slopes = g_z + (i - 1) * nz;
+      Pack sum = slopes[0] * slopes[0] * (direct_effect * direct_effect);
+      for (int j = 1; j < nz; ++j) sum = sum + slopes[j] * slopes[j];
+      turnover = turnover + z_rate[i] * z_rate[i] + sum * (state_clock_ * state_clock_);
+    }
+    // How fast states change and respond: never zero while the contact slips or heals, and smooth.
+    pace = sqrt(turnover);
+    if (mechanics_ == Mechanics::damped) {
+      // k x = N μ + f − c (V − v), differentiated.
+      rate[0] = now.speed - v;
+      z_rate[0] =
+          (s.stiffness * rate[0] - now.load_rate * z[0] - now.force_rate + s.damping * (now.speed_rate - v_rate)) /
+          (now.load + s.damping * v_z[0]);
+    } else {
+      const Pack u = now.speed - now.force_rate * (1 / s.stiffness);
+      z_rate[0] = (u - v - setup_.compliance * z[0] * now.load_rate) /
+                  (now.load * setup_.compliance + setup_.compliance_per_load);
+    }
+  });
 }
 
 void SliderSystem::restore(double t, double* y) const {

@@ -38,8 +38,8 @@ class SliderSystem final : public SwitchingSystem {
   void cross_break(double t, double* y) const override;
   bool autonomous() const override { return is_constant_; }
   double resolution() const override;
-  bool has_flow() const override { return has_flow_; }
-  void flow(double t, const double* y, double* rate, double& pace) const override;
+  bool has_flow() const override { return flow_ != nullptr; }
+  void flow(const Pack& t, const Pack* y, Pack* rate, Pack& pace) const override;
   void restore(double t, double* y) const override;
 
   const Model& model() const { return model_; }
@@ -97,6 +97,22 @@ class SliderSystem final : public SwitchingSystem {
     double speed, speed_rate, load, load_rate, force, force_rate;
   };
   Forcing forcing(double t) const;
+  /// The same at eight times.
+  struct LaneForcing {
+    Pack speed, speed_rate, load, load_rate, force_rate;
+    LaneForcing() = default;
+    explicit LaneForcing(const Forcing& now)
+        : speed(now.speed),
+          speed_rate(now.speed_rate),
+          load(now.load),
+          load_rate(now.load_rate),
+          force_rate(now.force_rate) {}
+    void set(int lane, const Forcing& now) {
+      speed.block[lane] = now.speed, speed_rate.block[lane] = now.speed_rate;
+      load.block[lane] = now.load, load_rate.block[lane] = now.load_rate;
+      force_rate.block[lane] = now.force_rate;
+    }
+  };
   double imposed_slip_rate(const Forcing&, const double* y, double F) const;
   void read_states(const double* z, double* state) const;
   void write_states(std::span<const double> state, double* z) const;
@@ -109,6 +125,7 @@ class SliderSystem final : public SwitchingSystem {
   ContactSetup setup_;
   std::unique_ptr<Contact<double>> contact_;
   std::unique_ptr<ContactValues<Tower>> tower_;
+  std::unique_ptr<ContactFlow> flow_;  ///< none where the system cannot be followed as a flow
   double direction_ = 1;
   double reference_speed_;
   std::vector<double> contact_scale_;
@@ -118,7 +135,8 @@ class SliderSystem final : public SwitchingSystem {
   /// with δ the turn is as wide as rounding.
   double creep_ = 0;
   Forcing constant_{};
-  bool is_constant_, set_valued_, has_flow_ = false;
+  LaneForcing constant_in_lanes_{};
+  bool is_constant_, set_valued_;
   bool sticking() const { return set_valued_ && direction_ == 0; }
 };
 

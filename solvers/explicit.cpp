@@ -1,153 +1,197 @@
-/// The explicit method: stages, error control, detection of stiffness, dense output.
+/// The explicit method: iteration of the stages, error control, detection of stiffness, dense output.
 #include "solvers/explicit.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <utility>
+
+#include "core/instruction_set.hpp"
 
 namespace rosin::solvers {
 
 namespace {
+constexpr int s = GaussTableau::stages;
 constexpr double rounding = 2.3e-16;
-constexpr double safety = 0.88, least_factor = 0.3, greatest_factor = 4;
+constexpr double safety = 0.75, least_factor = 0.3, greatest_factor = 2;
 /// The part of the way to the limit from which on steps are taken in time, so that the limit is met exactly.
 constexpr double close = 1.3;
+constexpr int most_sweeps = 18;
+/// Steps at which errors of the stages fall by this in a sweep take the fewest sweeps for a way.
+constexpr double best_contraction = 0.3;
+constexpr double too_slow = 0.8;
+constexpr double little = 0.03;  ///< of the scale
+/// Power of the step that the estimate goes with.
+constexpr double estimate_order = 15;
+
+ROSIN_INLINE double sum_of(const Pack& x) {
+  const Block& b = x.block;
+  return ((b[0] + b[4]) + (b[1] + b[5])) + ((b[2] + b[6]) + (b[3] + b[7]));
+}
+/// Σ_j w_j f_j: what the values f at the nodes add to each lane. In four sums, which wait less for each other.
+ROSIN_INLINE Pack weighted(const std::array<Pack, s>& w, const Pack& f) {
+  Pack sum[4];
+  ROSIN_UNROLL
+  for (int j = 0; j < 4; ++j) sum[j] = w[j] * f.block[j] + w[j + 4] * f.block[j + 4];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
 }  // namespace
 
 Explicit::Explicit(const System& system, double tolerance)
-    : system_(system), n_(system.size()), blocks_(n_ / 4 + 1), tolerance_(std::max(tolerance, least_tolerance)) {
-  for (auto* v : {&y_, &y_before_, &y_trial_, &scale_, &weight_, &work_}) v->assign(4 * blocks_, 0.0);
-  slopes_.assign((Tableau::all + 1) * blocks_, Block{});
-  dense_.assign((3 + Tableau::dense) * 4 * blocks_, 0.0);
+    : system_(system),
+      tableau_(GaussTableau::get()),
+      n_(system.size()),
+      tolerance_(std::max(tolerance, least_tolerance)) {
+  for (auto* v : {&y_, &y_before_, &y_trial_, &scale_, &start_slope_}) v->assign(n_ + 1, 0.0);
+  for (auto* v : {&weight_, &from_, &stages_, &rates_, &slopes_, &slopes_trial_}) v->assign(n_ + 1, Pack(0.0));
 }
 
 void Explicit::start(double t, std::span<const double> y) {
   t_ = t_before_ = t;
   t_low_ = 0;
   std::copy(y.begin(), y.end(), y_.begin());
+  y_[n_] = 0;
   y_before_ = y_;
-  h_next_ = 0;
-  known_ = dense_known_ = false;
+  h_next_ = contraction_per_h_ = 0;
+  fresh_ = true;
+  start_dt_ = 0;
   stiff_steps_ = easy_steps_ = 0;
 }
 
-bool Explicit::evaluate(double t, const double* y, double* slope) {
-  double pace = 1;
-  system_.flow(t, y, slope, pace);
+void Explicit::evaluate(double t, Pack* f) {
+  Pack times;
+  for (int i = 0; i < s; ++i) times.block[i] = node_time(t + stages_[n_].block[i]);
+  system_.flow(times, stages_.data(), f, pace_);
+  if (clock_ == Clock::time) pace_ = 1.0;
   ++count_.evaluations;
-  double sum = 0;
-  if (clock_ == Clock::time) {
-    slope[n_] = 1;
-    for (int i = 0; i < n_; ++i) sum += slope[i];
-  } else {
-    const double dt = slope[n_] = 1 / pace;
-    for (int i = 0; i < n_; ++i) sum += slope[i] *= dt;
+}
+
+double Explicit::sweep(Pack* f, bool rates) {
+  double squares = 0;
+  run_on_lanes([&] {
+    if (rates) {
+      const Pack dt = 1.0 / pace_;
+      for (int i = 0; i < n_; ++i) f[i] = f[i] * dt;
+      f[n_] = dt;
+    }
+    Pack sum = 0.0;
+    const Pack h = length_;
+    for (int i = 0; i <= n_; ++i) {
+      const Pack moved = from_[i] + h * weighted(tableau_.a, f[i]), e = (moved - stages_[i]) * weight_[i];
+      sum = sum + e * e;
+      stages_[i] = moved;
+    }
+    squares = sum_of(sum);
+  });
+  return std::sqrt(squares / (s * n_));
+}
+
+Explicit::Iteration Explicit::iterate(double t, const double* y, double h, Pack* f) {
+  for (int i = 0; i <= n_; ++i) from_[i] = y[i];
+  length_ = h;
+  sweep(f, false);
+  double previous = 0;
+  for (int sweeps = 1; sweeps <= most_sweeps; ++sweeps) {
+    evaluate(t, f);
+    const double change = sweep(f, true);
+    if (!std::isfinite(change)) return Iteration::not_finite;
+    const double rate = sweeps == 1 ? contraction_per_h_ * h : change / previous;
+    previous = change;
+    contraction_ = rate;
+    if (rate < too_slow && change * rate <= (1 - rate) * goal_ && (sweeps > 1 || change <= goal_))
+      return Iteration::converged;
+    if (sweeps < 3) continue;
+    if (rate >= too_slow) return change <= goal_ ? Iteration::converged : Iteration::slow;
+    double left = change;
+    for (int k = sweeps; k < most_sweeps; ++k) left *= rate;
+    if (left > goal_) return Iteration::slow;
   }
-  return std::isfinite(sum + slope[n_]);
+  return Iteration::slow;
 }
 
-namespace {
-/// Σ_j w_j k_j of block b, unrolled over the weights that are not zero, in two sums that do not wait for each other.
-template <const auto& weights, class Block, int... j>
-inline Block weighted(const Block* k, int blocks, int b, std::integer_sequence<int, j...>) {
-  Block even{}, odd{};
-  const auto add = [&]<int i>(std::integral_constant<int, i>) {
-    if constexpr (weights[i] != 0) (i % 2 ? odd : even) += weights[i] * k[i * blocks + b];
-  };
-  (add(std::integral_constant<int, j>()), ...);
-  return even + odd;
+void Explicit::extrapolate(double from, double ratio, Pack* f) const {
+  run_on_lanes([&] {
+    const auto w = tableau_.basis(from + ratio * tableau_.nodes);
+    for (int i = 0; i <= n_; ++i) f[i] = weighted(w, slopes_[i]);
+  });
 }
-}  // namespace
 
-/// y + h Σ_j a_ij k_j
-template <int stage>
-void Explicit::combine(double h, double* to) const {
-  for (int b = 0; b < blocks_; ++b) {
-    Block y;
-    std::memcpy(&y, y_.data() + 4 * b, sizeof y);
-    y += h * weighted<Tableau::a[stage]>(slopes_.data(), blocks_, b, std::make_integer_sequence<int, stage>());
-    std::memcpy(to + 4 * b, &y, sizeof y);
+void Explicit::advance(const double* y, double h, const Pack* f, double* to) const {
+  for (int i = 0; i <= n_; ++i) to[i] = y[i] + h * sum_of(tableau_.b * f[i]);
+}
+
+/// A smooth motion's Legendre coefficients on a step fall as C q^k. Known are C, the size of the slopes, and the
+/// coefficients of the two highest degrees, s − 1 and s − 2, of which one may vanish by chance. The error of the end of
+/// the step is of the size of C q^(2s); what is asked to meet the tolerance is C q^(2(s − 1)).
+double Explicit::estimate_error(const Pack* f, double h) {
+  double size = 0, highest = 0, second = 0;
+  for (int i = 0; i <= n_; ++i) {
+    const double w = h * weight_[i].block[0];
+    const double top = w * sum_of(tableau_.top[0] * f[i]), below = w * sum_of(tableau_.top[1] * f[i]);
+    if (i == n_) change_ = std::sqrt(size / n_);
+    size += w * w * sum_of(tableau_.b * (f[i] * f[i]));
+    highest += top * top, second += below * below;
   }
+  if (size == 0) return 0;
+  const double share = highest / size, instead = second / size;  // q^14, q^12
+  return std::sqrt(size / n_) * std::max(share, instead * std::cbrt(std::sqrt(instead))) / tolerance_;
 }
 
-template <int... stage>
-bool Explicit::stages(double h, std::integer_sequence<int, stage...>) {
-  // Stages 1 … 11; time is counted from the start of the step, so that short steps late in a run lose nothing.
-  return ((combine<stage + 1>(h, work_.data()), evaluate(node_time(t_ + work_[n_]), work_.data(), slope(stage + 1))) &&
-          ...);
+void Explicit::begin() {
+  for (int i = 0; i < n_; ++i) stages_[i] = y_[i];
+  stages_[n_] = 0.0;
+  evaluate(t_, rates_.data());
+  start_dt_ = 1 / pace_.block[0];
+  for (int i = 0; i < n_; ++i) start_slope_[i] = rates_[i].block[0] * start_dt_;
+  start_slope_[n_] = start_dt_;
+  fresh_ = true;
 }
 
-double Explicit::estimate_error(double h) {
-  constexpr std::make_integer_sequence<int, Tableau::stages> all;
-  const int time_block = n_ / 4, time_lane = n_ % 4;
-  const double time5 = weighted<Tableau::error5>(slopes_.data(), blocks_, time_block, all)[time_lane],
-               time3 = weighted<Tableau::error3>(slopes_.data(), blocks_, time_block, all)[time_lane];
-  // An error e_t in time at a given s is one of −ẏ e_t in y at a given time.
-  const double dt = 1 / slope(Tableau::stages - 1)[n_];
-  double sum5 = 0, sum3 = 0;
-  for (int b = 0; b < blocks_; ++b) {
-    const Block& last = slopes_[(Tableau::stages - 1) * blocks_ + b];
-    Block weight;
-    std::memcpy(&weight, weight_.data() + 4 * b, sizeof weight);
-    const Block e5 = (weighted<Tableau::error5>(slopes_.data(), blocks_, b, all) - last * (dt * time5)) * weight,
-                e3 = (weighted<Tableau::error3>(slopes_.data(), blocks_, b, all) - last * (dt * time3)) * weight;
-    const Block square5 = e5 * e5, square3 = e3 * e3;
-    for (int i = 0; i < 4; ++i) sum5 += square5[i], sum3 += square3[i];
-  }
-  if (sum5 == 0) return 0;
-  return h * sum5 / std::sqrt((sum5 + 0.01 * sum3) * n_) / tolerance_;
-}
-
-void Explicit::watch_stiffness(double h) {
-  // |f(y₁) − f(Y₁₁)|/|y₁ − Y₁₁| estimates the greatest rate (Hairer & Wanner, IV.2).
-  const double *end = slope(0), *last = slope(Tableau::stages - 1);
-  double rates = 0, distances = 0;
-  for (int i = 0; i < n_; ++i) {
-    const double dk = (end[i] - last[i]) / scale_[i], dy = (y_[i] - work_[i]) / scale_[i];
-    rates += dk * dk, distances += dy * dy;
-  }
-  if (distances > 0 && h * std::sqrt(rates / distances) > Tableau::stability) {
-    ++stiff_steps_;
-    easy_steps_ = 0;
-  } else if (++easy_steps_ >= 6) {
-    stiff_steps_ = 0;
-  }
-}
-
-double Explicit::first_step(double t_limit) {
-  // A step in which the solution changes by a hundredth of its scale.
+double Explicit::first_step(double t_limit) const {
+  // A step in which the solution changes by a tenth of its scale.
   double fastest = 0;
-  for (int i = 0; i < n_; ++i) fastest = std::max(fastest, std::abs(slope(0)[i]) / scale_[i]);
-  const double whole = (t_limit - t_) / slope(0)[n_];
-  return std::min(fastest > 0 ? 0.01 / fastest : 1e-3 * whole, 0.1 * whole);
+  for (int i = 0; i < n_; ++i) fastest = std::max(fastest, std::abs(start_slope_[i]) / scale_[i]);
+  const double whole = (t_limit - t_) / start_dt_;
+  return std::min(fastest > 0 ? 0.1 / fastest : 1e-3 * whole, 0.1 * whole);
 }
 
 void Explicit::set_clock(Clock clock) {
   if (clock_ == clock) return;
-  const double before = slope(0)[n_];  // dt/ds
+  const double before = start_dt_;
   clock_ = clock;
-  evaluate(node_time(t_), y_.data(), slope(0));
-  h_next_ *= before / slope(0)[n_];
+  begin();
+  h_next_ *= before / start_dt_;
+  contraction_per_h_ *= start_dt_ / before;
 }
 
 Outcome Explicit::step(double t_limit) {
   last_moment_ = std::nextafter(t_limit, t_);
-  if (!known_ && !evaluate(node_time(t_), y_.data(), slope(0))) return not_finite();
-  known_ = true;
-  system_.scale(y_.data(), scale_.data());
-  for (int i = 0; i < n_; ++i) weight_[i] = 1 / scale_[i];
   y_[n_] = 0;  // time is counted from the start of the step
+  if (start_dt_ == 0) {
+    begin();
+    for (int i = 0; i <= n_; ++i)
+      if (!std::isfinite(start_slope_[i])) {
+        start_dt_ = 0;
+        return not_finite();
+      }
+  }
+  system_.scale(y_.data(), scale_.data());
+  double digits = 0;  // of the unknowns, in scales
+  for (int i = 0; i < n_; ++i) {
+    weight_[i] = 1 / scale_[i];
+    digits = std::max(digits, std::abs(y_[i]) / scale_[i]);
+  }
+  goal_ = std::max(0.1 * tolerance_, 2 * rounding * digits);
   if (h_next_ == 0) h_next_ = first_step(t_limit);
-  const double remaining = t_limit - t_ - t_low_, planned = h_next_ * slope(0)[n_];
+  const double remaining = t_limit - t_ - t_low_, planned = h_next_ * start_dt_;
   if (close * planned >= remaining)
     set_clock(Clock::time);
   else if (4 * close * planned < remaining)
     set_clock(Clock::pace);
+  weight_[n_] = clock_ == Clock::pace ? 1 / start_dt_ : 0;
   double h = h_next_;
-  if (system_.resolution() < infinity) h = std::min(h, system_.resolution() / slope(0)[n_]);
-  bool rejected = false;
+  if (system_.resolution() < infinity) h = std::min(h, system_.resolution() / start_dt_);
+  bool rejected = false, slow = false;
   for (int attempt = 0;; ++attempt) {
     bool last = false;
     if (clock_ == Clock::time) {
@@ -158,113 +202,92 @@ Outcome Explicit::step(double t_limit) {
     }
     // Where nothing depends on time, steps may be shorter than the clock shows.
     const double shortest = 4 * rounding * (system_.autonomous() ? 1e-9 : 1) * std::max(std::abs(t_), 1e-300);
-    if (!(h * slope(0)[n_] > shortest) || attempt > 100)
-      return {Ending::tolerance_not_met,
-              fmt::format("at t = {:.9g} s the step fell to {:.3g} s", t_, h * slope(0)[n_])};
-    const bool finite = stages(h, std::make_integer_sequence<int, Tableau::stages - 1>());
-    if (!finite) {
+    if (!(h * start_dt_ > shortest) || attempt > 100)
+      return {Ending::tolerance_not_met, fmt::format("at t = {:.9g} s the step fell to {:.3g} s", t_, h * start_dt_)};
+    constexpr int patience = 3;  // attempts with a prediction of full order
+    if (fresh_)
+      for (int i = 0; i <= n_; ++i) slopes_trial_[i] = start_slope_[i];
+    else
+      extrapolate(1, attempt < patience ? h / h_last_ : 0, slopes_trial_.data());
+    const Iteration iteration = iterate(t_, y_.data(), h, slopes_trial_.data());
+    if (iteration != Iteration::converged) {
       ++count_.rejected;
-      h *= 0.25;
-      rejected = true;
+      h *= iteration == Iteration::slow ? 0.5 : 0.25;
+      rejected = slow = true;
       continue;
     }
-    const double error = estimate_error(h);
-    const double factor_now = std::pow(std::max(error, 1e-10), -1.0 / 8);
+    const double error = estimate_error(slopes_trial_.data(), h);
+    const double factor_now = safety * std::pow(std::max(error, 1e-30), -1 / estimate_order);
     if (!(error <= 1)) {
       ++count_.rejected;
-      h *= std::isfinite(error) ? std::clamp(safety * factor_now, least_factor, 0.9) : 0.2;
+      h *= std::isfinite(error) ? std::clamp(factor_now, least_factor, 0.9) : 0.2;
       rejected = true;
       continue;
     }
-    combine<Tableau::stages>(h, y_trial_.data());
+    advance(y_.data(), h, slopes_trial_.data(), y_trial_.data());
     if (clock_ == Clock::pace && y_trial_[n_] >= remaining) {  // too far: approach the limit in time instead
       ++count_.rejected;
       set_clock(Clock::time);
+      weight_[n_] = 0;
       h = h_next_;
       continue;
     }
-    const double factor = std::clamp(safety * factor_now, least_factor, rejected ? 1.0 : greatest_factor);
+    const double converging = best_contraction / contraction_;
+    const double factor = std::clamp(std::min(factor_now, converging), least_factor, rejected ? 1.0 : greatest_factor);
+    // Convergence sets the step, though little happens in it.
+    if ((slow || converging < std::min(factor_now, 1.5)) && change_ < little) {
+      ++stiff_steps_;
+      easy_steps_ = 0;
+    } else if (++easy_steps_ >= 6) {
+      stiff_steps_ = 0;
+    }
+    contraction_per_h_ = contraction_ / h;
     y_before_.swap(y_);
     y_.swap(y_trial_);
+    slopes_.swap(slopes_trial_);
     t_before_ = t_;
-    const double advance = y_[n_] + t_low_;
-    t_ = last ? t_limit : t_before_ + advance;
-    t_low_ = last ? 0 : advance - (t_ - t_before_);
+    const double advanced = y_[n_] + t_low_;
+    t_ = last ? t_limit : t_before_ + advanced;
+    t_low_ = last ? 0 : advanced - (t_ - t_before_);
     h_last_ = h;
+    clock_last_ = clock_;
     h_next_ = last && h_next_ > h ? std::max(h_next_, h * factor) : h * factor;
+    fresh_ = false;
+    start_dt_ = clock_ == Clock::pace ? sum_of(tableau_.end * slopes_[n_]) : 1;
+    if (!(start_dt_ > 0)) start_dt_ = slopes_[n_].block[s - 1];
     system_.restore(node_time(t_), y_.data());
     ++count_.steps;
-    dense_known_ = false;
-    // The slope at the end is the first of the next step; that at the start is kept for dense output.
-    std::swap_ranges(slope(0), slope(1), slope(Tableau::all));
-    if (!evaluate(node_time(t_), y_.data(), slope(0))) return not_finite();
-    watch_stiffness(h);
     return {};
   }
 }
 
-Outcome Explicit::not_finite() {
+Outcome Explicit::not_finite() const {
   for (int i = 0; i < n_; ++i)
-    if (!std::isfinite(slope(0)[i]))
+    if (!std::isfinite(start_slope_[i]))
       return {Ending::not_finite, fmt::format("at t = {:.9g} s in '{}'", t_, system_.unknown(i))};
   return {Ending::not_finite, fmt::format("at t = {:.9g} s", t_)};
 }
 
-void Explicit::prepare_dense() {
-  // Three more stages of the last step, from its own start and slopes; then those of the present state come back.
-  const double t_end = t_;
-  y_.swap(y_before_);
-  t_ = t_before_;
-  std::swap_ranges(slope(0), slope(1), slope(Tableau::all));
-  std::copy_n(slope(Tableau::all), 4 * blocks_, slope(Tableau::stages));
-  const double before = y_[n_];
-  y_[n_] = 0;
-  const auto stage = [&]<int i>(std::integral_constant<int, i>) {
-    combine<i>(h_last_, work_.data());
-    evaluate(node_time(t_ + work_[n_]), work_.data(), slope(i));
-  };
-  stage(std::integral_constant<int, 13>());
-  stage(std::integral_constant<int, 14>());
-  stage(std::integral_constant<int, 15>());
-  y_[n_] = before;
-  for (int i = 0; i <= n_; ++i) {
-    double* f = dense_.data() + i * (3 + Tableau::dense);
-    const double from = i == n_ ? 0 : y_[i], change = y_before_[i] - from;
-    f[0] = change;
-    f[1] = h_last_ * slope(0)[i] - change;
-    f[2] = 2 * change - h_last_ * (slope(Tableau::stages)[i] + slope(0)[i]);
-    for (int r = 0; r < Tableau::dense; ++r) {
-      f[3 + r] = 0;
-      for (int j = 0; j < Tableau::all; ++j) f[3 + r] += h_last_ * Tableau::d[r][j] * slope(j)[i];
-    }
-  }
-  std::swap_ranges(slope(0), slope(1), slope(Tableau::all));
-  y_.swap(y_before_);
-  t_ = t_end;
-  dense_known_ = true;
-}
-
-double Explicit::dense(double theta, int i) const {
-  const double* f = dense_.data() + i * (3 + Tableau::dense);
-  double y = 0;
-  for (int r = 2 + Tableau::dense; r >= 0; --r) y = (y + f[r]) * (r % 2 == 0 ? theta : 1 - theta);
-  return (i == n_ ? 0 : y_before_[i]) + y;
-}
-
-void Explicit::interpolate(double t, double* y) {
-  if (t >= t_ || t <= t_before_) {
-    std::copy_n(t >= t_ ? y_.data() : y_before_.data(), n_, y);
-    return;
-  }
-  if (!dense_known_) prepare_dense();
-  // The part θ of the step in s at which time is t: it rises with θ; regula falsi (Illinois).
+double Explicit::part_of_step(double t) const {
   const double whole = t - t_before_;
-  double low = 0, high = 1, f_low = -whole, f_high = dense(1, n_) - whole, theta = 1;
-  for (int i = 0, kept = 0; i < 100 && high - low > 1e-16; ++i) {
+  if (clock_last_ == Clock::time) return whole / h_last_;
+  double q[s];  // time from the start of the step is Σ q_k θ^(k+1)
+  for (int k = 0; k < s; ++k) {
+    q[k] = 0;
+    for (int j = 0; j < s; ++j) q[k] += h_last_ / (k + 1) * tableau_.lagrange[j][k] * slopes_[n_].block[j];
+  }
+  const auto late = [&](double theta) {
+    double sum = 0;
+    for (int k = s - 1; k >= 0; --k) sum = (sum + q[k]) * theta;
+    return sum - whole;
+  };
+  // Time rises with θ; regula falsi (Illinois).
+  double low = 0, high = 1, f_low = -whole, f_high = late(1), theta = 1;
+  for (int i = 0, kept = 0; i < 60 && high - low > 1e-12; ++i) {
     theta = (low * f_high - high * f_low) / (f_high - f_low);
     if (!(theta > low && theta < high)) break;
-    const double f = dense(theta, n_) - whole;
-    if (std::abs(f) <= rounding * whole) break;
+    const double f = late(theta);
+    if (std::abs(f) <= 1e-10 * whole) break;
     if (f > 0) {
       high = theta, f_high = f;
       if (kept == -1) f_low *= 0.5;
@@ -275,7 +298,38 @@ void Explicit::interpolate(double t, double* y) {
       kept = 1;
     }
   }
-  for (int i = 0; i < n_; ++i) y[i] = dense(theta, i);
+  return theta;
+}
+
+void Explicit::interpolate(double t, double* y) {
+  if (t >= t_ || t <= t_before_) {
+    std::copy_n(t >= t_ ? y_.data() : y_before_.data(), n_, y);
+    return;
+  }
+  // The polynomial of the last step is of half its order: it is where a shorter step from the same start begins.
+  const Clock clock = std::exchange(clock_, clock_last_);
+  const double whole = t - t_before_;
+  double theta = part_of_step(t);
+  extrapolate(0, theta, slopes_trial_.data());
+  for (int i = 0; i < 4; ++i) {
+    const double h = theta * h_last_;
+    if (iterate(t_before_, y_before_.data(), h, slopes_trial_.data()) != Iteration::converged) {
+      extrapolate(0, theta, slopes_trial_.data());
+      advance(y_before_.data(), h, slopes_trial_.data(), y_trial_.data());
+      break;
+    }
+    advance(y_before_.data(), h, slopes_trial_.data(), y_trial_.data());
+    if (clock_ == Clock::time) break;
+    // Time is met by the slope at the end, or by another length where its square would be seen.
+    const double missing = (whole - y_trial_[n_]) / sum_of(tableau_.end * slopes_trial_[n_]);
+    if (missing * missing <= 0.01 * tolerance_ || i == 3) {
+      for (int k = 0; k < n_; ++k) y_trial_[k] += missing * sum_of(tableau_.end * slopes_trial_[k]);
+      break;
+    }
+    theta += missing / h_last_;
+  }
+  clock_ = clock;
+  std::copy_n(y_trial_.data(), n_, y);
   system_.restore(t, y);
 }
 

@@ -183,7 +183,7 @@ TEST_CASE("contacts of laws from text equal those of compiled laws in all forms"
           CHECK(same(x.slope[0].slope[0].slope[0], y.slope[0].slope[0].slope[0], 1e-9, 1e-11));
         }
       }
-      // Lanes: values, slopes and the cheaper slip.
+      // Lanes: values and slopes; and the flow.
       Lanes F1, F2, F3;
       std::vector<Lanes> g2(g), g3(g);
       Slopes<Lanes> s1, s2;
@@ -201,13 +201,21 @@ TEST_CASE("contacts of laws from text equal those of compiled laws in all forms"
         for (int j = 0; j < n; ++j) lanes_equal(s1.g_z[i * n + j], s2.g_z[i * n + j]);
       }
       if (setup.unknowns == Unknowns::friction) {
-        std::vector<Lanes> v_z(std::size_t(n), 0.0), g_z(std::size_t(n * n), 0.0), v_z2(v_z), g_z2(g_z);
-        Lanes v1, v2;
-        ours->slip(in.normal_load, z.data(), v1, g.data(), v_z.data(), g_z.data());
-        theirs->slip(in.normal_load, z.data(), v2, g2.data(), v_z2.data(), g_z2.data());
-        lanes_equal(v1, v2);
-        for (int i = 0; i < n; ++i) lanes_equal(v_z[std::size_t(i)], v_z2[std::size_t(i)]);
-        for (int i = 0; i < n * (n - 1); ++i) lanes_equal(g_z[std::size_t(i)], g_z2[std::size_t(i)]);
+        const auto values = varied(*compiled, random);
+        const auto our_flow = text->with(values)->flow(), their_flow = compiled->with(values)->flow();
+        std::vector<Pack> at, v_z(std::size_t(n), 0.0), g_z(std::size_t(n * n), 0.0), v_z2(v_z), g_z2(g_z), r(v_z),
+            r2(v_z);
+        for (const Lanes& unknown : z) at.push_back(unknown.pack[0]);
+        Pack v1, v2;
+        our_flow->slip(in.normal_load.pack[0], at.data(), v1, r.data(), v_z.data(), g_z.data());
+        their_flow->slip(in.normal_load.pack[0], at.data(), v2, r2.data(), v_z2.data(), g_z2.data());
+        const auto packs_equal = [&](const Pack& a, const Pack& b) {
+          for (int lane = 0; lane < pack_width; ++lane) CHECK(same(a.block[lane], b.block[lane], 1e-9, 2e-11));
+        };
+        packs_equal(v1, v2);
+        for (int i = 0; i < n - 1; ++i) packs_equal(r[std::size_t(i)], r2[std::size_t(i)]);
+        for (int i = 0; i < n; ++i) packs_equal(v_z[std::size_t(i)], v_z2[std::size_t(i)]);
+        for (int i = 0; i < n * (n - 1); ++i) packs_equal(g_z[std::size_t(i)], g_z2[std::size_t(i)]);
       }
       CHECK_THROWS_AS(
           ours->load(0, compiled->values(), {.lambda = setup.lambda == 0 ? 1.0 : 0.0, .unknowns = Unknowns::states}),
