@@ -93,10 +93,14 @@ bool Collocation::make_consistent() {
     if (!factorise_lu(a, pivot, m)) return false;
     solve_lu(a, pivot, m, r.data());
     system_.scale(y_.data(), scale_.data());
-    double change = 0;
-    for (int i = 0; i < m; ++i) change = std::max(change, std::abs(r[i]) / scale_[rows[i]]);
+    double change = 0, leap = 0;
+    for (int i = 0; i < m; ++i) {
+      const double scale = scale_[rows[i]], step = std::abs(r[i]);
+      change = std::max(change, step / scale);
+      leap = std::max(leap, step / std::max(scale, 0.01 * std::abs(y_[rows[i]])));
+    }
     if (!std::isfinite(change)) return false;
-    const double damping = std::min(1.0, 1.0 / change);  // exponentials: no step beyond one scale
+    const double damping = std::min(1.0, 1.0 / leap);  // exponentials: no step beyond one scale, or a digit or two
     for (int i = 0; i < m; ++i) y_[rows[i]] += damping * r[i];
     if (change < 1e-13) break;
   }
@@ -424,7 +428,7 @@ Outcome Collocation::step(double t_limit) {
   h = std::min({h, system_.resolution(), longest_step_});
   // Where nothing depends on time, steps may be shorter than the clock shows, as in a fast slip after a long stick, or
   // while friction turns over in a reversal.
-  const double shortest = (system_.autonomous() ? 1e-16 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
+  const double shortest = (system_.autonomous() ? 1e-30 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
   bool rejected = false;
   for (int attempt = 0;; ++attempt) {
     const double remaining = t_limit - t_;

@@ -660,6 +660,28 @@ TEST_CASE("BDF in the natural unknowns says that it has lost the balance of forc
   CHECK(run(model, options).outcome.ending == Ending::tolerance_not_met);
 }
 
+TEST_CASE("slip stops within 1e-25 s after a stick of weeks", "[stress]") {
+  // From 1e-21 m/s to the 1e-26 m/s at which friction holds the spring: steps far below what the clock shows.
+  const auto dies_out = [](Model model) {
+    const auto cycle = find_cycle(model, {.multipliers = false});
+    CHECK(cycle.outcome.ending == Ending::none_exists);
+    CHECK_THAT(cycle.outcome.detail, Catch::Contains("dies out"));
+  };
+  auto under_slip_law = slider_under(
+      "slip",
+      {1.579968944668797, 0.0061156349175770846, 0.016534972268075133, 0.27730141060549734, 2.5987210516640202e-05},
+      {25.628144863049133, 22276.594088744187, 0}, 7.4209850703451756e-09, 592696.60923828231);
+  under_slip_law.drive.force = 10484.558739751752;
+  dies_out(under_slip_law);
+  auto without_delay = slider_under("prz",
+                                    {0.37390405461132242, 0.0083266871027146035, 0.045690279806801362,
+                                     1.3101387991480084e-05, 2.1213891042382179e-07},
+                                    {8901516.7211382519, 5.6385808762947915, 9848766.4558335412},
+                                    1.8381545072985985e-09, 0.11496582248549322);
+  without_delay.lambda = 1e-30;
+  dies_out(without_delay);
+}
+
 TEST_CASE("warmth that a slow drive hardly brings is measured by what it brings", "[stress]") {
   // In stick it decays within 1e-3 of its duration. Measured by the speed of the law's curve, 1e5 of the drive's, the
   // rest of one long step was as good as nothing, at any tolerance, and held back the next slip by 1e-6 of the period.
