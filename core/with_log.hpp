@@ -5,6 +5,7 @@
 namespace rosin {
 
 namespace detail {
+/// A double that can be derived from.
 struct PlainDouble {
   double number;
   PlainDouble() = default;
