@@ -290,6 +290,26 @@ double ReturnMap::landing_time(const Collocation& solver) const {
   return std::max(std::max(share * std::abs(u), landed * speed_) / std::abs(rate[at]), clock);
 }
 
+/// Time derivatives of the differential unknowns at the end of the last step: M⁻¹f, but where the terms of f cancel to
+/// rounding, as those of a slider so damped that its mass hardly counts, those of the solution, known to a small part
+/// of the tolerance.
+std::vector<double> ReturnMap::rates_at_end(const Collocation& solver, double tolerance) const {
+  const int n = system_.size();
+  const auto& y = solver.state();
+  std::vector<double> rate(n), f(n), mass(n), J(n * n);
+  solver.rate(rate.data());
+  system_.linearise(solver.time(), y.data(), f.data(), J.data());
+  system_.mass(solver.time(), mass.data());
+  for (std::size_t k = 0; k < differential_.size(); ++k) {
+    const int i = differential_[k];
+    double terms = 0;
+    for (int j = 0; j < n; ++j) terms += std::abs(J[i * n + j] * y[j]);
+    constexpr double rounding = 1e-16, solved = 1e-2;
+    if (rounding * terms / mass[i] < solved * tolerance * scale_[k] / solver.length()) rate[i] = f[i] / mass[i];
+  }
+  return rate;
+}
+
 ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double tolerance, int turns, bool from_section,
                                      bool derivative, Recorder* recorder, double dip) {
   Passage passage;
@@ -359,11 +379,8 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     if (!std::isfinite(x) && passage.outcome.complete()) passage.outcome = {Ending::not_finite, "at the section"};
   if (derivative && passage.outcome.complete()) {
     // Projection along the flow onto the section: D = S − ẏ (∇v·S)/(∇v·ẏ).
-    std::vector<double> rate(n), f(n), mass(n), gradient(n);
-    solver.rate(rate.data());
-    system_.evaluate(0, passage.end.data(), f.data());
-    system_.mass(0, mass.data());
-    for (const int i : differential_) rate[i] = f[i] / mass[i];
+    std::vector<double> gradient(n);
+    const auto rate = rates_at_end(solver, tolerance);
     system_.slip_rate_gradient(0, passage.end.data(), gradient.data());
     double along = 0;
     for (int i = 0; i < n; ++i) along += gradient[i] * rate[i];

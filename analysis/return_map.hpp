@@ -80,6 +80,7 @@ class ReturnMap {
 
  private:
   double landing_time(const solvers::Collocation&) const;
+  std::vector<double> rates_at_end(const solvers::Collocation&, double tolerance) const;
   oscillators::SliderSystem system_;
   double speed_, longest_passage_;
   double growth_time_ = infinity;  ///< 1/|s| of the fastest growing mode of steady sliding

@@ -85,7 +85,10 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
         scale.asDiagonal() * A.partialPivLu().solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, y));
     if (!step.allFinite()) return std::nullopt;
     const double length = (step.array() / scale.array()).matrix().norm() / std::max(size, 1e-12);
-    if (length < std::max({30 * tolerance, 1e-8, 0.1 * tolerance / std::max(std::abs(drift), tolerance)}))
+    // What weak attraction leaves of rounding in a passage is not small.
+    const double left = 0.1 * tolerance / std::max(std::abs(drift), tolerance);
+    const double rounding = std::min(1e-15 / (size * std::abs(drift)), 1e-3);
+    if (length < std::max({30 * tolerance, 1e-8, left, rounding}))
       return FixedPoint{map.moved(y, step, 1), passage.derivative, turns, passage.amplitude};
     last = y;
     residual = std::max(now, 1e-3 * tolerance);

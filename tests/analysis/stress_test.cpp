@@ -723,3 +723,28 @@ TEST_CASE("slips that are long and short by turns are one period together", "[st
   CHECK(std::abs((last[0] - last[-1]) / (last[-1] - last[-2]) - 1) > 0.01);
   CHECK(last[0] - last[-2] == Approx(cycle.metrics.period).epsilon(1e-5));
 }
+
+TEST_CASE("a slider so damped that its mass hardly counts moves as one without", "[stress]") {
+  // The inertia is what rounding leaves of the force balance: at v = V the derivative of the return map was not finite,
+  // or had multipliers at random.
+  for (const double stiffness : {1900.0, 2027.8397294092633}) {
+    INFO("stiffness " << stiffness << ", the Hopf point is at 2028.1");
+    const auto cycle_with = [&](double mass) {
+      return find_cycle(slider_under("ageing",
+                                     {0.40971932074762224, 0.0043015820511917765, 0.0059391581589453117,
+                                      3.4966520819139253e-06, 5.9855912790551998e-07},
+                                     {mass, stiffness, 14574.57799283372}, 5.8852667991972288e-11, 4.3304931740688586),
+                        {.tolerance = 1e-7});
+    };
+    const auto heavy = cycle_with(0.0033753895839735669), light = cycle_with(0);
+    REQUIRE(heavy.outcome.complete());
+    REQUIRE(light.outcome.complete());
+    CHECK(heavy.stable);
+    CHECK(heavy.metrics.period == Approx(light.metrics.period).epsilon(1e-7));
+    CHECK(heavy.metrics.slip_rate_max == Approx(light.metrics.slip_rate_max).epsilon(1e-7));
+    CHECK(heavy.metrics.loop_area == Approx(light.metrics.loop_area).epsilon(1e-6));
+    REQUIRE(!heavy.multipliers.empty());
+    CHECK(std::abs(heavy.multipliers.front()) ==
+          Approx(std::abs(light.multipliers.front())).epsilon(1e-6).margin(1e-6));
+  }
+}
