@@ -104,7 +104,13 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
 std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, int turns, double amplitude) {
   const double dip = dip_of(amplitude), size = map.distance(y, map.system().steady(0));
   const auto passage = map.follow(y, loose, turns, true, false, nullptr, dip);
-  if (!passage.outcome.complete() || !(map.distance(passage.end, y) < 1e-2 * size)) return std::nullopt;
+  const double change = map.distance(passage.end, y);
+  if (!passage.outcome.complete() || !(change < 1e-2 * size)) return std::nullopt;
+  // A slow drift repeats itself too.
+  if (constexpr double noise = 30 * loose, dies_out = 0.5; change > noise * size) {
+    const auto next = map.follow(passage.end, loose, turns, true, false, nullptr, dip);
+    if (!next.outcome.complete() || map.distance(next.end, passage.end) > dies_out * change) return std::nullopt;
+  }
   const int n = int(map.differential().size());
   FixedPoint point{passage.end, MatrixXd::Zero(n, n), turns, passage.amplitude, true};
   const double share = 0.05 * std::min(size, 2.0);
@@ -197,6 +203,67 @@ Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double am
   return {high->y};
 }
 
+/// Motion that changes slowly and steadily from passage to passage is taken ahead by many passages at once: to where
+/// the secant through the last two changes has them end, and no further than a share of its size.
+class Leaps {
+ public:
+  explicit Leaps(const ReturnMap& map) : map_(map) {}
+
+  /// After a passage that ended at `y`. `size`: distance from steady sliding, in scales.
+  void passed(const std::vector<double>& y, double size) {
+    const bool known = !last_.empty();
+    const VectorXd change = known ? VectorXd(map_.difference(y, last_).array() / map_.scale().array())
+                                  : VectorXd::Zero(map_.scale().size());
+    constexpr double slow = 0.03, same = 0.2, jump = 0.3;
+    steady_ = known && change_.size() && change.norm() < slow * size && change.norm() > 0 &&
+              (change - change_).norm() < same * change.norm();
+    pace_ = known ? change.norm() / size : infinity;
+    // Ringing that decays until slip sticks, and begins anew after the next: a period of many passages.
+    if (passages_ > 0 && known && pace_ > jump) useless_ = true;
+    if (known) change_ = change;
+    last_ = y;
+    size_ = size;
+  }
+  bool ready() const { return steady_ && !useless_; }
+  /// Change in one passage as a part of the size; infinite where not known.
+  double pace() const { return pace_; }
+  /// Between leaps, as long as the changes do not die out: no cycle is near.
+  bool under_way() const { return passages_ > 0 && remaining_ > 0.3 && !useless_; }
+
+  /// The point so many passages ahead.
+  std::vector<double> ahead() {
+    constexpr double first = 4, most_growth = 4, share = 0.3;
+    double passages = first;
+    if (passages_ > 0) {
+      remaining_ = change_.dot(before_) / before_.squaredNorm();
+      passages = passages_ * (remaining_ < 1 ? std::min(1 / (1 - remaining_), most_growth) : most_growth);
+    }
+    passages_ = std::min(passages, share * size_ / change_.norm());
+    before_ = change_;
+    from_ = last_;
+    forget();
+    return map_.moved(from_, before_.cwiseProduct(map_.scale()), passages_);
+  }
+  /// A shorter leap from the same point where the last ended motion. Nothing if that was no longer than one passage.
+  std::optional<std::vector<double>> shorter() {
+    if (!(passages_ > 1) || !last_.empty()) return std::nullopt;
+    passages_ *= 0.25;
+    return map_.moved(from_, before_.cwiseProduct(map_.scale()), passages_);
+  }
+
+ private:
+  void forget() {
+    last_.clear();
+    change_.resize(0);
+    steady_ = false;
+  }
+  const ReturnMap& map_;
+  std::vector<double> last_, from_;  ///< of the last passage; where the last leap began
+  VectorXd change_, before_;         ///< in the last passage, in the one before the last leap; in scales
+  double size_ = 0, pace_ = infinity, passages_ = 0, remaining_ = 1;
+  bool steady_ = false, useless_ = false;
+};
+
 /// What a search ends with: a stable fixed point, or why there is none.
 struct Search {
   std::optional<FixedPoint> point;
@@ -260,12 +327,18 @@ Search search(ReturnMap& map, double drift_at_rest, const CycleOptions& options)
                                                        start ? "the given start" : "stick")}
             : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", max_cycles)};
     std::vector<std::vector<double>> visited;
+    Leaps leaps(map);
+    double tolerance = loose;
     int next_attempt = 2;
     bool enlarged = false, balanced_once = false;
     double last_amplitude = 1;
     for (int k = 0; k < max_cycles; ++k) {
-      const auto passage = map.follow(y, loose, 1, k > 0, false, nullptr, dip_of(last_amplitude));
+      const auto passage = map.follow(y, tolerance, 1, k > 0, false, nullptr, dip_of(last_amplitude));
       if (!passage.outcome.complete()) {
+        if (const auto nearer = leaps.shorter()) {
+          y = *nearer;
+          continue;
+        }
         if (passage.outcome.ending != Ending::budget_spent || !steady_is_stable) result.outcome = passage.outcome;
         break;
       }
@@ -286,28 +359,44 @@ Search search(ReturnMap& map, double drift_at_rest, const CycleOptions& options)
         enlarged = true;
         continue;
       }
-      const double moved = k > 0 ? map.distance(y, visited[k - 1]) : infinity, change = moved / amplitude;
-      if (k < next_attempt && !(k > 0 && change < 1e-3)) continue;
-      next_attempt = k + std::max(2, k / 2);
-      // Motion that hardly drifts is not waited for.
-      constexpr double slow = 1e-3;
-      const bool drifts = k >= 2 && std::abs(drift_at_rest) < slow && amplitude < 10 && !balanced_once;
-      if (!drifts && accept(y, 1, amplitude, moved)) return result;
-      if (creeping == most_creeping) return result;
+      const double size = map.distance(y, map.system().steady(0));
+      leaps.passed(y, size);
+      const int passages = int(visited.size()) - 1;  // since the start or the last leap
+      const double moved = passages > 0 ? map.distance(y, visited[passages - 1]) : infinity;
+      const double change = moved / std::min(amplitude, size);
+      // A drift is followed as closely as it takes to see it.
+      tolerance = std::clamp(1e-3 * leaps.pace(), 1e-13, loose);
       // Several passages in a period: as many as bring the motion nearly back.
-      for (int turns = 2; turns <= 8 && turns < k; ++turns)
-        if (map.distance(y, visited[k - turns]) < 0.2 * map.distance(y, visited[k - 1]) &&
-            accept(y, turns, amplitude, map.distance(y, visited[k - turns])))
-          return result;
-      if (k >= 6 || (steady_is_stable && k >= 3) || drifts) {
-        balanced_once = true;
-        const auto balanced = balance_of_drift(map, y, amplitude, drift_at_rest);
-        if (balanced.y) {
-          const auto there = map.follow(*balanced.y, search_tolerance(amplitude, drift_at_rest), 1, true, false,
-                                        nullptr, dip_of(amplitude));
-          if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return result;
+      constexpr int few = 8;
+      const auto came_back = [&](int turns) {
+        const double back = map.distance(y, visited[passages - turns]);
+        return back < 0.2 * moved && (turns <= few || back < std::min(0.01 * size, 0.02 * moved)) ? back : infinity;
+      };
+      bool many = false;
+      for (int turns = few + 1; turns < passages; ++turns) many = many || came_back(turns) < infinity;
+      if (many || (!leaps.under_way() && (k >= next_attempt || change < 1e-3))) {
+        next_attempt = k + std::max(2, k / 2);
+        // Motion that hardly drifts is not waited for.
+        constexpr double slow = 1e-3;
+        const bool drifts = k >= 2 && std::abs(drift_at_rest) < slow && amplitude < 10 && !balanced_once;
+        if (!drifts && accept(y, 1, amplitude, moved)) return result;
+        if (creeping == most_creeping) return result;
+        for (int turns = 2; turns < passages; ++turns)
+          if (const double back = came_back(turns); back < infinity && accept(y, turns, amplitude, back)) return result;
+        if (k >= 6 || (steady_is_stable && k >= 3) || drifts) {
+          balanced_once = true;
+          const auto balanced = balance_of_drift(map, y, amplitude, drift_at_rest);
+          if (balanced.y) {
+            const auto there = map.follow(*balanced.y, search_tolerance(amplitude, drift_at_rest), 1, true, false,
+                                          nullptr, dip_of(amplitude));
+            if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return result;
+          }
+          if (balanced.dies_out) break;
         }
-        if (balanced.dies_out) break;
+      }
+      if (!steady_is_stable && leaps.ready()) {
+        y = leaps.ahead();
+        visited.clear();
       }
     }
   }
