@@ -425,7 +425,11 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
     const VectorXd step =
         scale.asDiagonal() * lu.solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, point.y));
     const double length = (step.array() / scale.array()).matrix().norm();
-    if (!std::isfinite(length) || length > 0.5 * result.closure) break;  // rounding reached
+    if (!std::isfinite(length)) break;
+    if (length > 0.5 * result.closure) {  // rounding reached: as large as this, or a few times it
+      result.closure = std::max(result.closure, 3 * length);
+      break;
+    }
     point.y = map.moved(point.y, step, 1);
     result.closure = length;
     if (length < 0.1 * tolerance * std::min(1.0, point.amplitude)) break;

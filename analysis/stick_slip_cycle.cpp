@@ -233,6 +233,7 @@ class OnsetMap {
     double change = infinity, change_before = infinity, closest = infinity;
     VectorXd closest_image;
     bool leapt = false;
+    int judged_at = -1;  ///< the period by which Newton's method must have led closer
     for (int k = 0; k < most_periods && steps < most_steps && period.found; ++k) {
       const Metrics before = period.metrics;
       period = period_from(z);
@@ -260,14 +261,30 @@ class OnsetMap {
       }
       // Plain periods lead to what attracts; where they come in, what they have in common leads there faster.
       constexpr int plain = 6;
-      constexpr double comes_in = 0.9999;
+      constexpr double comes_in = 1 - 1e-7;
+      // Many slow states, such as the temperatures of deep layers, come in one after the other; Newton's method turns
+      // them all at once, and the fast ones follow within a few periods.
+      constexpr int patience = 24, grace = 4;
+      if (k % patience == patience - 1) {
+        steps += 2 * z.size() * period.steps;  // about
+        if (const auto turn = newton_step(z, step)) {
+          if (now < closest) closest = now, closest_image = z + step;
+          onsets.clear(), changes.clear();
+          z += *turn;
+          change = infinity;
+          leapt = false;
+          judged_at = k + 1 + grace;
+          continue;
+        }
+      }
+      leapt = leapt || k == judged_at;
       if (leapt && now > 2 * closest) {
         onsets.clear(), changes.clear();
         z = closest_image;
         leapt = false;
       } else {
         if (now < closest) closest = now, closest_image = z + step;
-        leapt = k >= plain && std::max(now / change, change / change_before) < comes_in;
+        leapt = k >= plain && k > judged_at && std::max(now / change, change / change_before) < comes_in;
         z += leapt ? onward : step;
       }
       change_before = change;
@@ -320,6 +337,18 @@ class OnsetMap {
     constexpr double most = 0.5;
     const double farthest = onward.cwiseQuotient(sizes).cwiseAbs().maxCoeff();
     return farthest > most ? VectorXd(onward * (most / farthest)) : onward;
+  }
+  /// From z, where a period changes the states by `step`, to where Newton's method has none change. Nothing where
+  /// neighbouring periods do not return.
+  std::optional<VectorXd> newton_step(const VectorXd& z, const VectorXd& step) const {
+    const VectorXd sizes = sizes_at(z);
+    const MatrixXd D = sizes.cwiseInverse().asDiagonal() * derivative(z) * sizes.asDiagonal();
+    if (!D.allFinite()) return std::nullopt;
+    VectorXd onward = (MatrixXd::Identity(z.size(), z.size()) - D).partialPivLu().solve(step.cwiseQuotient(sizes));
+    if (!onward.allFinite()) return std::nullopt;
+    constexpr double most = 0.5;
+    onward = onward.cwiseMax(-most);
+    return VectorXd(onward.cwiseProduct(sizes));
   }
   /// True if slips of two kinds or more follow each other by turns: a period then holds as many. `change`: from the
   /// last onset to z.
