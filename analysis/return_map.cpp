@@ -329,10 +329,17 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
   const double noise = dip * speed_;
   bool below = !from_section && section(0, solver.state().data()) < -noise;
   constexpr long most_steps = 40'000;
+  double growth_times = 0;  ///< of steady sliding that motion has been near it
   while (turns > 0) {
-    // An implicit step over many growth times would damp what grows.
+    // An implicit step over many growth times would damp what grows. What has not grown in so many creeps past steady
+    // sliding, in another state: what grows there is asked of that.
     const bool near_steady = std::abs(section(solver.time(), solver.state().data())) < 0.9 * speed_;
-    solver.bound_step(std::min(near_steady ? growth_time_ : infinity, landing_time(solver)));
+    growth_times = near_steady ? growth_times + solver.length() / growth_time_ : 0;
+    constexpr double enough = 60;
+    const double growing = !near_steady            ? infinity
+                           : growth_times < enough ? growth_time_
+                                                   : growth_time_at(system_, solver.time(), solver.state().data());
+    solver.bound_step(std::min(growing, landing_time(solver)));
     const Outcome outcome = solver.step(longest_passage_);
     if (!outcome.complete()) {
       const auto end = why_motion_ends(system_, solver.time(), solver.state().data());

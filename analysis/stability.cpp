@@ -26,6 +26,21 @@ using ComplexVector = Eigen::VectorXcd;
 
 namespace {
 
+/// Eigenvalues of M ẏ = J y by QR: good to rounding of the largest.
+std::vector<Complex> by_iteration(const Matrix& J, const Vector& mass, const Vector& scale) {
+  // Algebraic rows are eliminated; unknowns are measured in their scales, which balances the matrix.
+  std::vector<int> dynamic, algebraic;
+  for (int i = 0; i < mass.size(); ++i) (mass[i] > 0 ? dynamic : algebraic).push_back(i);
+  Matrix A = J(dynamic, dynamic);
+  if (!algebraic.empty())
+    A -= J(dynamic, algebraic) * J(algebraic, algebraic).partialPivLu().solve(J(algebraic, dynamic));
+  for (std::size_t i = 0; i < dynamic.size(); ++i)
+    for (std::size_t j = 0; j < dynamic.size(); ++j)
+      A(i, j) *= scale[dynamic[j]] / (scale[dynamic[i]] * mass[dynamic[i]]);
+  const auto found = eigenpairs(A).values;
+  return {found.data(), found.data() + found.size()};
+}
+
 /// M ẏ = J y around steady sliding.
 struct Linearisation {
   SliderSystem system;
@@ -68,7 +83,7 @@ struct Linearisation {
       for (std::size_t i = 0; i < roots.values.size(); ++i)
         list.push_back({roots.values[i], roots.errors[i], roots.real_errors[i]});
     } else {
-      const auto values = by_iteration();
+      const auto values = by_iteration(J, mass, scale);
       double largest = 0;
       for (const auto& e : values) largest = std::max(largest, std::abs(e));
       for (const auto& e : values) list.push_back({e, 1e-14 * largest, 1e-14 * largest});
@@ -97,20 +112,6 @@ struct Linearisation {
       sizes = sizes.cwiseMax((beside - J).cwiseAbs() / entry_rounding);
     }
     return sizes;
-  }
-  /// By QR, for systems too large to expand their determinant: good to rounding of the largest.
-  std::vector<Complex> by_iteration() const {
-    // Algebraic rows are eliminated; unknowns are measured in their scales, which balances the matrix.
-    std::vector<int> dynamic, algebraic;
-    for (int i = 0; i < mass.size(); ++i) (mass[i] > 0 ? dynamic : algebraic).push_back(i);
-    Matrix A = J(dynamic, dynamic);
-    if (!algebraic.empty())
-      A -= J(dynamic, algebraic) * J(algebraic, algebraic).partialPivLu().solve(J(algebraic, dynamic));
-    for (std::size_t i = 0; i < dynamic.size(); ++i)
-      for (std::size_t j = 0; j < dynamic.size(); ++j)
-        A(i, j) *= scale[dynamic[j]] / (scale[dynamic[i]] * mass[dynamic[i]]);
-    const auto found = eigenpairs(A).values;
-    return {found.data(), found.data() + found.size()};
   }
 };
 
@@ -206,6 +207,23 @@ std::optional<Growth> growth(const Model& model) {
 }
 
 }  // namespace
+
+double growth_time_at(const SliderSystem& system, double t, const double* y) {
+  const int n = system.size();
+  std::vector<double> f(n), jacobian(n * n);
+  Vector mass(n), scale(n);
+  system.linearise(t, y, f.data(), jacobian.data());
+  system.mass(t, mass.data());
+  system.scale(y, scale.data());
+  const Matrix J = Eigen::Map<RowMajor>(jacobian.data(), n, n);
+  const auto values = by_iteration(J, mass, scale);
+  double largest = 0, fastest = 0;
+  for (const auto& e : values) largest = std::max(largest, std::abs(e));
+  constexpr double rounding = 1e-12;
+  for (const auto& e : values)
+    if (!(e.real() <= rounding * largest)) fastest = std::max(fastest, std::abs(e));
+  return 1 / fastest;
+}
 
 std::string name(Criticality c) {
   return c == Criticality::supercritical ? "supercritical"
