@@ -94,11 +94,17 @@ std::string turns_until(const Model& model, double end) {
                      : "";
 }
 
+/// 1/s; 0 where steady sliding is stable.
+double growth_of_steady_sliding(const Model& model) {
+  double growth = 0;
+  for (const auto& e : eigenvalues_of(model)) growth = std::max(growth, e.real());
+  return growth;
+}
+
 /// Why a run from steady sliding may be known to little: what departs from rounding doubles again and again.
 std::string departure(const Model& model, const RunOptions& options, double end) {
   if (options.start.kind != Start::Kind::steady) return "";
-  double growth = 0;
-  for (const auto& e : eigenvalues_of(model)) growth = std::max(growth, e.real());
+  const double growth = growth_of_steady_sliding(model);
   constexpr double digits = 36;  // e-foldings from rounding to the motion itself
   return growth * end > digits
              ? fmt::format(
@@ -106,6 +112,25 @@ std::string departure(const Model& model, const RunOptions& options, double end)
                    "when it is left; start beside it, run.start = {{ slip_rate = … }}",
                    growth)
              : "";
+}
+
+/// True where the motion starts in steady sliding under a constant drive, and by the equations nothing changes.
+bool stays_steady(const Model& model, const RunOptions& options) {
+  SliderSystem system(model);
+  if (options.start.kind != Start::Kind::steady || !system.autonomous()) return false;
+  const auto y = starting_point(system, options.start);
+  const int n = system.size();
+  std::vector<double> f(n), J(n * n), scale(n);
+  system.set_direction(model.drive.speed.level() < 0 ? -1 : 1);
+  system.linearise(0, y.data(), f.data(), J.data());
+  system.scale(y.data(), scale.data());
+  for (int i = 0; i < n; ++i) {
+    double terms = 0;
+    for (int j = 0; j < n; ++j) terms += std::abs(J[i * n + j]) * std::max(std::abs(y[j]), scale[j]);
+    constexpr double rounding = 1e-12;
+    if (!(std::abs(f[i]) <= rounding * terms)) return false;
+  }
+  return true;
 }
 
 /// One pass at one tolerance: fills samples and events.
@@ -122,7 +147,8 @@ class Pass {
 
   Outcome run(double tolerance) {
     const auto y = starting_point(system_, options_.start);
-    if (system_.size() == 0) {
+    if (system_.size() == 0 || solver_ == "steady") {
+      if (system_.model().law->set_valued()) metrics_["stick_time"] = 0;
       for (const double t : times_) record(t, y.data());
       return {};
     }
@@ -363,6 +389,8 @@ Choice choose_solver(const Model& model, const RunOptions& options) {
     throw InputError(fmt::format("unknown solver '{}' (known: {}){}", asked, fmt::join(known, ", "),
                                  near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)));
   }
+  if (asked == "auto" && stays_steady(model, options))
+    return {"steady", "it starts in steady sliding, and under a constant drive nothing changes: nothing is integrated"};
   const bool set_valued = model.law->set_valued();
   if (solvers::force_algorithms::is_algorithm(asked)) {
     const auto form = dry_oscillator(model);
@@ -528,6 +556,11 @@ Run run(const Model& model, const RunOptions& options) {
   const Choice choice = choose_solver(model, options);
   result.solver = choice.solver;
   result.why = choice.why;
+  if (const double growth = choice.solver == "steady" ? growth_of_steady_sliding(model) : 0; growth > 0)
+    result.remark = fmt::format(
+        "steady sliding is unstable: what disturbs it grows with {:.3g} 1/s, but nothing does; to see it grow, start "
+        "beside it, run.start = {{ slip_rate = … }}",
+        growth);
   const auto times = sample_times(options);
   result.column_names = {"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"};
   result.column_units = {"m", "m/s", "m/s", "N", "1"};

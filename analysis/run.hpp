@@ -39,6 +39,7 @@ struct Run {
   std::map<std::string, double> metrics;  ///< of the record: extremes, means, stick time
   std::string solver;                     ///< the one used
   std::string why;                        ///< why this one; where it handed over to another
+  std::string remark;                     ///< what the reader should know of the motion; mostly nothing
   struct Cost {
     long steps = 0, evaluations = 0;
   } cost;

@@ -146,6 +146,7 @@ Status run(const Request& request) {
   const auto begin = std::chrono::steady_clock::now();
   const auto run = scene.plane ? analysis::run_plane(*scene.plane, scene.run) : analysis::run(scene.model, scene.run);
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
+  if (!run.remark.empty()) job.note(run.remark);
 
   std::vector<Column> table{{"time (s)", run.time}};
   Reached reached;

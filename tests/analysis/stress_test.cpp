@@ -367,7 +367,7 @@ TEST_CASE("what is neither fed nor damped beyond rounding is marginal, and has n
   CHECK(hopf_points(model, "drive.normal_load").empty());
 }
 
-TEST_CASE("a run from steady sliding that is unstable says that rounding decides", "[stress]") {
+TEST_CASE("a run from steady sliding stays there; followed by steps, rounding decides", "[stress]") {
   auto model =
       slider_under("ageing",
                    {0.95068789918133223, 0.0063692051791188501, 0.020470687561849228, 6.1697686415255567e-06,
@@ -377,6 +377,13 @@ TEST_CASE("a run from steady sliding that is unstable says that rounding decides
   RunOptions options;
   options.duration = 3691;
   options.samples = 20;
+  // Nothing disturbs it: it stays.
+  const auto steady = run(model, options);
+  CHECK(steady.outcome.complete());
+  CHECK(steady.cost.steps == 0);
+  CHECK_THAT(steady.remark, Catch::Contains("15.6 1/s"));
+  CHECK(steady.columns[2].back() == Approx(model.drive.speed.level()).epsilon(1e-14));
+  options.solver = "collocation";
   const auto unsure = run(model, options);
   CHECK(unsure.outcome.ending == Ending::tolerance_not_met);
   // The growth that stability finds: one state without mass has the larger root of its characteristic equation,
