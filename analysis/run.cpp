@@ -94,17 +94,11 @@ std::string turns_until(const Model& model, double end) {
                      : "";
 }
 
-/// 1/s; 0 where steady sliding is stable.
-double growth_of_steady_sliding(const Model& model) {
-  double growth = 0;
-  for (const auto& e : eigenvalues_of(model)) growth = std::max(growth, e.real());
-  return growth;
-}
-
 /// Why a run from steady sliding may be known to little: what departs from rounding doubles again and again.
 std::string departure(const Model& model, const RunOptions& options, double end) {
   if (options.start.kind != Start::Kind::steady) return "";
-  const double growth = growth_of_steady_sliding(model);
+  double growth = 0;
+  for (const auto& e : eigenvalues_of(model)) growth = std::max(growth, e.real());
   constexpr double digits = 36;  // e-foldings from rounding to the motion itself
   return growth * end > digits
              ? fmt::format(
@@ -112,6 +106,20 @@ std::string departure(const Model& model, const RunOptions& options, double end)
                    "when it is left; start beside it, run.start = {{ slip_rate = … }}",
                    growth)
              : "";
+}
+
+/// Of a run that stays in steady sliding; empty where that is stable, or not known to be unstable.
+std::string what_would_grow(const Model& model) {
+  try {
+    const auto sliding = stability(model);
+    if (sliding.stable || sliding.marginal) return "";
+    return fmt::format(
+        "steady sliding is unstable: what disturbs it grows with {:.3g} 1/s, but nothing does; to see it grow, start "
+        "beside it, run.start = {{ slip_rate = … }}",
+        sliding.eigenvalues.front().real());
+  } catch (const InputError&) {
+    return "";
+  }
 }
 
 /// True where the motion starts in steady sliding under a constant drive, and by the equations nothing changes.
@@ -141,12 +149,14 @@ class Pass {
         times_(times),
         system_(model, solver == "cvode" ? Unknowns::states : Unknowns::friction),
         solver_(solver) {
+    system_.last(times.back());
     columns_.resize(before_states + model.law->states().size());
     for (auto& c : columns_) c.reserve(times.size());
   }
 
   Outcome run(double tolerance) {
     const auto y = starting_point(system_, options_.start);
+    if (solver_ == "steady") system_.set_direction(system_.model().drive.speed.level() < 0 ? -1 : 1);
     if (system_.size() == 0 || solver_ == "steady") {
       if (system_.model().law->set_valued()) metrics_["stick_time"] = 0;
       for (const double t : times_) record(t, y.data());
@@ -556,11 +566,7 @@ Run run(const Model& model, const RunOptions& options) {
   const Choice choice = choose_solver(model, options);
   result.solver = choice.solver;
   result.why = choice.why;
-  if (const double growth = choice.solver == "steady" ? growth_of_steady_sliding(model) : 0; growth > 0)
-    result.remark = fmt::format(
-        "steady sliding is unstable: what disturbs it grows with {:.3g} 1/s, but nothing does; to see it grow, start "
-        "beside it, run.start = {{ slip_rate = … }}",
-        growth);
+  if (choice.solver == "steady") result.remark = what_would_grow(model);
   const auto times = sample_times(options);
   result.column_names = {"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"};
   result.column_units = {"m", "m/s", "m/s", "N", "1"};

@@ -101,6 +101,12 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
                         : reference_speed_;
 }
 
+void SliderSystem::last(double duration) {
+  constexpr double share = 1e-12;
+  if (creep_ > 0 && duration > 0)
+    creep_ = std::min(creep_, share * duration * model_.drive.normal_load.level() / model_.slider.mass);
+}
+
 SliderSystem::Forcing SliderSystem::forcing(double t) const {
   if (is_constant_) return constant_;
   const auto& d = model_.drive;

@@ -36,6 +36,9 @@ class SliderSystem final : public SwitchingSystem {
   std::string unknown(int i) const override;
   double next_break(double t) const override;
   void cross_break(double t, double* y) const override;
+  /// For motions that last so long (s) in all. Friction lags behind a change of load by the time in which a mass takes
+  /// up the slip beside the law's; the shorter the motion, the less of that there is.
+  void last(double duration);
   bool autonomous() const override { return is_constant_; }
   double resolution() const override;
   bool has_flow() const override { return flow_ != nullptr; }

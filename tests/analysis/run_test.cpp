@@ -172,6 +172,35 @@ TEST_CASE("a spring too weak for numbers is refused by its key", "[run]") {
   CHECK_THROWS_WITH(run(model, options), Catch::Contains("oscillator.stiffness") && Catch::Contains("0 leaves it out"));
 }
 
+TEST_CASE("a run that starts in steady sliding stays there, whichever way it goes", "[run]") {
+  // Friction of the Stribeck curve at v_s: mu_d + (mu_s − mu_d)/e.
+  for (const double speed : {1e-3, -1e-3}) {
+    const auto model = slider_under("stribeck", {0.4, 0.3, 1e-3, 1.0, 0.0}, {1, 100, 0.5}, speed, 2);
+    RunOptions options;
+    options.duration = 10;
+    const auto found = run(model, options);
+    REQUIRE(found.outcome.complete());
+    CHECK(found.cost.steps == 0);
+    CHECK(found.columns[2].back() == speed);
+    CHECK(found.columns[3].back() == Approx(std::copysign(2 * (0.3 + 0.1 / std::numbers::e), speed)).epsilon(1e-14));
+  }
+}
+
+TEST_CASE("in the first instants of a motion from rest friction follows the spring at once", "[run]") {
+  // The contact sticks, so that the spring is loaded by V t, and friction by k V t.
+  const double V = 0.8, k = 9500;
+  auto model = slider_under("slip", {0.6, 0.01, 0.015, 1e-5, 1e-6}, {20, k, 0}, V, 0.14);
+  RunOptions options;
+  options.start.kind = Start::Kind::rest;
+  for (const double duration : {1e-9, 1e-7}) {
+    INFO("duration " << duration);
+    options.duration = duration;
+    const auto found = run(model, options);
+    REQUIRE(found.outcome.complete());
+    CHECK(found.columns[3].back() == Approx(k * V * duration).epsilon(1e-8));
+  }
+}
+
 TEST_CASE("explicit steps give way where stability holds them, unless they were asked for", "[run]") {
   // Strengthening friction under a steady drive: after a while nothing changes, but contacts renew every second.
   auto model = slider_under("ageing", {0.6, 0.015, 0.010, 1e-5, 1e-6}, {0, 2e9, 2e10 / 6000}, 1e-5, 5e6);
