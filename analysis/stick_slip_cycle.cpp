@@ -59,6 +59,7 @@ struct StickSlipPeriod {
   bool grazes = false;        ///< slip comes to rest or not by less than the tolerance tells
   double rounding = 0;        ///< relative error that rounding of the slip rate makes where it just comes to rest
   double landing = 0;         ///< to which the times at which slip stops are known together (s)
+  double friction = 0;        ///< to which friction is known where slip has just come to rest
   long steps = 0, evaluations = 0;
 };
 
@@ -115,14 +116,17 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   const auto sliding = stability(model);
   const double frequency = std::sqrt(s.stiffness / s.mass), swing = swing_time(model);
   solver.bound_slip_step(0.1 * swing);
+  constexpr double touch = 10;
+  solver.rest_below(touch * std::max(tolerance, 1e-15) * V);
   constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
   constexpr double last_digits = 8 * std::numeric_limits<double>::epsilon();
   // Slip rate that the last digits of the spring's force make.
   const double noise = last_digits * s.stiffness * std::abs(sliding.steady.displacement) /
                        std::max(resistance(model), std::sqrt(s.stiffness * s.mass));
   const bool damped = overdamped(model);
-  constexpr double many = 300, quiet_enough = 20;  // swings
-  double quiet = 0, slipping = 0;                  // s, in which slip has gone at the drive's speed, or gone on at all
+  constexpr double many = 200, quiet_enough = 20;  // swings
+  double doubt = 0, lowest_dip = infinity;  // s, of when slip came to rest; and how hard it did, of its highest rate
+  double quiet = 0, slipping = 0;           // s, in which slip has gone at the drive's speed, or gone on at all
   // In the plane of displacement and slip rate paths do not cross: what has made a turn without coming to rest stays
   // within it.
   const bool plane = system.rigid() && !remembers(model);
@@ -133,6 +137,17 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   bool began = onset != nullptr, fast = false;
   double elapsed = 0, period = 0, stuck = 0, fastest = V, lowest_x = infinity, highest_x = -infinity;
   Bottoms bottoms(model, system);
+  // What part of their sizes states change by at rest, 1/s.
+  const auto fastest_at_rest = [&](const std::vector<double>& y) {
+    std::vector<double> rate(system.size()), mass(system.size()), size(system.size());
+    system.evaluate(0, y.data(), rate.data());
+    system.mass(0, mass.data());
+    system.scale(y.data(), size.data());
+    double fastest = 0;
+    for (int i = system.first_state(); i < system.size(); ++i)
+      fastest = std::max(fastest, std::abs(rate[i]) / (mass[i] * size[i]));
+    return fastest;
+  };
   while (elapsed < longest) {
     if (solver.stepper().count().steps > 200'000) {
       result.outcome = {Ending::budget_spent, "no period of stick and slip within 200000 steps"};
@@ -158,7 +173,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     if (plane && turns > enough_turns) break;
     const double away = std::hypot(u - V, frequency * (solver.state()[0] - sliding.steady.displacement));
     quiet = std::abs(u - V) < settled * V + noise ? quiet + solver.stepper().length() : 0;
-    slipping = system.direction() != 0 && switched == solvers::Switch::none ? slipping + solver.stepper().length() : 0;
+    slipping = system.direction() != 0 && switched != solvers::Switch::stick ? slipping + solver.stepper().length() : 0;
     if (sliding.stable && (away < settled * V + noise || quiet > quiet_enough * swing)) break;
     // Without memory slip that has gone on for so long has found its own cycle.
     if (slipping > many * swing && !remembers(model)) break;
@@ -168,17 +183,29 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       // The time at which slip comes to rest hangs on the last digits of the slip rate.
       if (bottom->deceleration > 0)
         result.landing += std::max(tolerance, 1e-15) * bottom->highest / bottom->deceleration;
-      // What the highest slip rate has lost in rounding, unless damping made slip forget it, is missing where it just
-      // comes to rest, and with it that part of how hard it does.
-      constexpr double known = 5e-17, grazing = 100;
-      const double lost = damped ? 0 : known * bottom->highest / bottom->dip;
-      if (!damped) result.grazes |= bottom->dip < grazing * tolerance * bottom->highest;
-      result.rounding += lost;
-      if (lost > 1) {
+      if (!damped) {
+        // What the highest slip rate has lost in rounding, unless damping made slip forget it, is missing where it just
+        // comes to rest, and makes the moment at which it does doubtful: by the time in which the spring makes up for
+        // it. States that change at rest keep that.
+        constexpr double known = 5e-17, grazing = 100;
+        const double lost = known * bottom->highest;
+        result.grazes |= bottom->dip < grazing * tolerance * bottom->highest;
+        lowest_dip = std::min(lowest_dip, bottom->dip / bottom->highest);
+        if (switched == solvers::Switch::stick)
+          doubt = std::sqrt(2 * s.mass / (s.stiffness * V)) *
+                  (bottom->dip > lost ? lost / std::sqrt(bottom->dip) : std::sqrt(lost));
+      }
+    }
+    if (switched == solvers::Switch::slip && doubt > 0) {
+      result.landing += doubt;
+      result.friction = std::max(result.friction, doubt * s.stiffness * V / model.drive.normal_load.level());
+      result.rounding += doubt * fastest_at_rest(solver.stepper().state());
+      doubt = 0;
+      if (result.rounding > 0.1) {
         result.outcome = {
             Ending::tolerance_not_met,
             fmt::format("at {:.1e} of the highest slip rate, which is rounding, slip comes to rest or not",
-                        bottom->dip / bottom->highest)};
+                        lowest_dip)};
         break;
       }
     }
@@ -563,8 +590,11 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;
     }
-    const double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), fine.closure, V, false,
-                                           cycle.error, worst, caution);
+    double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), fine.closure, V, false,
+                                     cycle.error, worst, caution);
+    cycle.error.friction_min += fine.friction;
+    if (const double part = fine.friction / std::abs(fine.metrics.friction_min); part > reached)
+      reached = part, worst = "friction_min";
     cycle.metrics = fine.metrics;
     cycle.orbit = fine.orbit;
     cycle.section_displacement = fine.onset_displacement;

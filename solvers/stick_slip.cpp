@@ -126,6 +126,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
     }
     low = theta, low_value = value;
   }
+  std::optional<double> touched;
   if (high < 0 && (sticking || armed_)) {
     // The mode may end and begin again between two nodes and not show at either: look at the lowest point between.
     constexpr int fine = 32;
@@ -146,6 +147,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
       if (!collocation_.solve_at(theta, work_.data())) return {Ending::not_finite, "while looking for a switch"};
       const double value = indicator(collocation_.time_at(theta), work_.data());
       if (!sticking) lowest_ = std::min(lowest_, value);
+      if (!sticking && value >= 0 && value < touch_) touched = theta;
       if (value < 0) {
         high = theta, high_value = value, low = 0, low_value = values[0];
         for (int i = 0; i < Collocation::stages; ++i)
@@ -153,9 +155,10 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
       }
     }
   }
-  if (high < 0) return {};
-  const auto located = collocation_.locate([&](double t, const double* y) { return indicator(t, y); }, low, high,
-                                           std::max(low_value, 0.0), high_value);
+  if (high < 0 && !touched) return {};
+  const auto located = touched ? touched
+                               : collocation_.locate([&](double t, const double* y) { return indicator(t, y); }, low,
+                                                     high, std::max(low_value, 0.0), high_value);
   if (!located || !collocation_.shorten(*located)) return {Ending::not_finite, "while locating a switch"};
   const double was = system_.direction();
   behind_switch_ = collocation_.state();
@@ -164,8 +167,9 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   switched_ = true;
   switched = was == 0           ? Switch::slip
              : upcoming_ == 0   ? Switch::stick
-             : upcoming_ == was ? Switch::none
-                                : Switch::reversal;
+             : upcoming_ != was ? Switch::reversal
+             : touched          ? Switch::slip
+                                : Switch::none;
   return {};
 }
 

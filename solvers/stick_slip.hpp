@@ -21,6 +21,9 @@ class StickSlip {
   /// Of a system that does not know the time: every switch sets the clock to 0, so that it resolves short slips between
   /// long sticks.
   void rewind_at_switches() { rewinds_ = true; }
+  /// Slip that comes down to so little (m/s) before it turns up again has come to rest, for no time if nothing holds
+  /// it: whether it did is not told by a solution that is no better.
+  void rest_below(double slip_rate) { touch_ = slip_rate; }
   /// Begins at (t, y). The mode follows from the slip rate: stick where it is zero and the contact can hold.
   bool start(double t, std::span<const double> y);
   /// Begins at (t, y), where stick has just given way to slip along `direction`.
@@ -45,7 +48,7 @@ class StickSlip {
   double landing_time() const;
   SwitchingSystem& system_;
   Collocation collocation_;
-  double longest_slip_step_ = infinity;
+  double longest_slip_step_ = infinity, touch_ = 0;
   double upcoming_ = 0, lowest_ = infinity;
   bool switched_ = false;  ///< the last step ended in a switch: begin anew
   bool rewinds_ = false;
