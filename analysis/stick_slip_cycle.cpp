@@ -45,6 +45,12 @@ namespace {
 /// True where the contact carries states of its own.
 bool remembers(const Model& model) { return model.law->has_states() && model.lambda > 0; }
 
+/// `share`: slip rate over its highest.
+Outcome comes_to_rest_or_not(double share) {
+  return {Ending::tolerance_not_met,
+          fmt::format("at {:.1e} of the highest slip rate, which is rounding, slip comes to rest or not", share)};
+}
+
 /// One period of stick–slip: from one onset of slip along the drive to the next.
 struct StickSlipPeriod {
   Outcome outcome;
@@ -55,6 +61,7 @@ struct StickSlipPeriod {
   double onset_displacement = 0;
   double closure = 0;  ///< relative error that is left because the period does not quite return
   bool found = false;
+  bool turned = false;        ///< Newton's method had a part in it, which finds what repels too
   double closest = infinity;  ///< lowest slip rate after the first half of a slip, over the drive speed
   bool grazes = false;        ///< slip comes to rest or not by less than the tolerance tells
   double rounding = 0;        ///< relative error that rounding of the slip rate makes where it just comes to rest
@@ -202,10 +209,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       result.rounding += doubt * fastest_at_rest(solver.stepper().state());
       doubt = 0;
       if (result.rounding > 0.1) {
-        result.outcome = {
-            Ending::tolerance_not_met,
-            fmt::format("at {:.1e} of the highest slip rate, which is rounding, slip comes to rest or not",
-                        lowest_dip)};
+        result.outcome = comes_to_rest_or_not(lowest_dip);
         break;
       }
     }
@@ -278,6 +282,7 @@ class OnsetMap {
         period.closure +=
             settled ? std::max(now, size_of_step(onward, z)) : 10 * largest_change(before, period.metrics);
         period.steps = steps, period.evaluations = evaluations, period.slips = slips_;
+        period.turned = judged_at >= 0;
         return period;
       }
       if (slips_ == 1 && alternate(onsets, z + step, now)) {
@@ -572,6 +577,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   std::string worst;
   std::vector<double> onset;
   int slips = 1;
+  bool turned = false;
   // Slip that passes the kinks of a table meets them anywhere within its steps.
   const auto& parameters = model.law->parameters();
   const bool kinks = std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.is_list; });
@@ -587,7 +593,11 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     }
     if (!fine.found && cycle.metrics.period > 0) break;  // what was found before stays, as it was known
     if (!fine.found) {
-      cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
+      constexpr double rounding = 1e-13;
+      cycle.outcome =
+          sticks && fine.closest < rounding
+              ? comes_to_rest_or_not(fine.closest)
+              : Outcome{Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;
     }
     double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), fine.closure, V, false,
@@ -598,7 +608,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     cycle.metrics = fine.metrics;
     cycle.orbit = fine.orbit;
     cycle.section_displacement = fine.onset_displacement;
-    if (sticks) onset = fine.onset, slips = fine.slips;
+    if (sticks) onset = fine.onset, slips = fine.slips, turned = fine.turned;
     cycle.outcome = sharpening.judge(reached, worst);
     if (cycle.outcome.complete()) break;
     coarse = std::move(fine);
@@ -613,6 +623,13 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     cycle.multipliers = {(right.onset_displacement - left.onset_displacement) / (2 * h)};
   }
   cycle.stable = !cycle.multipliers.empty() && std::abs(cycle.multipliers.front()) < 1;
+  if (constexpr double certainly = 1.01;
+      turned && !cycle.multipliers.empty() && std::abs(cycle.multipliers.front()) > certainly)
+    cycle.outcome = {
+        Ending::budget_spent,
+        fmt::format("stick and slip do not come to repeat themselves: the period that would repels (largest "
+                    "multiplier {:.3g})",
+                    std::abs(cycle.multipliers.front()))};
   return cycle;
 }
 

@@ -66,6 +66,13 @@ double StickSlip::mode_at_rest(double t, const double* y, double direction) cons
   return std::abs(hold) <= system_.holding_limit(t, y) ? 0 : hold > 0 ? 1 : -1;
 }
 
+/// True if a stop in y leaves the contact more than rounding short of its limit.
+bool StickSlip::holds(double t, std::vector<double> y) const {
+  system_.stop(y.data());
+  constexpr double certainly = 1 - 1e-6;
+  return std::abs(system_.holding_force(t, y.data())) < certainly * system_.holding_limit(t, y.data());
+}
+
 bool StickSlip::start_slip(double t, std::span<const double> y, double direction) {
   armed_ = switched_ = false;
   upcoming_ = direction;
@@ -147,7 +154,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
       if (!collocation_.solve_at(theta, work_.data())) return {Ending::not_finite, "while looking for a switch"};
       const double value = indicator(collocation_.time_at(theta), work_.data());
       if (!sticking) lowest_ = std::min(lowest_, value);
-      if (!sticking && value >= 0 && value < touch_) touched = theta;
+      if (!sticking && value >= 0 && value < touch_ && holds(collocation_.time_at(theta), work_)) touched = theta;
       if (value < 0) {
         high = theta, high_value = value, low = 0, low_value = values[0];
         for (int i = 0; i < Collocation::stages; ++i)
@@ -167,9 +174,8 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   switched_ = true;
   switched = was == 0           ? Switch::slip
              : upcoming_ == 0   ? Switch::stick
-             : upcoming_ != was ? Switch::reversal
-             : touched          ? Switch::slip
-                                : Switch::none;
+             : upcoming_ == was ? Switch::none
+                                : Switch::reversal;
   return {};
 }
 

@@ -21,8 +21,8 @@ class StickSlip {
   /// Of a system that does not know the time: every switch sets the clock to 0, so that it resolves short slips between
   /// long sticks.
   void rewind_at_switches() { rewinds_ = true; }
-  /// Slip that comes down to so little (m/s) before it turns up again has come to rest, for no time if nothing holds
-  /// it: whether it did is not told by a solution that is no better.
+  /// Slip that comes down to so little (m/s) before it turns up again has come to rest if the contact then holds it:
+  /// whether it did is not told by a solution that is no better.
   void rest_below(double slip_rate) { touch_ = slip_rate; }
   /// Begins at (t, y). The mode follows from the slip rate: stick where it is zero and the contact can hold.
   bool start(double t, std::span<const double> y);
@@ -43,6 +43,7 @@ class StickSlip {
 
  private:
   double indicator(double t, const double* y) const;
+  bool holds(double t, std::vector<double> y) const;
   double mode_at_rest(double t, const double* y, double direction) const;
   double growth_time();
   double landing_time() const;

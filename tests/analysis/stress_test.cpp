@@ -780,3 +780,72 @@ TEST_CASE("a slider so damped that its mass hardly counts moves as one without",
           Approx(std::abs(light.multipliers.front())).epsilon(1e-6).margin(1e-6));
   }
 }
+
+TEST_CASE("ringing that decays until slip sticks is one period with the stick", "[stress]") {
+  Model model = slider_under("nagata",
+                             {0.23058374479050553, 0.035043850172597972, 0.10734335015547161, 0.94143331754480641,
+                              2.6427060492913284e-05, 1.4399544609458281},
+                             {1e12, 45639.177363979215, 0}, 4.7779875302266247e-10, 394442.74184437329);
+  model.lambda = 0.052848365520994346;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.stable);
+  // A history shows a slip, of a million seconds, where the spring relaxes between two samples.
+  RunOptions options;
+  options.start.kind = Start::Kind::rest;
+  options.duration = 4.5 * cycle.metrics.period;
+  options.samples = 9000;
+  options.tolerance = 1e-6;
+  const auto history = run(model, options);
+  const auto& x = history.columns[0];
+  const double highest = *std::max_element(x.begin(), x.end());
+  std::vector<double> slips;
+  for (std::size_t i = 1; i < x.size(); ++i)
+    if (x[i] < x[i - 1] - 0.2 * highest) slips.push_back(history.time[i]);
+  REQUIRE(slips.size() > 3);
+  CHECK(slips.back() - slips[slips.size() - 2] == Approx(cycle.metrics.period).epsilon(2e-3));
+}
+
+TEST_CASE("drift of 1e-6 in a passage is leapt ahead of, until motion comes to a rest that nothing ends", "[stress]") {
+  // Without its clock the ageing law is a curve that falls with ln v from infinity, so that slip that has come to rest
+  // stays there, and friction of 1e-6 of the spring's forces makes the swing grow until it does.
+  Model model = slider_under(
+      "ageing",
+      {1.6086369062570609, 0.016141172413880061, 0.027350091067192446, 1.5441552160772559e-05, 5.4132634141996609e-07},
+      {6838.2287657657998, 813679.17110931221, 0}, 0.013221050596605308, 0.042552466891355188);
+  model.lambda = 0;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("nothing slips again"));
+  CHECK(cycle.cost.steps < 60'000);
+}
+
+TEST_CASE("layers that warm up over thousands of periods are turned to their cycle at once", "[stress]") {
+  Model model = slider_under(
+      "thermal-disc",
+      {0.90758268619553062, 0.12725441638409649, 0.0049522975021875828, 0.34285436045369333, 0.43468276971838393,
+       0.0029057554626463851, 0.00099437752281868121, 0.0017129040197990083, 1.0, 0.0, 1.1337770727909471},
+      {0.00072773745963489124, 6096855.8916370794, 0}, 2.1238331695214655e-06, 0.0021863502203039297);
+  model.lambda = 24.3738778000865;
+  model.drive.force = -0.016487473451242834;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.stable);
+  CHECK(std::abs(cycle.multipliers.front()) > 0.9999);  // 1e4 periods and more to forget a start
+  CHECK(cycle.cost.steps < 50'000);
+  // Friction so weak hardly moves the slider: in and out of rest it swings at its own frequency.
+  const double period = 2 * std::numbers::pi * std::sqrt(model.slider.mass / model.slider.stiffness);
+  CHECK(cycle.metrics.period == Approx(period).epsilon(2e-3));
+}
+
+TEST_CASE("slow motion past unstable steady sliding is not held to the growth of that", "[stress]") {
+  const auto model = slider_under(
+      "flash-heating",
+      {1.3488445945558185, 0.0054430604573158488, 0.042992679445883211, 1.4667884721164829e-06, 1.1503370016987628e-10,
+       0.33584358288736638, 2.8937265118531093},
+      {1.0610716897798771, 0.020371617903546416, 192.99589132887877}, 0.0024730357312817133, 12.985972594492939);
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.stable);
+  CHECK(cycle.cost.steps < 40'000);
+}
