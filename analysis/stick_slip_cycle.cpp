@@ -124,7 +124,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   const double frequency = std::sqrt(s.stiffness / s.mass), swing = swing_time(model);
   solver.bound_slip_step(0.1 * swing);
   constexpr double touch = 10;
-  solver.rest_below(touch * std::max(tolerance, 1e-15) * V);
+  // Without memory a turn that is not held begins another as wide, or does not, which decides between cycle and none.
+  solver.rest_below(touch * std::max(tolerance, 1e-15) * V, remembers(model));
   constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
   constexpr double last_digits = 8 * std::numeric_limits<double>::epsilon();
   // Slip rate that the last digits of the spring's force make.

@@ -154,7 +154,8 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
       if (!collocation_.solve_at(theta, work_.data())) return {Ending::not_finite, "while looking for a switch"};
       const double value = indicator(collocation_.time_at(theta), work_.data());
       if (!sticking) lowest_ = std::min(lowest_, value);
-      if (!sticking && value >= 0 && value < touch_ && holds(collocation_.time_at(theta), work_)) touched = theta;
+      if (!sticking && value >= 0 && value < touch_ && (touch_rests_ || holds(collocation_.time_at(theta), work_)))
+        touched = theta;
       if (value < 0) {
         high = theta, high_value = value, low = 0, low_value = values[0];
         for (int i = 0; i < Collocation::stages; ++i)
@@ -174,8 +175,9 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   switched_ = true;
   switched = was == 0           ? Switch::slip
              : upcoming_ == 0   ? Switch::stick
-             : upcoming_ == was ? Switch::none
-                                : Switch::reversal;
+             : upcoming_ != was ? Switch::reversal
+             : touched          ? Switch::slip
+                                : Switch::none;
   return {};
 }
 

@@ -21,9 +21,9 @@ class StickSlip {
   /// Of a system that does not know the time: every switch sets the clock to 0, so that it resolves short slips between
   /// long sticks.
   void rewind_at_switches() { rewinds_ = true; }
-  /// Slip that comes down to so little (m/s) before it turns up again has come to rest if the contact then holds it:
-  /// whether it did is not told by a solution that is no better.
-  void rest_below(double slip_rate) { touch_ = slip_rate; }
+  /// Slip that comes down to so little (m/s) before it turns up again has come to rest if the contact then holds it, or
+  /// `even_if_not_held`, for no time: whether it did is not told by a solution that is no better.
+  void rest_below(double slip_rate, bool even_if_not_held) { touch_ = slip_rate, touch_rests_ = even_if_not_held; }
   /// Begins at (t, y). The mode follows from the slip rate: stick where it is zero and the contact can hold.
   bool start(double t, std::span<const double> y);
   /// Begins at (t, y), where stick has just given way to slip along `direction`.
@@ -51,6 +51,7 @@ class StickSlip {
   Collocation collocation_;
   double longest_slip_step_ = infinity, touch_ = 0;
   double upcoming_ = 0, lowest_ = infinity;
+  bool touch_rests_ = false;
   bool switched_ = false;  ///< the last step ended in a switch: begin anew
   bool rewinds_ = false;
   bool armed_ = false;  ///< slip has left the neighbourhood of rest that it started from
