@@ -124,8 +124,8 @@ std::string what_would_grow(const Model& model) {
 
 /// True where the motion starts in steady sliding under a constant drive, and by the equations nothing changes.
 bool stays_steady(const Model& model, const RunOptions& options) {
+  if (options.start.kind != Start::Kind::steady || !model.drive.constant()) return false;
   SliderSystem system(model);
-  if (options.start.kind != Start::Kind::steady || !system.autonomous()) return false;
   const auto y = starting_point(system, options.start);
   const int n = system.size();
   std::vector<double> f(n), J(n * n), scale(n);
