@@ -13,20 +13,20 @@ namespace rosin::analysis {
 namespace {
 constexpr double nearly_rest = 1e-140;  // m/s: ages L/v and their slopes stay finite
 
-/// True where the force that slip of the contact meets has come to its largest or least: from there the contact's own
-/// slip rate cannot follow the force in the spring.
+/// True where the force that slip of the contact meets has come to its largest or least, beyond which the contact's own
+/// slip rate cannot follow the force in the spring: within a share of that slip rate the resistance passes through
+/// zero. Steps end that far from it where the last digits of the forces decide.
 bool slip_rate_turns_back(const oscillators::SliderSystem& system, double t, const double* y) {
   const int n = system.size(), at = system.contact_slip_rate_index();
   if (at < 0) return false;
-  constexpr double turned = 1e-3;  // of the resistance at rest
   std::vector<double> there(y, y + n), f(n), jacobian(n * n);
-  const auto resistance = [&] {
+  const auto resistance = [&](double share) {
+    there[at] = share * y[at];
     system.linearise(t, there.data(), f.data(), jacobian.data());
-    return std::abs(jacobian[at * n + at]);
+    return -jacobian[at * n + at];
   };
-  const double moving = resistance();
-  there[at] = 0;
-  return moving < turned * resistance();
+  constexpr double near = 0.1;
+  return resistance(1 - near) * resistance(1 + near) < 0 || resistance(0) * resistance(1) < 0;
 }
 
 double reference_speed(const oscillators::Model& model) { return std::max(std::abs(model.drive.speed.level()), 1e-12); }

@@ -12,6 +12,11 @@ namespace rosin::analysis {
 
 double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolerance, double closure, double V,
                        bool stick_is_ill_conditioned, Metrics& error, std::string& worst, double caution) {
+  // A periodic motion slips as far as its drive moves. Where it does not, by more than its steps explain, it has not
+  // closed, and no metric is known better than that.
+  const double explained = 3 * caution * std::abs(coarse.slip_rate_mean - fine.slip_rate_mean) / V + 3 * tolerance;
+  const double unclosed = std::abs(fine.slip_rate_mean / V - 1);
+  if (unclosed > explained + closure + 5e-14) closure = 3 * unclosed;
   double largest = 0;
   for (const auto& metric : metric_names()) {
     const double size = size_of(metric, fine, V), value = fine.*metric.member;

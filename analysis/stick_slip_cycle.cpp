@@ -122,7 +122,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   solver.rewind_at_switches();  // a slip may be far shorter than the last digit of the stick before it
   const auto sliding = stability(model);
   const double frequency = std::sqrt(s.stiffness / s.mass), swing = swing_time(model);
-  solver.bound_slip_step(0.1 * swing);
+  constexpr double resolved = 0.1;
+  solver.bound_slip_step(resolved * swing);
   constexpr double touch = 10;
   // Without memory a turn that is not held begins another as wide, or does not, which decides between cycle and none.
   solver.rest_below(touch * std::max(tolerance, 1e-15) * V, remembers(model));
@@ -134,7 +135,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   const bool damped = overdamped(model);
   constexpr double many = 200, quiet_enough = 20;  // swings
   double doubt = 0, lowest_dip = infinity;  // s, of when slip came to rest; and how hard it did, of its highest rate
-  double quiet = 0, slipping = 0;           // s, in which slip has gone at the drive's speed, or gone on at all
+  double quiet = 0;                         // s, in which slip has gone at the drive's speed
+  double swings = 0;                        // that slip has gone on for
   // In the plane of displacement and slip rate paths do not cross: what has made a turn without coming to rest stays
   // within it.
   const bool plane = system.rigid() && !remembers(model);
@@ -156,11 +158,19 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       fastest = std::max(fastest, std::abs(rate[i]) / (mass[i] * size[i]));
     return fastest;
   };
+  // Slip in the plane creeps where friction rises more steeply than a swing needs to turn, and takes so much longer.
+  std::vector<double> rates(system.size()), slopes(system.size() * system.size());
+  const auto swing_at = [&](const std::vector<double>& y) {
+    system.linearise(0, y.data(), rates.data(), slopes.data());
+    return std::max(swing, -slopes.back() / s.stiffness);
+  };
   while (elapsed < longest) {
     if (solver.stepper().count().steps > 200'000) {
       result.outcome = {Ending::budget_spent, "no period of stick and slip within 200000 steps"};
       break;
     }
+    const double swing_here = plane && system.direction() != 0 ? swing_at(solver.state()) : swing;
+    solver.bound_slip_step(resolved * swing_here);
     solvers::Switch switched;
     const Outcome outcome = solver.step(longest, switched);
     if (!outcome.complete()) {
@@ -181,10 +191,11 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     if (plane && turns > enough_turns) break;
     const double away = std::hypot(u - V, frequency * (solver.state()[0] - sliding.steady.displacement));
     quiet = std::abs(u - V) < settled * V + noise ? quiet + solver.stepper().length() : 0;
-    slipping = system.direction() != 0 && switched != solvers::Switch::stick ? slipping + solver.stepper().length() : 0;
+    const bool slips_on = system.direction() != 0 && switched != solvers::Switch::stick;
+    swings = slips_on ? swings + solver.stepper().length() / swing_here : 0;
     if (sliding.stable && (away < settled * V + noise || quiet > quiet_enough * swing)) break;
     // Without memory slip that has gone on for so long has found its own cycle.
-    if (slipping > many * swing && !remembers(model)) break;
+    if (swings > many && !remembers(model)) break;
     if (fast && switched == solvers::Switch::none) result.closest = std::min(result.closest, solver.lowest() / V);
     if (began) fastest = std::max(fastest, std::abs(u));
     if (const auto bottom = bottoms.after(solver, switched, std::abs(u)); bottom && began) {

@@ -145,7 +145,7 @@ class Table {
     return *this;
   }
   const toml::node* find(std::string_view key) {
-    known_.emplace_back(key);
+    if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
     return table_->get(key);
   }
   const toml::node& required(std::string_view key, std::string_view meaning) {

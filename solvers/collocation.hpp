@@ -83,6 +83,7 @@ class Collocation {
   bool make_consistent();
   void look_for_corner();
   void factorise(double h);
+  bool skips_growth(double h);
   Newton solve_stages(double t, const double* y0, double h, int most_iterations);
   double estimate_error(double t, const double* y0, double h, bool refine);
   double ringing_error(double h, const double* estimate);
@@ -101,9 +102,9 @@ class Collocation {
   bool fresh_ = true;          ///< no polynomial of an earlier step to start from
   std::vector<double> carry_;  ///< what rounding left out of y_: a load that creeps up must not stand still
   std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;
-  std::vector<double> real_lu_, real_right_;
+  std::vector<double> real_lu_, real_right_, growth_lu_;
   std::vector<std::complex<double>> pair_lu_[2], pair_right_[2];
-  std::vector<int> real_pivot_, pair_pivot_[2];
+  std::vector<int> real_pivot_, pair_pivot_[2], growth_pivot_;
   std::vector<double> big_, big_right_, f_stage_, J_stage_;
   std::vector<int> big_pivot_;
   int iterations_ = 0;  ///< of the last Newton solution

@@ -59,6 +59,14 @@ bool factorise_lu(std::vector<Number>& a, std::vector<int>& pivot, int n) {
   return true;
 }
 
+/// The sign of the determinant of a matrix that `factorise_lu` has taken.
+inline int determinant_sign(const std::vector<double>& a, const std::vector<int>& pivot, int n) {
+  int sign = 1;
+  for (int k = 0; k < n; ++k)
+    if ((pivot[k] != k) != (a[k * n + k] < 0)) sign = -sign;
+  return sign;
+}
+
 /// Solves for `columns` right-hand sides, stored row-major n × columns, in place.
 template <class Number>
 void solve_lu(const std::vector<Number>& a, const std::vector<int>& pivot, int n, Number* x, int columns = 1) {

@@ -849,3 +849,73 @@ TEST_CASE("slow motion past unstable steady sliding is not held to the growth of
   CHECK(cycle.stable);
   CHECK(cycle.cost.steps < 40'000);
 }
+
+TEST_CASE("slip that its own weakening carries away at once is not followed where it would creep", "[stress]") {
+  // Without its clock the friction curve falls with slip rate, and a slider of so little mass leaves slow slip within
+  // 1e-7 s. BDF in the natural unknowns has to agree.
+  auto model = slider_under("two-state-ageing", {0.6, 0.01, 0.009, 2e-6, 0.006, 4e-5, 1e-6},
+                            {4.005097166343865, 1.2697383676011718e-05, 0.087681627384475103}, 6.5504266493783504e-05,
+                            0.0011352617030962091);
+  model.lambda = 0;
+  RunOptions options;
+  options.duration = 3.3562300079021026;
+  options.samples = 20;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 8.4939554522192359e-09;
+  options.tolerance = 1e-6;
+  const auto found = run(model, options);
+  REQUIRE(found.outcome.complete());
+  options.solver = "cvode";
+  options.tolerance = 1e-9;
+  const auto other = run(model, options);  // known to somewhat less than asked
+  for (std::size_t c = 0; c < found.columns.size(); ++c)
+    for (std::size_t i = 0; i < found.columns[c].size(); ++i)
+      CHECK(std::abs(found.columns[c][i] - other.columns[c][i]) <= found.column_error[c] + other.column_error[c]);
+}
+
+TEST_CASE("slip that creeps along the rising part of its curve for years is part of the period", "[stress]") {
+  const double V = 3.2197426738047062e-06, N = 8756.9916038585779, k = 0.0042099790233145612;
+  const std::vector<double> v = {0.0,
+                                 0.00018595140722563164,
+                                 0.00055785422167689493,
+                                 0.0018595140722563166,
+                                 0.0055785422167689497,
+                                 0.018595140722563165},
+                            mu = {0.37071005552057529, 0.31510354719248901, 0.28730029302844584,
+                                  0.27803254164043145, 0.28730029302844584, 0.30583579580447462};
+  const auto cycle =
+      find_cycle(slider_under("tabulated", {v, mu}, {k, 0.0020786270995503163, 0.018478572023253273}, V, N));
+  REQUIRE(cycle.outcome.complete());
+  // It goes on until the curve turns up again, at its lowest friction, and what the slip has unloaded stick loads.
+  CHECK(cycle.metrics.friction_min == Approx(mu[3]).epsilon(1e-9));
+  const double creep = (1 - cycle.metrics.stick_fraction) * cycle.metrics.period;
+  CHECK(creep > 0.1 * N * (mu[4] - mu[3]) / (k * v[4]));
+  CHECK(cycle.metrics.slip_rate_mean == Approx(V).epsilon(1e-9));
+
+  const auto damped = find_cycle(slider_under(
+      "stribeck",
+      {1.5941830206785799, 0.59815395025505391, 0.0038817701030426774, 1.0109889197571709, 1.6039007550656046},
+      {3.3048008953065455, 4.0419486875197652, 19723.130412770737}, 0.00015345176644312558, 5291889.1692060744));
+  REQUIRE(damped.outcome.complete());
+  CHECK(damped.metrics.slip_rate_mean == Approx(0.00015345176644312558).epsilon(1e-9));
+}
+
+TEST_CASE("a contact whose slip rate would have to jump says so at every tolerance", "[stress]") {
+  auto model = slider_under("lugre", {1e5, 100.0, 0.4, 0.4, 0.3, 0.001},
+                            {4.8732068126296788, 0.0096420815056680233, 0.042524272036028259}, 0.0077546463657515545,
+                            43.906254336701693);
+  model.lambda = 1238.155187147338;
+  model.contact_stiffness.tangential = 0.0079819891024796065;
+  model.contact_stiffness.damping = 19.544990313841758;
+  RunOptions options;
+  options.duration = 14.6;
+  options.samples = 3;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 2.5314376887218664e-06;
+  for (const double tolerance : {1e-6, 1e-9}) {
+    options.tolerance = tolerance;
+    const auto found = run(model, options);
+    CHECK(found.outcome.ending == Ending::none_exists);
+    CHECK_THAT(found.outcome.detail, Catch::Contains("would have to jump"));
+  }
+}

@@ -56,6 +56,23 @@ struct BlowUp final : System {
   std::string unknown(int) const override { return "y"; }
 };
 
+/// ẏ₀ = r y₀ (1 − y₀), which leaves 0 for 1, and 0 = y₁ − y₀².
+struct Growth final : System {
+  static constexpr double rate = 1e6;
+  int size() const override { return 2; }
+  void mass(double, double* m) const override { m[0] = 1, m[1] = 0; }
+  void evaluate(double, const double* y, double* f) const override {
+    f[0] = rate * y[0] * (1 - y[0]);
+    f[1] = y[1] - y[0] * y[0];
+  }
+  void linearise(double t, const double* y, double* f, double* J) const override {
+    evaluate(t, y, f);
+    J[0] = rate * (1 - 2 * y[0]), J[1] = 0, J[2] = -2 * y[0], J[3] = 1;
+  }
+  void scale(const double*, double* s) const override { s[0] = s[1] = 1; }
+  std::string unknown(int i) const override { return i == 0 ? "y" : "square"; }
+};
+
 /// ẏ₀ = −2 y₀ − 1, which falls through 0 at t = ln(3)/2 from y₀ = 1, and 0 = y₀ − k y₁ with k = 1 above 0 and 4 below.
 struct Corner final : System {
   int size() const override { return 2; }
@@ -281,4 +298,20 @@ TEST_CASE("the error of an oscillation over the embedded estimate falls with the
         const auto z = std::polar(0.9999 * part * tableau.size_below(least), angle * std::numbers::pi / 180);
         CHECK(tableau.error_over_estimate(z) < least);
       }
+}
+
+TEST_CASE("growth is followed, not damped, however small it begins and long the steps could be", "[collocation]") {
+  const Growth system;
+  for (const double first : {1e-6, 1e-12})
+    for (const double tolerance : {1e-4, 1e-8}) {
+      Collocation solver(system, tolerance);
+      REQUIRE(solver.start(0, std::vector{first, first * first}));
+      while (solver.time() < 1 && solver.state()[0] < 0.5) REQUIRE(solver.step(1).complete());
+      const auto half = solver.locate([](double, const double* y) { return y[0] - 0.5; }, 0, 1,
+                                      solver.state_before()[0] - 0.5, solver.state()[0] - 0.5);
+      REQUIRE(half);
+      // y/(1 − y) grows as e^(rt).
+      CAPTURE(first, tolerance);
+      CHECK(solver.time_at(*half) * Growth::rate == Approx(std::log(1 / first - 1)).epsilon(10 * tolerance));
+    }
 }
