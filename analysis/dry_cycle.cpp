@@ -35,9 +35,10 @@ class Swing {
     const Real full = 2 * std::numbers::pi_v<Real> / frequency_;
     highest_ = -full / 2 - phase / frequency_;
     lowest_ = -phase / frequency_;
-    // Comes it to rest?
-    if (!(onset > 0) || slip_rate(lowest_) >= 0) return;
+    // Comes it to rest? Times may be smaller than any number.
+    if (!(onset > 0) || !(highest_ < lowest_) || slip_rate(lowest_) >= 0) return;
     end_ = root(0, highest_, lowest_);
+    if (!(-full < highest_ && highest_ < end_)) return;
     // Without friction in motion it would go on backwards.
     constexpr Real surely = 1 - 1e-9L;
     sticks_ = holding(stretch(end_)) > -surely * static_ * N_;

@@ -302,8 +302,7 @@ std::vector<double> ReturnMap::rates_at_end(const Collocation& solver, double to
   system_.mass(solver.time(), mass.data());
   for (std::size_t k = 0; k < differential_.size(); ++k) {
     const int i = differential_[k];
-    double terms = 0;
-    for (int j = 0; j < n; ++j) terms += std::abs(J[i * n + j] * y[j]);
+    const double terms = size_of_terms(&J[i * n], y.data(), n);
     constexpr double rounding = 1e-16, solved = 1e-2;
     if (rounding * terms / mass[i] < solved * tolerance * scale_[k] / solver.length()) rate[i] = f[i] / mass[i];
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "analysis/refinement.hpp"
@@ -442,6 +443,24 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
   return result;
 }
 
+/// What the last digits of the forces leave of the slip rate of a slider on a contact spring, where damping and not
+/// inertia balances them, m/s.
+double slip_rate_digits(const SliderSystem& system) {
+  const auto& model = system.model();
+  const auto& s = model.slider;
+  if (system.rigid() || !(s.damping > std::sqrt(s.stiffness * s.mass))) return 0;
+  constexpr double digits = 4 * std::numeric_limits<double>::epsilon();
+  return digits * (std::abs(steady_sliding(model).friction_force) + std::abs(model.drive.force.level())) / s.damping;
+}
+
+/// The last digits of the unknowns at y, in scales.
+double last_digits(const ReturnMap& map, const std::vector<double>& y) {
+  double largest = 0;
+  for (std::size_t k = 0; k < map.differential().size(); ++k)
+    largest = std::max(largest, std::abs(y[map.differential()[k]]) / map.scale()[k]);
+  return std::numeric_limits<double>::epsilon() * largest;
+}
+
 /// Several turns that were taken together, because each seemed to differ from the next, may prove to be one and the
 /// same. True if so; `point` is known to be on the cycle within `closure`, in scales.
 bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double closure) {
@@ -484,6 +503,7 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   const double V = map.drive_speed();
   // Small or weakly attracting cycles magnify errors by 1/A and 1/(1 − ρ).
   const double magnified = std::min(1.0, point.amplitude) * std::min(1.0, 1 - spectral_radius(point, map));
+  const double digits = slip_rate_digits(map.system());  // that of the contact follows from friction
   Sharpening sharpening(options.tolerance, 0.2 * options.tolerance * magnified);
   const auto refined = [&](bool keep_orbit) {
     return refine(map, point, sharpening.tolerance(), options.stick_threshold, keep_orbit);
@@ -502,11 +522,15 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     cycle.ill_conditioned_stick = false;
     for (const double e : {options.stick_threshold, 0.01, 0.5})
       if (std::abs(std::abs(lowest) - e * V) < 1e-4 * e * V) cycle.ill_conditioned_stick = true;
-    // Rounding in one passage returns with every one that the cycle takes to forget it.
-    const double forgetting = 1e-14 / std::max(1 - spectral_radius(point, map), 1e-14);
-    const double reached =
-        estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), fine.closure + forgetting, V,
-                        cycle.ill_conditioned_stick, cycle.error, worst);
+    // Rounding in one passage returns with every one that the cycle takes to forget it. Metrics are those of a motion
+    // that may be small beside the scales.
+    const double rounding = std::max(1e-14, last_digits(map, point.y));
+    const double forgetting = rounding / std::max(1 - spectral_radius(point, map), 1e-14);
+    const double size = map.distance(point.y, map.system().steady(0));
+    const double closure = (fine.closure + forgetting) * std::max(1.0, std::min(1.0, point.amplitude) / size);
+    const double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), closure, V,
+                                           cycle.ill_conditioned_stick, cycle.error, worst);
+    cycle.error.slip_rate_min += digits, cycle.error.slip_rate_max += digits;
     cycle.metrics = fine.metrics;
     cycle.orbit = std::move(fine.orbit);
     cycle.outcome = sharpening.judge(reached, worst);

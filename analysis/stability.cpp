@@ -341,6 +341,11 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
         point.first_lyapunov_coefficient = first_lyapunov_coefficient(
             model.with(parameter, std::clamp(point.value, low, high)), point.angular_frequency);
         const double l = point.first_lyapunov_coefficient;
+        if (!std::isfinite(l))
+          throw InputError(fmt::format(
+              "at the Hopf point {} = {:.6g} the slider oscillates with {:.2g} rad/s: its normal form is beyond the "
+              "range of numbers; oscillator.stiffness, {:.3g} N/m, or the mass is out of any range",
+              parameter, point.value, point.angular_frequency, model.slider.stiffness));
         point.criticality = !(std::abs(l) > 1e-10) ? Criticality::degenerate
                             : l < 0                ? Criticality::supercritical
                                                    : Criticality::subcritical;

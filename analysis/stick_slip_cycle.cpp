@@ -88,6 +88,7 @@ class Bottoms {
     highest_ = system_.direction() == 0 || switched != solvers::Switch::none ? 0 : std::max(highest_, u);
     if (!(bottom.highest > V)) return std::nullopt;
     if (switched == solvers::Switch::none) return 2 * lowest < u ? std::optional(bottom) : std::nullopt;
+    if (switched == solvers::Switch::slip) return bottom;  // at rest for no time
     if (switched != solvers::Switch::stick) return std::nullopt;
     const auto& s = model_.slider;
     system_.evaluate(solver.time(), solver.stepper().state().data(), rate_.data());
@@ -210,7 +211,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
         const double lost = known * bottom->highest;
         result.grazes |= bottom->dip < grazing * tolerance * bottom->highest;
         lowest_dip = std::min(lowest_dip, bottom->dip / bottom->highest);
-        if (switched == solvers::Switch::stick)
+        if (switched != solvers::Switch::none)
           doubt = std::sqrt(2 * s.mass / (s.stiffness * V)) *
                   (bottom->dip > lost ? lost / std::sqrt(bottom->dip) : std::sqrt(lost));
       }
@@ -615,8 +616,8 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), fine.closure, V, false,
                                      cycle.error, worst, caution);
     cycle.error.friction_min += fine.friction;
-    if (const double part = fine.friction / std::abs(fine.metrics.friction_min); part > reached)
-      reached = part, worst = "friction_min";
+    const double level = std::max(std::abs(fine.metrics.friction_min), std::abs(fine.metrics.friction_max));
+    if (const double part = fine.friction / level; part > reached) reached = part, worst = "friction_min";
     cycle.metrics = fine.metrics;
     cycle.orbit = fine.orbit;
     cycle.section_displacement = fine.onset_displacement;

@@ -403,13 +403,20 @@ double lanes_against(const Cycle& tight, const Model& model, std::string& worst)
   return ratio;
 }
 
+constexpr double coarsest_of_use = 1e-3;  ///< error over size
+
+/// What agrees within its errors, but was asked for more exactly.
+Judgement less_exactly(Judgement judgement, const Outcome& outcome) {
+  if (judgement.verdict == Verdict::certified) judgement = {Verdict::less_exact, outcome.detail};
+  return judgement;
+}
+
 /// True if every metric of a cycle short of its tolerance is known to a thousandth.
 bool is_of_use(const Cycle& cycle, const Model& model) {
-  constexpr double coarsest = 1e-3;
   return cycle.metrics.period > 0 && std::ranges::all_of(metric_names(), [&](const MetricName& metric) {
            if (is_stick(metric) && cycle.ill_conditioned_stick) return true;
            return cycle.error.*metric.member <=
-                  coarsest * size_of(metric, cycle.metrics, std::abs(model.drive.speed.level()));
+                  coarsest_of_use * size_of(metric, cycle.metrics, std::abs(model.drive.speed.level()));
          });
 }
 
@@ -455,17 +462,33 @@ Judgement judge_cycle(const Model& model) {
   std::string of_lanes;
   const double lanes = V > 0 && tight.outcome.complete() ? lanes_against(tight, model, of_lanes) : 0;
   if (!(lanes <= ratio)) ratio = lanes, worst = of_lanes + " of the lanes";
-  Judgement judgement = by_ratio(ratio, worst);
-  if (short_of && judgement.verdict == Verdict::certified) {
-    judgement.verdict = Verdict::less_exact;
-    judgement.reason = loose.outcome.detail;
+  return short_of ? less_exactly(by_ratio(ratio, worst), loose.outcome) : by_ratio(ratio, worst);
+}
+
+/// True if every column of a run that reached its end is known to a thousandth of its largest value, velocities to that
+/// of the drive's or the slip's.
+bool is_of_use(const Run& run, const Model& model, std::size_t samples) {
+  if (run.columns.empty() || run.columns[0].size() != samples) return false;
+  const auto largest = [&](std::size_t column) {
+    double size = 0;
+    for (const double value : run.columns[column]) size = std::max(size, std::abs(value));
+    return size;
+  };
+  constexpr std::size_t velocity = 1, slip_rate = 2;
+  const double speeds = std::max({std::abs(model.drive.speed.level()), largest(velocity), largest(slip_rate)});
+  for (std::size_t c = 0; c < run.columns.size(); ++c) {
+    const double size = c == velocity || c == slip_rate ? speeds : largest(c);
+    if (!(run.column_error[c] <= coarsest_of_use * size)) return false;
   }
-  return judgement;
+  return true;
 }
 
 Judgement judge_run(const Model& model, const RunOptions& options) {
   const auto loose = run(model, options);
-  if (!loose.outcome.complete() && loose.outcome.ending != Ending::none_exists) return failure(loose.outcome);
+  const bool short_of =
+      loose.outcome.ending == Ending::tolerance_not_met && is_of_use(loose, model, sample_times(options).size());
+  if (!loose.outcome.complete() && loose.outcome.ending != Ending::none_exists && !short_of)
+    return failure(loose.outcome);
   RunOptions check = options;
   Run second;
   bool checked = false;
@@ -482,8 +505,7 @@ Judgement judge_run(const Model& model, const RunOptions& options) {
   check.solver = "auto";
   if (loose.solver == "steady") {
     // The equations themselves, for as long as rounding has not grown to matter. All samples are the same.
-    double growth = 0;
-    for (const auto& e : stability(model).eigenvalues) growth = std::max(growth, e.real());
+    const double growth = std::max(stability(model).eigenvalues.front().real(), 0.0);
     check.solver = model.law->set_valued() ? "events" : "collocation";
     check.duration = std::min(check.duration, 5 / growth);
   }
@@ -511,7 +533,7 @@ Judgement judge_run(const Model& model, const RunOptions& options) {
       if (!(r <= ratio)) ratio = r, worst = loose.column_names[c];
     }
   }
-  return by_ratio(ratio, worst);
+  return short_of ? less_exactly(by_ratio(ratio, worst), loose.outcome) : by_ratio(ratio, worst);
 }
 
 /// A message with its numbers left out, so that like ones are counted together.

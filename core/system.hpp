@@ -1,5 +1,6 @@
 /// What a solver advances in time: M(t)·ẏ = f(t, y) with a diagonal M whose zero rows are algebraic.
 #pragma once
+#include <cmath>
 #include <string>
 
 #include "core/pack.hpp"
@@ -39,6 +40,14 @@ class System {
   /// Removes what steps along the flow have left of a defect in the algebraic rows.
   virtual void restore(double, double*) const {}
 };
+
+/// Σ|J_ij y_j| of one row of a Jacobian: the size of the terms that cancel where a row of f is in balance, and of which
+/// rounding leaves some last digits.
+inline double size_of_terms(const double* row, const double* y, int n) {
+  double sum = 0;
+  for (int j = 0; j < n; ++j) sum += std::abs(row[j] * y[j]);
+  return sum;
+}
 
 /// A system with one set-valued contact: it sticks, or slips in one of two directions, and a solver with event
 /// location sets which.

@@ -385,8 +385,7 @@ double Collocation::ringing_error(double h, const double* estimate) {
     if (!heard) {
       // Beside the estimate the estimates of what rounding leaves of forces that balance, which rings at every start.
       std::fill_n(noise.begin(), n * n, 0.0);
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) noise[i * n + i] += 4 * rounding * std::abs(J_[i * n + j] * y_[j]);
+      for (int i = 0; i < n; ++i) noise[i * n + i] = 4 * rounding * size_of_terms(&J_[i * n], y_.data(), n);
       solve_lu(real_lu_, real_pivot_, n, noise.data(), n);
       heard = true;
     }

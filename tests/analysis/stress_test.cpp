@@ -919,3 +919,69 @@ TEST_CASE("a contact whose slip rate would have to jump says so at every toleran
     CHECK_THAT(found.outcome.detail, Catch::Contains("would have to jump"));
   }
 }
+
+TEST_CASE("a small cycle is known to the last digits of the load that it swings about", "[stress]") {
+  // Displacements of 5e-11 m about 2e-4 m: their last digit is 5e-10 of the swing, and comes back two thousandfold.
+  const auto cycle_at = [](double tolerance) {
+    auto model = slider_under("prz",
+                              {0.72819302526756302, 0.0036218242219852705, 0.006180175588128738, 0.0001345184834891712,
+                               0.00062882432050937896},
+                              {74.676193966753146, 227018.66177122964, 1973682.3163139357}, 4.256691443557705e-08,
+                              32.853482640961225);
+    model.lambda = 1.2156585726957905e-06;
+    model.drive.force = 16.527347723308491;
+    return find_cycle(model, {.tolerance = tolerance});
+  };
+  const auto loose = cycle_at(1e-6), tight = cycle_at(1e-9);
+  REQUIRE(loose.metrics.period > 0);
+  REQUIRE(tight.metrics.period > 0);
+  for (const auto member : {&Metrics::period, &Metrics::slip_rate_max, &Metrics::slip_rate_min})
+    CHECK(std::abs(loose.metrics.*member - tight.metrics.*member) <= loose.error.*member + tight.error.*member);
+}
+
+TEST_CASE("BDF says that a spring under large forces moves by less than its last digit", "[stress]") {
+  auto model = slider_under("kato-tullis",
+                            {0.99680749847859162, 0.0049797890299282015, 0.0066385279363070926, 0.0031395946210726806,
+                             2.1731268658227291e-09, 1.9514317849810836e-05},
+                            {0.00046557837056710941, 0.081237116383828564, 0.33554314353659798}, 2.7237701845655936e-09,
+                            67370.875147496496);
+  model.lambda = 0.0033083506793793157;
+  model.contact_stiffness.per_load = 1.2999803875762092e-08;
+  RunOptions options;
+  options.duration = 25;
+  options.samples = 3;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 4.7832574877284306e-09;
+  options.solver = "cvode";
+  options.tolerance = 1e-7;
+  CHECK(run(model, options).outcome.ending == Ending::tolerance_not_met);
+}
+
+TEST_CASE("what is out of the range of numbers is refused or not found, and does not end the program", "[stress]") {
+  const auto light = slider_under("coulomb", {0.4, 0.3}, {2.3e-308, 47.27452698366308, 0}, 1.3894752757415494e-05,
+                                  0.034084323248259225);
+  CHECK_FALSE(find_cycle(light).outcome.complete());
+  auto soft =
+      slider_under("nagata",
+                   {1.8652139411746058, 0.044968057367678664, 0.13424117362828017, 6.7694704460914332e-05,
+                    1.2113881345531749e-06, 2.2738485931295607},
+                   {12117.555572583613, 1e-310, 10230.437889956975}, 5.4421487054678137e-06, 7.1791191162413894e-05);
+  soft.lambda = 0.0061473463164839993;
+  CHECK_THROWS_WITH(hopf_points(soft, "drive.normal_load"), Catch::Contains("oscillator.stiffness"));
+}
+
+TEST_CASE("a slip that rests for no time, or for 1e-8 of the period, leaves friction in doubt by what that loads",
+          "[stress]") {
+  const auto cycle_at = [](double tolerance) {
+    auto model = slider_under(
+        "thermal",
+        {0.3649318864556077, 0.48587862399234966, 3.1656153568663059e-05, 0.55086738814633907, 1.7139939282762698e-06,
+         6.9757950680320777e-07, 0.009553579447467422, 1.079988961839188e-07, 0.49575507459905127, 452.36733333724101},
+        {0.00024368120595999096, 277780.90450244729, 0}, 4.9765820160117264e-10, 2.0231122612906102e-12);
+    model.lambda = 0.00011756182530909203;
+    return find_cycle(model, {.tolerance = tolerance});
+  };
+  const auto loose = cycle_at(1e-6), tight = cycle_at(1e-9);
+  CHECK(std::abs(loose.metrics.friction_min - tight.metrics.friction_min) <=
+        loose.error.friction_min + tight.error.friction_min);
+}
