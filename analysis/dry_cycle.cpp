@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/maths.hpp"
+
 namespace rosin::analysis {
 
 namespace {
@@ -35,10 +37,10 @@ class Swing {
     const Real full = 2 * std::numbers::pi_v<Real> / frequency_;
     highest_ = -full / 2 - phase / frequency_;
     lowest_ = -phase / frequency_;
-    // Comes it to rest? Times may be smaller than any number.
-    if (!(onset > 0) || !(highest_ < lowest_) || slip_rate(lowest_) >= 0) return;
+    // Comes it to rest?
+    if (!(onset > 0) || slip_rate(lowest_) >= 0) return;
     end_ = root(0, highest_, lowest_);
-    if (!(-full < highest_ && highest_ < end_)) return;
+    if (!(-full < highest_ && highest_ < end_)) return;  // speeds and times may be smaller than any number
     // Without friction in motion it would go on backwards.
     constexpr Real surely = 1 - 1e-9L;
     sticks_ = holding(stretch(end_)) > -surely * static_ * N_;
@@ -104,11 +106,13 @@ class Swing {
   Real displacement(Real xi) const { return xi + (N_ * dynamic_ + viscous_ * V_ + f_) / k_; }
   /// Friction force that holds at rest, N.
   Real holding(Real xi) const { return k_ * displacement(xi) + c_ * V_ - f_; }
-  /// Where the slip rate is `value`, between its turns.
+  /// Where the slip rate is `value`, between its turns; NaN where rounding has it on one side of that at both.
   Real root(Real value, Real low, Real high) const {
+    const auto beside = [&](Real tau) { return slip_rate(tau) - value; };
+    if (!(low < high) || sign(beside(low)) * sign(beside(high)) > 0) return std::numeric_limits<Real>::quiet_NaN();
     std::uintmax_t most = 200;
-    const auto [a, b] = boost::math::tools::toms748_solve([&](Real tau) { return slip_rate(tau) - value; }, low, high,
-                                                          boost::math::tools::eps_tolerance<Real>(), most);
+    const auto [a, b] =
+        boost::math::tools::toms748_solve(beside, low, high, boost::math::tools::eps_tolerance<Real>(), most);
     return (a + b) / 2;
   }
 

@@ -18,6 +18,7 @@
 #include "solvers/collocation.hpp"
 #include "solvers/cvode.hpp"
 #include "solvers/explicit.hpp"
+#include "solvers/growth.hpp"
 #include "solvers/stick_slip.hpp"
 
 namespace rosin::analysis {
@@ -212,11 +213,7 @@ class Pass {
           return {Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s{}", options_.most_steps, solver.time(),
                                                     turns_until(system_.model(), end))};
         }
-        const Outcome outcome = advance(limit);
-        if (!outcome.complete()) {
-          const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
-          return end ? Outcome{Ending::none_exists, *end} : outcome;
-        }
+        if (const Outcome outcome = advance(limit); !outcome.complete()) return outcome;
       }
       y = solver.state();
       t = limit;
@@ -226,6 +223,12 @@ class Pass {
       }
       system_.cross_break(t, y.data());
     }
+  }
+  /// A step that failed, with the reason if that lies in the motion.
+  template <class Solver>
+  Outcome explained(const Outcome& outcome, const Solver& solver) const {
+    const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
+    return end ? Outcome{Ending::none_exists, *end} : outcome;
   }
   bool start(Collocation& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
   bool start(WhileNotStiff& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
@@ -291,7 +294,7 @@ class Pass {
     WhileNotStiff solver(system_, tolerance, options_.solver == "auto");
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       const Outcome o = solver.step(limit);
-      if (!o.complete()) return o;
+      if (!o.complete()) return explained(o, solver);
       if (solver.implicit())
         look_at(solver.implicit_steps(), true);
       else
@@ -313,7 +316,8 @@ class Pass {
     solver.resolve_starts();
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       const Outcome o = solver.step(limit);
-      if (o.complete()) look_at(solver, true);
+      if (!o.complete()) return explained(o, solver);
+      look_at(solver, true);
       return o;
     });
     cost_ = {solver.count().steps, solver.count().evaluations + solver.count().linearisations};
@@ -327,7 +331,7 @@ class Pass {
       const bool sticking_before = system_.direction() == 0;
       solvers::Switch switched;
       const Outcome o = solver.step(limit, switched);
-      if (!o.complete()) return o;
+      if (!o.complete()) return explained(o, solver);
       look_at(solver.stepper(), false);
       const bool sticking = system_.direction() == 0;
       if (sticking && !sticking_before) stuck_since = solver.stepper().time_before();
@@ -350,13 +354,19 @@ class Pass {
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       const double before = solver.time(), x = solver.state()[0];
       const Outcome o = solver.step(limit);
-      if (!o.complete()) return o;
+      if (!o.complete()) return explained(o, solver);
       if (solver.state()[0] == x) stood_still_ += solver.time() - before;
       sample_until(solver.time(), false, [&](double t) {
         solver.interpolate(t, z.data());
         return z.data();
       });
-      if (!in_balance(solver))
+      if (damps_growth(solver, solver.time() - before))
+        return Outcome{
+            Ending::tolerance_not_met,
+            fmt::format("at t = {:.9g} s a step of {:.3g} s is longer than slip takes to grow there, which it "
+                        "damps; use 'collocation'",
+                        solver.time(), solver.time() - before)};
+      if (!in_balance(solver, tolerance))
         return Outcome{Ending::tolerance_not_met,
                        fmt::format("at t = {:.9g} s slip, {:.3g} m/s, is too slow for its error to keep friction in "
                                    "balance with the spring; use 'collocation'",
@@ -368,10 +378,19 @@ class Pass {
     return outcome;
   }
 
+  /// True if a step of that length damps what grows.
+  bool damps_growth(const solvers::Cvode& solver, double step) {
+    const int n = system_.size();
+    std::vector<double> f(n), mass(n), J(n * n);
+    system_.linearise(solver.time(), solver.state().data(), f.data(), J.data());
+    system_.mass(solver.time(), mass.data());
+    return step > 0 && solvers::GrowthTest(n).faster_than(1 / step, mass, J);
+  }
+
   /// In deep stick friction hangs on digits of the slip rate that natural unknowns do not hold to any tolerance; and a
   /// spring under large forces does not show in its last digit what short steps move it by. False where motion has left
   /// the balance of forces for good.
-  bool in_balance(const solvers::Cvode& solver) const {
+  bool in_balance(const solvers::Cvode& solver, double tolerance) const {
     if (system_.mechanics() != oscillators::Mechanics::inertial) return true;
     constexpr double lost = 0.3;
     const double t = solver.time(), *y = solver.state().data();
@@ -387,7 +406,7 @@ class Pass {
     const auto& slider = system_.model().slider;
     const double missing = slider.stiffness * std::abs(rate[0]) * stood_still_;
     const double impedance = std::max(std::abs(J[u * n + u]), std::sqrt(slider.stiffness * slider.mass));
-    return std::abs(f[u] - mass[u] * rate[u]) <= lost * largest && missing <= lost * impedance * scale[u];
+    return std::abs(f[u] - mass[u] * rate[u]) <= lost * largest && missing <= tolerance * impedance * scale[u];
   }
 
   const RunOptions& options_;

@@ -265,144 +265,179 @@ class Leaps {
   bool steady_ = false, useless_ = false;
 };
 
-/// What a search ends with: a stable fixed point, or why there is none.
-struct Search {
+/// The search for a stable fixed point of the return map, from starts in stick or the one that is given.
+class Search {
+ public:
+  /// `drift_at_rest`: growth of a small oscillation about steady sliding in one period, ln(A'/A).
+  Search(ReturnMap& map, double drift_at_rest, const CycleOptions& options)
+      : map_(map),
+        options_(options),
+        drift_at_rest_(drift_at_rest),
+        most_passages_(steady_is_stable() ? std::min(options.max_cycles, 12) : options.max_cycles) {}
+
+  /// Looks for the point; where none is found, `outcome` says why.
+  void run() {
+    if (!options_.near.empty()) {
+      const auto passage = map_.follow(options_.near, loose, 1, true);
+      if (passage.outcome.complete() && accept(passage.end, 1, passage.amplitude, infinity)) return;
+    }
+    // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin
+    // of a cycle beside stable sliding that the first start misses, and does not fall straight onto an unstable steady
+    // state.
+    const double V = map_.drive_speed();
+    std::vector<double> ages = {V};
+    if (!options_.start) ages.push_back((steady_is_stable() ? 1e-4 : 0.1) * V);
+    for (const double aged_at : ages) {
+      try {
+        from(options_.start ? starting_point(map_.system(), *options_.start) : map_.stick(aged_at));
+      } catch (const InputError& e) {
+        outcome = {Ending::not_finite, e.what()};
+      }
+      if (found()) return;
+    }
+  }
+  bool found() const { return point || creeping_ == most_creeping; }
+
   std::optional<FixedPoint> point;
   Outcome outcome;
-};
 
-/// `drift_at_rest`: growth of a small oscillation about steady sliding in one period, ln(A'/A).
-Search search(ReturnMap& map, double drift_at_rest, const CycleOptions& options) {
-  Search result;
-  const auto& start = options.start;
-  int max_cycles = options.max_cycles;
-  const bool steady_is_stable = drift_at_rest < 0;
-  const double V = map.drive_speed();
-  // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin of
-  // a cycle beside stable sliding that the first start misses, and does not fall straight onto an unstable steady
-  // state.
-  std::vector<double> ages = {V};
-  if (steady_is_stable) max_cycles = std::min(max_cycles, 12);
-  ages.push_back((steady_is_stable ? 1e-4 : 0.1) * V);
-  constexpr int most_creeping = 9;
-  int creeping = 0;  ///< times that motion far from any cycle was found neither to settle nor to grow
-  const auto attracts = [&](const std::optional<FixedPoint>& point) {
-    return point && point->amplitude >= collapsed && spectral_radius(*point, map) < 1;
-  };
-  const auto accept = [&](const std::vector<double>& y, int turns, double amplitude, double change) {
-    auto found = newton(map, y, turns, amplitude, drift_at_rest);
-    constexpr double repeats = 1e-3, certainly = 0.5, hardly = 0.99;
-    const double size = map.distance(y, map.system().steady(0));
-    if (!attracts(found) && change < repeats * size) {
-      found = settled(map, y, turns, amplitude);
-      if (found && !(spectral_radius(*found, map) < certainly)) {
-        if (spectral_radius(*found, map) > hardly && ++creeping == most_creeping)
-          result.outcome = {Ending::budget_spent,
-                            fmt::format("the motion hardly changes from passage to passage, by {:.1e} of its size, and "
-                                        "a cycle that it may approach was not reached",
-                                        change / size)};
-        return false;
-      }
-    }
-    if (!attracts(found)) return false;
-    result.point = found;
-    result.outcome = {};
-    return true;
-  };
-  if (!options.near.empty()) {
-    const auto passage = map.follow(options.near, loose, 1, true);
-    if (passage.outcome.complete() && accept(passage.end, 1, passage.amplitude, infinity)) return result;
+ private:
+  static constexpr int most_creeping = 9;  ///< times that motion may hardly change before the search ends
+
+  bool steady_is_stable() const { return drift_at_rest_ < 0; }
+  double distance_from_steady(const std::vector<double>& y) const { return map_.distance(y, map_.system().steady(0)); }
+  bool attracts(const std::optional<FixedPoint>& candidate) const {
+    return candidate && candidate->amplitude >= collapsed && spectral_radius(*candidate, map_) < 1;
   }
-  if (start) ages = {V};
-  for (const double aged_at : ages) {
-    std::vector<double> y;
-    try {
-      y = start ? starting_point(map.system(), *start) : map.stick(aged_at);
-    } catch (const InputError& e) {
-      result.outcome = {Ending::not_finite, e.what()};
-      continue;
-    }
-    result.outcome =
-        steady_is_stable
-            ? Outcome{Ending::none_exists, fmt::format("the motion started from {} dies out onto steady sliding",
-                                                       start ? "the given start" : "stick")}
-            : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", max_cycles)};
-    std::vector<std::vector<double>> visited;
-    Leaps leaps(map);
-    double tolerance = loose;
-    int next_attempt = 2;
-    bool enlarged = false, balanced_once = false;
-    double last_amplitude = 1;
-    for (int k = 0; k < max_cycles; ++k) {
-      const auto passage = map.follow(y, tolerance, 1, k > 0, false, nullptr, dip_of(last_amplitude));
+
+  /// Follows the motion from y until a stable fixed point is found, or it is known why none is.
+  void from(std::vector<double> y) {
+    outcome = steady_is_stable()
+                  ? Outcome{Ending::none_exists, fmt::format("the motion started from {} dies out onto steady sliding",
+                                                             options_.start ? "the given start" : "stick")}
+                  : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", most_passages_)};
+    visited_.clear();
+    Leaps leaps(map_);
+    double tolerance = loose, last_amplitude = 1;
+    bool enlarged = false;
+    balanced_ = false;
+    next_attempt_ = 2;
+    for (int k = 0; k < most_passages_; ++k) {
+      const auto passage = map_.follow(y, tolerance, 1, k > 0, false, nullptr, dip_of(last_amplitude));
       if (!passage.outcome.complete()) {
         if (const auto nearer = leaps.shorter()) {
           y = *nearer;
           continue;
         }
-        if (passage.outcome.ending != Ending::budget_spent || !steady_is_stable) result.outcome = passage.outcome;
-        break;
+        if (passage.outcome.ending != Ending::budget_spent || !steady_is_stable()) outcome = passage.outcome;
+        return;
       }
-      if (map.cost().steps > most_steps) {
-        result.outcome = {Ending::budget_spent, fmt::format("no periodic motion within {} steps", most_steps)};
-        break;
+      if (map_.cost().steps > most_steps) {
+        outcome = {Ending::budget_spent, fmt::format("no periodic motion within {} steps", most_steps)};
+        return;
       }
       y = passage.end;
-      visited.push_back(y);
+      visited_.push_back(y);
       const double amplitude = last_amplitude = passage.amplitude;
-      if (k > 0 && steady_is_stable && amplitude < 0.02) break;
-      if (!steady_is_stable && !enlarged && amplitude < 1e-3) {
-        // An overdamped start has all but reached steady sliding, which repels: go on from where growth would lead.
-        if (amplitude < 1e-11) break;
-        const auto steady = map.system().steady(0);
-        // States that changed more than the speed did are not carried away by it.
-        y = map.moved(steady, map.difference(y, steady), std::min(0.1 / amplitude, 1 / map.distance(y, steady)));
+      if (k > 0 && steady_is_stable() && amplitude < 0.02) return;
+      if (!steady_is_stable() && !enlarged && amplitude < 1e-3) {
+        if (amplitude < 1e-11) return;
+        y = grown(y, amplitude);
         enlarged = true;
         continue;
       }
-      const double size = map.distance(y, map.system().steady(0));
-      leaps.passed(y, size);
-      const int passages = int(visited.size()) - 1;  // since the start or the last leap
-      const double moved = passages > 0 ? map.distance(y, visited[passages - 1]) : infinity;
-      const double change = moved / std::min(amplitude, size);
+      leaps.passed(y, distance_from_steady(y));
       // A drift is followed as closely as it takes to see it.
       tolerance = std::clamp(1e-3 * leaps.pace(), 1e-13, loose);
-      // Several passages in a period: as many as bring the motion nearly back.
-      constexpr int few = 8;
-      const auto came_back = [&](int turns) {
-        const double back = map.distance(y, visited[passages - turns]);
-        return back < 0.2 * moved && (turns <= few || back < std::min(0.01 * size, 0.02 * moved)) ? back : infinity;
-      };
-      bool many = false;
-      for (int turns = few + 1; turns < passages; ++turns) many = many || came_back(turns) < infinity;
-      if (many || (!leaps.under_way() && (k >= next_attempt || change < 1e-3))) {
-        next_attempt = k + std::max(2, k / 2);
-        // Motion that hardly drifts is not waited for.
-        constexpr double slow = 1e-3;
-        const bool drifts = k >= 2 && std::abs(drift_at_rest) < slow && amplitude < 10 && !balanced_once;
-        if (!drifts && accept(y, 1, amplitude, moved)) return result;
-        if (creeping == most_creeping) return result;
-        for (int turns = 2; turns < passages; ++turns)
-          if (const double back = came_back(turns); back < infinity && accept(y, turns, amplitude, back)) return result;
-        if (k >= 6 || (steady_is_stable && k >= 3) || drifts) {
-          balanced_once = true;
-          const auto balanced = balance_of_drift(map, y, amplitude, drift_at_rest);
-          if (balanced.y) {
-            const auto there = map.follow(*balanced.y, search_tolerance(amplitude, drift_at_rest), 1, true, false,
-                                          nullptr, dip_of(amplitude));
-            if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return result;
-          }
-          if (balanced.dies_out) break;
-        }
-      }
-      if (!steady_is_stable && leaps.ready()) {
+      if (attempt(k, amplitude, leaps.under_way()) == Attempt::ends) return;
+      if (!steady_is_stable() && leaps.ready()) {
         y = leaps.ahead();
-        visited.clear();
+        visited_.clear();
       }
     }
   }
-  return result;
-}
+
+  /// An overdamped start has all but reached steady sliding, which repels: goes on from where growth would lead.
+  std::vector<double> grown(const std::vector<double>& y, double amplitude) const {
+    const auto steady = map_.system().steady(0);
+    // States that changed more than the speed did are not carried away by it.
+    return map_.moved(steady, map_.difference(y, steady), std::min(0.1 / amplitude, 1 / map_.distance(y, steady)));
+  }
+
+  enum class Attempt { goes_on, ends };
+  /// After passage k, the last of those visited: tries to take the motion for a cycle, where it nearly repeats itself,
+  /// and now and then where it does not.
+  Attempt attempt(int k, double amplitude, bool leaping) {
+    const auto& y = visited_.back();
+    const int passages = int(visited_.size()) - 1;  // since the start or the last leap
+    const double size = distance_from_steady(y);
+    const double moved = passages > 0 ? map_.distance(y, visited_[passages - 1]) : infinity;
+    const double change = moved / std::min(amplitude, size);
+    // Several passages in a period: as many as bring the motion nearly back.
+    constexpr int few = 8;
+    const auto came_back = [&](int turns) {
+      const double back = map_.distance(y, visited_[passages - turns]);
+      return back < 0.2 * moved && (turns <= few || back < std::min(0.01 * size, 0.02 * moved)) ? back : infinity;
+    };
+    bool many = false;
+    for (int turns = few + 1; turns < passages; ++turns) many = many || came_back(turns) < infinity;
+    if (!many && (leaping || (k < next_attempt_ && !(change < 1e-3)))) return Attempt::goes_on;
+    next_attempt_ = k + std::max(2, k / 2);
+    // Motion that hardly drifts is not waited for.
+    constexpr double slow = 1e-3;
+    const bool drifts = k >= 2 && std::abs(drift_at_rest_) < slow && amplitude < 10 && !balanced_;
+    if (!drifts && accept(y, 1, amplitude, moved)) return Attempt::ends;
+    if (creeping_ == most_creeping) return Attempt::ends;
+    for (int turns = 2; turns < passages; ++turns)
+      if (const double back = came_back(turns); back < infinity && accept(y, turns, amplitude, back))
+        return Attempt::ends;
+    return k >= 6 || (steady_is_stable() && k >= 3) || drifts ? balance(y, amplitude) : Attempt::goes_on;
+  }
+
+  /// Looks for the amplitude at which drift balances.
+  Attempt balance(const std::vector<double>& y, double amplitude) {
+    balanced_ = true;
+    const auto balanced = balance_of_drift(map_, y, amplitude, drift_at_rest_);
+    if (balanced.y) {
+      const auto there = map_.follow(*balanced.y, search_tolerance(amplitude, drift_at_rest_), 1, true, false, nullptr,
+                                     dip_of(amplitude));
+      if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return Attempt::ends;
+    }
+    return balanced.dies_out ? Attempt::ends : Attempt::goes_on;
+  }
+
+  /// True if `turns` passages from y, which bring it back but for `change`, lead to a fixed point that attracts; it is
+  /// then `point`.
+  bool accept(const std::vector<double>& y, int turns, double amplitude, double change) {
+    auto candidate = newton(map_, y, turns, amplitude, drift_at_rest_);
+    constexpr double repeats = 1e-3, certainly = 0.5, hardly = 0.99;
+    const double size = distance_from_steady(y);
+    if (!attracts(candidate) && change < repeats * size) {
+      candidate = settled(map_, y, turns, amplitude);
+      if (candidate && !(spectral_radius(*candidate, map_) < certainly)) {
+        if (spectral_radius(*candidate, map_) > hardly && ++creeping_ == most_creeping)
+          outcome = {Ending::budget_spent,
+                     fmt::format("the motion hardly changes from passage to passage, by {:.1e} of its size, and "
+                                 "a cycle that it may approach was not reached",
+                                 change / size)};
+        return false;
+      }
+    }
+    if (!attracts(candidate)) return false;
+    point = candidate;
+    outcome = {};
+    return true;
+  }
+
+  ReturnMap& map_;
+  const CycleOptions& options_;
+  double drift_at_rest_;
+  int most_passages_;
+  int creeping_ = 0;                          ///< times that motion far from any cycle neither settled nor grew
+  std::vector<std::vector<double>> visited_;  ///< ends of passages since the start or the last leap
+  int next_attempt_ = 2;                      ///< the passage after which a cycle is next looked for in any case
+  bool balanced_ = false;                     ///< the balance of drift was looked for from this start
+};
 
 /// Metrics of the cycle through `point` at one tolerance; moves the point onto the cycle.
 struct Refined {
@@ -493,13 +528,14 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     cycle.outcome = {Ending::none_exists, "one unknown alone evolves, and that cannot oscillate (no mass, no memory)"};
     return cycle;
   }
-  auto found = search(map, leading.real() * turn, options);
+  Search search(map, leading.real() * turn, options);
+  search.run();
   cycle.cost = map.cost();
-  if (!found.point) {
-    cycle.outcome = found.outcome;
+  if (!search.point) {
+    cycle.outcome = search.outcome;
     return cycle;
   }
-  FixedPoint& point = *found.point;
+  FixedPoint& point = *search.point;
   const double V = map.drive_speed();
   // Small or weakly attracting cycles magnify errors by 1/A and 1/(1 − ρ).
   const double magnified = std::min(1.0, point.amplitude) * std::min(1.0, 1 - spectral_radius(point, map));

@@ -26,7 +26,8 @@ Collocation::Collocation(const System& system, double tolerance)
     : system_(system),
       tableau_(RadauTableau::get()),
       n_(system.size()),
-      tolerance_(std::max(tolerance, least_tolerance)) {
+      tolerance_(std::max(tolerance, least_tolerance)),
+      growth_(n_) {
   if (s * n_ > largest_lu)
     throw InputError(fmt::format("{} unknowns are more than the collocation takes, {}", n_, largest_lu / s));
   // The embedded estimate falls with h^6, the error of the solution with h^9: ask of the estimate what makes the
@@ -39,8 +40,7 @@ Collocation::Collocation(const System& system, double tolerance)
   for (auto* v : {&Z_, &Z_trial_, &residual_, &stage_mass_}) v->assign(s * n, 0.0);
   J_.assign(n * n, 0.0);
   real_lu_.assign(n * n, 0.0);
-  growth_lu_.reserve(n * n);
-  for (auto* v : {&real_pivot_, &growth_pivot_}) v->assign(n, 0);
+  real_pivot_.assign(n, 0);
   real_right_.assign(n, 0.0);
   for (int k = 0; k < 2; ++k) {
     pair_lu_[k].assign(n * n, 0.0);
@@ -145,30 +145,11 @@ void Collocation::factorise(double h) {
     if (!factorise_lu(pair_lu_[k], pair_pivot_[k], n)) pair_lu_[k][0] = NAN;
 }
 
-/// True where a real mode grows by more in a step of length h than the method follows to the tolerance. It has λ beyond
-/// z/h, with z where the method errs by so much of e^z. The error estimate does not tell while the mode is small, and
-/// beyond its pole at z = γ the method damps what grows: its stages then lie on a slow motion that the solution leaves
-/// at once, the same at every tolerance. For moving unknowns with masses mᵢ and rates λᵢ, det(zM/h − J) =
-/// det(−J_aa) Π mᵢ (z/h − λᵢ) with J_aa of the algebraic ones, so that the signs of determinants tell.
-bool Collocation::skips_growth(double h) {
-  const int n = n_;
+/// The rate of growth that a step of length h follows to the tolerance: z/h, with z where the method errs by so much of
+/// e^z. The error estimate does not tell while what grows is small, and beyond its pole at z = γ the method damps it.
+double Collocation::growth_followed(double h) const {
   constexpr double last_term = 2.2e-9;
-  const double z = std::min(std::pow(tolerance_ / last_term, 1.0 / (2 * s)), 0.5 * tableau_.gamma);
-  const auto sign = [&](int rows) {
-    return factorise_lu(growth_lu_, growth_pivot_, rows) ? determinant_sign(growth_lu_, growth_pivot_, rows) : 0;
-  };
-  growth_lu_.clear();
-  int algebraic = 0;
-  for (int i = 0; i < n; ++i) {
-    algebraic += mass_[i] == 0;
-    for (int j = 0; j < n; ++j) growth_lu_.push_back((i == j ? z / h * mass_[i] : 0) - J_[i * n + j]);
-  }
-  const int beside = sign(n);
-  growth_lu_.clear();
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j)
-      if (mass_[i] == 0 && mass_[j] == 0) growth_lu_.push_back(-J_[i * n + j]);
-  return sign(algebraic) * beside < 0;
+  return std::min(std::pow(tolerance_ / last_term, 1.0 / (2 * s)), 0.5 * tableau_.gamma) / h;
 }
 
 Collocation::Newton Collocation::solve_stages(double t, const double* y0, double h, int most_iterations) {
@@ -470,7 +451,7 @@ Outcome Collocation::step(double t_limit) {
       return {Ending::tolerance_not_met,
               fmt::format("at t = {:.9g} s the step fell to {:.3g} s in '{}'", t_, h, system_.unknown(worst))};
     }
-    if (skips_growth(h)) {
+    if (growth_.faster_than(growth_followed(h), mass_, J_)) {
       h *= 0.5;
       continue;
     }

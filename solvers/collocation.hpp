@@ -13,6 +13,7 @@
 
 #include "core/error.hpp"
 #include "core/system.hpp"
+#include "solvers/growth.hpp"
 #include "solvers/radau_tableau.hpp"
 
 namespace rosin::solvers {
@@ -83,7 +84,7 @@ class Collocation {
   bool make_consistent();
   void look_for_corner();
   void factorise(double h);
-  bool skips_growth(double h);
+  double growth_followed(double h) const;
   Newton solve_stages(double t, const double* y0, double h, int most_iterations);
   double estimate_error(double t, const double* y0, double h, bool refine);
   double ringing_error(double h, const double* estimate);
@@ -95,6 +96,7 @@ class Collocation {
   const RadauTableau& tableau_;
   int n_;
   double tolerance_, estimate_tolerance_;
+  GrowthTest growth_;
   double longest_step_ = infinity, bound_share_;
   double last_moment_ = infinity;  ///< just before the limit of the last step
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
@@ -102,9 +104,9 @@ class Collocation {
   bool fresh_ = true;          ///< no polynomial of an earlier step to start from
   std::vector<double> carry_;  ///< what rounding left out of y_: a load that creeps up must not stand still
   std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;
-  std::vector<double> real_lu_, real_right_, growth_lu_;
+  std::vector<double> real_lu_, real_right_;
   std::vector<std::complex<double>> pair_lu_[2], pair_right_[2];
-  std::vector<int> real_pivot_, pair_pivot_[2], growth_pivot_;
+  std::vector<int> real_pivot_, pair_pivot_[2];
   std::vector<double> big_, big_right_, f_stage_, J_stage_;
   std::vector<int> big_pivot_;
   int iterations_ = 0;  ///< of the last Newton solution

@@ -957,10 +957,33 @@ TEST_CASE("BDF says that a spring under large forces moves by less than its last
   CHECK(run(model, options).outcome.ending == Ending::tolerance_not_met);
 }
 
+TEST_CASE("BDF says that its steps are longer than slip takes to grow", "[stress]") {
+  auto model = slider_under("two-state-slip",
+                            {0.21920026791344308, 0.0032828980403460592, 0.016356439378394039, 5.6738611932677574e-06,
+                             0.0046776775270218557, 5.8652828734006174e-06, 1.4387947243318957e-07},
+                            {7.9447940982126406e-05, 103867.99380932008, 455875.07780446362}, 9.29184045058224e-06,
+                            238.62631076386231);
+  model.lambda = 0;
+  RunOptions options;
+  options.duration = 5.5911968957725383e-05;
+  options.samples = 3;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 8.3576337675449998e-08;
+  options.tolerance = 1e-6;
+  CHECK(run(model, options).outcome.complete());
+  options.solver = "cvode";
+  const auto by_bdf = run(model, options);
+  CHECK(by_bdf.outcome.ending == Ending::tolerance_not_met);
+  CHECK_THAT(by_bdf.outcome.detail, Catch::Contains("damps"));
+}
+
 TEST_CASE("what is out of the range of numbers is refused or not found, and does not end the program", "[stress]") {
   const auto light = slider_under("coulomb", {0.4, 0.3}, {2.3e-308, 47.27452698366308, 0}, 1.3894752757415494e-05,
                                   0.034084323248259225);
   CHECK_FALSE(find_cycle(light).outcome.complete());
+  const auto slow = slider_under("coulomb", {1.2373202940473054, 0.099046027486238183},
+                                 {0.0013537515490194877, 4.325968130494152, 0}, -1e-310, 9.0917987134302853e-10);
+  CHECK_NOTHROW(find_cycle(slow));
   auto soft =
       slider_under("nagata",
                    {1.8652139411746058, 0.044968057367678664, 0.13424117362828017, 6.7694704460914332e-05,
