@@ -210,7 +210,10 @@ Metrics Recorder::finish(double period) const {
 
 ReturnMap::ReturnMap(const Model& model) : system_(model), speed_(model.drive.speed.level()) {
   for (const auto& e : stability(model).eigenvalues)
-    if (e.real() > 0) growth_time_ = std::min(growth_time_, 1 / std::abs(e));
+    if (e.real() > 0) {
+      growth_time_ = std::min(growth_time_, 1 / std::abs(e));
+      spirals_ = spirals_ || e.imag() != 0;
+    }
   const int n = system_.size();
   std::vector<double> mass(n), scale(n);
   const auto y = system_.steady(0);
@@ -328,16 +331,10 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
   const double noise = dip * speed_;
   bool below = !from_section && section(0, solver.state().data()) < -noise;
   constexpr long most_steps = 40'000;
-  double growth_times = 0;  ///< of steady sliding that motion has been near it
   while (turns > 0) {
-    // An implicit step over many growth times would damp what grows. What has not grown in so many creeps past steady
-    // sliding, in another state: what grows there is asked of that.
+    // An implicit step over many turns of an oscillation that grows would damp it.
     const bool near_steady = std::abs(section(solver.time(), solver.state().data())) < 0.9 * speed_;
-    growth_times = near_steady ? growth_times + solver.length() / growth_time_ : 0;
-    constexpr double enough = 60;
-    const double growing = !near_steady            ? infinity
-                           : growth_times < enough ? growth_time_
-                                                   : growth_time_at(system_, solver.time(), solver.state().data());
+    const double growing = near_steady && spirals_ ? growth_time_ : infinity;
     solver.bound_step(std::min(growing, landing_time(solver)));
     const Outcome outcome = solver.step(longest_passage_);
     if (!outcome.complete()) {

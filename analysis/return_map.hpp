@@ -84,6 +84,7 @@ class ReturnMap {
   oscillators::SliderSystem system_;
   double speed_, longest_passage_;
   double growth_time_ = infinity;  ///< 1/|s| of the fastest growing mode of steady sliding
+  bool spirals_ = false;           ///< what grows there oscillates
   std::string ringing_;            ///< why a passage may take too many steps; empty where nothing rings
   std::vector<int> differential_;
   Eigen::VectorXd scale_;  ///< of the differential unknowns

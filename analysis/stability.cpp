@@ -208,23 +208,6 @@ std::optional<Growth> growth(const Model& model) {
 
 }  // namespace
 
-double growth_time_at(const SliderSystem& system, double t, const double* y) {
-  const int n = system.size();
-  std::vector<double> f(n), jacobian(n * n);
-  Vector mass(n), scale(n);
-  system.linearise(t, y, f.data(), jacobian.data());
-  system.mass(t, mass.data());
-  system.scale(y, scale.data());
-  const Matrix J = Eigen::Map<RowMajor>(jacobian.data(), n, n);
-  const auto values = by_iteration(J, mass, scale);
-  double largest = 0, fastest = 0;
-  for (const auto& e : values) largest = std::max(largest, std::abs(e));
-  constexpr double rounding = 1e-12;
-  for (const auto& e : values)
-    if (!(e.real() <= rounding * largest)) fastest = std::max(fastest, std::abs(e));
-  return 1 / fastest;
-}
-
 std::string name(Criticality c) {
   return c == Criticality::supercritical ? "supercritical"
          : c == Criticality::subcritical ? "subcritical"

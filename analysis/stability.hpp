@@ -39,10 +39,6 @@ Stability stability(const Model&);
 enum class Criticality { supercritical, subcritical, degenerate };
 std::string name(Criticality);
 
-/// 1/|s| of the fastest growing mode of motion about the state y at time t (s), infinite where none grows. By QR: modes
-/// slower than 1e-12 of the fastest are taken to stay.
-double growth_time_at(const oscillators::SliderSystem&, double t, const double* y);
-
 /// A parameter value at which a pair of eigenvalues ±iω crosses the imaginary axis.
 struct HopfPoint {
   std::string parameter;
