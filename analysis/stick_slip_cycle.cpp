@@ -635,6 +635,16 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     const auto right = slip_passage(model, swing + h, 1e-10, options.stick_threshold, false);
     cycle.multipliers = {(right.onset_displacement - left.onset_displacement) / (2 * h)};
   }
+  // A swing about steady sliding that is no larger than its error is rounding, where friction hardly moves the slider.
+  if (!sticks && cycle.metrics.slip_rate_max - V <= cycle.error.slip_rate_max) {
+    const double swing = cycle.metrics.slip_rate_max / V - 1;
+    cycle.metrics = {};
+    cycle.orbit.clear();
+    cycle.outcome = {
+        Ending::tolerance_not_met,
+        fmt::format("slip swings about steady sliding by {:.1e} of the drive speed, or by rounding", swing)};
+    return cycle;
+  }
   cycle.stable = !cycle.multipliers.empty() && std::abs(cycle.multipliers.front()) < 1;
   if (constexpr double certainly = 1.01;
       turned && !cycle.multipliers.empty() && std::abs(cycle.multipliers.front()) > certainly)

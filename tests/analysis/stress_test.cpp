@@ -1008,3 +1008,11 @@ TEST_CASE("a slip that rests for no time, or for 1e-8 of the period, leaves fric
   CHECK(std::abs(loose.metrics.friction_min - tight.metrics.friction_min) <=
         loose.error.friction_min + tight.error.friction_min);
 }
+
+TEST_CASE("a swing that is no larger than its error is not taken for a cycle", "[stress]") {
+  // Friction of 1e-4 N under a swing of 1e8 N.
+  auto model = slider_under("hyperbolic", {1.2179750948391512, 0.39241478123060325},
+                            {871.75059824352911, 172365.45874251073, 0}, 10000, 0.00037603241471873775);
+  model.drive.force = -1.5928460833058858e-06;
+  for (const double tolerance : {1e-6, 1e-9}) CHECK(find_cycle(model, {.tolerance = tolerance}).metrics.period == 0);
+}
