@@ -123,8 +123,6 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   solver.rewind_at_switches();  // a slip may be far shorter than the last digit of the stick before it
   const auto sliding = stability(model);
   const double frequency = std::sqrt(s.stiffness / s.mass), swing = swing_time(model);
-  constexpr double resolved = 0.1;
-  solver.bound_slip_step(resolved * swing);
   constexpr double touch = 10;
   // Without memory a turn that is not held begins another as wide, or does not, which decides between cycle and none.
   solver.rest_below(touch * std::max(tolerance, 1e-15) * V, remembers(model));
@@ -159,7 +157,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       fastest = std::max(fastest, std::abs(rate[i]) / (mass[i] * size[i]));
     return fastest;
   };
-  // Slip in the plane creeps where friction rises more steeply than a swing needs to turn, and takes so much longer.
+  // Slip in the plane creeps where friction rises more steeply than a swing needs to turn, and takes so much longer:
+  // the last of the slopes is that of the slip rate's own row, in the slip rate.
   std::vector<double> rates(system.size()), slopes(system.size() * system.size());
   const auto swing_at = [&](const std::vector<double>& y) {
     system.linearise(0, y.data(), rates.data(), slopes.data());
@@ -171,6 +170,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       break;
     }
     const double swing_here = plane && system.direction() != 0 ? swing_at(solver.state()) : swing;
+    constexpr double resolved = 0.1;
     solver.bound_slip_step(resolved * swing_here);
     solvers::Switch switched;
     const Outcome outcome = solver.step(longest, switched);
