@@ -40,7 +40,6 @@ class Swing {
     // Comes it to rest?
     if (!(onset > 0) || slip_rate(lowest_) >= 0) return;
     end_ = root(0, highest_, lowest_);
-    if (!(-full < highest_ && highest_ < end_)) return;  // speeds and times may be smaller than any number
     // Without friction in motion it would go on backwards.
     constexpr Real surely = 1 - 1e-9L;
     sticks_ = holding(stretch(end_)) > -surely * static_ * N_;

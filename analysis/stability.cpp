@@ -276,11 +276,13 @@ std::optional<double> critical_stiffness(const Model& model) {
 }  // namespace
 
 std::vector<HopfPoint> hopf_points(const Model& model, std::string_view parameter, double decades) {
+  model.check();
   const Quantity quantity = model.describe(parameter);
   const double here = model.get(parameter);
   if (!(here > 0) || !std::isfinite(here)) return {};
-  const double low = std::max(here * std::pow(10.0, -decades), std::max(quantity.range.low, 1e-290));
-  const double high = std::min({here * std::pow(10.0, decades), quantity.range.high, 1e290});
+  const Range& range = quantity.range;
+  const double low = std::max({here * std::pow(10.0, -decades), range.low, range.smallest, 1e-290});
+  const double high = std::min({here * std::pow(10.0, decades), range.high, range.largest, 1e290});
   if (!(low < high)) return {};
   const auto at = [&](double w) { return growth(model.with(parameter, std::clamp(std::exp(w), low, high))); };
   std::vector<HopfPoint> found;

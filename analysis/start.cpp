@@ -69,11 +69,6 @@ std::vector<double> starting_point(const SliderSystem& system, const Start& star
     x = start.displacement.value_or(model.slider.stiffness > 0 && std::isfinite(model.slider.stiffness)
                                         ? (F + f - model.slider.damping * (V - u)) / model.slider.stiffness
                                         : 0);
-    if (!std::isfinite(x))
-      throw InputError(fmt::format(
-          "start: a spring of oscillator.stiffness = {} N/m carries the forces of the start only where it is "
-          "stretched beyond all numbers; 0 leaves it out",
-          model.slider.stiffness));
     if (system.mechanics() == Mechanics::elastic && start.displacement && std::isfinite(model.slider.stiffness))
       F = model.slider.stiffness * x - f;
   }

@@ -67,7 +67,7 @@ struct StressOptions {
   std::uint64_t seed = 1;
   long first = 0, scenes = 1000;
   int threads = 1;
-  double longest = 120;  ///< s of wall clock, after which a scene counts as hung
+  double longest = 300;  ///< s of wall clock, after which a scene counts as hung
 };
 struct StressObservers {
   std::function<void(const StressScene&, const Judgement&)> finished;  ///< called by one thread at a time

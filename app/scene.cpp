@@ -204,8 +204,7 @@ Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::p
          quantity.name, quantity.range.low, quantity.range.high, quantity.meaning, quantity.unit, signal.level(),
          std::min(signal.level() - quantity.range.low, quantity.range.high - signal.level()));
   if (!signal.within(quantity.range))
-    fail(node.source(), "{} leaves {} … {} ({}, {})", quantity.name, quantity.range.low, quantity.range.high,
-         quantity.meaning, quantity.unit);
+    fail(node.source(), "{} leaves {} ({}, {})", quantity.name, text(quantity.range), quantity.meaning, quantity.unit);
   return signal;
 }
 
@@ -263,7 +262,7 @@ Quantity read_quantity(Table& table, const std::string& name, Range range) {
 std::shared_ptr<const FrictionLaw> read_formula(const toml::node& node) {
   Table table(node, "law.formula");
   table.expect({"title", "parameters", "states", "define", "friction", "rate", "steady", "slip_rate", "static_limit",
-                "rest", "after_stop", "size"});
+                "rest", "after_stop", "kink", "size"});
   laws::FormulaDescription law;
   if (const auto* title = table.find("title")) law.title = text(*title, table.path("title"));
 
@@ -323,6 +322,7 @@ std::shared_ptr<const FrictionLaw> read_formula(const toml::node& node) {
   law.size = of_states("size");
   law.slip_rate = expression("slip_rate");
   law.static_limit = expression("static_limit");
+  law.kink = expression("kink");
   table.finish();
   return located_in_formula(node, [&] { return laws::make_formula(law); });
 }
@@ -1034,8 +1034,8 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
           std::pair{&scene.model.drive.force, "force"}}) {
       const auto quantity = mechanical(std::string("drive.") + name);
       if (!quantity.range.contains(signal->value(scene.run.duration)))
-        fail(drive->as_table()->get(name)->source(), "{} leaves {} … {} ({}, {}) before run.duration", quantity.name,
-             quantity.range.low, quantity.range.high, quantity.meaning, quantity.unit);
+        fail(drive->as_table()->get(name)->source(), "{} leaves {} ({}, {}) before run.duration", quantity.name,
+             text(quantity.range), quantity.meaning, quantity.unit);
     }
 
   write_table(scene.resolved, document, "");

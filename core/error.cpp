@@ -31,12 +31,19 @@ std::string name(Ending ending) {
 
 std::string readable_unit(std::string_view unit) { return unit == "1" ? "dimensionless" : std::string(unit); }
 
+std::string text(const Range& range) {
+  std::string interval = fmt::format("{} … {}", range.low, range.high);
+  if (range.smallest > 0) interval += fmt::format(", with magnitudes other than 0 from {} on", range.smallest);
+  if (range.largest < infinity) interval += fmt::format(" up to {}", range.largest);
+  return interval;
+}
+
 void require(double value, const Range& range, std::string_view path, std::string_view meaning, std::string_view unit) {
   if (std::isnan(value))
     throw InputError(fmt::format("{} is not a number (NaN) ({}, {})", path, meaning, readable_unit(unit)));
   if (range.contains(value)) return;
-  throw InputError(fmt::format("{} = {} is outside {} … {} ({}, {})", path, value, range.low, range.high, meaning,
-                               readable_unit(unit)));
+  throw InputError(
+      fmt::format("{} = {} is outside {} ({}, {})", path, value, text(range), meaning, readable_unit(unit)));
 }
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {

@@ -34,6 +34,9 @@ struct Outcome {
   bool complete() const { return ending == Ending::reached_end || ending == Ending::event; }
 };
 
+/// "0.0001 … 0.5", with the magnitudes that are accepted where not all are.
+std::string text(const Range&);
+
 /// Throws InputError unless `range` contains `value`: "law.a = 3 is outside 0.0001 … 0.5 (direct effect,
 /// dimensionless)".
 void require(double value, const Range& range, std::string_view path, std::string_view meaning, std::string_view unit);

@@ -31,10 +31,15 @@ struct Card {
   LawOption option = {};
 };
 
-/// Closed interval of accepted values.
+/// Accepted values: a closed interval and, of what is neither 0 nor infinite, the magnitudes.
 struct Range {
   double low = -infinity, high = infinity;
-  constexpr bool contains(double x) const { return low <= x && x <= high; }  // false for NaN
+  double smallest = 0, largest = infinity;
+  constexpr bool contains(double x) const {  // false for NaN
+    const double magnitude = x < 0 ? -x : x;
+    const bool measured = x != 0 && magnitude != infinity;
+    return low <= x && x <= high && !(measured && (magnitude < smallest || magnitude > largest));
+  }
 };
 
 /// How a state is integrated: as it is, or as its logarithm (positive, spanning decades).

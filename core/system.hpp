@@ -31,6 +31,9 @@ class System {
   virtual bool autonomous() const { return false; }
   /// Longest step that resolves prescribed motion; infinity if none is prescribed.
   virtual double resolution() const { return infinity; }
+  /// A smooth function of y that changes sign, in numbers of the size of 1, where f has a kink, at which a step must
+  /// end to keep its order; NaN if f has none.
+  virtual double kink(const double*) const { return NAN; }
   /// True if the system can be followed as ordinary differential equations, by `flow` and `restore`.
   virtual bool has_flow() const { return false; }
   /// At eight times t and consistent states y, one in each lane: dy/dt of every unknown, algebraic ones by

@@ -47,6 +47,10 @@ template <template <class> class L>
 concept HasStopReset = requires(const L<double> law) {
   law.after_stop({});
 };
+template <template <class> class L>
+concept HasKink = requires(const L<double> law) {
+  law.kink({});
+};
 
 namespace detail {
 
@@ -640,6 +644,10 @@ class Law final : public FrictionLaw {
       return numbers_of({0, 0}, "state after a stop", law_.after_stop(state_of(state)));
     else
       return {state.begin(), state.end()};
+  }
+  double kink(std::span<const double> state) const override {
+    if constexpr (HasKink<L>) return law_.kink(state_of(state));
+    return NAN;
   }
   Steady steady_friction(Sliding<double> at) const override {
     using Slope = Dual<double, 1>;

@@ -96,7 +96,7 @@ class Words final : public Names {
 
 /// The expressions of a law as nodes over (v, N, mu, states).
 struct Expressions {
-  int friction = -1, slip_rate = -1, static_limit = -1;
+  int friction = -1, slip_rate = -1, static_limit = -1, kink = -1;
   std::vector<int> rate, steady;
   std::vector<int> rest, after_stop, size;  ///< by default the steady state of slowest creep, and twice the state asked
 };
@@ -146,6 +146,13 @@ class Reader {
     }
     if (!law_.static_limit.empty()) {
       read.static_limit = node("static_limit", law_.static_limit, {}, {.states = true});
+    }
+    if (!law_.kink.empty()) {
+      for (const auto& state : law_.states)
+        if (state.scale == Scale::log)
+          refuse("kink",
+                 fmt::format("does not go with a state in logarithms; give '{}' scale = \"linear\"", state.name));
+      read.kink = node("kink", law_.kink, {}, {.load = false, .states = true});
     }
     for (const auto& [name, text] : law_.define) words_.find(name, 0);  // wrong ones are refused, used or not
     return read;
@@ -236,8 +243,8 @@ struct Program {
   std::vector<Value> defaults;
   int states;
   bool has_slip_rate, set_valued;
-  Tape friction, rate, steady, slip_rate, static_limit, rest, after_stop, size;  ///< of (v, N, mu, states)
-  Tape friction_slopes, slip_rate_slope;                                         ///< ∂μ/∂ψ, ∂v/∂μ
+  Tape friction, rate, steady, slip_rate, static_limit, kink, rest, after_stop, size;  ///< of (v, N, mu, states)
+  Tape friction_slopes, slip_rate_slope;                                               ///< ∂μ/∂ψ, ∂v/∂μ
   Tape steady_coefficient, steady_slope;  ///< μ_ss(v), odd; μ_ss and dμ_ss/dv on the side of v > 0
   ContactTapes of_friction, of_states, of_equilibrium;
   PoolTape pool;
@@ -283,6 +290,7 @@ Program::Program(const FormulaDescription& description)
     slopes.push_back(graph.differentiate({&nodes.friction, 1}, Input::first_state + k).front());
   friction_slopes = tape(slopes);
   if (set_valued) static_limit = one(nodes.static_limit);
+  if (!law.kink.empty()) kink = one(nodes.kink);
 
   const Symbol v(graph, graph.input(Input::slip_rate)), N(graph, graph.input(Input::normal_load));
   steady_coefficient = one(detail::steady_coefficient(traced, Sliding<Symbol>{v, N}).in(graph));
@@ -575,6 +583,12 @@ class FormulaLaw final : public FrictionLaw {
   std::vector<double> after_stop(std::span<const double> state) const override {
     require_states(state);
     return of_states("state after a stop", program_->after_stop, {}, state.data());
+  }
+  double kink(std::span<const double> state) const override {
+    if (program_->law.kink.empty()) return NAN;
+    double value;
+    answering().answer(program_->kink, 0, 0, 0, state.data(), &value);
+    return value;
   }
   double static_limit(double normal_load, std::span<const double> state) const override {
     if (!set_valued())

@@ -27,6 +27,7 @@ struct FormulaDescription {
   std::vector<std::string> after_stop;    ///< of each state, what a stop makes of it; empty: nothing
   std::vector<std::string> size;          ///< of each state, what its changes are measured by; empty: its steady value
   std::string slip_rate;                  ///< v from mu; empty: none
+  std::string kink;          ///< of states, none of them logarithmic: changes sign where friction or a rate has a kink
   std::string static_limit;  ///< largest coefficient at rest, of N and states; empty: the law is not set-valued
 };
 

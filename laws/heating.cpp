@@ -399,6 +399,7 @@ class HeatedLaw final : public FrictionLaw {
     after.insert(after.end(), state.begin() + std::ptrdiff_t(own_states_), state.end());
     return after;
   }
+  double kink(std::span<const double> state) const override { return law_->kink(state.first(own_states_)); }
   Steady steady_friction(Sliding<double> at) const override {
     const auto [mu, slope] = law_->steady_friction(at);
     const double q = strength(at, mu), h = steady_softening(q);

@@ -11,8 +11,11 @@
 ///   static_limit(at[, state])                 only if set-valued at rest; then the law is asked for v ≥ 0 alone, and
 ///                                             v = 0 means stick
 ///   after_stop(state)                         only if set-valued: what a stop makes of the states
+///   kink(state)                               only where friction or rates have a kink in the states, all of them
+///                                             linear: changes sign there, in numbers of the size of 1
 /// General form: F = N·μ(v, ψ, N), λ·ψ̇ = −G(v, ψ, N). Signs: v > 0 along the drive, F on the slider along v.
 #pragma once
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -83,6 +86,9 @@ class FrictionLaw {
   virtual std::optional<LinearFriction> linear() const { return std::nullopt; }
   /// ψ just after slip has stopped: as it was, or reset by laws that count from the last stop.
   virtual std::vector<double> after_stop(std::span<const double> state) const = 0;
+  /// Changes sign, in numbers of the size of 1, where friction or the rates of the states have a kink in the states, at
+  /// which a solver's step must end to keep its order; NaN where they have none. States are then linear.
+  virtual double kink(std::span<const double> /*state*/) const { return NAN; }
 
   /// Steady coefficient μ_ss(v) and its slope dμ_ss/dv (s/m).
   struct Steady {

@@ -32,6 +32,7 @@ struct SlipDistance {
   Real static_limit(Sliding<Real> at, State state) const { return friction(at, state); }
   State rate(Sliding<Real> at, State state) const { return {counted_slip_rate(at.slip_rate, state.s, d_c)}; }
   State steady(Sliding<Real>) const { return {2.0 * d_c}; }
+  Real kink(State state) const { return 1.0 - state.s / d_c; }
   State rest(Sliding<Real>) const { return {Real(0.0)}; }
   State after_stop(State) const { return {Real(0.0)}; }
   State size() const { return {d_c}; }

@@ -21,15 +21,19 @@ struct Entry {
 constexpr std::string_view lambda_path = "law.lambda", load_memory_path = "law.load_memory.alpha";
 
 const std::vector<Entry>& entries() {
-  constexpr Range positive{0, 1e15}, stiffness{1e-12, infinity}, force{-1e15, 1e15};
+  // Products of a few of them must stay within the range of numbers.
+  constexpr double smallest = 1e-60, largest = 1e60;
+  constexpr Range positive{0, 1e15, smallest}, force{-1e15, 1e15, smallest};
+  constexpr Range stiffness{0, infinity, smallest, largest}, contact_stiffness{1e-12, infinity, 0, largest};
   static const std::vector<Entry> list = {
       {{"law.lambda", "1", positive, "clock factor of the law's states; 0: friction curve"},
        [](const Model& m) { return m.lambda; },
        [](Model& m, double x) { m.lambda = x; }},
-      {{"law.contact_stiffness.tangential", "N/m", stiffness, "tangential stiffness of the contact"},
+      {{"law.contact_stiffness.tangential", "N/m", contact_stiffness, "tangential stiffness of the contact"},
        [](const Model& m) { return m.contact_stiffness.tangential; },
        [](Model& m, double x) { m.contact_stiffness.tangential = x; }},
-      {{"law.contact_stiffness.per_load", "1/m", stiffness, "tangential stiffness of the contact per unit load"},
+      {{"law.contact_stiffness.per_load", "1/m", contact_stiffness,
+        "tangential stiffness of the contact per unit load"},
        [](const Model& m) { return m.contact_stiffness.per_load; },
        [](Model& m, double x) { m.contact_stiffness.per_load = x; }},
       {{"law.contact_stiffness.damping", "N s/m", positive, "damping beside the contact's tangential stiffness"},
@@ -42,16 +46,16 @@ const std::vector<Entry>& entries() {
       {{std::string(load_memory_path), "1", {0, 1}, "how much friction falls at once per e-fold of the load"},
        [](const Model& m) { return m.load_memory; },
        [](Model& m, double x) { m.load_memory = x; }},
-      {{"oscillator.mass", "kg", {0, 1e12}, "mass of the slider; 0: quasi-static"},
+      {{"oscillator.mass", "kg", {0, 1e12, smallest}, "mass of the slider; 0: quasi-static"},
        [](const Model& m) { return m.slider.mass; },
        [](Model& m, double x) { m.slider.mass = x; }},
-      {{"oscillator.stiffness", "N/m", {0, infinity}, "stiffness of the spring; infinite: imposed slip rate"},
+      {{"oscillator.stiffness", "N/m", stiffness, "stiffness of the spring; infinite: imposed slip rate"},
        [](const Model& m) { return m.slider.stiffness; },
        [](Model& m, double x) { m.slider.stiffness = x; }},
       {{"oscillator.damping", "N s/m", positive, "damping of the slider's motion"},
        [](const Model& m) { return m.slider.damping; },
        [](Model& m, double x) { m.slider.damping = x; }},
-      {{"drive.speed", "m/s", {-1e4, 1e4}, "speed of the driving surface"},
+      {{"drive.speed", "m/s", {-1e4, 1e4, smallest}, "speed of the driving surface"},
        [](const Model& m) { return m.drive.speed.level(); },
        [](Model& m, double x) { m.drive.speed = m.drive.speed.with_level(x); }},
       {{"drive.normal_load", "N", positive, "normal load"},

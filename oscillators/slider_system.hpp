@@ -40,6 +40,9 @@ class SliderSystem final : public SwitchingSystem {
   /// up the slip beside the law's; the shorter the motion, the less of that there is.
   void last(double duration);
   bool autonomous() const override { return is_constant_; }
+  double kink(const double* y) const override {
+    return states_ > 0 ? model_.law->kink({y + first_state(), std::size_t(states_)}) : NAN;
+  }
   double resolution() const override;
   bool has_flow() const override { return flow_ != nullptr; }
   void flow(const Pack& t, const Pack* y, Pack* rate, Pack& pace) const override;

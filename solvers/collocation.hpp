@@ -1,7 +1,8 @@
 /// Five-stage Radau IIA collocation (order 9) for stiff systems M·ẏ = f with algebraic rows.
 ///
 /// One-step, so that return maps are smooth; stiffly accurate, so that near-stick and rigid contacts cost no order.
-/// Events are located by solving the step again with a shorter length, at the full order of the method.
+/// Events and kinks of the system are located by solving the step again with a shorter length, at the full order of the
+/// method.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -83,6 +84,7 @@ class Collocation {
   /// Solves the algebraic rows for the algebraic unknowns of y_. \returns false where that fails.
   bool make_consistent();
   void look_for_corner();
+  void end_at_kink();
   void factorise(double h);
   double growth_followed(double h) const;
   Newton solve_stages(double t, const double* y0, double h, int most_iterations);
@@ -101,6 +103,7 @@ class Collocation {
   double last_moment_ = infinity;  ///< just before the limit of the last step
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
   bool resolve_starts_ = false;
+  double kink_side_ = 0;       ///< sign of the system's kink function where y_ belongs; 0: it has none
   bool fresh_ = true;          ///< no polynomial of an earlier step to start from
   std::vector<double> carry_;  ///< what rounding left out of y_: a load that creeps up must not stand still
   std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;

@@ -163,15 +163,6 @@ TEST_CASE("explicit steps and collocation agree on many laws, loads and drives",
   }
 }
 
-TEST_CASE("a spring too weak for numbers is refused by its key", "[run]") {
-  const auto model = slider_under("ageing", {0.6, 0.010, 0.015, 1e-5, 1e-6}, {9.2, 2.3e-308, 1184.8}, 6e-3, 2e5);
-  RunOptions options;
-  options.duration = 1;
-  options.start.kind = Start::Kind::given;
-  options.start.slip_rate = 1e-3;
-  CHECK_THROWS_WITH(run(model, options), Catch::Contains("oscillator.stiffness") && Catch::Contains("0 leaves it out"));
-}
-
 TEST_CASE("a run that starts in steady sliding stays there, whichever way it goes", "[run]") {
   // Friction of the Stribeck curve at v_s: mu_d + (mu_s − mu_d)/e.
   for (const double speed : {1e-3, -1e-3}) {

@@ -118,6 +118,8 @@ TEST_CASE("laws from text equal the compiled laws that they spell", "[laws][form
     CHECK(text->rest(2) == state);
     for (double& x : state) x = x == 0 ? 3e-6 : 1.5 * x;
     CHECK(text->after_stop(state) == compiled->after_stop(state));
+    const double kink = compiled->kink(state);
+    CHECK((std::isnan(kink) ? std::isnan(text->kink(state)) : same(text->kink(state), kink, 0)));
     if (compiled->set_valued()) CHECK(same(text->static_limit(1, state), compiled->static_limit(1, state), 0));
     std::vector<double> speeds, a(75), b(75);
     for (int i = 0; i < 75; ++i) speeds.push_back(std::pow(10, -10 + 0.13 * i));
@@ -256,6 +258,7 @@ TEST_CASE("a law from text is refused where it is none, by the name of the part"
        "law.formula.parameters.mu0: 'zork' is not a known unit"},
       {[](Law& l) { l.parameters[3].quantity.unit = "um"; }, "its unit 'um' must be plain SI, that is m"},
       {[](Law& l) { l.static_limit = "mu0"; }, "law.formula.slip_rate: does not go with a static_limit"},
+      {[](Law& l) { l.kink = "1 - v*theta/L"; }, "law.formula.kink: does not go with a state in logarithms"},
       {[](Law& l) { l.after_stop = {"1"}; }, "law.formula.after_stop: is of use beside a static_limit only"},
       {[](Law& l) { l.rest = {"psi/2"}; }, "law.formula.rest.psi: must not depend on the state 'psi'"},
       {[](Law& l) { l.size = {"N/(1 N)"}; }, "law.formula.size.psi: must not depend on the normal load N"},

@@ -62,6 +62,7 @@ inline FormulaDescription slip_distance() {
   law.rate = {"v*min(1, 2 - s/d_c)"};
   law.steady = {"2*d_c"};
   law.rest = law.after_stop = {"0 m"};
+  law.kink = "1 - s/d_c";
   law.size = {"d_c"};
   return law;
 }

@@ -86,3 +86,16 @@ TEST_CASE("parts that do not fit together are refused with the reason") {
   ageing.lambda = -1;
   CHECK_THROWS_WITH(ageing.check(), Catch::Contains("law.lambda = -1 is outside"));
 }
+
+TEST_CASE("numbers whose products leave the range of numbers are refused by their keys", "[oscillators]") {
+  Model model;
+  model.law = rosin::laws::find_law("coulomb");
+  CHECK_THROWS_WITH(model.with("oscillator.mass", 1e-310),
+                    Catch::Contains("is outside 0 … 1000000000000, with magnitudes other than 0 from 1e-60 on"));
+  CHECK_THROWS_WITH(model.with("oscillator.stiffness", 1e200),
+                    Catch::Contains("is outside 0 … inf, with magnitudes other than 0 from 1e-60 on up to 1e+60"));
+  CHECK_THROWS_WITH(model.with("drive.speed", -5e-324), Catch::Contains("drive.speed = -5e-324 is outside"));
+  for (const auto& [path, value] : {std::pair{"oscillator.mass", 0.0}, std::pair{"oscillator.mass", 1e-60},
+                                    std::pair{"drive.speed", -1e-60}, std::pair{"oscillator.stiffness", 1e60}})
+    CHECK(model.with(path, value).get(path) == value);
+}

@@ -56,6 +56,21 @@ struct BlowUp final : System {
   std::string unknown(int) const override { return "y"; }
 };
 
+/// ẏ = min(1, 2 − y), a slip that is counted up to twice a distance only: y = t up to 1, then 2 − exp(1 − t).
+struct Counted final : System {
+  int size() const override { return 1; }
+  void mass(double, double* m) const override { m[0] = 1; }
+  void evaluate(double, const double* y, double* f) const override { f[0] = std::min(1.0, 2 - y[0]); }
+  void linearise(double t, const double* y, double* f, double* J) const override {
+    evaluate(t, y, f);
+    J[0] = y[0] > 1 ? -1 : 0;
+  }
+  void scale(const double*, double* s) const override { s[0] = 1; }
+  std::string unknown(int) const override { return "y"; }
+  bool autonomous() const override { return true; }
+  double kink(const double* y) const override { return 1 - y[0]; }
+};
+
 /// ẏ₀ = r y₀ (1 − y₀), which leaves 0 for 1, and 0 = y₁ − y₀².
 struct Growth final : System {
   static constexpr double rate = 1e6;
@@ -313,5 +328,23 @@ TEST_CASE("growth is followed, not damped, however small it begins and long the 
       // y/(1 − y) grows as e^(rt).
       CAPTURE(first, tolerance);
       CHECK(solver.time_at(*half) * Growth::rate == Approx(std::log(1 / first - 1)).epsilon(10 * tolerance));
+    }
+}
+
+TEST_CASE("a step ends at a kink, wherever that lies in it", "[solvers]") {
+  const Counted system;
+  for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10})
+    for (double start = 0; start < 1; start += 0.013) {
+      Collocation solver(system, tolerance);
+      REQUIRE(solver.start(0, std::vector{start}));
+      const double end = 3 - start;
+      bool ended_there = false;
+      while (solver.time() < end) {
+        REQUIRE(solver.step(end).complete());
+        ended_there = ended_there || std::abs(solver.state()[0] - 1) < 1e-14;
+      }
+      INFO("tolerance " << tolerance << ", start " << start);
+      CHECK(ended_there);
+      CHECK(std::abs(solver.state()[0] - (2 - std::exp(-2.0))) <= 0.1 * tolerance + 1e-14);
     }
 }
