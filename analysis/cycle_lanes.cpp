@@ -550,10 +550,11 @@ class Settling final : public PassageQueue {
     // On a contact spring the slider rings, and errors scatter; so they do where friction curves have kinks, and so
     // does the loop integral.
     const double caution = search.map.system().rigid() && !search.sticks && !search.deflects ? 1 : 4;
+    const double landing = search.sticks ? landing_of(search.map.system(), sizes) : 1;
     search.error_rate.setZero(metrics_.size());
     for (std::size_t k = 0; k < metrics_.size(); ++k) {
       const MetricName& metric = *metrics_[k];
-      const double scatter = caution * (is_loop(metric) ? 2 : 1);
+      const double scatter = caution * (is_loop(metric) ? 2 : metric.member == &Metrics::friction_min ? landing : 1);
       const double own = inherits
                              ? search.inherited[k] * search.tolerance
                              : scatter * (8 / search.sharpening * change[k] + 0.15 * largest + 0.7 * search.tolerance);
@@ -569,6 +570,18 @@ class Settling final : public PassageQueue {
       worst = std::max(worst, relative);
     }
     return worst;
+  }
+
+  /// By how much the error of the slip rate, over its highest, shows in the friction that a slip comes to rest at. The
+  /// slider then moves at the drive's speed, and the time of rest is known to that error over the deceleration, which
+  /// is the less the less friction has changed.
+  static double landing_of(const oscillators::SliderSystem& system, const Metrics& m) {
+    const auto& model = system.model();
+    const double N = model.drive.normal_load.level(), V = model.drive.speed.level();
+    const double deceleration =
+        N * std::abs(m.friction_min - model.law->steady_friction({V, N}).friction) / model.slider.mass;
+    const double time = std::max(m.slip_rate_max, V) / deceleration;
+    return std::max(1.0, time * V * model.slider.stiffness / N);
   }
 
   static constexpr double nothing = std::numeric_limits<double>::quiet_NaN();

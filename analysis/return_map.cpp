@@ -193,6 +193,14 @@ void Recorder::step(Collocation& solver) {
   sums_.stick_fraction_001 += time_within(solver, samples, threshold_[1] * V);
   sums_.stick_fraction_05 += time_within(solver, samples, threshold_[2] * V);
   elapsed_ += h;
+  friction_ = samples.back().friction;
+}
+
+void Recorder::linger(double time) {
+  sums_.friction_mean += time * friction_;
+  for (auto within : {&Metrics::stick_fraction, &Metrics::stick_fraction_001, &Metrics::stick_fraction_05})
+    sums_.*within += time;
+  elapsed_ += time;
 }
 
 Metrics Recorder::finish(double period) const {

@@ -16,6 +16,8 @@ class Recorder {
   /// `tolerance`: of the steps that will be recorded; the loop integral is refined to it.
   Recorder(const oscillators::SliderSystem&, double tolerance, double stick_threshold, bool keep_orbit);
   void step(solvers::Collocation&);
+  /// The last step's end lasts for so long (s) more, or less, than the steps show: a slip that all but rests.
+  void linger(double time);
   Metrics finish(double period) const;
   std::vector<CyclePoint> orbit;
 
@@ -39,7 +41,7 @@ class Recorder {
   bool keep_orbit_;
   bool follows_steady_curve_;  ///< friction is a function of the slip rate: the loop has no area
   Metrics sums_;
-  double elapsed_ = 0;
+  double elapsed_ = 0, friction_ = 0;  ///< time so far, and the coefficient of friction then
   int divisions_left_ = 4000;  ///< of steps for the loop integral, so that rounding cannot ask for more and more
 };
 

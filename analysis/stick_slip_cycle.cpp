@@ -178,10 +178,15 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       result.outcome = outcome;
       break;
     }
+    const auto& stop = solver.rest_by_energy();
     elapsed += solver.stepper().length();
     if (began) {
       recorder.step(solver.stepper());
       period += solver.stepper().length();
+      if (stop) {
+        recorder.linger(stop->later);
+        period += stop->later;
+      }
       if (system.direction() == 0) stuck += solver.stepper().length();
       lowest_x = std::min(lowest_x, solver.state()[0]), highest_x = std::max(highest_x, solver.state()[0]);
     }
@@ -201,9 +206,13 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     if (began) fastest = std::max(fastest, std::abs(u));
     if (const auto bottom = bottoms.after(solver, switched, std::abs(u)); bottom && began) {
       // The time at which slip comes to rest hangs on the last digits of the slip rate.
-      if (bottom->deceleration > 0)
+      if (stop) {
+        result.landing += stop->known;
+        doubt = stop->known;
+      } else if (bottom->deceleration > 0) {
         result.landing += std::max(tolerance, 1e-15) * bottom->highest / bottom->deceleration;
-      if (!damped) {
+      }
+      if (!damped && !stop) {
         // What the highest slip rate has lost in rounding, unless damping made slip forget it, is missing where it just
         // comes to rest, and makes the moment at which it does doubtful: by the time in which the spring makes up for
         // it. States that change at rest keep that.

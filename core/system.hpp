@@ -72,6 +72,17 @@ class SwitchingSystem : public System {
   virtual void stop(double* y) const = 0;
   /// A speed that slip rates are measured against, > 0.
   virtual double reference_speed() const = 0;
+  /// True where a slip swings nearly free between rest and rest. It then comes down to rest along the slope of a wide
+  /// swing, and where it does is known from its slip rate only to the root of that one's error; the energy, which
+  /// friction and damping hardly change, tells it as exactly as they are known.
+  virtual bool swings_freely() const { return false; }
+  /// Where swings are free. The slider's velocity while the contact is at rest (m/s); its displacement from that of
+  /// steady sliding (m), and the place for another.
+  virtual double velocity_at_rest() const { return 0; }
+  virtual double swing(const double* /*y*/) const { return 0; }
+  virtual void set_swing(double /*swing*/, double* /*y*/) const {}
+  /// Rate at which friction and damping change the square of the swing that the slider has at rest, m²/s.
+  virtual double swing_power(double /*t*/, const double* /*y*/) const { return 0; }
 };
 
 }  // namespace rosin

@@ -94,11 +94,29 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   if (mechanics_ == Mechanics::inertial && rigid() && carries_friction())
     creep_ = (model_.lambda == 0 ? creep_share_without_memory : creep_share) * reference_speed_ /
              std::max(std::abs(z[0]), 0.1 * friction_scale);
+  if (const double impedance = std::sqrt(s.stiffness * s.mass), V = std::abs(start.speed);
+      set_valued_ && is_constant_ && V > 0 && std::isfinite(impedance)) {
+    constexpr double weak = 1, light = 0.01;
+    swings_freely_ = start.load < weak * V * impedance && s.damping < light * impedance;
+    if (swings_freely_) {
+      steady_coefficient_ = law.steady_friction({start.speed, start.load}).friction;
+      swing_center_ = (start.load * steady_coefficient_ + start.force) / s.stiffness;
+    }
+  }
   displacement_scale_ =
       mechanics_ == Mechanics::inertial && s.stiffness > 0
           ? reference_speed_ * std::sqrt(s.mass / s.stiffness) + start.load * friction_scale / s.stiffness
       : s.stiffness > 0 ? std::max(start.load, 1e-300) * friction_scale / s.stiffness
                         : reference_speed_;
+}
+
+/// From m ẍ = F + f − k x − c ẋ, with ξ from steady sliding at F₀: d(ξ² + m ẋ²/k)/dt = 2 ((F − F₀) ẋ − c ẋ²)/k, and at
+/// rest ẋ is the drive's speed.
+double SliderSystem::swing_power(double t, const double* y) const {
+  const auto& s = model_.slider;
+  const double velocity = constant_.speed - y[1];
+  const double friction = constant_.load * (friction_coefficient(t, y) - steady_coefficient_);
+  return 2 * velocity * (friction - s.damping * velocity) / s.stiffness;
 }
 
 void SliderSystem::last(double duration) {

@@ -97,6 +97,11 @@ class SliderSystem final : public SwitchingSystem {
   void release(double t, double* y) const override;
   void stop(double* y) const override;
   double reference_speed() const override { return reference_speed_; }
+  bool swings_freely() const override { return swings_freely_; }
+  double velocity_at_rest() const override { return constant_.speed; }
+  double swing(const double* y) const override { return y[0] - swing_center_; }
+  void set_swing(double swing, double* y) const override { y[0] = swing_center_ + swing; }
+  double swing_power(double t, const double* y) const override;
 
  private:
   struct Forcing {
@@ -143,6 +148,9 @@ class SliderSystem final : public SwitchingSystem {
   Forcing constant_{};
   LaneForcing constant_in_lanes_{};
   bool is_constant_, set_valued_;
+  bool swings_freely_ = false;
+  /// Displacement and coefficient of friction in steady sliding, where swings are free.
+  double swing_center_ = 0, steady_coefficient_ = 0;
   bool sticking() const { return set_valued_ && direction_ == 0; }
 };
 

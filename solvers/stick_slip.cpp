@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/maths.hpp"
 
@@ -18,6 +19,7 @@ std::string name(Switch what) { return what == Switch::stick ? "stick" : what ==
 StickSlip::StickSlip(SwitchingSystem& system, double tolerance)
     : system_(system),
       collocation_(system, tolerance),
+      tolerance_(tolerance),
       work_(system.size()),
       jacobian_(system.size() * system.size()),
       mass_(system.size()) {}
@@ -73,12 +75,52 @@ bool StickSlip::holds(double t, std::vector<double> y) const {
   return std::abs(system_.holding_force(t, y.data())) < certainly * system_.holding_limit(t, y.data());
 }
 
+/// At rest, in the mode that now begins.
+void StickSlip::leave_rest(const double* y) {
+  work_done_ = {};
+  swing_before_.reset();
+  if (system_.direction() != 0 && system_.swings_freely()) swing_before_ = system_.swing(y);
+}
+
+/// With that of the last step.
+StickSlip::Work StickSlip::work_so_far() {
+  Work work = work_done_;
+  for (int i = 0; i < Collocation::stages; ++i) {
+    collocation_.stage(i, work_.data());
+    const double weight = RadauTableau::get().b[i] * collocation_.length();
+    const double power = weight * system_.swing_power(collocation_.stage_time(i), work_.data());
+    work.sum += power, work.size += std::abs(power);
+  }
+  return work;
+}
+
+/// True if slip that is lowest in y comes to rest there by the energy that is left: the swing that it has at rest is
+/// then wider than where friction alone turns it.
+bool StickSlip::rests(const Work& work, double t, const double* y) const {
+  const double turn = system_.swing_power(t, y) / (2 * system_.velocity_at_rest());
+  return *swing_before_ * *swing_before_ + work.sum > turn * turn;
+}
+
+/// Puts the slider where by the energy it comes to rest: short of steady sliding, to which the spring turns it.
+void StickSlip::put_at_rest(const Work& work) {
+  constexpr double digits = 4 * std::numeric_limits<double>::epsilon(), least = 1e-15;
+  const double before = *swing_before_ * *swing_before_, square = before + work.sum;
+  if (!(square > 0)) return;
+  const double seen = system_.swing(behind_switch_.data()), V = system_.velocity_at_rest();
+  double swing = -system_.direction() * std::sqrt(square);
+  if (constexpr double alike = 0.1; std::abs(seen + swing) < alike * std::abs(swing)) swing = -swing;
+  system_.set_swing(swing, behind_switch_.data());
+  const double error = (std::max(tolerance_, least) * work.size + digits * before) / (2 * std::abs(swing));
+  rest_ = {.later = (swing - seen) / V, .known = error / std::abs(V)};
+}
+
 bool StickSlip::start_slip(double t, std::span<const double> y, double direction) {
   armed_ = switched_ = false;
   upcoming_ = direction;
   system_.set_direction(direction);
   std::vector<double> released(y.begin(), y.end());
   system_.release(t, released.data());
+  leave_rest(released.data());
   return collocation_.start(t, released);
 }
 
@@ -90,6 +132,8 @@ bool StickSlip::start(double t, std::span<const double> y) {
   upcoming_ = armed_ ? (u > 0 ? 1 : -1) : mode_at_rest(t, work_.data(), 1);
   system_.set_direction(upcoming_);
   switched_ = false;
+  swing_before_.reset();
+  if (!armed_) leave_rest(work_.data());
   return collocation_.start(t, y);
 }
 
@@ -100,9 +144,12 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
     system_.set_direction(upcoming_);
     armed_ = switched_ = false;
     if (stuck) system_.release(collocation_.time(), behind_switch_.data());
-    if (!collocation_.start(rewinds_ ? 0 : collocation_.time(), behind_switch_))
-      return {Ending::not_finite, "after a switch"};
+    leave_rest(behind_switch_.data());
+    double begin = rewinds_ ? 0 : collocation_.time();
+    if (rest_ && !rewinds_ && begin + rest_->later < t_limit) begin += rest_->later;
+    if (!collocation_.start(begin, behind_switch_)) return {Ending::not_finite, "after a switch"};
   }
+  rest_.reset();
   const double small = rest * system_.reference_speed();
   collocation_.bound_step(system_.direction() == 0 ? infinity
                                                    : std::min({longest_slip_step_, growth_time(), landing_time()}));
@@ -154,8 +201,15 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
       if (!collocation_.solve_at(theta, work_.data())) return {Ending::not_finite, "while looking for a switch"};
       const double value = indicator(collocation_.time_at(theta), work_.data());
       if (!sticking) lowest_ = std::min(lowest_, value);
-      if (!sticking && value >= 0 && value < touch_ && (touch_rests_ || holds(collocation_.time_at(theta), work_)))
-        touched = theta;
+      if (!sticking && value >= 0) {
+        constexpr double doubtful = 1e-4;  // of the reference speed: no solution is worse
+        if (!swing_before_) {
+          if (value < touch_ && (touch_rests_ || holds(collocation_.time_at(theta), work_))) touched = theta;
+        } else if (value < doubtful * system_.reference_speed()) {
+          const std::vector<double> there = work_;
+          if (rests(work_so_far(), collocation_.time_at(theta), there.data())) touched = theta;
+        }
+      }
       if (value < 0) {
         high = theta, high_value = value, low = 0, low_value = values[0];
         for (int i = 0; i < Collocation::stages; ++i)
@@ -163,7 +217,10 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
       }
     }
   }
-  if (high < 0 && !touched) return {};
+  if (high < 0 && !touched) {
+    if (swing_before_) work_done_ = work_so_far();
+    return {};
+  }
   const auto located = touched ? touched
                                : collocation_.locate([&](double t, const double* y) { return indicator(t, y); }, low,
                                                      high, std::max(low_value, 0.0), high_value);
@@ -171,6 +228,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   const double was = system_.direction();
   behind_switch_ = collocation_.state();
   was == 0 ? system_.hold(behind_switch_.data()) : system_.stop(behind_switch_.data());
+  if (swing_before_) put_at_rest(work_so_far());
   upcoming_ = mode_at_rest(collocation_.time(), behind_switch_.data(), was);
   switched_ = true;
   switched = was == 0           ? Switch::slip

@@ -1,5 +1,6 @@
 /// Event-driven integration of a set-valued contact: smooth pieces of slip, exact stick, located switches.
 #pragma once
+#include <optional>
 #include <span>
 
 #include "solvers/collocation.hpp"
@@ -33,6 +34,12 @@ class StickSlip {
   Outcome step(double t_limit, Switch& switched);
   /// The lowest slip rate, along its direction, that the last step of slip came to after it had left rest.
   double lowest() const { return lowest_; }
+  /// Where the energy told where the last slip came to rest: how much later than the step's end that was (s), and to
+  /// which time both it and, times the drive's speed, the displacement there are known (s).
+  struct Rest {
+    double later, known;
+  };
+  const std::optional<Rest>& rest_by_energy() const { return rest_; }
   /// Direction of the mode that the next step is taken in.
   double upcoming() const { return upcoming_; }
   const Collocation& stepper() const { return collocation_; }
@@ -42,18 +49,30 @@ class StickSlip {
   const std::vector<double>& state() const { return switched_ ? behind_switch_ : collocation_.state(); }
 
  private:
+  /// Of a slip from rest where swings are free: by how much friction and damping have changed the square of its swing,
+  /// and the size of what they did (m²).
+  struct Work {
+    double sum = 0, size = 0;
+  };
   double indicator(double t, const double* y) const;
   bool holds(double t, std::vector<double> y) const;
   double mode_at_rest(double t, const double* y, double direction) const;
+  void leave_rest(const double* y);
+  Work work_so_far();
+  bool rests(const Work&, double t, const double* y) const;
+  void put_at_rest(const Work&);
   double growth_time();
   double landing_time() const;
   SwitchingSystem& system_;
   Collocation collocation_;
-  double longest_slip_step_ = infinity, touch_ = 0;
+  double tolerance_, longest_slip_step_ = infinity, touch_ = 0;
   double upcoming_ = 0, lowest_ = infinity;
   bool touch_rests_ = false;
   bool switched_ = false;  ///< the last step ended in a switch: begin anew
   bool rewinds_ = false;
+  Work work_done_;
+  std::optional<double> swing_before_;  ///< at rest, before the present slip; none where that did not begin at rest
+  std::optional<Rest> rest_;
   bool armed_ = false;  ///< slip has left the neighbourhood of rest that it started from
   std::vector<double> work_, jacobian_, mass_, behind_switch_;
 };

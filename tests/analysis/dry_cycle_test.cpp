@@ -111,3 +111,48 @@ TEST_CASE("slip that has made a turn without rest is not followed any further", 
     CHECK(cycle.cost.steps < 2000);
   }
 }
+
+TEST_CASE("a slip that swings nearly free comes to rest where the closed form says, however light the load",
+          "[dry-cycle]") {
+  // Kato's law whose static friction does not grow is Coulomb's. Damping takes a third of what stick has stored.
+  for (const double damping : {0.0, 5e-4})
+    for (const double load : {0.5, 1e-2, 1e-4, 1e-6, 1e-9}) {
+      const auto kato =
+          rosin::tests::slider_under("kato-growth", {0.4, 0.4, 0.1, 0.5, 0.3}, {1, 1, damping * load * load}, 1, load);
+      const auto coulomb = rosin::tests::slider_under("coulomb", {0.4, 0.3}, {1, 1, damping * load * load}, 1, load);
+      const auto found = find_cycle(kato, {.tolerance = 1e-8}), exact = find_cycle(coulomb, {.tolerance = 1e-8});
+      CAPTURE(load, damping);
+      REQUIRE(found.outcome.complete());
+      REQUIRE(exact.outcome.complete());
+      CHECK(exact.cost.steps == 0);
+      if (damping == 0) CHECK(std::abs(found.metrics.friction_min - 0.2) <= found.error.friction_min);
+      for (const auto& metric : metric_names()) {
+        CAPTURE(metric.name);
+        CHECK(std::abs(found.metrics.*metric.member - exact.metrics.*metric.member) <=
+              found.error.*metric.member + exact.error.*metric.member);
+      }
+    }
+}
+
+TEST_CASE("a run through many such stops keeps to the closed form, either way", "[run]") {
+  for (const double speed : {1.0, -1.0})
+    for (const double load : {0.1, 1e-5}) {
+      RunOptions options;
+      options.duration = 60;
+      options.samples = 50;
+      options.start.kind = Start::Kind::rest;
+      options.tolerance = 1e-8;
+      const auto found =
+          run(rosin::tests::slider_under("kato-growth", {0.4, 0.4, 0.1, 0.5, 0.3}, {1, 1, 0}, speed, load), options);
+      const auto exact = run(rosin::tests::slider_under("coulomb", {0.4, 0.3}, {1, 1, 0}, speed, load), options);
+      CAPTURE(load, speed);
+      CHECK(found.solver == "events");
+      CHECK(exact.solver == "exact");
+      CHECK(found.events.size() == exact.events.size());
+      for (std::size_t c = 0; c < 2; ++c) {
+        CHECK(found.column_error[c] < 1e-6);
+        for (std::size_t i = 0; i < found.columns[c].size(); ++i)
+          CHECK(std::abs(found.columns[c][i] - exact.columns[c][i]) <= found.column_error[c] + 1e-12);
+      }
+    }
+}
