@@ -13,6 +13,8 @@ namespace rosin::analysis {
 namespace {
 constexpr double nearly_rest = 1e-140;  // m/s: ages L/v and their slopes stay finite
 
+double reference_speed(const oscillators::Model& model) { return std::max(std::abs(model.drive.speed.level()), 1e-12); }
+
 /// True where the force that slip of the contact meets has come to its largest or least, beyond which the contact's own
 /// slip rate cannot follow the force in the spring: within a share of that slip rate the resistance passes through
 /// zero. Steps end that far from it where the last digits of the forces decide.
@@ -26,10 +28,12 @@ bool slip_rate_turns_back(const oscillators::SliderSystem& system, double t, con
     return -jacobian[at * n + at];
   };
   constexpr double near = 0.1;
-  return resistance(1 - near) * resistance(1 + near) < 0 || resistance(0) * resistance(1) < 0;
+  if (resistance(1 - near) * resistance(1 + near) < 0 || resistance(0) * resistance(1) < 0) return true;
+  // A law of |v| has another resistance on the other side of a reversal.
+  constexpr double at_reversal = 1e-4;  // of the drive speed
+  return std::abs(y[at]) < at_reversal * reference_speed(system.model()) && resistance(-1) * resistance(1) < 0;
 }
 
-double reference_speed(const oscillators::Model& model) { return std::max(std::abs(model.drive.speed.level()), 1e-12); }
 }  // namespace
 
 bool unbounded_at_rest(const FrictionLaw& law, double normal_load) {

@@ -87,6 +87,7 @@ class Collocation {
   void end_at_kink();
   void factorise(double h);
   double growth_followed(double h) const;
+  double within_growth(double h);
   Newton solve_stages(double t, const double* y0, double h, int most_iterations);
   double estimate_error(double t, const double* y0, double h, bool refine);
   double ringing_error(double h, const double* estimate);

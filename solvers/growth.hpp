@@ -9,7 +9,7 @@ namespace rosin::solvers {
 /// Implicit steps damp what grows too fast for them: their stages lie on a slow motion that the solution leaves at
 /// once, the same at every tolerance. Tells so without eigenvalues. For moving unknowns with masses mᵢ and rates λᵢ,
 /// det(r M − J) = det(−J_aa) Π mᵢ (r − λᵢ) with J_aa of the algebraic ones, so that the signs of two determinants
-/// differ where an odd number of real rates exceeds r.
+/// differ where an odd number of real rates exceeds r. Modes that grow in pairs are told by asking at rates between.
 class GrowthTest {
  public:
   explicit GrowthTest(int unknowns) : pivot_(unknowns) { matrix_.reserve(unknowns * unknowns); }

@@ -88,6 +88,22 @@ struct Growth final : System {
   std::string unknown(int i) const override { return i == 0 ? "y" : "square"; }
 };
 
+/// Two of them without the square, with rates that differ by less than a step may by more than the one before.
+struct TwinGrowth final : System {
+  double rate[2] = {1e6, 2.7e6};
+  int size() const override { return 2; }
+  void mass(double, double* m) const override { m[0] = m[1] = 1; }
+  void evaluate(double, const double* y, double* f) const override {
+    for (int i = 0; i < 2; ++i) f[i] = rate[i] * y[i] * (1 - y[i]);
+  }
+  void linearise(double t, const double* y, double* f, double* J) const override {
+    evaluate(t, y, f);
+    J[0] = rate[0] * (1 - 2 * y[0]), J[1] = J[2] = 0, J[3] = rate[1] * (1 - 2 * y[1]);
+  }
+  void scale(const double*, double* s) const override { s[0] = s[1] = 1; }
+  std::string unknown(int i) const override { return i == 0 ? "slow" : "fast"; }
+};
+
 /// ẏ₀ = −2 y₀ − 1, which falls through 0 at t = ln(3)/2 from y₀ = 1, and 0 = y₀ − k y₁ with k = 1 above 0 and 4 below.
 struct Corner final : System {
   int size() const override { return 2; }
@@ -328,6 +344,21 @@ TEST_CASE("growth is followed, not damped, however small it begins and long the 
       // y/(1 − y) grows as e^(rt).
       CAPTURE(first, tolerance);
       CHECK(solver.time_at(*half) * Growth::rate == Approx(std::log(1 / first - 1)).epsilon(10 * tolerance));
+    }
+}
+
+TEST_CASE("growth in pairs is followed too", "[solvers]") {
+  const TwinGrowth system;
+  for (const double first : {1e-6, 1e-12})
+    for (const double tolerance : {1e-4, 1e-8}) {
+      Collocation solver(system, tolerance);
+      REQUIRE(solver.start(0, std::vector{first, first}));
+      while (solver.time() < 1 && solver.state()[0] < 0.5) REQUIRE(solver.step(1).complete());
+      const auto half = solver.locate([](double, const double* y) { return y[0] - 0.5; }, 0, 1,
+                                      solver.state_before()[0] - 0.5, solver.state()[0] - 0.5);
+      REQUIRE(half);
+      CAPTURE(first, tolerance);
+      CHECK(solver.time_at(*half) * system.rate[0] == Approx(std::log(1 / first - 1)).epsilon(10 * tolerance));
     }
 }
 
