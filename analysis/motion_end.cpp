@@ -34,18 +34,26 @@ bool slip_rate_turns_back(const oscillators::SliderSystem& system, double t, con
   return std::abs(y[at]) < at_reversal * reference_speed(system.model()) && resistance(-1) * resistance(1) < 0;
 }
 
+/// Nothing where friction has grown beyond all numbers.
+std::optional<FrictionLaw::Steady> close_to_rest(const FrictionLaw& law, double normal_load) {
+  try {
+    return law.steady_friction({nearly_rest, normal_load});
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
 }  // namespace
 
 bool unbounded_at_rest(const FrictionLaw& law, double normal_load) {
   if (law.set_valued()) return false;
-  const auto there = law.steady_friction({nearly_rest, normal_load});
-  return !(there.slope > 0) && there.friction > 0;
+  const auto there = close_to_rest(law, normal_load);
+  return !there || (!(there->slope > 0) && there->friction > 0);
 }
 
 bool jumps_at_rest(const FrictionLaw& law, double normal_load) {
   if (law.set_valued()) return false;
-  const auto there = law.steady_friction({nearly_rest, normal_load});
-  return std::abs(there.slope) * nearly_rest < 1e-10 * there.friction;
+  const auto there = close_to_rest(law, normal_load);
+  return there && std::abs(there->slope) * nearly_rest < 1e-10 * there->friction;
 }
 
 std::optional<std::string> why_rest_lasts(const oscillators::SliderSystem& system, double t, const double* y) {

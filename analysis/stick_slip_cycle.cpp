@@ -298,9 +298,9 @@ class OnsetMap {
       const VectorXd onward = accelerated(onsets, changes);
       const double known = std::max(tolerance_, 1e-14);  // no state is known better
       const bool settled = now < 10 * known || (k > 3 && now < 1e3 * known && !(now < 0.5 * change));
-      // States that count the time at rest scatter as the times at which slip stops. Then the metrics of two periods
-      // that both do show what is left.
-      if (settled || std::max(now, change) < 3 * scatter(period)) {
+      // States that count the time at rest scatter as the times at which slip stops, and what has all but decayed as
+      // the rounding of what it came from. Then the metrics of two periods that both do show what is left.
+      if (settled || std::max(now, change) < 3 * scatter(period) || go_nowhere(onsets, changes)) {
         period.closure +=
             settled ? std::max(now, size_of_step(onward, z)) : 10 * largest_change(before, period.metrics);
         period.steps = steps, period.evaluations = evaluations, period.slips = slips_;
@@ -403,6 +403,18 @@ class OnsetMap {
     constexpr double most = 0.5;
     onward = onward.cwiseMax(-most);
     return VectorXd(onward.cwiseProduct(sizes));
+  }
+  /// True if small changes of the last periods have not led away from where they began, as slow ones of one sign do.
+  bool go_nowhere(const std::vector<VectorXd>& onsets, const std::vector<VectorXd>& changes) const {
+    constexpr std::size_t periods = 8;
+    constexpr double small = 1e-6, nowhere = 3;
+    if (onsets.size() < periods) return false;
+    double largest = 0, farthest = 0;
+    for (std::size_t i = onsets.size() - periods; i < onsets.size(); ++i) {
+      largest = std::max(largest, size_of_step(changes[i], onsets[i]));
+      farthest = std::max(farthest, size_of_step(onsets.back() - onsets[i], onsets.back()));
+    }
+    return largest < small && farthest < nowhere * size_of_step(changes.back(), onsets.back());
   }
   /// True if slips of two kinds or more follow each other by turns: a period then holds as many. `change`: from the
   /// last onset to z.

@@ -72,8 +72,9 @@ bool Collocation::start(double t, std::span<const double> y) {
   system_.mass(t, mass_.data());
   if (!make_consistent()) return false;
   y_before_ = y_;
-  const double kink = system_.kink(y_.data());
-  kink_side_ = std::isnan(kink) ? 0 : kink > 0 ? 1 : -1;
+  kink_side_ = 0;
+  has_kink_ = !std::isnan(system_.kink(y_.data()));
+  if (has_kink_) end_at_kink();
   return true;
 }
 
@@ -516,7 +517,7 @@ Outcome Collocation::step(double t_limit) {
     h_next_ = last && h_next_ > h ? std::max(h_next_, h * factor) : h * factor;
     fresh_ = false;
     ++count_.steps;
-    if (kink_side_ != 0) end_at_kink();
+    if (has_kink_) end_at_kink();
     return {};
   }
 }
@@ -526,12 +527,13 @@ Outcome Collocation::step(double t_limit) {
 void Collocation::end_at_kink() {
   constexpr double across = 1e-13;  // more than the rounding of a step that ended there
   const double end = system_.kink(y_.data());
+  if (kink_side_ == 0 && std::abs(end) > across) kink_side_ = end > 0 ? 1 : -1;
   if (!(kink_side_ * end < -across)) return;
   const double begin = system_.kink(y_before_.data());
   const auto theta = locate([&](double, const double* y) { return system_.kink(y); }, 0, 1,
                             kink_side_ * std::max(kink_side_ * begin, 0.0), end);
   if (theta) shorten(*theta);
-  kink_side_ = -kink_side_;
+  kink_side_ = 0;
   fresh_ = true;
 }
 

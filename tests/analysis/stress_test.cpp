@@ -1015,3 +1015,26 @@ TEST_CASE("a swing that is no larger than its error is not taken for a cycle", "
   model.drive.force = -1.5928460833058858e-06;
   for (const double tolerance : {1e-6, 1e-9}) CHECK(find_cycle(model, {.tolerance = tolerance}).metrics.period == 0);
 }
+
+TEST_CASE("a curve that grows beyond all numbers toward rest ends motion like one without bound", "[stress]") {
+  auto model = slider_under("nagata",
+                            {0.4194348493619195, 0.030923729339672912, 0.14525262591523821, 0.013668731599047955,
+                             2.0039491370582567e-10, 2.5153630300175096},
+                            {7796.768369003963, 10.54491618406937, 0.0}, 1.0280258041424452e-13, 2.855749280656795e-10);
+  model.lambda = 0;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("rises without bound toward rest"));
+}
+
+TEST_CASE("where friction of one direction of slip falls with its rate, a contact behind a spring cannot reverse",
+          "[stress]") {
+  auto model = slider_under(
+      "lugre",
+      {1324.6544042115554, 1938.1918716475416, 0.0005639923055831615, 10.0, 0.04706512931827296, 0.3883699730044167},
+      {0, 0.008533130649711416, 0}, 0.3646463480499562, 1704.3434209843863);
+  model.lambda = 0.00010057505278332443;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("would have to jump"));
+}
