@@ -41,7 +41,65 @@ std::vector<Complex> by_iteration(const Matrix& J, const Vector& mass, const Vec
   return {found.data(), found.data() + found.size()};
 }
 
-/// M ẏ = J y around steady sliding.
+/// M ẏ = J y around steady sliding, with every slip rate an unknown: where a solver's form eliminates one by a damper,
+/// friction that resists far more than the damper cancels.
+struct Pencil {
+  RowMajor J, sizes;  ///< and what each entry was summed from
+  std::vector<double> mass;
+
+  explicit Pencil(const SliderSystem& system) : model_(system.model()), mechanics_(system.mechanics()) {
+    auto setup = system.contact_setup();
+    // An undamped spring is carried by the friction unknown.
+    if (setup.compliance == 0 && setup.compliance_per_load == 0) setup.unknowns = Unknowns::states;
+    contact_ = model_.law->contact(setup);
+    const auto& d = model_.drive;
+    const int mechanical = mechanics_ == Mechanics::elastic ? 0 : 2, n = mechanical + contact_->unknowns();
+    std::vector<double> z(contact_->unknowns()), weight(contact_->unknowns());
+    contact_->steady(0, d.speed.level(), d.normal_load.level(), z.data(), weight.data());
+    mass.resize(n);
+    if (mechanical > 0) mass[0] = 1, mass[1] = model_.slider.mass;
+    contact_->mass(d.normal_load.level(), mass.data() + mechanical);
+    J = rows(d.speed.level(), z);
+    sizes = J.cwiseAbs();
+    // Entries may be differences of larger numbers: what the last digits of the unknowns change is not known.
+    constexpr double digits = 2 * std::numeric_limits<double>::epsilon();
+    for (const double pattern : {1.0, -0.7, 0.4}) {
+      auto beside = z;
+      for (std::size_t i = 0; i < z.size(); ++i) beside[i] *= 1 + digits * (i % 2 ? -pattern * pattern : pattern);
+      const double u = mechanical > 0 ? d.speed.level() * (1 + digits * pattern) : d.speed.level();
+      sizes = sizes.cwiseMax((rows(u, beside) - J).cwiseAbs() / entry_rounding);
+    }
+  }
+
+ private:
+  /// Unknowns x, u and those of the contact; of a spring in series alone these.
+  RowMajor rows(double u, const std::vector<double>& z) const {
+    const int nz = int(z.size()), first = mechanics_ == Mechanics::elastic ? 0 : 2;
+    const auto& s = model_.slider;
+    std::vector<double> g(nz);
+    double F;
+    Slopes<double> slopes;
+    contact_->linearise({u, model_.drive.normal_load.level(), 0, u < 0 ? -1.0 : 1.0}, z.data(), g.data(), F, slopes);
+    RowMajor A = RowMajor::Zero(first + nz, first + nz);
+    for (int i = 0; i < nz; ++i)
+      for (int j = 0; j < nz; ++j) A(first + i, first + j) = slopes.g_z[i * nz + j];
+    if (first == 0) return A;
+    A(0, 1) = -1;
+    A(1, 0) = s.stiffness;
+    A(1, 1) = -s.damping - slopes.F_u;
+    for (int j = 0; j < nz; ++j) {
+      A(1, first + j) = -slopes.F_z[j];
+      A(first + j, 1) = slopes.g_u[j];
+    }
+    return A;
+  }
+
+  const Model& model_;
+  Mechanics mechanics_;
+  std::unique_ptr<Contact<double>> contact_;
+};
+
+/// M ẏ = J y around steady sliding, in the unknowns of a solver.
 struct Linearisation {
   SliderSystem system;
   std::vector<double> y;
@@ -71,15 +129,14 @@ struct Linearisation {
     Complex value;
     double error, real_error;
   };
+  static constexpr std::size_t largest_expanded = 14;
   /// Largest real part first.
   std::vector<Eigenvalue> eigenvalues() const {
     if (!J.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
     std::vector<Eigenvalue> list;
-    if (constexpr int largest_expanded = 14; mass.size() <= largest_expanded) {
-      const RowMajor rows = J, sizes = entry_sizes();
-      const auto count = std::size_t(rows.size());
-      const auto roots =
-          characteristic_roots({rows.data(), count}, {mass.data(), std::size_t(mass.size())}, {sizes.data(), count});
+    if (const Pencil pencil(system); pencil.mass.size() <= largest_expanded) {
+      const auto count = std::size_t(pencil.J.size());
+      const auto roots = characteristic_roots({pencil.J.data(), count}, pencil.mass, {pencil.sizes.data(), count});
       for (std::size_t i = 0; i < roots.values.size(); ++i)
         list.push_back({roots.values[i], roots.errors[i], roots.real_errors[i]});
     } else {
@@ -95,23 +152,6 @@ struct Linearisation {
       return a.value.real() != b.value.real() ? a.value.real() > b.value.real() : a.value.imag() > b.value.imag();
     });
     return list;
-  }
-
- private:
-  /// What each entry of J was summed from. Entries may be differences of larger numbers: what the last digits of y
-  /// change is not known.
-  RowMajor entry_sizes() const {
-    const int n = system.size();
-    std::vector<double> f(n);
-    RowMajor beside(n, n), sizes = J.cwiseAbs();
-    constexpr double digits = 2 * std::numeric_limits<double>::epsilon();
-    for (const double pattern : {1.0, -0.7, 0.4}) {
-      auto z = y;
-      for (int i = 0; i < n; ++i) z[i] *= 1 + digits * (i % 2 ? pattern : -pattern * pattern);
-      system.linearise(0, z.data(), f.data(), beside.data());
-      sizes = sizes.cwiseMax((beside - J).cwiseAbs() / entry_rounding);
-    }
-    return sizes;
   }
 };
 

@@ -135,3 +135,19 @@ TEST_CASE("steady sliding needs a drive and a spring", "[stability]") {
   CHECK_THROWS_AS(steady_sliding(bristol_board(1e-4, 10, 0)), InputError);
   CHECK_THROWS_AS(steady_sliding(bristol_board(1e-4, 10).with("oscillator.stiffness", 0)), InputError);
 }
+
+TEST_CASE("a damper far weaker than friction's slope leaves the slow eigenvalue to its digits", "[stability]") {
+  // No mass, no memory: (c + N dmu/dv) u = k x and x' = V - u, so that the eigenvalue is -k/(c + N (a - b)/V).
+  const double a = 0.02, b = 0.009, V = 1e-5, N = 2e4, k = 1.3;
+  auto model = slider_under("slip", {0.6, a, b, 1e-5, 1e-6}, {0, k, 0}, V, N);
+  model.lambda = 0;
+  for (const double c : {1e-20, 1e-12, 1e-4, 1.0, 1e4}) {
+    model.slider.damping = c;
+    const auto sliding = stability(model);
+    REQUIRE(sliding.eigenvalues.size() == 1);
+    const double exact = -k / (c + N * (a - b) / V);
+    CHECK(sliding.eigenvalues[0].real() == Approx(exact).epsilon(1e-13));
+    CHECK(sliding.eigenvalue_errors[0] < 1e-12 * std::abs(exact));
+    CHECK(sliding.stable);
+  }
+}
