@@ -48,8 +48,15 @@ bool Sharpening::next() {
   const bool exhausted = attempts_ > 0 && tolerance_ <= solvers::Collocation::least_tolerance;
   if (attempts_ == most || exhausted) return false;
   ++attempts_;
+  before_ = tolerance_;
   tolerance_ = std::max(factor_ * tolerance_, solvers::Collocation::least_tolerance);
   return true;
+}
+
+bool Sharpening::ease(const Outcome& outcome) {
+  if (outcome.ending != Ending::budget_spent || eased_ || attempts_ == 0) return false;
+  tolerance_ = std::sqrt(before_ * tolerance_);
+  return eased_ = true;
 }
 
 Outcome Sharpening::judge(double reached, const std::string& worst) {

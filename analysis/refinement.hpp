@@ -20,12 +20,16 @@ class Sharpening {
   double tolerance() const { return tolerance_; }
   /// Turns to the next tolerance. False after the last.
   bool next();
+  /// After a refinement that ended so: turns back to one half as fine, on a scale of powers, where it spent its budget.
+  /// False where that will not do, or was done before.
+  bool ease(const Outcome&);
   /// Takes the worst ratio of error to size, that of the metric `worst`. \returns how well the cycle is known.
   Outcome judge(double reached, const std::string& worst);
 
  private:
-  double asked_, tolerance_, factor_ = 0.01;
+  double asked_, tolerance_, before_ = 0, factor_ = 0.01;
   int attempts_ = 0;
+  bool eased_ = false;
 };
 
 }  // namespace rosin::analysis

@@ -338,7 +338,7 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
   // Below the section by more than rounding: from then on a rising zero is a passage.
   const double noise = dip * speed_;
   bool below = !from_section && section(0, solver.state().data()) < -noise;
-  constexpr long most_steps = 40'000;
+  const long allowed = std::min(turns * allowed_, most_steps);
   while (turns > 0) {
     // An implicit step over many turns of an oscillation that grows would damp it.
     const bool near_steady = std::abs(section(solver.time(), solver.state().data())) < 0.9 * speed_;
@@ -373,7 +373,7 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     if (recorder) recorder->step(solver);
     // Nothing that moves at all takes so many steps to grow.
     const bool at_rest = passage.amplitude < 1e-9 && solver.count().steps > 2'000;
-    if (turns > 0 && (at_rest || solver.time() >= longest_passage_ || solver.count().steps > most_steps)) {
+    if (turns > 0 && (at_rest || solver.time() >= longest_passage_ || solver.count().steps > allowed)) {
       const auto end = why_rest_lasts(system_, solver.time(), solver.state().data());
       passage.outcome = {Ending::budget_spent,
                          fmt::format("no passage through v = V within {:.3g} s and {} steps{}", solver.time(),

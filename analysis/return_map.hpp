@@ -62,6 +62,9 @@ class ReturnMap {
   Passage follow(const std::vector<double>& y, double tolerance, int turns, bool from_section, bool derivative = false,
                  Recorder* recorder = nullptr, double dip = least_dip);
   static constexpr double least_dip = 1e-10;
+  static constexpr long most_steps = 40'000;
+  /// A passage that takes more steps ends with its budget spent.
+  void allow(long steps) { allowed_ = steps; }
 
   const oscillators::SliderSystem& system() const { return system_; }
   /// Unknowns with the slider almost stuck (slip rate 1e-3 V) and the state of steady sliding at `aged_at`.
@@ -88,6 +91,7 @@ class ReturnMap {
   double growth_time_ = infinity;  ///< 1/|s| of the fastest growing mode of steady sliding
   bool spirals_ = false;           ///< what grows there oscillates
   std::string ringing_;            ///< why a passage may take too many steps; empty where nothing rings
+  long allowed_ = most_steps;
   std::vector<int> differential_;
   Eigen::VectorXd scale_;  ///< of the differential unknowns
   Cycle::Cost cost_;

@@ -160,6 +160,7 @@ class Pass {
     auto y = starting_point(system_, options_.start);
     if (other_digits && solver_ != "explicit")  // which such digits, as they decay, would seem stiff to
       for (double& value : y) value *= 1 + 2 * std::numeric_limits<double>::epsilon();
+    if (options_.start.kind == Start::Kind::given && !options_.start.displacement) system_.measure_from_balance(y);
     if (solver_ == "steady") system_.set_direction(system_.model().drive.speed.level() < 0 ? -1 : 1);
     if (system_.size() == 0 || solver_ == "steady") {
       if (system_.model().law->set_valued()) metrics_["stick_time"] = 0;

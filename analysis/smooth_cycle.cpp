@@ -139,6 +139,7 @@ Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double am
   const auto steady = map.system().steady(0);
   const double start = map.distance(y, steady), least = 0.02 * start / amplitude;
   VectorXd direction = map.difference(y, steady) / start;
+  const long last_step = map.cost().steps + most_steps / 8;  // irregular motion has no such amplitude
   struct Drift {
     double size, rate;
     std::vector<double> y;
@@ -152,7 +153,7 @@ Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double am
     double before = 0, rate = infinity;
     for (int k = 0; k < most_passages; ++k) {
       const auto passage = map.follow(y, tolerance, 1, true, false, nullptr, dip);
-      if (!passage.outcome.complete()) return std::nullopt;
+      if (!passage.outcome.complete() || map.cost().steps > last_step) return std::nullopt;
       const double a = before, last = rate, b = map.distance(passage.end, steady);
       if (!(b > 0)) return std::nullopt;
       y = passage.end;
@@ -171,7 +172,7 @@ Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double am
   for (int larger = 0; high->rate > 0; ++larger) {
     low = high->size, low_rate = high->rate;
     high = drift((larger < 8 ? 1.05 : 1.25) * low);
-    if (!high || larger > 40) return {};
+    if (!high || high->size <= low || larger > 40) return {};  // what is larger falls back within a few passages
   }
   for (double size = 0.8 * high->size; low_rate <= 0 && size > least; size *= 0.8) {
     const auto here = drift(size);
@@ -323,7 +324,9 @@ class Search {
     balanced_ = false;
     next_attempt_ = 2;
     for (int k = 0; k < most_passages_; ++k) {
+      const long steps_before = map_.cost().steps;
       const auto passage = map_.follow(y, tolerance, 1, k > 0, false, nullptr, dip_of(last_amplitude));
+      most_taken_ = std::max(most_taken_, map_.cost().steps - steps_before);
       if (!passage.outcome.complete()) {
         if (const auto nearer = leaps.shorter()) {
           y = *nearer;
@@ -347,9 +350,13 @@ class Search {
         continue;
       }
       leaps.passed(y, distance_from_steady(y));
-      // A drift is followed as closely as it takes to see it.
       tolerance = std::clamp(1e-3 * leaps.pace(), 1e-13, loose);
-      if (attempt(k, amplitude, leaps.under_way()) == Attempt::ends) return;
+      // A trial that takes far longer has strayed into stick or onto steady sliding.
+      constexpr long times = 20, few = 1'000;
+      map_.allow(times * most_taken_ + few);
+      const Attempt attempted = attempt(k, amplitude, leaps.under_way());
+      map_.allow(ReturnMap::most_steps);
+      if (attempted == Attempt::ends) return;
       if (!steady_is_stable() && leaps.ready()) {
         y = leaps.ahead();
         visited_.clear();
@@ -434,6 +441,7 @@ class Search {
   double drift_at_rest_;
   int most_passages_;
   int creeping_ = 0;                          ///< times that motion far from any cycle neither settled nor grew
+  long most_taken_ = 0;                       ///< steps of a passage of the motion itself
   std::vector<std::vector<double>> visited_;  ///< ends of passages since the start or the last leap
   int next_attempt_ = 2;                      ///< the passage after which a cycle is next looked for in any case
   bool balanced_ = false;                     ///< the balance of drift was looked for from this start
@@ -545,13 +553,19 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     return refine(map, point, sharpening.tolerance(), options.stick_threshold, keep_orbit);
   };
   Refined coarse = refined(false);
+  for (int looser = 0; looser < 2 && coarse.outcome.ending == Ending::budget_spent; ++looser) {
+    sharpening = Sharpening(options.tolerance, 100 * sharpening.tolerance());
+    coarse = refined(false);
+  }
   const bool fewer = coarse.outcome.complete() && fewer_turns_do(map, point, sharpening.tolerance(), coarse.closure);
   if (fewer) coarse = refined(false);
   std::string worst;
   while (sharpening.next()) {
     Refined fine = refined(true);
+    if (coarse.outcome.complete() && sharpening.ease(fine.outcome)) fine = refined(true);
     if (!coarse.outcome.complete() || !fine.outcome.complete()) {
-      cycle.outcome = coarse.outcome.complete() ? fine.outcome : coarse.outcome;
+      const bool known = cycle.metrics.period > 0 && fine.outcome.ending == Ending::budget_spent;  // as it was before
+      if (!known) cycle.outcome = coarse.outcome.complete() ? fine.outcome : coarse.outcome;
       break;
     }
     const double lowest = fine.metrics.slip_rate_min;

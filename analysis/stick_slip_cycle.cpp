@@ -119,8 +119,9 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     return result;
   }
   const double natural = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
-  const double longest = 300 * natural + 10 * std::abs(system.loaded_at_rest(rest, 1)[0]) / V;
-  solver.rewind_at_switches();  // a slip may be far shorter than the last digit of the stick before it
+  const double longest_slip = 300 * natural + 10 * std::abs(system.loaded_at_rest(rest, 1)[0]) / V;
+  constexpr double strengthened = 1e4;  // the most that rest may add to what the contact holds at first
+  solver.rewind_at_switches();          // a slip may be far shorter than the last digit of the stick before it
   const auto sliding = stability(model);
   const double frequency = std::sqrt(s.stiffness / s.mass), swing = swing_time(model);
   constexpr double touch = 10;
@@ -144,7 +145,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   int turns = 0;
   Recorder recorder(system, tolerance, stick_threshold, true);
   bool began = onset != nullptr, fast = false;
-  double elapsed = 0, period = 0, stuck = 0, fastest = V, lowest_x = infinity, highest_x = -infinity;
+  double slipped = 0, period = 0, stuck = 0, fastest = V, lowest_x = infinity, highest_x = -infinity;
   Bottoms bottoms(model, system);
   // What part of their sizes states change by at rest, 1/s.
   const auto fastest_at_rest = [&](const std::vector<double>& y) {
@@ -164,7 +165,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     system.linearise(0, y.data(), rates.data(), slopes.data());
     return std::max(swing, -slopes.back() / s.stiffness);
   };
-  while (elapsed < longest) {
+  while (slipped < longest_slip) {
     if (solver.stepper().count().steps > 200'000) {
       result.outcome = {Ending::budget_spent, "no period of stick and slip within 200000 steps"};
       break;
@@ -173,13 +174,18 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     constexpr double resolved = 0.1;
     solver.bound_slip_step(resolved * swing_here);
     solvers::Switch switched;
-    const Outcome outcome = solver.step(longest, switched);
+    const double limit = (solver.upcoming() == 0 ? strengthened : 1) * longest_slip;
+    const Outcome outcome = solver.step(limit, switched);
     if (!outcome.complete()) {
       result.outcome = outcome;
       break;
     }
+    if (solver.time() >= limit && solver.upcoming() == 0) {
+      result.outcome = {Ending::budget_spent, fmt::format("the contact sticks for more than {:.3g} s", limit)};
+      break;
+    }
     const auto& stop = solver.rest_by_energy();
-    elapsed += solver.stepper().length();
+    slipped = system.direction() == 0 ? 0 : slipped + solver.stepper().length();
     if (began) {
       recorder.step(solver.stepper());
       period += solver.stepper().length();
@@ -407,7 +413,7 @@ class OnsetMap {
   /// True if small changes of the last periods have not led away from where they began, as slow ones of one sign do.
   bool go_nowhere(const std::vector<VectorXd>& onsets, const std::vector<VectorXd>& changes) const {
     constexpr std::size_t periods = 8;
-    constexpr double small = 1e-6, nowhere = 3;
+    constexpr double small = 1e-2, nowhere = 3;
     if (onsets.size() < periods) return false;
     double largest = 0, farthest = 0;
     for (std::size_t i = onsets.size() - periods; i < onsets.size(); ++i) {
@@ -532,12 +538,20 @@ double static_limit_of_curve(const Model& model) {
 }
 
 /// The swing at which slip that never sticks repeats itself: where the drift ln(A'/A) falls through zero.
-std::optional<double> balanced_swing(const Model& model, double tolerance) {
+struct BalancedSwing {
+  std::optional<double> swing;
+  Outcome outcome;
+};
+BalancedSwing balanced_swing(const Model& model, double tolerance) {
   const double natural = std::sqrt(model.slider.mass / model.slider.stiffness);
   const double largest = model.drive.speed.level() * natural +
                          2 * model.drive.normal_load.level() * static_limit_of_curve(model) / model.slider.stiffness;
+  constexpr long most_steps = 200'000;
+  long steps = 0;
   const auto drift = [&](double log_swing) {
+    if (steps > most_steps) return -1.0;
     const auto passage = slip_passage(model, std::exp(log_swing), tolerance, 0.1, false);
+    steps += passage.steps;
     return passage.found && passage.onset_displacement > 0 ? std::log(passage.onset_displacement) - log_swing : -1.0;
   };
   double high = std::log(8 * largest), f_high = drift(high);
@@ -550,9 +564,10 @@ std::optional<double> balanced_swing(const Model& model, double tolerance) {
     std::uintmax_t iterations = 100;
     const auto [a, b] = boost::math::tools::toms748_solve(drift, low, high, f_low, f_high,
                                                           boost::math::tools::eps_tolerance<double>(50), iterations);
-    return std::exp(0.5 * (a + b));
+    if (steps <= most_steps) return {std::exp(0.5 * (a + b)), {}};
   }
-  return std::nullopt;
+  if (steps <= most_steps) return {};
+  return {{}, {Ending::budget_spent, fmt::format("no swing that repeats itself within {} steps of slip", most_steps)}};
 }
 
 /// True where friction never falls with slip rate, not even from rest: then two motions never part, and none repeats
@@ -596,10 +611,14 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       if ((period.grazes || missed) && tol > sharp) period = OnsetMap(model, sharp, options.stick_threshold).cycle();
       return period;
     }
-    const auto swing = balanced_swing(model, tol);
-    if (!swing) return {};
-    auto period = slip_passage(model, *swing, tol, options.stick_threshold, true);
-    period.onset_displacement = steady_sliding(model).displacement + *swing;
+    const auto balanced = balanced_swing(model, tol);
+    if (!balanced.swing) {
+      StickSlipPeriod none;
+      none.outcome = balanced.outcome;
+      return none;
+    }
+    auto period = slip_passage(model, *balanced.swing, tol, options.stick_threshold, true);
+    period.onset_displacement = steady_sliding(model).displacement + *balanced.swing;
     return period;
   };
   StickSlipPeriod coarse = period_now();
@@ -618,10 +637,12 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   const double caution = kinks ? 4 : 1;
   while (sharpening.next()) {
     StickSlipPeriod fine = coarse.found ? period_now() : coarse;
+    if (coarse.found && sharpening.ease(fine.outcome)) fine = period_now();
     cycle.cost.steps += fine.steps + coarse.steps;
     cycle.cost.evaluations += fine.evaluations + coarse.evaluations;
     ++cycle.cost.cycles;
-    if (!fine.outcome.complete()) {
+    const bool known = cycle.metrics.period > 0 && fine.outcome.ending == Ending::budget_spent;
+    if (!fine.outcome.complete() && !known) {
       cycle.outcome = fine.outcome;
       return cycle;
     }

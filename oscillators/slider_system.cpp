@@ -144,11 +144,38 @@ double SliderSystem::imposed_slip_rate(const Forcing& now, const double* y, doub
     case Mechanics::inertial:
       return y[1];
     case Mechanics::damped:
-      return now.speed - (F + now.force - model_.slider.stiffness * y[0]) / model_.slider.damping;
+      return now.speed -
+             ((F - origin_.friction) + (now.force - origin_.force) - model_.slider.stiffness * y[0] + origin_.drag) /
+                 model_.slider.damping;
     case Mechanics::elastic:
       return now.speed - now.force_rate / model_.slider.stiffness;
   }
   return 0;
+}
+
+double SliderSystem::momentum_rate(const Forcing& now, double x, double u, double F) const {
+  const auto& s = model_.slider;
+  return s.mass * now.speed_rate + s.stiffness * x + (s.damping * (now.speed - u) - origin_.drag) -
+         (F - origin_.friction) - (now.force - origin_.force);
+}
+
+bool SliderSystem::measure_from_balance(std::vector<double>& y) {
+  if (mechanical_ == 0) return false;
+  const Forcing now = forcing(0);
+  const auto& s = model_.slider;
+  const double known_force = mechanics_ == Mechanics::damped ? now.load * y[mechanical_] : 0;
+  const double u = imposed_slip_rate(now, y.data(), known_force);
+  double F = known_force, g[Slopes<double>::capacity];
+  if (mechanics_ == Mechanics::inertial)
+    contact_->evaluate({u, now.load, now.load_rate, u < 0 ? -1.0 : 1.0}, y.data() + mechanical_, g, F);
+  const double spring = s.stiffness * y[0], drag = s.damping * (now.speed - u);
+  constexpr double rounding = 1e-13;
+  const double size = std::abs(spring) + std::abs(drag) + std::abs(F) + std::abs(now.force);
+  if (u == 0 || !(std::abs(spring + drag - F - now.force) <= rounding * size)) return false;
+  origin_ = {y[0], F, now.force, drag};
+  swing_center_ -= y[0];
+  y[0] = 0;
+  return true;
 }
 
 void SliderSystem::evaluate(double t, const double* y, double* f) const {
@@ -167,10 +194,7 @@ void SliderSystem::evaluate(double t, const double* y, double* f) const {
   contact_->evaluate({u, now.load, now.load_rate, direction_}, z, f + mechanical_, F);
   if (creep_ > 0) f[mechanical_] -= creep_ * z[0];
   if (mechanical_ > 0) f[0] = now.speed - u;
-  if (mechanics_ == Mechanics::inertial) {
-    const auto& s = model_.slider;
-    f[1] = s.mass * now.speed_rate + s.stiffness * y[0] + s.damping * (now.speed - u) - F - now.force;
-  }
+  if (mechanics_ == Mechanics::inertial) f[1] = momentum_rate(now, y[0], u, F);
 }
 
 void SliderSystem::linearise(double t, const double* y, double* f, double* jacobian) const {
@@ -198,7 +222,7 @@ void SliderSystem::linearise(double t, const double* y, double* f, double* jacob
   }
   if (mechanics_ == Mechanics::inertial) {
     f[0] = now.speed - u;
-    f[1] = s.mass * now.speed_rate + s.stiffness * y[0] + s.damping * (now.speed - u) - F - now.force;
+    f[1] = momentum_rate(now, y[0], u, F);
     J(0, 1) = -1;
     J(1, 0) = s.stiffness;
     J(1, 1) = -s.damping - slopes.F_u;
@@ -264,7 +288,9 @@ void SliderSystem::restore(double t, double* y) const {
   if (mechanics_ != Mechanics::damped) return;
   const Forcing now = forcing(t);
   const auto& s = model_.slider;
-  y[0] = (now.load * y[1] + now.force - s.damping * (now.speed - slip_rate(t, y))) / s.stiffness;
+  y[0] = ((now.load * y[1] - origin_.friction) + (now.force - origin_.force) -
+          (s.damping * (now.speed - slip_rate(t, y)) - origin_.drag)) /
+         s.stiffness;
 }
 
 void SliderSystem::expand(double t, const double* y, const double* direction, double* second, double* third) const {
@@ -522,7 +548,8 @@ double SliderSystem::contact_slip_rate(double t, const double* y) const {
 double SliderSystem::holding_force(double t, const double* y) const {
   const Forcing now = forcing(t);
   const auto& s = model_.slider;
-  return s.mass * now.speed_rate + s.stiffness * y[0] + s.damping * now.speed - now.force;
+  return s.mass * now.speed_rate + s.stiffness * y[0] + s.damping * now.speed - now.force +
+         (origin_.friction + origin_.force - origin_.drag);
 }
 
 double SliderSystem::holding_limit(double t, const double* y) const {
@@ -568,7 +595,8 @@ Observation SliderSystem::observe(double t, const double* y) const {
   seen.friction_force = now.load * seen.friction_coefficient;
   seen.slip_rate = slip_rate(t, y);
   seen.velocity = now.speed - seen.slip_rate;
-  seen.displacement = mechanical_ > 0 ? y[0] : (seen.friction_force + now.force) / model_.slider.stiffness;
+  seen.displacement =
+      mechanical_ > 0 ? origin_.displacement + y[0] : (seen.friction_force + now.force) / model_.slider.stiffness;
   seen.state = states_at(now.load, y, contact_slip_rate_index() >= 0 ? contact_slip_rate(t, y) : seen.slip_rate);
   return seen;
 }

@@ -39,6 +39,10 @@ class SliderSystem final : public SwitchingSystem {
   /// For motions that last so long (s) in all. Friction lags behind a change of load by the time in which a mass takes
   /// up the slip beside the law's; the shorter the motion, the less of that there is.
   void last(double duration);
+  /// Where forces balance in y at t = 0, in slip, displacements among the unknowns count from there from now on, and
+  /// each force by its change: exactly balanced, where k x − F would keep the rounding of both. Sets the displacement
+  /// of y to 0. \returns false, and does nothing, where they do not.
+  bool measure_from_balance(std::vector<double>& y);
   bool autonomous() const override { return is_constant_; }
   double kink(const double* y) const override {
     return states_ > 0 ? model_.law->kink({y + first_state(), std::size_t(states_)}) : NAN;
@@ -125,6 +129,8 @@ class SliderSystem final : public SwitchingSystem {
     }
   };
   double imposed_slip_rate(const Forcing&, const double* y, double F) const;
+  /// m u̇ at displacement x, slip rate u and friction force F.
+  double momentum_rate(const Forcing&, double x, double u, double F) const;
   void read_states(const double* z, double* state) const;
   void write_states(std::span<const double> state, double* z) const;
   std::vector<double> states_at(double load, const double* y, double v) const;
@@ -145,6 +151,10 @@ class SliderSystem final : public SwitchingSystem {
   /// effect turns friction over within e^(−μ/a) of the slip rate, which no arithmetic resolves where a mass reverses;
   /// with δ the turn is as wide as rounding.
   double creep_ = 0;
+  struct Origin {
+    double displacement, friction, force, drag;
+  };
+  Origin origin_{};  ///< where the displacement among the unknowns is 0, and the forces that balance there
   Forcing constant_{};
   LaneForcing constant_in_lanes_{};
   bool is_constant_, set_valued_;

@@ -953,6 +953,8 @@ TEST_CASE("BDF says that a spring under large forces moves by less than its last
   options.start.slip_rate = 4.7832574877284306e-09;
   options.solver = "cvode";
   options.tolerance = 1e-7;
+  CHECK(run(model, options).outcome.complete());  // from balance, displacements count from there
+  options.start.displacement = 840000;
   CHECK(run(model, options).outcome.ending == Ending::tolerance_not_met);
 }
 
@@ -1037,4 +1039,63 @@ TEST_CASE("where friction of one direction of slip falls with its rate, a contac
   const auto cycle = find_cycle(model, {.tolerance = 1e-6});
   CHECK(cycle.outcome.ending == Ending::none_exists);
   CHECK_THAT(cycle.outcome.detail, Catch::Contains("would have to jump"));
+}
+
+TEST_CASE("a start from a slip rate is in balance to all digits, whatever the forces", "[stress]") {
+  // Friction that does not depend on the slip rate: m u' = k xi, xi' = V - u from xi = 0. The last digit of the
+  // friction force would accelerate so little mass by 10 m/s^2.
+  const double m = 2.2e-14, k = 0.014, V = 4e-7, u0 = 3.7e-8, omega = std::sqrt(k / m);
+  for (const double c : {0.0, 1e-12}) {
+    const auto model = slider_under("loading-rate", {4.4, 2.7, 0.38, 0.4}, {m, k, c}, V, 2544.7);
+    RunOptions options;
+    options.duration = 9e-6;
+    options.samples = 20;
+    options.tolerance = 1e-8;
+    options.start.kind = Start::Kind::given;
+    options.start.slip_rate = u0;
+    const auto motion = run(model, options);
+    REQUIRE(motion.outcome.complete());
+    const double decay = c / (2 * m), ringing = std::sqrt(omega * omega - decay * decay);
+    for (std::size_t i = 0; i < motion.time.size(); ++i) {
+      // w = u - V: m w'' + c w' + k w = 0 with w'(0) = 0.
+      const double t = motion.time[i];
+      const double w =
+          (u0 - V) * std::exp(-decay * t) * (std::cos(ringing * t) + decay / ringing * std::sin(ringing * t));
+      CHECK(std::abs(motion.columns[2][i] - (V + w)) < 1e-8 * V);
+    }
+  }
+}
+
+TEST_CASE("contacts that strengthen far beyond what they held at first stick long, and slip again", "[stress]") {
+  const auto model = slider_under(
+      "loading-rate", {1.2431789846174377, 0.18012854110822252, 0.37053609145139127, 0.11209273344928879},
+      {0.20661361270192347, 39.078896442745616, 1.1916057256533978}, 7.8647905824619188e-08, 0.0027356455856321253);
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(loose.outcome.complete());
+  REQUIRE(fine.outcome.complete());
+  CHECK(std::abs(loose.metrics.period - fine.metrics.period) <= loose.error.period + fine.error.period);
+}
+
+TEST_CASE("motion that dies out is not searched for amplitudes that no drift can balance", "[stress]") {
+  auto model = slider_under("nagata",
+                            {0.46001815487322661, 0.096354286235145178, 0.031504253516679723, 0.0076910750958340242,
+                             0.0047097433243640723, 1.978959607104074},
+                            {0.027236617327303547, 3590434.0979885575, 0}, 44.583475180299807, 329.55141385395257);
+  model.lambda = 0.16139854372154308;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK(cycle.cost.steps < 50'000);  // 300 000 before
+}
+
+TEST_CASE("a cycle that cannot be refined within the budget stays as it is known", "[stress]") {
+  auto model = slider_under("kato-tullis", {0.6, 0.01, 0.015, 1e-5, 1e-6, 1e-8},
+                            {1.3962429946599877, 0.0020973804883201584, 0.072234116198068493}, 6.1690464110229541e-12,
+                            0.001116775466288101);
+  model.lambda = 1330.1578847074027;
+  model.contact_stiffness.tangential = 0.00093977375228600647;
+  model.contact_stiffness.damping = 11.682679794230573;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(cycle.metrics.period > 0);
+  CHECK(cycle.error.period < 1e-6 * cycle.metrics.period);
+  if (!cycle.outcome.complete()) CHECK(cycle.outcome.ending == Ending::tolerance_not_met);
 }
