@@ -350,6 +350,7 @@ class Search {
         continue;
       }
       leaps.passed(y, distance_from_steady(y));
+      // A drift is followed as closely as it takes to see it.
       tolerance = std::clamp(1e-3 * leaps.pace(), 1e-13, loose);
       // A trial that takes far longer has strayed into stick or onto steady sliding.
       constexpr long times = 20, few = 1'000;
