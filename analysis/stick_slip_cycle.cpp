@@ -608,8 +608,15 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       auto period = OnsetMap(model, tol, options.stick_threshold).cycle();
       constexpr double grazing = 1e-3, sharp = 1e-14;
       const bool missed = !period.found && period.outcome.complete() && period.closest < grazing;
-      if ((period.grazes || missed) && tol > sharp) period = OnsetMap(model, sharp, options.stick_threshold).cycle();
-      return period;
+      if (!(period.grazes || missed) || !(tol > sharp)) return period;
+      auto closer = OnsetMap(model, sharp, options.stick_threshold).cycle();
+      constexpr double another = 0.1;
+      if (period.found && closer.found && std::abs(closer.metrics.period / period.metrics.period - 1) > another)
+        closer.outcome = {Ending::tolerance_not_met,
+                          fmt::format("by {:.1e} of the drive's speed slip comes to rest or not, and a period has one "
+                                      "slip or another number of them",
+                                      period.closest)};
+      return closer;
     }
     const auto balanced = balanced_swing(model, tol);
     if (!balanced.swing) {

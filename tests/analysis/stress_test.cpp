@@ -1099,3 +1099,15 @@ TEST_CASE("a cycle that cannot be refined within the budget stays as it is known
   CHECK(cycle.error.period < 1e-6 * cycle.metrics.period);
   if (!cycle.outcome.complete()) CHECK(cycle.outcome.ending == Ending::tolerance_not_met);
 }
+
+TEST_CASE("cycles of one slip and of three that only just come to rest are not told apart, and it is said",
+          "[stress]") {
+  auto model = slider_under("thermal", {0.35, 0.4, 0.01, 0.45, 0.1, 5e-7, 0.001, 0.008, 1.0, 1.0},
+                            {2.3529063770389305e-17, 137320.8530203031, 0}, 5668.7367711831021, 68805.987240265327);
+  model.lambda = 1.1508464280878496;
+  for (const double tolerance : {1e-6, 1e-9}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    CHECK(cycle.outcome.ending == Ending::tolerance_not_met);
+    CHECK_THAT(cycle.outcome.detail, Catch::Contains("comes to rest or not"));
+  }
+}
