@@ -43,7 +43,10 @@ const MetricName& find_metric(std::string_view name) {
 
 double size_of(const MetricName& metric, const Metrics& m, double V) {
   const double value = std::abs(m.*metric.member);
-  if (metric.member == &Metrics::slip_rate_min) return std::max(value, V);
+  if (metric.member == &Metrics::slip_rate_min || metric.member == &Metrics::slip_rate_max) {
+    constexpr double digits = 1e-8;  // of the fastest slip, whose rounding the slowest keeps
+    return std::max({value, V, digits * std::max(std::abs(m.slip_rate_min), std::abs(m.slip_rate_max))});
+  }
   if (metric.unit[0] == '1' && metric.member != &Metrics::loop_area_normalised) return 1;
   if (metric.member == &Metrics::loop_area) return std::max(value, 0.1 * m.slip_rate_max * m.friction_max);
   if (metric.member == &Metrics::loop_area_normalised) return std::max(value, 0.1);

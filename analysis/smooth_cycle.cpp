@@ -461,14 +461,25 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
   const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
   const auto lu =
       MatrixXd(scale.cwiseInverse().asDiagonal() * (I - point.derivative) * scale.asDiagonal()).partialPivLu();
+  bool leads = true;  // the derivative does; that of slips at 10¹⁰ V may be all rounding
+  double before = infinity;
+  std::vector<double> onward;  // where the last passage ended
   for (int iteration = 0; iteration < 12; ++iteration) {
     const auto passage = map.follow(point.y, tolerance, point.turns, true, false, nullptr, dip_of(point.amplitude));
+    const double change = passage.outcome.complete() ? map.distance(passage.end, point.y) : infinity;
+    constexpr double astray = 10;
+    if (leads && change > astray * before) {
+      point.y = onward;
+      leads = false;
+      result.closure = infinity;
+      continue;
+    }
     if (!passage.outcome.complete()) {
       result.outcome = passage.outcome;
       return result;
     }
-    const VectorXd step =
-        scale.asDiagonal() * lu.solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, point.y));
+    VectorXd step = map.difference(passage.end, point.y);
+    if (leads) step = scale.asDiagonal() * lu.solve(scale.cwiseInverse().asDiagonal() * step);
     const double length = (step.array() / scale.array()).matrix().norm();
     if (!std::isfinite(length)) break;
     if (length > 0.5 * result.closure) {  // rounding reached: as large as this, or a few times it
@@ -476,6 +487,8 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
       break;
     }
     point.y = map.moved(point.y, step, 1);
+    onward = passage.end;
+    before = change;
     result.closure = length;
     if (length < 0.1 * tolerance * std::min(1.0, point.amplitude)) break;
   }

@@ -164,11 +164,15 @@ double Collocation::within_growth(double h) {
   return h;
 }
 
-Collocation::Newton Collocation::solve_stages(double t, const double* y0, double h, int most_iterations) {
+Collocation::Newton Collocation::solve_stages(double t, const double* y0, double h, int most_iterations,
+                                              bool to_rounding) {
   const int n = n_;
   for (int i = 0; i < s; ++i) system_.mass(node_time(t, tableau_.c[i] * h), &stage_mass_[i * n]);
   const double goal = std::max(0.01 * tolerance_, 20 * rounding);
-  double previous = 0, rate = 1;
+  double previous = 0, rate = 1, change = 0;
+  const auto stalled = [&] {
+    return change < 1e3 * rounding || (to_rounding && change <= rounding_error()) ? Newton::converged : Newton::slow;
+  };
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     iterations_ = iteration + 1;
     // Residual f(Y_i) − M_i (A⁻¹ Z)_i / h.
@@ -183,7 +187,7 @@ Collocation::Newton Collocation::solve_stages(double t, const double* y0, double
     }
     count_.evaluations += s;
     // Decoupled blocks: (λ_k M/h − J) w_k = (T⁻¹ residual)_k, ΔZ = T w.
-    double change = 0;
+    change = 0;
     auto& real_part = real_right_;
     for (int k = 0; k < n; ++k) {
       real_part[k] = 0;
@@ -214,14 +218,14 @@ Collocation::Newton Collocation::solve_stages(double t, const double* y0, double
     if (iteration > 0) {
       rate = change / previous;
       if (rate < 1 && change * rate / (1 - rate) <= goal) return Newton::converged;
-      if (rate > 0.99 && iteration > 2) return change < 1e3 * rounding ? Newton::converged : Newton::slow;
+      if (rate > 0.99 && iteration > 2) return stalled();
       // Will the remaining iterations suffice?
       if (iteration > 2 && rate < 1 && change * std::pow(rate, most_iterations - 1 - iteration) / (1 - rate) > goal)
-        return Newton::slow;
+        return stalled();
     }
     previous = change;
   }
-  return Newton::slow;
+  return stalled();
 }
 
 double Collocation::estimate_error(double t, const double* y0, double h, bool refine) {
@@ -250,6 +254,14 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
   }
   // The error of an oscillation falls with h^10, this estimate with h^6.
   return std::max(size / estimate_tolerance_, std::pow(ringing / tolerance_, 0.6));
+}
+
+/// What the last digits of f leave in the embedded estimate of a step whose matrix is factorised, in scales.
+double Collocation::rounding_error() {
+  const int n = n_;
+  for (int i = 0; i < n; ++i) work_[i] = 4 * rounding * size_of_terms(&J_[i * n], y_.data(), n);
+  solve_lu(real_lu_, real_pivot_, n, work_.data());
+  return norm(work_.data());
 }
 
 /// The modes from the answers of the filter that the embedded estimate has passed: (γM/h − J)⁻¹ M r = r h/(γ − z) where
@@ -480,7 +492,9 @@ Outcome Collocation::step(double t_limit) {
       // An extrapolation that jumps by more than a scale is no help to Newton.
       if (!(norm(&Z_trial_[(s - 1) * n]) < 1)) std::fill(Z_trial_.begin(), Z_trial_.end(), 0.0);
     }
-    const Newton newton = solve_stages(t_, y_.data(), h, step_iterations);
+    // Iterations that come no closer, in shorter steps neither, are at what the last digits of the forces leave.
+    constexpr int shortened = 3;
+    const Newton newton = solve_stages(t_, y_.data(), h, step_iterations, attempt >= shortened);
     if (newton != Newton::converged) {
       if (attempt == corner_attempt) look_for_corner();
       ++count_.rejected;

@@ -88,8 +88,9 @@ class Collocation {
   void factorise(double h);
   double growth_followed(double h) const;
   double within_growth(double h);
-  Newton solve_stages(double t, const double* y0, double h, int most_iterations);
+  Newton solve_stages(double t, const double* y0, double h, int most_iterations, bool to_rounding = false);
   double estimate_error(double t, const double* y0, double h, bool refine);
+  double rounding_error();
   double ringing_error(double h, const double* estimate);
   bool find_modes(double h, std::span<const int> moving);
   double norm(const double* v) const;

@@ -24,35 +24,26 @@ StickSlip::StickSlip(SwitchingSystem& system, double tolerance)
       jacobian_(system.size() * system.size()),
       mass_(system.size()) {}
 
-/// Time in which slip that feeds its own growth grows by e, on a weakening branch or through a state that slip changes
-/// and that changes slip in turn: a long implicit step would damp it.
-double StickSlip::growth_time() {
+/// Time in which slip that slows down halves. Friction may turn over within a small part of the reference speed just
+/// before rest, which a step from far above would not see.
+double StickSlip::landing_time() {
   const int n = system_.size();
+  const double u = system_.slip_rate(time(), state().data());
+  if (!(std::abs(u) > 1e-8 * system_.reference_speed())) return infinity;
   system_.linearise(time(), state().data(), work_.data(), jacobian_.data());
   system_.mass(time(), mass_.data());
-  double fastest = 0;
-  for (int i = 0; i < n; ++i) {
-    const double own = jacobian_[i * n + i] / mass_[i];
-    fastest = std::max(fastest, own);
-    for (int j = 0; j < i; ++j) {
-      const double feedback = jacobian_[i * n + j] * jacobian_[j * n + i] / (mass_[i] * mass_[j]);
-      if (feedback > 0) fastest = std::max(fastest, greater_eigenvalue(own, jacobian_[j * n + j] / mass_[j], feedback));
-    }
-  }
-  return fastest > 0 ? 1 / fastest : infinity;
-}
-
-/// Time in which slip that slows down halves. Friction may turn over within a small part of the reference speed just
-/// before rest, which a step from far above would not see. Call after growth_time(), which evaluates the rates.
-double StickSlip::landing_time() const {
-  const double u = system_.slip_rate(time(), state().data());
   double rate = 0;  // of the slip rate; the unknown that it is follows from its value
-  for (int i = 0; i < system_.size(); ++i)
-    if (state()[i] == u && mass_[i] > 0) rate = work_[i] / mass_[i];
-  const bool slows = u * rate < 0 && std::abs(u) > 1e-8 * system_.reference_speed();
+  for (int i = 0; i < n; ++i) {
+    if (state()[i] != u || mass_[i] == 0) continue;
+    // Of forces that balance but for their last digits the step before tells.
+    constexpr double rounding = 1e-14;
+    const bool balanced = std::abs(work_[i]) < rounding * size_of_terms(&jacobian_[i * n], state().data(), n);
+    const double before = collocation_.state_before()[i];
+    rate = !balanced ? work_[i] / mass_[i] : collocation_.length() > 0 ? (u - before) / collocation_.length() : 0;
+  }
   // A drive's time must still advance, and a step be a part of it that counts.
   const double clock = (system_.autonomous() ? 1e-28 : 1e-12) * std::abs(time());
-  return slows ? std::max(0.5 * std::abs(u / rate), clock) : infinity;
+  return u * rate < 0 ? std::max(0.5 * std::abs(u / rate), clock) : infinity;
 }
 
 /// Positive while the present mode lasts.
@@ -151,8 +142,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   }
   rest_.reset();
   const double small = rest * system_.reference_speed();
-  collocation_.bound_step(system_.direction() == 0 ? infinity
-                                                   : std::min({longest_slip_step_, growth_time(), landing_time()}));
+  collocation_.bound_step(system_.direction() == 0 ? infinity : std::min(longest_slip_step_, landing_time()));
   const Outcome outcome = collocation_.step(t_limit);
   if (!outcome.complete()) return outcome;
   // The first node at which the mode has ended, if any.

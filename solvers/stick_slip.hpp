@@ -61,8 +61,7 @@ class StickSlip {
   Work work_so_far();
   bool rests(const Work&, double t, const double* y) const;
   void put_at_rest(const Work&);
-  double growth_time();
-  double landing_time() const;
+  double landing_time();
   SwitchingSystem& system_;
   Collocation collocation_;
   double tolerance_, longest_slip_step_ = infinity, touch_ = 0;
