@@ -522,7 +522,8 @@ double last_digits(const ReturnMap& map, const std::vector<double>& y) {
 /// same. True if so; `point` is known to be on the cycle within `closure`, in scales.
 bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double closure) {
   constexpr double largest = 1e-2;
-  const double same = std::min(10 * closure, largest * map.distance(point.y, map.system().steady(0)));
+  const double same =
+      std::min(std::max(10 * closure, tolerance), largest * map.distance(point.y, map.system().steady(0)));
   for (int fewer = 1; 2 * fewer <= point.turns; ++fewer) {
     if (point.turns % fewer != 0) continue;
     const auto passage =

@@ -1111,3 +1111,26 @@ TEST_CASE("cycles of one slip and of three that only just come to rest are not t
     CHECK_THAT(cycle.outcome.detail, Catch::Contains("comes to rest or not"));
   }
 }
+
+TEST_CASE("turns that were taken twice are told at every tolerance", "[stress]") {
+  const auto model =
+      slider_under("two-state-slip", {0.6, 0.01, 0.009, 2e-6, 0.006, 4e-5, 1e-6},
+                   {0.00071227578267863453, 1.8096500322294164, 0}, 1.3125718690416021e-06, 0.011816658754304784);
+  const double period = find_cycle(model, {.tolerance = 1e-8}).metrics.period;
+  REQUIRE(period > 0);
+  for (const double tolerance : {1e-6, 1e-7, 1e-9}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    CHECK(cycle.metrics.period == Approx(period).epsilon(1e-8));
+  }
+}
+
+TEST_CASE("a derivative that is all rounding does not lead a refinement away", "[stress]") {
+  auto model = slider_under("flash-heating", {0.7, 0.016, 0.02, 2e-5, 1e-6, 0.13, 0.17},
+                            {0.0024098450283962093, 0.018775829489611515, 0}, 0.020848129028285114, 60.388410666809186);
+  model.lambda = 2353.5698713957695;
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(loose.outcome.complete());
+  REQUIRE(fine.outcome.complete());
+  CHECK(std::abs(loose.metrics.period - fine.metrics.period) <= loose.error.period + fine.error.period);
+  CHECK(loose.stable);
+}
