@@ -521,9 +521,9 @@ double last_digits(const ReturnMap& map, const std::vector<double>& y) {
 /// Several turns that were taken together, because each seemed to differ from the next, may prove to be one and the
 /// same. True if so; `point` is known to be on the cycle within `closure`, in scales.
 bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double closure) {
-  constexpr double largest = 1e-2;
-  const double same =
-      std::min(std::max(10 * closure, tolerance), largest * map.distance(point.y, map.system().steady(0)));
+  constexpr double steps = 100, largest = 1e-2;  // what the steps of one passage differ by from those of another
+  const double size = map.distance(point.y, map.system().steady(0));
+  const double same = std::min(std::max(10 * closure, steps * tolerance * size), largest * size);
   for (int fewer = 1; 2 * fewer <= point.turns; ++fewer) {
     if (point.turns % fewer != 0) continue;
     const auto passage =
