@@ -1112,7 +1112,7 @@ TEST_CASE("cycles of one slip and of three that only just come to rest are not t
   }
 }
 
-TEST_CASE("turns that were taken twice are told at every tolerance", "[stress]") {
+TEST_CASE("turns that were taken twice are told at every tolerance", "[stress][long]") {
   const auto ringing =
       slider_under("two-state-slip", {0.6, 0.01, 0.009, 2e-6, 0.006, 4e-5, 1e-6},
                    {0.00071227578267863453, 1.8096500322294164, 0}, 1.3125718690416021e-06, 0.011816658754304784);
