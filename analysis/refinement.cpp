@@ -54,7 +54,7 @@ bool Sharpening::next() {
 }
 
 bool Sharpening::ease(const Outcome& outcome) {
-  if (outcome.ending != Ending::budget_spent || eased_ || attempts_ == 0) return false;
+  if (outcome.ending != Ending::budget_spent || eased_) return false;
   tolerance_ = std::sqrt(before_ * tolerance_);
   return eased_ = true;
 }

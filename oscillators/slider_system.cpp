@@ -545,12 +545,7 @@ double SliderSystem::contact_slip_rate(double t, const double* y) const {
   return model_.law->slip_rate(z[0], forcing(t).load, {state, model_.law->states().size()});
 }
 
-double SliderSystem::holding_force(double t, const double* y) const {
-  const Forcing now = forcing(t);
-  const auto& s = model_.slider;
-  return s.mass * now.speed_rate + s.stiffness * y[0] + s.damping * now.speed - now.force +
-         (origin_.friction + origin_.force - origin_.drag);
-}
+double SliderSystem::holding_force(double t, const double* y) const { return momentum_rate(forcing(t), y[0], 0, 0); }
 
 double SliderSystem::holding_limit(double t, const double* y) const {
   const double N = forcing(t).load;

@@ -35,11 +35,11 @@ double StickSlip::landing_time() {
   double rate = 0;  // of the slip rate; the unknown that it is follows from its value
   for (int i = 0; i < n; ++i) {
     if (state()[i] != u || mass_[i] == 0) continue;
-    // Of forces that balance but for their last digits the step before tells.
     constexpr double rounding = 1e-14;
-    const bool balanced = std::abs(work_[i]) < rounding * size_of_terms(&jacobian_[i * n], state().data(), n);
-    const double before = collocation_.state_before()[i];
-    rate = !balanced ? work_[i] / mass_[i] : collocation_.length() > 0 ? (u - before) / collocation_.length() : 0;
+    if (std::abs(work_[i]) >= rounding * size_of_terms(&jacobian_[i * n], state().data(), n))
+      rate = work_[i] / mass_[i];
+    else if (collocation_.length() > 0)  // of forces that balance but for their last digits the step before tells
+      rate = (u - collocation_.state_before()[i]) / collocation_.length();
   }
   // A drive's time must still advance, and a step be a part of it that counts.
   const double clock = (system_.autonomous() ? 1e-28 : 1e-12) * std::abs(time());
