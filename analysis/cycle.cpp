@@ -47,7 +47,10 @@ double size_of(const MetricName& metric, const Metrics& m, double V) {
     constexpr double digits = 1e-8;  // of the fastest slip, whose rounding the slowest keeps
     return std::max({value, V, digits * std::max(std::abs(m.slip_rate_min), std::abs(m.slip_rate_max))});
   }
-  if (metric.unit[0] == '1' && metric.member != &Metrics::loop_area_normalised) return 1;
+  if (metric.member == &Metrics::friction_min || metric.member == &Metrics::friction_max)
+    return std::max({1.0, std::abs(m.friction_min), std::abs(m.friction_max)});
+  if (metric.member == &Metrics::friction_mean) return std::max(1.0, value);
+  if (is_stick(metric)) return 1;
   if (metric.member == &Metrics::loop_area) return std::max(value, 0.1 * m.slip_rate_max * m.friction_max);
   if (metric.member == &Metrics::loop_area_normalised) return std::max(value, 0.1);
   return value;

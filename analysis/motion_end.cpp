@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -17,7 +18,8 @@ double reference_speed(const oscillators::Model& model) { return std::max(std::a
 
 /// True where the force that slip of the contact meets has come to its largest or least, beyond which the contact's own
 /// slip rate cannot follow the force in the spring: within a share of that slip rate the resistance passes through
-/// zero. Steps end that far from it where the last digits of the forces decide.
+/// zero. Steps end that far from it where the last digits of the forces decide, or beyond it, with forces out of
+/// balance.
 bool slip_rate_turns_back(const oscillators::SliderSystem& system, double t, const double* y) {
   const int n = system.size(), at = system.contact_slip_rate_index();
   if (at < 0) return false;
@@ -27,11 +29,14 @@ bool slip_rate_turns_back(const oscillators::SliderSystem& system, double t, con
     system.linearise(t, there.data(), f.data(), jacobian.data());
     return -jacobian[at * n + at];
   };
+  const double here = resistance(1), to_balance = f[at] / (here * y[at]);
   constexpr double near = 0.1;
-  if (resistance(1 - near) * resistance(1 + near) < 0 || resistance(0) * resistance(1) < 0) return true;
+  if (resistance(1 - near) * resistance(1 + near) < 0 || resistance(0) * here < 0) return true;
+  for (const double way : {0.1, 0.25, 0.5, 1.0, 2.0})
+    if (resistance(1 + way * to_balance) * here < 0) return true;
   // A law of |v| has another resistance on the other side of a reversal.
   constexpr double at_reversal = 1e-4;  // of the drive speed
-  return std::abs(y[at]) < at_reversal * reference_speed(system.model()) && resistance(-1) * resistance(1) < 0;
+  return std::abs(y[at]) < at_reversal * reference_speed(system.model()) && resistance(-1) * here < 0;
 }
 
 /// Nothing where friction has grown beyond all numbers.

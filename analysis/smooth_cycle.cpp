@@ -455,17 +455,26 @@ struct Refined {
   std::vector<CyclePoint> orbit;
   Outcome outcome;
 };
-Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick_threshold, bool keep_orbit) {
+Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleOptions& options, bool keep_orbit) {
   Refined result{{}, infinity, {}, {}};
   const VectorXd scale = map.scale();
   const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
-  const auto lu =
-      MatrixXd(scale.cwiseInverse().asDiagonal() * (I - point.derivative) * scale.asDiagonal()).partialPivLu();
+  const auto factorised = [&] {
+    return MatrixXd(scale.cwiseInverse().asDiagonal() * (I - point.derivative) * scale.asDiagonal()).partialPivLu();
+  };
+  auto lu = factorised();
   bool leads = true;  // the derivative does; that of slips at 10¹⁰ V may be all rounding
-  double before = infinity;
+  bool renew = false;
+  double before = infinity, at_renewal = infinity;
   std::vector<double> onward;  // where the last passage ended
   for (int iteration = 0; iteration < 12; ++iteration) {
-    const auto passage = map.follow(point.y, tolerance, point.turns, true, false, nullptr, dip_of(point.amplitude));
+    const auto passage = map.follow(point.y, tolerance, point.turns, true, renew, nullptr, dip_of(point.amplitude));
+    if (renew && passage.outcome.complete()) {
+      point.derivative = passage.derivative;
+      lu = factorised();
+      renew = false;
+      result.closure = infinity;
+    }
     const double change = passage.outcome.complete() ? map.distance(passage.end, point.y) : infinity;
     constexpr double astray = 10;
     if (leads && change > astray * before) {
@@ -482,7 +491,17 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
     if (leads) step = scale.asDiagonal() * lu.solve(scale.cwiseInverse().asDiagonal() * step);
     const double length = (step.array() / scale.array()).matrix().norm();
     if (!std::isfinite(length)) break;
-    if (length > 0.5 * result.closure) {  // rounding reached: as large as this, or a few times it
+    if (length > 0.5 * result.closure) {
+      // The derivative is that of the point that was first found, and where slip only just reverses it changes soon.
+      constexpr double enough = 1e-3;  // of what is asked: friction about a reversal is that much more sensitive
+      constexpr double steps = 100;    // what the steps of one passage differ by from those of another
+      const bool wrong = length > std::max(enough * options.tolerance, steps * tolerance);
+      if (leads && wrong && !point.by_differences && length < 0.5 * at_renewal) {
+        renew = true;
+        at_renewal = length;
+        continue;
+      }
+      // Rounding reached: as large as this, or a few times it.
       result.closure = std::max(result.closure, 3 * length);
       break;
     }
@@ -492,7 +511,7 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, double stick
     result.closure = length;
     if (length < 0.1 * tolerance * std::min(1.0, point.amplitude)) break;
   }
-  Recorder recorder(map.system(), tolerance, stick_threshold, keep_orbit);
+  Recorder recorder(map.system(), tolerance, options.stick_threshold, keep_orbit);
   const auto passage = map.follow(point.y, tolerance, point.turns, true, false, &recorder, dip_of(point.amplitude));
   result.outcome = passage.outcome;
   result.metrics = recorder.finish(passage.duration);
@@ -564,20 +583,30 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   const double magnified = std::min(1.0, point.amplitude) * std::min(1.0, 1 - spectral_radius(point, map));
   const double digits = slip_rate_digits(map.system());  // that of the contact follows from friction
   Sharpening sharpening(options.tolerance, 0.2 * options.tolerance * magnified);
-  const auto refined = [&](bool keep_orbit) {
-    return refine(map, point, sharpening.tolerance(), options.stick_threshold, keep_orbit);
-  };
+  const auto refined = [&](bool keep_orbit) { return refine(map, point, sharpening.tolerance(), options, keep_orbit); };
   Refined coarse = refined(false);
   for (int looser = 0; looser < 2 && coarse.outcome.ending == Ending::budget_spent; ++looser) {
     sharpening = Sharpening(options.tolerance, 100 * sharpening.tolerance());
     coarse = refined(false);
   }
-  const bool fewer = coarse.outcome.complete() && fewer_turns_do(map, point, sharpening.tolerance(), coarse.closure);
-  if (fewer) coarse = refined(false);
+  bool told = false, fewer = false;
+  const auto took_too_many = [&](const Refined& known) {
+    constexpr double tells = 1e-3;  // of the size
+    if (told || !known.outcome.complete() || known.closure > tells * map.distance(point.y, map.system().steady(0)))
+      return false;
+    told = true;
+    return fewer = fewer_turns_do(map, point, sharpening.tolerance(), known.closure);
+  };
+  if (took_too_many(coarse)) coarse = refined(false);
   std::string worst;
   while (sharpening.next()) {
     Refined fine = refined(true);
     if (coarse.outcome.complete() && sharpening.ease(fine.outcome)) fine = refined(true);
+    if (took_too_many(fine)) {
+      sharpening = Sharpening(options.tolerance, 100 * sharpening.tolerance());
+      coarse = refined(false);
+      continue;
+    }
     if (!coarse.outcome.complete() || !fine.outcome.complete()) {
       const bool known = cycle.metrics.period > 0 && fine.outcome.ending == Ending::budget_spent;  // as it was before
       if (!known) cycle.outcome = coarse.outcome.complete() ? fine.outcome : coarse.outcome;

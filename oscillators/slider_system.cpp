@@ -354,6 +354,8 @@ void SliderSystem::scale(const double* y, double* s) const {
     s[0] = std::max(displacement_scale_, std::abs(y[0]));
   if (mechanical_ > 1) s[1] = std::max(reference_speed_, std::abs(y[1]));
   for (int i = mechanical_; i < size(); ++i) s[i] = contact_scale_[i - mechanical_];
+  // Friction that is all but gone in steady sliding may hold much elsewhere.
+  if (carries_friction()) s[mechanical_] = std::max(contact_scale_[0], 0.01 * std::abs(y[mechanical_]));
   // A linear state may grow far beyond its natural size: its own last digits are then what can be known.
   for (int i = 0; i < states_; ++i)
     if (model_.law->states()[i].scale == Scale::linear)

@@ -68,6 +68,8 @@ bool Collocation::start(double t, std::span<const double> y) {
   std::fill(carry_.begin(), carry_.end(), 0.0);
   h_next_ = 0;
   fresh_ = true;
+  rounded_ = false;
+  rejections_ = 0;
   mode_rates_.clear();  // what a solution costs and gives must not depend on those before it
   system_.mass(t, mass_.data());
   if (!make_consistent()) return false;
@@ -101,7 +103,7 @@ bool Collocation::make_consistent() {
     for (int i = 0; i < m; ++i) {
       const double scale = scale_[rows[i]], step = std::abs(r[i]);
       change = std::max(change, step / scale);
-      leap = std::max(leap, step / std::max(scale, 0.01 * std::abs(y_[rows[i]])));
+      leap = std::max(leap, step / std::max(scale, 0.1 * std::abs(y_[rows[i]])));
     }
     if (!std::isfinite(change)) return false;
     const double damping = std::min(1.0, 1.0 / leap);  // exponentials: no step beyond one scale, or a digit or two
@@ -171,7 +173,8 @@ Collocation::Newton Collocation::solve_stages(double t, const double* y0, double
   const double goal = std::max(0.01 * tolerance_, 20 * rounding);
   double previous = 0, rate = 1, change = 0;
   const auto stalled = [&] {
-    return change < 1e3 * rounding || (to_rounding && change <= rounding_error()) ? Newton::converged : Newton::slow;
+    if (change < 1e3 * rounding) return Newton::converged;
+    return to_rounding && change <= rounding_error() ? Newton::rounded : Newton::slow;
   };
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     iterations_ = iteration + 1;
@@ -252,15 +255,27 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
     solve(f.data());
     size = norm(e.data());
   }
+  if (size > estimate_tolerance_) size = beyond_rounding(e);
   // The error of an oscillation falls with h^10, this estimate with h^6.
   return std::max(size / estimate_tolerance_, std::pow(ringing / tolerance_, 0.6));
 }
 
+/// What may be wrong with f in row i by rounding.
+double Collocation::last_digits(int row) const { return 4 * rounding * size_of_terms(&J_[row * n_], y_.data(), n_); }
+
 /// What the last digits of f leave in the embedded estimate of a step whose matrix is factorised, in scales.
 double Collocation::rounding_error() {
-  const int n = n_;
-  for (int i = 0; i < n; ++i) work_[i] = 4 * rounding * size_of_terms(&J_[i * n], y_.data(), n);
-  solve_lu(real_lu_, real_pivot_, n, work_.data());
+  for (int i = 0; i < n_; ++i) work_[i] = last_digits(i);
+  solve_lu(real_lu_, real_pivot_, n_, work_.data());
+  return norm(work_.data());
+}
+
+/// The size, in scales, of what exceeds in an estimate what the last digits of algebraic rows leave there: steps of any
+/// length find that again.
+double Collocation::beyond_rounding(const std::vector<double>& estimate) {
+  for (int i = 0; i < n_; ++i) work_[i] = mass_[i] == 0 ? last_digits(i) : 0;
+  solve_lu(real_lu_, real_pivot_, n_, work_.data());
+  for (int i = 0; i < n_; ++i) work_[i] = std::max(std::abs(estimate[i]) - std::abs(work_[i]), 0.0);
   return norm(work_.data());
 }
 
@@ -390,7 +405,7 @@ double Collocation::ringing_error(double h, const double* estimate) {
     if (!heard) {
       // Beside the estimate the estimates of what rounding leaves of forces that balance, which rings at every start.
       std::fill_n(noise.begin(), n * n, 0.0);
-      for (int i = 0; i < n; ++i) noise[i * n + i] = 4 * rounding * size_of_terms(&J_[i * n], y_.data(), n);
+      for (int i = 0; i < n; ++i) noise[i * n + i] = last_digits(i);
       solve_lu(real_lu_, real_pivot_, n, noise.data(), n);
       heard = true;
     }
@@ -462,6 +477,8 @@ Outcome Collocation::step(double t_limit) {
   // while friction turns over in a reversal.
   const double shortest = (system_.autonomous() ? 1e-30 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
   bool rejected = false;
+  constexpr int shortened = 3;
+  const double planned = rejections_ < shortened ? h : 0;
   for (int attempt = 0;; ++attempt) {
     const double remaining = t_limit - t_;
     bool last = false;
@@ -492,12 +509,14 @@ Outcome Collocation::step(double t_limit) {
       // An extrapolation that jumps by more than a scale is no help to Newton.
       if (!(norm(&Z_trial_[(s - 1) * n]) < 1)) std::fill(Z_trial_.begin(), Z_trial_.end(), 0.0);
     }
-    // Iterations that come no closer, in shorter steps neither, are at what the last digits of the forces leave.
-    constexpr int shortened = 3;
-    const Newton newton = solve_stages(t_, y_.data(), h, step_iterations, attempt >= shortened);
-    if (newton != Newton::converged) {
+    // What shorter steps have not made smaller may be what the last digits of the forces leave; but where slip is about
+    // to jump, all steps that the clock shows are too long.
+    const bool to_rounding = rejections_ >= shortened && h > 4 * rounding * std::abs(t_);
+    const Newton newton = solve_stages(t_, y_.data(), h, step_iterations, to_rounding);
+    if (newton == Newton::slow || newton == Newton::not_finite) {
       if (attempt == corner_attempt) look_for_corner();
       ++count_.rejected;
+      ++rejections_;
       h *= newton == Newton::not_finite ? 0.25 : 0.4;
       rejected = true;
       continue;
@@ -506,12 +525,17 @@ Outcome Collocation::step(double t_limit) {
     double factor = safety * std::pow(std::max(error, 1e-12), -1.0 / (s + 1));
     if (!(error <= 1)) {
       ++count_.rejected;
+      ++rejections_;
       h *= std::isfinite(error) ? std::clamp(factor, least_factor, 0.9) : 0.2;
       rejected = true;
       continue;
     }
+    // Shorter steps would not have helped against rounding, and its part of the error has no trend.
+    const bool was_rounded = rounded_;
+    rounded_ = newton == Newton::rounded;
+    if (attempt == 0 && !rounded_) rejections_ = 0;
     // Predictive control (Gustafsson): the trend of the error over two steps.
-    if (!fresh_ && error_last_ > 0)
+    if (!fresh_ && error_last_ > 0 && !rounded_ && !was_rounded)
       factor = std::min(factor, factor * (h / h_last_) * std::pow(error_last_ / std::max(error, 1e-12), 1.0 / (s + 1)));
     // Steps that Newton barely managed are not lengthened, else the next one fails.
     const double manageable = iterations_ >= 8 ? 0.95 : iterations_ >= 6 ? 1.15 : greatest_factor;
@@ -529,6 +553,7 @@ Outcome Collocation::step(double t_limit) {
     h_last_ = h;
     // A step cut by the limit says nothing against the longer one that was planned.
     h_next_ = last && h_next_ > h ? std::max(h_next_, h * factor) : h * factor;
+    if (rounded_) h_next_ = std::max(h_next_, planned);
     fresh_ = false;
     ++count_.steps;
     if (has_kink_) end_at_kink();

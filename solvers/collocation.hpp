@@ -80,7 +80,8 @@ class Collocation {
  private:
   /// t + dt, but before the limit of the step: a drive that jumps there must not be seen early.
   double node_time(double t, double dt) const { return std::min(t + dt, last_moment_); }
-  enum class Newton { converged, slow, not_finite };
+  /// `rounded`: converged as far as the last digits of the forces tell.
+  enum class Newton { converged, rounded, slow, not_finite };
   /// Solves the algebraic rows for the algebraic unknowns of y_. \returns false where that fails.
   bool make_consistent();
   void look_for_corner();
@@ -90,7 +91,9 @@ class Collocation {
   double within_growth(double h);
   Newton solve_stages(double t, const double* y0, double h, int most_iterations, bool to_rounding = false);
   double estimate_error(double t, const double* y0, double h, bool refine);
+  double last_digits(int row) const;
   double rounding_error();
+  double beyond_rounding(const std::vector<double>& estimate);
   double ringing_error(double h, const double* estimate);
   bool find_modes(double h, std::span<const int> moving);
   double norm(const double* v) const;
@@ -115,7 +118,9 @@ class Collocation {
   std::vector<int> real_pivot_, pair_pivot_[2];
   std::vector<double> big_, big_right_, f_stage_, J_stage_;
   std::vector<int> big_pivot_;
-  int iterations_ = 0;  ///< of the last Newton solution
+  int iterations_ = 0;    ///< of the last Newton solution
+  bool rounded_ = false;  ///< the last step came as far as the last digits of the forces tell
+  int rejections_ = 0;    ///< attempts since the last step that succeeded at once
   /// What differs from rest in M ẏ = J y moves in modes, kept while J hardly changes: their vectors in columns, of the
   /// moving unknowns alone, the inverse of that, both column-major, and their rates. Of a pair the real and the
   /// imaginary part of the one with the positive frequency, which stands twice among the rates.

@@ -1141,3 +1141,102 @@ TEST_CASE("a derivative that is all rounding does not lead a refinement away", "
   CHECK(std::abs(loose.metrics.period - fine.metrics.period) <= loose.error.period + fine.error.period);
   CHECK(loose.stable);
 }
+
+TEST_CASE("steps do not shrink for what the last digits of friction leave of the slip rate", "[stress]") {
+  // Strongly damped bristles behind a spring of the contact: its slip rate follows from forces that all but cancel.
+  auto ringing = slider_under(
+      "lugre",
+      {47123276.27293966, 1052080.9142623376, 21.547450703531883, 10.0, 0.88590215526711946, 0.61002136645827743},
+      {1.0014621995500535e-14, 130911.579123317, 0}, 3230.41973343274, 298.39034593200432);
+  ringing.lambda = 16513.358136026385;
+  ringing.contact_stiffness.tangential = 1189995190.1570506;
+  RunOptions options;
+  options.duration = 5.4679170009281394e-09;
+  options.samples = 20;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 10828.256210590782;
+  options.tolerance = 1e-6;
+  const auto motion = run(ringing, options);
+  REQUIRE(motion.outcome.complete());
+  CHECK(motion.cost.steps < 10'000);
+  options.tolerance = 1e-9;
+  const auto close = run(ringing, options);
+  REQUIRE(close.columns.size() == motion.columns.size());
+  for (std::size_t k = 0; k < close.columns.size(); ++k) {
+    CHECK(close.column_error[k] < 1e-7 * std::abs(close.columns[k].back()));
+    CHECK(std::abs(close.columns[k].back() - motion.columns[k].back()) <=
+          close.column_error[k] + motion.column_error[k]);
+  }
+  // A slider without mass settles on the curve of steady sliding.
+  auto settling = slider_under("lugre",
+                               {795563.86770700081, 46.946609182762494, 0.044017741349862645, 0.37323245323618881,
+                                0.15706007236119504, 0.0062692422433029728},
+                               {0, 74486.984666924778, 0}, 7.3841493792349458e-07, 3.7982055862614805);
+  options.duration = 0.016982851366555602;
+  options.start.slip_rate = 1.1119268843040756e-08;
+  for (const double tolerance : {1e-6, 1e-9}) {
+    options.tolerance = tolerance;
+    const auto settled = run(settling, options);
+    REQUIRE(settled.time.back() == options.duration);
+    CHECK(settled.cost.steps < 2'000);
+    CHECK(settled.columns[3].back() == Approx(steady_sliding(settling).friction_force).epsilon(1e-7));
+    CHECK(settled.column_error[3] < 1e-7 * settled.columns[3].back());
+  }
+}
+
+TEST_CASE("where a step has gone beyond the last balance of friction and spring, slip would have to jump", "[stress]") {
+  auto model = slider_under("lugre-unscaled",
+                            {68907.987458353236, 576.37967809086228, 0.22521599203626824, 1.6235398332793527,
+                             0.50324848661130073, 0.0053411443147421724},
+                            {1.6278235461299496e-11, 732431.08902841876, 4.0350279175907193}, 127.4216970967781,
+                            12984.05888880448);
+  model.lambda = 1.2993058862318658;
+  model.contact_stiffness.tangential = 2919.2387088322512;
+  model.drive.force = -21243.766108905329;
+  for (const double tolerance : {1e-6, 1e-9}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    CHECK(cycle.outcome.ending == Ending::none_exists);
+    CHECK_THAT(cycle.outcome.detail, Catch::Contains("would have to jump"));
+  }
+}
+
+TEST_CASE("friction that is all but gone in steady sliding is measured by what it holds elsewhere", "[stress]") {
+  // At the drive's speed it is 1e-14, in a start from stick 0.04.
+  auto model = slider_under("spinodal",
+                            {0.13287796417200085, 0.015240424944249592, 0.086359506400980821, 2.0567564765971281e-09,
+                             8.2158886451633365e-05, 2.7717122485390305e-07, 6529229.0684369095},
+                            {8.7483608596408837e-14, 41548.302589451909, 0.057762330919564626}, 0.18496903455066382,
+                            0.16300067896805359);
+  for (const double tolerance : {1e-6, 1e-9}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    CHECK(cycle.outcome.ending == Ending::none_exists);
+    CHECK_THAT(cycle.outcome.detail, Catch::Contains("dies out"));
+  }
+}
+
+TEST_CASE("a cycle that only just reverses is refined with the derivative that it has there", "[stress]") {
+  auto model = slider_under("two-state-ageing", {0.6, 0.01, 0.009, 2e-6, 0.006, 4e-5, 1e-6},
+                            {382.96861341797415, 0.22279913139012877, 0}, 0.067068264519810336, 0.00022275858805174652);
+  model.lambda = 21154.15147953948;
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(loose.outcome.complete());
+  REQUIRE(fine.outcome.complete());
+  // Slip comes within 3e-6 of the drive speed of not reversing, and friction takes its other sign within that.
+  CHECK(fine.metrics.slip_rate_min < 0);
+  CHECK(fine.metrics.slip_rate_min > -1e-5 * model.drive.speed.level());
+  CHECK(fine.metrics.friction_min < -0.4);
+  CHECK(std::abs(loose.metrics.friction_min - fine.metrics.friction_min) <=
+        loose.error.friction_min + fine.error.friction_min);
+}
+
+TEST_CASE("friction a million times the load is known relative to itself", "[stress]") {
+  auto model = slider_under("lugre",
+                            {507632.7287743382, 984015.61157051416, 233.19530071008222, 3.2236055321538943,
+                             9.0954169705113213e-06, 0.001187968969419102},
+                            {3172.8624321512248, 2.9705852161399706, 0}, 0.053454044760341914, 0.14883106483503117);
+  model.lambda = 158581.91225763116;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(std::abs(cycle.metrics.friction_min) > 1e6);
+  CHECK(cycle.error.friction_min < 1e-6 * std::abs(cycle.metrics.friction_min));
+}
