@@ -22,10 +22,12 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
     const double size = size_of(metric, fine, V), value = fine.*metric.member;
     // The loop integral scatters with the division of its steps; three times its difference was seen to fall short.
     double e = caution * (is_loop(metric) ? 6 : 3) * std::abs(coarse.*metric.member - value);
+    // The lowest slip rate is held to its own size; in slow stick it is as good as the error estimate of the steps
+    // only, and changes e-fold where friction does by its direct effect.
+    constexpr double slow = 1e-3;
+    const double times = std::abs(value) < slow * V ? 100 : 10;
     if (value != 0)
-      // The lowest slip rate is held to its own size; in slow stick it is as good as the error estimate of the steps
-      // only.
-      e += metric.member == &Metrics::slip_rate_min ? (10 * tolerance + 5e-14 + closure) * std::abs(value)
+      e += metric.member == &Metrics::slip_rate_min ? (times * tolerance + 5e-14 + closure) * std::abs(value)
                                                     : (3 * tolerance + 5e-14 + closure) * size;
     // Slip backwards by the last digits of the highest slip rate is rounding.
     constexpr double digits = 1e-14;

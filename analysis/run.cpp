@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,6 +15,7 @@
 #include "analysis/exact_run.hpp"
 #include "analysis/motion_end.hpp"
 #include "analysis/stability.hpp"
+#include "core/eigenpairs.hpp"
 #include "oscillators/slider_system.hpp"
 #include "solvers/collocation.hpp"
 #include "solvers/cvode.hpp"
@@ -142,6 +144,46 @@ bool stays_steady(const Model& model, const RunOptions& options) {
   return true;
 }
 
+/// A start in balance that friction falling with the slip rate lets go at once leaves along what the drive and the
+/// states do to the balance, at first by less than the last digits of friction, which would decide the way. Takes y so
+/// far along that they do not. \returns the time at which it is there (s). `duration`: of the run. The system is that
+/// of a law that sticks: other friction answers to the slip rate at once, and nothing grows so fast.
+double let_go(SliderSystem& system, std::vector<double>& y, double duration) {
+  using Eigen::MatrixXd, Eigen::VectorXd;
+  const int n = system.size(), u = system.slip_rate_index();
+  std::vector<double> f(n), mass(n), J(n * n), scale(n);
+  system.set_direction(y[u] < 0 ? -1 : 1);
+  system.linearise(0, y.data(), f.data(), J.data());
+  system.mass(0, mass.data());
+  system.scale(y.data(), scale.data());
+  MatrixXd A(n, n);  // of the changes in scales
+  VectorXd rate(n);
+  for (int i = 0; i < n; ++i) {
+    rate[i] = f[i] / (mass[i] * scale[i]);
+    for (int j = 0; j < n; ++j) A(i, j) = J[i * n + j] * scale[j] / (mass[i] * scale[i]);
+  }
+  if (!A.allFinite()) return 0;
+  const auto modes = eigenpairs(A, true);
+  int fastest = 0;
+  for (int k = 1; k < n; ++k)
+    if (modes.values[k].real() > modes.values[fastest].real()) fastest = k;
+  const double growth = modes.values[fastest].real();
+  constexpr double digits = 36;  // e-foldings from rounding to the motion itself
+  if (!(growth * duration > digits) || modes.values[fastest].imag() != 0) return 0;
+  const Eigen::MatrixXcd left = modes.vectors.inverse();
+  const VectorXd mode = (modes.vectors.col(fastest) / modes.vectors(u, fastest)).real();  // by the change of u
+  const double driven = (left.row(fastest) * rate)(0).real() * modes.vectors(u, fastest).real() * scale[u];
+  // The mode grows as driven/growth·e^{growth t}.
+  constexpr double beyond = 1e4, digit = std::numeric_limits<double>::epsilon();
+  const double begins = std::abs(driven) / growth;
+  const double clear = beyond * digit * std::abs(system.observe(0, y.data()).friction_force) / (mass[u] * growth);
+  if (!(begins < clear) || begins == 0) return 0;
+  const double time = std::log(clear / begins) / growth;
+  for (int j = 0; j < n; ++j)
+    y[j] += time * (rate[j] * scale[j]) * (j != u) + std::copysign(clear, driven) * mode[j] * scale[j] / scale[u];
+  return time;
+}
+
 /// One pass at one tolerance: fills samples and events.
 class Pass {
  public:
@@ -160,7 +202,10 @@ class Pass {
     auto y = starting_point(system_, options_.start);
     if (other_digits && solver_ != "explicit")  // which such digits, as they decay, would seem stiff to
       for (double& value : y) value *= 1 + 2 * std::numeric_limits<double>::epsilon();
-    if (options_.start.kind == Start::Kind::given && !options_.start.displacement) system_.measure_from_balance(y);
+    if (options_.start.kind == Start::Kind::given && !options_.start.displacement) {
+      system_.measure_from_balance(y);
+      if (solver_ == "events" && system_.slip_rate(0, y.data()) != 0) begin_ = let_go(system_, y, times_.back());
+    }
     if (solver_ == "steady") system_.set_direction(system_.model().drive.speed.level() < 0 ? -1 : 1);
     if (system_.size() == 0 || solver_ == "steady") {
       if (system_.model().law->set_valued()) metrics_["stick_time"] = 0;
@@ -203,7 +248,8 @@ class Pass {
   template <class Solver, class Advance>
   Outcome between_breaks(Solver& solver, std::vector<double> y, Advance advance) {
     const double end = times_.empty() ? options_.duration : std::max(options_.duration, times_.back());
-    double t = 0;
+    double t = std::min(begin_, end);
+    sample_until(t, false, [&](double) { return y.data(); });
     while (true) {
       start(solver, t, y);
       const double limit = std::min(end, system_.next_break(t));
@@ -415,6 +461,7 @@ class Pass {
   SliderSystem system_;
   std::string solver_;
   std::size_t next_ = 0;
+  double begin_ = 0;  ///< s, of the steps
   long steps_ = 0;
   double stood_still_ = 0;  ///< s, in steps of CVODE that moved the slider by less than its last digit
 };

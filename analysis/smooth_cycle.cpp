@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <numbers>
 
@@ -21,13 +22,15 @@ using oscillators::SliderSystem;
 
 namespace {
 
-constexpr double loose = 1e-6;        ///< tolerance of the search for motions of the size of the drive speed
-constexpr long most_steps = 300'000;  ///< of one search
+/// Tolerances of the search for motions of the size of the drive speed. The second and third serve where what steps err
+/// at the first is no small part of the motion when the passage ends, as after ringing on bristles.
+constexpr double search_tolerances[] = {1e-6, 1e-9, 1e-12};
+constexpr long most_steps = 300'000;  ///< of one search at one of them
 constexpr double collapsed = 1e-5;    ///< amplitudes |v − V|/V below this are steady sliding
 
 /// Small motions are followed more closely: what matters are errors against their drift, which falls with A². So are
 /// those of a slow `drift` ln(A'/A) in a passage.
-double search_tolerance(double amplitude, double drift) {
+double search_tolerance(double amplitude, double drift, double loose) {
   return std::clamp(1e-3 * std::abs(drift), 1e-13, loose) * std::clamp(amplitude * amplitude, 1e-6, 1.0);
 }
 
@@ -61,8 +64,9 @@ double spectral_radius(const FixedPoint& point, const ReturnMap& map) {
 }
 
 /// Newton's method for y = P(y), kept from falling onto steady sliding, which is a fixed point too.
-std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turns, double amplitude, double drift) {
-  const double least_amplitude = 0.4 * amplitude, tolerance = search_tolerance(amplitude, drift);
+std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turns, double amplitude, double drift,
+                                 double loose) {
+  const double least_amplitude = 0.4 * amplitude, tolerance = search_tolerance(amplitude, drift, loose);
   // In near-stick a slip at many times V is but a few scales away.
   const double size = std::min(amplitude, map.distance(y, map.system().steady(0)));
   const VectorXd scale = map.scale();
@@ -102,13 +106,15 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
 /// Relaxation oscillations forget all but the time within one passage, while slips at 10¹⁰ V leave nothing of the
 /// derivative but rounding. Where passages have come to repeat themselves, neighbouring ones show whether they are led
 /// back, and by how much.
-std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, int turns, double amplitude) {
+std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, int turns, double amplitude,
+                                  double loose) {
   const double dip = dip_of(amplitude), size = map.distance(y, map.system().steady(0));
   const auto passage = map.follow(y, loose, turns, true, false, nullptr, dip);
   const double change = map.distance(passage.end, y);
   if (!passage.outcome.complete() || !(change < 1e-2 * size)) return std::nullopt;
   // A slow drift repeats itself too.
-  if (constexpr double noise = 30 * loose, dies_out = 0.5; change > noise * size) {
+  constexpr double noise = 30, dies_out = 0.5;
+  if (change > noise * loose * size) {
     const auto next = map.follow(passage.end, loose, turns, true, false, nullptr, dip);
     if (!next.outcome.complete() || map.distance(next.end, passage.end) > dies_out * change) return std::nullopt;
   }
@@ -135,7 +141,8 @@ struct Balance {
   std::optional<std::vector<double>> y;  ///< a section point near the cycle
   bool dies_out = false;  ///< the drift is towards steady sliding at every amplitude below that of the start
 };
-Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double amplitude, double drift_at_rest) {
+Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double amplitude, double drift_at_rest,
+                         double loose) {
   const auto steady = map.system().steady(0);
   const double start = map.distance(y, steady), least = 0.02 * start / amplitude;
   VectorXd direction = map.difference(y, steady) / start;
@@ -148,7 +155,7 @@ Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double am
   const auto drift = [&](double size) -> std::optional<Drift> {
     constexpr int most_passages = 8;
     constexpr double same = 0.02;
-    const double A = amplitude * size / start, tolerance = search_tolerance(A, drift_at_rest), dip = dip_of(A);
+    const double A = amplitude * size / start, tolerance = search_tolerance(A, drift_at_rest, loose), dip = dip_of(A);
     auto y = map.moved(steady, direction, size);
     double before = 0, rate = infinity;
     for (int k = 0; k < most_passages; ++k) {
@@ -278,8 +285,27 @@ class Search {
 
   /// Looks for the point; where none is found, `outcome` says why.
   void run() {
+    for (const double tolerance : search_tolerances) {
+      loose_ = tolerance;
+      reached_.clear();
+      last_step_ = map_.cost().steps + most_steps;
+      run_once();
+      if (found() || outcome.ending != Ending::budget_spent || !errs_in_passages()) return;
+    }
+  }
+  bool found() const { return point || creeping_ == most_creeping; }
+
+  std::optional<FixedPoint> point;
+  Outcome outcome;
+
+ private:
+  static constexpr int most_creeping = 9;  ///< times that motion may hardly change before the search ends
+  static constexpr int transient = 10;     ///< passages
+  static constexpr std::size_t some = 8;   ///< passages
+
+  void run_once() {
     if (!options_.near.empty()) {
-      const auto passage = map_.follow(options_.near, loose, 1, true);
+      const auto passage = map_.follow(options_.near, loose_, 1, true);
       if (passage.outcome.complete() && accept(passage.end, 1, passage.amplitude, infinity)) return;
     }
     // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin
@@ -297,13 +323,18 @@ class Search {
       if (found()) return;
     }
   }
-  bool found() const { return point || creeping_ == most_creeping; }
 
-  std::optional<FixedPoint> point;
-  Outcome outcome;
-
- private:
-  static constexpr int most_creeping = 9;  ///< times that motion may hardly change before the search ends
+  /// True if what steps err in one of the last passages is no small part of the motion when it ends.
+  bool errs_in_passages() {
+    constexpr double small = 1e-5, closer = 1e-3;
+    for (const auto& y : reached_) {
+      const auto loosely = map_.follow(y, loose_, 1, true), closely = map_.follow(y, closer * loose_, 1, true);
+      if (loosely.outcome.complete() && closely.outcome.complete() &&
+          map_.distance(loosely.end, closely.end) > small * distance_from_steady(y))
+        return true;
+    }
+    return false;
+  }
 
   bool steady_is_stable() const { return drift_at_rest_ < 0; }
   double distance_from_steady(const std::vector<double>& y) const { return map_.distance(y, map_.system().steady(0)); }
@@ -319,7 +350,7 @@ class Search {
                   : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", most_passages_)};
     visited_.clear();
     Leaps leaps(map_);
-    double tolerance = loose, last_amplitude = 1;
+    double tolerance = loose_, last_amplitude = 1;
     bool enlarged = false;
     balanced_ = false;
     next_attempt_ = 2;
@@ -335,11 +366,13 @@ class Search {
         if (passage.outcome.ending != Ending::budget_spent || !steady_is_stable()) outcome = passage.outcome;
         return;
       }
-      if (map_.cost().steps > most_steps) {
+      if (map_.cost().steps > last_step_) {
         outcome = {Ending::budget_spent, fmt::format("no periodic motion within {} steps", most_steps)};
         return;
       }
       y = passage.end;
+      if (k > transient) reached_.push_back(y);
+      if (reached_.size() > some) reached_.pop_front();
       visited_.push_back(y);
       const double amplitude = last_amplitude = passage.amplitude;
       if (k > 0 && steady_is_stable() && amplitude < 0.02) return;
@@ -351,7 +384,7 @@ class Search {
       }
       leaps.passed(y, distance_from_steady(y));
       // A drift is followed as closely as it takes to see it.
-      tolerance = std::clamp(1e-3 * leaps.pace(), 1e-13, loose);
+      tolerance = std::clamp(1e-3 * leaps.pace(), 1e-13, loose_);
       // A trial that takes far longer has strayed into stick or onto steady sliding.
       constexpr long times = 20, few = 1'000;
       map_.allow(times * most_taken_ + few);
@@ -405,10 +438,10 @@ class Search {
   /// Looks for the amplitude at which drift balances.
   Attempt balance(const std::vector<double>& y, double amplitude) {
     balanced_ = true;
-    const auto balanced = balance_of_drift(map_, y, amplitude, drift_at_rest_);
+    const auto balanced = balance_of_drift(map_, y, amplitude, drift_at_rest_, loose_);
     if (balanced.y) {
-      const auto there = map_.follow(*balanced.y, search_tolerance(amplitude, drift_at_rest_), 1, true, false, nullptr,
-                                     dip_of(amplitude));
+      const auto there = map_.follow(*balanced.y, search_tolerance(amplitude, drift_at_rest_, loose_), 1, true, false,
+                                     nullptr, dip_of(amplitude));
       if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return Attempt::ends;
     }
     return balanced.dies_out ? Attempt::ends : Attempt::goes_on;
@@ -417,11 +450,11 @@ class Search {
   /// True if `turns` passages from y, which bring it back but for `change`, lead to a fixed point that attracts; it is
   /// then `point`.
   bool accept(const std::vector<double>& y, int turns, double amplitude, double change) {
-    auto candidate = newton(map_, y, turns, amplitude, drift_at_rest_);
+    auto candidate = newton(map_, y, turns, amplitude, drift_at_rest_, loose_);
     constexpr double repeats = 1e-3, certainly = 0.5, hardly = 0.99;
     const double size = distance_from_steady(y);
     if (!attracts(candidate) && change < repeats * size) {
-      candidate = settled(map_, y, turns, amplitude);
+      candidate = settled(map_, y, turns, amplitude, loose_);
       if (candidate && !(spectral_radius(*candidate, map_) < certainly)) {
         if (spectral_radius(*candidate, map_) > hardly && ++creeping_ == most_creeping)
           outcome = {Ending::budget_spent,
@@ -441,9 +474,12 @@ class Search {
   const CycleOptions& options_;
   double drift_at_rest_;
   int most_passages_;
+  double loose_ = search_tolerances[0];       ///< tolerance
+  long last_step_ = most_steps;               ///< at which the search ends
   int creeping_ = 0;                          ///< times that motion far from any cycle neither settled nor grew
   long most_taken_ = 0;                       ///< steps of a passage of the motion itself
   std::vector<std::vector<double>> visited_;  ///< ends of passages since the start or the last leap
+  std::deque<std::vector<double>> reached_;   ///< the last ends of passages after the transient
   int next_attempt_ = 2;                      ///< the passage after which a cycle is next looked for in any case
   bool balanced_ = false;                     ///< the balance of drift was looked for from this start
 };

@@ -570,6 +570,15 @@ BalancedSwing balanced_swing(const Model& model, double tolerance) {
   return {{}, {Ending::budget_spent, fmt::format("no swing that repeats itself within {} steps of slip", most_steps)}};
 }
 
+/// What becomes in a passage of a small change of the swing.
+double multiplier_of_swing(const Model& model, double swing, double stick_threshold) {
+  constexpr double closely = 1e-10;
+  const double h = 1e-4 * swing;
+  const auto left = slip_passage(model, swing - h, closely, stick_threshold, false);
+  const auto right = slip_passage(model, swing + h, closely, stick_threshold, false);
+  return (right.onset_displacement - left.onset_displacement) / (2 * h);
+}
+
 /// True where friction never falls with slip rate, not even from rest: then two motions never part, and none repeats
 /// itself but steady sliding (or free oscillation about it, which nothing attracts).
 bool never_weakens(const Model& model) {
@@ -633,6 +642,14 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   if (!coarse.found && coarse.outcome.complete() && !sliding.stable && !sliding.marginal && !remembers(model)) {
     sticks = false;
     coarse = period_now();
+    if (coarse.found) {
+      // Weak attraction magnifies what steps err in a passage by 1/(1 − multiplier), at every tolerance alike.
+      constexpr double weakest = 1e-8;
+      const double swing = coarse.onset_displacement - sliding.steady.displacement;
+      const double attraction = 1 - std::abs(multiplier_of_swing(model, swing, options.stick_threshold));
+      sharpening = Sharpening(options.tolerance, sharpening.tolerance() * std::clamp(attraction, weakest, 1.0));
+      coarse = period_now();
+    }
   }
   std::string worst;
   std::vector<double> onset;
@@ -679,10 +696,8 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     cycle.multipliers = OnsetMap(model, 1e-10, options.stick_threshold, slips).multipliers(onset);
     if (remembers(model)) cycle.section_state = SliderSystem(model).observe(0, onset.data()).state;
   } else {
-    const double swing = cycle.section_displacement - steady_sliding(model).displacement, h = 1e-4 * swing;
-    const auto left = slip_passage(model, swing - h, 1e-10, options.stick_threshold, false);
-    const auto right = slip_passage(model, swing + h, 1e-10, options.stick_threshold, false);
-    cycle.multipliers = {(right.onset_displacement - left.onset_displacement) / (2 * h)};
+    const double swing = cycle.section_displacement - steady_sliding(model).displacement;
+    cycle.multipliers = {multiplier_of_swing(model, swing, options.stick_threshold)};
   }
   // A swing about steady sliding that is no larger than its error is rounding, where friction hardly moves the slider.
   if (!sticks && cycle.metrics.slip_rate_max - V <= cycle.error.slip_rate_max) {

@@ -21,18 +21,26 @@ ROSIN_INLINE Real asinh(const Real& x) {
 
 namespace detail {
 inline constexpr double asinh_large = 20;  // from here on asinh(e^w) = w + ln 2 to rounding
+/// Exponents beyond these have no effect; contacts of e^−500 hold nothing, and the slopes of their slip rate would
+/// leave the range of numbers.
+inline constexpr double least_exponent = -500, largest_exponent = 700;
+template <class Real>
+ROSIN_INLINE Real exp_within(const Real& E) {
+  return exp(min(max(E, Real(least_exponent)), Real(largest_exponent)));
+}
 template <class Real>
 ROSIN_INLINE auto asinh_exp_is_large(const Real& v, const Real& E) {
   return log(abs(v)) + E > Real(asinh_large);
 }
 }  // namespace detail
 
-/// asinh(v·e^E): odd and smooth in v, equal to sgn(v)·(ln 2|v| + E) where v·e^E is large, and never overflowing.
+/// asinh(v·e^E): odd and smooth in v, equal to sgn(v)·(ln 2|v| + E) where v·e^E is large, and never overflowing. From
+/// E = −500 down as there.
 template <class Real>
 ROSIN_INLINE Real asinh_exp(const Real& v, const Real& E) {
   const Real w = log(abs(v)) + E;
   return select(w > Real(detail::asinh_large), sign(v) * (w + std::numbers::ln2),
-                asinh(Real(v * exp(min(E, Real(700.0))))));
+                asinh(Real(v * detail::exp_within(E))));
 }
 /// asinh(v·e^E) and its derivatives.
 template <class Real>
@@ -43,7 +51,7 @@ template <class Real>
 ROSIN_INLINE AsinhExp<Real> asinh_exp_with_slopes(const Real& v, const Real& E) {
   // d/dE = x/sqrt(1+x²), d/dv = e^E/sqrt(1+x²), x = v e^E; both have finite limits where x overflows.
   const auto large = detail::asinh_exp_is_large(v, E);
-  const Real growth = exp(min(E, Real(700.0)));
+  const Real growth = detail::exp_within(E);
   const Real x = v * growth, root = 1.0 / sqrt(1.0 + x * x);
   return {asinh_exp(v, E), select(large, Real(1.0 / abs(v)), Real(growth * root)),
           select(large, sign(v), Real(x * root))};
@@ -65,7 +73,7 @@ struct SinhCoshExp {
 };
 template <class Real>
 ROSIN_INLINE SinhCoshExp<Real> sinh_cosh_exp(const Real& p, const Real& E) {
-  const Real q = abs(p), half = 0.5 * exp(q - E), fall = expm1(-2.0 * q);
+  const Real q = abs(p), half = 0.5 * exp(q - max(E, Real(detail::least_exponent))), fall = expm1(-2.0 * q);
   return {sign(p) * (-half * fall), half * (2.0 + fall)};
 }
 /// e^{-E}·sinh(p), the inverse of asinh_exp: p = asinh_exp(v, E) gives v. No cancellation near p = 0, no early
@@ -73,13 +81,13 @@ ROSIN_INLINE SinhCoshExp<Real> sinh_cosh_exp(const Real& p, const Real& E) {
 template <class Real>
 ROSIN_INLINE Real sinh_exp(const Real& p, const Real& E) {
   const Real q = abs(p);
-  return sign(p) * (-0.5 * (exp(q - E) * expm1(-2.0 * q)));
+  return sign(p) * (-0.5 * (exp(q - max(E, Real(detail::least_exponent))) * expm1(-2.0 * q)));
 }
 /// e^{-E}·cosh(p), without early overflow.
 template <class Real>
 ROSIN_INLINE Real cosh_exp(const Real& p, const Real& E) {
   const Real q = abs(p);
-  return 0.5 * (exp(q - E) * (1.0 + exp(-2.0 * q)));
+  return 0.5 * (exp(q - max(E, Real(detail::least_exponent))) * (1.0 + exp(-2.0 * q)));
 }
 template <class Real, int n>
 ROSIN_INLINE Dual<Real, n> sinh_exp(const Dual<Real, n>& p, const Dual<Real, n>& E) {

@@ -32,8 +32,10 @@ struct Stribeck {
              {.mu_s = 1.5, .mu_d = 1, .v_s = 1e-3, .exponent = 2, .viscous = 0.4}}};
   }
 
+  /// Below this share of v_s no digit of friction changes. With n < 1 the slope at rest would be infinite without it.
+  Real rest = select(exponent < Real(1.0), Real(exp(-39.0 / exponent)), Real(0.0));
   Real friction(Sliding<Real> at) const {
-    return mu_d + (mu_s - mu_d) * exp(-power(Real(at.slip_rate / v_s), exponent)) + viscous * at.slip_rate;
+    return mu_d + (mu_s - mu_d) * exp(-power(Real(at.slip_rate / v_s + rest), exponent)) + viscous * at.slip_rate;
   }
   std::optional<LinearFriction> linear() const {
     if (mu_s != mu_d) return std::nullopt;  // else the exponential remains

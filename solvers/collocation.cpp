@@ -19,6 +19,8 @@ constexpr double rounding = 2.3e-16;
 constexpr int step_iterations = 12;     ///< more are not worth it: a shorter step converges faster
 constexpr int patient_iterations = 60;  ///< where the length is given
 constexpr int corner_attempt = 4;       ///< failures of Newton's method after which a corner is looked for
+constexpr double most_rounding =
+    1e-6;  ///< in scales: digits that cancel leave less than their bound, which may be large
 constexpr double least_factor = 0.1, greatest_factor = 8, safety = 0.85;
 }  // namespace
 
@@ -174,7 +176,7 @@ Collocation::Newton Collocation::solve_stages(double t, const double* y0, double
   double previous = 0, rate = 1, change = 0;
   const auto stalled = [&] {
     if (change < 1e3 * rounding) return Newton::converged;
-    return to_rounding && change <= rounding_error() ? Newton::rounded : Newton::slow;
+    return to_rounding && change <= std::min(rounding_error(), most_rounding) ? Newton::rounded : Newton::slow;
   };
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     iterations_ = iteration + 1;
@@ -275,7 +277,8 @@ double Collocation::rounding_error() {
 double Collocation::beyond_rounding(const std::vector<double>& estimate) {
   for (int i = 0; i < n_; ++i) work_[i] = mass_[i] == 0 ? last_digits(i) : 0;
   solve_lu(real_lu_, real_pivot_, n_, work_.data());
-  for (int i = 0; i < n_; ++i) work_[i] = std::max(std::abs(estimate[i]) - std::abs(work_[i]), 0.0);
+  for (int i = 0; i < n_; ++i)
+    work_[i] = std::max(std::abs(estimate[i]) - std::min(std::abs(work_[i]), most_rounding * scale_[i]), 0.0);
   return norm(work_.data());
 }
 

@@ -1240,3 +1240,73 @@ TEST_CASE("friction a million times the load is known relative to itself", "[str
   CHECK(std::abs(cycle.metrics.friction_min) > 1e6);
   CHECK(cycle.error.friction_min < 1e-6 * std::abs(cycle.metrics.friction_min));
 }
+
+TEST_CASE("a start in an unstable balance is left as the drive does, not as the last digits of friction", "[stress]") {
+  // Friction falls with the slip rate at 2e11 1/s, and the drive loads the spring: slip runs away until the damper
+  // holds what friction has lost, c w = N (mu(u) - mu_inf), which then decays with k/c.
+  const double u = 9.1483853716942705e-06, V = 0.0023131807158478512, N = 17138703.782590225;
+  const double k = 2344.3595227780079, c = 45766.997224421815, mu_inf = 0.35;
+  const auto model =
+      slider_under("two-exponential", {mu_inf, 0.4, 0.01, 0.45, 0.1}, {0.0035946859323434353, k, c}, V, N);
+  RunOptions options;
+  options.duration = 0.016764661645570545;
+  options.samples = 20;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = u;
+  const double lost = N * (0.4 * std::exp(-u / 0.01) + 0.45 * std::exp(-u / 0.1));
+  for (const double tolerance : {1e-6, 1e-7, 1e-8, 1e-9}) {
+    options.tolerance = tolerance;
+    const auto motion = run(model, options);
+    REQUIRE(motion.outcome.complete());
+    CHECK(motion.time.front() == 0);
+    CHECK(motion.columns[2].front() == Approx(u));
+    CHECK(motion.columns[2].back() ==
+          Approx(V + (u - V + lost / c) * std::exp(-k / c * options.duration)).epsilon(1e-6));
+  }
+  // A drive slower than the slip unloads the spring: slip stops.
+  auto slower = model;
+  slower.drive.speed = Signal(1e-7);
+  for (const double tolerance : {1e-6, 1e-9}) {
+    options.tolerance = tolerance;
+    CHECK(run(slower, options).columns[2].back() == 0);
+  }
+}
+
+TEST_CASE("friction that falls with a root of the slip rate lets slip begin", "[stress]") {
+  const auto model = slider_under(
+      "stribeck",
+      {1.1138913798591079, 0.81870900152815862, 0.0047427761497237878, 0.76878025847448284, 0.16300798050816678},
+      {0.9032712164007608, 4029165.1428921469, 0}, 0.0021707136431596409, 1.2372172787553857e-05);
+  for (const double tolerance : {1e-6, 1e-9}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    REQUIRE(cycle.outcome.complete());
+    CHECK(cycle.cost.steps < 20'000);
+    CHECK(cycle.metrics.friction_max == Approx(1.1138913798591079));
+    CHECK(cycle.metrics.slip_rate_mean == Approx(model.drive.speed.level()).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("slips that amplify what steps err are searched for cycles more closely", "[stress][long]") {
+  auto model =
+      slider_under("lugre",
+                   {97469405.31208235, 190.79586483263654, 0.11491053794658333, 5.6863797356821477,
+                    0.0043295517781595594, 0.0010161722867301501},
+                   {8.944579574041938e-06, 0.34871751599460971, 0}, 0.00098056610284193635, 0.0011443952838833937);
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-7});
+  REQUIRE(loose.outcome.complete());
+  REQUIRE(fine.outcome.complete());
+  CHECK(std::abs(loose.metrics.period - fine.metrics.period) <= loose.error.period + fine.error.period);
+  CHECK(std::abs(loose.metrics.loop_area - fine.metrics.loop_area) <= loose.error.loop_area + fine.error.loop_area);
+}
+
+TEST_CASE("a swing that friction holds by 2e-5 in a turn is known as closely as it states", "[stress]") {
+  const auto model =
+      slider_under("hyperbolic", {0.6782149156284456, 834.79177530121592}, {0.85702205518615282, 15.953981216368282, 0},
+                   0.61151733560196087, 3.8987691336278722e-05);
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-8});
+  REQUIRE(loose.outcome.complete());
+  REQUIRE(fine.outcome.complete());
+  for (const auto& metric : metric_names())
+    CHECK(std::abs(loose.metrics.*metric.member - fine.metrics.*metric.member) <=
+          loose.error.*metric.member + fine.error.*metric.member);
+}

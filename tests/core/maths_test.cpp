@@ -24,6 +24,19 @@ TEST_CASE("asinh_exp is asinh(v e^E), odd, without overflow", "[core][maths]") {
     CHECK(asinh_exp(3e-6, E) == Approx(std::log(6e-6) + E).epsilon(1e-15));
   CHECK(asinh_exp(1e-320, 800.0) == Approx(std::log(2e-320) + 800).epsilon(1e-15));
   CHECK(std::isnan(asinh_exp(std::nan(""), 1.0)));
+  CHECK(std::isnan(asinh_exp(1.0, std::nan(""))));
+}
+
+TEST_CASE("a contact that holds nothing has slopes within the range of numbers", "[core][maths]") {
+  using Slope = Dual<double, 2>;
+  for (const double E : {-490.0, -700.0, -1e4}) {
+    const auto friction = asinh_exp(Slope::variable(10.0, 0), Slope::variable(E, 1));
+    CHECK(friction.value < 1e-200);
+    const auto rate = sinh_exp(Slope::variable(friction.value, 0), Slope::variable(E, 1));
+    CHECK(rate.value == Approx(10).epsilon(1e-13));
+    CHECK(rate.slope[0] * friction.slope[0] == Approx(1).epsilon(1e-13));
+  }
+  CHECK(std::isnan(sinh_exp(1.0, std::nan(""))));
 }
 
 TEST_CASE("asinh_exp meets its logarithmic branch without a step, in value and slope", "[core][maths]") {
