@@ -75,7 +75,6 @@ struct Pencil {
   /// Unknowns x, u and those of the contact; of a spring in series alone these.
   RowMajor rows(double u, const std::vector<double>& z) const {
     const int nz = int(z.size()), first = mechanics_ == Mechanics::elastic ? 0 : 2;
-    const auto& s = model_.slider;
     std::vector<double> g(nz);
     double F;
     Slopes<double> slopes;
@@ -84,13 +83,7 @@ struct Pencil {
     for (int i = 0; i < nz; ++i)
       for (int j = 0; j < nz; ++j) A(first + i, first + j) = slopes.g_z[i * nz + j];
     if (first == 0) return A;
-    A(0, 1) = -1;
-    A(1, 0) = s.stiffness;
-    A(1, 1) = -s.damping - slopes.F_u;
-    for (int j = 0; j < nz; ++j) {
-      A(1, first + j) = -slopes.F_z[j];
-      A(first + j, 1) = slopes.g_u[j];
-    }
+    oscillators::couple_by_inertia(model_.slider, slopes, nz, A.data());
     return A;
   }
 

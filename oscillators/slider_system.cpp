@@ -159,8 +159,8 @@ double SliderSystem::momentum_rate(const Forcing& now, double x, double u, doubl
          (F - origin_.friction) - (now.force - origin_.force);
 }
 
-bool SliderSystem::measure_from_balance(std::vector<double>& y) {
-  if (mechanical_ == 0) return false;
+void SliderSystem::measure_from_balance(std::vector<double>& y) {
+  if (mechanical_ == 0) return;
   const Forcing now = forcing(0);
   const auto& s = model_.slider;
   const double known_force = mechanics_ == Mechanics::damped ? now.load * y[mechanical_] : 0;
@@ -171,11 +171,10 @@ bool SliderSystem::measure_from_balance(std::vector<double>& y) {
   const double spring = s.stiffness * y[0], drag = s.damping * (now.speed - u);
   constexpr double rounding = 1e-13;
   const double size = std::abs(spring) + std::abs(drag) + std::abs(F) + std::abs(now.force);
-  if (u == 0 || !(std::abs(spring + drag - F - now.force) <= rounding * size)) return false;
+  if (u == 0 || !(std::abs(spring + drag - F - now.force) <= rounding * size)) return;
   origin_ = {y[0], F, now.force, drag};
   swing_center_ -= y[0];
   y[0] = 0;
-  return true;
 }
 
 void SliderSystem::evaluate(double t, const double* y, double* f) const {
@@ -223,13 +222,7 @@ void SliderSystem::linearise(double t, const double* y, double* f, double* jacob
   if (mechanics_ == Mechanics::inertial) {
     f[0] = now.speed - u;
     f[1] = momentum_rate(now, y[0], u, F);
-    J(0, 1) = -1;
-    J(1, 0) = s.stiffness;
-    J(1, 1) = -s.damping - slopes.F_u;
-    for (int j = 0; j < nz; ++j) {
-      J(1, first + j) = -slopes.F_z[j];
-      J(first + j, 1) = slopes.g_u[j];
-    }
+    couple_by_inertia(s, slopes, nz, jacobian);
   } else if (mechanics_ == Mechanics::damped) {
     // u = V − (N μ + f − k x)/c
     const double u_x = s.stiffness / s.damping, u_mu = -now.load / s.damping;
@@ -240,6 +233,19 @@ void SliderSystem::linearise(double t, const double* y, double* f, double* jacob
       J(first + i, 0) = slopes.g_u[i] * u_x;
       J(first + i, first) += slopes.g_u[i] * u_mu;
     }
+  }
+}
+
+void couple_by_inertia(const Slider& slider, const Slopes<double>& contact, int contact_unknowns, double* jacobian) {
+  constexpr int first = 2;
+  const int n = first + contact_unknowns;
+  const auto J = [&](int i, int j) -> double& { return jacobian[i * n + j]; };
+  J(0, 1) = -1;
+  J(1, 0) = slider.stiffness;
+  J(1, 1) = -slider.damping - contact.F_u;
+  for (int j = 0; j < contact_unknowns; ++j) {
+    J(1, first + j) = -contact.F_z[j];
+    J(first + j, 1) = contact.g_u[j];
   }
 }
 

@@ -41,8 +41,8 @@ class SliderSystem final : public SwitchingSystem {
   void last(double duration);
   /// Where forces balance in y at t = 0, in slip, displacements among the unknowns count from there from now on, and
   /// each force by its change: exactly balanced, where k x − F would keep the rounding of both. Sets the displacement
-  /// of y to 0. \returns false, and does nothing, where they do not.
-  bool measure_from_balance(std::vector<double>& y);
+  /// of y to 0. Does nothing where they do not.
+  void measure_from_balance(std::vector<double>& y);
   bool autonomous() const override { return is_constant_; }
   double kink(const double* y) const override {
     return states_ > 0 ? model_.law->kink({y + first_state(), std::size_t(states_)}) : NAN;
@@ -163,5 +163,9 @@ class SliderSystem final : public SwitchingSystem {
   double swing_center_ = 0, steady_coefficient_ = 0;
   bool sticking() const { return set_valued_ && direction_ == 0; }
 };
+
+/// What inertia couples: the rows of displacement and slip rate of a slider with mass, and their columns in the rows of
+/// its contact. `jacobian`: of these two and the contact's unknowns, row-major; other entries stay as they are.
+void couple_by_inertia(const Slider&, const Slopes<double>& contact, int contact_unknowns, double* jacobian);
 
 }  // namespace rosin::oscillators
