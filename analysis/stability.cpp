@@ -61,6 +61,8 @@ struct Pencil {
     contact_->mass(d.normal_load.level(), mass.data() + mechanical);
     J = rows(d.speed.level(), z);
     sizes = J.cwiseAbs();
+    // Damping may all but cancel against friction that falls with the slip rate.
+    if (mechanical > 0) sizes(1, 1) += 2 * model_.slider.damping;
     // Entries may be differences of larger numbers: what the last digits of the unknowns change is not known.
     constexpr double digits = 2 * std::numeric_limits<double>::epsilon();
     for (const double pattern : {1.0, -0.7, 0.4}) {

@@ -544,8 +544,9 @@ struct BalancedSwing {
 };
 BalancedSwing balanced_swing(const Model& model, double tolerance) {
   const double natural = std::sqrt(model.slider.mass / model.slider.stiffness);
-  const double largest = model.drive.speed.level() * natural +
-                         2 * model.drive.normal_load.level() * static_limit_of_curve(model) / model.slider.stiffness;
+  const double at_drive = model.drive.speed.level() * natural;  // swings with that slip rate just come to rest
+  const double largest =
+      at_drive + 2 * model.drive.normal_load.level() * static_limit_of_curve(model) / model.slider.stiffness;
   constexpr long most_steps = 200'000;
   long steps = 0;
   const auto drift = [&](double log_swing) {
@@ -554,8 +555,10 @@ BalancedSwing balanced_swing(const Model& model, double tolerance) {
     steps += passage.steps;
     return passage.found && passage.onset_displacement > 0 ? std::log(passage.onset_displacement) - log_swing : -1.0;
   };
+  constexpr double step = 0.25, farthest = 12;  // e-foldings of the swing
   double high = std::log(8 * largest), f_high = drift(high);
-  for (double low = high - 0.25; low > high - 12 && f_high < 0; low -= 0.25) {
+  const double lowest = std::log(at_drive) - farthest;
+  for (double low = high - step; low > lowest && f_high < 0 && steps <= most_steps; low -= step) {
     const double f_low = drift(low);
     if (f_low <= 0) {
       high = low, f_high = f_low;

@@ -1310,3 +1310,33 @@ TEST_CASE("a swing that friction holds by 2e-5 in a turn is known as closely as 
     CHECK(std::abs(loose.metrics.*metric.member - fine.metrics.*metric.member) <=
           loose.error.*metric.member + fine.error.*metric.member);
 }
+
+TEST_CASE("a swing far smaller than what the load could hold is found, or the search for it ends", "[stress]") {
+  auto model = slider_under(
+      "stribeck", {0.41177929650939887, 0.21651976416222679, 4.0330362164158104e-06, 1.2903649760641904, 0.0},
+      {21.076517430687833, 0.42496119647776787, 4.3531768680647245}, 2.1446106232009117e-10, 0.0012246050788637399);
+  model.drive.force = -0.010800940766552842;
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(loose.outcome.complete());
+  REQUIRE(fine.metrics.period > 0);
+  CHECK(loose.metrics.slip_rate_max < 2 * model.drive.speed.level());
+  CHECK(std::abs(loose.metrics.period - fine.metrics.period) <= loose.error.period + fine.error.period);
+}
+
+TEST_CASE("damping that all but cancels against falling friction is in the errors of growth", "[stress]") {
+  // m s^2 + (c + N dmu/dv) s + k = 0, where the sum in brackets keeps 1e-5 of its terms.
+  const double m = 0.16088116508650627, k = 0.045882115266766083, c = 7075.2596492495923, N = 7.6753510778813885;
+  const double V = 6.4060207512917812e-08;
+  const std::vector<double> v = {0.0, 8.8754372765168245e-05, 0.00026626311829550472},
+                            mu = {0.43632203357900484, 0.37087372854215411, 0.33814957602372875};
+  const auto model = slider_under("tabulated", {v, mu}, {m, k, c}, V, N);
+  const auto found = stability(model);
+  const double D = c + N * model.law->steady_friction({V, N}).slope;
+  REQUIRE(std::abs(D) < 1e-4 * c);
+  const std::complex<double> s = (-D + std::sqrt(std::complex<double>(D * D - 4 * m * k))) / (2 * m);
+  REQUIRE(found.eigenvalues.size() == 2);
+  const double digits = 4 * std::numeric_limits<double>::epsilon() * c / m;  // of this closed form
+  CHECK(std::abs(found.eigenvalues.front() - s) <= found.eigenvalue_errors.front() + digits);
+  CHECK(found.eigenvalue_errors.front() > 0.01 * digits);
+  CHECK(found.eigenvalue_errors.front() < 100 * digits);
+}
