@@ -512,8 +512,9 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
       result.closure = infinity;
     }
     const double change = passage.outcome.complete() ? map.distance(passage.end, point.y) : infinity;
-    constexpr double astray = 10;
-    if (leads && change > astray * before) {
+    // What the steps of one passage differ by from those of another is no sign of a wrong derivative.
+    constexpr double astray = 10, noise = 100;
+    if (leads && change > astray * std::max(before, noise * std::max(tolerance, 1e-14))) {
       point.y = onward;
       leads = false;
       result.closure = infinity;
@@ -530,8 +531,7 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
     if (length > 0.5 * result.closure) {
       // The derivative is that of the point that was first found, and where slip only just reverses it changes soon.
       constexpr double enough = 1e-3;  // of what is asked: friction about a reversal is that much more sensitive
-      constexpr double steps = 100;    // what the steps of one passage differ by from those of another
-      const bool wrong = length > std::max(enough * options.tolerance, steps * tolerance);
+      const bool wrong = length > std::max(enough * options.tolerance, noise * tolerance);
       if (leads && wrong && !point.by_differences && length < 0.5 * at_renewal) {
         renew = true;
         at_renewal = length;

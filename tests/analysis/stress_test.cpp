@@ -1229,6 +1229,22 @@ TEST_CASE("a cycle that only just reverses is refined with the derivative that i
         loose.error.friction_min + fine.error.friction_min);
 }
 
+TEST_CASE("a refinement that scatters by rounding keeps to its derivative", "[stress]") {
+  // Passages forget 3e-5 of where they start: what they change by says nothing of how far the cycle is.
+  auto model = slider_under(
+      "prz",
+      {1.254032773087554, 0.0042623712164383386, 0.014833996980346919, 2.1224189557090386e-08, 0.00021311061464938372},
+      {6559116.5818784889, 366099.10728084331, 0}, 0.49569980406899739, 0.062672870848578796);
+  model.lambda = 361314.70314634865;
+  model.drive.force = 0.0018922672303646488;
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(loose.outcome.complete());
+  CHECK(fine.error.friction_mean < 1e-8);
+  for (const auto& metric : metric_names())
+    CHECK(std::abs(loose.metrics.*metric.member - fine.metrics.*metric.member) <=
+          loose.error.*metric.member + fine.error.*metric.member);
+}
+
 TEST_CASE("friction a million times the load is known relative to itself", "[stress]") {
   auto model = slider_under("lugre",
                             {507632.7287743382, 984015.61157051416, 233.19530071008222, 3.2236055321538943,
