@@ -47,12 +47,19 @@ double size_of(const MetricName& metric, const Metrics& m, double V) {
     constexpr double digits = 1e-8;  // of the fastest slip, whose rounding the slowest keeps
     return std::max({value, V, digits * std::max(std::abs(m.slip_rate_min), std::abs(m.slip_rate_max))});
   }
+  if (metric.member == &Metrics::slip_rate_mean) {
+    constexpr double digits = 1e-3;  // of slip to and fro, which all but cancels
+    return std::max({value, V, digits * std::min(-m.slip_rate_min, m.slip_rate_max)});
+  }
   if (metric.member == &Metrics::friction_min || metric.member == &Metrics::friction_max)
     return std::max({1.0, std::abs(m.friction_min), std::abs(m.friction_max)});
   if (metric.member == &Metrics::friction_mean) return std::max(1.0, value);
   if (is_stick(metric)) return 1;
-  if (metric.member == &Metrics::loop_area) return std::max(value, 0.1 * m.slip_rate_max * m.friction_max);
-  if (metric.member == &Metrics::loop_area_normalised) return std::max(value, 0.1);
+  constexpr double all_but_gone = 0.01;  // friction, of which a loop is not asked to be known better than friction is
+  if (metric.member == &Metrics::loop_area)
+    return std::max(value, 0.1 * m.slip_rate_max * std::max(m.friction_max, all_but_gone));
+  if (metric.member == &Metrics::loop_area_normalised)
+    return std::max(value, 0.1 * std::max(1.0, all_but_gone / std::abs(m.friction_max)));
   return value;
 }
 

@@ -66,6 +66,9 @@ struct Cycle {
   std::vector<std::complex<double>>
       multipliers;  ///< Floquet, largest modulus first; without the trivial 1; empty: unknown
   bool stable = false;
+  /// Of a swing that friction changes by less than 1e-12 of its amplitude in a period: by how much, ln. It is as its
+  /// start made it, and its metrics hold for as many periods as that lets them.
+  std::optional<double> growth = std::nullopt;
   double section_displacement = 0;  ///< at v = V with v rising (slip onset for set-valued laws)
   std::vector<double> section_state;
   std::vector<CyclePoint> orbit;  ///< one period from the section, at the solver's own steps

@@ -446,7 +446,7 @@ class Settling final : public PassageQueue {
       if (reached <= options_.tolerance) {
         const auto [multiplier, direction] = least_attracted(search);
         constexpr double surely = 0.9;
-        cycle.found = multiplier < surely && !search.deflects;
+        cycle.found = multiplier < surely && !search.deflects && (search.sticks || !swings_freely(search));
         if (cycle.found) return false;
         // By what was learned on the way, which may be too little: where friction is weak, multipliers are close to 1,
         // below it or above, and a contact that rings may repeat itself after several turns only.
@@ -482,9 +482,11 @@ class Settling final : public PassageQueue {
       search.start_at(image);
       return true;
     }
-    cycle.found = back || search.strayed < before;
-    if (back || !cycle.found) return false;
-    const double off = search.residual / (1 - search.strayed / before) - search.stepped;
+    if (cycle.found = back; back) return false;
+    // What steps err in a turn is no sign of attraction.
+    const double attracted = 1 - search.strayed / before, noise = search.passage.tolerance;
+    if (!(attracted > 10 * noise / astray)) return false;
+    const double off = std::max(search.residual, noise) / attracted - search.stepped;
     cycle.found = off < options_.tolerance;
     for (const auto& metric : metrics_)
       cycle.error.*metric->member += 2 * std::max(off, 0.0) * size_of(*metric, cycle.metrics, search.map.drive_speed());
@@ -512,6 +514,12 @@ class Settling final : public PassageQueue {
   static bool hides_contraction(const Search& search, const Visit& visit) {
     if (search.hinted) return search.derivative_error > 0.3 * (1 - search.slowest);
     return weakly_coupled(search) || (visit.image - visit.start).norm() < Search::least_move * 2 * visit.noise;
+  }
+  /// True if friction may change the swing of one turn by so little that what was learned of it is noise.
+  static bool swings_freely(const Search& search) {
+    constexpr double back = 0.5;  // no slip that sticks swings back so fast
+    const Metrics& m = search.passage.metrics;
+    return weakly_coupled(search) || -m.slip_rate_min > back * m.slip_rate_max;
   }
   /// True if friction changes the motion of one turn only a little, so that the amplitude may settle slowly.
   static bool weakly_coupled(const Search& search) {

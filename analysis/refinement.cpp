@@ -14,8 +14,10 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
                        bool stick_is_ill_conditioned, Metrics& error, std::string& worst, double caution) {
   // A periodic motion slips as far as its drive moves. Where it does not, by more than its steps explain, it has not
   // closed, and no metric is known better than that.
-  const double explained = 3 * caution * std::abs(coarse.slip_rate_mean - fine.slip_rate_mean) / V + 3 * tolerance;
-  const double unclosed = std::abs(fine.slip_rate_mean / V - 1);
+  const double mean_size = size_of(find_metric("slip_rate_mean"), fine, V);
+  const double explained =
+      3 * caution * std::abs(coarse.slip_rate_mean - fine.slip_rate_mean) / mean_size + 3 * tolerance;
+  const double unclosed = std::abs(fine.slip_rate_mean - V) / mean_size;
   if (unclosed > explained + closure + 5e-14) closure = 3 * unclosed;
   double largest = 0;
   for (const auto& metric : metric_names()) {

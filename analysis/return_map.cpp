@@ -321,7 +321,7 @@ std::vector<double> ReturnMap::rates_at_end(const Collocation& solver, double to
 }
 
 ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double tolerance, int turns, bool from_section,
-                                     bool derivative, Recorder* recorder, double dip) {
+                                     bool derivative, PassageObserver* observer, double dip) {
   Passage passage;
   const int n = system_.size(), columns = int(differential_.size());
   Collocation solver(system_, tolerance);
@@ -370,7 +370,7 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
       low = theta, low_value = value;
     }
     if (derivative) solver.propagate(S, columns);
-    if (recorder) recorder->step(solver);
+    if (observer) observer->step(solver);
     // Nothing that moves at all takes so many steps to grow.
     const bool at_rest = passage.amplitude < 1e-9 && solver.count().steps > 2'000;
     if (turns > 0 && (at_rest || solver.time() >= longest_passage_ || solver.count().steps > allowed)) {

@@ -1,6 +1,7 @@
 /// The map from one passage through v = V (v rising) to the next, with its derivative and a recorder of metrics.
 #pragma once
 #include <Eigen/Dense>
+#include <algorithm>
 #include <vector>
 
 #include "analysis/cycle.hpp"
@@ -9,13 +10,20 @@
 
 namespace rosin::analysis {
 
+/// Sees each step of a passage.
+class PassageObserver {
+ public:
+  virtual ~PassageObserver() = default;
+  virtual void step(solvers::Collocation&) = 0;
+};
+
 /// Collects the metrics of one period from the steps that solve it. Extremes and threshold crossings are located by
 /// solving the step again, integrals by the quadrature of the collocation nodes, both at the order of the solution.
-class Recorder {
+class Recorder final : public PassageObserver {
  public:
   /// `tolerance`: of the steps that will be recorded; the loop integral is refined to it.
   Recorder(const oscillators::SliderSystem&, double tolerance, double stick_threshold, bool keep_orbit);
-  void step(solvers::Collocation&);
+  void step(solvers::Collocation&) override;
   /// The last step's end lasts for so long (s) more, or less, than the steps show: a slip that all but rests.
   void linger(double time);
   Metrics finish(double period) const;
@@ -60,7 +68,7 @@ class ReturnMap {
   /// Follows the motion from y through `turns` passages. `from_section`: y lies on the section. Motions that dip below
   /// V by less than `dip`·V do not leave it: after a slip at 10¹⁰ V, rounding alone passes it again.
   Passage follow(const std::vector<double>& y, double tolerance, int turns, bool from_section, bool derivative = false,
-                 Recorder* recorder = nullptr, double dip = least_dip);
+                 PassageObserver* observer = nullptr, double dip = least_dip);
   static constexpr double least_dip = 1e-10;
   static constexpr long most_steps = 40'000;
   /// A passage that takes more steps ends with its budget spent.
@@ -96,5 +104,8 @@ class ReturnMap {
   Eigen::VectorXd scale_;  ///< of the differential unknowns
   Cycle::Cost cost_;
 };
+
+/// What a motion of some amplitude |v − V|/V must dip below V to count as having left it.
+inline double dip_of(double amplitude) { return std::max(1e-6 * std::min(1.0, amplitude), ReturnMap::least_dip); }
 
 }  // namespace rosin::analysis

@@ -1,18 +1,17 @@
-/// Search from stick, Newton's method on the return map, refinement.
+/// The cycle that the search found, refined until its metrics are known.
 #include "analysis/smooth_cycle.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
 #include <numbers>
 
+#include "analysis/cycle_search.hpp"
 #include "analysis/refinement.hpp"
 #include "analysis/return_map.hpp"
 #include "analysis/stability.hpp"
-#include "core/eigenpairs.hpp"
 
 namespace rosin::analysis {
 
@@ -22,468 +21,6 @@ using oscillators::SliderSystem;
 
 namespace {
 
-/// Tolerances of the search for motions of the size of the drive speed. The second and third serve where what steps err
-/// at the first is no small part of the motion when the passage ends, as after ringing on bristles.
-constexpr double search_tolerances[] = {1e-6, 1e-9, 1e-12};
-constexpr long most_steps = 300'000;  ///< of one search at one of them
-constexpr double collapsed = 1e-5;    ///< amplitudes |v − V|/V below this are steady sliding
-
-/// Small motions are followed more closely: what matters are errors against their drift, which falls with A². So are
-/// those of a slow `drift` ln(A'/A) in a passage.
-double search_tolerance(double amplitude, double drift, double loose) {
-  return std::clamp(1e-3 * std::abs(drift), 1e-13, loose) * std::clamp(amplitude * amplitude, 1e-6, 1.0);
-}
-
-/// What a motion of some amplitude |v − V|/V must dip below V to count as having left it.
-double dip_of(double amplitude) { return std::max(1e-6 * std::min(1.0, amplitude), ReturnMap::least_dip); }
-
-/// A fixed point of the return map.
-struct FixedPoint {
-  std::vector<double> y;
-  MatrixXd derivative;
-  int turns = 1;
-  double amplitude = 0;
-  bool by_differences = false;  ///< the derivative is that of neighbouring passages
-};
-
-/// Moduli of the multipliers, largest first.
-std::vector<std::complex<double>> multipliers_of(const MatrixXd& derivative, const VectorXd& scale) {
-  const MatrixXd balanced = scale.cwiseInverse().asDiagonal() * derivative * scale.asDiagonal();
-  const auto found = eigenpairs(balanced).values;
-  std::vector<std::complex<double>> values(found.data(), found.data() + found.size());
-  std::sort(values.begin(), values.end(), [](auto a, auto b) {
-    return std::abs(a) != std::abs(b) ? std::abs(a) > std::abs(b) : a.imag() > b.imag();
-  });
-  values.pop_back();  // the projection's own zero: the direction off the section
-  return values;
-}
-
-double spectral_radius(const FixedPoint& point, const ReturnMap& map) {
-  const auto values = multipliers_of(point.derivative, map.scale());
-  return values.empty() ? 0 : std::abs(values.front());
-}
-
-/// Newton's method for y = P(y), kept from falling onto steady sliding, which is a fixed point too.
-std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turns, double amplitude, double drift,
-                                 double loose) {
-  const double least_amplitude = 0.4 * amplitude, tolerance = search_tolerance(amplitude, drift, loose);
-  // In near-stick a slip at many times V is but a few scales away.
-  const double size = std::min(amplitude, map.distance(y, map.system().steady(0)));
-  const VectorXd scale = map.scale();
-  const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
-  std::vector<double> last = y;
-  VectorXd step;
-  double residual = infinity, factor = 1;
-  int halvings = 0;
-  for (int iteration = 0; iteration < 14; ++iteration) {
-    const auto passage = map.follow(y, tolerance, turns, true, true, nullptr, dip_of(amplitude));
-    const double now = passage.outcome.complete() ? map.distance(passage.end, y) / std::max(size, 1e-12) : infinity;
-    if (passage.amplitude < least_amplitude || !(now < residual)) {
-      if (iteration == 0 || ++halvings > 2) return std::nullopt;
-      factor *= 0.3;
-      y = map.moved(last, step, factor);
-      continue;
-    }
-    halvings = 0;
-    const MatrixXd A = scale.cwiseInverse().asDiagonal() * (I - passage.derivative) * scale.asDiagonal();
-    step =
-        scale.asDiagonal() * A.partialPivLu().solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, y));
-    if (!step.allFinite()) return std::nullopt;
-    const double length = (step.array() / scale.array()).matrix().norm() / std::max(size, 1e-12);
-    // What weak attraction leaves of rounding in a passage is not small.
-    const double left = 0.1 * tolerance / std::max(std::abs(drift), tolerance);
-    const double rounding = std::min(1e-15 / (size * std::abs(drift)), 1e-3);
-    if (length < std::max({30 * tolerance, 1e-8, left, rounding}))
-      return FixedPoint{map.moved(y, step, 1), passage.derivative, turns, passage.amplitude};
-    last = y;
-    residual = std::max(now, 1e-3 * tolerance);
-    factor = std::min(1.0, 0.5 / length);
-    y = map.moved(last, step, factor);
-  }
-  return std::nullopt;
-}
-
-/// Relaxation oscillations forget all but the time within one passage, while slips at 10¹⁰ V leave nothing of the
-/// derivative but rounding. Where passages have come to repeat themselves, neighbouring ones show whether they are led
-/// back, and by how much.
-std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, int turns, double amplitude,
-                                  double loose) {
-  const double dip = dip_of(amplitude), size = map.distance(y, map.system().steady(0));
-  const auto passage = map.follow(y, loose, turns, true, false, nullptr, dip);
-  const double change = map.distance(passage.end, y);
-  if (!passage.outcome.complete() || !(change < 1e-2 * size)) return std::nullopt;
-  // A slow drift repeats itself too.
-  constexpr double noise = 30, dies_out = 0.5;
-  if (change > noise * loose * size) {
-    const auto next = map.follow(passage.end, loose, turns, true, false, nullptr, dip);
-    if (!next.outcome.complete() || map.distance(next.end, passage.end) > dies_out * change) return std::nullopt;
-  }
-  const int n = int(map.differential().size());
-  FixedPoint point{passage.end, MatrixXd::Zero(n, n), turns, passage.amplitude, true};
-  const double share = 0.05 * std::min(size, 2.0);
-  for (int k = 0; k < n; ++k) {
-    const VectorXd step = VectorXd::Unit(n, k) * (share * map.scale()[k]);
-    const auto start = map.moved(y, step, 1);
-    if (start == y) continue;  // off the section
-    auto neighbour = map.follow(start, loose, turns, true, false, nullptr, dip);
-    if (neighbour.outcome.complete() && neighbour.duration < 0.5 * passage.duration)  // it began beside the section
-      neighbour = map.follow(neighbour.end, loose, turns, true, false, nullptr, dip);
-    if (!neighbour.outcome.complete()) return std::nullopt;
-    point.derivative.col(k) = map.difference(neighbour.end, passage.end) / step[k];
-  }
-  return point;
-}
-
-/// Near a Hopf point the amplitude drifts slowly along one direction. This finds where the drift per passage,
-/// r(A) = ln(A'/A), falls through zero: a stable cycle. A is the distance of the section point from steady sliding,
-/// which is smooth. `y` lies on the section.
-struct Balance {
-  std::optional<std::vector<double>> y;  ///< a section point near the cycle
-  bool dies_out = false;  ///< the drift is towards steady sliding at every amplitude below that of the start
-};
-Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double amplitude, double drift_at_rest,
-                         double loose) {
-  const auto steady = map.system().steady(0);
-  const double start = map.distance(y, steady), least = 0.02 * start / amplitude;
-  VectorXd direction = map.difference(y, steady) / start;
-  const long last_step = map.cost().steps + most_steps / 8;  // irregular motion has no such amplitude
-  struct Drift {
-    double size, rate;
-    std::vector<double> y;
-  };
-  // The first passages relax the fast directions; the drift is known once the next shows the same.
-  const auto drift = [&](double size) -> std::optional<Drift> {
-    constexpr int most_passages = 8;
-    constexpr double same = 0.02;
-    const double A = amplitude * size / start, tolerance = search_tolerance(A, drift_at_rest, loose), dip = dip_of(A);
-    auto y = map.moved(steady, direction, size);
-    double before = 0, rate = infinity;
-    for (int k = 0; k < most_passages; ++k) {
-      const auto passage = map.follow(y, tolerance, 1, true, false, nullptr, dip);
-      if (!passage.outcome.complete() || map.cost().steps > last_step) return std::nullopt;
-      const double a = before, last = rate, b = map.distance(passage.end, steady);
-      if (!(b > 0)) return std::nullopt;
-      y = passage.end;
-      before = b;
-      if (k == 0) continue;
-      rate = std::log(b / a);
-      if (std::abs(rate - last) <= same * std::max(std::abs(rate), std::abs(drift_at_rest))) break;
-    }
-    direction = map.difference(y, steady) / before;
-    return Drift{before, rate, y};
-  };
-  auto high = drift(start);
-  if (!high) return {};
-  // The lower end: drift that grows. At rest it is that of the linear mode; above a stable steady state it is sought.
-  double low = 0, low_rate = drift_at_rest;
-  for (int larger = 0; high->rate > 0; ++larger) {
-    low = high->size, low_rate = high->rate;
-    high = drift((larger < 8 ? 1.05 : 1.25) * low);
-    if (!high || high->size <= low || larger > 40) return {};  // what is larger falls back within a few passages
-  }
-  for (double size = 0.8 * high->size; low_rate <= 0 && size > least; size *= 0.8) {
-    const auto here = drift(size);
-    if (!here) return {};
-    if (here->rate > 0)
-      low = here->size, low_rate = here->rate;
-    else
-      high = here;
-  }
-  if (low_rate <= 0) return {.y = {}, .dies_out = true};
-  // Drift is nearly linear in the squared amplitude; the end that stays twice counts half (Illinois).
-  const double growth = low_rate;
-  double high_rate = high->rate;
-  for (int iteration = 0, stays = 0; iteration < 30; ++iteration) {
-    const double l2 = low * low, h2 = high->size * high->size, width = h2 - l2;
-    const double a2 = std::clamp(l2 + width * low_rate / (low_rate - high_rate), l2 + 1e-4 * width, h2 - 1e-4 * width);
-    const auto here = drift(std::sqrt(a2));
-    if (!here) return {};
-    if (std::abs(here->rate) < 0.02 * growth || width < 1e-3 * h2) return {here->y};
-    if (here->rate > 0) {
-      low = here->size, low_rate = here->rate;
-      if (stays > 0) high_rate *= 0.5;
-      stays = 1;
-    } else {
-      high = here, high_rate = here->rate;
-      if (stays < 0) low_rate *= 0.5;
-      stays = -1;
-    }
-  }
-  return {high->y};
-}
-
-/// Motion that changes slowly and steadily from passage to passage is taken ahead by many passages at once: to where
-/// the secant through the last two changes has them end, and no further than a share of its size.
-class Leaps {
- public:
-  explicit Leaps(const ReturnMap& map) : map_(map) {}
-
-  /// After a passage that ended at `y`. `size`: distance from steady sliding, in scales.
-  void passed(const std::vector<double>& y, double size) {
-    const bool known = !last_.empty();
-    const VectorXd change = known ? VectorXd(map_.difference(y, last_).array() / map_.scale().array())
-                                  : VectorXd::Zero(map_.scale().size());
-    constexpr double slow = 0.03, same = 0.2, jump = 0.3;
-    steady_ = known && change_.size() && change.norm() < slow * size && change.norm() > 0 &&
-              (change - change_).norm() < same * change.norm();
-    pace_ = known ? change.norm() / size : infinity;
-    // Ringing that decays until slip sticks, and begins anew after the next: a period of many passages.
-    if (passages_ > 0 && known && pace_ > jump) useless_ = true;
-    if (known) change_ = change;
-    last_ = y;
-    size_ = size;
-  }
-  bool ready() const { return steady_ && !useless_; }
-  /// Change in one passage as a part of the size; infinite where not known.
-  double pace() const { return pace_; }
-  /// Between leaps, as long as the changes do not die out: no cycle is near.
-  bool under_way() const { return passages_ > 0 && remaining_ > 0.3 && !useless_; }
-
-  /// The point so many passages ahead.
-  std::vector<double> ahead() {
-    constexpr double first = 4, most_growth = 4, share = 0.3;
-    double passages = first;
-    if (passages_ > 0) {
-      remaining_ = change_.dot(before_) / before_.squaredNorm();
-      passages = passages_ * (remaining_ < 1 ? std::min(1 / (1 - remaining_), most_growth) : most_growth);
-    }
-    passages_ = std::min(passages, share * size_ / change_.norm());
-    before_ = change_;
-    from_ = last_;
-    forget();
-    return map_.moved(from_, before_.cwiseProduct(map_.scale()), passages_);
-  }
-  /// A shorter leap from the same point where the last ended motion. Nothing if that was no longer than one passage.
-  std::optional<std::vector<double>> shorter() {
-    if (!(passages_ > 1) || !last_.empty()) return std::nullopt;
-    passages_ *= 0.25;
-    return map_.moved(from_, before_.cwiseProduct(map_.scale()), passages_);
-  }
-
- private:
-  void forget() {
-    last_.clear();
-    change_.resize(0);
-    steady_ = false;
-  }
-  const ReturnMap& map_;
-  std::vector<double> last_, from_;  ///< of the last passage; where the last leap began
-  VectorXd change_, before_;         ///< in the last passage, in the one before the last leap; in scales
-  double size_ = 0, pace_ = infinity, passages_ = 0, remaining_ = 1;
-  bool steady_ = false, useless_ = false;
-};
-
-/// The search for a stable fixed point of the return map, from starts in stick or the one that is given.
-class Search {
- public:
-  /// `drift_at_rest`: growth of a small oscillation about steady sliding in one period, ln(A'/A).
-  Search(ReturnMap& map, double drift_at_rest, const CycleOptions& options)
-      : map_(map),
-        options_(options),
-        drift_at_rest_(drift_at_rest),
-        most_passages_(steady_is_stable() ? std::min(options.max_cycles, 12) : options.max_cycles) {}
-
-  /// Looks for the point; where none is found, `outcome` says why.
-  void run() {
-    for (const double tolerance : search_tolerances) {
-      loose_ = tolerance;
-      reached_.clear();
-      last_step_ = map_.cost().steps + most_steps;
-      run_once();
-      if (found() || outcome.ending != Ending::budget_spent || !errs_in_passages()) return;
-    }
-  }
-  bool found() const { return point || creeping_ == most_creeping; }
-
-  std::optional<FixedPoint> point;
-  Outcome outcome;
-
- private:
-  static constexpr int most_creeping = 9;  ///< times that motion may hardly change before the search ends
-  static constexpr int transient = 10;     ///< passages
-  static constexpr std::size_t some = 8;   ///< passages
-
-  void run_once() {
-    if (!options_.near.empty()) {
-      const auto passage = map_.follow(options_.near, loose_, 1, true);
-      if (passage.outcome.complete() && accept(passage.end, 1, passage.amplitude, infinity)) return;
-    }
-    // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin
-    // of a cycle beside stable sliding that the first start misses, and does not fall straight onto an unstable steady
-    // state.
-    const double V = map_.drive_speed();
-    std::vector<double> ages = {V};
-    if (!options_.start) ages.push_back((steady_is_stable() ? 1e-4 : 0.1) * V);
-    for (const double aged_at : ages) {
-      try {
-        from(options_.start ? starting_point(map_.system(), *options_.start) : map_.stick(aged_at));
-      } catch (const InputError& e) {
-        outcome = {Ending::not_finite, e.what()};
-      }
-      if (found()) return;
-    }
-  }
-
-  /// True if what steps err in one of the last passages is no small part of the motion when it ends.
-  bool errs_in_passages() {
-    constexpr double small = 1e-5, closer = 1e-3;
-    for (const auto& y : reached_) {
-      const auto loosely = map_.follow(y, loose_, 1, true), closely = map_.follow(y, closer * loose_, 1, true);
-      if (loosely.outcome.complete() && closely.outcome.complete() &&
-          map_.distance(loosely.end, closely.end) > small * distance_from_steady(y))
-        return true;
-    }
-    return false;
-  }
-
-  bool steady_is_stable() const { return drift_at_rest_ < 0; }
-  double distance_from_steady(const std::vector<double>& y) const { return map_.distance(y, map_.system().steady(0)); }
-  bool attracts(const std::optional<FixedPoint>& candidate) const {
-    return candidate && candidate->amplitude >= collapsed && spectral_radius(*candidate, map_) < 1;
-  }
-
-  /// Follows the motion from y until a stable fixed point is found, or it is known why none is.
-  void from(std::vector<double> y) {
-    outcome = steady_is_stable()
-                  ? Outcome{Ending::none_exists, fmt::format("the motion started from {} dies out onto steady sliding",
-                                                             options_.start ? "the given start" : "stick")}
-                  : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", most_passages_)};
-    visited_.clear();
-    Leaps leaps(map_);
-    double tolerance = loose_, last_amplitude = 1;
-    bool enlarged = false;
-    balanced_ = false;
-    next_attempt_ = 2;
-    for (int k = 0; k < most_passages_; ++k) {
-      const long steps_before = map_.cost().steps;
-      const auto passage = map_.follow(y, tolerance, 1, k > 0, false, nullptr, dip_of(last_amplitude));
-      most_taken_ = std::max(most_taken_, map_.cost().steps - steps_before);
-      if (!passage.outcome.complete()) {
-        if (const auto nearer = leaps.shorter()) {
-          y = *nearer;
-          continue;
-        }
-        if (passage.outcome.ending != Ending::budget_spent || !steady_is_stable()) outcome = passage.outcome;
-        return;
-      }
-      if (map_.cost().steps > last_step_) {
-        outcome = {Ending::budget_spent, fmt::format("no periodic motion within {} steps", most_steps)};
-        return;
-      }
-      y = passage.end;
-      if (k > transient) reached_.push_back(y);
-      if (reached_.size() > some) reached_.pop_front();
-      visited_.push_back(y);
-      const double amplitude = last_amplitude = passage.amplitude;
-      if (k > 0 && steady_is_stable() && amplitude < 0.02) return;
-      if (!steady_is_stable() && !enlarged && amplitude < 1e-3) {
-        if (amplitude < 1e-11) return;
-        y = grown(y, amplitude);
-        enlarged = true;
-        continue;
-      }
-      leaps.passed(y, distance_from_steady(y));
-      // A drift is followed as closely as it takes to see it.
-      tolerance = std::clamp(1e-3 * leaps.pace(), 1e-13, loose_);
-      // A trial that takes far longer has strayed into stick or onto steady sliding.
-      constexpr long times = 20, few = 1'000;
-      map_.allow(times * most_taken_ + few);
-      const Attempt attempted = attempt(k, amplitude, leaps.under_way());
-      map_.allow(ReturnMap::most_steps);
-      if (attempted == Attempt::ends) return;
-      if (!steady_is_stable() && leaps.ready()) {
-        y = leaps.ahead();
-        visited_.clear();
-      }
-    }
-  }
-
-  /// An overdamped start has all but reached steady sliding, which repels: goes on from where growth would lead.
-  std::vector<double> grown(const std::vector<double>& y, double amplitude) const {
-    const auto steady = map_.system().steady(0);
-    // States that changed more than the speed did are not carried away by it.
-    return map_.moved(steady, map_.difference(y, steady), std::min(0.1 / amplitude, 1 / map_.distance(y, steady)));
-  }
-
-  enum class Attempt { goes_on, ends };
-  /// After passage k, the last of those visited: tries to take the motion for a cycle, where it nearly repeats itself,
-  /// and now and then where it does not.
-  Attempt attempt(int k, double amplitude, bool leaping) {
-    const auto& y = visited_.back();
-    const int passages = int(visited_.size()) - 1;  // since the start or the last leap
-    const double size = distance_from_steady(y);
-    const double moved = passages > 0 ? map_.distance(y, visited_[passages - 1]) : infinity;
-    const double change = moved / std::min(amplitude, size);
-    // Several passages in a period: as many as bring the motion nearly back.
-    constexpr int few = 8;
-    const auto came_back = [&](int turns) {
-      const double back = map_.distance(y, visited_[passages - turns]);
-      return back < 0.2 * moved && (turns <= few || back < std::min(0.01 * size, 0.02 * moved)) ? back : infinity;
-    };
-    bool many = false;
-    for (int turns = few + 1; turns < passages; ++turns) many = many || came_back(turns) < infinity;
-    if (!many && (leaping || (k < next_attempt_ && !(change < 1e-3)))) return Attempt::goes_on;
-    next_attempt_ = k + std::max(2, k / 2);
-    // Motion that hardly drifts is not waited for.
-    constexpr double slow = 1e-3;
-    const bool drifts = k >= 2 && std::abs(drift_at_rest_) < slow && amplitude < 10 && !balanced_;
-    if (!drifts && accept(y, 1, amplitude, moved)) return Attempt::ends;
-    if (creeping_ == most_creeping) return Attempt::ends;
-    for (int turns = 2; turns < passages; ++turns)
-      if (const double back = came_back(turns); back < infinity && accept(y, turns, amplitude, back))
-        return Attempt::ends;
-    return k >= 6 || (steady_is_stable() && k >= 3) || drifts ? balance(y, amplitude) : Attempt::goes_on;
-  }
-
-  /// Looks for the amplitude at which drift balances.
-  Attempt balance(const std::vector<double>& y, double amplitude) {
-    balanced_ = true;
-    const auto balanced = balance_of_drift(map_, y, amplitude, drift_at_rest_, loose_);
-    if (balanced.y) {
-      const auto there = map_.follow(*balanced.y, search_tolerance(amplitude, drift_at_rest_, loose_), 1, true, false,
-                                     nullptr, dip_of(amplitude));
-      if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return Attempt::ends;
-    }
-    return balanced.dies_out ? Attempt::ends : Attempt::goes_on;
-  }
-
-  /// True if `turns` passages from y, which bring it back but for `change`, lead to a fixed point that attracts; it is
-  /// then `point`.
-  bool accept(const std::vector<double>& y, int turns, double amplitude, double change) {
-    auto candidate = newton(map_, y, turns, amplitude, drift_at_rest_, loose_);
-    constexpr double repeats = 1e-3, certainly = 0.5, hardly = 0.99;
-    const double size = distance_from_steady(y);
-    if (!attracts(candidate) && change < repeats * size) {
-      candidate = settled(map_, y, turns, amplitude, loose_);
-      if (candidate && !(spectral_radius(*candidate, map_) < certainly)) {
-        if (spectral_radius(*candidate, map_) > hardly && ++creeping_ == most_creeping)
-          outcome = {Ending::budget_spent,
-                     fmt::format("the motion hardly changes from passage to passage, by {:.1e} of its size, and "
-                                 "a cycle that it may approach was not reached",
-                                 change / size)};
-        return false;
-      }
-    }
-    if (!attracts(candidate)) return false;
-    point = candidate;
-    outcome = {};
-    return true;
-  }
-
-  ReturnMap& map_;
-  const CycleOptions& options_;
-  double drift_at_rest_;
-  int most_passages_;
-  double loose_ = search_tolerances[0];       ///< tolerance
-  long last_step_ = most_steps;               ///< at which the search ends
-  int creeping_ = 0;                          ///< times that motion far from any cycle neither settled nor grew
-  long most_taken_ = 0;                       ///< steps of a passage of the motion itself
-  std::vector<std::vector<double>> visited_;  ///< ends of passages since the start or the last leap
-  std::deque<std::vector<double>> reached_;   ///< the last ends of passages after the transient
-  int next_attempt_ = 2;                      ///< the passage after which a cycle is next looked for in any case
-  bool balanced_ = false;                     ///< the balance of drift was looked for from this start
-};
-
 /// Metrics of the cycle through `point` at one tolerance; moves the point onto the cycle.
 struct Refined {
   Metrics metrics;
@@ -491,6 +28,13 @@ struct Refined {
   std::vector<CyclePoint> orbit;
   Outcome outcome;
 };
+/// Of the passage from `point` as it is.
+Refined record(ReturnMap& map, const FixedPoint& point, double tolerance, const CycleOptions& options,
+               bool keep_orbit) {
+  Recorder recorder(map.system(), tolerance, options.stick_threshold, keep_orbit);
+  const auto passage = map.follow(point.y, tolerance, point.turns, true, false, &recorder, dip_of(point.amplitude));
+  return {recorder.finish(passage.duration), infinity, std::move(recorder.orbit), passage.outcome};
+}
 Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleOptions& options, bool keep_orbit) {
   Refined result{{}, infinity, {}, {}};
   const VectorXd scale = map.scale();
@@ -547,12 +91,50 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
     result.closure = length;
     if (length < 0.1 * tolerance * std::min(1.0, point.amplitude)) break;
   }
-  Recorder recorder(map.system(), tolerance, options.stick_threshold, keep_orbit);
-  const auto passage = map.follow(point.y, tolerance, point.turns, true, false, &recorder, dip_of(point.amplitude));
-  result.outcome = passage.outcome;
-  result.metrics = recorder.finish(passage.duration);
-  result.orbit = std::move(recorder.orbit);
+  const double closure = result.closure;
+  result = record(map, point, tolerance, options, keep_orbit);
+  result.closure = closure;
   return result;
+}
+
+/// The same of a swing that friction changes by little in a turn.
+Refined refine_swing(ReturnMap& map, FixedPoint& point, double tolerance, const CycleOptions& options,
+                     bool keep_orbit) {
+  const auto off = balance_closely(map, *point.swing, tolerance);
+  if (!off) return {{}, infinity, {}, {Ending::budget_spent, "swings beside the balanced one do not come round"}};
+  point.y = point.swing->balance->y;
+  Refined result = record(map, point, tolerance, options, keep_orbit);
+  result.closure = *off;
+  return result;
+}
+
+/// The same of a swing that friction all but leaves alone: it is what the start made it.
+Refined refine_free(ReturnMap& map, FixedPoint& point, double tolerance, const CycleOptions& options, bool keep_orbit) {
+  auto y = point.free->start;
+  for (int k = 0; k < point.free->passages; ++k) {
+    const auto passage = map.follow(y, tolerance, 1, k > 0, false, nullptr, dip_of(point.amplitude));
+    if (!passage.outcome.complete()) return {{}, infinity, {}, passage.outcome};
+    y = passage.end;
+  }
+  const auto swing = slow_swing_from(map, y, tolerance);
+  if (!swing) return {{}, infinity, {}, {Ending::budget_spent, "the swing does not come round in one turn"}};
+  point.y = swing->y;
+  Refined result = record(map, point, tolerance, options, keep_orbit);
+  result.closure = 0;
+  return result;
+}
+
+/// The part of an error that a passage forgets; of a swing that friction changes by little in a turn, of an error of
+/// the work that friction does. A swing that it leaves alone adds none.
+double attraction(const FixedPoint& point, const ReturnMap& map) {
+  if (point.free) return 1;
+  if (point.swing) {
+    // Steps that follow the motion take little notice of friction that hardly moves it.
+    constexpr double least_notice = 1e-6;
+    const double turnover = point.swing->balance->turnover;
+    return std::min(1.0, -point.swing->slope / turnover) * std::clamp(turnover, least_notice, 1.0);
+  }
+  return std::min(1.0, 1 - spectral_radius(point, map));
 }
 
 /// What the last digits of the forces leave of the slip rate of a slider on a contact spring, where damping and not
@@ -606,8 +188,7 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     cycle.outcome = {Ending::none_exists, "one unknown alone evolves, and that cannot oscillate (no mass, no memory)"};
     return cycle;
   }
-  Search search(map, leading.real() * turn, options);
-  search.run();
+  auto search = search_cycle(map, leading.real() * turn, options);
   cycle.cost = map.cost();
   if (!search.point) {
     cycle.outcome = search.outcome;
@@ -616,10 +197,13 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   FixedPoint& point = *search.point;
   const double V = map.drive_speed();
   // Small or weakly attracting cycles magnify errors by 1/A and 1/(1 − ρ).
-  const double magnified = std::min(1.0, point.amplitude) * std::min(1.0, 1 - spectral_radius(point, map));
+  const double magnified = std::min(1.0, point.amplitude) * attraction(point, map);
   const double digits = slip_rate_digits(map.system());  // that of the contact follows from friction
   Sharpening sharpening(options.tolerance, 0.2 * options.tolerance * magnified);
-  const auto refined = [&](bool keep_orbit) { return refine(map, point, sharpening.tolerance(), options, keep_orbit); };
+  const auto refined = [&](bool keep_orbit) {
+    const auto how = point.free ? refine_free : point.swing ? refine_swing : refine;
+    return how(map, point, sharpening.tolerance(), options, keep_orbit);
+  };
   Refined coarse = refined(false);
   for (int looser = 0; looser < 2 && coarse.outcome.ending == Ending::budget_spent; ++looser) {
     sharpening = Sharpening(options.tolerance, 100 * sharpening.tolerance());
@@ -655,7 +239,7 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     // Rounding in one passage returns with every one that the cycle takes to forget it. Metrics are those of a motion
     // that may be small beside the scales.
     const double rounding = std::max(1e-14, last_digits(map, point.y));
-    const double forgetting = rounding / std::max(1 - spectral_radius(point, map), 1e-14);
+    const double forgetting = rounding / (point.swing ? 1 : std::max(attraction(point, map), 1e-14));
     const double size = map.distance(point.y, map.system().steady(0));
     const double closure = (fine.closure + forgetting) * std::max(1.0, std::min(1.0, point.amplitude) / size);
     const double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), closure, V,
@@ -667,13 +251,15 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     if (cycle.outcome.complete()) break;
     coarse = std::move(fine);
   }
-  if (options.multipliers && !point.by_differences) {
+  if (options.multipliers && !point.by_differences && !point.swing && !point.free) {
     const auto passage = map.follow(point.y, std::max(sharpening.tolerance(), 1e-10), point.turns, true, true, nullptr,
                                     dip_of(point.amplitude));
     if (passage.outcome.complete()) point.derivative = passage.derivative;
   }
   // Of fewer turns than differences were taken over, multipliers are bounded but not known.
-  if (!(fewer && point.by_differences)) cycle.multipliers = multipliers_of(point.derivative, map.scale());
+  if (!(fewer && point.by_differences) && !point.free)
+    cycle.multipliers = multipliers_of(point.derivative, map.scale());
+  if (point.free) cycle.growth = point.free->growth;
   cycle.stable = cycle.multipliers.empty() || std::abs(cycle.multipliers.front()) < 1;
   const auto at_section = map.system().observe(0, point.y.data());
   cycle.section_displacement = at_section.displacement;

@@ -14,6 +14,7 @@
 #include "analysis/exact_run.hpp"
 #include "analysis/refinement.hpp"
 #include "analysis/return_map.hpp"
+#include "analysis/slow_swing.hpp"
 #include "analysis/stability.hpp"
 #include "core/eigenpairs.hpp"
 #include "solvers/stick_slip.hpp"
@@ -67,6 +68,7 @@ struct StickSlipPeriod {
   double rounding = 0;        ///< relative error that rounding of the slip rate makes where it just comes to rest
   double landing = 0;         ///< to which the times at which slip stops are known together (s)
   double friction = 0;        ///< to which friction is known where slip has just come to rest
+  double growth = 0;          ///< of a swing that does not stick, by the work of friction (SwingWork)
   long steps = 0, evaluations = 0;
 };
 
@@ -484,7 +486,9 @@ StickSlipPeriod slip_passage(const Model& model, double swing, double tolerance,
   StickSlipPeriod result;
   SliderSystem system(model);
   solvers::StickSlip solver(system, tolerance);
-  const double V = model.drive.speed.level(), x_steady = steady_sliding(model).displacement;
+  const auto steady = steady_sliding(model);
+  const double V = model.drive.speed.level(), x_steady = steady.displacement;
+  SwingWork work(system, steady.friction_force);
   const double natural = 2 * std::numbers::pi * std::sqrt(model.slider.mass / model.slider.stiffness);
   solver.bound_slip_step(0.1 * natural);
   if (!solver.start(0, system.unknowns_at(0, x_steady + swing, V, {}, 0))) {
@@ -516,10 +520,11 @@ StickSlipPeriod slip_passage(const Model& model, double swing, double tolerance,
     }
     period += step.length();
     if (system.direction() == 0) stuck += step.length();
+    work.step(step);
     if (record) recorder.step(step);
   }
   if (result.found) {
-    result.onset_displacement = solver.state()[0] - x_steady;  // the next swing
+    result.growth = work.growth(swing);
     if (record) {
       result.metrics = recorder.finish(period);
       result.metrics.stick_fraction = stuck / period;
@@ -553,7 +558,7 @@ BalancedSwing balanced_swing(const Model& model, double tolerance) {
     if (steps > most_steps) return -1.0;
     const auto passage = slip_passage(model, std::exp(log_swing), tolerance, 0.1, false);
     steps += passage.steps;
-    return passage.found && passage.onset_displacement > 0 ? std::log(passage.onset_displacement) - log_swing : -1.0;
+    return passage.found && std::isfinite(passage.growth) ? passage.growth : -1.0;
   };
   constexpr double step = 0.25, farthest = 12;  // e-foldings of the swing
   double high = std::log(8 * largest), f_high = drift(high);
@@ -573,13 +578,12 @@ BalancedSwing balanced_swing(const Model& model, double tolerance) {
   return {{}, {Ending::budget_spent, fmt::format("no swing that repeats itself within {} steps of slip", most_steps)}};
 }
 
-/// What becomes in a passage of a small change of the swing.
-double multiplier_of_swing(const Model& model, double swing, double stick_threshold) {
-  constexpr double closely = 1e-10;
-  const double h = 1e-4 * swing;
-  const auto left = slip_passage(model, swing - h, closely, stick_threshold, false);
-  const auto right = slip_passage(model, swing + h, closely, stick_threshold, false);
-  return (right.onset_displacement - left.onset_displacement) / (2 * h);
+/// How the growth of a swing in a passage changes with the swing, d growth / d ln swing.
+double slope_of_swing(const Model& model, double swing, double stick_threshold) {
+  constexpr double closely = 1e-10, beside = 1e-4;
+  const auto left = slip_passage(model, swing * (1 - beside), closely, stick_threshold, false);
+  const auto right = slip_passage(model, swing * (1 + beside), closely, stick_threshold, false);
+  return (right.growth - left.growth) / (2 * beside);
 }
 
 /// True where friction never falls with slip rate, not even from rest: then two motions never part, and none repeats
@@ -646,10 +650,11 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     sticks = false;
     coarse = period_now();
     if (coarse.found) {
-      // Weak attraction magnifies what steps err in a passage by 1/(1 − multiplier), at every tolerance alike.
+      // Weak attraction magnifies what steps err in the work of friction, at every tolerance alike; and where friction
+      // is weak, steps that follow the motion take little notice of it.
       constexpr double weakest = 1e-8;
       const double swing = coarse.onset_displacement - sliding.steady.displacement;
-      const double attraction = 1 - std::abs(multiplier_of_swing(model, swing, options.stick_threshold));
+      const double attraction = -slope_of_swing(model, swing, options.stick_threshold);
       sharpening = Sharpening(options.tolerance, sharpening.tolerance() * std::clamp(attraction, weakest, 1.0));
       coarse = period_now();
     }
@@ -700,7 +705,8 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     if (remembers(model)) cycle.section_state = SliderSystem(model).observe(0, onset.data()).state;
   } else {
     const double swing = cycle.section_displacement - steady_sliding(model).displacement;
-    cycle.multipliers = {multiplier_of_swing(model, swing, options.stick_threshold)};
+    const double slope = slope_of_swing(model, swing, options.stick_threshold);
+    cycle.multipliers = {slope < 0 ? std::min(1 + slope, std::nextafter(1.0, 0.0)) : 1 + slope};
   }
   // A swing about steady sliding that is no larger than its error is rounding, where friction hardly moves the slider.
   if (!sticks && cycle.metrics.slip_rate_max - V <= cycle.error.slip_rate_max) {

@@ -191,6 +191,7 @@ std::string to_json(const Scene& scene, const analysis::Cycle& cycle) {
   document["ill_conditioned_stick"] = cycle.ill_conditioned_stick;
   document["multipliers"] = pairs(cycle.multipliers);
   document["stable"] = found ? ordered_json(cycle.stable) : ordered_json();
+  if (cycle.growth) document["growth"] = *cycle.growth;
   document["section"] = {{"displacement", found ? cycle.section_displacement : std::nan("")},
                          {"state", states(*scene.model.law, cycle.section_state)}};
   document["error"] = metrics(found ? cycle.error : none());

@@ -205,6 +205,9 @@ Status cycle(const Request& request) {
   manifest.tolerance_reached = reached.value();
   if (cycle.ill_conditioned_stick)
     job.note("the lowest speed touches the stick threshold: the stick fraction jumps nearby");
+  if (cycle.growth)
+    job.say("free swing, as the start made it: friction changes its amplitude by {:.1e} of itself in a period",
+            *cycle.growth);
   if (!cycle.multipliers.empty())
     job.say("{}: largest multiplier {:.6g}", cycle.stable ? "stable" : "unstable", std::abs(cycle.multipliers.front()));
 

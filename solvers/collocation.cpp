@@ -617,7 +617,12 @@ bool Collocation::solve_at(double theta, double* y) {
     interpolate(theta * tableau_.c[i], &Z_trial_[i * n]);
     for (int k = 0; k < n; ++k) Z_trial_[i * n + k] -= y_before_[k];
   }
-  if (solve_stages(t_before_, y_before_.data(), h, patient_iterations) == Newton::not_finite) return false;
+  const Newton newton = solve_stages(t_before_, y_before_.data(), h, patient_iterations);
+  interpolate(theta, y);
+  for (int k = 0; k < n; ++k) work_[k] = y_before_[k] + Z_trial_[(s - 1) * n + k] - y[k];
+  // Newton's method that does not come to an end may end anywhere.
+  constexpr double astray = 0.1;  // scales
+  if (newton == Newton::not_finite || (newton == Newton::slow && !(norm(work_.data()) < astray))) return false;
   for (int k = 0; k < n; ++k) y[k] = y_before_[k] + Z_trial_[(s - 1) * n + k];
   return true;
 }

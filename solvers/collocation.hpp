@@ -57,6 +57,7 @@ class Collocation {
   /// The collocation polynomial of the last step, at time_before() + theta·length (order 5).
   void interpolate(double theta, double* y) const;
   /// The solution at time_before() + theta·length at the full order, by a step of that length from the last start.
+  /// \returns false if that step cannot be solved; y is then of the collocation polynomial.
   bool solve_at(double theta, double* y);
 
   /// The part θ of the last step at which f(t, y) changes sign, given brackets in θ and the values there; solved at the

@@ -217,13 +217,13 @@ TEST_CASE("relaxation with slips at 1e12 times the drive speed is a cycle though
   CHECK(cycle.metrics.slip_rate_mean == Approx(1.002e-07).epsilon(1e-6));
 }
 
-TEST_CASE("free oscillation that friction hardly touches ends early, and that is said", "[stress]") {
+TEST_CASE("free oscillation that friction hardly touches until it sticks ends early, and that is said", "[stress]") {
   Model model =
       slider_under("ageing", {0.2745, 0.004822, 0.03558, 0.01858, 3.695e-05}, {8.003e7, 4679, 0}, 0.06696, 1.394e8);
   model.lambda = 642.1;
   const auto cycle = find_cycle(model, {.tolerance = 1e-6});
-  CHECK(cycle.outcome.ending == Ending::budget_spent);
-  CHECK_THAT(cycle.outcome.detail, Catch::Contains("hardly changes from passage to passage"));
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("no two periods are alike"));
   CHECK(cycle.cost.steps < 200'000);
 }
 
@@ -1008,14 +1008,6 @@ TEST_CASE("a slip that rests for no time, or for 1e-8 of the period, leaves fric
   const auto loose = cycle_at(1e-6), tight = cycle_at(1e-9);
   CHECK(std::abs(loose.metrics.friction_min - tight.metrics.friction_min) <=
         loose.error.friction_min + tight.error.friction_min);
-}
-
-TEST_CASE("a swing that is no larger than its error is not taken for a cycle", "[stress]") {
-  // Friction of 1e-4 N under a swing of 1e8 N.
-  auto model = slider_under("hyperbolic", {1.2179750948391512, 0.39241478123060325},
-                            {871.75059824352911, 172365.45874251073, 0}, 10000, 0.00037603241471873775);
-  model.drive.force = -1.5928460833058858e-06;
-  for (const double tolerance : {1e-6, 1e-9}) CHECK(find_cycle(model, {.tolerance = tolerance}).metrics.period == 0);
 }
 
 TEST_CASE("a curve that grows beyond all numbers toward rest ends motion like one without bound", "[stress]") {
