@@ -541,7 +541,15 @@ double SliderSystem::slip_rate(double t, const double* y) const {
   contact_->evaluate({imposed_slip_rate(now, y, 0), now.load, now.load_rate, direction_}, z, g, F);
   contact_->mass(now.load, m);
   const double F_rate = now.load * g[0] / m[0] + now.load_rate * z[0];
-  return now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
+  const double u = now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
+  if (!setup_.spring.present() || now.load_rate != 0 || now.force_rate != 0) return u;
+  // A weak damper beside the contact's spring tells its rate from the difference of two forces. Where that is within
+  // their last digits, the damper has relaxed, and both springs follow friction.
+  const double share = model_.slider.stiffness * compliance_at(setup_.spring, now.load);
+  const double relaxed = (v + share * now.speed) / (1 + share);
+  const double digits = 100 * std::numeric_limits<double>::epsilon() * std::abs(now.load * z[0]) /
+                        (setup_.spring.damping + setup_.spring.damping_per_load * now.load);
+  return std::abs(u - relaxed) <= digits ? relaxed : u;
 }
 
 double SliderSystem::contact_slip_rate(double t, const double* y) const {
