@@ -73,6 +73,23 @@ bool is_stick(const MetricName& metric) {
 
 namespace {
 
+/// The same slider under the set-valued law that its own is without a clock, where slip can stick under it. A contact
+/// spring, or friction against a spring alone, would need more than that law says.
+std::optional<Model> without_clock(const Model& model) {
+  if (model.lambda != 0 || !(model.slider.mass > 0) || model.contact_stiffness.present()) return std::nullopt;
+  auto curve = model.law->without_clock(model.drive.normal_load.level());
+  if (!curve) return std::nullopt;
+  Model same = model;
+  same.law = std::move(curve);
+  same.lambda = 1;
+  return same;
+}
+/// What that law does not carry.
+void add_states(Cycle& cycle, const FrictionLaw& law, double normal_load) {
+  cycle.section_state = law.steady({0, normal_load});
+  for (auto& point : cycle.orbit) point.state = law.steady({point.slip_rate, normal_load});
+}
+
 /// The mirror image: drive, force, displacement, slip rate, friction and odd states with the other sign.
 void mirror(Cycle& cycle, const FrictionLaw& law) {
   const auto mirror_states = [&](std::vector<double>& state) {
@@ -128,7 +145,11 @@ Cycle find_cycle(const Model& model, const CycleOptions& options) {
   } else if (only_rings(model)) {
     cycle.outcome = {Ending::none_exists, "friction nowhere falls with slip rate: nothing feeds an oscillation"};
   } else {
-    cycle = model.law->set_valued() ? find_stick_slip_cycle(model, options) : find_smooth_cycle(model, options);
+    const auto curve = without_clock(model);
+    const Model& searched = curve ? *curve : model;
+    cycle =
+        searched.law->set_valued() ? find_stick_slip_cycle(searched, options) : find_smooth_cycle(searched, options);
+    if (curve) add_states(cycle, *model.law, model.drive.normal_load.level());
     for (const auto& metric : metric_names())
       if (!std::isfinite(cycle.metrics.*metric.member) || !std::isfinite(cycle.error.*metric.member)) {
         const auto cost = cycle.cost;

@@ -666,7 +666,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   // Slip that passes the kinks of a table meets them anywhere within its steps.
   const auto& parameters = model.law->parameters();
   const bool kinks = std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.is_list; });
-  const double caution = kinks ? 4 : 1;
+  const double caution = kinks ? 10 : 1;
   while (sharpening.next()) {
     StickSlipPeriod fine = coarse.found ? period_now() : coarse;
     if (coarse.found && sharpening.ease(fine.outcome)) fine = period_now();

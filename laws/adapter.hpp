@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/tower.hpp"
+#include "laws/catalogue.hpp"
 #include "laws/law.hpp"
 #include "laws/portion.hpp"
 
@@ -638,6 +639,13 @@ class Law final : public FrictionLaw {
   std::optional<LinearFriction> linear() const override {
     if constexpr (requires { law_.linear(); }) return law_.linear();
     return std::nullopt;
+  }
+  std::shared_ptr<const FrictionLaw> without_clock([[maybe_unused]] double normal_load) const override {
+    if constexpr (requires { law_.without_clock(normal_load); }) {
+      const LawByName law = law_.without_clock(normal_load);
+      return find_law(law.name)->with(law.values);
+    }
+    return nullptr;
   }
   std::vector<double> after_stop(std::span<const double> state) const override {
     if constexpr (HasStopReset<L>)

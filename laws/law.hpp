@@ -47,6 +47,12 @@ struct Preset {
   std::vector<Value> values;  ///< in the order of the parameters
 };
 
+/// A law of the catalogue with values of its parameters.
+struct LawByName {
+  std::string_view name;
+  std::vector<Value> values;
+};
+
 /// A friction law with its parameter values: immutable, shared, and asked through double-valued functions or, by
 /// solvers, through contacts. States are in natural units, in the order of `states()`.
 class FrictionLaw {
@@ -84,6 +90,8 @@ class FrictionLaw {
   virtual double static_limit(double normal_load, std::span<const double> state = {}) const = 0;
   /// Coefficients, if the law is set-valued and linear in the speed: motion then has a closed form between events.
   virtual std::optional<LinearFriction> linear() const { return std::nullopt; }
+  /// The set-valued law that this one is at λ = 0 under that load, if its friction then jumps at rest.
+  virtual std::shared_ptr<const FrictionLaw> without_clock(double /*normal_load*/) const { return nullptr; }
   /// ψ just after slip has stopped: as it was, or reset by laws that count from the last stop.
   virtual std::vector<double> after_stop(std::span<const double> state) const = 0;
   /// Changes sign, in numbers of the size of 1, where friction or the rates of the states have a kink in the states, at

@@ -55,6 +55,8 @@ struct Lugre {
   State steady(Sliding<Real> at) const { return {sign(at.slip_rate) * stribeck(at.slip_rate) / sigma0}; }
   State rest(Sliding<Real>) const { return {Real(0.0)}; }
   State size() const { return {mu_s / sigma0}; }
+  /// Bristles that follow at once leave the steady curve.
+  LawByName without_clock(double) const { return {"stribeck", {mu_s, mu_d, v_s, 2.0, sigma2}}; }
 };
 
 }  // namespace rosin::laws

@@ -44,6 +44,7 @@ struct LugreUnscaled {
   State rate(Sliding<Real> at, State s) const { return at_load(at.normal_load).rate(at, s); }
   State steady(Sliding<Real> at) const { return at_load(at.normal_load).steady(at); }
   State rest(Sliding<Real>) const { return {Real(0.0)}; }
+  LawByName without_clock(double N) const { return at_load(N).without_clock(N); }
 };
 
 }  // namespace rosin::laws

@@ -252,3 +252,24 @@ TEST_CASE("metrics are found by name, with the nearest suggested", "[cycle]") {
   CHECK(find_metric("loop_area").member == &Metrics::loop_area);
   CHECK_THROWS_WITH(find_metric("loop_aera"), Catch::Contains("did you mean 'loop_area'"));
 }
+
+TEST_CASE("bristles without a clock stick and slip as stiff ones do", "[cycle]") {
+  auto model = slider_under("lugre", {1e6, 10.0, 0.1, 0.4, 0.3, 1e-3}, {1, 1000, 1}, 1e-3, 10);
+  model.lambda = 1e-2;
+  const auto fast = find_cycle(model, {.tolerance = 1e-6});
+  model.lambda = 0;
+  const auto at_once = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(fast.outcome.complete());
+  REQUIRE(at_once.outcome.complete());
+  CHECK(at_once.metrics.period == Approx(fast.metrics.period).epsilon(1e-3));
+  CHECK(at_once.metrics.slip_rate_max == Approx(fast.metrics.slip_rate_max).epsilon(1e-3));
+  CHECK(at_once.metrics.friction_max == Approx(0.4));
+  CHECK(at_once.metrics.slip_rate_min == 0);
+  REQUIRE(!at_once.orbit.empty());
+  CHECK(at_once.orbit.front().state.size() == 1);
+
+  // Absolute stiffnesses share the curve, with their viscous part over the load.
+  auto absolute = slider_under("lugre-unscaled", {1e7, 100.0, 1.0, 0.4, 0.3, 1e-3}, {1, 1000, 1}, 1e-3, 10);
+  absolute.lambda = 0;
+  CHECK(find_cycle(absolute, {.tolerance = 1e-6}).metrics.period == Approx(at_once.metrics.period).epsilon(1e-9));
+}

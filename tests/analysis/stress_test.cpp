@@ -421,9 +421,8 @@ TEST_CASE("a bristle without its memory does not hold at rest, and that is said"
   const auto stopped = run(model, options);
   CHECK(stopped.outcome.ending == Ending::none_exists);
   CHECK_THAT(stopped.outcome.detail, Catch::Contains("jumps at rest"));
-  const auto cycle = find_cycle(model);
-  CHECK_FALSE(cycle.outcome.complete());
-  CHECK_THAT(cycle.outcome.detail, Catch::Contains("jumps at rest"));
+  // A cycle is that of the curve that is left, which sticks.
+  CHECK(find_cycle(model).outcome.complete());
 }
 
 TEST_CASE("a bristle that weakens faster than its contact resists jumps, and that is said", "[stress]") {
