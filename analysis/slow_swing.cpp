@@ -15,6 +15,12 @@ constexpr double rounding = 1e-14;                  // of the work, by what canc
 constexpr double searched = 1e-7, closely = 1e-15;  // parts of the stretch to which a balance is found
 constexpr int at_displacement = 0, mechanical = 2;  // unknowns of a slider with mass: x, v, then those of its contact
 
+/// |v − V|/V of a free swing of that stretch.
+double amplitude_of(const ReturnMap& map, double stretch) {
+  const auto& s = map.system().model().slider;
+  return std::sqrt(s.stiffness / s.mass) * std::abs(stretch) / map.drive_speed();
+}
+
 /// Displacement at which the spring holds this friction.
 double middle_of(const ReturnMap& map, double friction) {
   const auto& model = map.system().model();
@@ -77,7 +83,6 @@ double SwingWork::turnover(double stretch) const {
 
 std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double displacement, double tolerance) {
   const auto& model = map.system().model();
-  const auto& s = model.slider;
   constexpr double another = 0.3;  // of the amplitude: the motion is no swing of this stretch
   constexpr int most = 16;
   constexpr double forgets = 0.1, gone = 1e-12;           // part of a change that is left after a turn; scales
@@ -88,8 +93,8 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
   bool leads = false;
   for (int turn = 0; turn < most; ++turn) {
     swing.stretch = displacement - swing.middle;
-    const double expected = std::sqrt(s.stiffness / s.mass) * std::abs(swing.stretch) / map.drive_speed();
-    SwingWork work(map.system(), s.stiffness * swing.middle - model.drive.force.level());
+    const double expected = amplitude_of(map, swing.stretch);
+    SwingWork work(map.system(), model.slider.stiffness * swing.middle - model.drive.force.level());
     const auto passage = map.follow(swing.y, tolerance, 1, true, leads, &work, dip_of(expected));
     if (!passage.outcome.complete() || !(std::abs(passage.amplitude - expected) < another * expected))
       return std::nullopt;
@@ -130,7 +135,8 @@ std::optional<SlowSwing> slow_swing_from(ReturnMap& map, const std::vector<doubl
   SlowSwing swing;
   swing.y = y;
   SwingWork work(system, 0);
-  const auto passage = map.follow(y, tolerance, 1, true, false, &work);
+  const double about_steady = y[at_displacement] - system.steady(0)[at_displacement];
+  const auto passage = map.follow(y, tolerance, 1, true, false, &work, dip_of(amplitude_of(map, about_steady)));
   if (!passage.outcome.complete()) return std::nullopt;
   swing.middle = middle_of(map, work.mean_friction());
   const auto found = swing_at(map, swing, y[at_displacement], tolerance);

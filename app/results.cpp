@@ -190,7 +190,7 @@ std::string to_json(const Scene& scene, const analysis::Cycle& cycle) {
   document["stick_threshold"] = scene.cycle.stick_threshold;
   document["ill_conditioned_stick"] = cycle.ill_conditioned_stick;
   document["multipliers"] = pairs(cycle.multipliers);
-  document["stable"] = found ? ordered_json(cycle.stable) : ordered_json();
+  document["stable"] = found && !cycle.growth ? ordered_json(cycle.stable) : ordered_json();
   if (cycle.growth) document["growth"] = *cycle.growth;
   document["section"] = {{"displacement", found ? cycle.section_displacement : std::nan("")},
                          {"state", states(*scene.model.law, cycle.section_state)}};
