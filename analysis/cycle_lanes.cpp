@@ -617,7 +617,9 @@ std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycl
   for (std::size_t i = 0; i < models.size(); ++i) {
     auto search = std::make_unique<Search>(models[i]);
     const auto& slider = search->map.system();
-    if (!PassageLanes::serves(slider) || only_rings(models[i])) continue;
+    // A swing that friction hardly moves drifts by less in a turn than steps err.
+    constexpr double hardly = 1e-4;
+    if (!PassageLanes::serves(slider) || only_rings(models[i]) || friction_over_swing(models[i]) < hardly) continue;
     auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k->lanes.fits(slider); });
     if (kind == kinds.end()) {
       kinds.push_back(std::unique_ptr<Kind>(new Kind{PassageLanes(slider, recording), {}}));

@@ -330,13 +330,6 @@ class Search {
     return false;
   }
 
-  /// True if friction is weak beside the spring of a swing as fast as the drive.
-  bool friction_is_weak() const {
-    constexpr double weak = 0.1;
-    const auto& model = map_.system().model();
-    const auto& s = model.slider;
-    return model.drive.normal_load.level() < weak * map_.drive_speed() * std::sqrt(s.stiffness * s.mass);
-  }
   bool steady_is_stable() const { return drift_at_rest_ < 0; }
   double distance_from_steady(const std::vector<double>& y) const { return map_.distance(y, map_.system().steady(0)); }
   bool attracts(const std::optional<FixedPoint>& candidate) const {
@@ -349,8 +342,7 @@ class Search {
                   ? Outcome{Ending::none_exists, fmt::format("the motion started from {} dies out onto steady sliding",
                                                              options_.start ? "the given start" : "stick")}
                   : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", most_passages_)};
-    visited_.clear();
-    begun_ = y;
+    begin_at(y);
     Leaps leaps(map_);
     double tolerance = loose_, last_amplitude = 1;
     bool enlarged = false;
@@ -381,6 +373,7 @@ class Search {
       if (!steady_is_stable() && !enlarged && amplitude < 1e-3) {
         if (amplitude < 1e-11) return;
         y = grown(y, amplitude);
+        begin_at(y);
         enlarged = true;
         continue;
       }
@@ -390,15 +383,16 @@ class Search {
       // A trial that takes far longer has strayed into stick or onto steady sliding.
       constexpr long times = 20, few = 1'000;
       map_.allow(times * most_taken_ + few);
-      const bool slow =
-          k <= relaxed && std::has_single_bit(unsigned(k)) && (leaps.pace() < hardly_changes || friction_is_weak());
-      Attempt attempted = slow && !leaps.under_way() ? follow_swing(y, k + 1) : Attempt::goes_on;
+      constexpr double weak = 0.1;
+      const bool slow = k <= relaxed && std::has_single_bit(unsigned(k)) &&
+                        (leaps.pace() < hardly_changes || friction_over_swing(map_.system().model()) < weak);
+      Attempt attempted = slow && !leaps.under_way() ? follow_swing(y) : Attempt::goes_on;
       if (attempted == Attempt::goes_on) attempted = attempt(k, amplitude, leaps.under_way());
       map_.allow(ReturnMap::most_steps);
       if (attempted == Attempt::ends) return;
       if (!steady_is_stable() && leaps.ready()) {
         y = leaps.ahead();
-        visited_.clear();
+        begin_at(y);
       }
     }
   }
@@ -441,7 +435,7 @@ class Search {
   }
 
   /// After a passage to y that hardly changed the motion: what becomes of it, if it is a swing whose growth tells.
-  Attempt follow_swing(const std::vector<double>& y, int passages) {
+  Attempt follow_swing(const std::vector<double>& y) {
     constexpr double closely = 1e-9, dead = 0.02;
     const auto swing = slow_swing_from(map_, y, closely);
     if (!swing) return Attempt::goes_on;
@@ -451,7 +445,7 @@ class Search {
     constexpr double leaves_alone = 1e-12;  // so that metrics to 1e-6 hold for a million turns
     if (std::abs(swing->growth) < leaves_alone) {
       point = FixedPoint{.y = swing->y, .amplitude = swing->amplitude};
-      point->free = {begun_, passages, swing->growth};
+      point->free = {begun_, int(visited_.size()), swing->growth};
       outcome = {};
       return Attempt::ends;
     }
@@ -510,9 +504,18 @@ class Search {
       }
     }
     if (!attracts(candidate)) return false;
+    // Where a turn ends tells too little of a swing that friction hardly moves.
+    constexpr double neutral = 1e-6;
+    if (turns == 1 && spectral_radius(*candidate, map_) > 1 - neutral && follow_swing(y) == Attempt::ends) return true;
     point = candidate;
     outcome = {};
     return true;
+  }
+
+  /// Motion goes on from y, after the start or a leap.
+  void begin_at(const std::vector<double>& y) {
+    begun_ = y;
+    visited_.clear();
   }
 
   ReturnMap& map_;

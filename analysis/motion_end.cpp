@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "analysis/curve.hpp"
@@ -30,8 +31,11 @@ bool slip_rate_turns_back(const oscillators::SliderSystem& system, double t, con
     return -jacobian[at * n + at];
   };
   const double here = resistance(1), to_balance = f[at] / (here * y[at]);
-  constexpr double near = 0.1;
+  constexpr double near = 0.1, about = 0.5, digits = 1e4 * std::numeric_limits<double>::epsilon();
   if (resistance(1 - near) * resistance(1 + near) < 0 || resistance(0) * here < 0) return true;
+  // Farther off by what the last digits of the forces may hide.
+  for (const double share : {1 - about, 1 + about})
+    if (resistance(share) * here < 0 && std::abs(f[at]) < digits * size_of_terms(&jacobian[at * n], y, n)) return true;
   for (const double way : {0.1, 0.25, 0.5, 1.0, 2.0})
     if (resistance(1 + way * to_balance) * here < 0) return true;
   // A law of |v| has another resistance on the other side of a reversal.

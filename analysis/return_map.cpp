@@ -287,16 +287,27 @@ std::vector<double> ReturnMap::moved(const std::vector<double>& a, const Eigen::
   return y;
 }
 
+double friction_over_swing(const Model& model) {
+  const double V = std::abs(model.drive.speed.level());
+  return model.drive.normal_load.level() / (V * std::sqrt(model.slider.stiffness * model.slider.mass));
+}
+
 /// Time in which slip that slows down under a mass loses a good part of itself. The direct effect turns friction over
-/// within a tiny part of the slip rate before a reversal, which a step from far above takes at random.
+/// within a tiny part of the slip rate before a reversal, which a step from far above takes at random. Bristles take
+/// longer, but where friction is weak a step may pass over a whole reversal.
 double ReturnMap::landing_time(const Collocation& solver) const {
   const int at = system_.slip_rate_index();
-  if (at < 0 || !system_.rigid() || !system_.carries_friction() || solver.count().steps == 0) return infinity;
+  constexpr double weak = 0.1;
+  const bool direct = system_.carries_friction();
+  if (at < 0 || !system_.rigid() || solver.count().steps == 0 ||
+      !(direct || friction_over_swing(system_.model()) < weak))
+    return infinity;
   std::vector<double> rate(system_.size());
   solver.rate(rate.data());
   const double u = solver.state()[at];
   if (!(u * rate[at] < 0)) return infinity;
-  constexpr double share = 0.8, landed = 1e-13;
+  constexpr double share = 0.8;
+  const double landed = direct ? 1e-13 : 1e-6;
   const double clock = 1e-28 * solver.time();  // of which a step must be a part that counts
   return std::max(std::max(share * std::abs(u), landed * speed_) / std::abs(rate[at]), clock);
 }

@@ -53,6 +53,9 @@ class Recorder final : public PassageObserver {
   int divisions_left_ = 4000;  ///< of steps for the loop integral, so that rounding cannot ask for more and more
 };
 
+/// The normal load over the largest force of the spring in a swing as fast as the drive; infinite without mass.
+double friction_over_swing(const Model&);
+
 /// Section-to-section map of a slider with a smooth law under a constant drive with V > 0.
 class ReturnMap {
  public:

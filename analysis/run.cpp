@@ -543,8 +543,12 @@ std::vector<double> least_sizes(const Model& model) {
   return sizes;
 }
 
-/// The size that errors in each column are measured by: the largest value in it, and at least `least`.
-std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, std::vector<double> least) {
+/// The size that errors in each column are measured by: the largest value in it, and at least `least`. Samples may all
+/// fall on zeros of the displacement: it is at least as large as what the slider moves by within `swing` (s).
+std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, std::vector<double> least, double swing) {
+  double fastest = 0;
+  for (const double velocity : columns[1]) fastest = std::max(fastest, std::abs(velocity));
+  least[0] = swing * fastest;
   for (std::size_t c = 0; c < columns.size(); ++c)
     for (const double x : columns[c]) least[c] = std::max(least[c], std::abs(x));
   least[1] = std::max(least[1], least[2]);
@@ -576,6 +580,7 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
                                                      : Collocation::least_tolerance;
   double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
   const auto least_size = least_sizes(model);
+  const double swing = std::min(std::sqrt(model.slider.mass / model.slider.stiffness), times.back());
   auto coarse = std::make_unique<Pass>(model, options, result.solver, times);
   coarse->run(tolerance, true);
   std::unique_ptr<Pass> fine;
@@ -586,7 +591,7 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     result.outcome = fine->run(tolerance, attempt % 2 == 1);
     result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
     result.cost.evaluations += fine->cost_.evaluations + (attempt == 0 ? coarse->cost_.evaluations : 0);
-    const auto sizes = sizes_of(fine->columns_, least_size);
+    const auto& sizes = result.column_size = sizes_of(fine->columns_, least_size, swing);
     // Two passes may agree by chance: no more than a hundredth of what was asked is claimed.
     const double least_claimed = std::max((result.solver == "cvode" ? 30 : 3) * tolerance, 0.01 * options.tolerance);
     result.column_error = differences(coarse->columns_, fine->columns_, sizes, least_claimed);

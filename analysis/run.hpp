@@ -35,6 +35,7 @@ struct Run {
   std::vector<std::string> column_units;
   std::vector<std::vector<double>> columns;  ///< [column][sample]
   std::vector<double> column_error;          ///< largest absolute difference to a run at a smaller tolerance
+  std::vector<double> column_size;           ///< that it is measured by, of a run in two tolerances; else empty
   std::vector<RunEvent> events;
   std::map<std::string, double> metrics;  ///< of the record: extremes, means, stick time
   std::string solver;                     ///< the one used

@@ -27,10 +27,14 @@ double middle_of(const ReturnMap& map, double friction) {
   return (friction + model.drive.force.level()) / model.slider.stiffness;
 }
 
-/// Between swings that grow and that decay: where growth vanishes, and its slope. \returns how far off that may be, as
-/// a part of the stretch; nothing if some swing on the way does not come round.
-std::optional<double> balance_between(ReturnMap& map, const SlowSwing& low, const SlowSwing& high, double tolerance,
-                                      double known, SlowEnd& end) {
+/// Between swings that grow and that decay: where growth vanishes.
+struct Root {
+  SlowSwing swing;
+  double within;  ///< how far off it may be, as a part of its stretch
+};
+/// Nothing if some swing on the way does not come round.
+std::optional<Root> root_between(ReturnMap& map, const SlowSwing& low, const SlowSwing& high, double tolerance,
+                                 double known) {
   const double from = low.y[at_displacement], width = high.y[at_displacement] - from;
   SlowSwing here = low;
   bool lost = false;
@@ -44,13 +48,14 @@ std::optional<double> balance_between(ReturnMap& map, const SlowSwing& low, cons
   std::uintmax_t iterations = 80;
   const auto [a, b] = boost::math::tools::toms748_solve(
       growth, 0.0, 1.0, low.growth, high.growth, [&](double l, double r) { return r - l < enough; }, iterations);
-  const double root = 0.5 * (a + b), beside = std::min(0.1, 100 * enough);
-  const double slope = (growth(root + beside) - growth(root - beside)) / (2 * beside) * low.stretch / width;
-  growth(root);
-  if (lost || !(slope < 0)) return std::nullopt;
-  end.balance = here;
-  end.slope = slope;
-  return (b - a) * width / low.stretch + rounding * here.turnover / -slope;
+  growth(0.5 * (a + b));
+  if (lost) return std::nullopt;
+  return Root{here, (b - a) * width / low.stretch};
+}
+
+/// The swing at a part of its stretch from `swing`.
+std::optional<SlowSwing> beside(ReturnMap& map, const SlowSwing& swing, double part, double tolerance) {
+  return swing_at(map, swing, swing.y[at_displacement] + part * swing.stretch, tolerance);
 }
 
 }  // namespace
@@ -87,9 +92,11 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
   constexpr int most = 16;
   constexpr double forgets = 0.1, gone = 1e-12;           // part of a change that is left after a turn; scales
   constexpr double settled = 1e-3, state_settled = 1e-3;  // part of the growth; scales
+  constexpr double noisy = 0.3;                           // part of the turnover
   SlowSwing swing = near;
+  swing.scatter = 0;
   swing.y[at_displacement] = displacement;
-  double last = infinity, moved_last = infinity;
+  double last = infinity, moved_last = infinity, scatter = infinity;
   bool leads = false;
   for (int turn = 0; turn < most; ++turn) {
     swing.stretch = displacement - swing.middle;
@@ -120,8 +127,15 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
     const double enough =
         std::max({settled * std::abs(swing.growth), std::max(tolerance, rounding) * swing.turnover, nothing});
     const bool forgotten = moved < std::max(forgets * moved_last, gone);
-    if (turn > 0 && (leads || forgotten) && moved < state_settled && std::abs(swing.growth - last) <= enough)
+    const bool state_is = (leads || forgotten) && moved < state_settled;
+    // Steps that fall now so, now so, on a reversal tell its work to so many digits only.
+    const double differs = std::abs(swing.growth - last);
+    scatter = state_is ? std::max(std::isfinite(scatter) ? 0.5 * scatter : 0, differs) : infinity;
+    if (turn > 0 && state_is && differs <= enough) return swing;
+    if (turn == most - 1 && scatter < noisy * swing.turnover) {
+      swing.scatter = scatter;
       return swing;
+    }
     leads = leads || !forgotten;  // what a turn does not forget is solved for
     last = swing.growth;
     moved_last = moved;
@@ -167,9 +181,14 @@ SlowEnd follow_slow_swing(ReturnMap& map, const SlowSwing& start, double toleran
       way = std::min(widening * way, widest);
       continue;
     }
-    SlowEnd end{.turns = turns};
-    if (balance_between(map, sign > 0 ? here : *next, sign > 0 ? *next : here, tolerance, searched, end)) return end;
-    break;
+    constexpr double clear = 3;
+    if (std::abs(here.growth) < clear * here.scatter || std::abs(next->growth) < clear * next->scatter) break;
+    const auto root = root_between(map, sign > 0 ? here : *next, sign > 0 ? *next : here, tolerance, searched);
+    if (!root) break;
+    constexpr double aside = 100 * searched;
+    const auto low = beside(map, root->swing, -aside, tolerance), high = beside(map, root->swing, aside, tolerance);
+    if (!low || !high || !(high->growth < low->growth)) break;
+    return {.balance = root->swing, .slope = (high->growth - low->growth) / (2 * aside), .turns = turns};
   }
   return {.last = here, .turns = turns};
 }
@@ -203,13 +222,14 @@ std::optional<Return> return_after(ReturnMap& map, const SlowSwing& last, const 
 
 std::optional<double> balance_closely(ReturnMap& map, SlowEnd& end, double tolerance) {
   constexpr double first = 1e-9, widest = 1e-3;
-  for (double beside = first; beside < widest; beside *= 10) {
-    const auto at = [&](double ratio) {
-      return swing_at(map, *end.balance, end.balance->y[at_displacement] + ratio * end.balance->stretch, tolerance);
-    };
-    const auto low = at(-beside), high = at(beside);
+  for (double aside = first; aside < widest; aside *= 10) {
+    const auto low = beside(map, *end.balance, -aside, tolerance), high = beside(map, *end.balance, aside, tolerance);
     if (!low || !high) return std::nullopt;
-    if (low->growth >= 0 && high->growth <= 0) return balance_between(map, *low, *high, tolerance, closely, end);
+    if (low->growth < 0 || high->growth > 0) continue;
+    const auto root = root_between(map, *low, *high, tolerance, closely);
+    if (!root) return std::nullopt;
+    end.balance = root->swing;
+    return root->within + (rounding * root->swing.turnover + root->swing.scatter) / -end.slope;
   }
   return std::nullopt;
 }

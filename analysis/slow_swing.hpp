@@ -36,6 +36,7 @@ struct SlowSwing {
   double stretch = 0;     ///< from there to y, m
   double growth = 0;      ///< ln of the growth of the stretch in a turn
   double turnover = 0;    ///< the same if friction did all its work in one direction
+  double scatter = 0;     ///< of the growth, from turn to turn
   double amplitude = 0;   ///< largest |v − V|/V
   Eigen::MatrixXd state_derivative;  ///< of the contact's unknowns over a turn; empty: it forgets them
 };

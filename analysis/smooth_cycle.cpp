@@ -50,10 +50,16 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
   for (int iteration = 0; iteration < 12; ++iteration) {
     const auto passage = map.follow(point.y, tolerance, point.turns, true, renew, nullptr, dip_of(point.amplitude));
     if (renew && passage.outcome.complete()) {
-      point.derivative = passage.derivative;
-      lu = factorised();
+      FixedPoint renewed = point;
+      renewed.derivative = passage.derivative;
       renew = false;
-      result.closure = infinity;
+      constexpr double as_before = 0.1;
+      const double attracts = 1 - spectral_radius(point, map);
+      if (1 - spectral_radius(renewed, map) > as_before * attracts) {  // else rounding
+        point.derivative = passage.derivative;
+        lu = factorised();
+        result.closure = infinity;
+      }
     }
     const double change = passage.outcome.complete() ? map.distance(passage.end, point.y) : infinity;
     // What the steps of one passage differ by from those of another is no sign of a wrong derivative.

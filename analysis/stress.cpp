@@ -469,21 +469,15 @@ Judgement judge_cycle(const Model& model) {
   return short_of ? less_exactly(by_ratio(ratio, worst), loose.outcome) : by_ratio(ratio, worst);
 }
 
-/// True if every column of a run that reached its end is known to a thousandth of its largest value, velocities to that
-/// of the drive's or the slip's.
+/// True if every column of a run that reached its end is known to a thousandth of what it is measured by, velocities to
+/// that of the drive's or the slip's.
 bool is_of_use(const Run& run, const Model& model, std::size_t samples) {
-  if (run.columns.empty() || run.columns[0].size() != samples) return false;
-  const auto largest = [&](std::size_t column) {
-    double size = 0;
-    for (const double value : run.columns[column]) size = std::max(size, std::abs(value));
-    return size;
-  };
+  if (run.column_size.empty() || run.columns[0].size() != samples) return false;
   constexpr std::size_t velocity = 1, slip_rate = 2;
-  const double speeds = std::max({std::abs(model.drive.speed.level()), largest(velocity), largest(slip_rate)});
-  for (std::size_t c = 0; c < run.columns.size(); ++c) {
-    const double size = c == velocity || c == slip_rate ? speeds : largest(c);
-    if (!(run.column_error[c] <= coarsest_of_use * size)) return false;
-  }
+  const auto& size = run.column_size;
+  const double speeds = std::max({std::abs(model.drive.speed.level()), size[velocity], size[slip_rate]});
+  for (std::size_t c = 0; c < run.columns.size(); ++c)
+    if (!(run.column_error[c] <= coarsest_of_use * (c == velocity || c == slip_rate ? speeds : size[c]))) return false;
   return true;
 }
 

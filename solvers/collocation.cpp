@@ -19,8 +19,10 @@ constexpr double rounding = 2.3e-16;
 constexpr int step_iterations = 12;     ///< more are not worth it: a shorter step converges faster
 constexpr int patient_iterations = 60;  ///< where the length is given
 constexpr int corner_attempt = 4;       ///< failures of Newton's method after which a corner is looked for
-constexpr double most_rounding =
-    1e-6;  ///< in scales: digits that cancel leave less than their bound, which may be large
+/// In scales: digits that cancel leave less than their bound, which may be large. The second serves where no step
+/// succeeds with the first.
+constexpr double most_rounding[] = {1e-6, 1e-3};
+constexpr int rounding_attempt = 12;
 constexpr double least_factor = 0.1, greatest_factor = 8, safety = 0.85;
 }  // namespace
 
@@ -29,7 +31,8 @@ Collocation::Collocation(const System& system, double tolerance)
       tableau_(RadauTableau::get()),
       n_(system.size()),
       tolerance_(std::max(tolerance, least_tolerance)),
-      growth_(n_) {
+      growth_(n_),
+      most_rounding_(most_rounding[0]) {
   if (s * n_ > largest_lu)
     throw InputError(fmt::format("{} unknowns are more than the collocation takes, {}", n_, largest_lu / s));
   // The embedded estimate falls with h^6, the error of the solution with h^9: ask of the estimate what makes the
@@ -176,7 +179,7 @@ Collocation::Newton Collocation::solve_stages(double t, const double* y0, double
   double previous = 0, rate = 1, change = 0;
   const auto stalled = [&] {
     if (change < 1e3 * rounding) return Newton::converged;
-    return to_rounding && change <= std::min(rounding_error(), most_rounding) ? Newton::rounded : Newton::slow;
+    return to_rounding && change <= std::min(rounding_error(), most_rounding_) ? Newton::rounded : Newton::slow;
   };
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     iterations_ = iteration + 1;
@@ -278,7 +281,7 @@ double Collocation::beyond_rounding(const std::vector<double>& estimate) {
   for (int i = 0; i < n_; ++i) work_[i] = mass_[i] == 0 ? last_digits(i) : 0;
   solve_lu(real_lu_, real_pivot_, n_, work_.data());
   for (int i = 0; i < n_; ++i)
-    work_[i] = std::max(std::abs(estimate[i]) - std::min(std::abs(work_[i]), most_rounding * scale_[i]), 0.0);
+    work_[i] = std::max(std::abs(estimate[i]) - std::min(std::abs(work_[i]), most_rounding_ * scale_[i]), 0.0);
   return norm(work_.data());
 }
 
@@ -481,7 +484,7 @@ Outcome Collocation::step(double t_limit) {
   const double shortest = (system_.autonomous() ? 1e-30 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
   bool rejected = false;
   constexpr int shortened = 3;
-  const double planned = rejections_ < shortened ? h : 0;
+  const double first_tried = h, planned = rejections_ < shortened ? h : 0;
   for (int attempt = 0;; ++attempt) {
     const double remaining = t_limit - t_;
     bool last = false;
@@ -499,6 +502,10 @@ Outcome Collocation::step(double t_limit) {
     if (growth_.faster_than(growth_followed(h), mass_, J_)) {
       h *= 0.5;
       continue;
+    }
+    if (attempt == rounding_attempt && most_rounding_ < most_rounding[1]) {
+      most_rounding_ = most_rounding[1];
+      h = first_tried;
     }
     factorise(h);
     // Start from the polynomial of the last step, extrapolated.

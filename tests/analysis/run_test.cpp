@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
 
 #include "tests/bristol_board.hpp"
 
@@ -248,6 +250,24 @@ TEST_CASE("a force that turns over makes a block reverse, and weak ones leave it
   CHECK(moved.metrics.at("slip_rate_min") < -0.1);
   // Energy: the force works against friction and damper, the spring returns what it took (checked over the record).
   CHECK(moved.column_error[0] < 1e-6);
+}
+
+TEST_CASE("samples that all fall on zeros of the displacement do not make it unknown", "[run]") {
+  // Friction of 1e-9 N on a block that swings by V/ω on its spring, sampled once in fifteen turns.
+  const double k = 5.762257280597793, m = 4.7346221275764303e-05, V = 0.00013501899968, load = 1.68254477e-09;
+  const double omega = std::sqrt(k / m), turns = 15;
+  auto model = slider_under("slip-distance", {0.623, 0.115, 0.183}, {m, k, 0}, V, load);
+  RunOptions options;
+  options.start.kind = Start::Kind::rest;
+  options.samples = 20;
+  options.duration = options.samples * turns * 2 * std::numbers::pi / omega;
+  options.tolerance = 1e-6;
+  const auto result = run(model, options);
+  REQUIRE(result.outcome.complete());
+  const double swing = V / omega, pushed = 0.623 * load / k;
+  CHECK(result.column_error[0] <= 1e-6 * swing);
+  // A constant friction shifts the swing by what it stretches the spring, and turns it by no more.
+  for (const double x : result.columns[0]) CHECK(std::abs(x) < 4 * options.samples * turns * pushed);
 }
 
 TEST_CASE("wrong runs are refused before any work", "[run]") {

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "analysis/cycle.hpp"
 #include "analysis/cycle_lanes.hpp"
@@ -157,4 +158,57 @@ TEST_CASE("a swing under a friction curve that jumps at rest is where averaging 
     CHECK(std::abs(cycle.metrics.slip_rate_max - V * (1 + low)) <= cycle.error.slip_rate_max);
     CHECK(std::abs(cycle.metrics.slip_rate_min - V * (1 - low)) <= cycle.error.slip_rate_min);
   }
+}
+
+TEST_CASE("bristles hold a swing where it just reverses, by a part in a million of it", "[cycle]") {
+  // Friction that weakens feeds the swing while it does not reverse, and bristles that turn over take far more.
+  for (const auto& [values, slider, V, load, lambda] :
+       {std::tuple{std::vector<Value>{1e5, 100.0, 0.4, 0.4, 0.3, 1e-3},
+                   oscillators::Slider{1291.2037744756979, 3990.1592523618679, 0}, 2.0911821943444129e-06,
+                   1.2691199840409416e-05, 0.00037394185618600271},
+        std::tuple{std::vector<Value>{481924.24350613513, 972.10407180162815, 0.64177628869902925, 0.9671011561315056,
+                                      0.24027023439615292, 0.00045166959813563632},
+                   oscillators::Slider{205320.10106722417, 739952.54749399831, 0}, 1.1928173024182704e-05,
+                   0.00016299492931748545, 3.3562509517512895}}) {
+    auto model = slider_under("lugre", values, slider, V, load);
+    model.lambda = lambda;
+    const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
+    INFO(loose.outcome.detail << " " << fine.outcome.detail);
+    REQUIRE(loose.outcome.complete());
+    REQUIRE(fine.outcome.complete());
+    check_within_errors(loose, fine);
+    CHECK(fine.metrics.slip_rate_min < 0);
+    CHECK(fine.metrics.slip_rate_min > -0.01 * V);
+  }
+}
+
+TEST_CASE("a drift of 1e-8 a turn is no cycle of the lanes", "[cycle]") {
+  auto model = slider_under("two-state-ageing",
+                            {0.26378954909995916, 0.015991257283655889, 0.022304297650993767, 1.1757367013459664e-06,
+                             0.0031422689430719692, 2.3172057126821229e-05, 3.7495467134180936e-07},
+                            {1e12, 305244.50978578971, 0}, 4.4867088416326751e-06, 0.00071190525911582632);
+  model.lambda = 3337.6845724028972;
+  model.drive.force = Signal(0.00012518790730919961);
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(cycle.metrics.slip_rate_min > 0);
+  const auto lane = find_cycles(std::span(&model, 1), LaneCycleOptions{}).front();
+  CHECK((!lane.found || std::abs(lane.metrics.slip_rate_max - cycle.metrics.slip_rate_max) <=
+                            lane.error.slip_rate_max + cycle.error.slip_rate_max));
+}
+
+TEST_CASE("a swing whose turns seem to repeat themselves is judged by the work of friction", "[cycle]") {
+  // At 1e10 times the drive's speed friction of this law is gone.
+  const auto model =
+      slider_under("slip",
+                   {0.39594477928055893, 0.0049869322480481136, 0.043012041512821557, 4.0759035044994461e-05,
+                    3.4745644024738923e-09},
+                   {265.71463158452343, 42.142347349245199, 0}, 1.8410978058063196e-10, 426.64264308610768);
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  REQUIRE(cycle.growth);
+  CHECK(std::abs(*cycle.growth) < 1e-12);
+  CHECK(cycle.error.period < 1e-6 * cycle.metrics.period);
+  CHECK(std::abs(cycle.metrics.period - 2 * std::numbers::pi * std::sqrt(model.slider.mass / model.slider.stiffness)) <=
+        cycle.error.period);
 }

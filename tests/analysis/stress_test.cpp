@@ -1236,6 +1236,40 @@ TEST_CASE("a refinement that scatters by rounding keeps to its derivative", "[st
           loose.error.*metric.member + fine.error.*metric.member);
 }
 
+TEST_CASE("a derivative taken again in noise does not take the place of one that attracts", "[stress]") {
+  const auto model = slider_under("flash-heating", {0.7, 0.016, 0.02, 2e-5, 1e-6, 0.13, 0.17},
+                                  {0.85313549842047665, 3468272.1477112281, 216749435.56404337}, 0.00383705460775855,
+                                  39205238994.485199);
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(loose.outcome.complete());
+  REQUIRE(fine.outcome.complete());
+  CHECK(std::abs(loose.metrics.period - fine.metrics.period) <= loose.error.period + fine.error.period);
+  CHECK(loose.error.period < 1e-6 * loose.metrics.period);
+}
+
+TEST_CASE("a slip rate that the last digits of forces leave to a part in 1e5 is followed as far as that", "[stress]") {
+  // A slider without mass between a spring and bristles that hold 1e5 N, of which 1e-10 moves it.
+  auto stable = slider_under("lugre-unscaled",
+                             {98721.759002465886, 151.48511256110547, 0.80237386259791565, 1.9227070235841692,
+                              0.78848942574393088, 0.0006073523454776232},
+                             {0, 39.920661614203681, 0}, 2.0609047039507731e-06, 91906.501403603936);
+  REQUIRE(stability(stable).stable);
+  auto jumps = slider_under("lugre-unscaled", {1e5, 316.2277660168379, 0.4, 1.5, 1.0, 0.001},
+                            {0.11845003315219201, 140.66285559573998, 372.23059777424629}, 4.1088716280478154e-07,
+                            7249.0103628840398);
+  jumps.lambda = 1.5747810033310417e-05;
+  jumps.contact_stiffness.tangential = 1549451.247494495;
+  jumps.contact_stiffness.damping = 0.5863414727693036;
+  for (const double tolerance : {1e-6, 1e-9}) {
+    const auto first = find_cycle(stable, {.tolerance = tolerance}),
+               second = find_cycle(jumps, {.tolerance = tolerance});
+    CHECK(first.outcome.ending == Ending::none_exists);
+    CHECK_THAT(first.outcome.detail, Catch::Contains("dies out"));
+    CHECK(second.outcome.ending == Ending::none_exists);
+    CHECK_THAT(second.outcome.detail, Catch::Contains("would have to jump"));
+  }
+}
+
 TEST_CASE("friction a million times the load is known relative to itself", "[stress]") {
   auto model = slider_under("lugre",
                             {507632.7287743382, 984015.61157051416, 233.19530071008222, 3.2236055321538943,
