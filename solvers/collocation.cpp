@@ -21,7 +21,7 @@ constexpr int patient_iterations = 60;  ///< where the length is given
 constexpr int corner_attempt = 4;       ///< failures of Newton's method after which a corner is looked for
 /// In scales: digits that cancel leave less than their bound, which may be large. The second serves where no step
 /// succeeds with the first.
-constexpr double most_rounding[] = {1e-6, 1e-3};
+constexpr double most_rounding[] = {1e-6, 0.1};
 constexpr int rounding_attempt = 12;
 constexpr double least_factor = 0.1, greatest_factor = 8, safety = 0.85;
 }  // namespace
