@@ -91,9 +91,13 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   }
   const double friction_scale = carries_friction() ? contact_scale_[0] : 0.1;
   const auto& s = model_.slider;
-  if (mechanics_ == Mechanics::inertial && rigid() && carries_friction())
+  if (mechanics_ == Mechanics::inertial && rigid() && carries_friction()) {
+    // Friction that is all but gone in steady sliding may hold much in stick.
+    constexpr double stuck = 1e-3;
+    const double held = law.steady_friction({stuck * reference_speed_, start.load}).friction;
     creep_ = (model_.lambda == 0 ? creep_share_without_memory : creep_share) * reference_speed_ /
-             std::max(std::abs(z[0]), 0.1 * friction_scale);
+             std::max({std::abs(z[0]), 0.1 * friction_scale, std::abs(held)});
+  }
   if (const double impedance = std::sqrt(s.stiffness * s.mass), V = std::abs(start.speed);
       set_valued_ && is_constant_ && V > 0 && std::isfinite(impedance)) {
     constexpr double weak = 1, light = 0.01;

@@ -1205,6 +1205,31 @@ TEST_CASE("friction that is all but gone in steady sliding is measured by what i
   }
 }
 
+TEST_CASE("a contact creeps by what it holds in stick, not by friction that is all but gone in sliding", "[stress]") {
+  // 0.63 at a thousandth of the drive's speed, 4e-24 at it.
+  const auto model = slider_under(
+      "spinodal",
+      {0.62546393887143736, 0.011493710737232434, 0.13769841082014644, 7.4007927998783569e-05, 0.0030331111656180048,
+       1.4373828822509922e-07, 8.0789791206760082},
+      {5.8010494631793808e-10, 5511.2318864497638, 0.0001140187203029789}, 36.30623767909487, 14.852847939522778);
+  const double slow = 1e-3 * model.drive.speed.level();
+  const double held = model.law->steady_friction({slow, model.drive.normal_load.level()}).friction;
+  REQUIRE(held > 0.1);
+  RunOptions options;
+  options.duration = 1e-9;
+  options.samples = 1;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = slow;
+  const auto found = run(model, options);
+  REQUIRE(found.outcome.complete());
+  CHECK(found.columns[4].front() == Approx(held).epsilon(1e-9));
+  for (const double tolerance : {1e-6, 1e-9}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    CHECK(cycle.outcome.ending == Ending::none_exists);
+    CHECK_THAT(cycle.outcome.detail, Catch::Contains("dies out"));
+  }
+}
+
 TEST_CASE("a cycle that only just reverses is refined with the derivative that it has there", "[stress]") {
   auto model = slider_under("two-state-ageing", {0.6, 0.01, 0.009, 2e-6, 0.006, 4e-5, 1e-6},
                             {382.96861341797415, 0.22279913139012877, 0}, 0.067068264519810336, 0.00022275858805174652);
