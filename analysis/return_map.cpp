@@ -371,7 +371,9 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
       if (below && value >= 0) {
         const auto located = solver.locate(section, low, theta, std::min(low_value, -1e-300), value);
         if (--turns == 0 && (!located || !solver.shorten(*located))) {
-          passage.outcome = {Ending::not_finite, "while locating the section"};
+          const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
+          passage.outcome =
+              end ? Outcome{Ending::none_exists, *end} : Outcome{Ending::not_finite, "while locating the section"};
           turns = 0;
         }
         passed = turns == 0;
