@@ -113,16 +113,20 @@ std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, 
   const int n = int(map.differential().size());
   FixedPoint point{passage.end, MatrixXd::Zero(n, n), turns, passage.amplitude, true};
   const double share = 0.05 * std::min(size, 2.0);
-  for (int k = 0; k < n; ++k) {
-    const VectorXd step = VectorXd::Unit(n, k) * (share * map.scale()[k]);
-    const auto start = map.moved(y, step, 1);
-    if (start == y) continue;  // off the section
-    auto neighbour = map.follow(start, loose, turns, true, false, nullptr, dip);
-    if (neighbour.outcome.complete() && neighbour.duration < 0.5 * passage.duration)  // it began beside the section
-      neighbour = map.follow(neighbour.end, loose, turns, true, false, nullptr, dip);
-    if (!neighbour.outcome.complete()) return std::nullopt;
-    point.derivative.col(k) = map.difference(neighbour.end, passage.end) / step[k];
-  }
+  for (int k = 0; k < n; ++k)
+    for (const double side :
+         {1.0, -1.0}) {  // beyond a reversal friction may lead back what on this side it leaves alone
+      const VectorXd step = VectorXd::Unit(n, k) * (side * share * map.scale()[k]);
+      const auto start = map.moved(y, step, 1);
+      if (start == y) continue;  // off the section
+      auto neighbour = map.follow(start, loose, turns, true, false, nullptr, dip);
+      if (neighbour.outcome.complete() && neighbour.duration < 0.5 * passage.duration)  // it began beside the section
+        neighbour = map.follow(neighbour.end, loose, turns, true, false, nullptr, dip);
+      if (!neighbour.outcome.complete()) return std::nullopt;
+      const VectorXd led = map.difference(neighbour.end, passage.end) / step[k];
+      const auto length = [&](const VectorXd& v) { return (v.array() / map.scale().array()).matrix().norm(); };
+      if (length(led) > length(point.derivative.col(k))) point.derivative.col(k) = led;
+    }
   return point;
 }
 
@@ -386,7 +390,8 @@ class Search {
       constexpr double weak = 0.1;
       const bool slow = k <= relaxed && std::has_single_bit(unsigned(k)) &&
                         (leaps.pace() < hardly_changes || friction_over_swing(map_.system().model()) < weak);
-      Attempt attempted = slow && !leaps.under_way() ? follow_swing(y) : Attempt::goes_on;
+      Attempt attempted = Attempt::goes_on;
+      if (slow && !leaps.under_way()) attempted = follow_swing(y).value_or(Attempt::goes_on);
       if (attempted == Attempt::goes_on) attempted = attempt(k, amplitude, leaps.under_way());
       map_.allow(ReturnMap::most_steps);
       if (attempted == Attempt::ends) return;
@@ -434,11 +439,12 @@ class Search {
     return k >= 6 || (steady_is_stable() && k >= 3) || drifts ? balance(y, amplitude) : Attempt::goes_on;
   }
 
-  /// After a passage to y that hardly changed the motion: what becomes of it, if it is a swing whose growth tells.
-  Attempt follow_swing(const std::vector<double>& y) {
+  /// After a passage to y that hardly changed the motion: what becomes of it; nothing if it is no swing whose growth
+  /// tells.
+  std::optional<Attempt> follow_swing(const std::vector<double>& y) {
     constexpr double closely = 1e-9, dead = 0.02;
     const auto swing = slow_swing_from(map_, y, closely);
-    if (!swing) return Attempt::goes_on;
+    if (!swing) return std::nullopt;
     const auto end = follow_slow_swing(map_, *swing, closely);
     if (end.balance) return accept_swing(end);
     if (steady_is_stable()) return end.last->amplitude < dead ? Attempt::ends : Attempt::goes_on;
@@ -506,7 +512,8 @@ class Search {
     if (!attracts(candidate)) return false;
     // Where a turn ends tells too little of a swing that friction hardly moves.
     constexpr double neutral = 1e-6;
-    if (turns == 1 && spectral_radius(*candidate, map_) > 1 - neutral && follow_swing(y) == Attempt::ends) return true;
+    if (turns == 1 && spectral_radius(*candidate, map_) > 1 - neutral)
+      if (const auto attempted = follow_swing(y)) return *attempted == Attempt::ends;
     point = candidate;
     outcome = {};
     return true;

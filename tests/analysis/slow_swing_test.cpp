@@ -212,3 +212,16 @@ TEST_CASE("a swing whose turns seem to repeat themselves is judged by the work o
   CHECK(std::abs(cycle.metrics.period - 2 * std::numbers::pi * std::sqrt(model.slider.mass / model.slider.stiffness)) <=
         cycle.error.period);
 }
+
+TEST_CASE("a swing that only a reversal beside it leads back to is no cycle", "[cycle]") {
+  // Viscous friction all but cancels what weakens: swings that do not reverse stay as they are, larger ones come back
+  // to the first that does not.
+  auto model =
+      slider_under("lugre-unscaled",
+                   {11051.523394023357, 0.51761261803976, 0.00022553349059734087, 1.5540650131376541,
+                    2.7040510423590589e-05, 1.7983280132036155},
+                   {31702.296922197409, 0.0024509248419007606, 0}, 0.00044612435447018519, 0.52601861547461704);
+  model.lambda = 0.79388451488734579;
+  for (const double tolerance : {1e-6, 1e-9})
+    CHECK_FALSE(find_cycle(model, {.tolerance = tolerance}).outcome.complete());
+}
