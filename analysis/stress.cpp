@@ -518,9 +518,11 @@ Judgement judge_run(const Model& model, const RunOptions& options) {
     second = run(model, check);
     checked = second.outcome.ending != Ending::budget_spent;
   }
-  if (loose.outcome.ending == Ending::none_exists)
-    return second.outcome.ending == Ending::none_exists ? Judgement{Verdict::none_exists, loose.outcome.detail}
-                                                        : Judgement{Verdict::wrong, "a motion at one tolerance only"};
+  if (loose.outcome.ending == Ending::none_exists) {
+    if (second.outcome.ending == Ending::none_exists) return {Verdict::none_exists, loose.outcome.detail};
+    if (!second.outcome.complete()) return failure(second.outcome, "in the check: ");
+    return {Verdict::wrong, "a motion at one tolerance only"};
+  }
   const bool to_the_end = second.columns[0].size() == loose.columns[0].size();
   if (!second.outcome.complete() && !(second.outcome.ending == Ending::tolerance_not_met && to_the_end))
     return failure(second.outcome, "in the check: ");
