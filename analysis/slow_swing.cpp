@@ -162,11 +162,12 @@ std::optional<SlowSwing> slow_swing_from(ReturnMap& map, const std::vector<doubl
 SlowEnd follow_slow_swing(ReturnMap& map, const SlowSwing& start, double tolerance) {
   constexpr double first = 0.05, widening = 1.2, widest = 0.7, least = 1e-3;  // ways in ln stretch
   constexpr double farthest = 50, fast = 0.3, at_rest = 1e-4;
+  const long last_step = map.cost().steps + 200'000;
   const double sign = start.growth > 0 ? 1 : -1;
   SlowSwing here = start;
   double way = first, turns = 0;
   while (std::abs(std::log(here.stretch / start.stretch)) < farthest && std::abs(here.growth) < fast &&
-         here.amplitude > at_rest) {
+         here.amplitude > at_rest && map.cost().steps < last_step) {
     const auto next = swing_at(map, here, here.middle + here.stretch * std::exp(sign * way), tolerance);
     if (!next) {
       way *= 0.5;
