@@ -113,9 +113,9 @@ std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, 
   const int n = int(map.differential().size());
   FixedPoint point{passage.end, MatrixXd::Zero(n, n), turns, passage.amplitude, true};
   const double share = 0.05 * std::min(size, 2.0);
+  // On both sides: beyond a reversal friction may lead back what on this side it leaves alone.
   for (int k = 0; k < n; ++k)
-    for (const double side :
-         {1.0, -1.0}) {  // beyond a reversal friction may lead back what on this side it leaves alone
+    for (const double side : {1.0, -1.0}) {
       const VectorXd step = VectorXd::Unit(n, k) * (side * share * map.scale()[k]);
       const auto start = map.moved(y, step, 1);
       if (start == y) continue;  // off the section
@@ -387,9 +387,8 @@ class Search {
       // A trial that takes far longer has strayed into stick or onto steady sliding.
       constexpr long times = 20, few = 1'000;
       map_.allow(times * most_taken_ + few);
-      constexpr double weak = 0.1;
       const bool slow = k <= relaxed && std::has_single_bit(unsigned(k)) &&
-                        (leaps.pace() < hardly_changes || friction_over_swing(map_.system().model()) < weak);
+                        (leaps.pace() < hardly_changes || friction_over_swing(map_.system().model()) < weak_friction);
       Attempt attempted = Attempt::goes_on;
       if (slow && !leaps.under_way()) attempted = follow_swing(y).value_or(Attempt::goes_on);
       if (attempted == Attempt::goes_on) attempted = attempt(k, amplitude, leaps.under_way());

@@ -297,10 +297,9 @@ double friction_over_swing(const Model& model) {
 /// longer, but where friction is weak a step may pass over a whole reversal.
 double ReturnMap::landing_time(const Collocation& solver) const {
   const int at = system_.slip_rate_index();
-  constexpr double weak = 0.1;
   const bool direct = system_.carries_friction();
   if (at < 0 || !system_.rigid() || solver.count().steps == 0 ||
-      !(direct || friction_over_swing(system_.model()) < weak))
+      !(direct || friction_over_swing(system_.model()) < weak_friction))
     return infinity;
   std::vector<double> rate(system_.size());
   solver.rate(rate.data());

@@ -55,6 +55,7 @@ class Recorder final : public PassageObserver {
 
 /// The normal load over the largest force of the spring in a swing as fast as the drive; infinite without mass.
 double friction_over_swing(const Model&);
+constexpr double weak_friction = 0.1;  ///< over a swing: below this a turn may hardly show it
 
 /// Section-to-section map of a slider with a smooth law under a constant drive with V > 0.
 class ReturnMap {
