@@ -81,7 +81,7 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
     step =
         scale.asDiagonal() * A.partialPivLu().solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, y));
     if (!step.allFinite()) return std::nullopt;
-    const double length = (step.array() / scale.array()).matrix().norm() / std::max(size, 1e-12);
+    const double length = map.length(step) / std::max(size, 1e-12);
     // What weak attraction leaves of rounding in a passage is not small.
     const double left = 0.1 * tolerance / std::max(std::abs(drift), tolerance);
     const double rounding = std::min(1e-15 / (size * std::abs(drift)), 1e-3);
@@ -124,8 +124,7 @@ std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, 
         neighbour = map.follow(neighbour.end, loose, turns, true, false, nullptr, dip);
       if (!neighbour.outcome.complete()) return std::nullopt;
       const VectorXd led = map.difference(neighbour.end, passage.end) / step[k];
-      const auto length = [&](const VectorXd& v) { return (v.array() / map.scale().array()).matrix().norm(); };
-      if (length(led) > length(point.derivative.col(k))) point.derivative.col(k) = led;
+      if (map.length(led) > map.length(point.derivative.col(k))) point.derivative.col(k) = led;
     }
   return point;
 }

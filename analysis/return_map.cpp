@@ -271,7 +271,7 @@ std::vector<double> ReturnMap::stick(double aged_at) const {
 }
 
 double ReturnMap::distance(const std::vector<double>& a, const std::vector<double>& b) const {
-  return (difference(a, b).array() / scale_.array()).matrix().norm();
+  return length(difference(a, b));
 }
 
 Eigen::VectorXd ReturnMap::difference(const std::vector<double>& a, const std::vector<double>& b) const {

@@ -81,6 +81,8 @@ class ReturnMap {
   const oscillators::SliderSystem& system() const { return system_; }
   /// Unknowns with the slider almost stuck (slip rate 1e-3 V) and the state of steady sliding at `aged_at`.
   std::vector<double> stick(double aged_at) const;
+  /// Length of a step of the differential unknowns, in units of the system's scale.
+  double length(const Eigen::VectorXd& step) const { return (step.array() / scale_.array()).matrix().norm(); }
   /// Distance of two points in units of the system's scale, over differential unknowns.
   double distance(const std::vector<double>& a, const std::vector<double>& b) const;
   /// a + factor·step in the differential unknowns, put back on the section where that is a coordinate.

@@ -122,7 +122,7 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
     }
     change.head(mechanical).setZero();
     swing.y = map.moved(swing.y, change, 1);
-    const double moved = (change.array() / map.scale().array()).matrix().norm();
+    const double moved = map.length(change);
     constexpr double nothing = 1e-16;
     const double enough =
         std::max({settled * std::abs(swing.growth), std::max(tolerance, rounding) * swing.turnover, nothing});

@@ -76,7 +76,7 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
     }
     VectorXd step = map.difference(passage.end, point.y);
     if (leads) step = scale.asDiagonal() * lu.solve(scale.cwiseInverse().asDiagonal() * step);
-    const double length = (step.array() / scale.array()).matrix().norm();
+    const double length = map.length(step);
     if (!std::isfinite(length)) break;
     if (length > 0.5 * result.closure) {
       // The derivative is that of the point that was first found, and where slip only just reverses it changes soon.
