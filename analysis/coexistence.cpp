@@ -30,18 +30,22 @@ class LoadOfCycle {
   /// ln(N/N_H), to about 1e-9.
   std::optional<double> operator()(double size) {
     Eigen::VectorXd residual, next;
+    if (unknowns_.size() == 0 && !align(size)) return std::nullopt;
     if (!miss(size, unknowns_, residual)) return std::nullopt;
     if (jacobian_.size() == 0 && !measure_jacobian(size, residual)) return std::nullopt;
     const Eigen::Index load = unknowns_.size() - 1;
-    for (int i = 0; i < 30; ++i) {
+    constexpr int most = 30, patience = 10;
+    for (int i = 0; i < most; ++i) {
+      // What far steps have taught may lead nowhere.
+      if (i > 0 && i % patience == 0 && !measure_jacobian(size, residual)) return std::nullopt;
       Eigen::VectorXd step = -jacobian_.partialPivLu().solve(residual);
       const double length = step.norm();
       if (!std::isfinite(length)) return std::nullopt;
       if (length > 0.1) step *= 0.1 / length;
       unknowns_ += step;
-      if (length < 1e-5 && std::abs(step[load]) < 1e-8) return unknowns_[load];
+      if (length < 1e-4 && std::abs(step[load]) < 1e-8) return unknowns_[load];
       if (!miss(size, unknowns_, next)) return std::nullopt;
-      if (length > 1e-7)  // smaller ones teach noise
+      if (length > 1e-6)  // smaller ones teach noise
         jacobian_ += (next - residual - jacobian_ * step) * step.transpose() / step.squaredNorm();
       residual = next;
     }
@@ -49,20 +53,38 @@ class LoadOfCycle {
   }
 
  private:
+  /// Where one passage ends that starts off steady sliding by `start` times the size; both in units of the section's
+  /// scale and the size.
+  static std::optional<Eigen::VectorXd> image(ReturnMap& map, const Eigen::VectorXd& start, double size) {
+    const auto steady = map.system().steady(0);
+    const auto passage = map.follow(map.moved(steady, start.cwiseProduct(map.scale()), size), 1e-10, 1, true);
+    if (!passage.outcome.complete()) return std::nullopt;
+    return map.difference(passage.end, steady).cwiseQuotient(map.scale()) / size;
+  }
+  /// The direction in which motion at the Hopf load comes round, after two passages.
+  bool align(double size) {
+    ReturnMap map(model_.with(load_path, hopf_load_));
+    const Eigen::Index n = map.scale().size();
+    Eigen::VectorXd direction = Eigen::VectorXd::Unit(n, 0);
+    for (int i = 0; i < 2; ++i) {
+      const auto end = image(map, direction, size);
+      if (!end || !(end->norm() > 0)) return false;
+      direction = end->normalized();
+    }
+    unknowns_ = Eigen::VectorXd::Zero(n + 1);
+    unknowns_.head(n) = direction;
+    return true;
+  }
   /// What one passage, started at the given size, changes in units of it; and what the direction lacks to unit length.
   /// `at`: direction, in the scale of the section, and ln(N/N_H).
-  bool miss(double size, Eigen::VectorXd& at, Eigen::VectorXd& residual) const {
-    const double log_ratio = at.size() > 0 ? at[at.size() - 1] : 0;
-    ReturnMap map(model_.with(load_path, hopf_load_ * std::exp(log_ratio)));
-    const auto& scale = map.scale();
-    const Eigen::Index n = scale.size();
-    if (at.size() == 0) at = Eigen::VectorXd::Unit(n + 1, 0);
+  bool miss(double size, const Eigen::VectorXd& at, Eigen::VectorXd& residual) const {
+    const Eigen::Index n = at.size() - 1;
     const Eigen::VectorXd start = at.head(n);
-    const auto steady = map.system().steady(0);
-    const auto passage = map.follow(map.moved(steady, start.cwiseProduct(scale), size), 1e-11, 1, true);
-    if (!passage.outcome.complete()) return false;
+    ReturnMap map(model_.with(load_path, hopf_load_ * std::exp(at[n])));
+    const auto end = image(map, start, size);
+    if (!end) return false;
     residual.resize(n + 1);
-    residual.head(n) = map.difference(passage.end, steady).cwiseQuotient(scale) / size - start;
+    residual.head(n) = *end - start;
     residual[n] = start.squaredNorm() - 1;
     return residual.allFinite();
   }
@@ -125,8 +147,10 @@ std::optional<Minimum> minimum_near(F f, double centre, double width) {
     const double lowest = f0 + slope * (at - x0) + bend * (at - x0) * (at - x1);
     if (std::abs(at - centre) > 4 * width) return std::nullopt;
     // What the parabola says against what the last one said, and against the lowest place itself.
-    if (last && std::abs(lowest - *last) < 3e-9 && f0 - lowest < 1e-7)
-      return Minimum{at, lowest, std::abs(lowest - *last) + 3e-9};
+    // The root of a shallow minimum is asked for as well.
+    const double known = std::clamp(3e-5 * std::abs(lowest), 3e-9, 1e-7);
+    if (last && std::abs(lowest - *last) < known && f0 - lowest < 30 * known)
+      return Minimum{at, lowest, std::abs(lowest - *last) + known};
     last = lowest;
     double next = at;
     for (const auto& place : places)
@@ -136,7 +160,7 @@ std::optional<Minimum> minimum_near(F f, double centre, double width) {
   return std::nullopt;
 }
 
-constexpr double growth = 1.2;  ///< from one size of cycles to the next
+constexpr double growth = 1.5;  ///< from one size of cycles to the next
 
 }  // namespace
 
@@ -144,7 +168,7 @@ Fold fold_below(const Model& model, double hopf_load, double near_size) {
   LoadOfCycle load_of(model, hopf_load);
   const auto by_log_size = [&](double log_size) { return load_of(std::exp(log_size)); };
   const auto polished = [&](double size) -> Fold {
-    const auto least = minimum_near(by_log_size, std::log(size), std::log(growth));
+    const auto least = minimum_near(by_log_size, std::log(size), 0.5 * std::log(growth));
     if (!least || !(least->value < 0)) return {};
     return {least->value, least->error, std::exp(least->at)};
   };
@@ -174,12 +198,13 @@ double fold_of_cycles(const Model& model, double hopf_load) {
 }
 
 std::optional<HopfPoint> border_in_load(const Model& model) {
+  if (const auto closed = hopf_at_critical_load(model)) return closed;
   std::optional<HopfPoint> hopf;
   // From a load that does not depend on the model's own.
   if (const auto closed = critical_load(model)) {
     const auto points = hopf_points(model.with(load_path, closed->normal_load), load_path, 0.01);
     if (!points.empty()) hopf = points.front();
-  } else {
+  } else if (!critical_load_is_closed(model)) {
     for (const auto& point : hopf_points(model.with(load_path, 1.0), load_path))
       if (!hopf || point.value < hopf->value) hopf = point;
   }

@@ -281,10 +281,14 @@ Stability stability(const Model& model) {
   return result;
 }
 
+bool critical_load_is_closed(const Model& model) {
+  return single_state(model) && model.slider.damping == 0 && std::isfinite(model.slider.stiffness);
+}
+
 std::optional<CriticalLoad> critical_load(const Model& model) {
   const auto law = single_state(model);
   const auto& slider = model.slider;
-  if (!law || slider.damping != 0 || !(law->slope < 0) || !std::isfinite(slider.stiffness)) return std::nullopt;
+  if (!critical_load_is_closed(model) || !(law->slope < 0)) return std::nullopt;
   // ω_c² = −g² μ_ss'/μ_v; −g μ_ss' N_c = [1/(k − m ω_c²) + 1/k_t]⁻¹, and with k_t = κ N:
   // N_c = (k − m ω_c²) [1/(−g μ_ss') − 1/κ].
   const double omega = law->g * std::sqrt(-law->slope / law->direct), pull = -law->g * law->slope;
@@ -308,7 +312,37 @@ std::optional<double> critical_stiffness(const Model& model) {
   if (!(rest > 0)) return std::nullopt;
   return model.slider.mass * omega2 + 1 / rest;
 }
+
+/// Whether vibration sets in softly or with a jump at a point where `there` is at. \throws InputError where that is
+/// beyond the range of numbers.
+void classify(HopfPoint& point, const Model& there) {
+  const double l = point.first_lyapunov_coefficient = first_lyapunov_coefficient(there, point.angular_frequency);
+  if (!std::isfinite(l))
+    throw InputError(fmt::format(
+        "at the Hopf point {} = {:.6g} the slider oscillates with {:.2g} rad/s: its normal form is beyond the "
+        "range of numbers; oscillator.stiffness, {:.3g} N/m, or the mass is out of any range",
+        point.parameter, point.value, point.angular_frequency, there.slider.stiffness));
+  point.criticality = !(std::abs(l) > 1e-10) ? Criticality::degenerate
+                      : l < 0                ? Criticality::supercritical
+                                             : Criticality::subcritical;
+}
 }  // namespace
+
+std::optional<HopfPoint> hopf_at_critical_load(const Model& model) {
+  const auto closed = critical_load(model);
+  if (!closed) return std::nullopt;
+  const auto at = [&](double load) { return growth(model.with("drive.normal_load", load)); };
+  constexpr double beside = 1e-6;
+  const double N = closed->normal_load;
+  const auto below = at(N * (1 - beside)), here = at(N), above = at(N * (1 + beside));
+  if (!below || !here || !above || !below->decided() || !above->decided()) return std::nullopt;
+  if (!(below->rate < 0 && above->rate > 0 && here->frequency > 0)) return std::nullopt;
+  const double slope = (above->rate - below->rate) / (2 * beside);  // by ln N
+  const double error = N * std::max((std::abs(here->rate) + here->error) / slope, 4e-16);
+  HopfPoint point{"drive.normal_load", N, error, closed->angular_frequency, {}, 0, true};
+  classify(point, model.with("drive.normal_load", N));
+  return point;
+}
 
 std::vector<HopfPoint> hopf_points(const Model& model, std::string_view parameter, double decades) {
   model.check();
@@ -358,17 +392,7 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
           point.closed_form = true;
           if (parameter == "drive.normal_load") point.angular_frequency = critical_load(model)->angular_frequency;
         }
-        point.first_lyapunov_coefficient = first_lyapunov_coefficient(
-            model.with(parameter, std::clamp(point.value, low, high)), point.angular_frequency);
-        const double l = point.first_lyapunov_coefficient;
-        if (!std::isfinite(l))
-          throw InputError(fmt::format(
-              "at the Hopf point {} = {:.6g} the slider oscillates with {:.2g} rad/s: its normal form is beyond the "
-              "range of numbers; oscillator.stiffness, {:.3g} N/m, or the mass is out of any range",
-              parameter, point.value, point.angular_frequency, model.slider.stiffness));
-        point.criticality = !(std::abs(l) > 1e-10) ? Criticality::degenerate
-                            : l < 0                ? Criticality::supercritical
-                                                   : Criticality::subcritical;
+        classify(point, model.with(parameter, std::clamp(point.value, low, high)));
         found.push_back(point);
       }
     }

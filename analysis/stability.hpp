@@ -52,6 +52,10 @@ struct HopfPoint {
   bool closed_form;  ///< value from the closed form (single-state laws), else located numerically
 };
 
+/// The Hopf point at the critical load, where that has a closed form which the eigenvalues on both sides bear out.
+/// \throws as hopf_points().
+std::optional<HopfPoint> hopf_at_critical_load(const Model&);
+
 /// Hopf points in one parameter, nearest (in ratio) to the model's value first; empty if there is none within
 /// `decades` of it. Any law, any parameter path.
 std::vector<HopfPoint> hopf_points(const Model&, std::string_view parameter, double decades = 12);
@@ -63,5 +67,7 @@ struct CriticalLoad {
   double normal_load, angular_frequency;
 };
 std::optional<CriticalLoad> critical_load(const Model&);
+/// True where that decides: where there is no critical load, there is no Hopf point in load.
+bool critical_load_is_closed(const Model&);
 
 }  // namespace rosin::analysis
