@@ -20,6 +20,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double coarser = 10;       ///< ratio of the tolerances that are compared
+constexpr double plainer = 16;       ///< tolerance of passages that only lead to those that are measured, over theirs
 constexpr double loosest = 1e-3;     ///< tolerance: above it steps go astray
 constexpr int most_passages = 60;    ///< of one slider
 constexpr long most_tries = 60'000;  ///< of steps of one slider, before it is left to be followed by itself
@@ -53,7 +54,7 @@ Recording recording_for(const LaneCycleOptions& options) {
 /// the scale, differential unknowns only.
 struct Visit {
   VectorXd start, image;
-  VectorXd metrics;
+  VectorXd metrics;  ///< empty: not measured
   double tolerance;
   double noise;  ///< by which images scatter
 };
@@ -162,7 +163,8 @@ struct Search {
       const double square = moved.squaredNorm(), noise = visit.noise + last->noise;
       if (square > least_move * least_move * noise * noise) {
         derivative += (visit.image - last->image - derivative * moved) * moved.transpose() / square;
-        sensitivity += (visit.metrics - last->metrics - sensitivity * moved) * moved.transpose() / square;
+        if (visit.metrics.size() > 0 && last->metrics.size() > 0)
+          sensitivity += (visit.metrics - last->metrics - sensitivity * moved) * moved.transpose() / square;
         derivative_error = learned;
       }
     }
@@ -198,21 +200,19 @@ class Settling final : public PassageQueue {
     metrics_.push_back(&find_metric("period"));
   }
 
-  LanePassage* next() override {
-    if (!again_.empty()) {
-      const std::size_t i = again_.back();
-      again_.pop_back();
-      return &searches_[i]->passage;
+  LanePassage* next(bool records) override {
+    auto& ready = ready_[records];
+    while (ready.empty()) {
+      const auto i = neighbours_.next();
+      if (!i) return nullptr;
+      Search& search = *searches_[*i];
+      search.passage.label = *i;
+      if (const auto advice = neighbours_.advice(*i)) search.take(*advice);
+      begin(search) ? go_ahead(*i) : finish(*i);
     }
-    while (const auto i = neighbours_.next()) {
-      if (const auto advice = neighbours_.advice(*i)) searches_[*i]->take(*advice);
-      if (begin(*searches_[*i])) {
-        searches_[*i]->passage.label = *i;
-        return &searches_[*i]->passage;
-      }
-      finish(*i);
-    }
-    return nullptr;
+    const std::size_t i = ready.back();
+    ready.pop_back();
+    return &searches_[i]->passage;
   }
 
   void finished(LanePassage& passage) override {
@@ -226,7 +226,7 @@ class Settling final : public PassageQueue {
     } catch (const InputError&) {  // a step has led beyond what the law answers to
     }
     if (goes_on || (!cycles_[i].found && begin_by_itself(search))) {
-      again_.push_back(i);
+      go_ahead(i);
       return;
     }
     // One whose attraction could not be told is near all the same.
@@ -236,6 +236,7 @@ class Settling final : public PassageQueue {
   }
 
  private:
+  void go_ahead(std::size_t i) { ready_[searches_[i]->passage.record].push_back(i); }
   void finish(std::size_t i) {
     neighbours_.finished(
         i, cycles_[i].found ? std::optional(searches_[i]->knowledge(!cycles_[i].ill_conditioned_stick)) : std::nullopt);
@@ -257,6 +258,10 @@ class Settling final : public PassageQueue {
     return begin(search);
   }
 
+  /// At which the errors that neighbours met are small enough.
+  double inheriting_tolerance(const Search& search) const {
+    return std::min(first_tolerance() / coarser, 0.7 * options_.tolerance / search.inherited.maxCoeff());
+  }
   double first_tolerance() const { return std::min(0.5 * coarser * options_.tolerance, loosest); }
 
   void prepare(Search& search) const {
@@ -273,7 +278,9 @@ class Settling final : public PassageQueue {
     if (search.hinted) {
       search.stage = Search::Stage::coarse;
       p.amplitude = search.amplitude;
-      p.from_section = p.record = true;
+      p.from_section = true;
+      p.record = false;
+      if (search.inherited.size() > 0) search.tolerance = plainer * inheriting_tolerance(search);
       search.start_at(search.fixed_point);
       return;
     }
@@ -391,13 +398,14 @@ class Settling final : public PassageQueue {
       return true;
     }
     const double size = search.size_at(image);
-    const Visit visit{search.begun, image, vector_of(passage.metrics), search.tolerance, passage.tolerance * size};
+    const Visit visit{search.begun, image, passage.record ? vector_of(passage.metrics) : VectorXd(), search.tolerance,
+                      passage.tolerance * size};
     search.learn(visit);
     if (search.probed) return probe(search, image, cycle);
     const bool first = search.passages == (search.hinted ? 1 : 2);
     if (first && !search.sticks && hides_contraction(search, visit)) {
       // Look along the amplitude.
-      const double ahead = std::max(0.02, 3 * Search::least_move * passage.tolerance);  // surely enough to learn
+      const double ahead = std::max(astray, 3 * Search::least_move * passage.tolerance);  // surely enough to learn
       search.start_at(image + ahead * (image - search.steady()));
       return true;
     }
@@ -412,9 +420,10 @@ class Settling final : public PassageQueue {
     // Errors are like the neighbours' where the cycle itself is as they foretold.
     if (!fine && step.norm() > 0.01 * size) search.inherited.resize(0);
     const bool inherits = search.inherited.size() > 0;
-    if (inherits && !fine) {
-      search.stage = Search::Stage::fine;
-      search.tolerance = std::min(search.tolerance / coarser, 0.7 * options_.tolerance / search.inherited.maxCoeff());
+    if (!passage.record) {
+      passage.record = true;
+      search.stage = inherits ? Search::Stage::fine : Search::Stage::coarse;
+      search.tolerance = inherits ? inheriting_tolerance(search) : first_tolerance();
       search.start_at(next);
       return true;
     }
@@ -446,11 +455,13 @@ class Settling final : public PassageQueue {
       if (reached <= options_.tolerance) {
         const auto [multiplier, direction] = least_attracted(search);
         constexpr double surely = 0.9;
-        cycle.found = multiplier < surely && !search.deflects && (search.sticks || !swings_freely(search));
+        const bool told = search.hinted && !hides_contraction(search, visit);
+        cycle.found = !search.deflects && (told || (multiplier < surely && (search.sticks || !swings_freely(search))));
         if (cycle.found) return false;
         // By what was learned on the way, which may be too little: where friction is weak, multipliers are close to 1,
         // below it or above, and a contact that rings may repeat itself after several turns only.
         search.probed = true;
+        passage.record = false;
         search.strayed = infinity;
         search.residual = (image - visit.start).norm() / size;
         search.stepped = step.norm() / size;
@@ -595,7 +606,7 @@ class Settling final : public PassageQueue {
   static constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::unique_ptr<Search>>& searches_;
   Neighbours& neighbours_;
-  std::vector<std::size_t> again_;
+  std::array<std::vector<std::size_t>, 2> ready_;  ///< for lanes that follow, for lanes that measure
   const LaneCycleOptions& options_;
   std::vector<LaneCycle>& cycles_;
   std::vector<const MetricName*> metrics_;
@@ -610,7 +621,7 @@ std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycl
   std::vector<std::unique_ptr<Search>> searches(models.size());
   // Sliders of one kind share lanes.
   struct Kind {
-    PassageLanes lanes;
+    PassageLanes following, measuring;
     std::vector<std::size_t> members;
   };
   std::vector<std::unique_ptr<Kind>> kinds;
@@ -620,9 +631,9 @@ std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycl
     // A swing that friction hardly moves drifts by less in a turn than steps err.
     constexpr double hardly = 1e-4;
     if (!PassageLanes::serves(slider) || only_rings(models[i]) || friction_over_swing(models[i]) < hardly) continue;
-    auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k->lanes.fits(slider); });
+    auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k->following.fits(slider); });
     if (kind == kinds.end()) {
-      kinds.push_back(std::unique_ptr<Kind>(new Kind{PassageLanes(slider, recording), {}}));
+      kinds.push_back(std::unique_ptr<Kind>(new Kind{{slider, std::nullopt}, {slider, recording}, {}}));
       kind = kinds.end() - 1;
     }
     (*kind)->members.push_back(i);
@@ -631,7 +642,7 @@ std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycl
   for (auto& kind : kinds) {
     Neighbours neighbours(kind->members, places);
     Settling queue(searches, neighbours, options, cycles);
-    kind->lanes.run(queue);
+    run(kind->following, kind->measuring, queue);
   }
   return cycles;
 }

@@ -51,6 +51,22 @@ std::vector<Tile::Neighbour> Tile::line(int point, bool along_row) const {
   return found;
 }
 
+namespace {
+
+/// Weights of the polynomial through some points of a line, at distance 0.
+std::vector<double> weights_of(std::span<const Tile::Neighbour> line) {
+  std::vector<double> weights;
+  for (const auto& a : line) {
+    double weight = 1;
+    for (const auto& b : line)
+      if (&b != &a) weight *= double(-b.distance) / (a.distance - b.distance);
+    weights.push_back(weight);
+  }
+  return weights;
+}
+
+}  // namespace
+
 std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Neighbour>> lines) const {
   constexpr double farthest = 3;  // sum of weights: extrapolation beyond it misleads
   struct Adviser {
@@ -58,20 +74,36 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
     const KnownCycle* cycle;
   };
   std::vector<Adviser> advisers;
+  struct Derivative {
+    MatrixXd value;
+    double error;
+  };
+  std::vector<Derivative> derivatives;  // as each line has it
   for (auto line : lines) {
     std::erase_if(line, [&](const Neighbour& n) { return !points_[n.point].cycle; });
     if (line.size() < 2) continue;
-    std::vector<Adviser> here;
+    const auto known = [&](std::size_t k) -> const KnownCycle& { return *points_[line[k].point].cycle; };
+    for (std::size_t k = 1; k < line.size(); ++k)
+      if (known(k).fixed_point.size() != known(0).fixed_point.size()) return std::nullopt;  // of another kind
+    const auto weights = weights_of(line);
     double sum = 0;
-    for (const auto& a : line) {
-      double weight = 1;
-      for (const auto& b : line)
-        if (&b != &a) weight *= double(-b.distance) / (a.distance - b.distance);
-      sum += std::abs(weight);
-      // Errors of cubics grow with the fourth power of the distance.
-      here.push_back({weight * std::pow(line.front().distance, -4.0), &*points_[a.point].cycle});
-    }
-    if (sum <= farthest) advisers.insert(advisers.end(), here.begin(), here.end());
+    for (const double weight : weights) sum += std::abs(weight);
+    if (sum > farthest) continue;
+    // Errors of cubics grow with the fourth power of the distance.
+    for (std::size_t k = 0; k < line.size(); ++k)
+      advisers.push_back({weights[k] * std::pow(line.front().distance, -4.0), &known(k)});
+    const auto derivative_through = [&](std::size_t count) {
+      const auto through = weights_of(std::span(line).first(count));
+      MatrixXd sum = through[0] * known(0).derivative;
+      for (std::size_t k = 1; k < count; ++k) sum += through[k] * known(k).derivative;
+      return sum;
+    };
+    const MatrixXd all = derivative_through(line.size());
+    // What one more point changes, or half of what there is to change.
+    double error = 0.5 * (known(0).derivative - known(1).derivative).norm();
+    if (line.size() > 2) error = std::min(error, (all - derivative_through(line.size() - 1)).norm());
+    for (std::size_t k = 0; k < line.size(); ++k) error = std::max(error, known(k).derivative_error);
+    derivatives.push_back({all, error});
   }
   if (advisers.empty()) return std::nullopt;
   KnownCycle advice = *advisers.front().cycle;
@@ -79,7 +111,8 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
   advice.derivative.setZero();
   advice.sensitivity.setZero();
   advice.derivative_error = 0;
-  const bool found_anew = (points_[point].phase + 1) / 2 % 2 == 0;
+  const int halvings = (points_[point].phase + 1) / 2;
+  const bool found_anew = halvings % 3 == 1;
   if (found_anew) advice.error_rate.resize(0);
   double sum = 0;
   for (const auto& [weight, cycle] : advisers) {
@@ -95,9 +128,8 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
   advice.fixed_point /= sum;
   advice.derivative /= sum;
   advice.sensitivity /= sum;
-  for (const auto& [weight, cycle] : advisers)
-    advice.derivative_error = std::max(
-        {advice.derivative_error, cycle->derivative_error, 0.5 * (cycle->derivative - advice.derivative).norm()});
+  for (const auto& [value, error] : derivatives)
+    advice.derivative_error = std::max({advice.derivative_error, error, (value - advice.derivative).norm()});
   return advice;
 }
 

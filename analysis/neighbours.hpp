@@ -51,7 +51,7 @@ class Tile {
   /// those of earlier phases that are looked for.
   std::vector<Neighbour> line(int point, bool along_row) const;
   /// What the points of these lines expect at a point; nothing where there are too few or too far away. Without error
-  /// rates at every other halving of the grid: they are found anew there, so that they are never passed on for long.
+  /// rates at every third halving of the grid: they are found anew there, so that they are never passed on for long.
   std::optional<KnownCycle> advice(int point, std::span<const std::vector<Neighbour>> lines) const;
   Point& operator[](int point) { return points_[point]; }
 

@@ -36,17 +36,18 @@ bool PassageLanes::serves(const SliderSystem& slider) {
          (!law.set_valued() || can_stick_and_slip) && slider.size() <= solvers::Ensemble::capacity;
 }
 
-PassageLanes::PassageLanes(const SliderSystem& pattern, const Recording& recording)
+PassageLanes::PassageLanes(const SliderSystem& pattern, const std::optional<Recording>& recording)
     : sliders_(pattern),
       ensemble_(sliders_),
-      recording_(recording),
+      records_passages_(recording.has_value()),
+      recording_(recording.value_or(Recording{})),
       friction_index_(pattern.carries_friction() ? 2 : -1),
       rigid_(pattern.rigid() || !pattern.carries_friction()),
       switches_(sliders_.switches()) {
-  if (recording.stick_fraction && !switches_)  // a set-valued law sticks exactly
-    levels_.push_back({recording.stick_threshold, &Metrics::stick_fraction});
-  if (recording.stick_fraction_001) levels_.push_back({0.01, &Metrics::stick_fraction_001});
-  if (recording.stick_fraction_05) levels_.push_back({0.5, &Metrics::stick_fraction_05});
+  if (recording_.stick_fraction && !switches_)  // a set-valued law sticks exactly
+    levels_.push_back({recording_.stick_threshold, &Metrics::stick_fraction});
+  if (recording_.stick_fraction_001) levels_.push_back({0.01, &Metrics::stick_fraction_001});
+  if (recording_.stick_fraction_05) levels_.push_back({0.5, &Metrics::stick_fraction_05});
 }
 
 /// Where the law has no answer the motion is given up: one at a time will say why.
@@ -111,7 +112,7 @@ double PassageLanes::holding_margin(int lane, double theta) const {
 
 bool PassageLanes::take(int lane, PassageQueue& queue) {
   Lane& at = lanes_[lane];
-  at.passage = queue.next();
+  at.passage = queue.next(records_passages_);
   if (!at.passage) return false;
   LanePassage& passage = *at.passage;
   if (at.loaded != passage.slider) {
@@ -373,13 +374,12 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
 
 /// The step is summed to its end; what was to be landed on lies a little off.
 void PassageLanes::end_step_at(int lane, double theta) {
-  const auto& model = lanes_[lane].loaded->model();
-  const double V = lanes_[lane].V, u = ensemble_.unknown(slip_rate_index)[lane];
   if (lanes_[lane].passage->record && recording_.loop_area && friction_index_ >= 0) {
-    const Sliding<double> reference{loop_slip_rate(u, V), model.drive.normal_load.level()};
-    const double steady = model.law->steady_friction(reference).friction;
-    const double off = (theta - 1) * ensemble_.slope(lane, slip_rate_index, 1);
-    loop_.set(lane, loop_[lane] + (ensemble_.unknown(friction_index_)[lane] - steady) * off);
+    const auto slip_rate = ensemble_.polynomial(lane, slip_rate_index);
+    const auto friction = ensemble_.polynomial(lane, friction_index_);
+    const auto rate = [&](double t) { return friction.value(t) * slip_rate.slope(t); };
+    // Simpson's rule.
+    loop_.set(lane, loop_[lane] + (theta - 1) / 6 * (rate(1) + 4 * rate(0.5 * (1 + theta)) + rate(theta)));
   }
   ensemble_.adjust(lane, theta);
 }
@@ -432,7 +432,7 @@ void PassageLanes::screen() {
           const Pack threshold = thresholds_[k].pack[p];
           const Mask inside = holds(inside_[k]);
           event =
-              event | (turns & ((inside & (high + farthest > threshold)) | (!inside & (low - farthest < threshold))));
+              event | (turns & ((inside & (high + farthest > threshold)) | ((!inside) & (low - farthest < threshold))));
         }
       }
       if (switches_) {
@@ -516,14 +516,16 @@ void PassageLanes::end(int lane, PassageQueue& queue) {
 /// Slopes of slip rate and friction at both ends of the last step.
 void PassageLanes::measure_steps() {
   run_on_lanes([&] {
-    for (int p = 0; p < lane_packs; ++p)
+    for (int p = 0; p < lane_packs; ++p) {
+      const auto slip_rate = ensemble_.polynomial_of_pack(p, slip_rate_index);
+      for (int end = 0; end < 2; ++end) slip_rate_slope_[end].pack[p] = slip_rate.slope(Pack(double(end)));
+      if (friction_index_ < 0 || !recording_.extremes) continue;
+      const auto friction = ensemble_.polynomial_of_pack(p, friction_index_);
       for (int end = 0; end < 2; ++end) {
-        slip_rate_slope_[end].pack[p] = ensemble_.polynomial_of_pack(p, slip_rate_index).slope(Pack(double(end)));
-        if (friction_index_ < 0 || !recording_.extremes) continue;
-        const auto friction = ensemble_.polynomial_of_pack(p, friction_index_);
         friction_[end].pack[p] = friction.value(Pack(double(end)));
         friction_slope_[end].pack[p] = friction.slope(Pack(double(end)));
       }
+    }
   });
   if (friction_index_ >= 0 || !recording_.extremes) return;
   constexpr double d = 1e-3;
@@ -540,33 +542,45 @@ void PassageLanes::measure_steps() {
   }
 }
 
-/// Adds the integrals over the last step of the lanes that count: Gauss's rule with three nodes on the dense output.
+/// Adds the integrals over the last step of the lanes that count. Where friction is an unknown, ∫ μ dv is that of the
+/// dense output; functions of v, which ∮ (μ − μ_ss) dv is free to take off, would change it by rounding alone.
 void PassageLanes::accumulate() {
+  if (friction_index_ < 0) return accumulate_at_nodes();
+  run_on_lanes([&] {
+    for (int p = 0; p < lane_packs; ++p) {
+      const Mask counts = counted_.pack[p] > Pack(0.0);
+      const auto add = [&](Lanes & sum, const Pack& part) __attribute__((always_inline)) {
+        sum.pack[p] = sum.pack[p] + select(counts, part, Pack(0.0));
+      };
+      const auto slip_rate = ensemble_.polynomial_of_pack(p, slip_rate_index);
+      const auto friction = ensemble_.polynomial_of_pack(p, friction_index_);
+      add(loop_, friction.integral_by(slip_rate));
+      const Pack h = ensemble_.length().pack[p];
+      add(friction_sum_, h * friction.mean());
+      add(slip_rate_sum_, h * slip_rate.mean());
+    }
+  });
+}
+
+/// The same by Gauss's rule with three nodes on the dense output.
+void PassageLanes::accumulate_at_nodes() {
   constexpr int nodes = 3;
   constexpr double node[nodes] = {0.1127016653792583, 0.5, 0.8872983346207417};
   constexpr double weight[nodes] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
-  Lanes u[nodes], reference[nodes], u_slope[nodes], mu[nodes], steady[nodes];
+  Lanes reference[nodes], u_slope[nodes], mu[nodes], steady[nodes];
+  std::array<Lanes, solvers::Ensemble::capacity> y[nodes];
+  interpolate(node, y);
+  for (int k = 0; k < nodes; ++k) sliders_.friction_coefficient(y[k].data(), mu[k]);
   run_on_lanes([&] {
     for (int p = 0; p < lane_packs; ++p) {
       const auto slip_rate = ensemble_.polynomial_of_pack(p, slip_rate_index);
       ROSIN_UNROLL
       for (int k = 0; k < nodes; ++k) {
-        u[k].pack[p] = slip_rate.value(Pack(node[k]));
-        reference[k].pack[p] = loop_slip_rate(u[k].pack[p], V_.pack[p]);
+        reference[k].pack[p] = loop_slip_rate(y[k][slip_rate_index].pack[p], V_.pack[p]);
         u_slope[k].pack[p] = slip_rate.slope(Pack(node[k]));
-      }
-      if (friction_index_ >= 0) {
-        const auto friction = ensemble_.polynomial_of_pack(p, friction_index_);
-        ROSIN_UNROLL
-        for (int k = 0; k < nodes; ++k) mu[k].pack[p] = friction.value(Pack(node[k]));
       }
     }
   });
-  if (friction_index_ < 0) {
-    std::array<Lanes, solvers::Ensemble::capacity> y[nodes];
-    interpolate(node, y);
-    for (int k = 0; k < nodes; ++k) sliders_.friction_coefficient(y[k].data(), mu[k]);
-  }
   if (recording_.loop_area)
     for (int k = 0; k < nodes; ++k) sliders_.steady_friction(reference[k], steady[k]);
   run_on_lanes([&] {
@@ -587,7 +601,7 @@ void PassageLanes::accumulate() {
         Pack friction = 0.0, slip = 0.0;
         for (int k = 0; k < nodes; ++k) {
           friction = friction + weight[k] * mu[k].pack[p];
-          slip = slip + weight[k] * u[k].pack[p];
+          slip = slip + weight[k] * y[k][slip_rate_index].pack[p];
         }
         add(friction_sum_, h * friction);
         add(slip_rate_sum_, h * slip);
@@ -618,51 +632,64 @@ PassageLanes::Arrival PassageLanes::follow(int lane) {
   return Arrival::retaken;
 }
 
-void PassageLanes::run(PassageQueue& queue) {
-  int working = 0;
-  for (int lane = 0; lane < lane_count; ++lane) working += take(lane, queue);
-  while (working > 0) {
-    if (switches_) bound_switching_steps();
-    ensemble_.attempt();
-    ++attempts_;
-    sliders_.contact_slip_rate(ensemble_.unknowns(), section_);
-    if (recording_.extremes || !levels_.empty() || switches_) measure_steps();
-    screen();
-    std::array<bool, lane_count> ended{}, switched{};
-    bool any_ended = false, any_switched = false;
-    const auto ends = [&](int lane, Ending how) {
-      lanes_[lane].passage->ending = how;
-      any_ended = ended[lane] = true;
-    };
-    for (int lane = 0; lane < lane_count; ++lane) {
-      const Lane& at = lanes_[lane];
-      if (at.passage && attempts_ - at.begun > most_tries) flagged_.set(lane, 1);
-      if (!(flagged_[lane] > 0)) continue;
-      const Arrival arrival = answered([&] { return follow(lane); });
-      if (arrival == Arrival::retaken) continue;
-      if (arrival == Arrival::given_up) {
-        ends(lane, Ending::budget_spent);
-        continue;
-      }
-      if (arrival == Arrival::finished) ends(lane, Ending::reached_end);
-      if (arrival == Arrival::switched) any_switched = switched[lane] = true;
-      flagged_.set(lane, 0);
-      counted_.set(lane, records_[lane]);
+int PassageLanes::fill(PassageQueue& queue) {
+  for (int lane = 0; lane < lane_count && working_ < lane_count; ++lane) {
+    if (lanes_[lane].passage) continue;
+    if (!take(lane, queue)) break;
+    ++working_;
+  }
+  return working_;
+}
+
+void PassageLanes::step(PassageQueue& queue) {
+  if (switches_) bound_switching_steps();
+  ensemble_.attempt();
+  ++attempts_;
+  sliders_.contact_slip_rate(ensemble_.unknowns(), section_);
+  if (recording_.extremes || !levels_.empty() || switches_) measure_steps();
+  screen();
+  std::array<bool, lane_count> ended{}, switched{};
+  bool any_ended = false, any_switched = false;
+  const auto ends = [&](int lane, Ending how) {
+    lanes_[lane].passage->ending = how;
+    any_ended = ended[lane] = true;
+  };
+  for (int lane = 0; lane < lane_count; ++lane) {
+    const Lane& at = lanes_[lane];
+    if (at.passage && attempts_ - at.begun > most_tries) flagged_.set(lane, 1);
+    if (!(flagged_[lane] > 0)) continue;
+    const Arrival arrival = answered([&] { return follow(lane); });
+    if (arrival == Arrival::retaken) continue;
+    if (arrival == Arrival::given_up) {
+      ends(lane, Ending::budget_spent);
+      continue;
     }
-    see();
-    const bool any_counted = any(counted_);
-    if ((recording_.loop_area || recording_.means) && any_counted) accumulate();
-    for (int lane = 0; any_switched && lane < lane_count; ++lane) {
-      if (!switched[lane]) continue;
-      const Arrival arrival = answered([&] { return change_mode(lane); });
-      if (arrival != Arrival::go_on)
-        ends(lane, arrival == Arrival::finished ? Ending::reached_end : Ending::budget_spent);
+    if (arrival == Arrival::finished) ends(lane, Ending::reached_end);
+    if (arrival == Arrival::switched) any_switched = switched[lane] = true;
+    flagged_.set(lane, 0);
+    counted_.set(lane, records_[lane]);
+  }
+  see();
+  if ((recording_.loop_area || recording_.means) && any(counted_)) accumulate();
+  for (int lane = 0; any_switched && lane < lane_count; ++lane) {
+    if (!switched[lane]) continue;
+    const Arrival arrival = answered([&] { return change_mode(lane); });
+    if (arrival != Arrival::go_on)
+      ends(lane, arrival == Arrival::finished ? Ending::reached_end : Ending::budget_spent);
+  }
+  for (int lane = 0; any_ended && lane < lane_count; ++lane)
+    if (ended[lane]) {
+      --working_;
+      end(lane, queue);
     }
-    if (!any_ended) continue;
-    for (int lane = 0; lane < lane_count; ++lane)
-      if (ended[lane]) end(lane, queue);
-    for (int lane = 0; lane < lane_count; ++lane)
-      if (ended[lane] || !lanes_[lane].passage) working += take(lane, queue) - ended[lane];
+}
+
+void run(PassageLanes& following, PassageLanes& measuring, PassageQueue& queue) {
+  for (;;) {
+    const int follow = following.fill(queue), measure = measuring.fill(queue);
+    if (follow + measure == 0) return;
+    // Whichever has fewer idle lanes. What it finishes keeps the other one busy.
+    (follow >= measure ? following : measuring).step(queue);
   }
 }
 

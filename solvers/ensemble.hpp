@@ -60,6 +60,19 @@ class Ensemble {
       const Real inner = k[0] + theta * (k[1] + theta * k[2]);
       return y1 - y0 + (1.0 - 2.0 * theta) * inner + theta * (1.0 - theta) * (k[1] + 2.0 * theta * k[2]);
     }
+    /// ∫ y dθ over the step.
+    ROSIN_INLINE Real mean() const { return 0.5 * (y0 + y1) + bulge(); }
+    /// ∫ y dx over the step, exact but for rounding.
+    ROSIN_INLINE Real integral_by(const Polynomial& x) const {
+      const Real *a = x.k, *b = k;
+      const Real dx = x.y1 - x.y0;
+      return 0.5 * (y0 + y1) * dx + bulge() * dx - (y1 - y0) * x.bulge() +
+             (1.0 / 60) * (b[0] * (a[1] + a[2]) - a[0] * (b[1] + b[2])) + (1.0 / 210) * (b[1] * a[2] - b[2] * a[1]);
+    }
+
+   private:
+    /// ∫ θ(1−θ)(k₁ + θ(k₂ + θ k₃)) dθ.
+    ROSIN_INLINE Real bulge() const { return (1.0 / 6) * k[0] + (1.0 / 12) * k[1] + (1.0 / 20) * k[2]; }
   };
   Polynomial<double> polynomial(int lane, int i) const;
   /// The same for all lanes of pack p.
