@@ -200,19 +200,21 @@ class Settling final : public PassageQueue {
     metrics_.push_back(&find_metric("period"));
   }
 
-  LanePassage* next(bool records) override {
-    auto& ready = ready_[records];
-    while (ready.empty()) {
-      const auto i = neighbours_.next();
-      if (!i) return nullptr;
-      Search& search = *searches_[*i];
-      search.passage.label = *i;
-      if (const auto advice = neighbours_.advice(*i)) search.take(*advice);
-      begin(search) ? go_ahead(*i) : finish(*i);
+  LanePassage* next() override {
+    if (!again_.empty()) {
+      const std::size_t i = again_.back();
+      again_.pop_back();
+      return &searches_[i]->passage;
     }
-    const std::size_t i = ready.back();
-    ready.pop_back();
-    return &searches_[i]->passage;
+    while (const auto i = neighbours_.next()) {
+      if (const auto advice = neighbours_.advice(*i)) searches_[*i]->take(*advice);
+      if (begin(*searches_[*i])) {
+        searches_[*i]->passage.label = *i;
+        return &searches_[*i]->passage;
+      }
+      finish(*i);
+    }
+    return nullptr;
   }
 
   void finished(LanePassage& passage) override {
@@ -226,7 +228,7 @@ class Settling final : public PassageQueue {
     } catch (const InputError&) {  // a step has led beyond what the law answers to
     }
     if (goes_on || (!cycles_[i].found && begin_by_itself(search))) {
-      go_ahead(i);
+      again_.push_back(i);
       return;
     }
     // One whose attraction could not be told is near all the same.
@@ -236,7 +238,6 @@ class Settling final : public PassageQueue {
   }
 
  private:
-  void go_ahead(std::size_t i) { ready_[searches_[i]->passage.record].push_back(i); }
   void finish(std::size_t i) {
     neighbours_.finished(
         i, cycles_[i].found ? std::optional(searches_[i]->knowledge(!cycles_[i].ill_conditioned_stick)) : std::nullopt);
@@ -606,7 +607,7 @@ class Settling final : public PassageQueue {
   static constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::unique_ptr<Search>>& searches_;
   Neighbours& neighbours_;
-  std::array<std::vector<std::size_t>, 2> ready_;  ///< for lanes that follow, for lanes that measure
+  std::vector<std::size_t> again_;
   const LaneCycleOptions& options_;
   std::vector<LaneCycle>& cycles_;
   std::vector<const MetricName*> metrics_;
@@ -621,7 +622,7 @@ std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycl
   std::vector<std::unique_ptr<Search>> searches(models.size());
   // Sliders of one kind share lanes.
   struct Kind {
-    PassageLanes following, measuring;
+    PassageLanes lanes;
     std::vector<std::size_t> members;
   };
   std::vector<std::unique_ptr<Kind>> kinds;
@@ -631,9 +632,9 @@ std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycl
     // A swing that friction hardly moves drifts by less in a turn than steps err.
     constexpr double hardly = 1e-4;
     if (!PassageLanes::serves(slider) || only_rings(models[i]) || friction_over_swing(models[i]) < hardly) continue;
-    auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k->following.fits(slider); });
+    auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k->lanes.fits(slider); });
     if (kind == kinds.end()) {
-      kinds.push_back(std::unique_ptr<Kind>(new Kind{{slider, std::nullopt}, {slider, recording}, {}}));
+      kinds.push_back(std::unique_ptr<Kind>(new Kind{PassageLanes(slider, recording), {}}));
       kind = kinds.end() - 1;
     }
     (*kind)->members.push_back(i);
@@ -642,7 +643,7 @@ std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycl
   for (auto& kind : kinds) {
     Neighbours neighbours(kind->members, places);
     Settling queue(searches, neighbours, options, cycles);
-    run(kind->following, kind->measuring, queue);
+    kind->lanes.run(queue);
   }
   return cycles;
 }

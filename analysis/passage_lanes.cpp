@@ -36,18 +36,17 @@ bool PassageLanes::serves(const SliderSystem& slider) {
          (!law.set_valued() || can_stick_and_slip) && slider.size() <= solvers::Ensemble::capacity;
 }
 
-PassageLanes::PassageLanes(const SliderSystem& pattern, const std::optional<Recording>& recording)
+PassageLanes::PassageLanes(const SliderSystem& pattern, const Recording& recording)
     : sliders_(pattern),
       ensemble_(sliders_),
-      records_passages_(recording.has_value()),
-      recording_(recording.value_or(Recording{})),
+      recording_(recording),
       friction_index_(pattern.carries_friction() ? 2 : -1),
       rigid_(pattern.rigid() || !pattern.carries_friction()),
       switches_(sliders_.switches()) {
-  if (recording_.stick_fraction && !switches_)  // a set-valued law sticks exactly
-    levels_.push_back({recording_.stick_threshold, &Metrics::stick_fraction});
-  if (recording_.stick_fraction_001) levels_.push_back({0.01, &Metrics::stick_fraction_001});
-  if (recording_.stick_fraction_05) levels_.push_back({0.5, &Metrics::stick_fraction_05});
+  if (recording.stick_fraction && !switches_)  // a set-valued law sticks exactly
+    levels_.push_back({recording.stick_threshold, &Metrics::stick_fraction});
+  if (recording.stick_fraction_001) levels_.push_back({0.01, &Metrics::stick_fraction_001});
+  if (recording.stick_fraction_05) levels_.push_back({0.5, &Metrics::stick_fraction_05});
 }
 
 /// Where the law has no answer the motion is given up: one at a time will say why.
@@ -112,7 +111,7 @@ double PassageLanes::holding_margin(int lane, double theta) const {
 
 bool PassageLanes::take(int lane, PassageQueue& queue) {
   Lane& at = lanes_[lane];
-  at.passage = queue.next(records_passages_);
+  at.passage = queue.next();
   if (!at.passage) return false;
   LanePassage& passage = *at.passage;
   if (at.loaded != passage.slider) {
@@ -632,64 +631,50 @@ PassageLanes::Arrival PassageLanes::follow(int lane) {
   return Arrival::retaken;
 }
 
-int PassageLanes::fill(PassageQueue& queue) {
-  for (int lane = 0; lane < lane_count && working_ < lane_count; ++lane) {
-    if (lanes_[lane].passage) continue;
-    if (!take(lane, queue)) break;
-    ++working_;
-  }
-  return working_;
-}
-
-void PassageLanes::step(PassageQueue& queue) {
-  if (switches_) bound_switching_steps();
-  ensemble_.attempt();
-  ++attempts_;
-  sliders_.contact_slip_rate(ensemble_.unknowns(), section_);
-  if (recording_.extremes || !levels_.empty() || switches_) measure_steps();
-  screen();
-  std::array<bool, lane_count> ended{}, switched{};
-  bool any_ended = false, any_switched = false;
-  const auto ends = [&](int lane, Ending how) {
-    lanes_[lane].passage->ending = how;
-    any_ended = ended[lane] = true;
-  };
-  for (int lane = 0; lane < lane_count; ++lane) {
-    const Lane& at = lanes_[lane];
-    if (at.passage && attempts_ - at.begun > most_tries) flagged_.set(lane, 1);
-    if (!(flagged_[lane] > 0)) continue;
-    const Arrival arrival = answered([&] { return follow(lane); });
-    if (arrival == Arrival::retaken) continue;
-    if (arrival == Arrival::given_up) {
-      ends(lane, Ending::budget_spent);
-      continue;
+void PassageLanes::run(PassageQueue& queue) {
+  int working = 0;
+  for (int lane = 0; lane < lane_count; ++lane) working += take(lane, queue);
+  while (working > 0) {
+    if (switches_) bound_switching_steps();
+    ensemble_.attempt();
+    ++attempts_;
+    sliders_.contact_slip_rate(ensemble_.unknowns(), section_);
+    if (switches_ || ((recording_.extremes || !levels_.empty()) && any(records_))) measure_steps();
+    screen();
+    std::array<bool, lane_count> ended{}, switched{};
+    bool any_ended = false, any_switched = false;
+    const auto ends = [&](int lane, Ending how) {
+      lanes_[lane].passage->ending = how;
+      any_ended = ended[lane] = true;
+    };
+    for (int lane = 0; lane < lane_count; ++lane) {
+      const Lane& at = lanes_[lane];
+      if (at.passage && attempts_ - at.begun > most_tries) flagged_.set(lane, 1);
+      if (!(flagged_[lane] > 0)) continue;
+      const Arrival arrival = answered([&] { return follow(lane); });
+      if (arrival == Arrival::retaken) continue;
+      if (arrival == Arrival::given_up) {
+        ends(lane, Ending::budget_spent);
+        continue;
+      }
+      if (arrival == Arrival::finished) ends(lane, Ending::reached_end);
+      if (arrival == Arrival::switched) any_switched = switched[lane] = true;
+      flagged_.set(lane, 0);
+      counted_.set(lane, records_[lane]);
     }
-    if (arrival == Arrival::finished) ends(lane, Ending::reached_end);
-    if (arrival == Arrival::switched) any_switched = switched[lane] = true;
-    flagged_.set(lane, 0);
-    counted_.set(lane, records_[lane]);
-  }
-  see();
-  if ((recording_.loop_area || recording_.means) && any(counted_)) accumulate();
-  for (int lane = 0; any_switched && lane < lane_count; ++lane) {
-    if (!switched[lane]) continue;
-    const Arrival arrival = answered([&] { return change_mode(lane); });
-    if (arrival != Arrival::go_on)
-      ends(lane, arrival == Arrival::finished ? Ending::reached_end : Ending::budget_spent);
-  }
-  for (int lane = 0; any_ended && lane < lane_count; ++lane)
-    if (ended[lane]) {
-      --working_;
-      end(lane, queue);
+    see();
+    if ((recording_.loop_area || recording_.means) && any(counted_)) accumulate();
+    for (int lane = 0; any_switched && lane < lane_count; ++lane) {
+      if (!switched[lane]) continue;
+      const Arrival arrival = answered([&] { return change_mode(lane); });
+      if (arrival != Arrival::go_on)
+        ends(lane, arrival == Arrival::finished ? Ending::reached_end : Ending::budget_spent);
     }
-}
-
-void run(PassageLanes& following, PassageLanes& measuring, PassageQueue& queue) {
-  for (;;) {
-    const int follow = following.fill(queue), measure = measuring.fill(queue);
-    if (follow + measure == 0) return;
-    // Whichever has fewer idle lanes. What it finishes keeps the other one busy.
-    (follow >= measure ? following : measuring).step(queue);
+    if (!any_ended) continue;
+    for (int lane = 0; lane < lane_count; ++lane)
+      if (ended[lane]) end(lane, queue);
+    for (int lane = 0; lane < lane_count; ++lane)
+      if (ended[lane] || !lanes_[lane].passage) working += take(lane, queue) - ended[lane];
   }
 }
 

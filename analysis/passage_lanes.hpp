@@ -1,7 +1,6 @@
 /// Passages of many sliders from section to section at once, in SIMD lanes: the return map without its derivative.
 #pragma once
 #include <array>
-#include <optional>
 #include <vector>
 
 #include "analysis/cycle.hpp"
@@ -45,8 +44,8 @@ struct LanePassage {
 class PassageQueue {
  public:
   virtual ~PassageQueue() = default;
-  /// The next passage to follow, of those that record or of the others, or nullptr if there is none at present.
-  virtual LanePassage* next(bool records) = 0;
+  /// The next passage to follow, or nullptr if there is none at present.
+  virtual LanePassage* next() = 0;
   virtual void finished(LanePassage&) = 0;
 };
 
@@ -59,12 +58,10 @@ class PassageLanes {
   /// True if lanes can follow this slider: it has mass and a constant drive; a set-valued law needs load, speed and
   /// spring too.
   static bool serves(const oscillators::SliderSystem&);
-  /// `pattern`: any of the sliders; all must fit it (SliderLanes::fits). Without `recording` nothing is measured.
-  PassageLanes(const oscillators::SliderSystem& pattern, const std::optional<Recording>& recording);
-  /// Lets idle lanes take what the queue has. Returns the number of lanes at work.
-  int fill(PassageQueue&);
-  /// One step in every lane; passages that it ends go back to the queue.
-  void step(PassageQueue&);
+  /// `pattern`: any of the sliders; all must fit it (SliderLanes::fits).
+  PassageLanes(const oscillators::SliderSystem& pattern, const Recording&);
+  /// Works until the queue is empty and all lanes are idle.
+  void run(PassageQueue&);
   bool fits(const oscillators::SliderSystem& slider) const { return sliders_.fits(slider); }
 
  private:
@@ -133,7 +130,6 @@ class PassageLanes {
 
   oscillators::SliderLanes sliders_;
   solvers::Ensemble ensemble_;
-  bool records_passages_;
   Recording recording_;
   std::vector<Level> levels_;
   int friction_index_;
@@ -153,10 +149,6 @@ class PassageLanes {
   Lanes flagged_ = 0.0;  ///< needs a closer look
   Lanes counted_ = 0.0, loop_, friction_sum_, slip_rate_sum_;
   long attempts_ = 0;  ///< of the ensemble so far
-  int working_ = 0;    ///< lanes
 };
-
-/// Works until the queue is empty and all lanes are idle.
-void run(PassageLanes& following, PassageLanes& measuring, PassageQueue&);
 
 }  // namespace rosin::analysis
