@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <limits>
@@ -63,6 +64,12 @@ class Tiles {
   static constexpr int edge = 32;  ///< most points of a tile along one axis
   Tiles(const Axis& x, const Axis& y) : columns_(cut(x)), rows_(cut(y)), width_(x.values.size()) {}
   int count() const { return int(columns_.size() * rows_.size()); }
+  /// Columns and rows of a tile.
+  std::array<int, 2> size(int tile) const {
+    const auto [x0, x1] = columns_[tile % columns_.size()];
+    const auto [y0, y1] = rows_[tile / columns_.size()];
+    return {x1 - x0, y1 - y0};
+  }
   /// Calls f(index of the point, column, row) for each point of a tile.
   template <class F>
   void for_each(int tile, F f) const {
@@ -168,13 +175,18 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
                    FinishedPoints finished;
                    for (const auto* job : group) {
                      Tile& tile = known.emplace_back();
+                     const auto [columns, rows] = tiles.size(job->what);
+                     // The far edges belong to the first grid too, so that nothing is told from one side alone.
+                     const auto phase_at = [&](int column, int row) {
+                       return phase_of(column == columns - 1 ? 0 : column, row == rows - 1 ? 0 : row, coarsest_stride);
+                     };
                      tiles.for_each(job->what, [&](std::size_t i, int column, int row) {
                        try {
                          Model here = model_at(i);
                          const Verdict verdict = judge(here, coexistence);
                          if (verdict == Verdict::stable) return void(finished.emplace_back(i, stable_point()));
                          models.push_back(std::move(here));
-                         places.push_back({&tile, column, row, phase_of(column, row, coarsest_stride)});
+                         places.push_back({&tile, column, row, phase_at(column, row)});
                          indices.push_back(i);
                          attracted.push_back(verdict == Verdict::look_beside_steady);
                        } catch (const InputError& e) {

@@ -10,6 +10,7 @@
 namespace rosin::analysis {
 
 Verdict judge(const Model& model, CoexistenceSearch& coexistence) {
+  if (surely_unstable(model)) return Verdict::look_for_cycle;
   const Stability sliding = stability(model);
   if (!sliding.stable && !sliding.marginal) return Verdict::look_for_cycle;
   return coexistence.ask(model, sliding).answer == Coexistence::Answer::none ? Verdict::stable

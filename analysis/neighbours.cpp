@@ -72,6 +72,7 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
   struct Adviser {
     double weight;
     const KnownCycle* cycle;
+    bool near;  ///< one of the two nearest on its line, whose errors are alike
   };
   std::vector<Adviser> advisers;
   struct Derivative {
@@ -91,7 +92,7 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
     if (sum > farthest) continue;
     // Errors of cubics grow with the fourth power of the distance.
     for (std::size_t k = 0; k < line.size(); ++k)
-      advisers.push_back({weights[k] * std::pow(line.front().distance, -4.0), &known(k)});
+      advisers.push_back({weights[k] * std::pow(line.front().distance, -4.0), &known(k), k < 2});
     const auto derivative_through = [&](std::size_t count) {
       const auto through = weights_of(std::span(line).first(count));
       MatrixXd sum = through[0] * known(0).derivative;
@@ -115,14 +116,14 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
   const bool found_anew = halvings % 3 == 1;
   if (found_anew) advice.error_rate.resize(0);
   double sum = 0;
-  for (const auto& [weight, cycle] : advisers) {
+  for (const auto& [weight, cycle, near] : advisers) {
     if (cycle->fixed_point.size() != advice.fixed_point.size()) return std::nullopt;  // of another kind
     advice.fixed_point += weight * cycle->fixed_point;
     advice.derivative += weight * cycle->derivative;
     advice.sensitivity += weight * cycle->sensitivity;
     advice.amplitude = std::min(advice.amplitude, cycle->amplitude);
-    if (cycle->error_rate.size() == 0) advice.error_rate.resize(0);
-    if (advice.error_rate.size() > 0) advice.error_rate = advice.error_rate.cwiseMax(cycle->error_rate);
+    if (near && cycle->error_rate.size() == 0) advice.error_rate.resize(0);
+    if (near && advice.error_rate.size() > 0) advice.error_rate = advice.error_rate.cwiseMax(cycle->error_rate);
     sum += weight;
   }
   advice.fixed_point /= sum;

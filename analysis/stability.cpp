@@ -286,9 +286,10 @@ bool critical_load_is_closed(const Model& model) {
 }
 
 std::optional<CriticalLoad> critical_load(const Model& model) {
+  if (!critical_load_is_closed(model)) return std::nullopt;
   const auto law = single_state(model);
   const auto& slider = model.slider;
-  if (!critical_load_is_closed(model) || !(law->slope < 0)) return std::nullopt;
+  if (!(law->slope < 0)) return std::nullopt;
   // ω_c² = −g² μ_ss'/μ_v; −g μ_ss' N_c = [1/(k − m ω_c²) + 1/k_t]⁻¹, and with k_t = κ N:
   // N_c = (k − m ω_c²) [1/(−g μ_ss') − 1/κ].
   const double omega = law->g * std::sqrt(-law->slope / law->direct), pull = -law->g * law->slope;
@@ -299,6 +300,18 @@ std::optional<CriticalLoad> critical_load(const Model& model) {
                                                    : 1 / (1 / spring + 1 / contact.tangential) / pull;
   if (!(N > 0)) return std::nullopt;
   return CriticalLoad{N, omega};
+}
+
+bool surely_unstable(const Model& model) {
+  if (model.contact_stiffness.present() || !critical_load_is_closed(model)) return false;
+  // Routh's condition is k − m ω_c² > −g N μ_ss'.
+  const auto law = single_state(model);
+  const double omega_squared = -law->g * law->g * law->slope / law->direct;
+  const double inertia = model.slider.mass * omega_squared,
+               pull = -law->g * model.drive.normal_load.level() * law->slope;
+  constexpr double surely = 1e-6, rounding = 1e-9;
+  return law->g > 0 && law->direct > 0 && law->slope < -rounding * law->direct &&
+         model.slider.stiffness < (1 - surely) * (inertia + pull);
 }
 
 namespace {
