@@ -73,7 +73,7 @@ TEST_CASE("nothing is told from one side of the plane to the other, nor by cycle
   CHECK_FALSE(told(tile, {{0, 5}}, 1, found)[0]);  // alone on its row and column
 }
 
-TEST_CASE("error rates are found anew at every other halving of the grid", "[neighbours]") {
+TEST_CASE("error rates are found anew at every third halving of the grid", "[neighbours]") {
   Tile tile;
   const auto found = [](int x, int y) { return std::optional(cycle_of(1 + x + y)); };
   std::vector<std::array<int, 2>> all;
@@ -82,10 +82,23 @@ TEST_CASE("error rates are found anew at every other halving of the grid", "[nei
   const auto advice = told(tile, all, 8, found);
   const auto at = [&](int x, int y) -> const std::optional<KnownCycle>& { return advice[std::size_t(y) * 9 + x]; };
   REQUIRE(at(4, 0));
-  CHECK(at(4, 0)->error_rate.size() == 1);
-  CHECK(at(4, 0)->error_rate[0] == 9);  // the larger one of its two neighbours
+  CHECK(at(4, 0)->error_rate.size() == 0);
   REQUIRE(at(2, 0));
-  CHECK(at(2, 0)->error_rate.size() == 0);
+  REQUIRE(at(2, 0)->error_rate.size() == 1);
+  CHECK(at(2, 0)->error_rate[0] == 5);  // the larger one of the two nearest, not that of (8, 0)
   REQUIRE(at(1, 1));
   CHECK(at(1, 1)->error_rate.size() == 1);
+}
+
+TEST_CASE("a derivative is known as well as one more neighbour changes it", "[neighbours]") {
+  // Slopes that rise linearly, then one that does not.
+  const auto straight = [](int x, int) { return std::optional(cycle_of(0.01 * x)); };
+  const auto bent = [](int x, int) { return std::optional(cycle_of(0.01 * x + (x == 12 ? 0.2 : 0))); };
+  const std::vector<std::array<int, 2>> row = {{0, 0}, {4, 0}, {8, 0}, {12, 0}};
+  Tile one, other;
+  (void)told(one, row, 4, straight);
+  (void)told(other, row, 4, bent);
+  CHECK(told(one, {{6, 0}}, 4, straight)[0]->derivative_error < 1e-12);
+  // Of four points that to 12 weighs -1/16.
+  CHECK(told(other, {{6, 0}}, 4, bent)[0]->derivative_error == Approx(0.2 / 16 * std::sqrt(2)));
 }
