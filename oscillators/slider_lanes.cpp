@@ -55,7 +55,13 @@ void SliderLanes::load(int lane, const SliderSystem& slider) {
   direction_.set(lane, 1);
   double s[capacity];
   slider.relevance_scale(s);  // speeds are measured by the drive's, or their own
-  for (int i = 0; i < size(); ++i) scale_[i].set(lane, s[i]);
+  // What errors cost and bring, by measurement: friction follows from slip rate and states, which are asked for more.
+  constexpr double slow = 0.3, friction = 5, state = 0.3;
+  for (int i = 0; i < size(); ++i) {
+    const bool speed = (mechanical_ > 1 && i == 1) || i == contact_slip_rate_;
+    const bool carried = slider.carries_friction() && i == mechanical_;
+    scale_[i].set(lane, s[i] * (speed ? slow : carried ? friction : i < mechanical_ ? 1 : state));
+  }
 }
 
 void SliderLanes::mass(Lanes* m) const {
