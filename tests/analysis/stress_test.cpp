@@ -1406,3 +1406,25 @@ TEST_CASE("damping that all but cancels against falling friction is in the error
   CHECK(found.eigenvalue_errors.front() > 0.01 * digits);
   CHECK(found.eigenvalue_errors.front() < 100 * digits);
 }
+
+TEST_CASE("steps end where bristles reverse, so that runs and sticks that ring are known", "[stress]") {
+  // A mass on Dahl's contact: |v| bends its rate at every reversal.
+  auto swinging = slider_under("dahl", {13585.96485210527, 0.48614569894314519},
+                               {2.5890958813447136, 6.734918471644499, 0}, 5.2396827126657484e-06, 0.48893123801405325);
+  swinging.drive.force = -4.2067795988533643;
+  RunOptions options;
+  options.duration = 1075.4312966112107;
+  options.samples = 20;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 2.0994018563094783e-05;
+  options.tolerance = 1e-6;
+  const auto loose = run(swinging, options);
+  options.tolerance = 1e-9;
+  const auto fine = run(swinging, options);
+  REQUIRE(loose.outcome.complete());
+  REQUIRE(fine.outcome.complete());
+  for (std::size_t c = 0; c < loose.columns.size(); ++c)
+    for (std::size_t i = 0; i < loose.columns[c].size(); ++i)
+      CHECK(std::abs(loose.columns[c][i] - fine.columns[c][i]) <= loose.column_error[c] + fine.column_error[c]);
+}
+
