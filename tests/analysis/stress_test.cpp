@@ -1428,3 +1428,17 @@ TEST_CASE("steps end where bristles reverse, so that runs and sticks that ring a
       CHECK(std::abs(loose.columns[c][i] - fine.columns[c][i]) <= loose.column_error[c] + fine.column_error[c]);
 }
 
+TEST_CASE("a massless contact on a curve that rises without bound comes to rest for good, and that is said",
+          "[stress]") {
+  auto model = slider_under(
+      "prz",
+      {0.78924316628356461, 0.026721390579906631, 0.046583541916077734, 0.0010544656988849899, 2.4261010152166294e-06},
+      {0, 4488590.5274988012, 0}, 1.7651878883356446e-06, 11.683530054139325);
+  model.lambda = 0;
+  model.contact_stiffness.per_load = 31.969714852044639;
+  model.contact_stiffness.damping_per_load = 0.0028935908084019137;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("rises without bound toward rest"));
+}
+
