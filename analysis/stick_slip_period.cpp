@@ -117,6 +117,10 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   bool began = onset != nullptr, fast = false;
   double slipped = 0, period = 0, stuck = 0, fastest = V, lowest_x = infinity, highest_x = -infinity;
   Bottoms bottoms(model, system);
+  // Slip that hardly changes, as where it waits for heat in depth, is no swing; where sliding is stable it is followed
+  // in longer and longer steps.
+  constexpr double resolved = 0.1, hardly = 1e-3, longer = 1.1;
+  double stride = resolved;  // swings
   // What part of their sizes states change by at rest, 1/s.
   const auto fastest_at_rest = [&](const std::vector<double>& y) {
     std::vector<double> rate(system.size()), mass(system.size()), size(system.size());
@@ -141,8 +145,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       break;
     }
     const double swing_here = plane && system.direction() != 0 ? swing_at(solver.state()) : swing;
-    constexpr double resolved = 0.1;
-    solver.bound_slip_step(resolved * swing_here);
+    solver.bound_slip_step(stride * swing_here);
     solvers::Switch switched;
     const double limit = (solver.upcoming() == 0 ? strengthened : 1) * longest_slip;
     const Outcome outcome = solver.step(limit, switched);
@@ -169,6 +172,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     const double u = system.slip_rate(solver.time(), solver.state().data());
     fast = fast || u > V;
     turns = switched != solvers::Switch::none ? 0 : turns + (slip_rate_before < V && u >= V);
+    const bool waits = sliding.stable && std::abs(u - slip_rate_before) < hardly * std::abs(u);
+    stride = waits && switched == solvers::Switch::none ? longer * stride : resolved;
     slip_rate_before = u;
     if (plane && turns > enough_turns) break;
     const double away = std::hypot(u - V, frequency * (solver.state()[0] - sliding.steady.displacement));

@@ -1442,3 +1442,16 @@ TEST_CASE("a massless contact on a curve that rises without bound comes to rest 
   CHECK_THAT(cycle.outcome.detail, Catch::Contains("rises without bound toward rest"));
 }
 
+TEST_CASE("slip that waits for heat in depth is not followed swing by swing", "[stress]") {
+  auto model = slider_under("thermal-disc",
+                            {0.48488049918785692, 0.45802357964849449, 0.002922686929308551, 1.3930019933642792,
+                             0.011274087902583621, 0.00011337880059219933, 0.00079154181654863707,
+                             0.0015149130571805347, 1.0, 5.0577548035411631e-06, 0.13562499943581022},
+                            {5.2101003935200705e-13, 7.6424614326181395, 7.2579876222019888e-07},
+                            9.2602816516951825e-06, 1.7451685988140861e-07);
+  model.lambda = 135.06231189567183;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK(cycle.cost.steps < 20'000);
+}
+
