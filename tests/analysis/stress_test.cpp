@@ -1455,3 +1455,15 @@ TEST_CASE("slip that waits for heat in depth is not followed swing by swing", "[
   CHECK(cycle.cost.steps < 20'000);
 }
 
+TEST_CASE("where neighbouring motions part, no two periods are alike", "[stress]") {
+  auto model =
+      slider_under("lugre",
+                   {94353.435169431672, 61.704553805936555, 0.45086139496340394, 6.0292988348794854, 1.4908727945885492,
+                    0.0023177993215871924},
+                   {0.45729323882112644, 0.7109737930923411, 0}, 0.00049912603336523442, 0.00032360317178882849);
+  model.lambda = 2.0171103983997125;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("neighbouring motions part"));
+}
+
