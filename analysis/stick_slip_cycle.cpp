@@ -454,7 +454,10 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     cycle.section_displacement = fine.onset_displacement;
     if (sticks) onset = fine.onset, slips = fine.slips, turned = fine.turned;
     cycle.outcome = sharpening.judge(reached, worst);
-    if (cycle.outcome.complete()) break;
+    if (cycle.outcome.complete()) {
+      state_with_caution(cycle.error, cycle.metrics, options.tolerance, V);
+      break;
+    }
     coarse = std::move(fine);
   }
   if (sticks) {

@@ -1467,3 +1467,39 @@ TEST_CASE("where neighbouring motions part, no two periods are alike", "[stress]
   CHECK_THAT(cycle.outcome.detail, Catch::Contains("neighbouring motions part"));
 }
 
+TEST_CASE("a slip rate that follows from friction or from forces says how little it is known", "[stress]") {
+  // Explicit steps at two tolerances share their last step, in which slip sets in.
+  const auto loading =
+      slider_under("kato-tullis",
+                   {0.73791420194722435, 0.0035319655138023633, 0.028477753569232194, 0.036339182503590466,
+                    4.573046893829553e-08, 0.00058114330769913907},
+                   {0, 0.013230562127199117, 0.0033690086082170168}, 4.0037667188342837e-06, 1.1102277215482179e-05);
+  RunOptions options;
+  options.duration = 217.80992401858319;
+  options.samples = 20;
+  options.start.kind = Start::Kind::rest;
+  options.tolerance = 1e-6;
+  constexpr std::size_t slip_rate = 2;
+  const auto compared = [&](const Model& model, const char* one, const char* another) {
+    options.solver = one;
+    const auto first = run(model, options);
+    options.solver = another;
+    const auto second = run(model, options);
+    REQUIRE(first.columns[slip_rate].size() == second.columns[slip_rate].size());
+    for (std::size_t i = 0; i < first.columns[slip_rate].size(); ++i)
+      CHECK(std::abs(first.columns[slip_rate][i] - second.columns[slip_rate][i]) <=
+            first.column_error[slip_rate] + second.column_error[slip_rate]);
+  };
+  compared(loading, "explicit", "collocation");
+  // BDF behind a contact damper, with a deflection of 5e-5 m to its tolerance and 1e-10 m/s.
+  auto damped = slider_under("bowden-tabor",
+                             {1.3218191966750465, 0.10326254352478915, 0.14618521651913247, 1.2543380261184025e-07,
+                              1.6459537644860065e-06, 0.015135635846682359, 316.79668520844666},
+                             {0, 104032.98957383622, 0}, 9.0987771995744977e-10, 173.56670699544219);
+  damped.lambda = 4.1052580945517091e-06;
+  damped.contact_stiffness.tangential = 2118972.3936634967;
+  damped.contact_stiffness.damping = 940597.20057704498;
+  options.duration = 2.6520918758570388e-06;
+  options.start = {.kind = Start::Kind::given, .slip_rate = 1.4510388383333548e-10};
+  compared(damped, "collocation", "cvode");
+}
