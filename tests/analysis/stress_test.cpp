@@ -1500,6 +1500,7 @@ TEST_CASE("a slip rate that follows from friction or from forces says how little
   damped.contact_stiffness.tangential = 2118972.3936634967;
   damped.contact_stiffness.damping = 940597.20057704498;
   options.duration = 2.6520918758570388e-06;
-  options.start = {.kind = Start::Kind::given, .slip_rate = 1.4510388383333548e-10};
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 1.4510388383333548e-10;
   compared(damped, "collocation", "cvode");
 }
