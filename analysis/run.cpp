@@ -284,6 +284,9 @@ class Pass {
                                                     turns_until(system_.model(), end))};
         }
         if (const Outcome outcome = advance(limit); !outcome.complete()) return outcome;
+        if (system_.model().lambda == 0)
+          if (const auto never = why_nothing_slips_again(system_, solver.time(), solver.state().data()))
+            return {Ending::none_exists, *never};
       }
       y = solver.state();
       t = limit;

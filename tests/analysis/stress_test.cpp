@@ -111,6 +111,21 @@ TEST_CASE("a law that weakens down to rest has no motion through rest without it
   const auto cycle = find_cycle(model);
   CHECK(cycle.outcome.ending == Ending::none_exists);
   CHECK_THAT(cycle.outcome.detail, Catch::Contains("rises without bound toward rest"));
+  // Runs say so too, whatever their tolerance.
+  auto running = slider_under(
+      "ageing",
+      {0.39553686818335965, 0.029742573772946389, 0.034304623988555417, 1.0984168646027641e-09, 0.00047170635085442837},
+      {0, 0.055770948587882833, 0}, 0.21878173341744087, 2.2991489639972009);
+  running.lambda = 0;
+  RunOptions options;
+  options.duration = 585.64380341217998;
+  options.samples = 20;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 0.00013878442954673095;
+  for (const double tolerance : {1e-6, 1e-9}) {
+    options.tolerance = tolerance;
+    CHECK(run(running, options).outcome.ending == Ending::none_exists);
+  }
 }
 
 TEST_CASE("a mass reverses under friction that turns over within e^(-260) of the slip rate", "[stress]") {
