@@ -58,7 +58,6 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   states_ = contact_->unknowns() - (carries_friction() ? 1 : 0) -
             (setup_.spring.present() ? (carries_friction() ? 1 : 2) : 0);
   set_valued_ = law.set_valued();
-  deflects_ = law.deflects();
   if (std::isinf(model_.slider.stiffness)) direction_ = model_.drive.speed.value(0) < 0 ? -1 : 1;
   is_constant_ = model_.drive.constant();
   if (is_constant_) {
@@ -395,15 +394,6 @@ std::string SliderSystem::unknown(int i) const {
              ? "slip rate of the contact, which jumps where friction falls with it faster than the contact's damping "
                "resists"
              : "deflection of the contact";
-}
-
-/// That of the law in its states; else bristles bend the other way, |u| z, where slip reverses.
-double SliderSystem::kink(const double* y) const {
-  if (states_ == 0) return NAN;
-  const double of_states = model_.law->kink({y + first_state(), std::size_t(states_)});
-  if (!std::isnan(of_states) || !deflects_) return of_states;
-  const int u = contact_slip_rate_index() >= 0 ? contact_slip_rate_index() : rigid() ? slip_rate_index() : -1;
-  return u >= 0 ? y[u] / reference_speed_ : NAN;
 }
 
 double SliderSystem::next_break(double t) const {

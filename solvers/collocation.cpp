@@ -575,21 +575,15 @@ Outcome Collocation::step(double t_limit) {
 /// show what it misses: it ends there instead, and the next begins anew.
 void Collocation::end_at_kink() {
   constexpr double across = 1e-13;  // more than the rounding of a step that ended there
-  double low = 0, at_low = system_.kink(y_before_.data());
-  for (int i = 0; i < s; ++i) {  // it may be crossed and crossed back within a step
-    stage(i, work_.data());
-    const double here = i + 1 < s ? system_.kink(work_.data()) : system_.kink(y_.data());
-    if (kink_side_ == 0 && std::abs(here) > across) kink_side_ = here > 0 ? 1 : -1;
-    if (kink_side_ * here < -across) {
-      const auto theta = locate([&](double, const double* y) { return system_.kink(y); }, low, node(i),
-                                kink_side_ * std::max(kink_side_ * at_low, 0.0), here);
-      if (theta) shorten(*theta);
-      kink_side_ = 0;
-      fresh_ = true;
-      return;
-    }
-    low = node(i), at_low = here;
-  }
+  const double end = system_.kink(y_.data());
+  if (kink_side_ == 0 && std::abs(end) > across) kink_side_ = end > 0 ? 1 : -1;
+  if (!(kink_side_ * end < -across)) return;
+  const double begin = system_.kink(y_before_.data());
+  const auto theta = locate([&](double, const double* y) { return system_.kink(y); }, 0, 1,
+                            kink_side_ * std::max(kink_side_ * begin, 0.0), end);
+  if (theta) shorten(*theta);
+  kink_side_ = 0;
+  fresh_ = true;
 }
 
 void Collocation::interpolate(double theta, double* y) const {
