@@ -8,6 +8,7 @@
 #include <cmath>
 #include <deque>
 
+#include "analysis/irregular_motion.hpp"
 #include "core/eigenpairs.hpp"
 
 namespace rosin::analysis {
@@ -280,13 +281,24 @@ class Search {
 
   /// Looks for the point; where none is found, `outcome` says why.
   void run() {
+    std::vector<double> wandering;  // the end of a long search
     for (const double tolerance : search_tolerances) {
       loose_ = tolerance;
       reached_.clear();
       last_step_ = map_.cost().steps + most_steps;
       run_once();
-      if (found() || outcome.ending != Ending::budget_spent || !errs_in_passages()) return;
+      if (found() || outcome.ending != Ending::budget_spent) return;
+      if (reached_.size() == some) wandering = reached_.back();
+      if (!errs_in_passages()) break;
     }
+    if (wandering.empty()) return;
+    map_.allow(ReturnMap::most_steps);
+    if (const auto parting = parting_from(map_, wandering))
+      outcome = {
+          Ending::none_exists,
+          fmt::format("no two periods are alike: neighbouring motions part by a factor of e^({:.2g} ± {:.1g}) in "
+                      "a passage, on the mean of {}",
+                      parting->rate, parting->error, parting->passages)};
   }
   bool found() const { return point || creeping_ == most_creeping; }
 
@@ -448,7 +460,7 @@ class Search {
     if (steady_is_stable()) return end.last->amplitude < dead ? Attempt::ends : Attempt::goes_on;
     constexpr double leaves_alone = 1e-12;  // so that metrics to 1e-6 hold for a million turns
     if (std::abs(swing->growth) < leaves_alone) {
-      point = FixedPoint{.y = swing->y, .amplitude = swing->amplitude};
+      point = FixedPoint{.y = swing->y, .derivative = {}, .amplitude = swing->amplitude};
       point->free = {begun_, int(visited_.size()), swing->growth};
       outcome = {};
       return Attempt::ends;

@@ -51,6 +51,13 @@ std::optional<FrictionLaw::Steady> close_to_rest(const FrictionLaw& law, double 
     return std::nullopt;
   }
 }
+
+std::string rises_without_bound(const FrictionLaw& law, double t) {
+  return fmt::format(
+      "law.lambda = 0 leaves '{}' a friction curve that rises without bound toward rest: at rest at t = {:.9g} s, "
+      "nothing slips again; give the law its memory (lambda > 0)",
+      law.card().name, t);
+}
 }  // namespace
 
 bool unbounded_at_rest(const FrictionLaw& law, double normal_load) {
@@ -65,11 +72,21 @@ bool jumps_at_rest(const FrictionLaw& law, double normal_load) {
   return there && std::abs(there->slope) * nearly_rest < 1e-10 * there->friction;
 }
 
+std::optional<std::string> why_nothing_slips_again(const oscillators::SliderSystem& system, double t, const double* y) {
+  const auto& model = system.model();
+  const auto& law = *model.law;
+  if (model.lambda != 0 || !law.has_states() || !(std::abs(system.contact_slip_rate(t, y)) < nearly_rest) ||
+      !unbounded_at_rest(law, model.drive.normal_load.value(t)))
+    return std::nullopt;
+  return rises_without_bound(law, t);
+}
+
 std::optional<std::string> why_rest_lasts(const oscillators::SliderSystem& system, double t, const double* y) {
   const auto& model = system.model();
   const auto& law = *model.law;
   const double N = model.drive.normal_load.value(t), V = reference_speed(model);
   if (model.lambda != 0 || !law.has_states()) return std::nullopt;
+  if (const auto never = why_nothing_slips_again(system, t, y)) return never;
   constexpr double at_rest = 1e-5;  // of the drive speed
   if (jumps_at_rest(law, N) && std::abs(system.contact_slip_rate(t, y)) < at_rest * V)
     return fmt::format(
@@ -106,11 +123,7 @@ std::optional<std::string> why_motion_ends(const oscillators::SliderSystem& syst
         "to a rigid contact",
         law.card().name, t);
   if (const auto rest = why_rest_lasts(system, t, y)) return rest;
-  if (unbounded_at_rest(law, N))
-    return fmt::format(
-        "law.lambda = 0 leaves '{}' a friction curve that rises without bound toward rest: at rest at t = {:.9g} s, "
-        "nothing slips again; give the law its memory (lambda > 0)",
-        law.card().name, t);
+  if (unbounded_at_rest(law, N)) return rises_without_bound(law, t);
   return std::nullopt;
 }
 

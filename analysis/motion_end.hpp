@@ -15,7 +15,11 @@ bool unbounded_at_rest(const FrictionLaw&, double normal_load);
 /// rest, without which nothing does.
 bool jumps_at_rest(const FrictionLaw&, double normal_load);
 
-/// Why the unknowns y at time t, if they are at rest under λ = 0 and a curve that jumps there, do not get away from it.
+/// Why the unknowns y at time t, if they are at rest under λ = 0 and a curve that rises without bound toward rest,
+/// never slip again.
+std::optional<std::string> why_nothing_slips_again(const oscillators::SliderSystem&, double t, const double* y);
+
+/// That, or why they do not get away from rest under λ = 0 and a curve that jumps there.
 std::optional<std::string> why_rest_lasts(const oscillators::SliderSystem&, double t, const double* y);
 
 /// Why no integration gets beyond the unknowns y at time t, or nothing where the equations give no reason:

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "analysis/loop_area.hpp"
-#include "analysis/stick_slip_cycle.hpp"
+#include "analysis/stick_slip_period.hpp"
 #include "core/instruction_set.hpp"
 
 namespace rosin::analysis {

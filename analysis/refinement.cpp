@@ -27,9 +27,10 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
     // The lowest slip rate is held to its own size; in slow stick it is as good as the error estimate of the steps
     // only, and changes e-fold where friction does by its direct effect.
     constexpr double slow = 1e-3;
-    const double times = std::abs(value) < slow * V ? 100 : 10;
+    const bool sticks = std::abs(value) < slow * V;
+    const double times = sticks ? 100 : 10, open = sticks && closure > tolerance ? times * closure : closure;
     if (value != 0)
-      e += metric.member == &Metrics::slip_rate_min ? (times * tolerance + 5e-14 + closure) * std::abs(value)
+      e += metric.member == &Metrics::slip_rate_min ? (times * tolerance + 5e-14 + open) * std::abs(value)
                                                     : (3 * tolerance + 5e-14 + closure) * size;
     // Slip backwards by the last digits of the highest slip rate is rounding.
     constexpr double digits = 1e-14;
@@ -45,6 +46,16 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
     if (ratio > largest) largest = ratio, worst = metric.name;
   }
   return largest;
+}
+
+double with_caution(double error, double size, double asked) {
+  constexpr double times = 3;
+  return std::max(error, std::min(times * error, asked * size));
+}
+
+void state_with_caution(Metrics& error, const Metrics& metrics, double asked, double V) {
+  for (const auto& metric : metric_names())
+    error.*metric.member = with_caution(error.*metric.member, size_of(metric, metrics, V), asked);
 }
 
 bool Sharpening::next() {

@@ -386,6 +386,10 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     // Nothing that moves at all takes so many steps to grow.
     const bool at_rest = passage.amplitude < 1e-9 && solver.count().steps > 2'000;
     if (turns > 0 && (at_rest || solver.time() >= longest_passage_ || solver.count().steps > allowed)) {
+      if (const auto never = why_nothing_slips_again(system_, solver.time(), solver.state().data())) {
+        passage.outcome = {Ending::none_exists, *never};
+        break;
+      }
       const auto end = why_rest_lasts(system_, solver.time(), solver.state().data());
       passage.outcome = {Ending::budget_spent,
                          fmt::format("no passage through v = V within {:.3g} s and {} steps{}", solver.time(),

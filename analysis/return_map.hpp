@@ -74,7 +74,7 @@ class ReturnMap {
   Passage follow(const std::vector<double>& y, double tolerance, int turns, bool from_section, bool derivative = false,
                  PassageObserver* observer = nullptr, double dip = least_dip);
   static constexpr double least_dip = 1e-10;
-  static constexpr long most_steps = 40'000;
+  static constexpr long most_steps = 120'000;
   /// A passage that takes more steps ends with its budget spent.
   void allow(long steps) { allowed_ = steps; }
 

@@ -254,7 +254,10 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     cycle.metrics = fine.metrics;
     cycle.orbit = std::move(fine.orbit);
     cycle.outcome = sharpening.judge(reached, worst);
-    if (cycle.outcome.complete()) break;
+    if (cycle.outcome.complete()) {
+      state_with_caution(cycle.error, cycle.metrics, options.tolerance, V);
+      break;
+    }
     coarse = std::move(fine);
   }
   if (options.multipliers && !point.by_differences && !point.swing && !point.free) {

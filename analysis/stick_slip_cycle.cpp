@@ -1,4 +1,4 @@
-/// Periods from onset to onset of slip, the map of the contact's states between them, and slip without stick.
+/// The map of a contact's states from onset to onset of slip, its fixed point, and slip without stick.
 #include "analysis/stick_slip_cycle.hpp"
 
 #include <fmt/format.h>
@@ -16,6 +16,7 @@
 #include "analysis/return_map.hpp"
 #include "analysis/slow_swing.hpp"
 #include "analysis/stability.hpp"
+#include "analysis/stick_slip_period.hpp"
 #include "core/eigenpairs.hpp"
 #include "solvers/stick_slip.hpp"
 
@@ -26,250 +27,6 @@ using Eigen::VectorXd;
 using oscillators::SliderSystem;
 
 namespace {
-/// Damping of the slider and of steady friction that rises with the slip rate together, N s/m.
-double resistance(const Model& model) {
-  const double N = model.drive.normal_load.level(), V = model.drive.speed.level();
-  return model.slider.damping + N * std::max(model.law->steady_friction({V, N}).slope, 0.0);
-}
-bool overdamped(const Model& model) {
-  return resistance(model) > 2 * std::sqrt(model.slider.mass * model.slider.stiffness);
-}
-}  // namespace
-
-double swing_time(const Model& model) {
-  const auto& s = model.slider;
-  return overdamped(model) ? resistance(model) / s.stiffness : 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
-}
-
-namespace {
-
-/// True where the contact carries states of its own.
-bool remembers(const Model& model) { return model.law->has_states() && model.lambda > 0; }
-
-/// `share`: slip rate over its highest.
-Outcome comes_to_rest_or_not(double share) {
-  return {Ending::tolerance_not_met,
-          fmt::format("at {:.1e} of the highest slip rate, which is rounding, slip comes to rest or not", share)};
-}
-
-/// One period of stick–slip: from one onset of slip along the drive to the next.
-struct StickSlipPeriod {
-  Outcome outcome;
-  Metrics metrics;
-  std::vector<CyclePoint> orbit;
-  std::vector<double> onset;  ///< unknowns where the period ends
-  int slips = 1;              ///< in the period
-  double onset_displacement = 0;
-  double closure = 0;  ///< relative error that is left because the period does not quite return
-  bool found = false;
-  bool turned = false;        ///< Newton's method had a part in it, which finds what repels too
-  double closest = infinity;  ///< lowest slip rate after the first half of a slip, over the drive speed
-  bool grazes = false;        ///< slip comes to rest or not by less than the tolerance tells
-  double rounding = 0;        ///< relative error that rounding of the slip rate makes where it just comes to rest
-  double landing = 0;         ///< to which the times at which slip stops are known together (s)
-  double friction = 0;        ///< to which friction is known where slip has just come to rest
-  double growth = 0;          ///< of a swing that does not stick, by the work of friction (SwingWork)
-  long steps = 0, evaluations = 0;
-};
-
-/// Where slip that was faster than the drive comes down to rest, or turns up again just above it.
-struct Bottom {
-  double highest;           ///< slip rate of this slip, m/s
-  double dip;               ///< how far slip stayed above rest, or would have gone below it had it not stuck
-  double deceleration = 0;  ///< m/s², where it came to rest
-};
-class Bottoms {
- public:
-  Bottoms(const Model& model, const SliderSystem& system) : model_(model), system_(system), rate_(system.size()) {}
-
-  /// What the last step, at whose end slip goes at ±u, has come to, if to a bottom.
-  std::optional<Bottom> after(const solvers::StickSlip& solver, solvers::Switch switched, double u) {
-    const double V = model_.drive.speed.level(), lowest = std::min(solver.lowest(), slip_);
-    Bottom bottom{highest_, lowest};
-    slip_ = u;
-    highest_ = system_.direction() == 0 || switched != solvers::Switch::none ? 0 : std::max(highest_, u);
-    if (!(bottom.highest > V)) return std::nullopt;
-    if (switched == solvers::Switch::none) return 2 * lowest < u ? std::optional(bottom) : std::nullopt;
-    if (switched == solvers::Switch::slip) return bottom;  // at rest for no time
-    if (switched != solvers::Switch::stick) return std::nullopt;
-    const auto& s = model_.slider;
-    system_.evaluate(solver.time(), solver.stepper().state().data(), rate_.data());
-    bottom.deceleration = std::abs(rate_[system_.slip_rate_index()]) / s.mass;
-    // The spring, loaded by the drive, would have turned it.
-    bottom.dip = 0.5 * bottom.deceleration * bottom.deceleration * s.mass / (s.stiffness * V);
-    return bottom;
-  }
-
- private:
-  const Model& model_;
-  const SliderSystem& system_;
-  double highest_ = 0, slip_ = 0;  ///< of this slip: slip rates so far, and at the end of the last step
-  std::vector<double> rate_;
-};
-
-/// The period of so many slips that begins at the `onset` of slip, or else the first full one after stick from rest.
-StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double stick_threshold,
-                                  const std::vector<double>* onset = nullptr, int slips = 1) {
-  StickSlipPeriod result;
-  SliderSystem system(model);
-  solvers::StickSlip solver(system, tolerance);
-  const double V = model.drive.speed.level();
-  const auto& s = model.slider;
-  const auto rest = model.law->rest(model.drive.normal_load.level());
-  if (!(onset ? solver.start_slip(0, *onset, 1) : solver.start(0, system.loaded_at_rest(rest, 0.5)))) {
-    result.outcome = {Ending::not_finite, "at the start"};
-    return result;
-  }
-  const double natural = 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
-  const double longest_slip = 300 * natural + 10 * std::abs(system.loaded_at_rest(rest, 1)[0]) / V;
-  constexpr double strengthened = 1e4;  // the most that rest may add to what the contact holds at first
-  solver.rewind_at_switches();          // a slip may be far shorter than the last digit of the stick before it
-  const auto sliding = stability(model);
-  const double frequency = std::sqrt(s.stiffness / s.mass), swing = swing_time(model);
-  constexpr double touch = 10;
-  // Without memory a turn that is not held begins another as wide, or does not, which decides between cycle and none.
-  solver.rest_below(touch * std::max(tolerance, 1e-15) * V, remembers(model));
-  constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
-  constexpr double last_digits = 8 * std::numeric_limits<double>::epsilon();
-  // Slip rate that the last digits of the spring's force make.
-  const double noise = last_digits * s.stiffness * std::abs(sliding.steady.displacement) /
-                       std::max(resistance(model), std::sqrt(s.stiffness * s.mass));
-  const bool damped = overdamped(model);
-  constexpr double many = 200, quiet_enough = 20;  // swings
-  double doubt = 0, lowest_dip = infinity;  // s, of when slip came to rest; and how hard it did, of its highest rate
-  double quiet = 0;                         // s, in which slip has gone at the drive's speed
-  double swings = 0;                        // that slip has gone on for
-  // In the plane of displacement and slip rate paths do not cross: what has made a turn without coming to rest stays
-  // within it.
-  const bool plane = system.rigid() && !remembers(model);
-  constexpr int enough_turns = 2;
-  double slip_rate_before = 0;
-  int turns = 0;
-  Recorder recorder(system, tolerance, stick_threshold, true);
-  bool began = onset != nullptr, fast = false;
-  double slipped = 0, period = 0, stuck = 0, fastest = V, lowest_x = infinity, highest_x = -infinity;
-  Bottoms bottoms(model, system);
-  // What part of their sizes states change by at rest, 1/s.
-  const auto fastest_at_rest = [&](const std::vector<double>& y) {
-    std::vector<double> rate(system.size()), mass(system.size()), size(system.size());
-    system.evaluate(0, y.data(), rate.data());
-    system.mass(0, mass.data());
-    system.scale(y.data(), size.data());
-    double fastest = 0;
-    for (int i = system.first_state(); i < system.size(); ++i)
-      fastest = std::max(fastest, std::abs(rate[i]) / (mass[i] * size[i]));
-    return fastest;
-  };
-  // Slip in the plane creeps where friction rises more steeply than a swing needs to turn, and takes so much longer:
-  // the last of the slopes is that of the slip rate's own row, in the slip rate.
-  std::vector<double> rates(system.size()), slopes(system.size() * system.size());
-  const auto swing_at = [&](const std::vector<double>& y) {
-    system.linearise(0, y.data(), rates.data(), slopes.data());
-    return std::max(swing, -slopes.back() / s.stiffness);
-  };
-  while (slipped < longest_slip) {
-    if (solver.stepper().count().steps > 200'000) {
-      result.outcome = {Ending::budget_spent, "no period of stick and slip within 200000 steps"};
-      break;
-    }
-    const double swing_here = plane && system.direction() != 0 ? swing_at(solver.state()) : swing;
-    constexpr double resolved = 0.1;
-    solver.bound_slip_step(resolved * swing_here);
-    solvers::Switch switched;
-    const double limit = (solver.upcoming() == 0 ? strengthened : 1) * longest_slip;
-    const Outcome outcome = solver.step(limit, switched);
-    if (!outcome.complete()) {
-      result.outcome = outcome;
-      break;
-    }
-    if (solver.time() >= limit && solver.upcoming() == 0) {
-      result.outcome = {Ending::budget_spent, fmt::format("the contact sticks for more than {:.3g} s", limit)};
-      break;
-    }
-    const auto& stop = solver.rest_by_energy();
-    slipped = system.direction() == 0 ? 0 : slipped + solver.stepper().length();
-    if (began) {
-      recorder.step(solver.stepper());
-      period += solver.stepper().length();
-      if (stop) {
-        recorder.linger(stop->later);
-        period += stop->later;
-      }
-      if (system.direction() == 0) stuck += solver.stepper().length();
-      lowest_x = std::min(lowest_x, solver.state()[0]), highest_x = std::max(highest_x, solver.state()[0]);
-    }
-    const double u = system.slip_rate(solver.time(), solver.state().data());
-    fast = fast || u > V;
-    turns = switched != solvers::Switch::none ? 0 : turns + (slip_rate_before < V && u >= V);
-    slip_rate_before = u;
-    if (plane && turns > enough_turns) break;
-    const double away = std::hypot(u - V, frequency * (solver.state()[0] - sliding.steady.displacement));
-    quiet = std::abs(u - V) < settled * V + noise ? quiet + solver.stepper().length() : 0;
-    const bool slips_on = system.direction() != 0 && switched != solvers::Switch::stick;
-    swings = slips_on ? swings + solver.stepper().length() / swing_here : 0;
-    if (sliding.stable && (away < settled * V + noise || quiet > quiet_enough * swing)) break;
-    // Without memory slip that has gone on for so long has found its own cycle.
-    if (swings > many && !remembers(model)) break;
-    if (fast && switched == solvers::Switch::none) result.closest = std::min(result.closest, solver.lowest() / V);
-    if (began) fastest = std::max(fastest, std::abs(u));
-    if (const auto bottom = bottoms.after(solver, switched, std::abs(u)); bottom && began) {
-      // The time at which slip comes to rest hangs on the last digits of the slip rate.
-      if (stop) {
-        result.landing += stop->known;
-        doubt = stop->known;
-      } else if (bottom->deceleration > 0) {
-        result.landing += std::max(tolerance, 1e-15) * bottom->highest / bottom->deceleration;
-      }
-      if (!damped && !stop) {
-        // What the highest slip rate has lost in rounding, unless damping made slip forget it, is missing where it just
-        // comes to rest, and makes the moment at which it does doubtful: by the time in which the spring makes up for
-        // it. States that change at rest keep that.
-        constexpr double known = 5e-17, grazing = 100;
-        const double lost = known * bottom->highest;
-        result.grazes |= bottom->dip < grazing * tolerance * bottom->highest;
-        lowest_dip = std::min(lowest_dip, bottom->dip / bottom->highest);
-        if (switched != solvers::Switch::none)
-          doubt = std::sqrt(2 * s.mass / (s.stiffness * V)) *
-                  (bottom->dip > lost ? lost / std::sqrt(bottom->dip) : std::sqrt(lost));
-      }
-    }
-    if (switched == solvers::Switch::slip && doubt > 0) {
-      result.landing += doubt;
-      result.friction = std::max(result.friction, doubt * s.stiffness * V / model.drive.normal_load.level());
-      result.rounding += doubt * fastest_at_rest(solver.stepper().state());
-      doubt = 0;
-      if (result.rounding > 0.1) {
-        result.outcome = comes_to_rest_or_not(lowest_dip);
-        break;
-      }
-    }
-    if (switched != solvers::Switch::slip || solver.upcoming() < 0) continue;
-    // The mean slip rate is V. Slip that did not pass it, such as rounding makes at its onset, is no period yet.
-    if (began && fastest == V) continue;
-    if (began && --slips > 0) {
-      fastest = V;
-      continue;
-    }
-    if (began) {
-      result.metrics = recorder.finish(period);
-      result.metrics.stick_fraction = stuck / period;
-      // Stick is rest; the end of a located slip is rest but for rounding.
-      if (std::abs(result.metrics.slip_rate_min) < 1e-10 * V) result.metrics.slip_rate_min = 0;
-      result.orbit = std::move(recorder.orbit);
-      result.onset = solver.state();
-      result.onset_displacement = result.onset[0];
-      // Slip begins where the spring is loaded beyond the last digits of its force.
-      const double digits = 1e-14 * std::max(std::abs(lowest_x), std::abs(highest_x));
-      result.closure = result.landing / period + digits / (highest_x - lowest_x) + result.rounding;
-      result.found = true;
-      break;
-    }
-    began = true;
-  }
-  result.steps = solver.stepper().count().steps;
-  result.evaluations = solver.stepper().count().evaluations;
-  return result;
-}
 
 /// The return of contact states from onset to onset, about the fixed point that periods from stick lead to.
 class OnsetMap {
@@ -697,7 +454,10 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     cycle.section_displacement = fine.onset_displacement;
     if (sticks) onset = fine.onset, slips = fine.slips, turned = fine.turned;
     cycle.outcome = sharpening.judge(reached, worst);
-    if (cycle.outcome.complete()) break;
+    if (cycle.outcome.complete()) {
+      state_with_caution(cycle.error, cycle.metrics, options.tolerance, V);
+      break;
+    }
     coarse = std::move(fine);
   }
   if (sticks) {

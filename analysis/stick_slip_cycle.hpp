@@ -7,8 +7,4 @@ namespace rosin::analysis {
 /// As find_cycle, of a model that it has checked, with a drive speed above 0.
 Cycle find_stick_slip_cycle(const oscillators::Model&, const CycleOptions&);
 
-/// Time (s) of a free swing about steady sliding, or in which it relaxes where damping, that of friction which grows
-/// with the slip rate included, leaves no swing. Slip is followed in steps that are a part of it.
-double swing_time(const oscillators::Model&);
-
 }  // namespace rosin::analysis

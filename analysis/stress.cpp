@@ -433,7 +433,8 @@ Judgement judge_cycle(const Model& model) {
   const bool has_numbers = tight.metrics.period > 0;
   if (tight.outcome.ending == Ending::none_exists && loose.outcome.ending == Ending::none_exists) {
     std::string_view reason = loose.outcome.detail;
-    if (reason.starts_with("the motion started from stick dies out")) {
+    if (reason.starts_with("the motion started from stick dies out") ||
+        reason.starts_with("no two periods are alike: neighbouring motions part")) {
       // From a slip of another size too.
       const double V = model.drive.speed.level();
       Start other;

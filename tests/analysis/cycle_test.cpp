@@ -213,8 +213,11 @@ TEST_CASE("a period holds no more slips than it must", "[cycle]") {
     for (const auto& m : cycle.multipliers) CHECK(std::abs(m) > 0);  // what is unknown is left out
     std::vector<double> slips;
     const double fast = 0.5 * cycle.metrics.slip_rate_max;
-    for (std::size_t i = 1; i < cycle.orbit.size(); ++i)
-      if (cycle.orbit[i - 1].slip_rate < fast && cycle.orbit[i].slip_rate >= fast) slips.push_back(cycle.orbit[i].time);
+    for (std::size_t i = 1; i < cycle.orbit.size(); ++i) {
+      const auto &a = cycle.orbit[i - 1], &b = cycle.orbit[i];
+      if (a.slip_rate < fast && b.slip_rate >= fast)
+        slips.push_back(a.time + (b.time - a.time) * (fast - a.slip_rate) / (b.slip_rate - a.slip_rate));
+    }
     REQUIRE(int(slips.size()) == expected);
     if (expected == 2) CHECK(std::abs(2 * (slips[1] - slips[0]) / cycle.metrics.period - 1) > 1e-3);
   }

@@ -111,6 +111,21 @@ TEST_CASE("a law that weakens down to rest has no motion through rest without it
   const auto cycle = find_cycle(model);
   CHECK(cycle.outcome.ending == Ending::none_exists);
   CHECK_THAT(cycle.outcome.detail, Catch::Contains("rises without bound toward rest"));
+  // Runs say so too, whatever their tolerance.
+  auto running = slider_under(
+      "ageing",
+      {0.39553686818335965, 0.029742573772946389, 0.034304623988555417, 1.0984168646027641e-09, 0.00047170635085442837},
+      {0, 0.055770948587882833, 0}, 0.21878173341744087, 2.2991489639972009);
+  running.lambda = 0;
+  RunOptions options;
+  options.duration = 585.64380341217998;
+  options.samples = 20;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 0.00013878442954673095;
+  for (const double tolerance : {1e-6, 1e-9}) {
+    options.tolerance = tolerance;
+    CHECK(run(running, options).outcome.ending == Ending::none_exists);
+  }
 }
 
 TEST_CASE("a mass reverses under friction that turns over within e^(-260) of the slip rate", "[stress]") {
@@ -1405,4 +1420,81 @@ TEST_CASE("damping that all but cancels against falling friction is in the error
   CHECK(std::abs(found.eigenvalues.front() - s) <= found.eigenvalue_errors.front() + digits);
   CHECK(found.eigenvalue_errors.front() > 0.01 * digits);
   CHECK(found.eigenvalue_errors.front() < 100 * digits);
+}
+
+TEST_CASE("a massless contact on a curve that rises without bound comes to rest for good, and that is said",
+          "[stress]") {
+  auto model = slider_under(
+      "prz",
+      {0.78924316628356461, 0.026721390579906631, 0.046583541916077734, 0.0010544656988849899, 2.4261010152166294e-06},
+      {0, 4488590.5274988012, 0}, 1.7651878883356446e-06, 11.683530054139325);
+  model.lambda = 0;
+  model.contact_stiffness.per_load = 31.969714852044639;
+  model.contact_stiffness.damping_per_load = 0.0028935908084019137;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("rises without bound toward rest"));
+}
+
+TEST_CASE("slip that waits for heat in depth is not followed swing by swing", "[stress]") {
+  auto model = slider_under("thermal-disc",
+                            {0.48488049918785692, 0.45802357964849449, 0.002922686929308551, 1.3930019933642792,
+                             0.011274087902583621, 0.00011337880059219933, 0.00079154181654863707,
+                             0.0015149130571805347, 1.0, 5.0577548035411631e-06, 0.13562499943581022},
+                            {5.2101003935200705e-13, 7.6424614326181395, 7.2579876222019888e-07},
+                            9.2602816516951825e-06, 1.7451685988140861e-07);
+  model.lambda = 135.06231189567183;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK(cycle.cost.steps < 20'000);
+}
+
+TEST_CASE("where neighbouring motions part, no two periods are alike", "[stress][long]") {
+  auto model = slider_under("lugre",
+                            {13841.18734901997, 234.86461977763148, 2.120547179998709, 2.801927425611817,
+                             0.46927103811715881, 0.00031366463733796779},
+                            {273732018.01126117, 5783.057743404127, 1101.7235685370063}, 7.0763840818316007e-06,
+                            62.503265491636149);
+  model.lambda = 1.0;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK_THAT(cycle.outcome.detail, Catch::Contains("neighbouring motions part"));
+}
+
+TEST_CASE("a slip rate that follows from friction or from forces says how little it is known", "[stress]") {
+  // Explicit steps at two tolerances share their last step, in which slip sets in.
+  const auto loading =
+      slider_under("kato-tullis",
+                   {0.73791420194722435, 0.0035319655138023633, 0.028477753569232194, 0.036339182503590466,
+                    4.573046893829553e-08, 0.00058114330769913907},
+                   {0, 0.013230562127199117, 0.0033690086082170168}, 4.0037667188342837e-06, 1.1102277215482179e-05);
+  RunOptions options;
+  options.duration = 217.80992401858319;
+  options.samples = 20;
+  options.start.kind = Start::Kind::rest;
+  options.tolerance = 1e-6;
+  constexpr std::size_t slip_rate = 2;
+  const auto compared = [&](const Model& model, const char* one, const char* another) {
+    options.solver = one;
+    const auto first = run(model, options);
+    options.solver = another;
+    const auto second = run(model, options);
+    REQUIRE(first.columns[slip_rate].size() == second.columns[slip_rate].size());
+    for (std::size_t i = 0; i < first.columns[slip_rate].size(); ++i)
+      CHECK(std::abs(first.columns[slip_rate][i] - second.columns[slip_rate][i]) <=
+            first.column_error[slip_rate] + second.column_error[slip_rate]);
+  };
+  compared(loading, "explicit", "collocation");
+  // BDF behind a contact damper, with a deflection of 5e-5 m to its tolerance and 1e-10 m/s.
+  auto damped = slider_under("bowden-tabor",
+                             {1.3218191966750465, 0.10326254352478915, 0.14618521651913247, 1.2543380261184025e-07,
+                              1.6459537644860065e-06, 0.015135635846682359, 316.79668520844666},
+                             {0, 104032.98957383622, 0}, 9.0987771995744977e-10, 173.56670699544219);
+  damped.lambda = 4.1052580945517091e-06;
+  damped.contact_stiffness.tangential = 2118972.3936634967;
+  damped.contact_stiffness.damping = 940597.20057704498;
+  options.duration = 2.6520918758570388e-06;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 1.4510388383333548e-10;
+  compared(damped, "collocation", "cvode");
 }
