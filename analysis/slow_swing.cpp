@@ -189,9 +189,9 @@ SlowEnd follow_slow_swing(ReturnMap& map, const SlowSwing& start, double toleran
     constexpr double aside = 100 * searched;
     const auto low = beside(map, root->swing, -aside, tolerance), high = beside(map, root->swing, aside, tolerance);
     if (!low || !high || !(high->growth < low->growth)) break;
-    return {.balance = root->swing, .slope = (high->growth - low->growth) / (2 * aside), .turns = turns};
+    return {.balance = root->swing, .slope = (high->growth - low->growth) / (2 * aside), .last = {}, .turns = turns};
   }
-  return {.last = here, .turns = turns};
+  return {.balance = {}, .slope = 0, .last = here, .turns = turns};
 }
 
 std::optional<Return> return_after(ReturnMap& map, const SlowSwing& last, const SlowSwing& first, double tolerance) {

@@ -438,10 +438,13 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     if (!fine.found && cycle.metrics.period > 0) break;  // what was found before stays, as it was known
     if (!fine.found) {
       constexpr double rounding = 1e-13;
-      cycle.outcome =
-          sticks && fine.closest < rounding
-              ? comes_to_rest_or_not(fine.closest)
-              : Outcome{Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
+      if (sticks && fine.closest < rounding)
+        cycle.outcome = comes_to_rest_or_not(fine.closest);
+      else if (!sliding.stable && !sliding.marginal && remembers(model))
+        cycle.outcome = {Ending::budget_spent,
+                         "slip started from stick has not come to rest again, and steady sliding repels it"};
+      else
+        cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;
     }
     double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), fine.closure, V, false,

@@ -1498,3 +1498,16 @@ TEST_CASE("a slip rate that follows from friction or from forces says how little
   options.start.slip_rate = 1.4510388383333548e-10;
   compared(damped, "collocation", "cvode");
 }
+
+TEST_CASE("slip that unstable sliding repels goes somewhere, found or not", "[stress][long]") {
+  // Heat in depth changes a swing by 1e-13 in a turn: at 1e-9 it just sticks, at 1e-6 it does not within 300 swings.
+  auto model =
+      slider_under("thermal-disc",
+                   {0.19928516987804967, 0.24613588508571249, 2.7056158468040499e-06, 0.3684474812543454,
+                    0.12225978759214202, 0.0013182892029994866, 7.2737511498003125, 0.00052127549875993111, 1.0,
+                    4.6908154991219987e-07, 0.0016914400044560566},
+                   {2.9023606262309662e-05, 5626520.0115066105, 0}, 0.14251959915140353, 0.0019078614871253653);
+  model.lambda = 42349.194017301976;
+  CHECK_FALSE(stability(model).stable);
+  CHECK(find_cycle(model, {.tolerance = 1e-6}).outcome.ending != Ending::none_exists);
+}
