@@ -21,7 +21,7 @@ namespace {
 
 constexpr double coarser = 10;       ///< ratio of the tolerances that are compared
 constexpr double plainer = 16;       ///< tolerance of passages that only lead to those that are measured, over theirs
-constexpr double loosest = 1e-3;     ///< tolerance: above it steps go astray
+constexpr double loosest = 2e-4;     ///< tolerance: above it steps go astray
 constexpr int most_passages = 60;    ///< of one slider
 constexpr long most_tries = 60'000;  ///< of steps of one slider, before it is left to be followed by itself
 constexpr double astray = 1e-3;      ///< amplitude by which a cycle is left to see whether motion comes back to it
@@ -281,7 +281,8 @@ class Settling final : public PassageQueue {
       p.amplitude = search.amplitude;
       p.from_section = true;
       p.record = false;
-      if (search.inherited.size() > 0) search.tolerance = plainer * inheriting_tolerance(search);
+      if (search.inherited.size() > 0)
+        search.tolerance = std::min(plainer * inheriting_tolerance(search), first_tolerance());
       search.start_at(search.fixed_point);
       return;
     }
@@ -403,10 +404,10 @@ class Settling final : public PassageQueue {
                       passage.tolerance * size};
     search.learn(visit);
     if (search.probed) return probe(search, image, cycle);
-    const bool first = search.passages == (search.hinted ? 1 : 2);
-    if (first && !search.sticks && hides_contraction(search, visit)) {
+    const bool unlearned = search.hinted ? search.passages == 1 : search.derivative_error == 1;
+    if (unlearned && !search.sticks && hides_contraction(search, visit)) {
       // Look along the amplitude.
-      const double ahead = std::max(astray, 3 * Search::least_move * passage.tolerance);  // surely enough to learn
+      const double ahead = std::max(astray, 6 * Search::least_move * passage.tolerance);  // surely enough to learn
       search.start_at(image + ahead * (image - search.steady()));
       return true;
     }

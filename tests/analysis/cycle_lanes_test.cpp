@@ -398,3 +398,22 @@ TEST_CASE("a cycle that settles slowly is not taken for settled because one turn
     if (cycle.found) CHECK(std::abs(cycle.metrics.loop_area - alone.metrics.loop_area) <= cycle.error.loop_area);
   }
 }
+
+TEST_CASE("lanes find the cycles of a plane that is asked for loosely", "[cycle-lanes]") {
+  constexpr int n = 17;
+  Tile tile;
+  std::vector<Model> models;
+  std::vector<GridPlace> places;
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      const Model model = bristol_board(std::pow(10, -8 + 8.0 * x / (n - 1)), std::pow(10, -4 + 6.0 * y / (n - 1)));
+      if (stability(model).stable) continue;
+      models.push_back(model);
+      places.push_back({&tile, x, y, phase_of(x, y, 8)});
+    }
+  for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+    const auto cycles = find_cycles(models, {tolerance, 0.1, {"stick_fraction", "loop_area"}}, places);
+    CHECK(std::ranges::all_of(cycles, &LaneCycle::found));
+    tile = {};
+  }
+}
