@@ -1,6 +1,7 @@
 /// Cycles of many sliders at once are those found one by one, within the stated errors.
 #include "analysis/cycle_lanes.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
