@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/interpolant.hpp"
+
 namespace rosin::analysis {
 
 using Eigen::MatrixXd;
@@ -51,22 +53,6 @@ std::vector<Tile::Neighbour> Tile::line(int point, bool along_row) const {
   return found;
 }
 
-namespace {
-
-/// Weights of the polynomial through some points of a line, at distance 0.
-std::vector<double> weights_of(std::span<const Tile::Neighbour> line) {
-  std::vector<double> weights;
-  for (const auto& a : line) {
-    double weight = 1;
-    for (const auto& b : line)
-      if (&b != &a) weight *= double(-b.distance) / (a.distance - b.distance);
-    weights.push_back(weight);
-  }
-  return weights;
-}
-
-}  // namespace
-
 std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Neighbour>> lines) const {
   constexpr double farthest = 3;  // sum of weights: extrapolation beyond it misleads
   struct Adviser {
@@ -86,7 +72,9 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
     const auto known = [&](std::size_t k) -> const KnownCycle& { return *points_[line[k].point].cycle; };
     for (std::size_t k = 1; k < line.size(); ++k)
       if (known(k).fixed_point.size() != known(0).fixed_point.size()) return std::nullopt;  // of another kind
-    const auto weights = weights_of(line);
+    std::vector<int> places;
+    for (const auto& n : line) places.push_back(n.distance);
+    const auto weights = lagrange_weights(places, 0);
     double sum = 0;
     for (const double weight : weights) sum += std::abs(weight);
     if (sum > farthest) continue;
@@ -94,7 +82,7 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
     for (std::size_t k = 0; k < line.size(); ++k)
       advisers.push_back({weights[k] * std::pow(line.front().distance, -4.0), &known(k), k < 2});
     const auto derivative_through = [&](std::size_t count) {
-      const auto through = weights_of(std::span(line).first(count));
+      const auto through = lagrange_weights({places.begin(), places.begin() + long(count)}, 0);
       MatrixXd sum = through[0] * known(0).derivative;
       for (std::size_t k = 1; k < count; ++k) sum += through[k] * known(k).derivative;
       return sum;

@@ -281,15 +281,20 @@ Stability stability(const Model& model) {
   return result;
 }
 
-bool critical_load_is_closed(const Model& model) {
-  return single_state(model) && model.slider.damping == 0 && std::isfinite(model.slider.stiffness);
+namespace {
+/// Where the critical load has a closed form.
+std::optional<SingleState> undamped_single_state(const Model& model) {
+  if (model.slider.damping != 0 || !std::isfinite(model.slider.stiffness)) return std::nullopt;
+  return single_state(model);
 }
+}  // namespace
+
+bool critical_load_is_closed(const Model& model) { return undamped_single_state(model).has_value(); }
 
 std::optional<CriticalLoad> critical_load(const Model& model) {
-  if (!critical_load_is_closed(model)) return std::nullopt;
-  const auto law = single_state(model);
+  const auto law = undamped_single_state(model);
   const auto& slider = model.slider;
-  if (!(law->slope < 0)) return std::nullopt;
+  if (!law || !(law->slope < 0)) return std::nullopt;
   // ω_c² = −g² μ_ss'/μ_v; −g μ_ss' N_c = [1/(k − m ω_c²) + 1/k_t]⁻¹, and with k_t = κ N:
   // N_c = (k − m ω_c²) [1/(−g μ_ss') − 1/κ].
   const double omega = law->g * std::sqrt(-law->slope / law->direct), pull = -law->g * law->slope;
@@ -303,9 +308,9 @@ std::optional<CriticalLoad> critical_load(const Model& model) {
 }
 
 bool surely_unstable(const Model& model) {
-  if (model.contact_stiffness.present() || !critical_load_is_closed(model)) return false;
+  const auto law = undamped_single_state(model);
+  if (!law || model.contact_stiffness.present()) return false;
   // Routh's condition is k − m ω_c² > −g N μ_ss'.
-  const auto law = single_state(model);
   const double omega_squared = -law->g * law->g * law->slope / law->direct;
   const double inertia = model.slider.mass * omega_squared,
                pull = -law->g * model.drive.normal_load.level() * law->slope;
