@@ -21,7 +21,7 @@ namespace {
 
 constexpr double coarser = 10;       ///< ratio of the tolerances that are compared
 constexpr double plainer = 16;       ///< tolerance of passages that only lead to those that are measured, over theirs
-constexpr double loosest = 2e-4;     ///< tolerance: above it steps go astray
+constexpr double loosest = 1e-4;     ///< tolerance: above it steps go astray
 constexpr int most_passages = 60;    ///< of one slider
 constexpr long most_tries = 60'000;  ///< of steps of one slider, before it is left to be followed by itself
 constexpr double astray = 1e-3;      ///< amplitude by which a cycle is left to see whether motion comes back to it

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "core/pack.hpp"
+#include "core/pack_pair.hpp"
 
 namespace rosin {
 

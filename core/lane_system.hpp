@@ -17,8 +17,8 @@ class LaneSystem {
   /// f and ∂f/∂y, row-major size × size. Solvers eliminate the unknowns in their order and without pivoting: mechanics
   /// first, which are never stiff, then those of the contact.
   virtual void linearise(const Lanes* y, Lanes* f, Lanes* jacobian) const = 0;
-  /// The sizes by which errors in each unknown are measured, at y.
-  virtual void scale(const Lanes* y, Lanes* s) const = 0;
+  /// The sizes by which errors in each unknown are measured, at y, where the derivative is `jacobian`.
+  virtual void scale(const Lanes* y, const Lanes* jacobian, Lanes* s) const = 0;
 };
 
 }  // namespace rosin

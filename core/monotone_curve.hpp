@@ -47,6 +47,9 @@ class MonotoneCurve {
     for (int lane = 0; lane < pack_width; ++lane) y.block[lane] = (*this)(double(x.block[lane]), order);
     return y;
   }
+  PackPair operator()(const PackPair& x, int order = 0) const {
+    return {(*this)(x.half[0], order), (*this)(x.half[1], order)};
+  }
   template <class Real, int n>
   Dual<Real, n> operator()(const Dual<Real, n>& x, int order = 0) const {
     return detail::chain(x, (*this)(x.value, order), (*this)(x.value, order + 1));

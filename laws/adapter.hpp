@@ -273,7 +273,7 @@ struct Rows {
         law.steady(at, state);
       } else {
         read(law, z, state);
-        rates(law, at, state, z, g);
+        rates(law, at, state, g);
       }
       F = N * law.friction(at, state);
       if (law.set_valued) F = in.direction * F;
@@ -286,7 +286,7 @@ struct Rows {
     typename Law::Number state[Law::capacity];
     read(law, z + 1, state);
     v = law.slip_rate(z[0], N, state);
-    rates(law, Sliding<T>{v, N}, state, z + 1, g);
+    rates(law, Sliding<T>{v, N}, state, g);
   }
 
  private:
@@ -307,12 +307,11 @@ struct Rows {
         state[k] = z[k];
   }
   template <class Law, class T>
-  ROSIN_INLINE static void rates(const Law& law, const Sliding<T>& at, const typename Law::Number* state, const T* z,
-                                 T* g) {
+  ROSIN_INLINE static void rates(const Law& law, const Sliding<T>& at, const typename Law::Number* state, T* g) {
     law.rate(at, state, g);
     ROSIN_UNROLL
     for (int k = 0; k < law.states; ++k)
-      if (law.logarithmic(k)) g[k] = g[k] * exp(-z[k]);
+      if (law.logarithmic(k)) g[k] = g[k] / state[k];
   }
 };
 
@@ -401,6 +400,8 @@ template <template <class> class L, class Real>
 class LawContact final : public Contact<Real> {
   using Part = Portion<Real>;
   using Scalar = typename Part::Scalar;
+  using Wide = WidePortion<Real>;
+  using WideScalar = typename Wide::Scalar;
   static constexpr int states = detail::count_states<L>();
   static constexpr int directions = states + 3;  // derivatives by (μ, states), u and N
   using Derivative = Dual<Scalar, directions>;
@@ -408,7 +409,7 @@ class LawContact final : public Contact<Real> {
 
  public:
   LawContact(std::span<const Value> parameters, const ContactSetup& setup) : setup_(setup) {
-    law_.fill(detail::build<L<Scalar>>(parameters));
+    law_.fill(detail::build<L<WideScalar>>(parameters));
     derivative_law_.fill(detail::build<L<Derivative>>(parameters));
     lane_law_.fill(detail::build<L<double>>(parameters));
   }
@@ -425,19 +426,20 @@ class LawContact final : public Contact<Real> {
 
   void steady_friction(const Real& u, const Real& N, Real& mu) const override {
     on_lanes<Real>([&] {
-      for (int p = 0; p < Part::count; ++p)
-        Part::of(mu, p) = detail::steady_coefficient(detail::Written<L, Scalar>{law_[p]},
-                                                     Sliding<Scalar>{Part::of(u, p), Part::of(N, p)});
+      for (int p = 0; p < Wide::count; ++p)
+        Wide::set(mu, p,
+                  detail::steady_coefficient(detail::Written<L, WideScalar>{law_[p]},
+                                             Sliding<WideScalar>{Wide::get(u, p), Wide::get(N, p)}));
     });
   }
 
   void mass(const Real& N, Real* m) const override { setup_.mass(N, states, m); }
 
   void load(int lane, std::span<const Value> parameters, const ContactSetup& setup) override {
-    if constexpr (Part::count > 1) detail::require_same_lists(law_[0], parameters);
+    if constexpr (Wide::count > 1) detail::require_same_lists(law_[0], parameters);
     setup_.load(lane, setup);
     lane_law_[lane] = detail::build<L<double>>(parameters);
-    detail::assign(law_[lane / pack_width], parameters, lane % pack_width);
+    detail::assign(law_[lane / Wide::width], parameters, lane % Wide::width);
     detail::assign(derivative_law_[lane / pack_width], parameters, lane % pack_width);
   }
 
@@ -451,15 +453,16 @@ class LawContact final : public Contact<Real> {
 
  private:
   ROSIN_INLINE void evaluate_here(const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const {
-    for (int p = 0; p < Part::count; ++p) {
-      Scalar part_z[states + 1] = {}, part_g[states + 1] = {};
+    for (int p = 0; p < Wide::count; ++p) {
+      WideScalar part_z[states + 1] = {}, part_g[states + 1] = {}, part_F;
       const int n = unknowns();
-      for (int i = 0; i < n; ++i) part_z[i] = Part::of(z[i], p);
-      setup_.rows()(detail::Written<L, Scalar>{law_[p]},
-                    ContactInput<Scalar>{Part::of(in.slip_rate, p), Part::of(in.normal_load, p),
-                                         Part::of(in.load_rate, p), Part::of(in.direction, p)},
-                    Part::of(setup_.compliance(), p), part_z, part_g, Part::of(F, p));
-      for (int i = 0; i < n; ++i) Part::of(g[i], p) = part_g[i];
+      for (int i = 0; i < n; ++i) part_z[i] = Wide::get(z[i], p);
+      setup_.rows()(detail::Written<L, WideScalar>{law_[p]},
+                    ContactInput<WideScalar>{Wide::get(in.slip_rate, p), Wide::get(in.normal_load, p),
+                                             Wide::get(in.load_rate, p), Wide::get(in.direction, p)},
+                    Wide::get(setup_.compliance(), p), part_z, part_g, part_F);
+      for (int i = 0; i < n; ++i) Wide::set(g[i], p, part_g[i]);
+      Wide::set(F, p, part_F);
     }
   }
 
@@ -489,7 +492,7 @@ class LawContact final : public Contact<Real> {
   }
 
   Surroundings<Real> setup_;
-  std::array<L<Scalar>, Part::count> law_;
+  std::array<L<WideScalar>, Wide::count> law_;
   std::array<L<Derivative>, Part::count> derivative_law_;
   std::array<L<double>, std::is_same_v<Real, Lanes> ? lane_count : 1> lane_law_;  ///< for starts, one lane at a time
 };

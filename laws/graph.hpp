@@ -99,6 +99,7 @@ class Symbol {
   friend Symbol operator+(const Symbol& a, const Symbol& b) { return make(Operation::add, a, b); }
   friend Symbol operator-(const Symbol& a, const Symbol& b) { return make(Operation::subtract, a, b); }
   friend Symbol operator*(const Symbol& a, const Symbol& b) { return make(Operation::multiply, a, b); }
+  friend Symbol operator/(const Symbol& a, const Symbol& b) { return make(Operation::divide, a, b); }
   friend Symbol operator-(const Symbol& a) { return make(Operation::negate, a, a); }
   friend Symbol exp(const Symbol& a) { return make(Operation::exp, a, a); }
   friend Symbol sign(const Symbol& a) { return make(Operation::sign, a, a); }

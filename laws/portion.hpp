@@ -21,6 +21,24 @@ struct Portion<Lanes> {
   ROSIN_INLINE static Pack& of(Lanes& x, int i) { return x.pack[i]; }
 };
 
+/// The same for values without derivatives, which leave registers free: two packs of lanes side by side.
+template <class Real>
+struct WidePortion {
+  using Scalar = Real;
+  static constexpr int count = 1, width = 1;
+  static const Real& get(const Real& x, int) { return x; }
+  static void set(Real& x, int, const Real& value) { x = value; }
+};
+template <>
+struct WidePortion<Lanes> {
+  using Scalar = PackPair;
+  static constexpr int count = lane_packs / 2, width = 2 * pack_width;
+  ROSIN_INLINE static PackPair get(const Lanes& x, int i) { return {x.pack[2 * i], x.pack[2 * i + 1]}; }
+  ROSIN_INLINE static void set(Lanes& x, int i, const PackPair& value) {
+    for (int k = 0; k < 2; ++k) x.pack[2 * i + k] = value.half[k];
+  }
+};
+
 /// Runs a kernel once, on the instruction set in use if it works on packs.
 template <class Real, class Kernel>
 void on_lanes(const Kernel& kernel) {
@@ -35,6 +53,9 @@ namespace detail {
 /// Sets one lane of a scalar: the only lane of a double or of a Dual's slopes stays constant.
 inline void set_lane(double& x, int, double value) { x = value; }
 inline void set_lane(Pack& x, int lane, double value) { x.block[lane] = value; }
+inline void set_lane(PackPair& x, int lane, double value) {
+  set_lane(x.half[lane / pack_width], lane % pack_width, value);
+}
 inline void set_lane(Lanes& x, int lane, double value) { x.set(lane, value); }
 template <class Real, int n>
 void set_lane(Dual<Real, n>& x, int lane, double value) {

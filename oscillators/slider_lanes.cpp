@@ -23,6 +23,7 @@ SliderLanes::SliderLanes(const SliderSystem& pattern)
       mechanics_(pattern.mechanics()),
       rigid_(pattern.rigid()),
       switches_(law_->set_valued()),
+      forgives_(mechanics_ == Mechanics::inertial && rigid_ && pattern.carries_friction()),
       contact_slip_rate_(pattern.contact_slip_rate_index()),
       contact_(law_->lanes(setup_)) {
   if (!pattern.autonomous()) throw InputError("sliders in lanes need a drive that is constant in time");
@@ -56,11 +57,18 @@ void SliderLanes::load(int lane, const SliderSystem& slider) {
   double s[capacity];
   slider.relevance_scale(s);  // speeds are measured by the drive's, or their own
   // What errors cost and bring, by measurement: friction follows from slip rate and states, which are asked for more.
-  constexpr double slow = 0.3, friction = 5, state = 0.3;
+  // Where errors that are soon forgotten are forgiven, the others count for more: those of displacement are kept for
+  // good.
+  const double displacement = forgives_ ? 0.03 : 1, slip_rate = forgives_ ? 0.1 : 0.3, friction = 5, state = 0.3;
   for (int i = 0; i < size(); ++i) {
     const bool speed = (mechanical_ > 1 && i == 1) || i == contact_slip_rate_;
     const bool carried = slider.carries_friction() && i == mechanical_;
-    scale_[i].set(lane, s[i] * (speed ? slow : carried ? friction : i < mechanical_ ? 1 : state));
+    scale_[i].set(lane, s[i] * (speed ? slip_rate : carried ? friction : i < mechanical_ ? displacement : state));
+  }
+  if (forgives_) {
+    const double direct_effect = 0.1 * s[mechanical_];
+    loading_time_.set(
+        lane, direct_effect * model.drive.normal_load.level() / (model.slider.stiffness * model.drive.speed.level()));
   }
 }
 
@@ -142,13 +150,36 @@ void SliderLanes::linearise(const Lanes* y, Lanes* f, Lanes* jacobian) const {
   });
 }
 
-void SliderLanes::scale(const Lanes* y, Lanes* s) const {
+void SliderLanes::scale(const Lanes* y, const Lanes* jacobian, Lanes* s) const {
   for (int i = 0; i < size(); ++i) s[i] = scale_[i];
   for (const int speed : {mechanical_ > 1 ? 1 : -1, contact_slip_rate_})
     if (speed >= 0)
       for_each_pack([&](int p) __attribute__((always_inline)) {
         s[speed].pack[p] = max(s[speed].pack[p], abs(y[speed].pack[p]));
       });
+  if (forgives_) forgive_states(jacobian, s);
+}
+
+/// The error of a state pushes the slip rate, against inertia and the direct effect, for as long as the state remembers
+/// it. Where that is too short to matter, and to last until the drive has loaded the contact, larger ones will do:
+/// states that follow slip closely, and contacts that have only begun to heal.
+void SliderLanes::forgive_states(const Lanes* jacobian, Lanes* s) const {
+  constexpr double soon = 0.1, most = 100;
+  const int n = size(), friction = mechanical_;
+  Lanes m[capacity];
+  mass(m);
+  for_each_pack([&](int p) __attribute__((always_inline)) {
+    // Row `friction` is u − v(μ, states): ∂v/∂μ, which is the inverse of the direct effect, and ∂v/∂state.
+    const Pack v_mu = abs(jacobian[friction * n + friction].pack[p]);
+    const Pack inertia_over_load = mass_.pack[p] / load_.pack[p];
+    for (int i = friction + 1; i < n; ++i) {
+      const Pack forgets = abs(jacobian[i * n + i].pack[p]) / m[i].pack[p];
+      const Pack v_state = abs(jacobian[friction * n + i].pack[p]) * s[i].pack[p];
+      const Pack harmless = s[1].pack[p] * (1.0 + inertia_over_load * forgets * v_mu) / max(v_state, Pack(1e-300));
+      const Pack forgotten = soon * forgets * loading_time_.pack[p];
+      s[i].pack[p] = s[i].pack[p] * min(max(min(harmless, forgotten), Pack(1.0)), Pack(most));
+    }
+  });
 }
 
 void SliderLanes::contact_slip_rate(const Lanes* y, Lanes& v) const {

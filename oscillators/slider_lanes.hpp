@@ -27,7 +27,7 @@ class SliderLanes final : public LaneSystem {
   void mass(Lanes* m) const override;
   void evaluate(const Lanes* y, Lanes* f) const override;
   void linearise(const Lanes* y, Lanes* f, Lanes* jacobian) const override;
-  void scale(const Lanes* y, Lanes* s) const override;
+  void scale(const Lanes* y, const Lanes* jacobian, Lanes* s) const override;
 
   /// Slip rate of the contact, coefficient of friction.
   void contact_slip_rate(const Lanes* y, Lanes& v) const;
@@ -41,6 +41,7 @@ class SliderLanes final : public LaneSystem {
  private:
   void mechanics(const Lanes* y, const Lanes& F, Lanes* f) const;
   void imposed_slip_rate(const Lanes* y, Lanes& u) const;
+  void forgive_states(const Lanes* jacobian, Lanes* s) const;
   /// 1 in slip, 0 in stick.
   ROSIN_INLINE Pack slips(int p) const { return direction_.pack[p] * direction_.pack[p]; }
 
@@ -49,11 +50,12 @@ class SliderLanes final : public LaneSystem {
   ContactSetup setup_;
   Mechanics mechanics_;
   int mechanical_;
-  bool rigid_, switches_;
+  bool rigid_, switches_, forgives_;
   int contact_slip_rate_;  ///< its index among the unknowns, or −1
   std::unique_ptr<Contact<Lanes>> contact_;
   Lanes mass_, stiffness_, damping_, speed_, load_, force_, direction_ = 1.0, none_ = 0.0;
   std::vector<Lanes> scale_;
+  Lanes loading_time_ = 0.0;  ///< in which the drive loads the contact by its direct effect, s
 };
 
 }  // namespace rosin::oscillators

@@ -178,8 +178,8 @@ ROSIN_INLINE void Ensemble::decide(Size n, int p) {
 template <class Size>
 void Ensemble::try_step(Size n) {
   system_.mass(mass_.data());
-  system_.scale(y_.data(), scale_.data());
   system_.linearise(y_.data(), f_.data(), factors_.data());
+  system_.scale(y_.data(), factors_.data(), scale_.data());
   run_on_lanes([&] {
     for (int p = 0; p < lane_packs; ++p) factorise_pack(n, p);
   });

@@ -32,7 +32,7 @@ class Driven final : public LaneSystem {
     J[1] = 1.0, J[4] = -1.0, J[8] = rate_, J[10] = -rate_, J[15] = -1.0;
     for (int p = 0; p < lane_packs; ++p) J[14].pack[p] = 2.0 * y[2].pack[p];
   }
-  void scale(const Lanes*, Lanes* s) const override {
+  void scale(const Lanes*, const Lanes*, Lanes* s) const override {
     for (int i = 0; i < 4; ++i) s[i] = 1.0;
   }
   /// The exact solution that starts at s = 1, p = 0 on the slow manifold.
@@ -82,7 +82,7 @@ class Chain final : public LaneSystem {
       if (i > 0) J[i * n_ + i - 1] = rate(i);
     }
   }
-  void scale(const Lanes*, Lanes* s) const override {
+  void scale(const Lanes*, const Lanes*, Lanes* s) const override {
     for (int i = 0; i < n_; ++i) s[i] = 1.0;
   }
   /// y_i(t) = Π_{k=1..i} r_k Σ_j e^(−r_j t)/Π_{k≠j} (r_k − r_j), H. Bateman, Proc. Camb. Phil. Soc. 15, 423 (1910).
