@@ -1,10 +1,10 @@
 /// SIMD elementary functions against 80-bit arithmetic, over random and special arguments.
-#include "core/pack.hpp"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
 #include <random>
+
+#include "core/pack_pair.hpp"
 
 using namespace rosin;
 
@@ -123,6 +123,21 @@ TEST_CASE("pack comparisons, choices and signs act lane by lane", "[core][pack]"
     CHECK(ulps((a / b + a * b - a).block[i], left[i] / right[i] + left[i] * right[i] - left[i]) == 0);
   }
   CHECK_FALSE(std::signbit(abs(Pack(-0.0)).block[0]));
+}
+
+TEST_CASE("two packs side by side are two packs", "[core][pack]") {
+  Pack a, b;
+  for (int i = 0; i < pack_width; ++i) a.block[i] = 0.3 * i - 1.1, b.block[i] = 2.5 - 0.7 * i;
+  const auto both = [](const auto& x, const auto& y) {
+    const auto chosen = select((x < y) ^ !((x > y) | ((x < 0.5) & (y > 0.1))), exp(x) / expm1(y), sqrt(abs(x)));
+    return max(min(chosen, log(abs(y))), -log1p(x * x)) - 2.0 * (x + y);
+  };
+  const PackPair pair = both(PackPair(a, b), PackPair(b, a));
+  const Pack one = both(a, b), other = both(b, a);
+  for (int i = 0; i < pack_width; ++i) {
+    CHECK(ulps(pair.half[0].block[i], one.block[i]) == 0);
+    CHECK(ulps(pair.half[1].block[i], other.block[i]) == 0);
+  }
 }
 
 TEST_CASE("lanes are addressed one by one, on storage that wide loads may use", "[core][pack]") {
