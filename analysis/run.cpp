@@ -608,7 +608,8 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
   double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
   const auto least_size = least_sizes(model);
   const auto& slider = model.slider;
-  const double swing = slider.mass > 0 ? std::min(std::sqrt(slider.mass / slider.stiffness), times.back()) : 0;
+  const double stiffness = std::abs(slider.stiffness);  // of −0 too
+  const double swing = slider.mass > 0 ? std::min(std::sqrt(slider.mass / stiffness), times.back()) : 0;
   auto coarse = std::make_unique<Pass>(model, options, result.solver, times);
   coarse->run(tolerance, true);
   std::unique_ptr<Pass> fine;

@@ -1499,6 +1499,22 @@ TEST_CASE("a slip rate that follows from friction or from forces says how little
   compared(damped, "collocation", "cvode");
 }
 
+TEST_CASE("a spring of stiffness -0 is none", "[stress]") {
+  RunOptions options;
+  options.duration = 1e5;
+  options.samples = 5;
+  options.start.kind = Start::Kind::rest;
+  const auto with = [&](double stiffness) {
+    return run(slider_under("hyperbolic", {0.13245195081055791, 40.754081950146798},
+                            {2701.7422252528022, stiffness, 0.00072192182719292065}, 0.00075003101645456955,
+                            13.720635796760503),
+               options);
+  };
+  const auto none = with(0.0), minus = with(-0.0);
+  CHECK(minus.columns == none.columns);
+  CHECK(minus.column_error == none.column_error);
+}
+
 TEST_CASE("slip that unstable sliding repels goes somewhere, found or not", "[stress][long]") {
   // Heat in depth changes a swing by 1e-13 in a turn: at 1e-9 it just sticks, at 1e-6 it does not within 300 swings.
   auto model =
