@@ -61,8 +61,9 @@ PassageLanes::Arrival PassageLanes::answered(Question question) {
 
 template <class F>
 double PassageLanes::bisect(F f, double low, double high) {
+  constexpr int halvings = 26;  // steps are taken again to land there, and end by Newton's method
   const bool rising = f(low) < 0;
-  for (int i = 0; i < 45; ++i) {
+  for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (low + high);
     ((f(middle) < 0) == rising ? low : high) = middle;
   }
@@ -554,6 +555,7 @@ void PassageLanes::accumulate() {
       const auto slip_rate = ensemble_.polynomial_of_pack(p, slip_rate_index);
       const auto friction = ensemble_.polynomial_of_pack(p, friction_index_);
       add(loop_, friction.integral_by(slip_rate));
+      if (!recording_.means) continue;
       const Pack h = ensemble_.length().pack[p];
       add(friction_sum_, h * friction.mean());
       add(slip_rate_sum_, h * slip_rate.mean());
