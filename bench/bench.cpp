@@ -48,7 +48,7 @@ std::string style(const std::string& solver) {
                             {"rosin, explicit", "#000000", 3, 3},
                             {"rosin, collocation", "#000000", 14, 14},
                             {"rosin, transient", "#000000", 3, 3},
-                            {"rosin", "#000000", 6, 6},
+                            {"rosin", "#000000", 1, 1},
                             {"CVODE, good", "#56B4E9", 13, 12},
                             {"CVODE", "#0072B2", 5, 4},
                             {"ARKODE", "#009E73", 15, 14},
