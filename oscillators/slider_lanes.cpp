@@ -177,7 +177,8 @@ void SliderLanes::forgive_states(const Lanes* jacobian, Lanes* s) const {
       const Pack v_state = abs(jacobian[friction * n + i].pack[p]) * s[i].pack[p];
       const Pack harmless = s[1].pack[p] * (1.0 + inertia_over_load * forgets * v_mu) / max(v_state, Pack(1e-300));
       const Pack forgotten = soon * forgets * loading_time_.pack[p];
-      s[i].pack[p] = s[i].pack[p] * min(max(min(harmless, forgotten), Pack(1.0)), Pack(most));
+      // In this order, in which what is no number forgives nothing.
+      s[i].pack[p] = s[i].pack[p] * min(max(Pack(1.0), min(forgotten, harmless)), Pack(most));
     }
   });
 }
