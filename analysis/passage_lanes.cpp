@@ -382,6 +382,12 @@ void PassageLanes::end_step_at(int lane, double theta) {
     loop_.set(lane, loop_[lane] + (theta - 1) / 6 * (rate(1) + 4 * rate(0.5 * (1 + theta)) + rate(theta)));
   }
   ensemble_.adjust(lane, theta);
+  if (switches_ && sliders_.direction()[lane] == 0) {  // the contact never bore more than its limit
+    std::array<double, solvers::Ensemble::capacity> y;
+    interpolate(lane, theta, y.data());
+    const SliderSystem& slider = *lanes_[lane].loaded;
+    friction_[1].set(lane, slider.holding_force(0, y.data()) / slider.model().drive.normal_load.level());
+  }
 }
 
 /// Slip that feeds its own growth is followed step by step, and so is slip that comes to rest: friction may turn over

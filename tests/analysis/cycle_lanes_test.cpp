@@ -240,6 +240,18 @@ TEST_CASE("stick and slip under Coulomb friction in lanes has the closed form's 
   CHECK(cycle.error.loop_area == 0);
 }
 
+TEST_CASE("a contact in lanes bears no more than its static limit", "[cycle-lanes]") {
+  const double limit = 1.1038928473522021;
+  Model model;
+  model.law = laws::find_law("slip-distance")->with({limit, 0.16107231358562946, 0.0036114291982345661});
+  model.lambda = 0.060996366430102061;
+  model.slider = {112774.57806041015, 3478.1350685850625, 10.517595282221528};
+  model.drive = {7.1506771203616989e-08, 64.390439105735126, 0.0};
+  const auto cycle = find_cycles(std::span(&model, 1), {1e-6, 0.1, {"friction_max"}}).front();
+  REQUIRE(cycle.found);
+  CHECK(cycle.metrics.friction_max == Approx(limit).epsilon(1e-12));
+}
+
 TEST_CASE("every set-valued law sticks and slips in lanes, a user's and a heated one too", "[cycle-lanes][long]") {
   std::vector<std::shared_ptr<const FrictionLaw>> set_valued = {
       laws::make_formula(rosin::tests::text::stribeck()),
