@@ -72,6 +72,9 @@ void Recorder::extreme(Collocation& solver, const std::vector<Sample>& samples, 
         low = std::min({low, l, r});
         high = std::max({high, l, r});
         if (bend == 0) break;
+        // Swings that are all but alike turn within each other's reach: most turn out to be no extreme.
+        const double rise = (l - r) * (l - r) / (8 * std::abs(bend));
+        if (before > 0 ? middle + 2 * rise < high : middle - 2 * rise > low) break;
         theta += inside * std::clamp(0.5 * (l - r) / bend, -2.0, 2.0);
       }
     }
