@@ -298,9 +298,19 @@ void SliderSystem::restore(double t, double* y) const {
   if (mechanics_ != Mechanics::damped) return;
   const Forcing now = forcing(t);
   const auto& s = model_.slider;
-  y[0] = ((now.load * y[1] - origin_.friction) + (now.force - origin_.force) -
-          (s.damping * (now.speed - slip_rate(t, y)) - origin_.drag)) /
-         s.stiffness;
+  const double v = slip_rate(t, y), friction = now.load * y[1];
+  const double balanced =
+      ((friction - origin_.friction) + (now.force - origin_.force) - (s.damping * (now.speed - v) - origin_.drag)) /
+      s.stiffness;
+  // Under a strong damper large forces leave little to the spring: what lies within their last digits is known better
+  // by integration.
+  constexpr double digits = 4 * std::numeric_limits<double>::epsilon();
+  const double mu = y[1];
+  y[1] = mu * (1 + digits);
+  const double slip_digits = std::abs(slip_rate(t, y) - v) + digits * std::abs(now.speed);
+  y[1] = mu;
+  const double known = (digits * (std::abs(friction) + std::abs(now.force)) + s.damping * slip_digits) / s.stiffness;
+  if (!(std::abs(balanced - y[0]) <= known)) y[0] = balanced;
 }
 
 void SliderSystem::expand(double t, const double* y, const double* direction, double* second, double* third) const {

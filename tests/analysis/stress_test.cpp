@@ -1499,6 +1499,24 @@ TEST_CASE("a slip rate that follows from friction or from forces says how little
   compared(damped, "collocation", "cvode");
 }
 
+TEST_CASE("a displacement that a strong damper leaves within the last digits of forces is integrated", "[stress]") {
+  // 0.1 N of friction and of drag leave 5e-10 N to the spring. The way is that of (N mu)/c, less what the spring holds.
+  const double c = 287193502972177.75, k = 50918.336980322514, N = 0.17542616408149433, V = 8.0025922885130649e-09;
+  auto model = slider_under("prz", {0.6, 0.01, 0.015, 1e-5, 1e-6}, {0, k, c}, V, N);
+  model.lambda = 2747.0188964794543;
+  RunOptions options;
+  options.duration = 22.952906879658578;
+  options.samples = 200;
+  options.start.kind = Start::Kind::rest;
+  options.solver = GENERATE("explicit", "collocation");
+  const auto result = run(model, options);
+  const auto &x = result.columns[0], &mu = result.columns[4];
+  double way = 0;
+  for (std::size_t i = 1; i < x.size(); ++i)
+    way += 0.5 * N * (mu[i] + mu[i - 1]) / c * options.duration / double(x.size() - 1);
+  CHECK(x.back() - x.front() == Approx(way).epsilon(1e-3));
+}
+
 TEST_CASE("a spring of stiffness -0 is none", "[stress]") {
   RunOptions options;
   options.duration = 1e5;
