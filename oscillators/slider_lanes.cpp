@@ -65,11 +65,9 @@ void SliderLanes::load(int lane, const SliderSystem& slider) {
     const bool carried = slider.carries_friction() && i == mechanical_;
     scale_[i].set(lane, s[i] * (speed ? slip_rate : carried ? friction : i < mechanical_ ? displacement : state));
   }
-  if (forgives_) {
-    const double direct_effect = 0.1 * s[mechanical_];
-    loading_time_.set(
-        lane, direct_effect * model.drive.normal_load.level() / (model.slider.stiffness * model.drive.speed.level()));
-  }
+  if (forgives_)
+    loading_time_.set(lane, slider.direct_effect() * model.drive.normal_load.level() /
+                                (model.slider.stiffness * model.drive.speed.level()));
 }
 
 void SliderLanes::mass(Lanes* m) const {

@@ -269,12 +269,12 @@ void SliderSystem::flow(const Pack& t, const Pack* y, Pack* rate, Pack& pace) co
   run_on_lanes([&] {
     Pack v_rate = 0.0;  // of the states' change
     Pack turnover = 0.0;
-    const double direct_effect = contact_scale_[0] / 10;
+    const double a = direct_effect();
     for (int i = 1; i < nz; ++i) {
       z_rate[i] = z_rate[i] * state_clock_;
       v_rate = v_rate + v_z[i] * z_rate[i];
       const Pack* slopes = g_z + (i - 1) * nz;
-      Pack sum = slopes[0] * slopes[0] * (direct_effect * direct_effect);
+      Pack sum = slopes[0] * slopes[0] * (a * a);
       for (int j = 1; j < nz; ++j) sum = sum + slopes[j] * slopes[j];
       turnover = turnover + z_rate[i] * z_rate[i] + sum * (state_clock_ * state_clock_);
     }
@@ -305,11 +305,8 @@ void SliderSystem::restore(double t, double* y) const {
   // Under a strong damper large forces leave little to the spring: what lies within their last digits is known better
   // by integration.
   constexpr double digits = 4 * std::numeric_limits<double>::epsilon();
-  const double mu = y[1];
-  y[1] = mu * (1 + digits);
-  const double slip_digits = std::abs(slip_rate(t, y) - v) + digits * std::abs(now.speed);
-  y[1] = mu;
-  const double known = (digits * (std::abs(friction) + std::abs(now.force)) + s.damping * slip_digits) / s.stiffness;
+  const double slip = std::abs(v * y[1]) / direct_effect() + std::abs(now.speed);  // v answers to μ by v/a
+  const double known = digits * (std::abs(friction) + std::abs(now.force) + s.damping * slip) / s.stiffness;
   if (!(std::abs(balanced - y[0]) <= known)) y[0] = balanced;
 }
 

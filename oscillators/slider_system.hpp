@@ -62,6 +62,8 @@ class SliderSystem final : public SwitchingSystem {
   /// Index of the first state among the unknowns, if states are unknowns.
   int first_state() const { return mechanical_ + (carries_friction() ? 1 : 0); }
   bool carries_friction() const { return setup_.unknowns == Unknowns::friction; }
+  /// The natural size of changes of friction that is carried, v·∂μ/∂v in steady sliding.
+  double direct_effect() const { return contact_scale_[0] / 10; }
   bool rigid() const { return setup_.compliance == 0 && setup_.compliance_per_load == 0 && !setup_.spring.present(); }
 
   /// The unknowns at displacement x, slip rate u and natural states; friction from the law where the contact is rigid,
