@@ -24,14 +24,14 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
     const double size = size_of(metric, fine, V), value = fine.*metric.member;
     // The loop integral scatters with the division of its steps; three times its difference was seen to fall short.
     double e = caution * (is_loop(metric) ? 6 : 3) * std::abs(coarse.*metric.member - value);
-    // The lowest slip rate is held to its own size; in slow stick it is as good as the error estimate of the steps
-    // only, and changes e-fold where friction does by its direct effect.
+    // The lowest slip rate is held to its own size, unless slip reverses; in slow stick it is as good as the error
+    // estimate of the steps only, and changes e-fold where friction does by its direct effect.
     constexpr double slow = 1e-3;
     const bool sticks = std::abs(value) < slow * V;
     const double times = sticks ? 100 : 10, open = sticks && closure > tolerance ? times * closure : closure;
     if (value != 0)
-      e += metric.member == &Metrics::slip_rate_min ? (times * tolerance + 5e-14 + open) * std::abs(value)
-                                                    : (3 * tolerance + 5e-14 + closure) * size;
+      e += metric.member == &Metrics::slip_rate_min && value > 0 ? (times * tolerance + 5e-14 + open) * value
+                                                                 : (3 * tolerance + 5e-14 + closure) * size;
     // Slip backwards by the last digits of the highest slip rate is rounding.
     constexpr double digits = 1e-14;
     if (metric.member == &Metrics::slip_rate_min && value < 0 && -value < digits * fine.slip_rate_max)

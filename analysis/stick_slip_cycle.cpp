@@ -28,25 +28,36 @@ using oscillators::SliderSystem;
 
 namespace {
 
-/// The return of contact states from onset to onset, about the fixed point that periods from stick lead to.
+/// The return from onset to onset of slip, about the fixed point that periods from stick lead to: of the contact's
+/// states where stick has loaded it to its limit; also of the displacement where slip reverses.
 class OnsetMap {
  public:
-  OnsetMap(const Model& model, double tolerance, double stick_threshold, int slips = 1)
-      : model_(model), system_(model), tolerance_(tolerance), stick_threshold_(stick_threshold), slips_(slips) {
+  OnsetMap(const Model& model, double tolerance, double stick_threshold, Onset kind, int slips = 1)
+      : model_(model),
+        system_(model),
+        tolerance_(tolerance),
+        stick_threshold_(stick_threshold),
+        kind_(kind),
+        slips_(slips) {
     std::vector<double> s(system_.size());
     const std::vector<double> rest(system_.size());
     system_.scale(rest.data(), s.data());
-    scale_ = Eigen::Map<VectorXd>(s.data(), s.size()).tail(s.size() - mechanical);
+    if (kind == Onset::reversed) {
+      returning_.push_back(displacement);
+      s[displacement] = model.drive.speed.level() * std::sqrt(model.slider.mass / model.slider.stiffness);
+    }
+    for (int i = mechanical; i < system_.size(); ++i) returning_.push_back(i);
+    scale_ = gather(s);
   }
 
-  /// The period that repeats itself.
-  StickSlipPeriod cycle() {
-    auto period = stick_slip_period(model_, tolerance_, stick_threshold_);
+  /// The period that repeats itself, beginning with one from rest, or from where slip has turned to go along the drive.
+  StickSlipPeriod cycle(const std::vector<double>* reversed = nullptr) {
+    auto period = stick_slip_period(model_, tolerance_, stick_threshold_, reversed, 1, kind_);
     if (!period.found || scale_.size() == 0) return period;  // without memory stick forgets the past
     long steps = period.steps, evaluations = period.evaluations;
     constexpr int most_periods = 400;
     constexpr long most_steps = 200'000;
-    VectorXd z = states_of(period);
+    VectorXd z = gather(period.onset);
     std::vector<VectorXd> onsets, changes;  // of the last periods, as long as they belong together
     double change = infinity, change_before = infinity, closest = infinity;
     VectorXd closest_image;
@@ -57,7 +68,7 @@ class OnsetMap {
       period = period_from(z);
       if (!period.found) break;
       steps += period.steps, evaluations += period.evaluations;
-      const VectorXd step = states_of(period) - z;
+      const VectorXd step = gather(period.onset) - z;
       const double now = size_of_step(step, z);
       onsets.push_back(z), changes.push_back(step);
       const VectorXd onward = accelerated(onsets, changes);
@@ -120,8 +131,7 @@ class OnsetMap {
   /// do not return.
   std::vector<std::complex<double>> multipliers(const std::vector<double>& onset) const {
     if (scale_.size() == 0) return {0.0};
-    const VectorXd values_at = Eigen::Map<const VectorXd>(onset.data(), onset.size()).tail(scale_.size());
-    const MatrixXd D = derivative(values_at);
+    const MatrixXd D = derivative(gather(onset));
     if (!D.allFinite()) return {};
     const auto found = eigenpairs(D).values;
     std::vector<std::complex<double>> values(found.data(), found.data() + found.size());
@@ -130,12 +140,18 @@ class OnsetMap {
   }
 
  private:
-  static constexpr int mechanical = 2;
-  VectorXd states_of(const StickSlipPeriod& period) const {
-    return Eigen::Map<const VectorXd>(period.onset.data(), period.onset.size()).tail(scale_.size());
+  static constexpr int displacement = 0, mechanical = 2;
+  VectorXd gather(const std::vector<double>& y) const {
+    VectorXd z(returning_.size());
+    for (std::size_t k = 0; k < returning_.size(); ++k) z[k] = y[returning_[k]];
+    return z;
   }
   /// States are measured by themselves: a time at rest may be small or large beside its natural size.
-  VectorXd sizes_at(const VectorXd& z) const { return z.cwiseAbs().cwiseMax(1e-12 * scale_); }
+  VectorXd sizes_at(const VectorXd& z) const {
+    VectorXd sizes = z.cwiseAbs().cwiseMax(1e-12 * scale_);
+    if (kind_ == Onset::reversed) sizes[0] = scale_[0];
+    return sizes;
+  }
   double size_of_step(const VectorXd& step, const VectorXd& z) const { return step.cwiseQuotient(sizes_at(z)).norm(); }
   /// The way from the last onset to the one that repeats itself: Anderson mixing of the last periods, and no farther
   /// than half of what each state is.
@@ -201,8 +217,8 @@ class OnsetMap {
     system_.mass(0, mass.data());
     system_.set_direction(1);
     VectorXd open(scale_.size());
-    for (int k = 0; k < open.size(); ++k) open[k] = period.landing * f[mechanical + k] / mass[mechanical + k];
-    return size_of_step(open, states_of(period));
+    for (int k = 0; k < open.size(); ++k) open[k] = period.landing * f[returning_[k]] / mass[returning_[k]];
+    return size_of_step(open, gather(period.onset));
   }
   double largest_change(const Metrics& a, const Metrics& b) const {
     double largest = 0;
@@ -212,10 +228,10 @@ class OnsetMap {
     return largest;
   }
   StickSlipPeriod period_from(const VectorXd& z) const {
-    std::vector<double> y(system_.size());
-    std::copy(z.data(), z.data() + z.size(), y.begin() + mechanical);
-    const auto onset = system_.loaded_at_rest(system_.observe(0, y.data()).state, 1);
-    return stick_slip_period(model_, tolerance_, stick_threshold_, &onset, slips_);
+    std::vector<double> onset(system_.size());
+    for (std::size_t k = 0; k < returning_.size(); ++k) onset[returning_[k]] = z[k];
+    if (kind_ == Onset::held) onset = system_.loaded_at_rest(system_.observe(0, onset.data()).state, 1);
+    return stick_slip_period(model_, tolerance_, stick_threshold_, &onset, slips_, kind_);
   }
   MatrixXd derivative(const VectorXd& z) const {
     const int n = int(z.size());
@@ -225,7 +241,7 @@ class OnsetMap {
       const double h = part * sizes_at(z)[k];
       const auto right = period_from(z + h * VectorXd::Unit(n, k)), left = period_from(z - h * VectorXd::Unit(n, k));
       if (!right.found || !left.found) return MatrixXd::Constant(n, n, std::nan(""));
-      D.col(k) = (states_of(right) - states_of(left)) / (2 * h);
+      D.col(k) = (gather(right.onset) - gather(left.onset)) / (2 * h);
     }
     return D;
   }
@@ -233,8 +249,10 @@ class OnsetMap {
   const Model& model_;
   SliderSystem system_;
   double tolerance_, stick_threshold_;
-  int slips_;       ///< in a period
-  VectorXd scale_;  ///< of the contact's states
+  Onset kind_;
+  int slips_;                   ///< in a period
+  std::vector<int> returning_;  ///< unknowns that a period maps
+  VectorXd scale_;              ///< of these
 };
 
 /// A passage of slip, which may reverse but does not stick for long, from v = V rising at a displacement `swing` above
@@ -374,15 +392,18 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   const double V = model.drive.speed.level();
   Sharpening sharpening(options.tolerance, 0.2 * options.tolerance);
   bool sticks = true;
+  std::vector<double> reversed;  ///< where slip turns to go along the drive, if it does in each period and never sticks
   const auto period_now = [&]() -> StickSlipPeriod {
     const double tol = sharpening.tolerance();
+    if (!reversed.empty()) return OnsetMap(model, tol, options.stick_threshold, Onset::reversed).cycle(&reversed);
     if (sticks) {
       // Slip that only just comes to rest is missed by a solution that is not better than the miss.
-      auto period = OnsetMap(model, tol, options.stick_threshold).cycle();
+      auto period = OnsetMap(model, tol, options.stick_threshold, Onset::held).cycle();
       constexpr double grazing = 1e-3, sharp = 1e-14;
-      const bool missed = !period.found && period.outcome.complete() && period.closest < grazing;
+      const bool missed =
+          !period.found && period.outcome.complete() && period.closest < grazing && period.reversed.empty();
       if (!(period.grazes || missed) || !(tol > sharp)) return period;
-      auto closer = OnsetMap(model, sharp, options.stick_threshold).cycle();
+      auto closer = OnsetMap(model, sharp, options.stick_threshold, Onset::held).cycle();
       constexpr double another = 0.1;
       if (period.found && closer.found && std::abs(closer.metrics.period / period.metrics.period - 1) > another)
         closer.outcome = {Ending::tolerance_not_met,
@@ -402,28 +423,46 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     return period;
   };
   StickSlipPeriod coarse = period_now();
+  // Weak attraction magnifies what steps err in the work of friction, at every tolerance alike; and where friction is
+  // weak, steps that follow the motion take little notice of it.
+  const auto ask_more = [&](double attraction) {
+    constexpr double weakest = 1e-8;
+    sharpening = Sharpening(options.tolerance, sharpening.tolerance() * std::clamp(attraction, weakest, 1.0));
+    coarse = period_now();
+  };
+  if (!coarse.found && coarse.outcome.complete() && remembers(model) && !coarse.reversed.empty()) {
+    reversed = coarse.reversed;
+    coarse = period_now();
+    if (coarse.found) {
+      const auto multipliers =
+          OnsetMap(model, 1e-10, options.stick_threshold, Onset::reversed, coarse.slips).multipliers(coarse.onset);
+      const double attraction = multipliers.empty() ? 1 : 1 - std::abs(multipliers.front());
+      if (constexpr double rounding = 1e-11; std::abs(attraction) < rounding) {
+        cycle.outcome = {Ending::none_exists,
+                         "friction changes swings in which slip reverses by no more than rounding"};
+        return cycle;
+      }
+      ask_more(attraction * std::min(1.0, friction_over_swing(model)));
+    }
+  }
   const auto sliding = stability(model);
   if (!coarse.found && coarse.outcome.complete() && !sliding.stable && !sliding.marginal && !remembers(model)) {
     sticks = false;
     coarse = period_now();
     if (coarse.found) {
-      // Weak attraction magnifies what steps err in the work of friction, at every tolerance alike; and where friction
-      // is weak, steps that follow the motion take little notice of it.
-      constexpr double weakest = 1e-8;
       const double swing = coarse.onset_displacement - sliding.steady.displacement;
-      const double attraction = -slope_of_swing(model, swing, options.stick_threshold);
-      sharpening = Sharpening(options.tolerance, sharpening.tolerance() * std::clamp(attraction, weakest, 1.0));
-      coarse = period_now();
+      ask_more(-slope_of_swing(model, swing, options.stick_threshold));
     }
   }
   std::string worst;
   std::vector<double> onset;
   int slips = 1;
   bool turned = false;
-  // Slip that passes the kinks of a table meets them anywhere within its steps.
+  // Slip that passes the kinks of a table meets them anywhere within its steps; where friction is weak, and only
+  // reverses, all but the same steps are taken at other tolerances.
   const auto& parameters = model.law->parameters();
   const bool kinks = std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.is_list; });
-  const double caution = kinks ? 10 : 1;
+  const double caution = kinks || !reversed.empty() ? 10 : 1;
   while (sharpening.next()) {
     StickSlipPeriod fine = coarse.found ? period_now() : coarse;
     if (coarse.found && sharpening.ease(fine.outcome)) fine = period_now();
@@ -464,7 +503,9 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     coarse = std::move(fine);
   }
   if (sticks) {
-    cycle.multipliers = OnsetMap(model, 1e-10, options.stick_threshold, slips).multipliers(onset);
+    cycle.multipliers =
+        OnsetMap(model, 1e-10, options.stick_threshold, reversed.empty() ? Onset::held : Onset::reversed, slips)
+            .multipliers(onset);
     if (remembers(model)) cycle.section_state = SliderSystem(model).observe(0, onset.data()).state;
   } else {
     const double swing = cycle.section_displacement - steady_sliding(model).displacement;

@@ -77,7 +77,7 @@ class Bottoms {
 }  // namespace
 
 StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double stick_threshold,
-                                  const std::vector<double>* onset, int slips) {
+                                  const std::vector<double>* onset, int slips, Onset kind) {
   StickSlipPeriod result;
   SliderSystem system(model);
   solvers::StickSlip solver(system, tolerance);
@@ -216,7 +216,11 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
         break;
       }
     }
-    if (switched != solvers::Switch::slip || solver.upcoming() < 0) continue;
+    const bool turns_along = switched == solvers::Switch::reversal && solver.upcoming() > 0;
+    if (turns_along) result.reversed = solver.state();
+    if (turns > 1 || switched == solvers::Switch::stick) result.reversed.clear();
+    if (switched != solvers::Switch::slip && !(turns_along && kind == Onset::reversed)) continue;
+    if (solver.upcoming() < 0) continue;
     // The mean slip rate is V. Slip that did not pass it, such as rounding makes at its onset, is no period yet.
     if (began && fastest == V) continue;
     if (began && --slips > 0) {

@@ -16,13 +16,20 @@ bool remembers(const oscillators::Model&);
 /// `share`: slip rate over its highest.
 Outcome comes_to_rest_or_not(double share);
 
+/// What slip along the drive begins from.
+enum class Onset {
+  held,      ///< stick, which has loaded the contact to its limit
+  reversed,  ///< slip against the drive, or stick
+};
+
 /// What is known of such a period.
 struct StickSlipPeriod {
   Outcome outcome;
   Metrics metrics;
   std::vector<CyclePoint> orbit;
-  std::vector<double> onset;  ///< unknowns where the period ends
-  int slips = 1;              ///< in the period
+  std::vector<double> onset;     ///< unknowns where the period ends
+  int slips = 1;                 ///< in the period
+  std::vector<double> reversed;  ///< unknowns where slip last turned to go along the drive, if each turn of it does
   double onset_displacement = 0;
   double closure = 0;  ///< relative error that is left because the period does not quite return
   bool found = false;
@@ -38,6 +45,6 @@ struct StickSlipPeriod {
 
 /// The period of so many slips that begins at the `onset` of slip, or else the first full one after stick from rest.
 StickSlipPeriod stick_slip_period(const oscillators::Model&, double tolerance, double stick_threshold,
-                                  const std::vector<double>* onset = nullptr, int slips = 1);
+                                  const std::vector<double>* onset = nullptr, int slips = 1, Onset kind = Onset::held);
 
 }  // namespace rosin::analysis

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/stress.hpp"
 #include "laws/spinodal.hpp"
 #include "tests/bristol_board.hpp"
 
@@ -196,6 +197,31 @@ TEST_CASE("a load too weak to hold the slider gives a cycle of slip that reverse
   // A weak load leaves the period near that of the free slider.
   CHECK(cycle.metrics.period == Approx(2 * M_PI * std::sqrt(0.0215408 / 6.97031)).epsilon(0.02));
   CHECK(std::abs(cycle.multipliers.front()) < 1);
+}
+
+TEST_CASE("heated slip that reverses in each turn, and never sticks, is a cycle", "[cycle]") {
+  // Reference: classical Runge-Kutta with located reversals, the temperature itself as unknown, 60 turns of 4000 steps.
+  auto model =
+      slider_under("thermal", {0.35, 0.4, 0.01, 0.45, 0.1, 5e-7, 1e-3, 8e-3, 1.0, 1.0}, {1e-3, 1e3, 0}, 0.05, 1e-3);
+  for (const double tolerance : {1e-6, 1e-10}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    INFO(cycle.outcome.detail);
+    REQUIRE(cycle.outcome.complete());
+    check(cycle, {{&Metrics::period, 0.00628770473409, 4e-14},
+                  {&Metrics::slip_rate_min, -8.8226606887e-4, 1e-14},
+                  {&Metrics::slip_rate_max, 0.10099174516564, 2e-14},
+                  {&Metrics::friction_mean, 0.582119831911, 4e-12}});
+    CHECK(cycle.metrics.stick_fraction_001 > 0);
+    CHECK(cycle.section_displacement == Approx(8.39388455e-6).epsilon(2e-8));
+    CHECK(cycle.stable);
+  }
+}
+
+TEST_CASE("swings that reverse under friction too weak for arithmetic are no cycle", "[cycle]") {
+  const auto scene = draw_scene(laws::catalogue(), 77, 17);
+  const auto cycle = find_cycle(model_of(scene));
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK(cycle.metrics.period == 0);
 }
 
 TEST_CASE("a period holds no more slips than it must", "[cycle]") {
