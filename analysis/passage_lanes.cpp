@@ -374,20 +374,30 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
 
 /// The step is summed to its end; what was to be landed on lies a little off.
 void PassageLanes::end_step_at(int lane, double theta) {
-  if (lanes_[lane].passage->record && recording_.loop_area && friction_index_ >= 0) {
+  const SliderSystem& slider = *lanes_[lane].loaded;
+  const bool sticks = switches_ && sliders_.direction()[lane] == 0, records = lanes_[lane].passage->record;
+  const auto holding_coefficient = [&] {
+    std::array<double, solvers::Ensemble::capacity> y;
+    interpolate(lane, theta, y.data());
+    return slider.holding_force(0, y.data()) / slider.model().drive.normal_load.level();
+  };
+  if (records && recording_.loop_area && friction_index_ >= 0) {
     const auto slip_rate = ensemble_.polynomial(lane, slip_rate_index);
     const auto friction = ensemble_.polynomial(lane, friction_index_);
     const auto rate = [&](double t) { return friction.value(t) * slip_rate.slope(t); };
     // Simpson's rule.
     loop_.set(lane, loop_[lane] + (theta - 1) / 6 * (rate(1) + 4 * rate(0.5 * (1 + theta)) + rate(theta)));
   }
-  ensemble_.adjust(lane, theta);
-  if (switches_ && sliders_.direction()[lane] == 0) {  // the contact never bore more than its limit
-    std::array<double, solvers::Ensemble::capacity> y;
-    interpolate(lane, theta, y.data());
-    const SliderSystem& slider = *lanes_[lane].loaded;
-    friction_[1].set(lane, slider.holding_force(0, y.data()) / slider.model().drive.normal_load.level());
+  if (records && recording_.means) {
+    const double beyond = (theta - 1) * ensemble_.length()[lane];
+    const double friction = sticks                 ? holding_coefficient()
+                            : friction_index_ >= 0 ? ensemble_.interpolate(lane, friction_index_, theta)
+                                                   : friction_at(lane, theta);
+    friction_sum_.set(lane, friction_sum_[lane] + beyond * friction);
+    slip_rate_sum_.set(lane, slip_rate_sum_[lane] + beyond * ensemble_.interpolate(lane, slip_rate_index, theta));
   }
+  if (sticks) friction_[1].set(lane, holding_coefficient());  // the contact never bore more than its limit
+  ensemble_.adjust(lane, theta);
 }
 
 /// Slip that feeds its own growth is followed step by step, and so is slip that comes to rest: friction may turn over

@@ -252,6 +252,19 @@ TEST_CASE("a contact in lanes bears no more than its static limit", "[cycle-lane
   CHECK(cycle.metrics.friction_max == Approx(limit).epsilon(1e-12));
 }
 
+TEST_CASE("mean friction in lanes ends where stick does", "[cycle-lanes]") {
+  // Stick and slip without damping are symmetric in time about the dynamic friction.
+  const double mu_d = 0.13509018277020568;
+  Model model;
+  model.law = laws::find_law("loading-rate")->with({10.0, 10.0, 1.8406791861048399e-06, mu_d});
+  model.lambda = 1.3572185604025622e-06;
+  model.slider = {8669801.0717093535, 2177100.7743381108, 0};
+  model.drive = {4.2536847406647498e-05, 2.2249525962374617, 0.0};
+  const auto cycle = find_cycles(std::span(&model, 1), {1e-6, 0.1, {"friction_mean"}}).front();
+  REQUIRE(cycle.found);
+  CHECK(std::abs(cycle.metrics.friction_mean - mu_d) <= cycle.error.friction_mean);
+}
+
 TEST_CASE("every set-valued law sticks and slips in lanes, a user's and a heated one too", "[cycle-lanes][long]") {
   std::vector<std::shared_ptr<const FrictionLaw>> set_valued = {
       laws::make_formula(rosin::tests::text::stribeck()),
