@@ -226,6 +226,8 @@ class Pass {
   std::map<std::string, double> metrics_;
   std::string handover_;          ///< where explicit steps gave way to collocation
   double slip_rate_follows_ = 0;  ///< m/s, what errors of the unknowns by the tolerance make of the slip rate
+  /// m, what the last digits of the unknowns, by the slip rate that follows, make of the displacement.
+  double displacement_follows_ = 0;
 
  private:
   /// Samples due strictly before `t` (and at `t` too, if `closed`), from θ ↦ y of the present step.
@@ -241,8 +243,16 @@ class Pass {
   }
   void record(double t, const double* y) {
     const auto seen = system_.observe(t, y);
-    if (solver_ == "explicit" || (solver_ == "cvode" && system_.contact_setup().spring.present()))
-      slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate));
+    constexpr double digit = std::numeric_limits<double>::epsilon();
+    if (solver_ == "explicit") {
+      slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, 0));
+      const double rounded = slip_rate_known(t, y, seen.slip_rate, 0, 4 * digit);
+      displacement_follows_ = std::max(displacement_follows_, rounded * t);
+    } else if (solver_ == "cvode" && system_.contact_setup().spring.present()) {
+      // BDF adds up short steps, each of which loses a last digit.
+      const double digits = 3 * digit * std::sqrt(double(steps_));
+      slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, digits));
+    }
     const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
                              seen.friction_coefficient};
     for (std::size_t i = 0; i < before_states; ++i) columns_[i].push_back(values[i]);
@@ -250,16 +260,14 @@ class Pass {
   }
 
   /// Where the slip rate is no unknown it follows from friction and states, or from the difference of forces, and is
-  /// known to less than they are.
-  double slip_rate_known(double t, const double* y, double slip_rate) const {
+  /// known to less than they are. \returns m/s; `tolerance`: to which unknowns are known, in scales, and `digits`, as a
+  /// part of each.
+  double slip_rate_known(double t, const double* y, double slip_rate, double tolerance, double digits) const {
     std::vector<double> beside(y, y + system_.size()), scale(system_.size());
     system_.scale(y, scale.data());
     double sum = 0;
-    // BDF adds up short steps, each of which loses a last digit.
-    constexpr double lost = 3 * std::numeric_limits<double>::epsilon();
-    const double digits = solver_ == "cvode" ? lost * std::sqrt(double(steps_)) : 0;
     for (std::size_t i = 0; i < scale.size(); ++i) {
-      beside[i] = y[i] + std::max(tolerance_ * scale[i], digits * std::abs(y[i]));
+      beside[i] = y[i] + std::max(tolerance * scale[i], digits * std::abs(y[i]));
       if (const double moved = std::abs(system_.slip_rate(t, beside.data()) - slip_rate); std::isfinite(moved))
         sum += moved;
       beside[i] = y[i];
@@ -623,7 +631,8 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     // Two passes may agree by chance: no more than a hundredth of what was asked is claimed.
     const double least_claimed = std::max((result.solver == "cvode" ? 30 : 3) * tolerance, 0.01 * options.tolerance);
     result.column_error = differences(coarse->columns_, fine->columns_, sizes, least_claimed);
-    constexpr std::size_t velocity = 1, slip_rate = 2;
+    constexpr std::size_t displacement = 0, velocity = 1, slip_rate = 2;
+    result.column_error[displacement] += fine->displacement_follows_;
     constexpr double exceed = 10;  // the tolerance: errors of unknowns do, at most
     for (const std::size_t c : {velocity, slip_rate}) result.column_error[c] += exceed * fine->slip_rate_follows_;
     if (!result.outcome.complete()) break;
