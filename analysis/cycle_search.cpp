@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <deque>
+#include <numbers>
 
 #include "analysis/irregular_motion.hpp"
 #include "core/eigenpairs.hpp"
@@ -286,6 +287,7 @@ class Search {
       loose_ = tolerance;
       reached_.clear();
       last_step_ = map_.cost().steps + most_steps;
+      tried_ = 0;
       run_once();
       if (found() || outcome.ending != Ending::budget_spent) return;
       if (reached_.size() == some) wandering = reached_.back();
@@ -380,6 +382,7 @@ class Search {
         return;
       }
       y = passage.end;
+      lasted_.push_back(passage.duration);
       if (k > transient) reached_.push_back(y);
       if (reached_.size() > some) reached_.pop_front();
       visited_.push_back(y);
@@ -402,7 +405,12 @@ class Search {
                         (leaps.pace() < hardly_changes || friction_over_swing(map_.system().model()) < weak_friction);
       Attempt attempted = Attempt::goes_on;
       if (slow && !leaps.under_way()) attempted = follow_swing(y).value_or(Attempt::goes_on);
-      if (attempted == Attempt::goes_on) attempted = attempt(k, amplitude, leaps.under_way());
+      if (attempted == Attempt::goes_on) {
+        // Trials leave half of the steps to the motion.
+        const long before = map_.cost().steps;
+        attempted = attempt(k, amplitude, leaps.under_way());
+        tried_ += map_.cost().steps - before;
+      }
       map_.allow(ReturnMap::most_steps);
       if (attempted == Attempt::ends) return;
       if (!steady_is_stable() && leaps.ready()) {
@@ -425,6 +433,12 @@ class Search {
   Attempt attempt(int k, double amplitude, bool leaping) {
     const auto& y = visited_.back();
     const int passages = int(visited_.size()) - 1;  // since the start or the last leap
+    if (const auto recurring = recurs(amplitude)) {
+      point = recurring;
+      outcome = {};
+      return Attempt::ends;
+    }
+    if (tried_ > most_steps / 2) return Attempt::goes_on;
     const double size = distance_from_steady(y);
     const double moved = passages > 0 ? map_.distance(y, visited_[passages - 1]) : infinity;
     const double change = moved / std::min(amplitude, size);
@@ -443,10 +457,44 @@ class Search {
     const bool drifts = k >= 2 && std::abs(drift_at_rest_) < slow && amplitude < 10 && !balanced_;
     if (!drifts && accept(y, 1, amplitude, moved)) return Attempt::ends;
     if (creeping_ == most_creeping) return Attempt::ends;
-    for (int turns = 2; turns < passages; ++turns)
-      if (const double back = came_back(turns); back < infinity && accept(y, turns, amplitude, back))
-        return Attempt::ends;
+    constexpr long as_often = 10;  // a trial follows the motion through its turns
+    for (int turns = 2; turns < passages; ++turns) {
+      const double back = came_back(turns);
+      const bool affordable = turns <= few || tried_ + as_often * turns * most_taken_ < most_steps / 2;
+      if (back < infinity && affordable && accept(y, turns, amplitude, back)) return Attempt::ends;
+    }
     return k >= 6 || (steady_is_stable() && k >= 3) || drifts ? balance(y, amplitude) : Attempt::goes_on;
+  }
+
+  /// Stick forgets the swing that led to it, and slips at 10¹⁰ V leave nothing of a derivative that would say so.
+  /// Motion that sticks has come to its cycle where four periods have brought it back to rounding and led nowhere.
+  std::optional<FixedPoint> recurs(double amplitude) const {
+    const auto& slider = map_.system().model().slider;
+    const auto& y = visited_.back();
+    const int last = int(visited_.size()) - 1;
+    if (map_.system().mechanics() != oscillators::Mechanics::inertial) return std::nullopt;
+    constexpr int periods = 4;
+    constexpr double rounding = 1e-5, nowhere = 2, longer_than_swings = 1.5;
+    const double swing = 2 * std::numbers::pi * std::sqrt(slider.mass / slider.stiffness);
+    const double size = distance_from_steady(y);
+    for (int turns = 1; periods * turns <= last; ++turns) {
+      double farthest = 0;
+      for (int k = 0; k < periods && farthest <= rounding * size; ++k)
+        farthest = std::max(farthest, map_.distance(visited_[last - k * turns], visited_[last - (k + 1) * turns]));
+      if (farthest > rounding * size || map_.distance(y, visited_[last - periods * turns]) > nowhere * farthest)
+        continue;
+      if (*std::max_element(lasted_.end() - turns, lasted_.end()) < longer_than_swings * swing) continue;
+      if (turns == 1) return std::nullopt;  // neighbours tell whether it is led back, or only changes slowly
+      const auto n = map_.scale().size();
+      constexpr double at_most = 0.5;  // of a change is left after a period, or it would not have been lost so soon
+      return FixedPoint{.y = y,
+                        .derivative = at_most * MatrixXd::Identity(n, n),
+                        .turns = turns,
+                        .amplitude = amplitude,
+                        .by_differences = true,
+                        .bounded = true};
+    }
+    return std::nullopt;
   }
 
   /// After a passage to y that hardly changed the motion: what becomes of it; nothing if it is no swing whose growth
@@ -533,6 +581,7 @@ class Search {
   void begin_at(const std::vector<double>& y) {
     begun_ = y;
     visited_.clear();
+    lasted_.clear();
   }
 
   ReturnMap& map_;
@@ -541,10 +590,12 @@ class Search {
   int most_passages_;
   double loose_ = search_tolerances[0];       ///< tolerance
   long last_step_ = most_steps;               ///< at which the search ends
+  long tried_ = 0;                            ///< steps of trials
   int creeping_ = 0;                          ///< times that motion far from any cycle neither settled nor grew
   long most_taken_ = 0;                       ///< steps of a passage of the motion itself
   std::vector<double> begun_;                 ///< where the present motion began
   std::vector<std::vector<double>> visited_;  ///< ends of passages since the start or the last leap
+  std::vector<double> lasted_;                ///< these, s
   std::deque<std::vector<double>> reached_;   ///< the last ends of passages after the transient
   int next_attempt_ = 2;                      ///< the passage after which a cycle is next looked for in any case
   bool balanced_ = false;                     ///< the balance of drift was looked for from this start

@@ -16,6 +16,7 @@ struct FixedPoint {
   int turns = 1;
   double amplitude = 0;
   bool by_differences = false;                  ///< the derivative is that of neighbouring passages
+  bool bounded = false;                         ///< no more is known than that it is smaller
   std::optional<SlowEnd> swing = std::nullopt;  ///< friction changes it by too little in a turn to show in `y`
   /// Of a swing that friction all but leaves alone: where the motion began, the passages since then, and its growth.
   struct Free {

@@ -266,7 +266,7 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     if (passage.outcome.complete()) point.derivative = passage.derivative;
   }
   // Of fewer turns than differences were taken over, multipliers are bounded but not known.
-  if (!(fewer && point.by_differences) && !point.free)
+  if (!(fewer && point.by_differences) && !point.bounded && !point.free)
     cycle.multipliers = multipliers_of(point.derivative, map.scale());
   if (point.free) cycle.growth = point.free->growth;
   cycle.stable = cycle.multipliers.empty() || std::abs(cycle.multipliers.front()) < 1;

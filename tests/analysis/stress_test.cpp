@@ -10,6 +10,7 @@
 
 #include "analysis/cycle_lanes.hpp"
 #include "analysis/motion_end.hpp"
+#include "analysis/return_map.hpp"
 #include "analysis/run.hpp"
 #include "analysis/stability.hpp"
 #include "core/eigenpairs.hpp"
@@ -1549,4 +1550,29 @@ TEST_CASE("slip that unstable sliding repels goes somewhere, found or not", "[st
   model.lambda = 42349.194017301976;
   CHECK_FALSE(stability(model).stable);
   CHECK(find_cycle(model, {.tolerance = 1e-6}).outcome.ending != Ending::none_exists);
+}
+
+TEST_CASE("what sticks and rings has come to its cycle where periods have brought it back", "[stress]") {
+  // A slip at 10¹⁴ of the drive's speed, and a turn of ringing after it, in each period: nothing is left of
+  // derivatives.
+  auto model = slider_under(
+      "ageing",
+      {1.4550578454333445, 0.004217099465800264, 0.040523411741710674, 3.1192830062422729e-06, 6.5151185386165034e-06},
+      {4.277964798492432e-11, 0.0024241239722084507, 1.5953181695141661e-08}, 5.1457615676809056e-07,
+      18.139306769302642);
+  model.lambda = 0.00046009563860482402;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.stable);
+  CHECK(cycle.multipliers.empty());  // not known
+  ReturnMap map(model);
+  auto y = map.stick(model.drive.speed.level());
+  double slip = 0, stick = 0;
+  for (int k = 0; k < 10; ++k) {
+    const auto passage = map.follow(y, 1e-9, 1, k > 0);
+    REQUIRE(passage.outcome.complete());
+    y = passage.end;
+    slip = stick, stick = passage.duration;
+  }
+  CHECK(std::abs(slip + stick - cycle.metrics.period) <= cycle.error.period);
+  CHECK(cycle.error.period < 1e-3 * cycle.metrics.period);
 }
