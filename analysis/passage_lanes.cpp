@@ -376,11 +376,11 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
 void PassageLanes::end_step_at(int lane, double theta) {
   const SliderSystem& slider = *lanes_[lane].loaded;
   const bool sticks = switches_ && sliders_.direction()[lane] == 0, records = lanes_[lane].passage->record;
-  const auto holding_coefficient = [&] {
+  if (sticks) {  // the contact never bore more than its limit
     std::array<double, solvers::Ensemble::capacity> y;
     interpolate(lane, theta, y.data());
-    return slider.holding_force(0, y.data()) / slider.model().drive.normal_load.level();
-  };
+    friction_[1].set(lane, slider.holding_force(0, y.data()) / slider.model().drive.normal_load.level());
+  }
   if (records && recording_.loop_area && friction_index_ >= 0) {
     const auto slip_rate = ensemble_.polynomial(lane, slip_rate_index);
     const auto friction = ensemble_.polynomial(lane, friction_index_);
@@ -390,13 +390,12 @@ void PassageLanes::end_step_at(int lane, double theta) {
   }
   if (records && recording_.means) {
     const double beyond = (theta - 1) * ensemble_.length()[lane];
-    const double friction = sticks                 ? holding_coefficient()
+    const double friction = sticks                 ? friction_[1][lane]
                             : friction_index_ >= 0 ? ensemble_.interpolate(lane, friction_index_, theta)
                                                    : friction_at(lane, theta);
     friction_sum_.set(lane, friction_sum_[lane] + beyond * friction);
     slip_rate_sum_.set(lane, slip_rate_sum_[lane] + beyond * ensemble_.interpolate(lane, slip_rate_index, theta));
   }
-  if (sticks) friction_[1].set(lane, holding_coefficient());  // the contact never bore more than its limit
   ensemble_.adjust(lane, theta);
 }
 

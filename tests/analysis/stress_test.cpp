@@ -1552,6 +1552,13 @@ TEST_CASE("slip that unstable sliding repels goes somewhere, found or not", "[st
   CHECK(find_cycle(model, {.tolerance = 1e-6}).outcome.ending != Ending::none_exists);
 }
 
+TEST_CASE("swings that reverse under friction too weak for arithmetic are no cycle", "[stress]") {
+  const auto scene = draw_scene(laws::catalogue(), 77, 17);
+  const auto cycle = find_cycle(model_of(scene));
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK(cycle.metrics.period == 0);
+}
+
 TEST_CASE("what sticks and rings has come to its cycle where periods have brought it back", "[stress]") {
   // A slip at 10¹⁴ of the drive's speed, and a turn of ringing after it, in each period: nothing is left of
   // derivatives.
