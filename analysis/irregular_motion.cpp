@@ -62,13 +62,18 @@ std::optional<Mean> follow(ReturnMap& map, std::vector<double>& y, double tolera
 }  // namespace
 
 std::optional<Parting> parting_from(ReturnMap& map, const std::vector<double>& y) {
-  constexpr double tolerance = 1e-8, another = 1e-10;
-  auto here = y;
-  const auto first = follow(map, here, tolerance);
-  if (!first || !(first->value > certainly * first->error)) return std::nullopt;
-  const auto second = follow(map, here, another);
-  if (!second || !alike(*first, *second) || !(second->value > certainly * second->error)) return std::nullopt;
-  return Parting{(first->value + second->value) / 2, std::max(first->error, second->error), 2 * parts * part};
+  // Where a passage shows that the steps err too much, it takes closer ones.
+  for (const double tolerance : {1e-8, 1e-10}) {
+    auto here = y;
+    const auto first = follow(map, here, tolerance);
+    if (!first) continue;
+    if (!(first->value > certainly * first->error)) return std::nullopt;
+    const double another = 1e-2 * tolerance;
+    const auto second = follow(map, here, another);
+    if (!second || !alike(*first, *second) || !(second->value > certainly * second->error)) return std::nullopt;
+    return Parting{(first->value + second->value) / 2, std::max(first->error, second->error), 2 * parts * part};
+  }
+  return std::nullopt;
 }
 
 }  // namespace rosin::analysis
