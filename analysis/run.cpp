@@ -148,40 +148,40 @@ bool stays_steady(const Model& model, const RunOptions& options) {
 /// A start in balance that friction falling with the slip rate lets go at once leaves along what the drive and the
 /// states do to the balance, at first by less than the last digits of friction, which would decide the way. Takes y so
 /// far along that they do not. \returns the time at which it is there (s). `duration`: of the run. The system is that
-/// of a law that sticks: other friction answers to the slip rate at once, and nothing grows so fast.
+/// of friction that answers to the slip rate at once: with other friction nothing grows so fast.
 double let_go(SliderSystem& system, std::vector<double>& y, double duration) {
   using Eigen::MatrixXd, Eigen::VectorXd;
   const int n = system.size(), u = system.slip_rate_index();
-  std::vector<double> f(n), mass(n), J(n * n), scale(n);
-  system.set_direction(y[u] < 0 ? -1 : 1);
+  std::vector<double> f(n);
+  VectorXd mass(n), scale(n);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(n, n);
+  if (system.model().law->set_valued()) system.set_direction(y[u] < 0 ? -1 : 1);
   system.linearise(0, y.data(), f.data(), J.data());
   system.mass(0, mass.data());
   system.scale(y.data(), scale.data());
-  MatrixXd A(n, n);  // of the changes in scales
-  VectorXd rate(n);
-  for (int i = 0; i < n; ++i) {
-    rate[i] = f[i] / (mass[i] * scale[i]);
-    for (int j = 0; j < n; ++j) A(i, j) = J[i * n + j] * scale[j] / (mass[i] * scale[i]);
-  }
-  if (!A.allFinite()) return 0;
+  const auto [moving, A] = moving_part(J, mass, scale);
+  const auto slip = std::find(moving.begin(), moving.end(), u) - moving.begin();
+  if (slip == std::ssize(moving) || !A.allFinite()) return 0;
   const auto modes = eigenpairs(A, true);
-  int fastest = 0;
-  for (int k = 1; k < n; ++k)
-    if (modes.values[k].real() > modes.values[fastest].real()) fastest = k;
+  Eigen::Index fastest = 0;
+  modes.values.real().maxCoeff(&fastest);
   const double growth = modes.values[fastest].real();
   constexpr double digits = 36;  // e-foldings from rounding to the motion itself
   if (!(growth * duration > digits) || modes.values[fastest].imag() != 0) return 0;
+  VectorXd rate(moving.size());  // in scales
+  for (std::size_t i = 0; i < moving.size(); ++i) rate[i] = f[moving[i]] / (mass[moving[i]] * scale[moving[i]]);
   const Eigen::MatrixXcd left = modes.vectors.inverse();
-  const VectorXd mode = (modes.vectors.col(fastest) / modes.vectors(u, fastest)).real();  // by the change of u
-  const double driven = (left.row(fastest) * rate)(0).real() * modes.vectors(u, fastest).real() * scale[u];
+  const VectorXd mode = (modes.vectors.col(fastest) / modes.vectors(slip, fastest)).real();  // by the change of u
+  const double driven = (left.row(fastest) * rate)(0).real() * modes.vectors(slip, fastest).real() * scale[u];
   // The mode grows as driven/growth·e^{growth t}.
   constexpr double beyond = 1e4, digit = std::numeric_limits<double>::epsilon();
   const double begins = std::abs(driven) / growth;
   const double clear = beyond * digit * std::abs(system.observe(0, y.data()).friction_force) / (mass[u] * growth);
   if (!(begins < clear) || begins == 0) return 0;
   const double time = std::log(clear / begins) / growth;
-  for (int j = 0; j < n; ++j)
-    y[j] += time * (rate[j] * scale[j]) * (j != u) + std::copysign(clear, driven) * mode[j] * scale[j] / scale[u];
+  for (std::size_t i = 0; i < moving.size(); ++i)
+    y[moving[i]] += (time * rate[i] * (moving[i] != u) + std::copysign(clear / scale[u], driven) * mode[i]) *
+                    scale[moving[i]];
   return time;
 }
 
@@ -206,7 +206,8 @@ class Pass {
       for (double& value : y) value *= 1 + 2 * std::numeric_limits<double>::epsilon();
     if (options_.start.kind == Start::Kind::given && !options_.start.displacement) {
       system_.measure_from_balance(y);
-      if (solver_ == "events" && system_.slip_rate(0, y.data()) != 0) begin_ = let_go(system_, y, times_.back());
+      const bool at_once = solver_ == "events" || system_.model().lambda == 0;
+      if (at_once && system_.slip_rate(0, y.data()) != 0) begin_ = let_go(system_, y, times_.back());
     }
     if (solver_ == "steady") system_.set_direction(system_.model().drive.speed.level() < 0 ? -1 : 1);
     if (system_.size() == 0 || solver_ == "steady") {
@@ -619,7 +620,7 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
   const double stiffness = std::abs(slider.stiffness);  // of −0 too
   const double swing = slider.mass > 0 ? std::min(std::sqrt(slider.mass / stiffness), times.back()) : 0;
   auto coarse = std::make_unique<Pass>(model, options, result.solver, times);
-  coarse->run(tolerance, true);
+  Outcome before = coarse->run(tolerance, true);
   std::unique_ptr<Pass> fine;
   for (int attempt = 0;; ++attempt) {
     tolerance = std::max(0.01 * tolerance, least);
@@ -635,6 +636,13 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     result.column_error[displacement] += fine->displacement_follows_;
     constexpr double exceed = 10;  // the tolerance: errors of unknowns do, at most
     for (const std::size_t c : {velocity, slip_rate}) result.column_error[c] += exceed * fine->slip_rate_follows_;
+    const bool last_attempt = attempt == 3 || tolerance <= least;
+    const auto ended = [](const Outcome& o) { return o.ending == Ending::none_exists; };
+    if (ended(result.outcome) && !ended(before) && !last_attempt) {  // an end that one pass alone came to
+      before = result.outcome;
+      coarse = std::move(fine);
+      continue;
+    }
     if (!result.outcome.complete()) break;
     std::size_t worst = 0;
     std::vector<double> ratio;
@@ -647,12 +655,13 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
         result.column_error[c] = with_caution(result.column_error[c], sizes[c], options.tolerance);
       break;
     }
-    if (attempt == 3 || tolerance <= least) {
+    if (last_attempt) {
       result.outcome = {Ending::tolerance_not_met,
                         fmt::format("{} is known to {:.1e} of its size only{}", result.column_names[worst],
                                     ratio[worst], departure(model, options, times.back()))};
       break;
     }
+    before = result.outcome;
     coarse = std::move(fine);
   }
   result.columns = std::move(fine->columns_);

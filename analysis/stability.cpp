@@ -26,21 +26,6 @@ using ComplexVector = Eigen::VectorXcd;
 
 namespace {
 
-/// Eigenvalues of M ẏ = J y by QR: good to rounding of the largest.
-std::vector<Complex> by_iteration(const Matrix& J, const Vector& mass, const Vector& scale) {
-  // Algebraic rows are eliminated; unknowns are measured in their scales, which balances the matrix.
-  std::vector<int> dynamic, algebraic;
-  for (int i = 0; i < mass.size(); ++i) (mass[i] > 0 ? dynamic : algebraic).push_back(i);
-  Matrix A = J(dynamic, dynamic);
-  if (!algebraic.empty())
-    A -= J(dynamic, algebraic) * J(algebraic, algebraic).partialPivLu().solve(J(algebraic, dynamic));
-  for (std::size_t i = 0; i < dynamic.size(); ++i)
-    for (std::size_t j = 0; j < dynamic.size(); ++j)
-      A(i, j) *= scale[dynamic[j]] / (scale[dynamic[i]] * mass[dynamic[i]]);
-  const auto found = eigenpairs(A).values;
-  return {found.data(), found.data() + found.size()};
-}
-
 /// M ẏ = J y around steady sliding, with every slip rate an unknown: where a solver's form eliminates one by a damper,
 /// friction that resists far more than the damper cancels.
 struct Pencil {
@@ -135,7 +120,8 @@ struct Linearisation {
       for (std::size_t i = 0; i < roots.values.size(); ++i)
         list.push_back({roots.values[i], roots.errors[i], roots.real_errors[i]});
     } else {
-      const auto values = by_iteration(J, mass, scale);
+      // By QR: good to rounding of the largest.
+      const auto values = eigenpairs(moving_part(J, mass, scale).A).values;
       double largest = 0;
       for (const auto& e : values) largest = std::max(largest, std::abs(e));
       for (const auto& e : values) list.push_back({e, 1e-14 * largest, 1e-14 * largest});

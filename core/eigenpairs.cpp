@@ -2,6 +2,7 @@
 #include "core/eigenpairs.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <limits>
 
 namespace rosin {
@@ -22,6 +23,18 @@ Pairs solve(const Matrix& A, bool with_vectors) {
 }  // namespace
 
 Eigenpairs eigenpairs(const Eigen::MatrixXd& A, bool with_vectors) { return solve<Eigenpairs>(A, with_vectors); }
+
+MovingPart moving_part(const Eigen::MatrixXd& J, const Eigen::VectorXd& mass, const Eigen::VectorXd& scale) {
+  std::vector<int> moving, algebraic;
+  for (int i = 0; i < mass.size(); ++i) (mass[i] > 0 ? moving : algebraic).push_back(i);
+  Eigen::MatrixXd A = J(moving, moving);
+  if (!algebraic.empty())
+    A -= J(moving, algebraic) * J(algebraic, algebraic).partialPivLu().solve(J(algebraic, moving));
+  for (std::size_t i = 0; i < moving.size(); ++i)
+    for (std::size_t j = 0; j < moving.size(); ++j)
+      A(i, j) *= scale[moving[j]] / (scale[moving[i]] * mass[moving[i]]);
+  return {std::move(moving), std::move(A)};
+}
 
 SmallEigenpairs small_eigenpairs(const SmallMatrix<double>& A, bool with_vectors) {
   return solve<SmallEigenpairs>(A, with_vectors);

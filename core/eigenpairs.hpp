@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <complex>
+#include <vector>
 
 namespace rosin {
 
@@ -14,7 +15,15 @@ struct Eigenpairs {
 /// Eigenvalues, and eigenvectors in columns if asked, of a square matrix. NaN throughout if the iteration fails.
 Eigenpairs eigenpairs(const Eigen::MatrixXd& A, bool with_vectors = false);
 
-/// The same for small matrices, which nothing is allocated for.
+/// What moves in M ẏ = J y by its own: the unknowns with a mass, and the matrix of their rates, each in its scale. The
+/// others follow at once, and their rows are eliminated; scales balance the matrix.
+struct MovingPart {
+  std::vector<int> unknowns;
+  Eigen::MatrixXd A;  ///< 1/s
+};
+MovingPart moving_part(const Eigen::MatrixXd& J, const Eigen::VectorXd& mass, const Eigen::VectorXd& scale);
+
+/// Eigenpairs of small matrices, which nothing is allocated for.
 inline constexpr int most_small_rows = 20;
 template <class Number>
 using SmallMatrix =

@@ -1354,6 +1354,29 @@ TEST_CASE("a start in an unstable balance is left as the drive does, not as the 
   }
 }
 
+TEST_CASE("slip that a friction curve lets go does not come to rest for want of digits", "[stress]") {
+  // At 4e-16 m/s friction falls with the slip rate at 2e16 1/s and nothing but the drive, faster than the slip, decides
+  // that slip runs away: to where the damper holds what friction has lost, c v = N (mu(start) - mu(v)).
+  const double u = 3.7664518464789592e-16, V = 1.6401930137682969e-12, N = 0.79532809467366572;
+  const double k = 7609.3568796164072, c = 110344.42193142681, m = 9.9641306125001572e-05;
+  auto model = slider_under("kato-tullis", {0.6, 0.01, 0.015, 1e-5, 1e-6, 1e-8}, {m, k, c}, V, N);
+  model.lambda = 0;
+  RunOptions options;
+  options.duration = 1e-4;  // the spring has hardly unloaded: k/c is 0.07 1/s
+  options.samples = 2;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = u;
+  const auto friction = [&](double v) { return model.law->steady_friction({v, N}).friction; };
+  double v = 1e-6;
+  for (int i = 0; i < 100; ++i) v = N * (friction(u) - friction(v)) / c;
+  for (const double tolerance : {1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-11}) {
+    options.tolerance = tolerance;
+    const auto motion = run(model, options);
+    REQUIRE(motion.outcome.complete());
+    CHECK(motion.columns[2].back() == Approx(v).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("friction that falls with a root of the slip rate lets slip begin", "[stress]") {
   const auto model = slider_under(
       "stribeck",
