@@ -1377,6 +1377,25 @@ TEST_CASE("slip that a friction curve lets go does not come to rest for want of 
   }
 }
 
+TEST_CASE("a short rest in a swing that friction hardly changes is not passed over", "[stress]") {
+  // From rest, loaded to the static limit, the slider swings by V about the drive at constant friction and comes back to
+  // rest, but for what friction adds within 1e-4 V of it: 1e-3 of the swing's force, in a hundredth of the period.
+  const double V = 1e4, N = 279.35018832249813, k = 18.191509579895772, m = 25.532187653634789;
+  const double mu_inf = 0.24782617355046052, mu_1 = 0.41372000183666729, mu_2 = 0.32822693646150009;
+  const auto model = slider_under("two-exponential", {mu_inf, mu_1, 0.0064649959804207301, mu_2, 0.26457123883491174},
+                                  {m, k, 0}, V, N);
+  // Rest ends a slip of a whole swing and the time that the drive takes to load the spring from there to the limit.
+  const double swing = 2 * M_PI * std::sqrt(m / k);
+  for (const double tolerance : {1e-2, 1e-3, 1e-5, 1e-6, 1e-9}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    REQUIRE(cycle.outcome.complete());
+    CHECK(cycle.metrics.stick_fraction > 0);
+    CHECK(cycle.metrics.friction_max == Approx(mu_inf + mu_1 + mu_2));
+    CHECK(std::abs(cycle.metrics.period / swing - 1) < 1e-4);
+    CHECK(std::abs(cycle.metrics.slip_rate_mean / V - 1) <= cycle.error.slip_rate_mean / V);
+  }
+}
+
 TEST_CASE("friction that falls with a root of the slip rate lets slip begin", "[stress]") {
   const auto model = slider_under(
       "stribeck",
