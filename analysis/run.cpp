@@ -6,6 +6,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -32,7 +33,8 @@ using solvers::Collocation;
 
 namespace {
 
-constexpr std::size_t before_states = 5;  ///< displacement, velocity, slip rate, friction force and coefficient
+/// Columns before those of the states.
+enum Column : std::size_t { displacement, velocity, slip_rate, friction_force, friction_coefficient, before_states };
 
 /// Explicit steps until stability holds them, from there to the next break of the drive collocation.
 class WhileNotStiff {
@@ -229,6 +231,7 @@ class Pass {
   double slip_rate_follows_ = 0;  ///< m/s, what errors of the unknowns by the tolerance make of the slip rate
   /// m, what the last digits of the unknowns, by the slip rate that follows, make of the displacement.
   double displacement_follows_ = 0;
+  std::array<double, before_states> ringing_{};  ///< of the columns: Collocation::ringing_errors()
 
  private:
   /// Samples due strictly before `t` (and at `t` too, if `closed`), from θ ↦ y of the present step.
@@ -241,6 +244,17 @@ class Pass {
   }
   void add_event(double t, const double* y, std::string kind) {
     events_.push_back({t, std::move(kind), system_.observe(t, y).displacement});
+  }
+  void take_ringing(const Collocation& solver) {
+    const auto& errors = solver.ringing_errors();
+    ringing_[displacement] = errors[0];
+    if (const int u = system_.slip_rate_index(); u >= 0) ringing_[velocity] = ringing_[slip_rate] = errors[u];
+    if (!system_.carries_friction()) return;
+    const double coefficient = errors[system_.first_state() - 1];
+    double load = 0;
+    for (const double t : times_) load = std::max(load, std::abs(system_.model().drive.normal_load.value(t)));
+    ringing_[friction_coefficient] = coefficient;
+    ringing_[friction_force] = coefficient * load;
   }
   void record(double t, const double* y) {
     const auto seen = system_.observe(t, y);
@@ -403,6 +417,7 @@ class Pass {
       return o;
     });
     cost_ = {solver.count().steps, solver.count().evaluations + solver.count().linearisations};
+    take_ringing(solver);
     return outcome;
   }
 
@@ -426,6 +441,7 @@ class Pass {
     metrics_["stick_time"] = stuck;
     cost_ = {solver.stepper().count().steps,
              solver.stepper().count().evaluations + solver.stepper().count().linearisations};
+    take_ringing(solver.stepper());
     return outcome;
   }
 
@@ -565,10 +581,10 @@ std::vector<double> least_sizes(const Model& model) {
   const double V = std::abs(model.drive.speed.level()), N = model.drive.normal_load.level();
   std::vector<double> sizes(before_states + law.states().size());
   // Without mass the slip rate follows from friction, to its own last digit.
-  if (model.slider.mass > 0) sizes[1] = sizes[2] = V;
+  if (model.slider.mass > 0) sizes[velocity] = sizes[slip_rate] = V;
   if (law.deflects() && V > 0) {
-    sizes[4] = std::abs(law.steady_friction({V, N}).friction);
-    sizes[3] = N * sizes[4];
+    sizes[friction_coefficient] = std::abs(law.steady_friction({V, N}).friction);
+    sizes[friction_force] = N * sizes[friction_coefficient];
   }
   if (model.lambda == 0) return sizes;
   std::vector<double> scale(system.size());
@@ -583,11 +599,11 @@ std::vector<double> least_sizes(const Model& model) {
 /// fall on zeros of the displacement: it is at least as large as what the slider moves by within `swing` (s).
 std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, std::vector<double> least, double swing) {
   double fastest = 0;
-  for (const double velocity : columns[1]) fastest = std::max(fastest, std::abs(velocity));
-  least[0] = swing * fastest;
+  for (const double v : columns[velocity]) fastest = std::max(fastest, std::abs(v));
+  least[displacement] = swing * fastest;
   for (std::size_t c = 0; c < columns.size(); ++c)
     for (const double x : columns[c]) least[c] = std::max(least[c], std::abs(x));
-  least[1] = std::max(least[1], least[2]);
+  least[velocity] = std::max(least[velocity], least[slip_rate]);
   return least;
 }
 
@@ -632,10 +648,10 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     // Two passes may agree by chance: no more than a hundredth of what was asked is claimed.
     const double least_claimed = std::max((result.solver == "cvode" ? 30 : 3) * tolerance, 0.01 * options.tolerance);
     result.column_error = differences(coarse->columns_, fine->columns_, sizes, least_claimed);
-    constexpr std::size_t displacement = 0, velocity = 1, slip_rate = 2;
+    for (std::size_t c = 0; c < before_states; ++c) result.column_error[c] += fine->ringing_[c];
     result.column_error[displacement] += fine->displacement_follows_;
     constexpr double exceed = 10;  // the tolerance: errors of unknowns do, at most
-    for (const std::size_t c : {velocity, slip_rate}) result.column_error[c] += exceed * fine->slip_rate_follows_;
+    for (const Column c : {velocity, slip_rate}) result.column_error[c] += exceed * fine->slip_rate_follows_;
     const bool last_attempt = attempt == 3 || tolerance <= least;
     const auto ended = [](const Outcome& o) { return o.ending == Ending::none_exists; };
     if (ended(result.outcome) && !ended(before) && !last_attempt) {  // an end that one pass alone came to

@@ -41,7 +41,9 @@ Collocation::Collocation(const System& system, double tolerance)
   estimate_tolerance_ = std::pow(tolerance_, 2.0 / 3);
   bound_share_ = std::min(1.0, std::pow(tolerance_ / 1e-6, 1.0 / 9));
   const int n = n_;
-  for (auto* v : {&carry_, &y_, &y_before_, &f0_, &mass_, &scale_, &work_}) v->assign(n, 0.0);
+  for (auto* v : {&carry_, &y_, &y_before_, &f0_, &mass_, &scale_, &work_, &ringing_errors_,
+                  &ringing_errors_trial_})
+    v->assign(n, 0.0);
   for (auto* v : {&Z_, &Z_trial_, &residual_, &stage_mass_}) v->assign(s * n, 0.0);
   J_.assign(n * n, 0.0);
   real_lu_.assign(n * n, 0.0);
@@ -336,6 +338,7 @@ double Collocation::ringing_error(double h, const double* estimate) {
   int m = 0, a = 0;
   for (int i = 0; i < n; ++i) (mass_[i] != 0 ? moving[m++] : following[a++]) = i;
   const double size = norm(estimate);
+  std::fill(ringing_errors_trial_.begin(), ringing_errors_trial_.end(), 0.0);
   if (m < 2 || !(size > 0)) return 0;  // nothing that could ring
   // What has no rate follows the moving unknowns, δy_a = −J_aa⁻¹ J_am δy_m.
   SmallMatrix<double> own(a, a), follow(a, m);
@@ -425,9 +428,14 @@ double Collocation::ringing_error(double h, const double* estimate) {
     };
     double amplitude = part(estimate, 1);
     for (int i = 0; i < n; ++i) amplitude -= part(&noise[i], n);
+    const double error = kappa * std::max(amplitude, 0.0);
+    constexpr double part_of_turn = 4;
+    const bool passed_over = std::abs(z) > part_of_turn;
     double square = 0;  // of the vector, in scales
     const auto add = [&](int i, double real, double imaginary) {
-      square += (real * real + imaginary * imaginary) / (scale_[i] * scale_[i]);
+      const double length = std::hypot(real, imaginary);
+      square += length * length / (scale_[i] * scale_[i]);
+      if (passed_over) ringing_errors_trial_[i] += error * length;
     };
     for (int j = 0; j < m; ++j) add(moving[j], vectors(j, k), vectors(j, k + 1));
     for (int i = 0; i < a; ++i) {
@@ -438,7 +446,7 @@ double Collocation::ringing_error(double h, const double* estimate) {
       }
       add(following[i], real, imaginary);
     }
-    sum += kappa * std::max(amplitude, 0.0) * std::sqrt(square / n);
+    sum += error * std::sqrt(square / n);
   }
   return std::isfinite(sum) ? sum : 0;
 }
@@ -554,6 +562,7 @@ Outcome Collocation::step(double t_limit) {
     Z_.swap(Z_trial_);
     y_before_ = y_;
     t_before_ = t_;
+    for (int k = 0; k < n; ++k) ringing_errors_[k] += ringing_errors_trial_[k];
     for (int k = 0; k < n; ++k) {
       const double change = Z_[(s - 1) * n + k] + carry_[k];
       y_[k] += change;

@@ -1377,6 +1377,35 @@ TEST_CASE("slip that a friction curve lets go does not come to rest for want of 
   }
 }
 
+TEST_CASE("a ring that steps damp at once is in the error stated of friction", "[stress]") {
+  // A slider let go with the drive loads its spring through a stiff contact at rest: m x'' + k x = k_t (V t - x). It
+  // rings with 2.6e-9 V, which is less than the tolerance, but under forces as small as these 4.6e-4 N count.
+  const double k = 11.307816025096571, m = 0.18471049914209639, V = 6.7897517177357436, N = 11215.929646065579;
+  auto model = slider_under("flash-heating",
+                            {0.49527678242004924, 0.038357852151328024, 0.039720727729059796, 4.7772260618459563e-07,
+                             4.3707517070584212e-11, 0.069198933332048546, 0.002249256627295383},
+                            {m, k, 0}, V, N);
+  model.lambda = 0.00066038054053422157;
+  model.contact_stiffness.per_load = 406340.79291547922;
+  const double k_t = model.contact_stiffness.per_load * N, frequency = std::sqrt((k + k_t) / m);
+  RunOptions options;
+  options.duration = 0.2;
+  options.samples = 20;
+  options.start.kind = Start::Kind::rest;
+  for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6}) {
+    options.tolerance = tolerance;
+    const auto motion = run(model, options);
+    double largest = 0;
+    for (std::size_t i = 0; i < motion.time.size(); ++i) {
+      const double t = motion.time[i];
+      const double exact = k_t * k / (k + k_t) * V * (t - std::sin(frequency * t) / frequency);
+      largest = std::max(largest, std::abs(motion.columns[3][i] - exact));
+    }
+    CAPTURE(tolerance);
+    CHECK(largest <= motion.column_error[3]);
+  }
+}
+
 TEST_CASE("a short rest in a swing that friction hardly changes is not passed over", "[stress]") {
   // From rest, loaded to the static limit, the slider swings by V about the drive at constant friction and comes back to
   // rest, but for what friction adds within 1e-4 V of it: 1e-3 of the swing's force, in a hundredth of the period.
