@@ -492,6 +492,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), fine.closure, V, false,
                                      cycle.error, worst, caution);
     cycle.error.friction_min += fine.friction;
+    if (!reversed.empty()) cycle.error.friction_max += fine.friction;
     const double level = std::max(std::abs(fine.metrics.friction_min), std::abs(fine.metrics.friction_max));
     if (const double part = fine.friction / level; part > reached) reached = part, worst = "friction_min";
     cycle.metrics = fine.metrics;

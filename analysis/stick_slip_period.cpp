@@ -132,6 +132,19 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       fastest = std::max(fastest, std::abs(rate[i]) / (mass[i] * size[i]));
     return fastest;
   };
+  // Stiff states keep an error of the size that steps estimate, the tolerance to the power 2/3 (see Collocation), and
+  // at a reversal, where what drives them turns, none is damped.
+  const auto friction_known = [&](const std::vector<double>& y) {
+    std::vector<double> size(system.size());
+    system.scale(y.data(), size.data());
+    double sum = 0;
+    for (int i = system.first_state(); i < system.size(); ++i) {
+      auto beside = y;
+      beside[i] += std::pow(tolerance, 2.0 / 3) * size[i];
+      sum += std::abs(system.friction_coefficient(0, beside.data()) - system.friction_coefficient(0, y.data()));
+    }
+    return sum;
+  };
   // Slip in the plane creeps where friction rises more steeply than a swing needs to turn, and takes so much longer:
   // the last of the slopes is that of the slip rate's own row, in the slip rate.
   std::vector<double> rates(system.size()), slopes(system.size() * system.size());
@@ -217,7 +230,10 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       }
     }
     const bool turns_along = switched == solvers::Switch::reversal && solver.upcoming() > 0;
-    if (turns_along) result.reversed = solver.state();
+    if (turns_along) {
+      result.reversed = solver.state();
+      result.friction = std::max(result.friction, friction_known(solver.state()));
+    }
     if (turns > 1 || switched == solvers::Switch::stick) result.reversed.clear();
     if (switched != solvers::Switch::slip && !(turns_along && kind == Onset::reversed)) continue;
     if (solver.upcoming() < 0) continue;

@@ -38,7 +38,7 @@ struct StickSlipPeriod {
   bool grazes = false;        ///< slip comes to rest or not by less than the tolerance tells
   double rounding = 0;        ///< relative error that rounding of the slip rate makes where it just comes to rest
   double landing = 0;         ///< to which the times at which slip stops are known together (s)
-  double friction = 0;        ///< to which friction is known where slip has just come to rest
+  double friction = 0;        ///< to which friction is known where slip has just come to rest, or reverses
   double growth = 0;          ///< of a swing that does not stick, by the work of friction (SwingWork)
   long steps = 0, evaluations = 0;
 };
