@@ -182,8 +182,8 @@ double let_go(SliderSystem& system, std::vector<double>& y, double duration) {
   if (!(begins < clear) || begins == 0) return 0;
   const double time = std::log(clear / begins) / growth;
   for (std::size_t i = 0; i < moving.size(); ++i)
-    y[moving[i]] += (time * rate[i] * (moving[i] != u) + std::copysign(clear / scale[u], driven) * mode[i]) *
-                    scale[moving[i]];
+    y[moving[i]] +=
+        (time * rate[i] * (moving[i] != u) + std::copysign(clear / scale[u], driven) * mode[i]) * scale[moving[i]];
   return time;
 }
 

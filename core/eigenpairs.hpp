@@ -23,7 +23,7 @@ struct MovingPart {
 };
 MovingPart moving_part(const Eigen::MatrixXd& J, const Eigen::VectorXd& mass, const Eigen::VectorXd& scale);
 
-/// Eigenpairs of small matrices, which nothing is allocated for.
+/// Eigenpairs of small matrices, which nothing is allocated for, of any balance.
 inline constexpr int most_small_rows = 20;
 template <class Number>
 using SmallMatrix =
@@ -32,6 +32,6 @@ struct SmallEigenpairs {
   Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 1, Eigen::ColMajor, most_small_rows, 1> values;
   SmallMatrix<std::complex<double>> vectors;
 };
-SmallEigenpairs small_eigenpairs(const SmallMatrix<double>& A, bool with_vectors = false);
+SmallEigenpairs small_eigenpairs(SmallMatrix<double> A, bool with_vectors = false);
 
 }  // namespace rosin

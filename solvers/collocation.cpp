@@ -41,8 +41,7 @@ Collocation::Collocation(const System& system, double tolerance)
   estimate_tolerance_ = std::pow(tolerance_, 2.0 / 3);
   bound_share_ = std::min(1.0, std::pow(tolerance_ / 1e-6, 1.0 / 9));
   const int n = n_;
-  for (auto* v : {&carry_, &y_, &y_before_, &f0_, &mass_, &scale_, &work_, &ringing_errors_,
-                  &ringing_errors_trial_})
+  for (auto* v : {&carry_, &y_, &y_before_, &f0_, &mass_, &scale_, &work_, &ringing_errors_, &ringing_errors_trial_})
     v->assign(n, 0.0);
   for (auto* v : {&Z_, &Z_trial_, &residual_, &stage_mass_}) v->assign(s * n, 0.0);
   J_.assign(n * n, 0.0);

@@ -219,11 +219,11 @@ TEST_CASE("heated slip that reverses in each turn, and never sticks, is a cycle"
 TEST_CASE("friction at a reversal is known as well as the heat that lags there", "[cycle]") {
   // Within 1.6e-6 s, a part in 1e10 of the period, the temperature follows the slip rate: at a reversal, where it is
   // least, it is what the steps before have left. Friction differs there by 3e-10 from one tolerance to the other.
-  auto model = slider_under("thermal",
-                            {0.60023772321103641, 0.31714114826857454, 0.0045709400029150613, 1.1213812675343795,
-                             0.0059851902304816022, 1.9659794070943272e-11, 10.661974789588786, 0.37947742530888695, 1.0,
-                             0.014759609252588351},
-                            {20652.548766602191, 0.002686339576237221, 0}, 0.032698960026603392, 0.00012075575015978874);
+  auto model = slider_under(
+      "thermal",
+      {0.60023772321103641, 0.31714114826857454, 0.0045709400029150613, 1.1213812675343795, 0.0059851902304816022,
+       1.9659794070943272e-11, 10.661974789588786, 0.37947742530888695, 1.0, 0.014759609252588351},
+      {20652.548766602191, 0.002686339576237221, 0}, 0.032698960026603392, 0.00012075575015978874);
   model.lambda = 877749.41071520734;
   const auto closely = find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(closely.outcome.complete());

@@ -1377,6 +1377,45 @@ TEST_CASE("slip that a friction curve lets go does not come to rest for want of 
   }
 }
 
+TEST_CASE("a film rings with the slip rate however far apart their sizes are", "[stress]") {
+  // Slip in a film that carries 1e-16 of its flow stress: x' = V - u, m u' = k x + F - A tau, tau' = S (u - v(tau))/d.
+  // Closed form: the flow is v0 e^{-p/p0} tau/tau_*, linear, so that the motion is that of constant coefficients.
+  const double A = 3.0785103636350029e-08, d = 3.4245122738480113e-09, S = 478607874.06530321;
+  const double tau_star = 323837.77674487664, v0 = 1.552440764659747e-10, p0 = 439685123.10666507;
+  const double k = 16642.191548007013, m = 0.7494731879283878, V = 5.8877098809726122e-15, N = 15.434381593543014;
+  const double u0 = 1.1320129431600198e-17;
+  auto model = slider_under("film", {A, d, S, tau_star, v0, p0}, {m, k, 0}, V, N);
+  model.drive.force = Signal(-0.058088721262040864);
+  RunOptions options;
+  options.duration = 0.01777259534487252;
+  options.samples = 8;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = u0;
+  // Deviations q from the start, at which forces balance: q' = M q + (V - u0, 0, 0).
+  Eigen::Matrix3d M;
+  const double flow = v0 * std::exp(-N / (A * p0)) / tau_star;
+  M << 0, -1, 0, k / m, 0, -A / m, 0, S / d, -S / d * flow;
+  // Sizes of x, u and tau that make it even.
+  const Eigen::Vector3d size(1 / std::sqrt(k), 1 / std::sqrt(m), std::sqrt(S / (d * A)));
+  const Eigen::Matrix3d even = size.cwiseInverse().asDiagonal() * M * size.asDiagonal();
+  const Eigen::Vector3d pushed = Eigen::Vector3d(V - u0, 0, 0).cwiseQuotient(size);
+  const Eigen::EigenSolver<Eigen::Matrix3d> modes(even);
+  const Eigen::Vector3cd share = modes.eigenvectors().partialPivLu().solve(pushed.cast<std::complex<double>>());
+  for (const double tolerance : {1e-4, 1e-5, 1e-6}) {
+    options.tolerance = tolerance;
+    const auto motion = run(model, options);
+    REQUIRE(motion.outcome.complete());
+    for (std::size_t i = 0; i < motion.time.size(); ++i) {
+      Eigen::Vector3cd grown;
+      for (int j = 0; j < 3; ++j)
+        grown[j] = share[j] * (std::exp(modes.eigenvalues()[j] * motion.time[i]) - 1.0) / modes.eigenvalues()[j];
+      const double u = u0 + (modes.eigenvectors() * grown)[1].real() * size[1];
+      CAPTURE(tolerance, motion.time[i], u);
+      CHECK(std::abs(motion.columns[2][i] - u) <= motion.column_error[2]);
+    }
+  }
+}
+
 TEST_CASE("a ring that steps damp at once is in the error stated of friction", "[stress]") {
   // A slider let go with the drive loads its spring through a stiff contact at rest: m x'' + k x = k_t (V t - x). It
   // rings with 2.6e-9 V, which is less than the tolerance, but under forces as small as these 4.6e-4 N count.
@@ -1407,8 +1446,8 @@ TEST_CASE("a ring that steps damp at once is in the error stated of friction", "
 }
 
 TEST_CASE("a short rest in a swing that friction hardly changes is not passed over", "[stress]") {
-  // From rest, loaded to the static limit, the slider swings by V about the drive at constant friction and comes back to
-  // rest, but for what friction adds within 1e-4 V of it: 1e-3 of the swing's force, in a hundredth of the period.
+  // From rest, loaded to the static limit, the slider swings by V about the drive at constant friction and comes back
+  // to rest, but for what friction adds within 1e-4 V of it: 1e-3 of the swing's force, in a hundredth of the period.
   const double V = 1e4, N = 279.35018832249813, k = 18.191509579895772, m = 25.532187653634789;
   const double mu_inf = 0.24782617355046052, mu_1 = 0.41372000183666729, mu_2 = 0.32822693646150009;
   const auto model = slider_under("two-exponential", {mu_inf, mu_1, 0.0064649959804207301, mu_2, 0.26457123883491174},
