@@ -392,6 +392,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   const double V = model.drive.speed.level();
   Sharpening sharpening(options.tolerance, 0.2 * options.tolerance);
   const double friction_felt = std::min(1.0, friction_over_swing(model));
+  constexpr double grazing = 1e-3;  // of the drive's speed: slip that comes as near to rest may be held or not
   bool sticks = true;
   std::vector<double> reversed;  ///< where slip turns to go along the drive, if it does in each period and never sticks
   const auto period_now = [&]() -> StickSlipPeriod {
@@ -400,7 +401,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     if (sticks) {
       // Slip that only just comes to rest is missed by a solution that is not better than the miss.
       auto period = OnsetMap(model, tol, options.stick_threshold, Onset::held).cycle();
-      constexpr double grazing = 1e-3, surely = 1e-6, sharp = 1e-14;
+      constexpr double surely = 1e-6, sharp = 1e-14;
       const bool missed = !period.found && period.outcome.complete() && period.closest < grazing;
       // Where friction is weak, steps that follow the motion take little notice of it, nor of a short rest.
       const bool passed_over = missed && !period.reversed.empty() && !remembers(model) && friction_felt < 1;
@@ -440,7 +441,10 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       const auto multipliers =
           OnsetMap(model, 1e-10, options.stick_threshold, Onset::reversed, coarse.slips).multipliers(coarse.onset);
       const double attraction = multipliers.empty() ? 1 : 1 - std::abs(multipliers.front());
-      if (constexpr double rounding = 1e-11; std::abs(attraction) < rounding) {
+      // Steps may pass over short reversals, and so tell nothing of friction that is felt there.
+      constexpr double rounding = 1e-11, hardly_felt = 1e-9, clearly = 1e-3;
+      if (std::abs(attraction) < rounding &&
+          (friction_felt < hardly_felt || coarse.metrics.slip_rate_min < -clearly * V)) {
         cycle.outcome = {Ending::none_exists,
                          "friction changes swings in which slip reverses by no more than rounding"};
         return cycle;
@@ -482,9 +486,10 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       constexpr double rounding = 1e-13;
       if (sticks && fine.closest < rounding)
         cycle.outcome = comes_to_rest_or_not(fine.closest);
-      else if (!sliding.stable && !sliding.marginal && remembers(model))
+      else if (remembers(model) && !fine.settles && (fine.closest < grazing || !(sliding.stable || sliding.marginal)))
         cycle.outcome = {Ending::budget_spent,
-                         "slip started from stick has not come to rest again, and steady sliding repels it"};
+                         "slip started from stick has come neither to rest again nor to steady "
+                         "sliding, nor back to where it began"};
       else
         cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;

@@ -193,7 +193,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     quiet = std::abs(u - V) < settled * V + noise ? quiet + solver.stepper().length() : 0;
     const bool slips_on = system.direction() != 0 && switched != solvers::Switch::stick;
     swings = slips_on ? swings + solver.stepper().length() / swing_here : 0;
-    if (sliding.stable && (away < settled * V + noise || quiet > quiet_enough * swing)) break;
+    result.settles = sliding.stable && (away < settled * V + noise || quiet > quiet_enough * swing);
+    if (result.settles) break;
     // Without memory slip that has gone on for so long has found its own cycle.
     if (swings > many && !remembers(model)) break;
     if (fast && switched == solvers::Switch::none) result.closest = std::min(result.closest, solver.lowest() / V);

@@ -33,6 +33,7 @@ struct StickSlipPeriod {
   double onset_displacement = 0;
   double closure = 0;  ///< relative error that is left because the period does not quite return
   bool found = false;
+  bool settles = false;       ///< slip comes to steady sliding, which attracts it
   bool turned = false;        ///< Newton's method had a part in it, which finds what repels too
   double closest = infinity;  ///< lowest slip rate after the first half of a slip, over the drive speed
   bool grazes = false;        ///< slip comes to rest or not by less than the tolerance tells

@@ -1662,6 +1662,19 @@ TEST_CASE("slip that unstable sliding repels goes somewhere, found or not", "[st
   CHECK(find_cycle(model, {.tolerance = 1e-6}).outcome.ending != Ending::none_exists);
 }
 
+TEST_CASE("slip that steps let pass rest by a hair is not said to leave no cycle", "[stress]") {
+  // A turn comes to rest or reverses by 2e-7 of the drive's speed, under friction that changes the swing by 1e-6: at one
+  // tolerance it sticks, and at others it slips through.
+  auto model = slider_under("thermal-disc",
+                            {0.19007623833126616, 0.63474853809421994, 0.0023953201344757685, 1.0378872083364248,
+                             0.016772323359778001, 0.001489119867449782, 0.0097080702158469662, 0.0020236374730012471,
+                             0.73077277865468793, 0.0, 0.83797312197252749},
+                            {0.00034843768685363072, 44729.476737001605, 0}, 75.404974801012486, 0.00037203884286722409);
+  model.lambda = 8.2444109016160105;
+  for (const double tolerance : {1e-4, 1e-6})
+    CHECK(find_cycle(model, {.tolerance = tolerance}).outcome.ending != Ending::none_exists);
+}
+
 TEST_CASE("swings that reverse under friction too weak for arithmetic are no cycle", "[stress]") {
   const auto scene = draw_scene(laws::catalogue(), 77, 17);
   const auto cycle = find_cycle(model_of(scene));
