@@ -229,6 +229,7 @@ class Pass {
   std::map<std::string, double> metrics_;
   std::string handover_;          ///< where explicit steps gave way to collocation
   double slip_rate_follows_ = 0;  ///< m/s, what errors of the unknowns by the tolerance make of the slip rate
+  double slip_rate_rounded_ = 0;  ///< m/s, what the last digits of forces make of it where damping holds them
   /// m, what the last digits of the unknowns, by the slip rate that follows, make of the displacement.
   double displacement_follows_ = 0;
   std::array<double, before_states> ringing_{};  ///< of the columns: Collocation::ringing_errors()
@@ -263,10 +264,18 @@ class Pass {
       slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, 0));
       const double rounded = slip_rate_known(t, y, seen.slip_rate, 0, 4 * digit);
       displacement_follows_ = std::max(displacement_follows_, rounded * t);
-    } else if (solver_ == "cvode" && system_.contact_setup().spring.present()) {
+    } else if (solver_ == "cvode") {
       // BDF adds up short steps, each of which loses a last digit.
       const double digits = 3 * digit * std::sqrt(double(steps_));
-      slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, digits));
+      if (system_.contact_setup().spring.present())
+        slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, digits));
+    }
+    if (system_.mechanics() == Mechanics::inertial) {
+      const auto [largest, damping, swing] = balance_at(t, y);
+      if (solver_ == "cvode")  // which moves slip by what is left of the balance, and so rings too
+        slip_rate_follows_ = std::max(slip_rate_follows_, digit * largest / std::max(damping, swing));
+      else if (damping > swing)
+        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / damping);
     }
     const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
                              seen.friction_coefficient};
@@ -485,6 +494,21 @@ class Pass {
     return step > 0 && solvers::GrowthTest(n).faster_than(1 / step, mass, J);
   }
 
+  /// Of a slider with mass: the largest of its forces (N), and what they meet as its slip rate changes, damping with
+  /// that of friction and the impedance of a free swing (N s/m).
+  struct Balance {
+    double largest, damping, swing;
+  };
+  Balance balance_at(double t, const double* y) const {
+    const int n = system_.size(), u = system_.slip_rate_index();
+    const auto& slider = system_.model().slider;
+    std::vector<double> f(n), J(n * n);
+    system_.linearise(t, y, f.data(), J.data());
+    const auto seen = system_.observe(t, y);
+    return {std::max(std::abs(seen.friction_force), std::abs(slider.stiffness * seen.displacement)),
+            std::abs(J[u * n + u]), std::sqrt(slider.stiffness * slider.mass)};
+  }
+
   /// In deep stick friction hangs on digits of the slip rate that natural unknowns do not hold to any tolerance; and a
   /// spring under large forces does not show in its last digit what short steps move it by. False where motion has left
   /// the balance of forces for good.
@@ -493,17 +517,14 @@ class Pass {
     constexpr double lost = 0.3;
     const double t = solver.time(), *y = solver.state().data();
     const int n = system_.size(), u = system_.slip_rate_index();
-    std::vector<double> f(n), rate(n), mass(n), scale(n), J(n * n);
-    system_.linearise(t, y, f.data(), J.data());
+    std::vector<double> f(n), rate(n), mass(n), scale(n);
+    system_.evaluate(t, y, f.data());
     system_.mass(t, mass.data());
     system_.scale(y, scale.data());
     solver.rate(rate.data());
-    const auto seen = system_.observe(t, y);
-    const double largest =
-        std::max(std::abs(seen.friction_force), std::abs(system_.model().slider.stiffness * seen.displacement));
-    const auto& slider = system_.model().slider;
-    const double missing = slider.stiffness * std::abs(rate[0]) * stood_still_;
-    const double impedance = std::max(std::abs(J[u * n + u]), std::sqrt(slider.stiffness * slider.mass));
+    const double missing = system_.model().slider.stiffness * std::abs(rate[0]) * stood_still_;
+    const auto [largest, damping, swing] = balance_at(t, y);
+    const double impedance = std::max(damping, swing);
     return std::abs(f[u] - mass[u] * rate[u]) <= lost * largest && missing <= tolerance * impedance * scale[u];
   }
 
@@ -651,7 +672,8 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     for (std::size_t c = 0; c < before_states; ++c) result.column_error[c] += fine->ringing_[c];
     result.column_error[displacement] += fine->displacement_follows_;
     constexpr double exceed = 10;  // the tolerance: errors of unknowns do, at most
-    for (const Column c : {velocity, slip_rate}) result.column_error[c] += exceed * fine->slip_rate_follows_;
+    for (const Column c : {velocity, slip_rate})
+      result.column_error[c] += exceed * fine->slip_rate_follows_ + fine->slip_rate_rounded_;
     const bool last_attempt = attempt == 3 || tolerance <= least;
     const auto ended = [](const Outcome& o) { return o.ending == Ending::none_exists; };
     if (ended(result.outcome) && !ended(before) && !last_attempt) {  // an end that one pass alone came to

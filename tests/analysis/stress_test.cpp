@@ -968,7 +968,11 @@ TEST_CASE("BDF says that a spring under large forces moves by less than its last
   options.start.slip_rate = 4.7832574877284306e-09;
   options.solver = "cvode";
   options.tolerance = 1e-7;
-  CHECK(run(model, options).outcome.complete());  // from balance, displacements count from there
+  // From balance, displacements count from there; but a last digit of friction, 67321 N, is 4e-11 m/s under the damper.
+  const auto balanced = run(model, options);
+  CHECK(balanced.outcome.ending == Ending::tolerance_not_met);
+  CHECK(balanced.columns[2].size() == 4);
+  CHECK(balanced.column_error[2] > 2e-11);
   options.start.displacement = 840000;
   CHECK(run(model, options).outcome.ending == Ending::tolerance_not_met);
 }
@@ -1377,6 +1381,30 @@ TEST_CASE("slip that a friction curve lets go does not come to rest for want of 
   }
 }
 
+TEST_CASE("slip that damping holds is known as well as the last digits of its forces", "[stress]") {
+  // c v = F - k x with 2218 N on either side: a last digit of friction, 4.5e-13 N, is 1e-7 m/s.
+  auto model =
+      slider_under("spinodal",
+                   {1.0699539191327738, 0.035236789934137723, 0.050817025532468529, 9.278296563040935e-08,
+                    8.2078792172175408e-07, 0.00100411052337093, 14.532202100683024},
+                   {1e-20, 0.095514969682364351, 4.5336476962157388e-06}, 0.081949067133224529, 2228.0598662666002);
+  model.lambda = 3.2468844704533553e-06;
+  model.contact_stiffness.tangential = 0.00059222376424621765;
+  RunOptions options;
+  options.duration = 6.0802743487250686e-07;
+  options.samples = 20;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 0.00062449973919243202;
+  for (const double tolerance : {1e-4, 1e-6, 1e-9}) {
+    options.tolerance = tolerance;
+    const auto motion = run(model, options);
+    REQUIRE(motion.columns[2].size() == 21);
+    const double digit = 0.5 * std::numeric_limits<double>::epsilon() * motion.columns[3].back();
+    CHECK(motion.column_error[1] > digit / model.slider.damping);
+    CHECK(motion.column_error[2] > digit / model.slider.damping);
+  }
+}
+
 TEST_CASE("a film rings with the slip rate however far apart their sizes are", "[stress]") {
   // Slip in a film that carries 1e-16 of its flow stress: x' = V - u, m u' = k x + F - A tau, tau' = S (u - v(tau))/d.
   // Closed form: the flow is v0 e^{-p/p0} tau/tau_*, linear, so that the motion is that of constant coefficients.
@@ -1663,13 +1691,14 @@ TEST_CASE("slip that unstable sliding repels goes somewhere, found or not", "[st
 }
 
 TEST_CASE("slip that steps let pass rest by a hair is not said to leave no cycle", "[stress]") {
-  // A turn comes to rest or reverses by 2e-7 of the drive's speed, under friction that changes the swing by 1e-6: at one
-  // tolerance it sticks, and at others it slips through.
-  auto model = slider_under("thermal-disc",
-                            {0.19007623833126616, 0.63474853809421994, 0.0023953201344757685, 1.0378872083364248,
-                             0.016772323359778001, 0.001489119867449782, 0.0097080702158469662, 0.0020236374730012471,
-                             0.73077277865468793, 0.0, 0.83797312197252749},
-                            {0.00034843768685363072, 44729.476737001605, 0}, 75.404974801012486, 0.00037203884286722409);
+  // A turn comes to rest or reverses by 2e-7 of the drive's speed, under friction that changes the swing by 1e-6: at
+  // one tolerance it sticks, and at others it slips through.
+  auto model =
+      slider_under("thermal-disc",
+                   {0.19007623833126616, 0.63474853809421994, 0.0023953201344757685, 1.0378872083364248,
+                    0.016772323359778001, 0.001489119867449782, 0.0097080702158469662, 0.0020236374730012471,
+                    0.73077277865468793, 0.0, 0.83797312197252749},
+                   {0.00034843768685363072, 44729.476737001605, 0}, 75.404974801012486, 0.00037203884286722409);
   model.lambda = 8.2444109016160105;
   for (const double tolerance : {1e-4, 1e-6})
     CHECK(find_cycle(model, {.tolerance = tolerance}).outcome.ending != Ending::none_exists);
