@@ -150,12 +150,32 @@ struct Search {
   }
   VectorXd begun;
 
+  /// States that take far longer than a turn hardly move in the passages that teach the derivative: of what they
+  /// forget in one, steady sliding over as long tells.
+  MatrixXd kept_by_slow_states() const {
+    constexpr double slow = 0.3;  // part that is forgotten in a turn
+    const auto& system = map.system();
+    const int n = system.size();
+    const auto y = system.steady(0);
+    std::vector<double> f(n), mass(n), J(n * n);
+    system.linearise(0, y.data(), f.data(), J.data());
+    system.mass(0, mass.data());
+    MatrixXd kept = MatrixXd::Zero(long(coordinates.size()), long(coordinates.size()));
+    for (std::size_t k = 0; k < coordinates.size(); ++k) {
+      const int i = coordinates[k];
+      if (i < system.first_state() || mass[i] == 0) continue;
+      const double forgotten = -std::expm1(J[i * n + i] / mass[i] * passage.duration);
+      if (forgotten > 0 && forgotten < slow) kept(long(k), long(k)) = 1 - forgotten;
+    }
+    return kept;
+  }
+
   static constexpr double learned = 0.01;   ///< error of what was
   static constexpr double least_move = 10;  ///< over the noise, from which something is learned
   void learn(const Visit& visit) {
     const int n = int(visit.start.size());
     if (derivative.size() == 0) {
-      derivative = MatrixXd::Zero(n, n);
+      derivative = sticks ? MatrixXd::Zero(n, n) : kept_by_slow_states();
       sensitivity = MatrixXd::Zero(visit.metrics.size(), n);
     }
     if (last && last->tolerance == visit.tolerance) {  // maps of different tolerances differ by more than scatter

@@ -171,12 +171,17 @@ bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double 
     if (point.turns % fewer != 0) continue;
     const auto passage =
         map.follow(point.y, tolerance, fewer, true, !point.by_differences, nullptr, dip_of(point.amplitude));
-    if (!passage.outcome.complete() || map.distance(passage.end, point.y) > same) continue;
-    point.turns = fewer;
+    if (!passage.outcome.complete()) continue;
+    FixedPoint candidate = point;
+    candidate.turns = fewer;
     if (point.by_differences)
-      point.derivative.setZero();  // bounded by that of all turns, which forget what they began with
+      candidate.derivative.setZero();  // bounded by that of all turns, which forget what they began with
     else
-      point.derivative = passage.derivative;
+      candidate.derivative = passage.derivative;
+    // What contracts has a fixed point within twice the distance by which it moves a point.
+    const bool contracts = !point.by_differences && spectral_radius(candidate, map) < 0.5;
+    if (map.distance(passage.end, point.y) > (contracts ? largest * size : same)) continue;
+    point = std::move(candidate);
     return true;
   }
   return false;
@@ -215,13 +220,14 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     sharpening = Sharpening(options.tolerance, 100 * sharpening.tolerance());
     coarse = refined(false);
   }
-  bool told = false, fewer = false;
+  // Asked at each tolerance: turns that differ at one may be the same at a closer one, where slip begins as it must.
+  bool fewer = false;
   const auto took_too_many = [&](const Refined& known) {
     constexpr double tells = 1e-3;  // of the size
-    if (told || !known.outcome.complete() || known.closure > tells * map.distance(point.y, map.system().steady(0)))
+    if (!known.outcome.complete() || known.closure > tells * map.distance(point.y, map.system().steady(0)) ||
+        !fewer_turns_do(map, point, sharpening.tolerance(), known.closure))
       return false;
-    told = true;
-    return fewer = fewer_turns_do(map, point, sharpening.tolerance(), known.closure);
+    return fewer = true;
   };
   if (took_too_many(coarse)) coarse = refined(false);
   std::string worst;

@@ -61,11 +61,25 @@ class OnsetMap {
     std::vector<VectorXd> onsets, changes;  // of the last periods, as long as they belong together
     double change = infinity, change_before = infinity, closest = infinity;
     VectorXd closest_image;
-    bool leapt = false;
+    bool leapt = false;  ///< the last onset is not the image of one
+    // Plain periods lead to what attracts; where they come in, what they have in common leads there faster.
+    constexpr int plain = 6, most_strays = 5;
+    int plain_until = plain - 1, strays = 0;
     int judged_at = -1;  ///< the period by which Newton's method must have led closer
     for (int k = 0; k < most_periods && steps < most_steps && period.found; ++k) {
       const Metrics before = period.metrics;
-      period = period_from(z);
+      StickSlipPeriod next = period_from(z);
+      if (!next.found && (leapt || k <= judged_at) && strays < most_strays) {
+        // Beyond where slip comes to rest, to which periods by themselves may never lead.
+        onsets.clear(), changes.clear();
+        z = closest_image;
+        leapt = false;
+        plain_until = k + ++strays * plain;
+        judged_at = -1;
+        steps += next.steps, evaluations += next.evaluations;
+        continue;
+      }
+      period = std::move(next);
       if (!period.found) break;
       steps += period.steps, evaluations += period.evaluations;
       const VectorXd step = gather(period.onset) - z;
@@ -89,13 +103,11 @@ class OnsetMap {
         z += step;
         continue;
       }
-      // Plain periods lead to what attracts; where they come in, what they have in common leads there faster.
-      constexpr int plain = 6;
       constexpr double comes_in = 1 - 1e-7;
       // Many slow states, such as the temperatures of deep layers, come in one after the other; Newton's method turns
       // them all at once, and the fast ones follow within a few periods.
       constexpr int patience = 24, grace = 4;
-      if (k % patience == patience - 1) {
+      if (k % patience == patience - 1 && k > plain_until) {
         steps += 2 * z.size() * period.steps;  // about
         if (const auto turn = newton_step(z, step)) {
           if (now < closest) closest = now, closest_image = z + step;
@@ -114,7 +126,7 @@ class OnsetMap {
         leapt = false;
       } else {
         if (now < closest) closest = now, closest_image = z + step;
-        leapt = k >= plain && k > judged_at && std::max(now / change, change / change_before) < comes_in;
+        leapt = k > plain_until && k > judged_at && std::max(now / change, change / change_before) < comes_in;
         z += leapt ? onward : step;
       }
       change_before = change;
