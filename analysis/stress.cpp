@@ -19,7 +19,8 @@
 namespace rosin::analysis {
 
 using Clock = std::chrono::steady_clock;
-using Complex = std::complex<double>;
+using Real = long double;  // for the digits that cancel in the impedance equation
+using Complex = std::complex<Real>;
 
 namespace {
 
@@ -309,7 +310,7 @@ Complex impedance(const Model& model, Complex s) {
   // (sΛ − g_z) x = g_u by Gaussian elimination with pivots; n ≤ 2 in practice.
   std::vector<Complex> A(std::size_t(n * n)), x(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) A[i * n + j] = (i == j ? s * model.lambda : Complex(0)) - d.g_z[i * n + j];
+    for (int j = 0; j < n; ++j) A[i * n + j] = (i == j ? s * Real(model.lambda) : Complex(0)) - Real(d.g_z[i * n + j]);
     x[i] = d.g_u[i];
   }
   Complex determinant = 1;
@@ -331,23 +332,24 @@ Complex impedance(const Model& model, Complex s) {
     x[r] /= A[r * n + r];
   }
   Complex Z = d.F_u;
-  for (int i = 0; i < n; ++i) Z += d.F_z[i] * x[i];
+  for (int i = 0; i < n; ++i) Z += Real(d.F_z[i]) * x[i];
   const auto& o = model.slider;
   const auto& spring = model.contact_stiffness;
-  const double compliance = spring.compliance(N), damping = spring.damping + spring.damping_per_load * N;
+  const Real compliance = spring.compliance(N), damping = spring.damping + spring.damping_per_load * N;
   // Slider: D(s) = m s² + c s + k; contact: s Z; series spring and damper: κ = k_t + c_t s.
   // 1/D + 1/(s Z) + 1/κ = 0, times D s Z κ/k_t.
-  const Complex D = o.mass * s * s + o.damping * s + o.stiffness, relative = 1.0 + s * damping * compliance;
+  const Complex D = Real(o.mass) * s * s + Real(o.damping) * s + Real(o.stiffness);
+  const Complex relative = Real(1) + s * damping * compliance;
   return determinant * (D * (relative + s * Z * compliance) + s * Z * relative);
 }
 
 /// How far an eigenvalue is from the next root of the impedance equation: one step of Newton's method.
 double distance_to_root(const Model& model, Complex s) {
-  const double h = 1e-6 * std::abs(s);
+  const Real h = 1e-6 * std::abs(s);
   const Complex here = impedance(model, s);
-  if (h == 0 || here == 0.0) return 0;  // s = 0 is a root where the equation lacks its constant: no spring
+  if (h == 0 || here == Real(0)) return 0;  // s = 0 is a root where the equation lacks its constant: no spring
   const Complex slope = (impedance(model, s + h) - impedance(model, s - h)) / (2 * h);
-  return std::abs(here / slope);
+  return double(std::abs(here / slope));
 }
 
 Judgement judge_stability(const Model& model) {

@@ -134,7 +134,6 @@ CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::
     roots.real_errors.push_back(roots.errors.back());
   }
   const std::vector<Real> a(p.value.begin() + std::ptrdiff_t(zeros), p.value.begin() + std::ptrdiff_t(degree) + 1);
-  const std::vector<Real> size(p.size.begin() + std::ptrdiff_t(zeros), p.size.begin() + std::ptrdiff_t(degree) + 1);
   auto x = starts(a);
   for (int iteration = 0; iteration < 300; ++iteration) {
     Real largest = 0;
@@ -160,11 +159,13 @@ CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::
       value = value * root + a[k];
     }
     Real change = 0, error = 0, real_error = 0;
-    Complex power = 1;
-    for (int k = 0; k <= top; ++k, power *= root) {
-      change += entry_rounding * size[k] * std::abs(power);
-      error += entry_rounding * size[k] * std::abs(power / slope);
-      real_error += entry_rounding * size[k] * std::abs((power / slope).real());
+    // Coefficients that vanish, which the roots at nought or infinity are owed to, may be of the size of their
+    // rounding.
+    Complex power = std::pow(root, -int(zeros));
+    for (std::size_t k = 0; k <= n; ++k, power *= root) {
+      change += entry_rounding * p.size[k] * std::abs(power);
+      error += entry_rounding * p.size[k] * std::abs(power / slope);
+      real_error += entry_rounding * p.size[k] * std::abs((power / slope).real());
     }
     const Real most = 2 * std::sqrt(change / std::abs(bend));
     roots.values.emplace_back(double(root.real()), double(root.imag()));

@@ -151,3 +151,18 @@ TEST_CASE("a damper far weaker than friction's slope leaves the slow eigenvalue 
     CHECK(sliding.stable);
   }
 }
+
+TEST_CASE("an eigenvalue beside one that rounding hides is known no better than that", "[stability]") {
+  // The contact is a million times as stiff as the springs. Roots of the cubic, with 50 digits: a constant within
+  // rounding of nought moves the first by 7e-13 too.
+  auto model = tests::slider_under("kato-tullis",
+                                   {0.99629081791090934, 0.0039366717246881915, 0.015499252393864666,
+                                    1.2260545466553461e-06, 5.099278973070066e-06, 2.0419671719085569e-09},
+                                   {0, 0.027853665215837153, 0}, 3.5464543846803448e-10, 43.516406881545173);
+  model.contact_stiffness.tangential = 0.0011209729047942938;
+  model.contact_stiffness.damping = 0.00064711268497190768;
+  const double exact[] = {0.00138011047989815770, 7.0439548578619607e-13, -44.775259075511952};
+  const auto found = stability(model);
+  REQUIRE(found.eigenvalues.size() == 3);
+  for (int i = 0; i < 3; ++i) CHECK(std::abs(found.eigenvalues[i] - exact[i]) <= found.eigenvalue_errors[i]);
+}
