@@ -404,7 +404,6 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   const double V = model.drive.speed.level();
   Sharpening sharpening(options.tolerance, 0.2 * options.tolerance);
   const double friction_felt = std::min(1.0, friction_over_swing(model));
-  constexpr double grazing = 1e-3;  // of the drive's speed: slip that comes as near to rest may be held or not
   bool sticks = true;
   std::vector<double> reversed;  ///< where slip turns to go along the drive, if it does in each period and never sticks
   const auto period_now = [&]() -> StickSlipPeriod {
@@ -413,7 +412,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     if (sticks) {
       // Slip that only just comes to rest is missed by a solution that is not better than the miss.
       auto period = OnsetMap(model, tol, options.stick_threshold, Onset::held).cycle();
-      constexpr double surely = 1e-6, sharp = 1e-14;
+      constexpr double grazing = 1e-3, surely = 1e-6, sharp = 1e-14;
       const bool missed = !period.found && period.outcome.complete() && period.closest < grazing;
       // Where friction is weak, steps that follow the motion take little notice of it, nor of a short rest.
       const bool passed_over = missed && !period.reversed.empty() && !remembers(model) && friction_felt < 1;
@@ -495,10 +494,10 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     }
     if (!fine.found && cycle.metrics.period > 0) break;  // what was found before stays, as it was known
     if (!fine.found) {
-      constexpr double rounding = 1e-13;
+      constexpr double rounding = 1e-13, by_a_hair = 1e-5;
       if (sticks && fine.closest < rounding)
         cycle.outcome = comes_to_rest_or_not(fine.closest);
-      else if (remembers(model) && !fine.settles && (fine.closest < grazing || !(sliding.stable || sliding.marginal)))
+      else if (remembers(model) && !fine.settles && (fine.closest < by_a_hair || !(sliding.stable || sliding.marginal)))
         cycle.outcome = {Ending::budget_spent,
                          "slip started from stick has come neither to rest again nor to steady "
                          "sliding, nor back to where it began"};
