@@ -247,7 +247,7 @@ class Pass {
     events_.push_back({t, std::move(kind), system_.observe(t, y).displacement});
   }
   void take_ringing(const Collocation& solver) {
-    const auto& errors = solver.ringing_errors();
+    const auto errors = solver.ringing_errors();
     ringing_[displacement] = errors[0];
     if (const int u = system_.slip_rate_index(); u >= 0) ringing_[velocity] = ringing_[slip_rate] = errors[u];
     if (!system_.carries_friction()) return;
@@ -272,10 +272,11 @@ class Pass {
     }
     if (system_.mechanics() == Mechanics::inertial) {
       const auto [largest, damping, swing] = balance_at(t, y);
+      const double inertia = system_.model().slider.mass / times_.back();  // all that resists where nothing else does
       if (solver_ == "cvode")  // which moves slip by what is left of the balance, and so rings too
-        slip_rate_follows_ = std::max(slip_rate_follows_, digit * largest / std::max(damping, swing));
+        slip_rate_follows_ = std::max(slip_rate_follows_, digit * largest / std::max({damping, swing, inertia}));
       else if (damping > swing)
-        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / damping);
+        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / std::max(damping, inertia));
     }
     const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
                              seen.friction_coefficient};
@@ -499,11 +500,12 @@ class Pass {
   struct Balance {
     double largest, damping, swing;
   };
-  Balance balance_at(double t, const double* y) const {
+  Balance balance_at(double t, const double* y) {
     const int n = system_.size(), u = system_.slip_rate_index();
     const auto& slider = system_.model().slider;
-    std::vector<double> f(n), J(n * n);
-    system_.linearise(t, y, f.data(), J.data());
+    work_.resize(n + n * n);
+    const double* J = work_.data() + n;
+    system_.linearise(t, y, work_.data(), work_.data() + n);
     const auto seen = system_.observe(t, y);
     return {std::max(std::abs(seen.friction_force), std::abs(slider.stiffness * seen.displacement)),
             std::abs(J[u * n + u]), std::sqrt(slider.stiffness * slider.mass)};
@@ -512,7 +514,7 @@ class Pass {
   /// In deep stick friction hangs on digits of the slip rate that natural unknowns do not hold to any tolerance; and a
   /// spring under large forces does not show in its last digit what short steps move it by. False where motion has left
   /// the balance of forces for good.
-  bool in_balance(const solvers::Cvode& solver, double tolerance) const {
+  bool in_balance(const solvers::Cvode& solver, double tolerance) {
     if (system_.mechanics() != oscillators::Mechanics::inertial) return true;
     constexpr double lost = 0.3;
     const double t = solver.time(), *y = solver.state().data();
@@ -533,6 +535,7 @@ class Pass {
   SliderSystem system_;
   std::string solver_;
   double tolerance_ = 0;
+  std::vector<double> work_;
   std::size_t next_ = 0;
   double begin_ = 0;  ///< s, of the steps
   long steps_ = 0;

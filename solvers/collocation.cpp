@@ -41,8 +41,8 @@ Collocation::Collocation(const System& system, double tolerance)
   estimate_tolerance_ = std::pow(tolerance_, 2.0 / 3);
   bound_share_ = std::min(1.0, std::pow(tolerance_ / 1e-6, 1.0 / 9));
   const int n = n_;
-  for (auto* v : {&carry_, &y_, &y_before_, &f0_, &mass_, &scale_, &work_, &ringing_errors_, &ringing_errors_trial_})
-    v->assign(n, 0.0);
+  for (auto* v : {&carry_, &y_, &y_before_, &f0_, &mass_, &scale_, &work_}) v->assign(n, 0.0);
+  ringing_errors_.assign(2 * n, 0.0);
   for (auto* v : {&Z_, &Z_trial_, &residual_, &stage_mass_}) v->assign(s * n, 0.0);
   J_.assign(n * n, 0.0);
   real_lu_.assign(n * n, 0.0);
@@ -337,7 +337,7 @@ double Collocation::ringing_error(double h, const double* estimate) {
   int m = 0, a = 0;
   for (int i = 0; i < n; ++i) (mass_[i] != 0 ? moving[m++] : following[a++]) = i;
   const double size = norm(estimate);
-  std::fill(ringing_errors_trial_.begin(), ringing_errors_trial_.end(), 0.0);
+  std::fill(ringing_errors_.begin() + n, ringing_errors_.end(), 0.0);
   if (m < 2 || !(size > 0)) return 0;  // nothing that could ring
   // What has no rate follows the moving unknowns, δy_a = −J_aa⁻¹ J_am δy_m.
   SmallMatrix<double> own(a, a), follow(a, m);
@@ -434,7 +434,7 @@ double Collocation::ringing_error(double h, const double* estimate) {
     const auto add = [&](int i, double real, double imaginary) {
       const double length = std::hypot(real, imaginary);
       square += length * length / (scale_[i] * scale_[i]);
-      if (passed_over) ringing_errors_trial_[i] += error * length;
+      if (passed_over) ringing_errors_[n + i] += error * length;
     };
     for (int j = 0; j < m; ++j) add(moving[j], vectors(j, k), vectors(j, k + 1));
     for (int i = 0; i < a; ++i) {
@@ -561,7 +561,7 @@ Outcome Collocation::step(double t_limit) {
     Z_.swap(Z_trial_);
     y_before_ = y_;
     t_before_ = t_;
-    for (int k = 0; k < n; ++k) ringing_errors_[k] += ringing_errors_trial_[k];
+    for (int k = 0; k < n; ++k) ringing_errors_[k] += ringing_errors_[n + k];
     for (int k = 0; k < n; ++k) {
       const double change = Z_[(s - 1) * n + k] + carry_[k];
       y_[k] += change;

@@ -76,7 +76,7 @@ class Collocation {
   /// What steps have been wrong by in oscillations that they passed over, for each unknown and at most: the sum of
   /// their errors since the solver was made. Each is within the tolerance, but an oscillation that a long step damps at
   /// once leaves nothing behind, at this tolerance or a larger one, for their difference to show.
-  const std::vector<double>& ringing_errors() const { return ringing_errors_; }
+  std::span<const double> ringing_errors() const { return {ringing_errors_.data(), std::size_t(n_)}; }
 
   struct Count {
     long steps = 0, rejected = 0, evaluations = 0, linearisations = 0, factorisations = 0;
@@ -133,7 +133,7 @@ class Collocation {
   /// imaginary part of the one with the positive frequency, which stands twice among the rates.
   std::vector<double> modes_, modes_inverse_;
   std::vector<std::complex<double>> mode_rates_;
-  std::vector<double> ringing_errors_, ringing_errors_trial_;  ///< summed up, and of the step that is tried
+  std::vector<double> ringing_errors_;  ///< summed up, and of the step that is tried
   Count count_;
 };
 
