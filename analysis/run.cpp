@@ -201,8 +201,25 @@ class Pass {
   }
 
   /// `other_digits`: from a start whose last digits differ, so that what hangs on them differs from pass to pass.
-  Outcome run(double tolerance, bool other_digits) {
+  void run(double tolerance, bool other_digits) {
     tolerance_ = tolerance;
+    outcome_ = follow(other_digits);
+  }
+
+  Outcome outcome_;
+  std::vector<std::vector<double>> columns_;
+  std::vector<RunEvent> events_;
+  Run::Cost cost_;
+  std::map<std::string, double> metrics_;
+  std::string handover_;          ///< where explicit steps gave way to collocation
+  double slip_rate_follows_ = 0;  ///< m/s, what errors of the unknowns by the tolerance make of the slip rate
+  double slip_rate_rounded_ = 0;  ///< m/s, what the last digits of forces make of it where damping holds them
+  /// m, what the last digits of the unknowns, by the slip rate that follows, make of the displacement.
+  double displacement_follows_ = 0;
+  std::array<double, before_states> ringing_{};  ///< of the columns: Collocation::ringing_errors()
+
+ private:
+  Outcome follow(bool other_digits) {
     auto y = starting_point(system_, options_.start);
     if (other_digits && solver_ != "explicit")  // which such digits, as they decay, would seem stiff to
       for (double& value : y) value *= 1 + 2 * std::numeric_limits<double>::epsilon();
@@ -217,24 +234,12 @@ class Pass {
       for (const double t : times_) record(t, y.data());
       return {};
     }
-    if (solver_ == "events") return with_events(y, tolerance);
-    if (solver_ == "cvode") return with_cvode(y, tolerance);
-    if (solver_ == "explicit") return while_not_stiff(y, tolerance);
-    return with_collocation(y, tolerance);
+    if (solver_ == "events") return with_events(y, tolerance_);
+    if (solver_ == "cvode") return with_cvode(y, tolerance_);
+    if (solver_ == "explicit") return while_not_stiff(y, tolerance_);
+    return with_collocation(y, tolerance_);
   }
 
-  std::vector<std::vector<double>> columns_;
-  std::vector<RunEvent> events_;
-  Run::Cost cost_;
-  std::map<std::string, double> metrics_;
-  std::string handover_;          ///< where explicit steps gave way to collocation
-  double slip_rate_follows_ = 0;  ///< m/s, what errors of the unknowns by the tolerance make of the slip rate
-  double slip_rate_rounded_ = 0;  ///< m/s, what the last digits of forces make of it where damping holds them
-  /// m, what the last digits of the unknowns, by the slip rate that follows, make of the displacement.
-  double displacement_follows_ = 0;
-  std::array<double, before_states> ringing_{};  ///< of the columns: Collocation::ringing_errors()
-
- private:
   /// Samples due strictly before `t` (and at `t` too, if `closed`), from θ ↦ y of the present step.
   template <class SolutionAt>
   void sample_until(double t, bool closed, SolutionAt solution_at) {
@@ -271,7 +276,7 @@ class Pass {
         slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, digits));
     }
     if (system_.mechanics() == Mechanics::inertial) {
-      const auto [largest, damping, swing] = balance_at(t, y);
+      const auto [sum, largest, damping, swing] = balance_at(t, y, seen);
       const double inertia = system_.model().slider.mass / times_.back();  // all that resists where nothing else does
       if (solver_ == "cvode")  // which moves slip by what is left of the balance, and so rings too
         slip_rate_follows_ = std::max(slip_rate_follows_, digit * largest / std::max({damping, swing, inertia}));
@@ -495,19 +500,18 @@ class Pass {
     return step > 0 && solvers::GrowthTest(n).faster_than(1 / step, mass, J);
   }
 
-  /// Of a slider with mass: the largest of its forces (N), and what they meet as its slip rate changes, damping with
-  /// that of friction and the impedance of a free swing (N s/m).
+  /// Of a slider with mass: the sum and the largest of its forces (N), and what they meet as its slip rate changes,
+  /// damping with that of friction and the impedance of a free swing (N s/m).
   struct Balance {
-    double largest, damping, swing;
+    double sum, largest, damping, swing;
   };
-  Balance balance_at(double t, const double* y) {
+  Balance balance_at(double t, const double* y, const oscillators::Observation& seen) {
     const int n = system_.size(), u = system_.slip_rate_index();
     const auto& slider = system_.model().slider;
     work_.resize(n + n * n);
-    const double* J = work_.data() + n;
-    system_.linearise(t, y, work_.data(), work_.data() + n);
-    const auto seen = system_.observe(t, y);
-    return {std::max(std::abs(seen.friction_force), std::abs(slider.stiffness * seen.displacement)),
+    double *f = work_.data(), *J = f + n;
+    system_.linearise(t, y, f, J);
+    return {f[u], std::max(std::abs(seen.friction_force), std::abs(slider.stiffness * seen.displacement)),
             std::abs(J[u * n + u]), std::sqrt(slider.stiffness * slider.mass)};
   }
 
@@ -519,15 +523,14 @@ class Pass {
     constexpr double lost = 0.3;
     const double t = solver.time(), *y = solver.state().data();
     const int n = system_.size(), u = system_.slip_rate_index();
-    std::vector<double> f(n), rate(n), mass(n), scale(n);
-    system_.evaluate(t, y, f.data());
+    std::vector<double> rate(n), mass(n), scale(n);
     system_.mass(t, mass.data());
     system_.scale(y, scale.data());
     solver.rate(rate.data());
     const double missing = system_.model().slider.stiffness * std::abs(rate[0]) * stood_still_;
-    const auto [largest, damping, swing] = balance_at(t, y);
+    const auto [sum, largest, damping, swing] = balance_at(t, y, system_.observe(t, y));
     const double impedance = std::max(damping, swing);
-    return std::abs(f[u] - mass[u] * rate[u]) <= lost * largest && missing <= tolerance * impedance * scale[u];
+    return std::abs(sum - mass[u] * rate[u]) <= lost * largest && missing <= tolerance * impedance * scale[u];
   }
 
   const RunOptions& options_;
@@ -660,12 +663,13 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
   const double stiffness = std::abs(slider.stiffness);  // of −0 too
   const double swing = slider.mass > 0 ? std::min(std::sqrt(slider.mass / stiffness), times.back()) : 0;
   auto coarse = std::make_unique<Pass>(model, options, result.solver, times);
-  Outcome before = coarse->run(tolerance, true);
+  coarse->run(tolerance, true);
   std::unique_ptr<Pass> fine;
-  for (int attempt = 0;; ++attempt) {
+  for (int attempt = 0;; ++attempt, coarse = std::move(fine)) {
     tolerance = std::max(0.01 * tolerance, least);
     fine = std::make_unique<Pass>(model, options, result.solver, times);
-    result.outcome = fine->run(tolerance, attempt % 2 == 1);
+    fine->run(tolerance, attempt % 2 == 1);
+    result.outcome = fine->outcome_;
     result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
     result.cost.evaluations += fine->cost_.evaluations + (attempt == 0 ? coarse->cost_.evaluations : 0);
     const auto& sizes = result.column_size = sizes_of(fine->columns_, least_size, swing);
@@ -678,12 +682,8 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     for (const Column c : {velocity, slip_rate})
       result.column_error[c] += exceed * fine->slip_rate_follows_ + fine->slip_rate_rounded_;
     const bool last_attempt = attempt == 3 || tolerance <= least;
-    const auto ended = [](const Outcome& o) { return o.ending == Ending::none_exists; };
-    if (ended(result.outcome) && !ended(before) && !last_attempt) {  // an end that one pass alone came to
-      before = result.outcome;
-      coarse = std::move(fine);
-      continue;
-    }
+    const auto ended = [](const Pass& pass) { return pass.outcome_.ending == Ending::none_exists; };
+    if (ended(*fine) && !ended(*coarse) && !last_attempt) continue;  // an end that one pass alone came to
     if (!result.outcome.complete()) break;
     std::size_t worst = 0;
     std::vector<double> ratio;
@@ -702,8 +702,6 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
                                     ratio[worst], departure(model, options, times.back()))};
       break;
     }
-    before = result.outcome;
-    coarse = std::move(fine);
   }
   result.columns = std::move(fine->columns_);
   result.why = result.why + fine->handover_;

@@ -66,22 +66,24 @@ class OnsetMap {
     constexpr int plain = 6, most_strays = 5;
     int plain_until = plain - 1, strays = 0;
     int judged_at = -1;  ///< the period by which Newton's method must have led closer
+    const auto go_back = [&] {
+      onsets.clear(), changes.clear();
+      z = closest_image;
+      leapt = false;
+    };
     for (int k = 0; k < most_periods && steps < most_steps && period.found; ++k) {
       const Metrics before = period.metrics;
       StickSlipPeriod next = period_from(z);
+      steps += next.steps, evaluations += next.evaluations;
       if (!next.found && (leapt || k <= judged_at) && strays < most_strays) {
         // Beyond where slip comes to rest, to which periods by themselves may never lead.
-        onsets.clear(), changes.clear();
-        z = closest_image;
-        leapt = false;
+        go_back();
         plain_until = k + ++strays * plain;
         judged_at = -1;
-        steps += next.steps, evaluations += next.evaluations;
         continue;
       }
       period = std::move(next);
       if (!period.found) break;
-      steps += period.steps, evaluations += period.evaluations;
       const VectorXd step = gather(period.onset) - z;
       const double now = size_of_step(step, z);
       onsets.push_back(z), changes.push_back(step);
@@ -121,9 +123,7 @@ class OnsetMap {
       }
       leapt = leapt || k == judged_at;
       if (leapt && now > 2 * closest) {
-        onsets.clear(), changes.clear();
-        z = closest_image;
-        leapt = false;
+        go_back();
       } else {
         if (now < closest) closest = now, closest_image = z + step;
         leapt = k > plain_until && k > judged_at && std::max(now / change, change / change_before) < comes_in;
@@ -416,8 +416,10 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       const bool missed = !period.found && period.outcome.complete() && period.closest < grazing;
       // Where friction is weak, steps that follow the motion take little notice of it, nor of a short rest.
       const bool passed_over = missed && !period.reversed.empty() && !remembers(model) && friction_felt < 1;
-      const double closely = passed_over ? std::max(friction_felt * std::min(tol, surely), sharp) : sharp;
-      if (!(period.grazes || passed_over || (missed && period.reversed.empty())) || !(tol > closely)) return period;
+      const double closely = passed_over ? std::max(friction_felt * std::min(tol, surely), sharp)
+                             : period.grazes || (missed && period.reversed.empty()) ? sharp
+                                                                                    : tol;
+      if (!(tol > closely)) return period;
       auto closer = OnsetMap(model, closely, options.stick_threshold, Onset::held).cycle();
       constexpr double another = 0.1;
       if (period.found && closer.found && std::abs(closer.metrics.period / period.metrics.period - 1) > another)
@@ -498,9 +500,9 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
       if (sticks && fine.closest < rounding)
         cycle.outcome = comes_to_rest_or_not(fine.closest);
       else if (remembers(model) && !fine.settles && (fine.closest < by_a_hair || !(sliding.stable || sliding.marginal)))
-        cycle.outcome = {Ending::budget_spent,
-                         "slip started from stick has come neither to rest again nor to steady "
-                         "sliding, nor back to where it began"};
+        cycle.outcome = {
+            Ending::budget_spent,
+            "slip started from stick has come neither to rest again nor to steady sliding, nor back to where it began"};
       else
         cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;

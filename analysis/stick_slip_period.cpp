@@ -137,11 +137,13 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   const auto friction_known = [&](const std::vector<double>& y) {
     std::vector<double> size(system.size());
     system.scale(y.data(), size.data());
+    const double here = system.friction_coefficient(0, y.data());
+    auto beside = y;
     double sum = 0;
     for (int i = system.first_state(); i < system.size(); ++i) {
-      auto beside = y;
       beside[i] += std::pow(tolerance, 2.0 / 3) * size[i];
-      sum += std::abs(system.friction_coefficient(0, beside.data()) - system.friction_coefficient(0, y.data()));
+      sum += std::abs(system.friction_coefficient(0, beside.data()) - here);
+      beside[i] = y[i];
     }
     return sum;
   };

@@ -133,7 +133,7 @@ class Collocation {
   /// imaginary part of the one with the positive frequency, which stands twice among the rates.
   std::vector<double> modes_, modes_inverse_;
   std::vector<std::complex<double>> mode_rates_;
-  std::vector<double> ringing_errors_;  ///< summed up, and of the step that is tried
+  std::vector<double> ringing_errors_;  ///< of each unknown: summed up, then those of the step that is tried
   Count count_;
 };
 
