@@ -253,14 +253,17 @@ class Pass {
   }
   void take_ringing(const Collocation& solver) {
     const auto errors = solver.ringing_errors();
-    ringing_[displacement] = errors[0];
+    if (system_.carries_friction()) {
+      double load = 0;
+      for (const double t : times_) load = std::max(load, std::abs(system_.model().drive.normal_load.value(t)));
+      ringing_[friction_coefficient] = errors[system_.first_state() - 1];
+      ringing_[friction_force] = ringing_[friction_coefficient] * load;
+    }
+    // Without mass or damping the displacement is no unknown: the spring bears friction.
+    ringing_[displacement] = system_.mechanics() == Mechanics::elastic
+                                 ? ringing_[friction_force] / system_.model().slider.stiffness
+                                 : errors[0];
     if (const int u = system_.slip_rate_index(); u >= 0) ringing_[velocity] = ringing_[slip_rate] = errors[u];
-    if (!system_.carries_friction()) return;
-    const double coefficient = errors[system_.first_state() - 1];
-    double load = 0;
-    for (const double t : times_) load = std::max(load, std::abs(system_.model().drive.normal_load.value(t)));
-    ringing_[friction_coefficient] = coefficient;
-    ringing_[friction_force] = coefficient * load;
   }
   void record(double t, const double* y) {
     const auto seen = system_.observe(t, y);

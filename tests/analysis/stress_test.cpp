@@ -1405,6 +1405,24 @@ TEST_CASE("slip that damping holds is known as well as the last digits of its fo
   }
 }
 
+TEST_CASE("the displacement of a spring alone is known as well as the friction that it bears", "[stress]") {
+  // k x = F. The two states ring about steady sliding, which long steps damp.
+  const double k = 2000;
+  const auto model = slider_under("two-state-ageing", {0.6, 0.01, 0.009, 2e-6, 0.006, 4e-5, 1e-6}, {0, k, 0}, 1e-6, 1);
+  RunOptions options;
+  options.duration = 3e4;
+  options.samples = 20;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 1.1e-6;
+  options.solver = "collocation";
+  for (const double tolerance : {1e-4, 1e-6}) {
+    options.tolerance = tolerance;
+    const auto motion = run(model, options);
+    REQUIRE(motion.outcome.complete());
+    CHECK(motion.column_error[0] == Approx(motion.column_error[3] / k).epsilon(1e-3));
+  }
+}
+
 TEST_CASE("a film rings with the slip rate however far apart their sizes are", "[stress]") {
   // Slip in a film that carries 1e-16 of its flow stress: x' = V - u, m u' = k x + F - A tau, tau' = S (u - v(tau))/d.
   // Closed form: the flow is v0 e^{-p/p0} tau/tau_*, linear, so that the motion is that of constant coefficients.
