@@ -275,14 +275,15 @@ class Pass {
     } else if (solver_ == "cvode") {
       // BDF adds up short steps, each of which loses a last digit.
       const double digits = 3 * digit * std::sqrt(double(steps_));
-      if (system_.contact_setup().spring.present())
+      if (system_.mechanics() != Mechanics::inertial || system_.contact_setup().spring.present())
         slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, digits));
     }
     if (system_.mechanics() == Mechanics::inertial) {
-      const auto [sum, largest, damping, swing] = balance_at(t, y, seen);
+      const auto [sum, largest, lost, damping, swing] = balance_at(t, y, seen);
       const double inertia = system_.model().slider.mass / times_.back();  // all that resists where nothing else does
       if (solver_ == "cvode")  // which moves slip by what is left of the balance, and so rings too
-        slip_rate_follows_ = std::max(slip_rate_follows_, digit * largest / std::max({damping, swing, inertia}));
+        slip_rate_follows_ =
+            std::max(slip_rate_follows_, (digit * largest + lost) / std::max({damping, swing, inertia}));
       else if (damping > swing)
         slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / std::max(damping, inertia));
     }
@@ -294,13 +295,14 @@ class Pass {
 
   /// Where the slip rate is no unknown it follows from friction and states, or from the difference of forces, and is
   /// known to less than they are. \returns m/s; `tolerance`: to which unknowns are known, in scales, and `digits`, as a
-  /// part of each.
+  /// part of each, but for what steps have lost of them.
   double slip_rate_known(double t, const double* y, double slip_rate, double tolerance, double digits) const {
     std::vector<double> beside(y, y + system_.size()), scale(system_.size());
     system_.scale(y, scale.data());
     double sum = 0;
     for (std::size_t i = 0; i < scale.size(); ++i) {
-      beside[i] = y[i] + std::max(tolerance * scale[i], digits * std::abs(y[i]));
+      const double lost = lost_.empty() ? 0 : std::abs(lost_[i]);
+      beside[i] = y[i] + std::max(tolerance * scale[i], digits * std::abs(y[i])) + lost;
       if (const double moved = std::abs(system_.slip_rate(t, beside.data()) - slip_rate); std::isfinite(moved))
         sum += moved;
       beside[i] = y[i];
@@ -466,12 +468,17 @@ class Pass {
   Outcome with_cvode(const std::vector<double>& y, double tolerance) {
     solvers::Cvode solver(system_, tolerance, 1,
                           [&](double t, const double* z, double* value) { *value = system_.slip_rate(t, z); });
-    std::vector<double> z(system_.size());
+    const int n = system_.size();
+    std::vector<double> z(n), state_before(n), rate(n);
+    lost_.assign(n, 0);
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
-      const double before = solver.time(), x = solver.state()[0];
+      const double before = solver.time();
+      state_before = solver.state();
       const Outcome o = solver.step(limit);
       if (!o.complete()) return explained(o, solver);
-      if (solver.state()[0] == x) stood_still_ += solver.time() - before;
+      solver.rate(rate.data());
+      for (int i = 0; i < n; ++i)
+        if (solver.state()[i] == state_before[i]) lost_[i] += (solver.time() - before) * rate[i];
       sample_until(solver.time(), false, [&](double t) {
         solver.interpolate(t, z.data());
         return z.data();
@@ -491,6 +498,10 @@ class Pass {
       return o;
     });
     cost_ = {solver.count().steps, solver.count().evaluations};
+    // Shorter steps would lose more.
+    if (outcome.complete() && loses_motion_)
+      return {Ending::tolerance_not_met,
+              "steps move the spring or friction by less than the last digit of their force; use 'collocation'"};
     return outcome;
   }
 
@@ -503,10 +514,10 @@ class Pass {
     return step > 0 && solvers::GrowthTest(n).faster_than(1 / step, mass, J);
   }
 
-  /// Of a slider with mass: the sum and the largest of its forces (N), and what they meet as its slip rate changes,
-  /// damping with that of friction and the impedance of a free swing (N s/m).
+  /// Of a slider with mass: the sum and the largest of its forces and what lost motion is missing in them (N), and what
+  /// they meet as its slip rate changes, damping with that of friction and the impedance of a free swing (N s/m).
   struct Balance {
-    double sum, largest, damping, swing;
+    double sum, largest, lost, damping, swing;
   };
   Balance balance_at(double t, const double* y, const oscillators::Observation& seen) {
     const int n = system_.size(), u = system_.slip_rate_index();
@@ -514,26 +525,28 @@ class Pass {
     work_.resize(n + n * n);
     double *f = work_.data(), *J = f + n;
     system_.linearise(t, y, f, J);
-    return {f[u], std::max(std::abs(seen.friction_force), std::abs(slider.stiffness * seen.displacement)),
+    double lost = 0;
+    for (std::size_t i = 0; i < lost_.size(); ++i) lost += std::abs(J[u * n + i] * lost_[i]);
+    return {f[u], std::max(std::abs(seen.friction_force), std::abs(slider.stiffness * seen.displacement)), lost,
             std::abs(J[u * n + u]), std::sqrt(slider.stiffness * slider.mass)};
   }
 
-  /// In deep stick friction hangs on digits of the slip rate that natural unknowns do not hold to any tolerance; and a
-  /// spring under large forces does not show in its last digit what short steps move it by. False where motion has left
-  /// the balance of forces for good.
+  /// In deep stick friction hangs on digits of the slip rate that natural unknowns do not hold to any tolerance. False
+  /// where motion has left the balance of forces for good; notes where a spring or friction under large forces does not
+  /// show in its last digit what short steps move it by.
   bool in_balance(const solvers::Cvode& solver, double tolerance) {
     if (system_.mechanics() != oscillators::Mechanics::inertial) return true;
-    constexpr double lost = 0.3;
+    constexpr double gone = 0.3;
     const double t = solver.time(), *y = solver.state().data();
     const int n = system_.size(), u = system_.slip_rate_index();
     std::vector<double> rate(n), mass(n), scale(n);
     system_.mass(t, mass.data());
     system_.scale(y, scale.data());
     solver.rate(rate.data());
-    const double missing = system_.model().slider.stiffness * std::abs(rate[0]) * stood_still_;
-    const auto [sum, largest, damping, swing] = balance_at(t, y, system_.observe(t, y));
+    const auto [sum, largest, lost, damping, swing] = balance_at(t, y, system_.observe(t, y));
     const double impedance = std::max(damping, swing);
-    return std::abs(sum - mass[u] * rate[u]) <= lost * largest && missing <= tolerance * impedance * scale[u];
+    loses_motion_ = loses_motion_ || lost > tolerance * impedance * scale[u];
+    return std::abs(sum - mass[u] * rate[u]) <= gone * largest;
   }
 
   const RunOptions& options_;
@@ -545,7 +558,8 @@ class Pass {
   std::size_t next_ = 0;
   double begin_ = 0;  ///< s, of the steps
   long steps_ = 0;
-  double stood_still_ = 0;  ///< s, in steps of CVODE that moved the slider by less than its last digit
+  std::vector<double> lost_;   ///< of each unknown, in steps of CVODE that moved it by less than its last digit
+  bool loses_motion_ = false;  ///< more of it than the tolerance leaves
 };
 
 struct Choice {

@@ -56,7 +56,7 @@ class OnsetMap {
     if (!period.found || scale_.size() == 0) return period;  // without memory stick forgets the past
     long steps = period.steps, evaluations = period.evaluations;
     constexpr int most_periods = 400;
-    constexpr long most_steps = 200'000;
+    const long most_steps = affordable_steps(system_);
     VectorXd z = gather(period.onset);
     std::vector<VectorXd> onsets, changes;  // of the last periods, as long as they belong together
     double change = infinity, change_before = infinity, closest = infinity;

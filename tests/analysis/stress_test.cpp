@@ -1654,6 +1654,26 @@ TEST_CASE("a slip rate that follows from friction or from forces says how little
   options.start.kind = Start::Kind::given;
   options.start.slip_rate = 1.4510388383333548e-10;
   compared(damped, "collocation", "cvode");
+  // BDF of a damper against a contact spring, whose 11 N and 15306 N move by less than their last digit in each step.
+  auto still = slider_under("bowden-tabor",
+                            {0.5612342250415201, 0.033788464416556994, 0.091130708417776013, 0.0098422455038070771,
+                             1.4398740365409597e-06, 0.002247882111058707, 0.048295262643897344},
+                            {0, 596.36056063514081, 4.9656908685763037}, 6.1263246091839397e-05, 20.47363822812126);
+  still.lambda = 8.4811185312059465e-05;
+  still.contact_stiffness.tangential = 1131.2967060911874;
+  options.duration = 1.3597019467859038e-06;
+  options.start.slip_rate = 1.1123786798493013e-06;
+  compared(still, "collocation", "cvode");
+  auto inert = slider_under(
+      "slip",
+      {0.54780185597749098, 0.020924365069620903, 0.032819184625797554, 3.9511903416405929e-05, 5.2864952239557355e-06},
+      {1.8354226634420645, 75838.257330644541, 492260.87704933254}, 2.7527616512672622e-09, 21550.32350820483);
+  inert.lambda = 0.0048512146911840357;
+  inert.contact_stiffness.tangential = 290948.13049556909;
+  inert.drive.force = Signal(6849.8795784950435);
+  options.duration = 0.028408028269638574;
+  options.start.slip_rate = 6.2007393177400455e-12;
+  compared(inert, "collocation", "cvode");
 }
 
 TEST_CASE("a displacement that a strong damper leaves within the last digits of forces is integrated", "[stress]") {
