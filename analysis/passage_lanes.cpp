@@ -23,6 +23,9 @@ constexpr double rest = 1e-11;            ///< slip rates below this part of V a
 /// Slip that comes closer to rest than this many times the tolerance of V, or would have gone no further beyond, only
 /// just sticks or just does not: one at a time is followed more closely.
 constexpr double grazing = 100;
+/// Slip that the load brings back from stick grows many times within a step that is short for all else, and an error
+/// estimate says nothing of that: from where it is felt, it is followed through no more e-foldings in a step.
+constexpr double felt = 1e-3, followed = 1.5;  ///< of the tolerance, as part of V; e-foldings
 /// A turn of the slip rate this close to a threshold, as part of it, may lie on either side.
 constexpr double touches = 1e-3;
 }  // namespace
@@ -132,6 +135,8 @@ bool PassageLanes::take(int lane, PassageQueue& queue) {
   V_.set(lane, at.V);
   floor_.set(lane, switches_ ? -infinity : at.V * (1 - passage.dip));
   growth_time_.set(lane, passage.growth_time);
+  felt_.set(lane, felt * passage.tolerance * at.V);
+  creep_.set(lane, v);
   longest_.set(lane, passage.longest);
   active_.set(lane, 1);
   landing_.set(lane, 0);
@@ -487,6 +492,11 @@ void PassageLanes::see() {
       }
       if (switches_) update(armed_, select(sliders_.direction().pack[p] * u > rest * V, one, armed_.pack[p]));
       bounds.pack[p] = select(departure < 0.9 * V, growth_time_.pack[p], Pack(infinity));
+      const Pack before = creep_.pack[p];
+      const Mask grows = good & (before > zero) & (v > before) & (v < 0.1 * V);
+      const Pack foldings = max(log(felt_.pack[p] / v), Pack(followed));
+      bounds.pack[p] = select(grows, ensemble_.length().pack[p] * foldings / log(v / before), bounds.pack[p]);
+      update(creep_, v);
     }
   });
   if (!switches_) ensemble_.bound_steps(bounds);

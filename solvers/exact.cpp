@@ -189,9 +189,13 @@ typename Exact<Real>::Seen Exact<Real>::at(Real t) const {
 /// Adds the works done from τ = from to τ = to.
 template <class Real>
 void Exact<Real>::account(Real from, Real to) {
-  if (!auditing_ || !(from < to)) return;
+  if (!audits() || !(from < to)) return;
   const bool moves = mode_ != 0 || !model_.speed.constant() || model_.speed.level() != 0;
   while (moves && from < to) {
+    if (--parts_left_ <= 0) {
+      works_ = {};
+      return;
+    }
     Real fastest = 0;
     for (const auto* form : {&motion_, &speed_, &load_, &force_}) fastest = std::max(fastest, form->fastest(from));
     const Real part = fastest > 0 ? std::min(to - from, 3 / fastest) : to - from;

@@ -55,8 +55,10 @@ class Exact {
     Real residual = 0;    ///< of energy + damper − force − surface, which should vanish
     Real throughput = 0;  ///< sum of all that was turned over, by which to judge it
   };
-  /// Asks for the works, by quadrature of the closed form (15 points for every three radians of its fastest part).
-  void audit() { auditing_ = true; }
+  /// Asks for the works, by quadrature of the closed form (15 points for every three radians of its fastest part). It
+  /// is given up where so many parts are not enough.
+  void audit(double most_parts = std::numeric_limits<double>::infinity()) { parts_left_ = most_parts; }
+  bool audits() const { return parts_left_ > 0; }
   const Works& works() const { return works_; }
 
   Real stick_time() const { return stick_time_; }
@@ -73,10 +75,10 @@ class Exact {
   void account(Real from, Real to);
 
   DryOscillator model_;
-  bool auditing_ = false;
-  Real origin_ = 0;       ///< time from which the present closed form counts
-  Real t0_ = 0, t1_ = 0;  ///< passed over by the last call
-  Real x_ = 0, v_ = 0;    ///< at t1_
+  double parts_left_ = 0;  ///< of the quadrature of works; 0: they are not asked for
+  Real origin_ = 0;        ///< time from which the present closed form counts
+  Real t0_ = 0, t1_ = 0;   ///< passed over by the last call
+  Real x_ = 0, v_ = 0;     ///< at t1_
   int mode_ = 0, next_ = 0;
   bool fresh_ = true;     ///< a new mode or piece of the drive begins at t1_
   bool leaving_ = false;  ///< it begins at a zero of what will end it

@@ -1773,3 +1773,38 @@ TEST_CASE("what sticks and rings has come to its cycle where periods have brough
   CHECK(std::abs(slip + stick - cycle.metrics.period) <= cycle.error.period);
   CHECK(cycle.error.period < 1e-3 * cycle.metrics.period);
 }
+
+TEST_CASE("ten million swings are followed in closed form, without their works", "[stress]") {
+  const double m = 3.0719121973896493, k = 1e15, c = 0.35346441553657515, V = 8.4961979544199322e-05;
+  const auto model =
+      slider_under("coulomb", {1.0844382803639121, 0.10558174952005499}, {m, k, c}, V, 4.7710259439557894e-07);
+  RunOptions options;
+  options.duration = 4.7484281644757029;
+  options.samples = 20;
+  options.start.kind = Start::Kind::rest;
+  const auto result = run(model, options);
+  REQUIRE(result.outcome.complete());
+  CHECK(result.metrics.count("friction_work") == 0);
+  CHECK_THAT(result.remark, Catch::Contains("works"));
+  // The speed V at which stick ends swings and decays.
+  const double left = std::hypot(result.columns[1].back(), std::sqrt(k / m) * result.columns[0].back());
+  CHECK(left == Approx(V * std::exp(-c / (2 * m) * options.duration)).epsilon(1e-9));
+}
+
+TEST_CASE("lanes follow slip that the load brings back from stick", "[stress][cycle-lanes]") {
+  // Steps of an hour raise the slip rate from 1e-15 to 1e-6 of the drive's speed at once.
+  auto model = slider_under("flash-heating",
+                            {0.98081141812254258, 0.0073687737964063795, 0.05385139828184575, 2.4338731487511215e-05,
+                             0.045273073813258624, 0.086582274008734236, 0.11652647084272459},
+                            {52292871.953237191, 2204716.9566364391, 0}, 3.2810127635562173e-05, 1923695.401817414);
+  model.lambda = 368.46215279996011;
+  const auto truth = find_cycle(model, {.tolerance = 1e-9, .multipliers = false});
+  for (const double tolerance : {1e-5, 1e-6, 1e-7}) {
+    const auto lanes = find_cycles(std::span(&model, 1), {tolerance, 0.1, {"stick_fraction_001"}});
+    REQUIRE(lanes.front().found);
+    CHECK(lanes.front().tries < 6000);
+    for (const auto member : {&Metrics::stick_fraction_001, &Metrics::period})
+      CHECK(std::abs(lanes.front().metrics.*member - truth.metrics.*member) <=
+            lanes.front().error.*member + truth.error.*member);
+  }
+}
