@@ -259,8 +259,10 @@ class Settling final : public PassageQueue {
 
  private:
   void finish(std::size_t i) {
+    const auto& cycle = cycles_[i];
     neighbours_.finished(
-        i, cycles_[i].found ? std::optional(searches_[i]->knowledge(!cycles_[i].ill_conditioned_stick)) : std::nullopt);
+        i, cycle.found ? std::optional(searches_[i]->knowledge(!cycle.ill_conditioned_stick)) : std::nullopt,
+        cycle.tries);
   }
   /// \returns false where there is nothing to start from.
   bool begin(Search& search) const {

@@ -143,14 +143,24 @@ Neighbours::Neighbours(std::span<const std::size_t> members, std::span<const Gri
           members_[other->second].waiting.push_back(i);
         }
     }
-    if (member.waits_for == 0) ready_.insert({places.empty() ? 0 : places[i].phase, i});
+    if (member.waits_for == 0) make_ready(i);
   }
   for (const auto& [at, i] : who) (*at.first)[at.second].looked_for = false;
 }
 
+void Neighbours::make_ready(std::size_t i) {
+  if (places_.empty()) return void(ready_.insert({0, 0, i}));
+  const Member& member = members_.at(i);
+  Tile& tile = *places_[i].tile;
+  long longest = 0;
+  for (const auto& line : member.lines)
+    for (const auto& neighbour : line) longest = std::max(longest, tile[neighbour.point].tries);
+  ready_.insert({places_[i].phase, longest, i});
+}
+
 std::optional<std::size_t> Neighbours::next() {
   if (ready_.empty()) return std::nullopt;
-  const std::size_t i = ready_.begin()->second;
+  const std::size_t i = ready_.begin()->slider;
   ready_.erase(ready_.begin());
   return i;
 }
@@ -161,12 +171,14 @@ std::optional<KnownCycle> Neighbours::advice(std::size_t i) const {
   return places_[i].tile->advice(member.point, member.lines);
 }
 
-void Neighbours::finished(std::size_t i, std::optional<KnownCycle> cycle) {
+void Neighbours::finished(std::size_t i, std::optional<KnownCycle> cycle, long tries) {
   if (places_.empty()) return;
   const Member& member = members_.at(i);
-  (*places_[i].tile)[member.point].cycle = std::move(cycle);
+  auto& point = (*places_[i].tile)[member.point];
+  point.cycle = std::move(cycle);
+  point.tries = tries;
   for (const std::size_t other : member.waiting)
-    if (--members_.at(other).waits_for == 0) ready_.insert({places_[other].phase, other});
+    if (--members_.at(other).waits_for == 0) make_ready(other);
 }
 
 }  // namespace rosin::analysis

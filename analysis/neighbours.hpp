@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace rosin::analysis {
@@ -43,6 +44,7 @@ class Tile {
   struct Point {
     int column, row, phase;
     bool looked_for = false;  ///< by the call that is being prepared
+    long tries = 0;           ///< that it took
     std::optional<KnownCycle> cycle = std::nullopt;
   };
   /// The point there, new if need be.
@@ -68,8 +70,8 @@ class Neighbours {
   /// The first slider that waits for nobody.
   std::optional<std::size_t> next();
   std::optional<KnownCycle> advice(std::size_t i) const;
-  /// Nobody waits for this slider any longer. `cycle`: what there is to tell.
-  void finished(std::size_t i, std::optional<KnownCycle> cycle);
+  /// Nobody waits for this slider any longer. `cycle`: what there is to tell; `tries`: what it has taken.
+  void finished(std::size_t i, std::optional<KnownCycle> cycle, long tries);
 
  private:
   struct Member {
@@ -79,9 +81,20 @@ class Neighbours {
     int waits_for = 0;                 ///< how many sliders
     std::vector<std::size_t> waiting;  ///< sliders that wait for this one
   };
+  void make_ready(std::size_t i);
+
   std::span<const GridPlace> places_;
   std::map<std::size_t, Member> members_;
-  std::set<std::pair<int, std::size_t>> ready_;  ///< by phase
+  /// By phase, and in one phase those first whose neighbours took long: no lane is then left with one of them alone.
+  struct Ready {
+    int phase;
+    long tries;
+    std::size_t slider;
+    bool operator<(const Ready& other) const {
+      return std::tie(phase, other.tries, slider) < std::tie(other.phase, tries, other.slider);
+    }
+  };
+  std::set<Ready> ready_;
 };
 
 }  // namespace rosin::analysis

@@ -33,7 +33,7 @@ std::vector<std::optional<KnownCycle>> told(Tile& tile, const std::vector<std::a
   std::size_t count = 0;
   for (auto i = neighbours.next(); i; i = neighbours.next(), ++count) {
     advice[*i] = neighbours.advice(*i);
-    neighbours.finished(*i, f(at[*i][0], at[*i][1]));
+    neighbours.finished(*i, f(at[*i][0], at[*i][1]), 1);
   }
   CHECK(count == at.size());
   return advice;
@@ -101,4 +101,22 @@ TEST_CASE("a derivative is known as well as one more neighbour changes it", "[ne
   CHECK(told(one, {{6, 0}}, 4, straight)[0]->derivative_error < 1e-12);
   // Of four points that to 12 weighs -1/16.
   CHECK(told(other, {{6, 0}}, 4, bent)[0]->derivative_error == Approx(0.2 / 16 * std::sqrt(2)));
+}
+
+TEST_CASE("sliders beside those that took long come first in their phase", "[neighbours]") {
+  Tile tile;
+  std::vector<GridPlace> places;
+  std::vector<std::size_t> members;
+  for (const int y : {0, 1, 2})
+    for (const int x : {0, 4, 8, 2}) {  // the last lies between the others
+      members.push_back(places.size());
+      places.push_back({&tile, x, 16 * y, x == 2 ? 1 : 0});
+    }
+  Neighbours neighbours(members, places);
+  for (int k = 0; k < 9; ++k) {
+    const auto i = neighbours.next();
+    REQUIRE(places[*i].phase == 0);
+    neighbours.finished(*i, cycle_of(1), places[*i].row == 16 ? 100 : 10);
+  }
+  CHECK(places[*neighbours.next()].row == 16);
 }
