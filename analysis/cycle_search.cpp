@@ -48,8 +48,9 @@ FixedPoint fixed_point_of(const ReturnMap& map, const SlowEnd& end) {
 /// Tolerances of the search for motions of the size of the drive speed. The second and third serve where what steps err
 /// at the first is no small part of the motion when the passage ends, as after ringing on bristles.
 constexpr double search_tolerances[] = {1e-6, 1e-9, 1e-12};
-constexpr long most_steps = 300'000;  ///< of one search at one of them
-constexpr double collapsed = 1e-5;    ///< amplitudes |v − V|/V below this are steady sliding
+/// Of one search at one of them: as much work with many unknowns as with few.
+long most_steps_of(const ReturnMap& map) { return std::min(1'000'000L, 4'000'000L / map.system().size()); }
+constexpr double collapsed = 1e-5;  ///< amplitudes |v − V|/V below this are steady sliding
 
 /// Small motions are followed more closely: what matters are errors against their drift, which falls with A². So are
 /// those of a slow `drift` ln(A'/A) in a passage.
@@ -143,7 +144,7 @@ Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double am
   const auto steady = map.system().steady(0);
   const double start = map.distance(y, steady), least = 0.02 * start / amplitude;
   VectorXd direction = map.difference(y, steady) / start;
-  const long last_step = map.cost().steps + most_steps / 8;  // irregular motion has no such amplitude
+  const long last_step = map.cost().steps + most_steps_of(map) / 8;  // irregular motion has no such amplitude
   struct Drift {
     double size, rate;
     std::vector<double> y;
@@ -230,11 +231,11 @@ class Leaps {
     last_ = y;
     size_ = size;
   }
-  bool ready() const { return steady_ && !useless_; }
+  bool ready() const { return steady_ && !useless_ && leaps_ < most_leaps; }
   /// Change in one passage as a part of the size; infinite where not known.
   double pace() const { return pace_; }
   /// Between leaps, as long as the changes do not die out: no cycle is near.
-  bool under_way() const { return passages_ > 0 && remaining_ > 0.3 && !useless_; }
+  bool under_way() const { return passages_ > 0 && remaining_ > 0.3 && !useless_ && leaps_ < most_leaps; }
 
   /// The point so many passages ahead.
   std::vector<double> ahead() {
@@ -248,6 +249,7 @@ class Leaps {
     before_ = change_;
     from_ = last_;
     forget();
+    ++leaps_;
     return map_.moved(from_, before_.cwiseProduct(map_.scale()), passages_);
   }
   /// A shorter leap from the same point where the last ended motion. Nothing if that was no longer than one passage.
@@ -263,11 +265,13 @@ class Leaps {
     change_.resize(0);
     steady_ = false;
   }
+  static constexpr int most_leaps = 100;  // more lead in circles
   const ReturnMap& map_;
   std::vector<double> last_, from_;  ///< of the last passage; where the last leap began
   VectorXd change_, before_;         ///< in the last passage, in the one before the last leap; in scales
   double size_ = 0, pace_ = infinity, passages_ = 0, remaining_ = 1;
   bool steady_ = false, useless_ = false;
+  int leaps_ = 0;
 };
 
 /// The search for a stable fixed point of the return map, from starts in stick or the one that is given.
@@ -278,6 +282,7 @@ class Search {
       : map_(map),
         options_(options),
         drift_at_rest_(drift_at_rest),
+        most_steps_(most_steps_of(map)),
         most_passages_(steady_is_stable() ? std::min(options.max_cycles, 12) : options.max_cycles) {}
 
   /// Looks for the point; where none is found, `outcome` says why.
@@ -286,7 +291,7 @@ class Search {
     for (const double tolerance : search_tolerances) {
       loose_ = tolerance;
       reached_.clear();
-      last_step_ = map_.cost().steps + most_steps;
+      last_step_ = map_.cost().steps + most_steps_;
       tried_ = 0;
       run_once();
       if (found() || outcome.ending != Ending::budget_spent) return;
@@ -378,7 +383,7 @@ class Search {
         return;
       }
       if (map_.cost().steps > last_step_) {
-        outcome = {Ending::budget_spent, fmt::format("no periodic motion within {} steps", most_steps)};
+        outcome = {Ending::budget_spent, fmt::format("no periodic motion within {} steps", most_steps_)};
         return;
       }
       y = passage.end;
@@ -438,7 +443,7 @@ class Search {
       outcome = {};
       return Attempt::ends;
     }
-    if (tried_ > most_steps / 2) return Attempt::goes_on;
+    if (tried_ > most_steps_ / 2) return Attempt::goes_on;
     const double size = distance_from_steady(y);
     const double moved = passages > 0 ? map_.distance(y, visited_[passages - 1]) : infinity;
     const double change = moved / std::min(amplitude, size);
@@ -460,7 +465,7 @@ class Search {
     constexpr long as_often = 10;  // a trial follows the motion through its turns
     for (int turns = 2; turns < passages; ++turns) {
       const double back = came_back(turns);
-      const bool affordable = turns <= few || tried_ + as_often * turns * most_taken_ < most_steps / 2;
+      const bool affordable = turns <= few || tried_ + as_often * turns * most_taken_ < most_steps_ / 2;
       if (back < infinity && affordable && accept(y, turns, amplitude, back)) return Attempt::ends;
     }
     return k >= 6 || (steady_is_stable() && k >= 3) || drifts ? balance(y, amplitude) : Attempt::goes_on;
@@ -473,16 +478,18 @@ class Search {
     const auto& y = visited_.back();
     const int last = int(visited_.size()) - 1;
     if (map_.system().mechanics() != oscillators::Mechanics::inertial) return std::nullopt;
-    constexpr int periods = 4;
-    constexpr double rounding = 1e-5, nowhere = 2, longer_than_swings = 1.5;
+    // Two periods that are the same to the last digits that hold are as good as four that scatter.
+    constexpr double rounding = 1e-5, last_digits = 1e-9, nowhere = 2, longer_than_swings = 1.5;
     const double swing = 2 * std::numbers::pi * std::sqrt(slider.mass / slider.stiffness);
     const double size = distance_from_steady(y);
-    for (int turns = 1; periods * turns <= last; ++turns) {
+    const auto repeats = [&](int turns, int periods, double within) {
       double farthest = 0;
-      for (int k = 0; k < periods && farthest <= rounding * size; ++k)
+      for (int k = 0; k < periods && farthest <= within * size; ++k)
         farthest = std::max(farthest, map_.distance(visited_[last - k * turns], visited_[last - (k + 1) * turns]));
-      if (farthest > rounding * size || map_.distance(y, visited_[last - periods * turns]) > nowhere * farthest)
-        continue;
+      return farthest <= within * size && map_.distance(y, visited_[last - periods * turns]) <= nowhere * farthest;
+    };
+    for (int turns = 1; 2 * turns <= last; ++turns) {
+      if (!repeats(turns, 2, last_digits) && !(4 * turns <= last && repeats(turns, 4, rounding))) continue;
       if (*std::max_element(lasted_.end() - turns, lasted_.end()) < longer_than_swings * swing) continue;
       if (turns == 1) return std::nullopt;  // neighbours tell whether it is led back, or only changes slowly
       const auto n = map_.scale().size();
@@ -587,9 +594,10 @@ class Search {
   ReturnMap& map_;
   const CycleOptions& options_;
   double drift_at_rest_;
+  long most_steps_;  ///< of one search at one tolerance
   int most_passages_;
   double loose_ = search_tolerances[0];       ///< tolerance
-  long last_step_ = most_steps;               ///< at which the search ends
+  long last_step_ = 0;                        ///< at which the search ends
   long tried_ = 0;                            ///< steps of trials
   int creeping_ = 0;                          ///< times that motion far from any cycle neither settled nor grew
   long most_taken_ = 0;                       ///< steps of a passage of the motion itself

@@ -36,19 +36,14 @@ double polynomial(const Samples& samples, Quantity quantity, double theta) {
 }
 }  // namespace
 
-void Recorder::extreme(Collocation& solver, const std::vector<Sample>& samples, double Sample::*quantity, double& low,
-                       double& high) {
-  for (const auto& sample : samples) {
-    low = std::min(low, sample.*quantity);
-    high = std::max(high, sample.*quantity);
-  }
-  // An extreme between nodes: the polynomial says about where, parabolas through the step solved again say how much.
-  const auto solved = [&](double theta) { return sample_at(solver, theta).*quantity; };
+/// Where the polynomial of a quantity turns within the step.
+std::vector<Recorder::Turn> Recorder::turns(const std::vector<Sample>& samples, double Sample::*quantity) {
   constexpr int fine = 8;
   const auto slope = [&](double theta) {
     constexpr double d = 1e-5;
     return polynomial(samples, quantity, theta + d) - polynomial(samples, quantity, theta - d);
   };
+  std::vector<Turn> found;
   double before = slope(0);
   for (int i = 1; i <= fine; ++i) {
     const double after = slope(double(i) / fine);
@@ -58,27 +53,42 @@ void Recorder::extreme(Collocation& solver, const std::vector<Sample>& samples, 
         const double middle = 0.5 * (left + right);
         ((slope(middle) > 0) == (before > 0) ? left : right) = middle;
       }
-      double theta = 0.5 * (left + right), width = 0.02;
-      const double guess = polynomial(samples, quantity, theta), reach = 1e-3 * (high - low);
-      const bool matters = before > 0 ? guess + reach > high : guess - reach < low;
-      for (int refine = 0; matters && refine < 3; ++refine, width *= 0.2) {
-        theta = std::clamp(theta, 1e-3, 1.0);
-        const double inside = std::min({width, 0.5 * theta, 1 - theta});
-        const double middle = solved(theta);
-        low = std::min(low, middle);
-        high = std::max(high, middle);
-        if (inside < 1e-6) break;  // at the end of the step: the value there is already counted
-        const double l = solved(theta - inside), r = solved(theta + inside), bend = l - 2 * middle + r;
-        low = std::min({low, l, r});
-        high = std::max({high, l, r});
-        if (bend == 0) break;
-        // Swings that are all but alike turn within each other's reach: most turn out to be no extreme.
-        const double rise = (l - r) * (l - r) / (8 * std::abs(bend));
-        if (before > 0 ? middle + 2 * rise < high : middle - 2 * rise > low) break;
-        theta += inside * std::clamp(0.5 * (l - r) / bend, -2.0, 2.0);
-      }
+      const double theta = 0.5 * (left + right);
+      found.push_back({theta, polynomial(samples, quantity, theta), before > 0});
     }
     before = after;
+  }
+  return found;
+}
+
+void Recorder::extreme(Collocation& solver, const std::vector<Sample>& samples, const std::vector<Turn>& turns,
+                       double Sample::*quantity, double& low, double& high) {
+  for (const auto& sample : samples) {
+    low = std::min(low, sample.*quantity);
+    high = std::max(high, sample.*quantity);
+  }
+  // An extreme between nodes: the polynomial says about where, parabolas through the step solved again say how much.
+  const auto solved = [&](double theta) { return sample_at(solver, theta).*quantity; };
+  for (const auto& [place, guess, is_maximum] : turns) {
+    double theta = place, width = 0.02;
+    const double reach = 1e-3 * (high - low);
+    const bool matters = is_maximum ? guess + reach > high : guess - reach < low;
+    for (int refine = 0; matters && refine < 3; ++refine, width *= 0.2) {
+      theta = std::clamp(theta, 1e-3, 1.0);
+      const double inside = std::min({width, 0.5 * theta, 1 - theta});
+      const double middle = solved(theta);
+      low = std::min(low, middle);
+      high = std::max(high, middle);
+      if (inside < 1e-6) break;  // at the end of the step: the value there is already counted
+      const double l = solved(theta - inside), r = solved(theta + inside), bend = l - 2 * middle + r;
+      low = std::min({low, l, r});
+      high = std::max({high, l, r});
+      if (bend == 0) break;
+      // Swings that are all but alike turn within each other's reach: most turn out to be no extreme.
+      const double rise = (l - r) * (l - r) / (8 * std::abs(bend));
+      if (is_maximum ? middle + 2 * rise < high : middle - 2 * rise > low) break;
+      theta += inside * std::clamp(0.5 * (l - r) / bend, -2.0, 2.0);
+    }
   }
 }
 
@@ -137,17 +147,34 @@ double Recorder::refined_loop(Collocation& solver, double begin, double end, dou
   return refined_loop(solver, begin, middle, left, change) + refined_loop(solver, middle, end, right, change);
 }
 
-double Recorder::time_within(Collocation& solver, const std::vector<Sample>& samples, double threshold) const {
+double Recorder::time_within(Collocation& solver, const std::vector<Sample>& samples, const std::vector<Turn>& turns,
+                             double threshold) const {
   const double h = solver.length();
   std::vector<double> marks{0.0};
-  for (const double level : {threshold, -threshold})
-    for (std::size_t i = 1; i < samples.size(); ++i) {
-      const double a = samples[i - 1].slip_rate - level, b = samples[i].slip_rate - level;
-      if ((a < 0) == (b < 0) || a == 0) continue;
+  for (const double level : {threshold, -threshold}) {
+    const auto mark = [&](const Sample& from, const Sample& to) {
+      const double a = from.slip_rate - level, b = to.slip_rate - level;
+      if ((a < 0) == (b < 0) || a == 0) return;
       const auto theta = solver.locate([&](double t, const double* y) { return system_.slip_rate(t, y) - level; },
-                                       samples[i - 1].theta, samples[i].theta, a, b);
+                                       from.theta, to.theta, a, b);
       if (theta) marks.push_back(*theta);
+    };
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      const Sample &from = samples[i - 1], &to = samples[i];
+      // A turn between nodes may reach across the level and back.
+      const auto across = std::find_if(turns.begin(), turns.end(), [&](const Turn& turn) {
+        return turn.theta > from.theta && turn.theta < to.theta && (turn.value < level) != (from.slip_rate < level) &&
+               (turn.value < level) != (to.slip_rate < level);
+      });
+      if (across == turns.end()) {
+        mark(from, to);
+        continue;
+      }
+      const Sample turn = sample_at(solver, across->theta);
+      mark(from, turn);
+      mark(turn, to);
     }
+  }
   marks.push_back(1.0);
   std::sort(marks.begin(), marks.end());
   double within = 0;
@@ -189,12 +216,14 @@ void Recorder::step(Collocation& solver) {
     const bool resolved = std::pow(ratio, 2.5) * whole.magnitude <= loop_tolerance();
     sums_.loop_area += resolved ? whole.integral : refined_loop(solver, 0, 1, whole.integral, infinity);
   }
-  extreme(solver, samples, &Sample::slip_rate, sums_.slip_rate_min, sums_.slip_rate_max);
-  extreme(solver, samples, &Sample::friction, sums_.friction_min, sums_.friction_max);
+  const auto slip_turns = turns(samples, &Sample::slip_rate);
+  extreme(solver, samples, slip_turns, &Sample::slip_rate, sums_.slip_rate_min, sums_.slip_rate_max);
+  extreme(solver, samples, turns(samples, &Sample::friction), &Sample::friction, sums_.friction_min,
+          sums_.friction_max);
   const double V = std::abs(system_.model().drive.speed.level());
-  sums_.stick_fraction += time_within(solver, samples, threshold_[0] * V);
-  sums_.stick_fraction_001 += time_within(solver, samples, threshold_[1] * V);
-  sums_.stick_fraction_05 += time_within(solver, samples, threshold_[2] * V);
+  sums_.stick_fraction += time_within(solver, samples, slip_turns, threshold_[0] * V);
+  sums_.stick_fraction_001 += time_within(solver, samples, slip_turns, threshold_[1] * V);
+  sums_.stick_fraction_05 += time_within(solver, samples, slip_turns, threshold_[2] * V);
   elapsed_ += h;
   friction_ = samples.back().friction;
 }

@@ -33,7 +33,13 @@ class Recorder final : public PassageObserver {
   struct Sample {
     double theta, slip_rate, friction;
   };
-  void extreme(solvers::Collocation&, const std::vector<Sample>&, double Sample::*quantity, double& low, double& high);
+  struct Turn {
+    double theta, value;
+    bool is_maximum;
+  };
+  static std::vector<Turn> turns(const std::vector<Sample>&, double Sample::*quantity);
+  void extreme(solvers::Collocation&, const std::vector<Sample>&, const std::vector<Turn>&, double Sample::*quantity,
+               double& low, double& high);
   Sample sample_at(solvers::Collocation&, double theta) const;
   /// ∫ (μ − μ_ss(v)) dv over the interval of the samples, with the value of a rule on part of the nodes.
   struct Loop {
@@ -42,7 +48,8 @@ class Recorder final : public PassageObserver {
   double loop_tolerance() const;
   Loop loop(const std::vector<Sample>&) const;
   double refined_loop(solvers::Collocation&, double begin, double end, double coarse, double last_change);
-  double time_within(solvers::Collocation&, const std::vector<Sample>&, double threshold) const;
+  double time_within(solvers::Collocation&, const std::vector<Sample>&, const std::vector<Turn>& of_slip,
+                     double threshold) const;
 
   const oscillators::SliderSystem& system_;
   double tolerance_, threshold_[3];

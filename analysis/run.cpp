@@ -278,7 +278,7 @@ class Pass {
       if (system_.mechanics() != Mechanics::inertial || system_.contact_setup().spring.present())
         slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, digits));
     }
-    if (system_.mechanics() == Mechanics::inertial) {
+    if (system_.mechanics() == Mechanics::inertial && solver_ != "steady") {
       const auto [sum, largest, lost, damping, swing] = balance_at(t, y, seen);
       const double inertia = system_.model().slider.mass / times_.back();  // all that resists where nothing else does
       if (solver_ == "cvode")  // which moves slip by what is left of the balance, and so rings too
@@ -527,8 +527,11 @@ class Pass {
     system_.linearise(t, y, f, J);
     double lost = 0;
     for (std::size_t i = 0; i < lost_.size(); ++i) lost += std::abs(J[u * n + i] * lost_[i]);
-    return {f[u], std::max(std::abs(seen.friction_force), std::abs(slider.stiffness * seen.displacement)), lost,
-            std::abs(J[u * n + u]), std::sqrt(slider.stiffness * slider.mass)};
+    double damping = std::abs(J[u * n + u]);
+    if (const int mu = system_.first_state() - 1; system_.rigid() && mu > u && J[mu * n + mu] != 0)
+      damping += std::abs(J[u * n + mu] * J[mu * n + u] / J[mu * n + mu]);  // the direct effect
+    return {f[u], std::max(std::abs(seen.friction_force), std::abs(slider.stiffness * y[0])), lost, damping,
+            std::sqrt(slider.stiffness * slider.mass)};
   }
 
   /// In deep stick friction hangs on digits of the slip rate that natural unknowns do not hold to any tolerance. False

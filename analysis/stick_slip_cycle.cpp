@@ -56,30 +56,29 @@ class OnsetMap {
     if (!period.found || scale_.size() == 0) return period;  // without memory stick forgets the past
     long steps = period.steps, evaluations = period.evaluations;
     constexpr int most_periods = 400;
-    const long most_steps = affordable_steps(system_);
+    constexpr long most_steps = 200'000;
     VectorXd z = gather(period.onset);
     std::vector<VectorXd> onsets, changes;  // of the last periods, as long as they belong together
     double change = infinity, change_before = infinity, closest = infinity;
     VectorXd closest_image;
-    bool leapt = false;  ///< the last onset is not the image of one
+    int leapt_at = -1;  ///< the period before a leap that has not led closer yet
     // Plain periods lead to what attracts; where they come in, what they have in common leads there faster.
     constexpr int plain = 6, most_strays = 5;
     int plain_until = plain - 1, strays = 0;
     int judged_at = -1;  ///< the period by which Newton's method must have led closer
-    const auto go_back = [&] {
+    const auto go_back = [&](int k) {
       onsets.clear(), changes.clear();
       z = closest_image;
-      leapt = false;
+      leapt_at = judged_at = -1;
+      plain_until = k + ++strays * plain;
     };
     for (int k = 0; k < most_periods && steps < most_steps && period.found; ++k) {
       const Metrics before = period.metrics;
       StickSlipPeriod next = period_from(z);
       steps += next.steps, evaluations += next.evaluations;
-      if (!next.found && (leapt || k <= judged_at) && strays < most_strays) {
+      if (!next.found && (leapt_at >= 0 || k <= judged_at) && strays < most_strays) {
         // Beyond where slip comes to rest, to which periods by themselves may never lead.
-        go_back();
-        plain_until = k + ++strays * plain;
-        judged_at = -1;
+        go_back(k);
         continue;
       }
       period = std::move(next);
@@ -116,18 +115,22 @@ class OnsetMap {
           onsets.clear(), changes.clear();
           z += *turn;
           change = infinity;
-          leapt = false;
+          leapt_at = -1;
           judged_at = k + 1 + grace;
           continue;
         }
       }
-      leapt = leapt || k == judged_at;
-      if (leapt && now > 2 * closest) {
-        go_back();
+      // What a leap does to fast states is gone within a few periods.
+      const bool farther = now > 2 * closest, waits = leapt_at >= 0 && k <= leapt_at + grace;
+      if (farther && !waits && (leapt_at >= 0 || k == judged_at)) {
+        go_back(k);
       } else {
+        if (!farther) leapt_at = -1;
         if (now < closest) closest = now, closest_image = z + step;
-        leapt = k > plain_until && k > judged_at && std::max(now / change, change / change_before) < comes_in;
-        z += leapt ? onward : step;
+        const bool leaps = leapt_at < 0 && k > plain_until && k > judged_at &&
+                           std::max(now / change, change / change_before) < comes_in;
+        if (leaps) leapt_at = k;
+        z += leaps ? onward : step;
       }
       change_before = change;
       change = now;
@@ -181,9 +184,11 @@ class OnsetMap {
     const VectorXd share = differed.colPivHouseholderQr().solve(step.cwiseQuotient(sizes));
     VectorXd onward = step - ((moved + differed) * share).cwiseProduct(sizes);
     if (!onward.allFinite()) return step;
+    const auto farthest = [&](const VectorXd& way) { return way.cwiseQuotient(sizes).cwiseAbs().maxCoeff(); };
     constexpr double most = 0.5;
-    const double farthest = onward.cwiseQuotient(sizes).cwiseAbs().maxCoeff();
-    return farthest > most ? VectorXd(onward * (most / farthest)) : onward;
+    // Changes that differ by rounding alone, as where heat only adds up, point anywhere.
+    if (onward.cwiseQuotient(sizes).dot(step.cwiseQuotient(sizes)) < 0) onward = step * (most / farthest(step));
+    return farthest(onward) > most ? VectorXd(onward * (most / farthest(onward))) : onward;
   }
   /// From z, where a period changes the states by `step`, to where Newton's method has none change. Nothing where
   /// neighbouring periods do not return.
@@ -245,14 +250,18 @@ class OnsetMap {
     if (kind_ == Onset::held) onset = system_.loaded_at_rest(system_.observe(0, onset.data()).state, 1);
     return stick_slip_period(model_, tolerance_, stick_threshold_, &onset, slips_, kind_);
   }
+  /// Not finite where neighbouring periods do not return, or would take too long.
   MatrixXd derivative(const VectorXd& z) const {
     const int n = int(z.size());
-    MatrixXd D = MatrixXd::Zero(n, n);
+    MatrixXd D = MatrixXd::Zero(n, n), unknown = MatrixXd::Constant(n, n, std::nan(""));
     const double part = std::max(1e-4, 100 * tolerance_);
+    constexpr long most_steps = 400'000;
+    long steps = 0;
     for (int k = 0; k < n; ++k) {
       const double h = part * sizes_at(z)[k];
       const auto right = period_from(z + h * VectorXd::Unit(n, k)), left = period_from(z - h * VectorXd::Unit(n, k));
-      if (!right.found || !left.found) return MatrixXd::Constant(n, n, std::nan(""));
+      steps += right.steps + left.steps;
+      if (!right.found || !left.found || steps > most_steps) return unknown;
       D.col(k) = (gather(right.onset) - gather(left.onset)) / (2 * h);
     }
     return D;
@@ -544,7 +553,8 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
         fmt::format("slip swings about steady sliding by {:.1e} of the drive speed, or by rounding", swing)};
     return cycle;
   }
-  cycle.stable = !cycle.multipliers.empty() && std::abs(cycle.multipliers.front()) < 1;
+  // Periods by themselves have led there, if not Newton's method.
+  cycle.stable = cycle.multipliers.empty() ? sticks && !turned : std::abs(cycle.multipliers.front()) < 1;
   if (constexpr double certainly = 1.01;
       turned && !cycle.multipliers.empty() && std::abs(cycle.multipliers.front()) > certainly)
     cycle.outcome = {

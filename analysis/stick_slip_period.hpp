@@ -13,9 +13,6 @@ double swing_time(const oscillators::Model&);
 /// True where the contact carries states of its own.
 bool remembers(const oscillators::Model&);
 
-/// How many steps one search for a cycle of stick and slip may take: as much work with many unknowns as with few.
-long affordable_steps(const oscillators::SliderSystem&);
-
 /// `share`: slip rate over its highest.
 Outcome comes_to_rest_or_not(double share);
 

@@ -1808,3 +1808,68 @@ TEST_CASE("lanes follow slip that the load brings back from stick", "[stress][cy
             lanes.front().error.*member + truth.error.*member);
   }
 }
+
+TEST_CASE("slip that passes a threshold and comes back within a step is seen", "[stress]") {
+  // Swings with lowest slip rate -0.0101 V: outside 0.01 V for a moment, which at 1e-6 lies between two nodes.
+  const double V = 0.05898953306063371;
+  const auto model = slider_under("hyperbolic", {0.16496059925588943, 4.7638938100920907},
+                                  {3.2234578916493368, 5.5824054128709246, 0}, V, 0.013139804940482787);
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  REQUIRE(cycle.outcome.complete());
+  REQUIRE(-cycle.metrics.slip_rate_min > 0.01 * V);
+  REQUIRE(-cycle.metrics.slip_rate_min < 0.0102 * V);
+  RunOptions options;
+  options.duration = cycle.metrics.period;
+  options.samples = 100'000;
+  options.start.kind = Start::Kind::given;
+  options.start.displacement = cycle.section_displacement;
+  options.start.slip_rate = V;
+  const auto motion = run(model, options);
+  const auto& slip_rate = motion.columns[2];
+  const auto slow =
+      std::count_if(slip_rate.begin(), slip_rate.end(), [&](double u) { return std::abs(u) <= 0.01 * V; });
+  CHECK(cycle.metrics.stick_fraction_001 == Approx(double(slow) / options.samples).margin(1e-4));
+}
+
+TEST_CASE("slip held by the direct effect, or steady, is not said to be lost in the last digits of forces",
+          "[stress]") {
+  // 7597 N and 19 N, whose last digit over the damping would be 3 % and 0.6 % of the slip rate.
+  auto held = slider_under("ageing",
+                           {0.86109150887412633, 0.0060199301469454711, 0.0055661624314053814, 9.4700136639190368e-06,
+                            6.0964333087757796e-06},
+                           {0.00039933669657139342, 0.51137905613464107, 0.12520156822232076}, 2.115350332550181e-10,
+                           8872.9334386546452);
+  held.lambda = 6.2909845958801508e-06;
+  RunOptions options;
+  options.duration = 0.0013569329535265248;
+  options.samples = 20;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 1.3062735614034049e-10;
+  CHECK(run(held, options).outcome.complete());
+  auto steady = slider_under("bowden-tabor",
+                             {2.1674808306657898, 0.012263197082093715, 0.023096479440433495, 3.8272542462381205e-06,
+                              1.622867834382151e-07, 0.0064447769770948895, 17.082325198343906},
+                             {0.0028690514001685013, 0.0015921691938794596, 0.018937975324586874},
+                             3.3768658614191102e-11, 9.360418504869271);
+  steady.lambda = 1.1530548892324931e-06;
+  options.start = {};
+  options.start.kind = Start::Kind::steady;
+  const auto stays = run(steady, options);
+  CHECK(stays.outcome.complete());
+  CHECK(stays.columns[2].back() == Approx(steady.drive.speed.level()).epsilon(1e-14));
+}
+
+TEST_CASE("heat that only adds up from period to period is led to where it ends", "[stress][cycle]") {
+  // Each period adds 5e-10 to a temperature that begins with nothing: changes differ by rounding alone.
+  auto model = slider_under(
+      "thermal",
+      {0.17720213929849923, 0.26606940187509326, 1.4721558404708906e-06, 0.14360175250459378, 52.490204566030741,
+       0.0057983016414833591, 0.0025234476617201846, 2.2004937123361903e-07, 1.0, 1.330531584653041},
+      {83917.289154867118, 153745.97024269102, 0}, 1.8968757135380496e-05, 304.78743070470125);
+  model.lambda = 78492.736694459833;
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), tight = find_cycle(model, {.tolerance = 1e-8});
+  REQUIRE(loose.outcome.complete());
+  REQUIRE(tight.outcome.complete());
+  CHECK(loose.metrics.slip_rate_mean == Approx(model.drive.speed.level()).epsilon(1e-6));
+  CHECK(std::abs(loose.metrics.period - tight.metrics.period) <= loose.error.period + tight.error.period);
+}
