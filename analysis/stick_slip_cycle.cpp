@@ -91,7 +91,8 @@ class OnsetMap {
       const bool settled = now < 10 * known || (k > 3 && now < 1e3 * known && !(now < 0.5 * change));
       // States that count the time at rest scatter as the times at which slip stops, and what has all but decayed as
       // the rounding of what it came from. Then the metrics of two periods that both do show what is left.
-      if (settled || std::max(now, change) < 3 * scatter(period) || go_nowhere(onsets, changes)) {
+      const bool unshaken = now < 10 * closest;  // by a leap
+      if (settled || std::max(now, change) < 3 * scatter(period) || (unshaken && go_nowhere(onsets, changes))) {
         period.closure +=
             settled ? std::max(now, size_of_step(onward, z)) : 10 * largest_change(before, period.metrics);
         period.steps = steps, period.evaluations = evaluations, period.slips = slips_;
@@ -553,8 +554,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
         fmt::format("slip swings about steady sliding by {:.1e} of the drive speed, or by rounding", swing)};
     return cycle;
   }
-  // Periods by themselves have led there, if not Newton's method.
-  cycle.stable = cycle.multipliers.empty() ? sticks && !turned : std::abs(cycle.multipliers.front()) < 1;
+  cycle.stable = !cycle.multipliers.empty() && std::abs(cycle.multipliers.front()) < 1;
   if (constexpr double certainly = 1.01;
       turned && !cycle.multipliers.empty() && std::abs(cycle.multipliers.front()) > certainly)
     cycle.outcome = {
