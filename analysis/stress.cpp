@@ -515,9 +515,12 @@ Judgement judge_run(const Model& model, const RunOptions& options) {
     check.duration =
         std::min({check.duration, 5 / std::max(eigenvalues.front().real(), 0.0), times_of_change / fastest});
   }
-  for (const double tolerance : {1e-9, 1e-7}) {
+  // What was just within the budget is to be within that of a closer look.
+  constexpr long more_steps = 3;
+  for (const auto& [tolerance, steps] : {std::pair(1e-9, 1L), std::pair(1e-7, more_steps)}) {
     if (checked) break;
     check.tolerance = tolerance;
+    check.most_steps = steps * options.most_steps;
     second = run(model, check);
     checked = second.outcome.ending != Ending::budget_spent;
   }
