@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "analysis/curve.hpp"
 #include "analysis/dry_cycle.hpp"
@@ -61,7 +62,8 @@ class OnsetMap {
     std::vector<VectorXd> onsets, changes;  // of the last periods, as long as they belong together
     double change = infinity, change_before = infinity, closest = infinity;
     VectorXd closest_image;
-    int leapt_at = -1;  ///< the period before a leap that has not led closer yet
+    int leapt_at = -1;   ///< the period before a leap that has not led closer yet
+    int last_leap = -1;  ///< the period before it
     // Plain periods lead to what attracts; where they come in, what they have in common leads there faster.
     constexpr int plain = 6, most_strays = 5;
     int plain_until = plain - 1, strays = 0;
@@ -93,13 +95,20 @@ class OnsetMap {
       // the rounding of what it came from. Then the metrics of two periods that both do show what is left.
       const bool unshaken = now < 10 * closest;  // by a leap
       if (settled || std::max(now, change) < 3 * scatter(period) || (unshaken && go_nowhere(onsets, changes))) {
+        if (fewer_slips_do(z, 1e3 * known)) {
+          onsets.clear(), changes.clear();
+          closest = change = infinity;
+          continue;
+        }
         period.closure +=
             settled ? std::max(now, size_of_step(onward, z)) : 10 * largest_change(before, period.metrics);
         period.steps = steps, period.evaluations = evaluations, period.slips = slips_;
         period.turned = judged_at >= 0;
         return period;
       }
-      if (slips_ == 1 && alternate(onsets, z + step, now)) {
+      // Onsets before a leap say nothing of those after it.
+      const auto since_leap = std::span(onsets).last(std::min<std::size_t>(onsets.size(), k - last_leap));
+      if (slips_ == 1 && alternate(since_leap, z + step, now)) {
         onsets.clear(), changes.clear();
         closest = change = infinity;
         z += step;
@@ -130,7 +139,7 @@ class OnsetMap {
         if (now < closest) closest = now, closest_image = z + step;
         const bool leaps = leapt_at < 0 && k > plain_until && k > judged_at &&
                            std::max(now / change, change / change_before) < comes_in;
-        if (leaps) leapt_at = k;
+        if (leaps) leapt_at = last_leap = k;
         z += leaps ? onward : step;
       }
       change_before = change;
@@ -217,7 +226,7 @@ class OnsetMap {
   }
   /// True if slips of two kinds or more follow each other by turns: a period then holds as many. `change`: from the
   /// last onset to z.
-  bool alternate(const std::vector<VectorXd>& onsets, const VectorXd& z, double change) {
+  bool alternate(std::span<const VectorXd> onsets, const VectorXd& z, double change) {
     constexpr std::size_t settled = 8, most = 8;
     constexpr double alike = 1e-3, apart = 1e-3;
     for (std::size_t n = 2; n <= most && onsets.size() >= settled + n && change > apart; ++n)
@@ -225,6 +234,17 @@ class OnsetMap {
         slips_ = int(n);
         return true;
       }
+    return false;
+  }
+  /// True if slips that were taken for several kinds, on the way to the cycle, are one and the same there.
+  bool fewer_slips_do(const VectorXd& z, double same) {
+    const int all = slips_;
+    for (slips_ = 1; slips_ < all; ++slips_) {
+      if (all % slips_ != 0) continue;
+      const auto period = period_from(z);
+      if (period.found && size_of_step(gather(period.onset) - z, z) < same) return true;
+    }
+    slips_ = all;
     return false;
   }
   /// Of the states at the onset that ends a period.

@@ -1873,3 +1873,33 @@ TEST_CASE("heat that only adds up from period to period is led to where it ends"
   CHECK(loose.metrics.slip_rate_mean == Approx(model.drive.speed.level()).epsilon(1e-6));
   CHECK(std::abs(loose.metrics.period - tight.metrics.period) <= loose.error.period + tight.error.period);
 }
+
+TEST_CASE("metrics that hang on the last digits of a point that is hardly attracted say so", "[stress][cycle]") {
+  // A period forgets 1e-4 of where it begins, and the last digits of the spring's force are 1e-12 of the swing's.
+  const auto model =
+      slider_under("nagata", {0.6, 0.05, 0.055, 1e-5, 1e-6, 2.0}, {0.0074075051691001618, 4700388.1445865892, 0},
+                   3.710831763406306e-10, 28202.331919641918);
+  const auto tight = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(tight.metrics.period > 0);
+  CHECK(std::abs(tight.multipliers.front()) > 0.9998);
+  for (const double tolerance : {1e-6, 3e-7, 1e-8}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    REQUIRE(cycle.metrics.period > 0);
+    for (const auto member : {&Metrics::period, &Metrics::slip_rate_max, &Metrics::friction_min})
+      CHECK(std::abs(cycle.metrics.*member - tight.metrics.*member) <= cycle.error.*member + tight.error.*member);
+  }
+}
+
+TEST_CASE("slips led to their cycle by leaps are not taken for several kinds", "[stress][cycle]") {
+  auto model = slider_under("thermal-disc", {0.35, 0.4, 0.01, 0.45, 0.1, 0.001, 0.001, 0.008, 1.0, 0.0, 1.0},
+                            {1.3702851773173496e-12, 289537.33359958982, 1.4854401631169081e-05},
+                            0.00018427602217777856, 0.0065267536185438738);
+  model.lambda = 0.00041337768182875213;
+  const auto loose = find_cycle(model, {.tolerance = 1e-6, .multipliers = false});
+  REQUIRE(loose.outcome.complete());
+  for (const double tolerance : {1e-7, 1e-8}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance, .multipliers = false});
+    REQUIRE(cycle.outcome.complete());
+    CHECK(std::abs(cycle.metrics.period - loose.metrics.period) <= cycle.error.period + loose.error.period);
+  }
+}
