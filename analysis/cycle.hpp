@@ -45,7 +45,7 @@ struct CycleOptions {
   double tolerance = 1e-8;       ///< relative accuracy asked of every metric
   double stick_threshold = 0.1;  ///< ε
   bool multipliers = true;
-  int max_cycles = 3000;  ///< transient cycles integrated before giving up
+  int max_cycles = 10'000;  ///< transient cycles integrated before giving up
   std::optional<Start> start =
       std::nullopt;  ///< where the search starts; else from stick. Set-valued laws: always from stick
   /// Unknowns on the section that may lie near the cycle, of a smooth law under a drive with V > 0: looked at before

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "analysis/irregular_motion.hpp"
+#include "analysis/stick_slip_period.hpp"
 #include "core/eigenpairs.hpp"
 
 namespace rosin::analysis {
@@ -294,7 +295,7 @@ class Search {
       last_step_ = map_.cost().steps + most_steps_;
       tried_ = 0;
       run_once();
-      if (found() || outcome.ending != Ending::budget_spent) return;
+      if (point || outcome.ending != Ending::budget_spent) return;
       if (reached_.size() == some) wandering = reached_.back();
       if (!errs_in_passages()) break;
     }
@@ -307,13 +308,10 @@ class Search {
                       "a passage, on the mean of {}",
                       parting->rate, parting->error, parting->passages)};
   }
-  bool found() const { return point || creeping_ == most_creeping; }
-
   std::optional<FixedPoint> point;
   Outcome outcome;
 
  private:
-  static constexpr int most_creeping = 9;         ///< times that motion may hardly change before the search ends
   static constexpr int transient = 10;            ///< passages
   static constexpr int relaxed = 16;              ///< passages; by then slow motion is a swing, if it is one
   static constexpr double hardly_changes = 1e-2;  ///< what slow motion changes in a passage, of its size
@@ -336,7 +334,7 @@ class Search {
       } catch (const InputError& e) {
         outcome = {Ending::not_finite, e.what()};
       }
-      if (found()) return;
+      if (point) return;
     }
   }
 
@@ -461,7 +459,6 @@ class Search {
     constexpr double slow = 1e-3;
     const bool drifts = k >= 2 && std::abs(drift_at_rest_) < slow && amplitude < 10 && !balanced_;
     if (!drifts && accept(y, 1, amplitude, moved)) return Attempt::ends;
-    if (creeping_ == most_creeping) return Attempt::ends;
     constexpr long as_often = 10;  // a trial follows the motion through its turns
     for (int turns = 2; turns < passages; ++turns) {
       const double back = came_back(turns);
@@ -511,9 +508,11 @@ class Search {
     const auto swing = slow_swing_from(map_, y, closely);
     if (!swing) return std::nullopt;
     const auto end = follow_slow_swing(map_, *swing, closely);
-    if (end.balance) return accept_swing(end);
-    if (steady_is_stable()) return end.last->amplitude < dead ? Attempt::ends : Attempt::goes_on;
     constexpr double leaves_alone = 1e-12;  // so that metrics to 1e-6 hold for a million turns
+    // What a contact that remembers does in a turn is known to the last digits of the swing.
+    const bool tells = swing->turnover > leaves_alone || !remembers(map_.system().model());
+    if (end.balance && tells) return accept_swing(end);
+    if (steady_is_stable()) return end.last->amplitude < dead ? Attempt::ends : Attempt::goes_on;
     if (std::abs(swing->growth) < leaves_alone) {
       point = FixedPoint{.y = swing->y, .derivative = {}, .amplitude = swing->amplitude};
       point->free = {begun_, int(visited_.size()), swing->growth};
@@ -561,18 +560,11 @@ class Search {
   /// then `point`.
   bool accept(const std::vector<double>& y, int turns, double amplitude, double change) {
     auto candidate = newton(map_, y, turns, amplitude, drift_at_rest_, loose_);
-    constexpr double repeats = 1e-3, certainly = 0.5, hardly = 0.99;
+    constexpr double repeats = 1e-3, certainly = 0.5;
     const double size = distance_from_steady(y);
     if (!attracts(candidate) && change < repeats * size) {
       candidate = settled(map_, y, turns, amplitude, loose_);
-      if (candidate && !(spectral_radius(*candidate, map_) < certainly)) {
-        if (spectral_radius(*candidate, map_) > hardly && ++creeping_ == most_creeping)
-          outcome = {Ending::budget_spent,
-                     fmt::format("the motion hardly changes from passage to passage, by {:.1e} of its size, and "
-                                 "a cycle that it may approach was not reached",
-                                 change / size)};
-        return false;
-      }
+      if (candidate && !(spectral_radius(*candidate, map_) < certainly)) return false;
     }
     if (!attracts(candidate)) return false;
     // Where a turn ends tells too little of a swing that friction hardly moves.
@@ -599,7 +591,6 @@ class Search {
   double loose_ = search_tolerances[0];       ///< tolerance
   long last_step_ = 0;                        ///< at which the search ends
   long tried_ = 0;                            ///< steps of trials
-  int creeping_ = 0;                          ///< times that motion far from any cycle neither settled nor grew
   long most_taken_ = 0;                       ///< steps of a passage of the motion itself
   std::vector<double> begun_;                 ///< where the present motion began
   std::vector<std::vector<double>> visited_;  ///< ends of passages since the start or the last leap

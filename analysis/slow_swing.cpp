@@ -12,6 +12,7 @@ using oscillators::Mechanics;
 namespace {
 
 constexpr double rounding = 1e-14;                  // of the work, by what cancels in it
+constexpr double digits = 4e-16;                    // of the mean friction, whose work a turn takes back
 constexpr double searched = 1e-7, closely = 1e-15;  // parts of the stretch to which a balance is found
 constexpr int at_displacement = 0, mechanical = 2;  // unknowns of a slider with mass: x, v, then those of its contact
 
@@ -230,7 +231,9 @@ std::optional<double> balance_closely(ReturnMap& map, SlowEnd& end, double toler
     const auto root = root_between(map, *low, *high, tolerance, closely);
     if (!root) return std::nullopt;
     end.balance = root->swing;
-    return root->within + (rounding * root->swing.turnover + root->swing.scatter) / -end.slope;
+    const SlowSwing& found = root->swing;
+    const double cancels = digits * std::abs(found.middle) / std::abs(found.stretch);
+    return root->within + (rounding * found.turnover + cancels + found.scatter) / -end.slope;
   }
   return std::nullopt;
 }

@@ -470,11 +470,14 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     return period;
   };
   StickSlipPeriod coarse = period_now();
+  // What a period forgets of where slip reverses, and the last digits of that.
+  double attraction = 1;
+  constexpr double last_digits = 1e-16;
   // Weak attraction magnifies what steps err in the work of friction, at every tolerance alike; and where friction is
   // weak, steps that follow the motion take little notice of it.
-  const auto ask_more = [&](double attraction) {
+  const auto ask_more = [&](double share) {
     constexpr double weakest = 1e-8;
-    sharpening = Sharpening(options.tolerance, sharpening.tolerance() * std::clamp(attraction, weakest, 1.0));
+    sharpening = Sharpening(options.tolerance, sharpening.tolerance() * std::clamp(share, weakest, 1.0));
     coarse = period_now();
   };
   if (!coarse.found && coarse.outcome.complete() && remembers(model) && !coarse.reversed.empty()) {
@@ -483,7 +486,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     if (coarse.found) {
       const auto multipliers =
           OnsetMap(model, 1e-10, options.stick_threshold, Onset::reversed, coarse.slips).multipliers(coarse.onset);
-      const double attraction = multipliers.empty() ? 1 : 1 - std::abs(multipliers.front());
+      if (!multipliers.empty()) attraction = 1 - std::abs(multipliers.front());
       // Steps may pass over short reversals, and so tell nothing of friction that is felt there.
       constexpr double rounding = 1e-11, hardly_felt = 1e-9, clearly = 1e-3;
       if (std::abs(attraction) < rounding &&
@@ -537,7 +540,8 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
         cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;
     }
-    double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), fine.closure, V, false,
+    const double closure = fine.closure + last_digits / std::max(attraction, last_digits);
+    double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), closure, V, false,
                                      cycle.error, worst, caution);
     cycle.error.friction_min += fine.friction;
     if (!reversed.empty()) cycle.error.friction_max += fine.friction;

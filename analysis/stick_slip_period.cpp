@@ -94,14 +94,15 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   solver.rewind_at_switches();          // a slip may be far shorter than the last digit of the stick before it
   const auto sliding = stability(model);
   const double frequency = std::sqrt(s.stiffness / s.mass), swing = swing_time(model);
-  constexpr double touch = 10;
-  // Without memory a turn that is not held begins another as wide, or does not, which decides between cycle and none.
-  solver.rest_below(touch * std::max(tolerance, 1e-15) * V, remembers(model));
   constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
   constexpr double last_digits = 8 * std::numeric_limits<double>::epsilon();
   // Slip rate that the last digits of the spring's force make.
   const double noise = last_digits * s.stiffness * std::abs(sliding.steady.displacement) /
                        std::max(resistance(model), std::sqrt(s.stiffness * s.mass));
+  // Friction that falls with the way of slip alone lets slip end just at rest, but for those digits.
+  constexpr double touch = 10, of_digits = 0.1, most = 3e-13;
+  // Without memory a turn that is not held begins another as wide, or does not, which decides between cycle and none.
+  solver.rest_below(touch * std::max(tolerance, 1e-15) * V + std::min(of_digits * noise, most * V), remembers(model));
   const bool damped = overdamped(model);
   constexpr double many = 200, quiet_enough = 20;  // swings
   double doubt = 0, lowest_dip = infinity;  // s, of when slip came to rest; and how hard it did, of its highest rate

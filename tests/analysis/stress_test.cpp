@@ -1903,3 +1903,39 @@ TEST_CASE("slips led to their cycle by leaps are not taken for several kinds", "
     CHECK(std::abs(cycle.metrics.period - loose.metrics.period) <= cycle.error.period + loose.error.period);
   }
 }
+
+TEST_CASE("weak swings are known no better than the last digits of what holds them", "[stress][cycle]") {
+  const auto agree = [](const Model& model, std::initializer_list<double Metrics::*> members) {
+    const auto loose = find_cycle(model, {.tolerance = 1e-6}), tight = find_cycle(model, {.tolerance = 1e-9});
+    REQUIRE(loose.metrics.period > 0);
+    REQUIRE(tight.metrics.period > 0);
+    for (const auto member : members)
+      CHECK(std::abs(loose.metrics.*member - tight.metrics.*member) <= loose.error.*member + tight.error.*member);
+  };
+  // A turn changes the swing by 5e-10 of the work that the mean friction does and takes back, three times its energy.
+  agree(slider_under("lugre-unscaled", {1e5, 100.0, 0.4, 0.4, 0.3, 0.001}, {1e12, 204769.58423012003, 0},
+                     1.1937017950048157e-07, 18.004767217570571),
+        {&Metrics::slip_rate_min, &Metrics::slip_rate_max});
+  // Slip reverses in each turn, which forgets 2e-7 of where it did.
+  auto reversing =
+      slider_under("slip-distance", {1.2596569681858725, 0.17682457422239053, 3.426554402714767e-05},
+                   {7.4098766937281555, 74.181516791351527, 0}, 55.272149734754777, 1.2336513899376082e-05);
+  reversing.lambda = 22113.296143895241;
+  agree(reversing, {&Metrics::slip_rate_max, &Metrics::friction_mean, &Metrics::stick_fraction_001});
+}
+
+TEST_CASE("slip that friction lets end just at rest ends there at every tolerance", "[stress][cycle]") {
+  // While friction falls by 1077 N/m against 1348 N/m of the spring, v = V k/(k - 1077 N/m) (1 - cos wt) touches 0.
+  const double m = 204.92173410543583, k = 1348.427309936023, V = 5.0739736361866026e-08, N = 0.16907521247658019;
+  const double mu_s = 0.4513198290297819, mu_d = 0.20678356481264107, d_c = 1.0368546127216222e-06;
+  auto model = slider_under("slip-distance", {mu_s, mu_d, d_c}, {m, k, 0}, V, N);
+  model.lambda = 37.073814214245402;
+  model.drive.force = Signal(0.0061708990289517148);
+  const double falls = N * (mu_s - mu_d) / (model.lambda * d_c);
+  REQUIRE(falls < k);
+  for (const double tolerance : {1e-6, 1e-7, 1e-8}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    CHECK(cycle.metrics.slip_rate_max == Approx(2 * V * k / (k - falls)).epsilon(0.05));
+    CHECK(cycle.metrics.period == Approx(26.90880989).epsilon(1e-3));
+  }
+}
