@@ -540,7 +540,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
         cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;
     }
-    const double closure = fine.closure + last_digits / std::max(attraction, last_digits);
+    const double closure = fine.closure + last_digits / std::max(std::abs(attraction), last_digits);
     double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), closure, V, false,
                                      cycle.error, worst, caution);
     cycle.error.friction_min += fine.friction;
