@@ -308,6 +308,7 @@ class Search {
                       "a passage, on the mean of {}",
                       parting->rate, parting->error, parting->passages)};
   }
+
   std::optional<FixedPoint> point;
   Outcome outcome;
 

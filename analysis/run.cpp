@@ -489,7 +489,7 @@ class Pass {
             fmt::format("at t = {:.9g} s a step of {:.3g} s is longer than slip takes to grow there, which it "
                         "damps; use 'collocation'",
                         solver.time(), solver.time() - before)};
-      if (!in_balance(solver, tolerance))
+      if (!in_balance(solver, rate, tolerance))
         return Outcome{Ending::tolerance_not_met,
                        fmt::format("at t = {:.9g} s slip, {:.3g} m/s, is too slow for its error to keep friction in "
                                    "balance with the spring; use 'collocation'",
@@ -537,15 +537,14 @@ class Pass {
   /// In deep stick friction hangs on digits of the slip rate that natural unknowns do not hold to any tolerance. False
   /// where motion has left the balance of forces for good; notes where a spring or friction under large forces does not
   /// show in its last digit what short steps move it by.
-  bool in_balance(const solvers::Cvode& solver, double tolerance) {
+  bool in_balance(const solvers::Cvode& solver, const std::vector<double>& rate, double tolerance) {
     if (system_.mechanics() != oscillators::Mechanics::inertial) return true;
     constexpr double gone = 0.3;
     const double t = solver.time(), *y = solver.state().data();
     const int n = system_.size(), u = system_.slip_rate_index();
-    std::vector<double> rate(n), mass(n), scale(n);
+    std::vector<double> mass(n), scale(n);
     system_.mass(t, mass.data());
     system_.scale(y, scale.data());
-    solver.rate(rate.data());
     const auto [sum, largest, lost, damping, swing] = balance_at(t, y, system_.observe(t, y));
     const double impedance = std::max(damping, swing);
     loses_motion_ = loses_motion_ || lost > tolerance * impedance * scale[u];
