@@ -107,6 +107,7 @@ struct Piece {
   Frame frame;
   Patch patch;
   Tile tile;                       ///< the cycles known in it
+  std::vector<int> asked;          ///< pixels of the batch at work
   std::map<int, std::string> why;  ///< of failures
 };
 
@@ -122,9 +123,9 @@ class Workshop {
   Workshop(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence, const std::stop_token& stop)
       : model_(model), options_(options), coexistence_(coexistence), stop_(stop), quantities_(options) {}
 
-  /// \returns false if stopped before the end.
-  bool compute(const std::vector<const Job<Plot>*>& jobs, const std::function<void(double work)>& advanced,
-               FinishedPoints& finished) {
+  /// `finish` is given the pixels of each patch once it is complete.
+  void compute(const std::vector<const Job<Plot>*>& jobs, const std::function<void(double work)>& advanced,
+               const std::function<void(FinishedPoints&)>& finish) {
     std::vector<std::unique_ptr<Piece>> pieces;
     for (const auto* job : jobs) {
       const Plot& plot = job->what;
@@ -132,26 +133,28 @@ class Workshop {
         return plot.outline ? plot.outline->class_of(y * plot.width() + x) : classify(plot.frame, x, y);
       }));
     }
-    for (bool open = true; open;) {
-      open = false;
-      std::vector<Task> nodes, direct;
-      for (const auto& piece : pieces) {
-        const auto wanted = piece->patch.advance();
-        const auto place = [&](int pixel, int phase) {
-          return GridPlace{&piece->tile, pixel % piece->width(), pixel / piece->width(), phase};
-        };
-        for (const int pixel : wanted.nodes)
-          nodes.push_back({piece.get(), pixel, place(pixel, piece->patch.phase(pixel))});
-        for (const int pixel : wanted.direct)
-          direct.push_back(
-              {piece.get(), pixel, place(pixel, phase_of(pixel % piece->width(), pixel / piece->width(), coarsest))});
-        open |= !wanted.empty();
-      }
-      if (!work_on(nodes, node_tolerance(), advanced)) return false;
-      if (!work_on(direct, std::max(direct_share * options_.tolerance, finest), advanced)) return false;
-    }
-    for (const auto& piece : pieces) collect(*piece, finished);
-    return true;
+    FinishedPoints finished;
+    // One patch waits for the last of its pixels while lanes work on the others.
+    const auto go_on = [&](std::size_t k) -> std::optional<CycleBatch> {
+      auto& piece = pieces[k];
+      if (stop_.stop_requested()) return std::nullopt;
+      if (auto batch = next_batch(*piece, k)) return batch;
+      collect(*piece, finished);
+      finish(finished);
+      piece.reset();
+      return std::nullopt;
+    };
+    std::vector<CycleBatch> begun;
+    for (std::size_t k = 0; k < pieces.size(); ++k)
+      if (auto batch = go_on(k)) begun.push_back(std::move(*batch));
+    find_cycles(std::move(begun), options_.stick_threshold, quantities_.names, [&](CycleBatch& batch) {
+      double attempts = 0;
+      for (const auto& cycle : batch.cycles) attempts += Forecast::attempts_of(cycle);
+      advanced(attempts);
+      for (std::size_t i = 0; i < batch.cycles.size() && !stop_.stop_requested(); ++i)
+        take(*pieces[batch.label], batch, i);
+      return go_on(batch.label);
+    });
   }
 
   /// Divides the patch for the sake of its borders alone, and sums up what that will take.
@@ -177,18 +180,11 @@ class Workshop {
   const std::vector<std::string>& metrics() const { return quantities_.names; }
 
  private:
-  struct Task {
-    Piece* piece;
-    int pixel;
-    GridPlace place;
-  };
-
   Model model_at(int ix, int iy) const {
     return model_.with(options_.x.parameter, options_.x.values[ix]).with(options_.y.parameter, options_.y.values[iy]);
   }
-  Model model_of(const Task& task) const {
-    const auto& f = task.piece->frame;
-    return model_at(f.x0 + task.pixel % task.piece->width(), f.y0 + task.pixel / task.piece->width());
+  Model model_of(const Piece& piece, int pixel) const {
+    return model_at(piece.frame.x0 + pixel % piece.width(), piece.frame.y0 + pixel / piece.width());
   }
   Patch::Class classify(const Frame& frame, int x, int y) const {
     try {
@@ -205,44 +201,49 @@ class Workshop {
     return refused;
   }
 
-  bool work_on(const std::vector<Task>& tasks, double tolerance, const std::function<void(double work)>& advanced) {
-    std::vector<Task> together;
-    std::vector<Model> models;
-    std::vector<GridPlace> places;
-    for (const auto& task : tasks) {
-      if (task.piece->patch.class_of(task.pixel) == refused) {
-        const Model here = model_of(task);
+  /// What the patch asks for next; nothing once it is complete.
+  std::optional<CycleBatch> next_batch(Piece& piece, std::size_t label) const {
+    const auto wanted = piece.patch.advance();
+    if (wanted.empty()) return std::nullopt;
+    CycleBatch batch{
+        .label = label,
+        .tolerance = wanted.direct.empty() ? node_tolerance() : std::max(direct_share * options_.tolerance, finest)};
+    piece.asked.clear();
+    const auto ask = [&](int pixel, int phase) {
+      const Model here = model_of(piece, pixel);
+      if (piece.patch.class_of(pixel) == refused) {
         try {
           (void)judge(here, coexistence_);
         } catch (const InputError& e) {
-          take(task, here, failed_point(e.what()));
+          set(piece, pixel, here, failed_point(e.what()));
         }
-        continue;
+        return;
       }
-      together.push_back(task);
-      models.push_back(model_of(task));
-      places.push_back(task.place);
-    }
-    if (stop_.stop_requested()) return false;
-    const auto cycles = find_cycles(models, {tolerance, options_.stick_threshold, quantities_.names}, places);
-    double attempts = 0;
-    for (const auto& cycle : cycles) attempts += Forecast::attempts_of(cycle);
-    advanced(attempts);
-    for (std::size_t k = 0; k < cycles.size(); ++k) {
-      if (stop_.stop_requested()) return false;
-      const bool beside = together[k].piece->patch.class_of(together[k].pixel) == beside_steady;
-      auto point = point_of(cycles[k], beside);
-      if (!point) point = compute_point(models[k], tolerance, options_.stick_threshold, beside, cycles[k].near);
-      if (point->regime == Regime::failed)  // too much was asked
-        point = compute_point(models[k], options_.tolerance, options_.stick_threshold, beside, cycles[k].near);
-      take(together[k], models[k], *point);
-    }
-    return true;
+      piece.asked.push_back(pixel);
+      batch.models.push_back(here);
+      batch.places.push_back({&piece.tile, pixel % piece.width(), pixel / piece.width(), phase});
+    };
+    for (const int pixel : wanted.nodes) ask(pixel, piece.patch.phase(pixel));
+    for (const int pixel : wanted.direct) ask(pixel, phase_of(pixel % piece.width(), pixel / piece.width(), coarsest));
+    return batch;
   }
 
-  void take(const Task& task, const Model& model, const MapPoint& point) {
-    task.piece->patch.set(task.pixel, int(point.regime), quantities_.of(point, model.drive.speed.level()));
-    if (!point.why.empty()) task.piece->why[task.pixel] = point.why;
+  /// What came of slider i of a batch; by itself where lanes have not found its cycle.
+  void take(Piece& piece, const CycleBatch& batch, std::size_t i) const {
+    const Model& model = batch.models[i];
+    const LaneCycle& cycle = batch.cycles[i];
+    const int pixel = piece.asked[i];
+    const bool beside = piece.patch.class_of(pixel) == beside_steady;
+    auto point = point_of(cycle, beside);
+    if (!point) point = compute_point(model, batch.tolerance, options_.stick_threshold, beside, cycle.near);
+    if (point->regime == Regime::failed)  // too much was asked
+      point = compute_point(model, options_.tolerance, options_.stick_threshold, beside, cycle.near);
+    set(piece, pixel, model, *point);
+  }
+
+  void set(Piece& piece, int pixel, const Model& model, const MapPoint& point) const {
+    piece.patch.set(pixel, int(point.regime), quantities_.of(point, model.drive.speed.level()));
+    if (!point.why.empty()) piece.why[pixel] = point.why;
   }
 
   void collect(Piece& piece, FinishedPoints& finished) const {
@@ -305,15 +306,15 @@ void compute_adaptively(const Model& model, const MapOptions& options, Coexisten
     const Forecast forecast(model, options, planner.node_tolerance(), planner.metrics(), coexistence, stop);
     in_parallel(options.threads, jobs.size(), stop, [&](std::size_t k) { planner.outline(jobs[k], forecast); });
   }
-  const std::size_t together = std::clamp<std::size_t>(jobs.size() / (2 * options.threads), 1, 8);
+  const std::size_t together = std::clamp<std::size_t>(jobs.size() / options.threads, 1, 16);
   // Borders are foretold, but not how finely the rest is divided: as the seventh root of the tolerance along both axes.
   const double usual = 1.15 * std::pow(1e-3 / options.tolerance, 2.0 / 7);
   work_in_groups(jobs, together, options.threads, usual, stop, finish,
                  [&](const std::vector<const Job<Plot>*>& group, const auto& advanced) {
-                   FinishedPoints finished;
-                   return Workshop(model, options, coexistence, stop).compute(group, advanced, finished)
-                              ? std::move(finished)
-                              : FinishedPoints{};
+                   Workshop(model, options, coexistence, stop).compute(group, advanced, [&](FinishedPoints& finished) {
+                     finish(finished, 0);
+                   });
+                   return FinishedPoints();
                  });
 }
 

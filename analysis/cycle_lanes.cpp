@@ -4,7 +4,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -33,10 +35,10 @@ constexpr double nearly = 0.05;                    ///< or by this if the change
 constexpr int most_plain = 60;                     ///< passages without a guess ahead
 constexpr std::array<double, 2> ages = {1, 1e-4};  ///< speeds over V at which contacts at rest have aged: later, longer
 
-Recording recording_for(const LaneCycleOptions& options) {
+Recording recording_for(double stick_threshold, const std::vector<std::string>& metrics) {
   Recording r;
-  r.stick_threshold = options.stick_threshold;
-  for (const auto& name : options.metrics) {
+  r.stick_threshold = stick_threshold;
+  for (const auto& name : metrics) {
     const auto member = find_metric(name).member;
     const auto is = [&](auto... candidates) { return ((member == candidates) || ...); };
     r.stick_fraction |= is(&Metrics::stick_fraction);
@@ -63,8 +65,9 @@ struct Visit {
 /// themselves (Broyden's update). What the metrics change with z is learned likewise, so that they can be carried on to
 /// the fixed point.
 struct Search {
-  explicit Search(const Model& model)
+  Search(const Model& model, double wanted)
       : map(model),
+        asked(wanted),
         sticks(model.law->set_valued()),
         deflects(model.law->deflects()),
         beside(!sticks && map.growth_time() == infinity) {
@@ -77,6 +80,7 @@ struct Search {
     for (int k = 0; k < scale.size(); ++k) scale[k] = s[coordinates[k]];
   }
   ReturnMap map;
+  double asked;                  ///< tolerance of the metrics
   bool sticks;                   ///< the law is set-valued
   bool deflects;                 ///< the contact rings through each stick
   bool beside;                   ///< steady sliding attracts
@@ -211,58 +215,88 @@ struct Search {
   }
 };
 
+/// A batch at work.
+struct Work {
+  CycleBatch batch;
+  std::vector<std::unique_ptr<Search>> searches;  ///< null: not for lanes
+  std::map<const PassageLanes*, Neighbours> neighbours;
+  std::size_t left = 0;  ///< searches under way or yet to begin
+};
+
 class Settling final : public PassageQueue {
  public:
-  Settling(std::vector<std::unique_ptr<Search>>& searches, Neighbours& neighbours, const LaneCycleOptions& options,
-           std::vector<LaneCycle>& cycles)
-      : searches_(searches), neighbours_(neighbours), options_(options), cycles_(cycles) {
-    for (const auto& name : options.metrics) metrics_.push_back(&find_metric(name));
+  Settling(double stick_threshold, const std::vector<std::string>& metrics) : stick_threshold_(stick_threshold) {
+    for (const auto& name : metrics) metrics_.push_back(&find_metric(name));
     metrics_.push_back(&find_metric("period"));
   }
 
+  /// What begins from now on is of this kind.
+  void serve(const PassageLanes& lanes) { lanes_ = &lanes; }
+  void add(Work& work) { open_.push_back(&work); }
+  bool works_left() const { return !open_.empty(); }
+  /// What is to be done with a work that is finished; it may add others.
+  std::function<void(Work&)> close;
+
   LanePassage* next() override {
     if (!again_.empty()) {
-      const std::size_t i = again_.back();
+      LanePassage* passage = again_.back();
       again_.pop_back();
-      return &searches_[i]->passage;
+      return passage;
     }
-    while (const auto i = neighbours_.next()) {
-      if (const auto advice = neighbours_.advice(*i)) searches_[*i]->take(*advice);
-      if (begin(*searches_[*i])) {
-        searches_[*i]->passage.label = *i;
-        return &searches_[*i]->passage;
+    while (const auto found = first_ready()) {
+      const auto [work, i] = *found;
+      Search& search = *work->searches[i];
+      if (const auto advice = work->neighbours.at(lanes_).advice(i)) search.take(*advice);
+      if (begin(search)) {
+        search.passage.label = begun_.size();
+        begun_.push_back({work, i});
+        return &search.passage;
       }
-      finish(*i);
+      finish(*work, i);
     }
     return nullptr;
   }
 
   void finished(LanePassage& passage) override {
-    const std::size_t i = passage.label;
-    cycles_[i].tries += passage.tries;
-    Search& search = *searches_[i];
+    const auto [work, i] = begun_[passage.label];
+    LaneCycle& cycle = work->batch.cycles[i];
+    cycle.tries += passage.tries;
+    Search& search = *work->searches[i];
     bool goes_on = false;
-    if (cycles_[i].tries > most_tries) return finish(i);
+    if (cycle.tries > most_tries) return finish(*work, i);
     try {
-      goes_on = go_on(search, cycles_[i]);
+      goes_on = go_on(search, cycle);
     } catch (const InputError&) {  // a step has led beyond what the law answers to
     }
-    if (goes_on || (!cycles_[i].found && begin_by_itself(search))) {
-      again_.push_back(i);
+    if (goes_on || (!cycle.found && begin_by_itself(search))) {
+      again_.push_back(&passage);
       return;
     }
     // One whose attraction could not be told is near all the same.
-    if (!cycles_[i].found && search.probed && !search.sticks)
-      cycles_[i].near.assign(passage.y.begin(), passage.y.begin() + search.map.system().size());
-    finish(i);
+    if (!cycle.found && search.probed && !search.sticks)
+      cycle.near.assign(passage.y.begin(), passage.y.begin() + search.map.system().size());
+    finish(*work, i);
   }
 
  private:
-  void finish(std::size_t i) {
-    const auto& cycle = cycles_[i];
-    neighbours_.finished(
-        i, cycle.found ? std::optional(searches_[i]->knowledge(!cycle.ill_conditioned_stick)) : std::nullopt,
+  struct Place {
+    Work* work;
+    std::size_t index;
+  };
+  std::optional<Place> first_ready() {
+    for (Work* work : open_)
+      if (const auto kind = work->neighbours.find(lanes_); kind != work->neighbours.end())
+        if (const auto i = kind->second.next()) return Place{work, *i};
+    return std::nullopt;
+  }
+  void finish(Work& work, std::size_t i) {
+    const auto& cycle = work.batch.cycles[i];
+    work.neighbours.at(lanes_).finished(
+        i, cycle.found ? std::optional(work.searches[i]->knowledge(!cycle.ill_conditioned_stick)) : std::nullopt,
         cycle.tries);
+    if (--work.left > 0) return;
+    std::erase(open_, &work);
+    close(work);
   }
   /// \returns false where there is nothing to start from.
   bool begin(Search& search) const {
@@ -282,13 +316,13 @@ class Settling final : public PassageQueue {
   }
 
   /// At which the errors that neighbours met are small enough.
-  double inheriting_tolerance(const Search& search) const {
-    return std::min(first_tolerance() / coarser, 0.7 * options_.tolerance / search.inherited.maxCoeff());
+  static double inheriting_tolerance(const Search& search) {
+    return std::min(first_tolerance(search) / coarser, 0.7 * search.asked / search.inherited.maxCoeff());
   }
-  double first_tolerance() const { return std::min(0.5 * coarser * options_.tolerance, loosest); }
+  static double first_tolerance(const Search& search) { return std::min(0.5 * coarser * search.asked, loosest); }
 
   void prepare(Search& search) const {
-    search.tolerance = first_tolerance();
+    search.tolerance = first_tolerance(search);
     search.passages = search.visits = 0;
     search.probed = false;
     search.last.reset();
@@ -304,7 +338,7 @@ class Settling final : public PassageQueue {
       p.from_section = true;
       p.record = false;
       if (search.inherited.size() > 0)
-        search.tolerance = std::min(plainer * inheriting_tolerance(search), first_tolerance());
+        search.tolerance = std::min(plainer * inheriting_tolerance(search), first_tolerance(search));
       search.start_at(search.fixed_point);
       return;
     }
@@ -363,7 +397,7 @@ class Settling final : public PassageQueue {
   bool died_out(Search& search, LaneCycle& cycle) const {
     cycle.dies_out = search.starts == ages.size();
     if (cycle.dies_out) return false;
-    search.tolerance = first_tolerance();
+    search.tolerance = first_tolerance(search);
     begin_from_stick(search);
     return true;
   }
@@ -447,13 +481,13 @@ class Settling final : public PassageQueue {
     if (!passage.record) {
       passage.record = true;
       search.stage = inherits ? Search::Stage::fine : Search::Stage::coarse;
-      search.tolerance = inherits ? inheriting_tolerance(search) : first_tolerance();
+      search.tolerance = inherits ? inheriting_tolerance(search) : first_tolerance(search);
       search.start_at(next);
       return true;
     }
     // Where changes have come down to the scatter of the map, more passages bring no more.
     const bool scatter = ++search.visits > 5 && off < 5 * search.tolerance;
-    const double allowed = inherits ? 0.15 * options_.tolerance : (fine ? 0.3 : 1.5) * search.tolerance;
+    const double allowed = inherits ? 0.15 * search.asked : (fine ? 0.3 : 1.5) * search.tolerance;
     if (off > allowed && !scatter) {
       search.start_at(next);
       return true;
@@ -470,13 +504,13 @@ class Settling final : public PassageQueue {
     double sharpening = coarser;
     if (fine) {
       const double reached = judge(search, metrics, correction, cycle, off);
-      if (inherits && reached > options_.tolerance) {
+      if (inherits && reached > search.asked) {
         if (search.passages > 6) return false;
         search.start_at(next);  // closer to the cycle
         return true;
       }
       search.fixed_point = next;
-      if (reached <= options_.tolerance) {
+      if (reached <= search.asked) {
         const auto [multiplier, direction] = least_attracted(search);
         constexpr double surely = 0.9;
         const bool told = search.hinted && !hides_contraction(search, visit);
@@ -495,7 +529,7 @@ class Settling final : public PassageQueue {
         search.start_at(next + astray * size * (direction + swing).normalized());
         return true;
       }
-      sharpening = std::clamp(1.5 * reached / options_.tolerance, 2.0, 30.0);
+      sharpening = std::clamp(1.5 * reached / search.asked, 2.0, 30.0);
       if (!(search.tolerance / sharpening > 1e-13)) return false;
     }
     search.coarse = metrics;
@@ -522,7 +556,7 @@ class Settling final : public PassageQueue {
     const double attracted = 1 - search.strayed / before, noise = search.passage.tolerance;
     if (!(attracted > 10 * noise / astray)) return false;
     const double off = std::max(search.residual, noise) / attracted - search.stepped;
-    cycle.found = off < options_.tolerance;
+    cycle.found = off < search.asked;
     for (const auto& metric : metrics_)
       cycle.error.*metric->member += 2 * std::max(off, 0.0) * size_of(*metric, cycle.metrics, search.map.drive_speed());
     return false;
@@ -579,7 +613,7 @@ class Settling final : public PassageQueue {
     if (sizes.friction_max == 0)
       sizes.friction_max = search.map.system().friction_coefficient(0, search.passage.y.data());
     cycle.ill_conditioned_stick = search.passage.touches_threshold;
-    for (const double e : {options_.stick_threshold, 0.01, 0.5})
+    for (const double e : {stick_threshold_, 0.01, 0.5})
       if (std::abs(std::abs(lowest) - e * V) < 1e-3 * e * V) cycle.ill_conditioned_stick = true;
     const bool inherits = search.inherited.size() > 0;
     const auto counts = [&](const MetricName& metric) { return !(is_stick(metric) && cycle.ill_conditioned_stick); };
@@ -605,7 +639,7 @@ class Settling final : public PassageQueue {
       const double relative = own + scatter * off + (inherits ? 1 : 0.3) * std::abs(correction[k]) / size[k];
       cycle.metrics.*metric.member = fine[k];
       // Three times the estimate is stated where the tolerance leaves room: seldom is an error larger than that.
-      cycle.error.*metric.member = std::clamp(options_.tolerance, relative, 3 * relative) * size[k];
+      cycle.error.*metric.member = std::clamp(search.asked, relative, 3 * relative) * size[k];
       if (is_loop(metric) && follows_steady_curve(search.map.system())) cycle.error.*metric.member = 0;
       search.error_rate[k] = own / search.tolerance;
       if (!counts(metric)) continue;
@@ -628,46 +662,68 @@ class Settling final : public PassageQueue {
   }
 
   static constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-  std::vector<std::unique_ptr<Search>>& searches_;
-  Neighbours& neighbours_;
-  std::vector<std::size_t> again_;
-  const LaneCycleOptions& options_;
-  std::vector<LaneCycle>& cycles_;
+  double stick_threshold_;
   std::vector<const MetricName*> metrics_;
+  const PassageLanes* lanes_ = nullptr;
+  std::vector<Work*> open_;
+  std::vector<Place> begun_;  ///< by label
+  std::vector<LanePassage*> again_;
 };
 
 }  // namespace
 
+void find_cycles(std::vector<CycleBatch> batches, double stick_threshold, const std::vector<std::string>& metrics,
+                 const std::function<std::optional<CycleBatch>(CycleBatch&)>& finished) {
+  const Recording recording = recording_for(stick_threshold, metrics);
+  Settling queue(stick_threshold, metrics);
+  std::deque<PassageLanes> kinds;  // sliders of one kind share lanes
+  std::deque<Work> works;          // all of them until the end: lanes know sliders by their address
+  const auto prepare = [&](Work& work) {
+    std::map<const PassageLanes*, std::vector<std::size_t>> members;
+    const auto& models = work.batch.models;
+    work.batch.cycles.resize(models.size());
+    work.searches.resize(models.size());
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      auto search = std::make_unique<Search>(models[i], work.batch.tolerance);
+      const auto& slider = search->map.system();
+      // A swing that friction hardly moves drifts by less in a turn than steps err.
+      constexpr double hardly = 1e-4;
+      if (!PassageLanes::serves(slider) || only_rings(models[i]) || friction_over_swing(models[i]) < hardly) continue;
+      auto kind = std::ranges::find_if(kinds, [&](const PassageLanes& lanes) { return lanes.fits(slider); });
+      const PassageLanes& lanes = kind == kinds.end() ? kinds.emplace_back(slider, recording) : *kind;
+      members[&lanes].push_back(i);
+      work.searches[i] = std::move(search);
+      ++work.left;
+    }
+    for (const auto& [kind, of_kind] : members) work.neighbours.try_emplace(kind, of_kind, work.batch.places);
+  };
+  const auto begin = [&](std::optional<CycleBatch> batch) {
+    while (batch) {
+      Work& work = works.emplace_back(std::move(*batch));
+      prepare(work);
+      if (work.left > 0) return queue.add(work);
+      batch = finished(work.batch);
+    }
+  };
+  queue.close = [&](Work& work) { begin(finished(work.batch)); };
+  for (auto& batch : batches) begin(std::move(batch));
+  while (queue.works_left())
+    for (auto& kind : kinds) {
+      queue.serve(kind);
+      kind.run(queue);
+    }
+}
+
 std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycleOptions& options,
                                    std::span<const GridPlace> places) {
-  const Recording recording = recording_for(options);
-  std::vector<LaneCycle> cycles(models.size());
-  std::vector<std::unique_ptr<Search>> searches(models.size());
-  // Sliders of one kind share lanes.
-  struct Kind {
-    PassageLanes lanes;
-    std::vector<std::size_t> members;
-  };
-  std::vector<std::unique_ptr<Kind>> kinds;
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    auto search = std::make_unique<Search>(models[i]);
-    const auto& slider = search->map.system();
-    // A swing that friction hardly moves drifts by less in a turn than steps err.
-    constexpr double hardly = 1e-4;
-    if (!PassageLanes::serves(slider) || only_rings(models[i]) || friction_over_swing(models[i]) < hardly) continue;
-    auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k->lanes.fits(slider); });
-    if (kind == kinds.end()) {
-      kinds.push_back(std::unique_ptr<Kind>(new Kind{PassageLanes(slider, recording), {}}));
-      kind = kinds.end() - 1;
-    }
-    (*kind)->members.push_back(i);
-    searches[i] = std::move(search);
-  }
-  for (auto& kind : kinds) {
-    Neighbours neighbours(kind->members, places);
-    Settling queue(searches, neighbours, options, cycles);
-    kind->lanes.run(queue);
-  }
+  std::vector<LaneCycle> cycles;
+  find_cycles({{.models = {models.begin(), models.end()},
+                .places = {places.begin(), places.end()},
+                .tolerance = options.tolerance}},
+              options.stick_threshold, options.metrics, [&](CycleBatch& batch) {
+                cycles = std::move(batch.cycles);
+                return std::nullopt;
+              });
   return cycles;
 }
 

@@ -1,7 +1,10 @@
 /// Periodic motion of many sliders at once: the accelerated return map in SIMD lanes, each cycle certified by a second,
 /// tighter tolerance.
 #pragma once
+#include <functional>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "analysis/cycle.hpp"
@@ -31,5 +34,19 @@ struct LaneCycleOptions {
 /// for unknown metrics.
 std::vector<LaneCycle> find_cycles(std::span<const Model>, const LaneCycleOptions&,
                                    std::span<const GridPlace> places = {});
+
+/// Sliders that are looked for at one tolerance, with what is found once all of them are done.
+struct CycleBatch {
+  std::size_t label = 0;  ///< for the caller to know it by
+  std::vector<Model> models = {};
+  std::vector<GridPlace> places = {};  ///< one for each slider, or none
+  double tolerance = 1e-6;             ///< relative, of every metric asked for
+  std::vector<LaneCycle> cycles = {};
+};
+
+/// The same batch by batch: `finished` is called with each batch that is done, and may return one that follows from it.
+/// Lanes that one batch leaves idle work on others, which must not share its tiles.
+void find_cycles(std::vector<CycleBatch>, double stick_threshold, const std::vector<std::string>& metrics,
+                 const std::function<std::optional<CycleBatch>(CycleBatch&)>& finished);
 
 }  // namespace rosin::analysis

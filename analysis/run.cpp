@@ -213,7 +213,8 @@ class Pass {
   std::map<std::string, double> metrics_;
   std::string handover_;          ///< where explicit steps gave way to collocation
   double slip_rate_follows_ = 0;  ///< m/s, what errors of the unknowns by the tolerance make of the slip rate
-  double slip_rate_rounded_ = 0;  ///< m/s, what the last digits of forces make of it where damping holds them
+  /// m/s, what the last digits of forces make of it where damping holds them, or where hardly another force is left.
+  double slip_rate_rounded_ = 0;
   /// m, what the last digits of the unknowns, by the slip rate that follows, make of the displacement.
   double displacement_follows_ = 0;
   std::array<double, before_states> ringing_{};  ///< of the columns: Collocation::ringing_errors()
@@ -284,8 +285,8 @@ class Pass {
       if (solver_ == "cvode")  // which moves slip by what is left of the balance, and so rings too
         slip_rate_follows_ =
             std::max(slip_rate_follows_, (digit * largest + lost) / std::max({damping, swing, inertia}));
-      else if (damping > swing)
-        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / std::max(damping, inertia));
+      else if (constexpr double hardly = 1e3; damping > swing || std::abs(sum) < hardly * digit * largest)
+        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / std::max({damping, swing, inertia}));
     }
     const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
                              seen.friction_coefficient};

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "analysis/stability.hpp"
@@ -357,16 +359,19 @@ TEST_CASE("what dies out by thousandths a turn is told in lanes", "[cycle-lanes]
   }
 }
 
+namespace {
+bool same(const LaneCycle& a, const LaneCycle& b) {
+  return a.found == b.found && a.tries == b.tries &&
+         (!a.found || (a.metrics.period == b.metrics.period && a.metrics.loop_area == b.metrics.loop_area &&
+                       a.error.period == b.error.period));
+}
+}  // namespace
+
 TEST_CASE("company, threads and instruction sets leave no trace", "[cycle-lanes]") {
   const char* law = GENERATE("spinodal", "stribeck", "static-growth");
   auto models = unstable_sliders(laws::find_law("spinodal"), 40, 11);
   for (auto& model : models) model.law = laws::find_law(law);
   const auto together = find_cycles(models, two_metrics);
-  const auto same = [](const LaneCycle& a, const LaneCycle& b) {
-    return a.found == b.found && a.tries == b.tries &&
-           (!a.found || (a.metrics.period == b.metrics.period && a.metrics.loop_area == b.metrics.loop_area &&
-                         a.error.period == b.error.period));
-  };
   for (const std::size_t i : {0ul, 7ul, 23ul, 39ul})
     CHECK(same(find_cycles(std::span(models).subspan(i, 1), two_metrics).front(), together[i]));
   const InstructionSet best = instruction_set();
@@ -376,6 +381,46 @@ TEST_CASE("company, threads and instruction sets leave no trace", "[cycle-lanes]
     for (std::size_t i = 0; i < models.size(); ++i) CHECK(same(cycles[i], together[i]));
   }
   use_instruction_set(best);
+}
+
+TEST_CASE("batches that follow one from another find what they find alone", "[cycle-lanes]") {
+  const auto sliders = unstable_sliders(laws::find_law("spinodal"), 30, 5);
+  const auto batch_of = [&](std::size_t label, std::size_t from, std::size_t count, double tolerance) {
+    CycleBatch batch{.label = label, .tolerance = tolerance};
+    for (std::size_t i = from; i < from + count; ++i) {
+      batch.models.push_back(sliders[i]);
+      if (i % 3 == 0) batch.models.back().law = laws::find_law("stribeck");  // other lanes
+    }
+    return batch;
+  };
+  CycleBatch massless{.label = 2, .models = {sliders[0]}};  // not for lanes: done at once
+  massless.models[0].slider.mass = 0;
+  massless.models[0].slider.damping = 1;
+  // Batch 0 is followed by 10 and 20; the massless one by 12, none by 1.
+  std::map<std::size_t, std::vector<LaneCycle>> found;
+  find_cycles({batch_of(0, 0, 12, 1e-4), batch_of(1, 12, 5, 1e-6), massless}, two_metrics.stick_threshold,
+              two_metrics.metrics, [&](CycleBatch& batch) -> std::optional<CycleBatch> {
+                CHECK(found.emplace(batch.label, batch.cycles).second);
+                if (batch.label == 0) return batch_of(10, 17, 4, 1e-5);
+                if (batch.label == 10) return batch_of(20, 21, 3, 1e-6);
+                if (batch.label == 2) return batch_of(12, 24, 6, 1e-6);
+                return std::nullopt;
+              });
+  REQUIRE(found.size() == 6);
+  CHECK_FALSE(found[2][0].found);
+  int cycles = 0;
+  for (const auto& batch : {batch_of(0, 0, 12, 1e-4), batch_of(1, 12, 5, 1e-6), batch_of(10, 17, 4, 1e-5),
+                            batch_of(20, 21, 3, 1e-6), batch_of(12, 24, 6, 1e-6)}) {
+    auto options = two_metrics;
+    options.tolerance = batch.tolerance;
+    const auto alone = find_cycles(batch.models, options);
+    REQUIRE(found[batch.label].size() == alone.size());
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+      CHECK(same(found[batch.label][i], alone[i]));
+      cycles += alone[i].found;
+    }
+  }
+  CHECK(cycles >= 20);
 }
 
 TEST_CASE("lanes leave to others what they cannot serve, and say so by finding nothing", "[cycle-lanes]") {

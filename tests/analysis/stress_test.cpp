@@ -1859,6 +1859,22 @@ TEST_CASE("slip held by the direct effect, or steady, is not said to be lost in 
   CHECK(stays.columns[2].back() == Approx(steady.drive.speed.level()).epsilon(1e-14));
 }
 
+TEST_CASE("steady sliding that the last digits of forces decide says how little its slip rate is known", "[stress]") {
+  // Friction is constant, and so is the spring force but for its last digit, 1.4e-14 N, which makes sqrt(km) = 2.6e-14
+  // N s/m swing by half a metre a second, ten million times the drive's speed.
+  const auto model = slider_under("static-growth", {0.19, 0.0116, 1.89e-05, 0.107}, {1e-30, 682, 0}, 5.26e-8, 951.6);
+  RunOptions options;
+  options.duration = 3.8e-15;
+  options.samples = 20;
+  options.start.kind = Start::Kind::steady;
+  CHECK(run(model, options).columns[2].back() == Approx(5.26e-8).epsilon(1e-14));  // in closed form
+  options.solver = "events";
+  const auto followed = run(model, options);
+  const double digit = 0.5 * std::numeric_limits<double>::epsilon() * followed.columns[3].front();
+  CHECK(followed.column_error[1] > digit / std::sqrt(1e-30 * 682));
+  CHECK(followed.column_error[2] > digit / std::sqrt(1e-30 * 682));
+}
+
 TEST_CASE("heat that only adds up from period to period is led to where it ends", "[stress][cycle]") {
   // Each period adds 5e-10 to a temperature that begins with nothing: changes differ by rounding alone.
   auto model = slider_under(
