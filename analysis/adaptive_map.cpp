@@ -15,7 +15,8 @@ namespace rosin::analysis {
 
 namespace {
 
-constexpr int longest = 128;          ///< intervals of a patch along one axis
+constexpr int fewest = 3;             ///< patches along one axis: together they keep the lanes full
+constexpr int longest = 160;          ///< intervals of a patch along one axis
 constexpr double node_share = 0.01;   ///< of the tolerance, asked of nodes: interpolation multiplies their errors
 constexpr double direct_share = 0.1;  ///< the same of other points: few, but beside borders, where cycles settle slowly
 constexpr int coarsest = 8;           ///< stride of the points beside borders that are looked at first
@@ -34,7 +35,7 @@ std::vector<Frame> frames(const Axis& x, const Axis& y) {
   };
   const auto cut = [](const Axis& axis) {
     std::vector<Piece> pieces;
-    const int n = axis.regular - 1, parts = (n + longest - 1) / longest;
+    const int n = axis.regular - 1, parts = std::clamp(n, 1, std::max(fewest, (n + longest - 1) / longest));
     for (int k = 0; k < parts; ++k) pieces.push_back({n * k / parts, n * (k + 1) / parts, k + 1 == parts});
     for (int i = axis.regular; i < int(axis.values.size()); ++i) pieces.push_back({i, i, true});
     return pieces;
@@ -163,7 +164,7 @@ class Workshop {
     const int width = job.what.width();
     auto& outline = job.what.outline;
     job.expected = Forecast::judging;
-    outline = std::make_unique<Patch>(Patch::Options{width, f.y1 - f.y0 + 1},
+    outline = std::make_unique<Patch>(Patch::Options{width, f.y1 - f.y0 + 1, options_.tolerance},
                                       [this, f](int x, int y) { return classify(f, x, y); });
     const auto weigh = [&](const std::vector<int>& pixels, double share) {
       for (const int pixel : pixels) {
@@ -283,9 +284,9 @@ class Workshop {
 }  // namespace
 
 bool interpolates(const MapOptions& options) {
-  // Nodes come to lie apart by a distance that grows with the seventh root of the tolerance; the planes that broke even
-  // had 90 points a side at 1e-3.
-  const double even = 90 * std::pow(1e-3 / options.tolerance, 1.0 / 7);
+  // Nodes come to lie apart by a distance that grows with the fifth root of the tolerance; the planes that broke even
+  // had 64 points a side at 1e-3.
+  const double even = 64 * std::pow(1e-3 / options.tolerance, 1.0 / 5);
   return !options.exact && options.x.regular > 1 && options.y.regular > 1 &&
          double(options.x.regular) * options.y.regular >= even * even;
 }
@@ -306,9 +307,15 @@ void compute_adaptively(const Model& model, const MapOptions& options, Coexisten
     const Forecast forecast(model, options, planner.node_tolerance(), planner.metrics(), coexistence, stop);
     in_parallel(options.threads, jobs.size(), stop, [&](std::size_t k) { planner.outline(jobs[k], forecast); });
   }
-  const std::size_t together = std::clamp<std::size_t>(jobs.size() / options.threads, 1, 16);
-  // Borders are foretold, but not how finely the rest is divided: as the seventh root of the tolerance along both axes.
-  const double usual = 1.15 * std::pow(1e-3 / options.tolerance, 2.0 / 7);
+  // As few groups as keep the lanes full, and as many for one thread as for another.
+  constexpr std::size_t most_together = 16;
+  const std::size_t threads = std::size_t(options.threads);
+  const std::size_t groups = threads * ((jobs.size() + most_together * threads - 1) / (most_together * threads));
+  const std::size_t together = std::max<std::size_t>((jobs.size() + groups - 1) / std::max<std::size_t>(groups, 1), 1);
+  // Borders are foretold, but not how finely the rest is divided: as the order of the polynomials has it, along both
+  // axes.
+  const int degree = Patch::degree(options.tolerance);
+  const double usual = (degree > 4 ? 0.95 : 1.4) * std::pow(1e-3 / options.tolerance, 2.0 / (degree + 1));
   work_in_groups(jobs, together, options.threads, usual, stop, finish,
                  [&](const std::vector<const Job<Plot>*>& group, const auto& advanced) {
                    Workshop(model, options, coexistence, stop).compute(group, advanced, [&](FinishedPoints& finished) {

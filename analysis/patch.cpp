@@ -13,8 +13,7 @@ namespace rosin::analysis {
 
 namespace {
 
-constexpr int most_intervals = 6;  ///< of a leaf along one axis
-constexpr int sampling = 4;        ///< every fourth pixel along both axes is asked for its class
+constexpr int sampling = 4;  ///< every fourth pixel along both axes is asked for its class
 /// On the largest error at held-out pixels, which may not be the largest of all; more where the polynomial of one
 /// degree less is nearly as good, as where a quantity has a root or a kink.
 constexpr double safety = 2, safety_where_rough = 6, rough = 0.6;
@@ -24,9 +23,14 @@ constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-Patch::Lattice::Lattice(int pixels) : length(pixels - 1) {
+int Patch::degree(double tolerance) {
+  constexpr double small = 3e-5;
+  return tolerance < small ? 6 : 4;
+}
+
+Patch::Lattice::Lattice(int pixels, int degree) : length(pixels - 1) {
   // As fine as the pixels, or up to twice as coarse: what lies between is computed directly where that is too coarse.
-  intervals = std::min(length, most_intervals);
+  intervals = std::min(length, degree);
   coarsest = 1;
   while (length > 0 && intervals * coarsest * 2 <= length) coarsest *= 2;
   cells = std::max(1, intervals * coarsest);
@@ -36,8 +40,8 @@ Patch::Patch(Options options, std::function<Class(int, int)> classify)
     : options_(std::move(options)),
       classify_(std::move(classify)),
       all_(options_.quantities),
-      lattice_x_(options_.width),
-      lattice_y_(options_.height) {
+      lattice_x_(options_.width, degree(options_.tolerance)),
+      lattice_y_(options_.height, degree(options_.tolerance)) {
   const std::size_t pixels = std::size_t(options_.width) * options_.height;
   class_.assign(pixels, unasked);
   origin_.assign(pixels, Origin::none);

@@ -17,12 +17,16 @@ struct PixelValues {
 /// Refines itself step by step: compute what is `wanted`, give it with `set`, ask again until nothing is wanted. Knows
 /// pixels and numbers, nothing of friction; the order of answers makes no difference.
 ///
-/// The pixels are divided into leaves by bisection along either axis. A leaf has at most 7 × 7 nodes, evenly spaced (so
-/// that both halves use them again) and through them the polynomial of degree 6 in both coordinates. Held-out pixels
-/// half way between nodes show its error along either axis; they are nodes of the halves. Along borders and kinks that
-/// follow an axis a leaf ends as single lines of pixels, each interpolated by itself.
+/// The pixels are divided into leaves by bisection along either axis. A leaf has at most 5 × 5 nodes, of small
+/// tolerances 7 × 7, evenly spaced (so that both halves use them again) and through them the polynomial of degree 4 or
+/// 6 in both coordinates. Held-out pixels half way between nodes show its error along either axis; they are nodes of
+/// the halves. Along borders and kinks that follow an axis a leaf ends as single lines of pixels, each interpolated by
+/// itself.
 class Patch {
  public:
+  /// Of the polynomials, at most: to a moderate tolerance a low one spares nodes, most of them beside borders and
+  /// kinks.
+  static int degree(double tolerance);
   /// Pixels of one class may share a leaf; a leaf with several classes is divided.
   using Class = std::uint8_t;
   static constexpr Class blank = 0;  ///< nothing to compute: known from the class alone
@@ -67,7 +71,7 @@ class Patch {
  private:
   /// One axis: pixels, and the lattice of possible nodes, which is halved again and again.
   struct Lattice {
-    explicit Lattice(int pixels);
+    Lattice(int pixels, int degree);
     int pixel(int index) const { return int((2L * index * length + cells) / (2L * cells)); }  // rounded
     int index(int pixel) const { return int((2L * pixel * cells + length) / (2L * length)); }
     int length, cells, intervals, coarsest;  ///< pixels − 1; indices − 1; of a leaf; stride of the whole

@@ -17,6 +17,7 @@
 #include "analysis/motion_end.hpp"
 #include "analysis/refinement.hpp"
 #include "analysis/stability.hpp"
+#include "analysis/stick_slip_period.hpp"
 #include "core/eigenpairs.hpp"
 #include "oscillators/slider_system.hpp"
 #include "solvers/collocation.hpp"
@@ -200,7 +201,8 @@ class Pass {
     for (auto& c : columns_) c.reserve(times.size());
   }
 
-  /// `other_digits`: from a start whose last digits differ, so that what hangs on them differs from pass to pass.
+  /// `other_digits`: from a start whose last digits differ, and with rests where they are in doubt, so that what hangs
+  /// on either differs from pass to pass.
   void run(double tolerance, bool other_digits) {
     tolerance_ = tolerance;
     outcome_ = follow(other_digits);
@@ -213,8 +215,7 @@ class Pass {
   std::map<std::string, double> metrics_;
   std::string handover_;          ///< where explicit steps gave way to collocation
   double slip_rate_follows_ = 0;  ///< m/s, what errors of the unknowns by the tolerance make of the slip rate
-  /// m/s, what the last digits of forces make of it where damping holds them, or where hardly another force is left.
-  double slip_rate_rounded_ = 0;
+  double slip_rate_rounded_ = 0;  ///< m/s, what the last digits of forces make of it where damping holds them
   /// m, what the last digits of the unknowns, by the slip rate that follows, make of the displacement.
   double displacement_follows_ = 0;
   std::array<double, before_states> ringing_{};  ///< of the columns: Collocation::ringing_errors()
@@ -224,9 +225,10 @@ class Pass {
     auto y = starting_point(system_, options_.start);
     if (other_digits && solver_ != "explicit")  // which such digits, as they decay, would seem stiff to
       for (double& value : y) value *= 1 + 2 * std::numeric_limits<double>::epsilon();
-    if (options_.start.kind == Start::Kind::given && !options_.start.displacement) {
+    if (options_.start.kind != Start::Kind::rest && !options_.start.displacement) {
       system_.measure_from_balance(y);
-      const bool at_once = solver_ == "events" || system_.model().lambda == 0;
+      const bool at_once =
+          options_.start.kind == Start::Kind::given && (solver_ == "events" || system_.model().lambda == 0);
       if (at_once && system_.slip_rate(0, y.data()) != 0) begin_ = let_go(system_, y, times_.back());
     }
     if (solver_ == "steady") system_.set_direction(system_.model().drive.speed.level() < 0 ? -1 : 1);
@@ -235,7 +237,7 @@ class Pass {
       for (const double t : times_) record(t, y.data());
       return {};
     }
-    if (solver_ == "events") return with_events(y, tolerance_);
+    if (solver_ == "events") return with_events(y, tolerance_, other_digits);
     if (solver_ == "cvode") return with_cvode(y, tolerance_);
     if (solver_ == "explicit") return while_not_stiff(y, tolerance_);
     return with_collocation(y, tolerance_);
@@ -285,8 +287,8 @@ class Pass {
       if (solver_ == "cvode")  // which moves slip by what is left of the balance, and so rings too
         slip_rate_follows_ =
             std::max(slip_rate_follows_, (digit * largest + lost) / std::max({damping, swing, inertia}));
-      else if (constexpr double hardly = 1e3; damping > swing || std::abs(sum) < hardly * digit * largest)
-        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / std::max({damping, swing, inertia}));
+      else if (damping > swing)
+        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / std::max(damping, inertia));
     }
     const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
                              seen.friction_coefficient};
@@ -442,8 +444,11 @@ class Pass {
     return outcome;
   }
 
-  Outcome with_events(const std::vector<double>& y, double tolerance) {
+  /// Slip that turns up again within its error of rest has come to rest, or has not: two passes that differ in
+  /// `rest_in_doubt` differ by what hangs on it.
+  Outcome with_events(const std::vector<double>& y, double tolerance, bool rest_in_doubt) {
     solvers::StickSlip solver(system_, tolerance);
+    if (rest_in_doubt) solver.rest_in_doubt(remembers(system_.model()));
     double stuck_since = 0, stuck = 0;
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       const bool sticking_before = system_.direction() == 0;

@@ -76,9 +76,10 @@ class SwitchingSystem : public System {
   /// swing, and where it does is known from its slip rate only to the root of that one's error; the energy, which
   /// friction and damping hardly change, tells it as exactly as they are known.
   virtual bool swings_freely() const { return false; }
-  /// Where swings are free. The slider's velocity while the contact is at rest (m/s); its displacement from that of
-  /// steady sliding (m), and the place for another.
+  /// Where swings are free. The slider's velocity while the contact is at rest (m/s), and how wide it makes it swing
+  /// (m); its displacement from that of steady sliding (m), and the place for another.
   virtual double velocity_at_rest() const { return 0; }
+  virtual double swing_of_drive() const { return 0; }
   virtual double swing(const double* /*y*/) const { return 0; }
   virtual void set_swing(double /*swing*/, double* /*y*/) const {}
   /// Rate at which friction and damping change the square of the swing that the slider has at rest, m²/s.

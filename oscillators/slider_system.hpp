@@ -105,6 +105,9 @@ class SliderSystem final : public SwitchingSystem {
   double reference_speed() const override { return reference_speed_; }
   bool swings_freely() const override { return swings_freely_; }
   double velocity_at_rest() const override { return constant_.speed; }
+  double swing_of_drive() const override {
+    return constant_.speed * std::sqrt(model_.slider.mass / model_.slider.stiffness);
+  }
   double swing(const double* y) const override { return y[0] - swing_center_; }
   void set_swing(double swing, double* y) const override { y[0] = swing_center_ + swing; }
   double swing_power(double t, const double* y) const override;

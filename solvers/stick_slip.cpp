@@ -11,7 +11,13 @@
 namespace rosin::solvers {
 
 namespace {
-constexpr double rest = 1e-11;  ///< slip rates below this part of the reference speed are rounding noise at a switch
+constexpr double rest = 1e-11;     ///< slip rates below this part of the reference speed are rounding noise at a switch
+constexpr double doubtful = 1e-4;  ///< or below this one may be rest: no solution is worse
+}  // namespace
+
+void StickSlip::rest_in_doubt(bool even_if_not_held) {
+  rest_below(10 * tolerance_ * system_.reference_speed(), even_if_not_held);
+  work_in_doubt_ = tolerance_;
 }
 
 std::string name(Switch what) { return what == Switch::stick ? "stick" : what == Switch::slip ? "slip" : "reversal"; }
@@ -85,24 +91,35 @@ StickSlip::Work StickSlip::work_so_far() {
   return work;
 }
 
+/// The swing that friction turns by itself, so that slip does no more than touch rest.
+double StickSlip::turning_swing(double t, const double* y) const {
+  return std::abs(system_.swing_power(t, y) / (2 * system_.velocity_at_rest()));
+}
+
 /// True if slip that is lowest in y comes to rest there by the energy that is left: the swing that it has at rest is
 /// then wider than where friction alone turns it.
 bool StickSlip::rests(const Work& work, double t, const double* y) const {
-  const double turn = system_.swing_power(t, y) / (2 * system_.velocity_at_rest());
-  return *swing_before_ * *swing_before_ + work.sum > turn * turn;
+  const double turn = turning_swing(t, y);
+  return *swing_before_ * *swing_before_ + work.sum + work_in_doubt_ * work.size > turn * turn;
 }
 
 /// Puts the slider where by the energy it comes to rest: short of steady sliding, to which the spring turns it.
 void StickSlip::put_at_rest(const Work& work) {
-  constexpr double digits = 4 * std::numeric_limits<double>::epsilon(), least = 1e-15;
+  constexpr double digit = std::numeric_limits<double>::epsilon(), digits = 4 * digit, least = 1e-15;
   const double before = *swing_before_ * *swing_before_, square = before + work.sum;
   if (!(square > 0)) return;
   const double seen = system_.swing(behind_switch_.data()), V = system_.velocity_at_rest();
   double swing = -system_.direction() * std::sqrt(square);
   if (constexpr double alike = 0.1; std::abs(seen + swing) < alike * std::abs(swing)) swing = -swing;
   system_.set_swing(swing, behind_switch_.data());
-  const double error = (std::max(tolerance_, least) * work.size + digits * before) / (2 * std::abs(swing));
-  rest_ = {.later = (swing - seen) / V, .known = error / std::abs(V)};
+  const double error = std::max(tolerance_, least) * work.size + digits * before;
+  // Slip that does no more than touch rest ends at the place where friction turns it: of how near it has come to that
+  // the last digits of its swing tell, and of the place itself then not even the energy.
+  const double turn = turning_swing(collocation_.time(), behind_switch_.data()), beyond = std::sqrt(square) - turn;
+  const double drive = system_.swing_of_drive(),
+               place = std::hypot(beyond, std::sqrt(digit) * drive) - std::abs(beyond);
+  const double known = error / (2 * std::abs(swing)) + turn / std::abs(swing) * place;
+  rest_ = {.later = (swing - seen) / V, .known = known / std::abs(V)};
 }
 
 bool StickSlip::start_slip(double t, std::span<const double> y, double direction) {
@@ -130,6 +147,7 @@ bool StickSlip::start(double t, std::span<const double> y) {
 
 Outcome StickSlip::step(double t_limit, Switch& switched) {
   switched = Switch::none;
+  const bool had_begun = !switched_ && collocation_.length() > 0;
   if (switched_) {
     const bool stuck = system_.direction() == 0;
     system_.set_direction(upcoming_);
@@ -149,7 +167,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   double low = 0, high = -1, high_value = 0;
   std::array<double, Collocation::stages + 1> values;
   double low_value = values[0] = indicator(collocation_.time_before(), collocation_.state_before().data());
-  const bool sticking = system_.direction() == 0;
+  const bool sticking = system_.direction() == 0, had_left = sticking ? had_begun : armed_;
   lowest_ = infinity;
   for (int i = 0; i < Collocation::stages; ++i) {
     collocation_.stage(i, work_.data());
@@ -178,8 +196,15 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
     double lowest = 0;
     for (int i = 1; i < fine; ++i)
       if (between(double(i) / fine) < between(lowest)) lowest = double(i) / fine;
-    if (lowest > 0 && between(lowest) < 0.05 * *std::max_element(values.begin(), values.end())) {
-      double left = lowest - 1.0 / fine, right = lowest + 1.0 / fine;
+    // In the first part too, where slip still slows down, and in steps so short that slip hardly changes in them.
+    constexpr double beside = 1e-3 / fine, low_beside_highest = 0.05;
+    const bool sinks_at_first = had_left && between(beside) < between(0),
+               rises_at_last = between(1 - beside) < between(1);
+    const double value_there = between(lowest), highest = *std::max_element(values.begin(), values.end());
+    const bool is_low = value_there < low_beside_highest * highest ||
+                        (!sticking && rises_at_last && value_there < doubtful * system_.reference_speed());
+    if ((lowest > 0 || sinks_at_first) && is_low) {
+      double left = std::max(0.0, lowest - 1.0 / fine), right = lowest + 1.0 / fine;
       for (int i = 0; i < 40; ++i) {  // ternary search
         const double a = left + (right - left) / 3, b = right - (right - left) / 3;
         if (between(a) < between(b))
@@ -192,7 +217,6 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
       const double value = indicator(collocation_.time_at(theta), work_.data());
       if (!sticking) lowest_ = std::min(lowest_, value);
       if (!sticking && value >= 0) {
-        constexpr double doubtful = 1e-4;  // of the reference speed: no solution is worse
         if (!swing_before_) {
           if (value < touch_ && (touch_rests_ || holds(collocation_.time_at(theta), work_))) touched = theta;
         } else if (value < doubtful * system_.reference_speed()) {

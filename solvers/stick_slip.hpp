@@ -25,6 +25,8 @@ class StickSlip {
   /// Slip that comes down to so little (m/s) before it turns up again has come to rest if the contact then holds it, or
   /// `even_if_not_held`, for no time: whether it did is not told by a solution that is no better.
   void rest_below(double slip_rate, bool even_if_not_held) { touch_ = slip_rate, touch_rests_ = even_if_not_held; }
+  /// The same within ten tolerances of rest, by slip rate, and within one by the energy that tells it of free swings.
+  void rest_in_doubt(bool even_if_not_held);
   /// Begins at (t, y). The mode follows from the slip rate: stick where it is zero and the contact can hold.
   bool start(double t, std::span<const double> y);
   /// Begins at (t, y), where stick has just given way to slip along `direction`.
@@ -59,12 +61,13 @@ class StickSlip {
   double mode_at_rest(double t, const double* y, double direction) const;
   void leave_rest(const double* y);
   Work work_so_far();
+  double turning_swing(double t, const double* y) const;
   bool rests(const Work&, double t, const double* y) const;
   void put_at_rest(const Work&);
   double landing_time();
   SwitchingSystem& system_;
   Collocation collocation_;
-  double tolerance_, longest_slip_step_ = infinity, touch_ = 0;
+  double tolerance_, longest_slip_step_ = infinity, touch_ = 0, work_in_doubt_ = 0;
   double upcoming_ = 0, lowest_ = infinity;
   bool touch_rests_ = false;
   bool switched_ = false;  ///< the last step ended in a switch: begin anew

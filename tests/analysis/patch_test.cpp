@@ -34,7 +34,7 @@ TEST_CASE("a smooth function over decades is interpolated to the tolerance", "[p
     Patch patch({.width = width, .height = height, .tolerance = tolerance}, [](int, int) -> Patch::Class { return 1; });
     const auto f = [](int x, int y) { return std::exp(0.05 * x - 0.03 * y) * (2 + std::sin(0.06 * x + 0.04 * y)); };
     finish(patch, width, [&](int x, int y) { return Answer{0, one(f(x, y))}; });
-    CHECK(patch.computed() < width * height / (tolerance > 1e-4 ? 25 : 6));
+    CHECK(patch.computed() < width * height / (tolerance > 1e-4 ? 12 : 6));
     int beyond = 0;
     for (int i = 0; i < width * height; ++i) {
       const double exact = f(i % width, i / width), off = std::abs(patch.value(i, 0) - exact);
@@ -134,7 +134,7 @@ TEST_CASE("a border that follows an axis is cut off in lines", "[patch]") {
 }
 
 TEST_CASE("the order of the nodes goes from coarse to fine", "[patch]") {
-  Patch patch({.width = 97, .height = 97}, [](int, int) -> Patch::Class { return 1; });
+  Patch patch({.width = 97, .height = 97, .tolerance = 1e-6}, [](int, int) -> Patch::Class { return 1; });
   const auto phase = [&](int x, int y) { return patch.phase(y * 97 + x); };
   CHECK(phase(0, 0) == 0);
   CHECK(phase(32, 64) == 0);
