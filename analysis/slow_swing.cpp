@@ -33,13 +33,14 @@ struct Root {
   SlowSwing swing;
   double within;  ///< how far off it may be, as a part of its stretch
 };
-/// Nothing if some swing on the way does not come round.
+/// Nothing if some swing on the way does not come round, or the map would have to take more steps than `last_step`.
 std::optional<Root> root_between(ReturnMap& map, const SlowSwing& low, const SlowSwing& high, double tolerance,
-                                 double known) {
+                                 double known, long last_step) {
   const double from = low.y[at_displacement], width = high.y[at_displacement] - from;
   SlowSwing here = low;
   bool lost = false;
   const auto growth = [&](double part) {
+    if (lost || map.cost().steps > last_step) return lost = true, 0.0;
     const auto at = swing_at(map, here, from + part * width, tolerance);
     if (!at) return lost = true, 0.0;
     here = *at;
@@ -185,7 +186,8 @@ SlowEnd follow_slow_swing(ReturnMap& map, const SlowSwing& start, double toleran
     }
     constexpr double clear = 3;
     if (std::abs(here.growth) < clear * here.scatter || std::abs(next->growth) < clear * next->scatter) break;
-    const auto root = root_between(map, sign > 0 ? here : *next, sign > 0 ? *next : here, tolerance, searched);
+    const auto root =
+        root_between(map, sign > 0 ? here : *next, sign > 0 ? *next : here, tolerance, searched, last_step);
     if (!root) break;
     constexpr double aside = 100 * searched;
     const auto low = beside(map, root->swing, -aside, tolerance), high = beside(map, root->swing, aside, tolerance);
@@ -224,11 +226,12 @@ std::optional<Return> return_after(ReturnMap& map, const SlowSwing& last, const 
 
 std::optional<double> balance_closely(ReturnMap& map, SlowEnd& end, double tolerance) {
   constexpr double first = 1e-9, widest = 1e-3;
+  const long last_step = map.cost().steps + 500'000;  // a reversal under stiff friction may take 20 000 at a time
   for (double aside = first; aside < widest; aside *= 10) {
     const auto low = beside(map, *end.balance, -aside, tolerance), high = beside(map, *end.balance, aside, tolerance);
-    if (!low || !high) return std::nullopt;
+    if (!low || !high || map.cost().steps > last_step) return std::nullopt;
     if (low->growth < 0 || high->growth > 0) continue;
-    const auto root = root_between(map, *low, *high, tolerance, closely);
+    const auto root = root_between(map, *low, *high, tolerance, closely, last_step);
     if (!root) return std::nullopt;
     end.balance = root->swing;
     const SlowSwing& found = root->swing;

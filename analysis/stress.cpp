@@ -431,7 +431,8 @@ Judgement judge_cycle(const Model& model) {
   if (!loose.outcome.complete() && loose.outcome.ending != Ending::none_exists && !short_of)
     return failure(loose.outcome);
   auto tight = find_cycle(model, {.tolerance = 1e-9});
-  if (tight.outcome.ending == Ending::budget_spent) tight = find_cycle(model, {.tolerance = 1e-7});
+  for (const double tolerance : {1e-7, 3e-7})
+    if (tight.outcome.ending == Ending::budget_spent) tight = find_cycle(model, {.tolerance = tolerance});
   const bool has_numbers = tight.metrics.period > 0;
   if (tight.outcome.ending == Ending::none_exists && loose.outcome.ending == Ending::none_exists) {
     std::string_view reason = loose.outcome.detail;
@@ -517,7 +518,10 @@ Judgement judge_run(const Model& model, const RunOptions& options) {
   }
   // What was just within the budget is to be within that of a closer look.
   constexpr long more_steps = 3;
-  for (const auto& [tolerance, steps] : {std::pair(1e-9, 1L), std::pair(1e-7, more_steps)}) {
+  // Rings that steps pass over at the run's tolerance, within its stated errors, may have to be followed at a smaller
+  // one.
+  for (const auto& [tolerance, steps] :
+       {std::pair(1e-9, 1L), std::pair(1e-7, more_steps), std::pair(3e-7, more_steps)}) {
     if (checked) break;
     check.tolerance = tolerance;
     check.most_steps = steps * options.most_steps;

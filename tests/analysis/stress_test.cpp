@@ -1926,6 +1926,20 @@ TEST_CASE("friction after slip that does no more than touch rest is known to a r
   }
 }
 
+TEST_CASE("a balance that hangs on noise is not sought for ever", "[stress][cycle][long]") {
+  // The friction that reverses at 1e10 times the drive's speed takes 20 000 steps a turn at the tolerance that the last
+  // digits leave, and what it adds in one scatters about nought by 2e-15.
+  const auto model =
+      slider_under("flash-heating",
+                   {0.28053044596888993, 0.018683749700446721, 0.053288932897444019, 0.012337313855869576,
+                    2.7176900097356622e-11, 0.13143563767585195, 1.4290659288997083},
+                   {2.9735738443067032, 0.0075936321205571748, 0}, 0.022362304024967368, 37.055837153215833);
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  CHECK(cycle.outcome.complete());
+  CHECK(cycle.cost.steps < 5'000'000);
+  CHECK(cycle.metrics.slip_rate_mean == Approx(model.drive.speed.level()).epsilon(1e-6));
+}
+
 TEST_CASE("heat that only adds up from period to period is led to where it ends", "[stress][cycle]") {
   // Each period adds 5e-10 to a temperature that begins with nothing: changes differ by rounding alone.
   auto model = slider_under(
