@@ -162,7 +162,11 @@ Record bench_plane(const Settings& settings, const SciPy& scipy, const std::file
     record.content["picture"] = {{"pixels", pixels * pixels}, {"left_out", expected}};
   } else {
     progress(settings, fmt::format("{0} x {0} pixels", pixels));
-    const Plane picture = compute_plane(pixels, 1e-3);
+    Plane picture = compute_plane(pixels, 1e-3);
+    for (int again = 0; again < 2; ++again) {  // the least of three, as of all that takes so little time
+      const double seconds = compute_plane(pixels, 1e-3).seconds;
+      picture.seconds = std::min(picture.seconds, seconds);
+    }
     const int with_cycle = count_cycles(picture.map);
     say(settings, "{0} x {0} points at 1e-3: {1:.3g} s; {2} with a cycle\n", pixels, picture.seconds, with_cycle);
     record.content["picture"] = {{"pixels", pixels * pixels}, {"seconds", picture.seconds}, {"cycles", with_cycle}};
