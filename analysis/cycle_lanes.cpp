@@ -708,9 +708,9 @@ void find_cycles(std::vector<CycleBatch> batches, double stick_threshold, const 
   queue.close = [&](Work& work) { begin(finished(work.batch)); };
   for (auto& batch : batches) begin(std::move(batch));
   while (queue.works_left())
-    for (auto& kind : kinds) {
-      queue.serve(kind);
-      kind.run(queue);
+    for (std::size_t k = 0; k < kinds.size(); ++k) {  // which batches on the way may add to
+      queue.serve(kinds[k]);
+      kinds[k].run(queue);
     }
 }
 

@@ -389,7 +389,8 @@ TEST_CASE("batches that follow one from another find what they find alone", "[cy
     CycleBatch batch{.label = label, .tolerance = tolerance};
     for (std::size_t i = from; i < from + count; ++i) {
       batch.models.push_back(sliders[i]);
-      if (i % 3 == 0) batch.models.back().law = laws::find_law("stribeck");  // other lanes
+      if (i % 3 == 0) batch.models.back().law = laws::find_law("stribeck");                  // other lanes
+      if (i % 7 == 5 && label > 2) batch.models.back().law = laws::find_law("kato-tullis");  // lanes that come later
     }
     return batch;
   };
