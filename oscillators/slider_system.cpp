@@ -31,6 +31,8 @@ constexpr double nearly_stuck = 1e-6;  ///< of the reference speed: below it the
 
 SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(model)) {
   model_.check();
+  // Without load the contact bears nothing, and nor does a spring in series with it.
+  if (const auto& load = model_.drive.normal_load; load.constant() && load.level() == 0) model_.contact_stiffness = {};
   const auto& law = *model_.law;
   mechanics_ = mechanics_of(model_.slider);
   mechanical_ = mechanics_ == Mechanics::inertial ? 2 : mechanics_ == Mechanics::damped ? 1 : 0;

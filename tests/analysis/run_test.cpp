@@ -253,6 +253,27 @@ TEST_CASE("a force that turns over makes a block reverse, and weak ones leave it
   CHECK(moved.column_error[0] < 1e-6);
 }
 
+TEST_CASE("without load a slider swings freely, whatever lies between it and the contact", "[run]") {
+  const double m = 2, k = 50, c = 0.4, V = 1e-3, u0 = 3e-3, decay = c / (2 * m);
+  const double ringing = std::sqrt(k / m - decay * decay);
+  auto model = slider_under("ageing", {0.6, 0.015, 0.010, 1e-5, 1e-6}, {m, k, c}, V, 0);
+  RunOptions options;
+  options.duration = 5;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = u0;
+  for (const auto& [tangential, per_load] : {std::pair(infinity, infinity), {7.0, infinity}, {infinity, 3.0}}) {
+    model.contact_stiffness.tangential = tangential;
+    model.contact_stiffness.per_load = per_load;
+    const auto motion = run(model, options);
+    REQUIRE(motion.outcome.complete());
+    // From the balance of spring and damper: m w'' + c w' + k w = 0 of w = u - V with w'(0) = 0.
+    const double w =
+        (u0 - V) * std::exp(-decay * 5) * (std::cos(ringing * 5) + decay / ringing * std::sin(ringing * 5));
+    CHECK(std::abs(motion.columns[2].back() - (V + w)) < 1e-8 * u0);
+    CHECK(motion.columns[3].back() == 0);
+  }
+}
+
 TEST_CASE("samples that all fall on zeros of the displacement do not make it unknown", "[run]") {
   // Friction of 1e-9 N on a block that swings by V/ω on its spring, sampled once in fifteen turns.
   const double k = 5.762257280597793, m = 4.7346221275764303e-05, V = 0.00013501899968, load = 1.68254477e-09;
