@@ -386,10 +386,12 @@ void PassageLanes::end_step_at(int lane, double theta) {
     interpolate(lane, theta, y.data());
     friction_[1].set(lane, slider.holding_force(0, y.data()) / slider.model().drive.normal_load.level());
   }
-  if (records && recording_.loop_area && friction_index_ >= 0) {
+  if (records && recording_.loop_area) {
     const auto slip_rate = ensemble_.polynomial(lane, slip_rate_index);
-    const auto friction = ensemble_.polynomial(lane, friction_index_);
-    const auto rate = [&](double t) { return friction.value(t) * slip_rate.slope(t); };
+    const auto rate = [&](double t) {
+      return (friction_index_ >= 0 ? ensemble_.interpolate(lane, friction_index_, t) : friction_at(lane, t)) *
+             slip_rate.slope(t);
+    };
     // Simpson's rule.
     loop_.set(lane, loop_[lane] + (theta - 1) / 6 * (rate(1) + 4 * rate(0.5 * (1 + theta)) + rate(theta)));
   }
@@ -568,7 +570,8 @@ void PassageLanes::measure_steps() {
 }
 
 /// Adds the integrals over the last step of the lanes that count. Where friction is an unknown, ∫ μ dv is that of the
-/// dense output; functions of v, which ∮ (μ − μ_ss) dv is free to take off, would change it by rounding alone.
+/// dense output; functions of v, which ∮ (μ − μ_ss) dv is free to take off, would change it by rounding alone, or where
+/// they bend near rest by more than the tolerance.
 void PassageLanes::accumulate() {
   if (friction_index_ < 0) return accumulate_at_nodes();
   run_on_lanes([&] {
@@ -593,24 +596,13 @@ void PassageLanes::accumulate_at_nodes() {
   constexpr int nodes = 3;
   constexpr double node[nodes] = {0.1127016653792583, 0.5, 0.8872983346207417};
   constexpr double weight[nodes] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
-  Lanes reference[nodes], u_slope[nodes], mu[nodes], steady[nodes];
+  Lanes mu[nodes];
   std::array<Lanes, solvers::Ensemble::capacity> y[nodes];
   interpolate(node, y);
   for (int k = 0; k < nodes; ++k) sliders_.friction_coefficient(y[k].data(), mu[k]);
   run_on_lanes([&] {
     for (int p = 0; p < lane_packs; ++p) {
       const auto slip_rate = ensemble_.polynomial_of_pack(p, slip_rate_index);
-      ROSIN_UNROLL
-      for (int k = 0; k < nodes; ++k) {
-        reference[k].pack[p] = loop_slip_rate(y[k][slip_rate_index].pack[p], V_.pack[p]);
-        u_slope[k].pack[p] = slip_rate.slope(Pack(node[k]));
-      }
-    }
-  });
-  if (recording_.loop_area)
-    for (int k = 0; k < nodes; ++k) sliders_.steady_friction(reference[k], steady[k]);
-  run_on_lanes([&] {
-    for (int p = 0; p < lane_packs; ++p) {
       const Mask counts = counted_.pack[p] > Pack(0.0);
       const auto add = [&](Lanes & sum, const Pack& part) __attribute__((always_inline)) {
         sum.pack[p] = sum.pack[p] + select(counts, part, Pack(0.0));
@@ -618,8 +610,7 @@ void PassageLanes::accumulate_at_nodes() {
       if (recording_.loop_area) {
         Pack part = 0.0;
         ROSIN_UNROLL
-        for (int k = 0; k < nodes; ++k)
-          part = part + weight[k] * ((mu[k].pack[p] - steady[k].pack[p]) * u_slope[k].pack[p]);
+        for (int k = 0; k < nodes; ++k) part = part + weight[k] * (mu[k].pack[p] * slip_rate.slope(Pack(node[k])));
         add(loop_, part);
       }
       if (recording_.means) {

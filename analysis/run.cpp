@@ -281,6 +281,8 @@ class Pass {
       if (system_.mechanics() != Mechanics::inertial || system_.contact_setup().spring.present())
         slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, digits));
     }
+    if (system_.mechanics() == Mechanics::damped && solver_ == "collocation")  // the damper bears what forces differ by
+      slip_rate_rounded_ = std::max(slip_rate_rounded_, slip_rate_known(t, y, seen.slip_rate, 0, digit));
     if (system_.mechanics() == Mechanics::inertial && solver_ != "steady") {
       const auto [sum, largest, lost, damping, swing] = balance_at(t, y, seen);
       const double inertia = system_.model().slider.mass / times_.back();  // all that resists where nothing else does

@@ -35,8 +35,6 @@ class SliderLanes final : public LaneSystem {
   /// The rate (1/s) at which slip feeds its own growth most, by itself or by way of one state, 0 where it does not, and
   /// the rate of change of the slip rate (m/s²).
   void pace(const Lanes* y, Lanes& growth_rate, Lanes& acceleration) const;
-  /// Coefficient of steady sliding at slip rate v.
-  void steady_friction(const Lanes& v, Lanes& mu) const { contact_->steady_friction(v, load_, mu); }
 
  private:
   void mechanics(const Lanes* y, const Lanes& F, Lanes* f) const;

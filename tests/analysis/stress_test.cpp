@@ -1940,6 +1940,43 @@ TEST_CASE("a balance that hangs on noise is not sought for ever", "[stress][cycl
   CHECK(cycle.metrics.slip_rate_mean == Approx(model.drive.speed.level()).epsilon(1e-6));
 }
 
+TEST_CASE("lanes sum the loop of heated contacts, whose steady curve bends at rest, to the tolerance",
+          "[stress][cycle-lanes]") {
+  const auto model = slider_under(
+      "thermal",
+      {0.74657455181969035, 0.14667200356089091, 0.018646162654525983, 0.18611694985030935, 0.063989398768651035,
+       3.2804811153267377e-07, 0.00011323077114336364, 0.0035398663596530101, 0.54512049798738094, 0.19237953058093982},
+      {0.21612857855449916, 1673.0564339238438, 0.0084679493965066702}, 0.0035044003774427819, 233.07179497411678);
+  const auto sure = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(sure.outcome.complete());
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    const auto lane = find_cycles(std::span(&model, 1), {tolerance, 0.1, {"loop_area"}}).front();
+    REQUIRE(lane.found);
+    CHECK(std::abs(lane.metrics.loop_area - sure.metrics.loop_area) <= lane.error.loop_area + sure.error.loop_area);
+  }
+}
+
+TEST_CASE("what a damper bears is known as well as the last digits of the forces beside it", "[stress]") {
+  // Without mass c (V - v) = k x - F: the last digit of 13 N over 580 N s/m is 7e-7 of the drive's speed.
+  auto model = slider_under("kato-tullis",
+                            {0.21117702558958676, 0.020564240526112804, 0.018951772862718264, 4.3820261036257651e-06,
+                             5.1263580777059978e-06, 1.5568843064072211e-08},
+                            {0, 0.12541744686477138, 580.05765440486209}, 4.4186297684042629e-12, 65.828160200448977);
+  model.contact_stiffness.tangential = 0.050412341144748289;
+  model.contact_stiffness.damping = 33.674707092647409;
+  RunOptions options;
+  options.duration = 1070.4972093393167;
+  options.samples = 20;
+  options.start.kind = Start::Kind::steady;
+  options.solver = "collocation";
+  for (const double tolerance : {1e-6, 1e-9}) {
+    options.tolerance = tolerance;
+    const auto motion = run(model, options);
+    for (const double slip_rate : motion.columns[2])
+      CHECK(std::abs(slip_rate - model.drive.speed.level()) <= motion.column_error[2]);
+  }
+}
+
 TEST_CASE("heat that only adds up from period to period is led to where it ends", "[stress][cycle]") {
   // Each period adds 5e-10 to a temperature that begins with nothing: changes differ by rounding alone.
   auto model = slider_under(
