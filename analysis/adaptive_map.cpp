@@ -108,7 +108,6 @@ struct Piece {
   Frame frame;
   Patch patch;
   Tile tile;                       ///< the cycles known in it
-  std::vector<int> asked;          ///< pixels of the batch at work
   std::map<int, std::string> why;  ///< of failures
 };
 
@@ -209,7 +208,6 @@ class Workshop {
     CycleBatch batch{
         .label = label,
         .tolerance = wanted.direct.empty() ? node_tolerance() : std::max(direct_share * options_.tolerance, finest)};
-    piece.asked.clear();
     const auto ask = [&](int pixel, int phase) {
       const Model here = model_of(piece, pixel);
       if (piece.patch.class_of(pixel) == refused) {
@@ -220,7 +218,6 @@ class Workshop {
         }
         return;
       }
-      piece.asked.push_back(pixel);
       batch.models.push_back(here);
       batch.places.push_back({&piece.tile, pixel % piece.width(), pixel / piece.width(), phase});
     };
@@ -233,7 +230,7 @@ class Workshop {
   void take(Piece& piece, const CycleBatch& batch, std::size_t i) const {
     const Model& model = batch.models[i];
     const LaneCycle& cycle = batch.cycles[i];
-    const int pixel = piece.asked[i];
+    const int pixel = batch.places[i].row * piece.width() + batch.places[i].column;
     const bool beside = piece.patch.class_of(pixel) == beside_steady;
     auto point = point_of(cycle, beside);
     if (!point) point = compute_point(model, batch.tolerance, options_.stick_threshold, beside, cycle.near);

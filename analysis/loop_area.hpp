@@ -2,7 +2,6 @@
 #pragma once
 #include <cmath>
 
-#include "core/dual.hpp"
 #include "oscillators/slider_system.hpp"
 
 namespace rosin::analysis {
@@ -15,10 +14,6 @@ inline bool follows_steady_curve(const oscillators::SliderSystem& slider) {
 /// The slip rate at which ∮ (μ − μ_ss) dv asks for μ_ss: v, but for slip much slower than the drive V > 0 near a tenth
 /// of it. Any function of v may be taken off, as none has an area; this one is smooth where slip reverses, so that no
 /// step of a solver has to see the steady curve turn over.
-template <class Real>
-Real loop_slip_rate(const Real& v, const Real& V) {
-  using std::sqrt;
-  return sqrt(v * v + 0.01 * (V * V));
-}
+inline double loop_slip_rate(double v, double V) { return std::sqrt(v * v + 0.01 * (V * V)); }
 
 }  // namespace rosin::analysis
