@@ -434,6 +434,7 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
   ++cost_.cycles;
   passage.duration = solver.time();
   passage.end = solver.state();
+  passage.ringing.assign(solver.ringing_errors().begin(), solver.ringing_errors().end());
   for (const double x : passage.end)
     if (!std::isfinite(x) && passage.outcome.complete()) passage.outcome = {Ending::not_finite, "at the section"};
   if (derivative && passage.outcome.complete()) {

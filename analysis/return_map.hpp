@@ -72,9 +72,10 @@ class ReturnMap {
   struct Passage {
     Outcome outcome;
     double duration = 0;
-    std::vector<double> end;     ///< unknowns at the section
-    double amplitude = 0;        ///< largest |v − V|/V seen
-    Eigen::MatrixXd derivative;  ///< of the differential unknowns, if asked
+    std::vector<double> end;      ///< unknowns at the section
+    double amplitude = 0;         ///< largest |v − V|/V seen
+    Eigen::MatrixXd derivative;   ///< of the differential unknowns, if asked
+    std::vector<double> ringing;  ///< of each unknown: Collocation::ringing_errors()
   };
   /// Follows the motion from y through `turns` passages. `from_section`: y lies on the section. Motions that dip below
   /// V by less than `dip`·V do not leave it: after a slip at 10¹⁰ V, rounding alone passes it again.

@@ -28,13 +28,42 @@ struct Refined {
   double closure;  ///< remaining change of the section point, in scales
   std::vector<CyclePoint> orbit;
   Outcome outcome;
+  Metrics passed_over = {};  ///< what oscillations that steps passed over would change
 };
+/// What oscillations of the unknowns, so large, change of metrics; of the loop only as a slow one would.
+Metrics changed_by(const std::vector<double>& ringing, const SliderSystem& system, const Metrics& metrics) {
+  Metrics change;
+  double friction = 0, slip_rate = 0;
+  if (system.carries_friction()) friction = ringing[system.first_state() - 1];
+  if (const int u = system.slip_rate_index(); u >= 0) slip_rate = ringing[u];
+  change.slip_rate_min = change.slip_rate_max = slip_rate;
+  change.friction_min = change.friction_max = friction;
+  change.loop_area = (metrics.friction_max - metrics.friction_min) * slip_rate +
+                     (metrics.slip_rate_max - metrics.slip_rate_min) * friction;
+  change.loop_area_normalised = change.loop_area / (metrics.slip_rate_max * metrics.friction_max);
+  return change;
+}
+/// The part of an error that a passage forgets; of a swing that friction changes by little in a turn, of an error of
+/// the work that friction does. A swing that it leaves alone adds none.
+double attraction(const FixedPoint& point, const ReturnMap& map) {
+  if (point.free) return 1;
+  if (point.swing) {
+    // Steps that follow the motion take little notice of friction that hardly moves it.
+    constexpr double least_notice = 1e-6;
+    const double turnover = point.swing->balance->turnover;
+    return std::min(1.0, -point.swing->slope / turnover) * std::clamp(turnover, least_notice, 1.0);
+  }
+  return std::min(1.0, 1 - spectral_radius(point, map));
+}
+
 /// Of the passage from `point` as it is.
 Refined record(ReturnMap& map, const FixedPoint& point, double tolerance, const CycleOptions& options,
                bool keep_orbit) {
   Recorder recorder(map.system(), tolerance, options.stick_threshold, keep_orbit);
   const auto passage = map.follow(point.y, tolerance, point.turns, true, false, &recorder, dip_of(point.amplitude));
-  return {recorder.finish(passage.duration), infinity, std::move(recorder.orbit), passage.outcome};
+  const Metrics metrics = recorder.finish(passage.duration);
+  return {metrics, infinity, std::move(recorder.orbit), passage.outcome,
+          passage.ringing.empty() ? Metrics{} : changed_by(passage.ringing, map.system(), metrics)};
 }
 Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleOptions& options, bool keep_orbit) {
   Refined result{{}, infinity, {}, {}};
@@ -77,7 +106,8 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
     }
     VectorXd step = map.difference(passage.end, point.y);
     if (leads) step = scale.asDiagonal() * lu.solve(scale.cwiseInverse().asDiagonal() * step);
-    const double length = map.length(step);
+    // What is not led there comes nearer by the part that a passage forgets.
+    const double length = map.length(step) / (leads ? 1 : attraction(point, map));
     if (!std::isfinite(length)) break;
     if (length > 0.5 * result.closure) {
       // The derivative is that of the point that was first found, and where slip only just reverses it changes soon.
@@ -131,19 +161,6 @@ Refined refine_free(ReturnMap& map, FixedPoint& point, double tolerance, const C
   return result;
 }
 
-/// The part of an error that a passage forgets; of a swing that friction changes by little in a turn, of an error of
-/// the work that friction does. A swing that it leaves alone adds none.
-double attraction(const FixedPoint& point, const ReturnMap& map) {
-  if (point.free) return 1;
-  if (point.swing) {
-    // Steps that follow the motion take little notice of friction that hardly moves it.
-    constexpr double least_notice = 1e-6;
-    const double turnover = point.swing->balance->turnover;
-    return std::min(1.0, -point.swing->slope / turnover) * std::clamp(turnover, least_notice, 1.0);
-  }
-  return std::min(1.0, 1 - spectral_radius(point, map));
-}
-
 /// What the last digits of the forces leave of the slip rate of a slider on a contact spring, where damping and not
 /// inertia balances them, m/s.
 double slip_rate_digits(const SliderSystem& system) {
@@ -179,6 +196,15 @@ Metrics off_the_cycle(ReturnMap& map, const FixedPoint& point, const Metrics& th
     change.*metric.member =
         seen.outcome.complete() ? std::abs(seen.metrics.*metric.member - there.*metric.member) * off / far : infinity;
   return change;
+}
+
+/// True if no metric differs by more than the errors stated.
+bool agree(const Cycle& known, const Metrics& metrics, const Metrics& error) {
+  return std::ranges::all_of(metric_names(), [&](const MetricName& metric) {
+    const double difference = std::abs(known.metrics.*metric.member - metrics.*metric.member);
+    return (is_stick(metric) && known.ill_conditioned_stick) ||
+           difference <= known.error.*metric.member + error.*metric.member;
+  });
 }
 
 /// Several turns that were taken together, because each seemed to differ from the next, may prove to be one and the
@@ -251,6 +277,7 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   };
   if (took_too_many(coarse)) coarse = refined(false);
   std::string worst;
+  double least_reached = infinity;
   while (sharpening.next()) {
     Refined fine = refined(true);
     if (coarse.outcome.complete() && sharpening.ease(fine.outcome)) fine = refined(true);
@@ -265,9 +292,10 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
       break;
     }
     const double lowest = fine.metrics.slip_rate_min;
-    cycle.ill_conditioned_stick = false;
+    bool stick_is_ill_conditioned = false;
     for (const double e : {options.stick_threshold, 0.01, 0.5})
-      if (std::abs(std::abs(lowest) - e * V) < 1e-4 * e * V) cycle.ill_conditioned_stick = true;
+      if (std::abs(std::abs(lowest) - e * V) < 1e-4 * e * V) stick_is_ill_conditioned = true;
+    Metrics error;
     // Rounding in one passage returns with every one that the cycle takes to forget it. Metrics are those of a motion
     // that may be small beside the scales.
     const double rounding = std::max(1e-14, last_digits(map, point.y));
@@ -275,22 +303,32 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     const double size = map.distance(point.y, map.system().steady(0));
     const double closure = (fine.closure + forgetting) * std::max(1.0, std::min(1.0, point.amplitude) / size);
     double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), closure, V,
-                                     cycle.ill_conditioned_stick, cycle.error, worst);
-    constexpr double weak = 1e-2;
-    if (!point.swing && !point.free && !point.by_differences && attraction(point, map) < weak) {
-      // Rounding may be all that two tolerances differ by, and metrics more sensitive to it than the point is.
-      const Metrics off = off_the_cycle(map, point, fine.metrics, closure, sharpening.tolerance(), options);
+                                     stick_is_ill_conditioned, error, worst);
+    const auto beside = [&](const Metrics& errors) {
       for (const auto& metric : metric_names()) {
-        cycle.error.*metric.member += off.*metric.member;
-        if (is_stick(metric) && cycle.ill_conditioned_stick) continue;
-        const double part = off.*metric.member / size_of(metric, fine.metrics, V);
-        if (part > reached) reached = part, worst = metric.name;
+        error.*metric.member += errors.*metric.member;
+        if (is_stick(metric) && stick_is_ill_conditioned) continue;
+        const double ratio = error.*metric.member / size_of(metric, fine.metrics, V);
+        if (ratio > reached) reached = ratio, worst = metric.name;
       }
+    };
+    beside(fine.passed_over);
+    constexpr double weak = 1e-2;
+    if (!point.swing && !point.free && !point.by_differences && attraction(point, map) < weak)
+      // Rounding may be all that two tolerances differ by, and metrics more sensitive to it than the point is.
+      beside(off_the_cycle(map, point, fine.metrics, closure, sharpening.tolerance(), options));
+    error.slip_rate_min += digits, error.slip_rate_max += digits;
+    const Outcome outcome = sharpening.judge(reached, worst);
+    // A finer passage may follow what a coarser one passes over, and lose itself in it. What it does not refute stays.
+    const bool better_known = reached > least_reached && agree(cycle, fine.metrics, error);
+    if (!better_known) {
+      least_reached = reached;
+      cycle.ill_conditioned_stick = stick_is_ill_conditioned;
+      cycle.metrics = fine.metrics;
+      cycle.error = error;
+      cycle.orbit = fine.orbit;
+      cycle.outcome = outcome;
     }
-    cycle.error.slip_rate_min += digits, cycle.error.slip_rate_max += digits;
-    cycle.metrics = fine.metrics;
-    cycle.orbit = std::move(fine.orbit);
-    cycle.outcome = sharpening.judge(reached, worst);
     if (cycle.outcome.complete()) {
       state_with_caution(cycle.error, cycle.metrics, options.tolerance, V);
       break;

@@ -428,7 +428,7 @@ double Collocation::ringing_error(double h, const double* estimate) {
     double amplitude = part(estimate, 1);
     for (int i = 0; i < n; ++i) amplitude -= part(&noise[i], n);
     const double error = kappa * std::max(amplitude, 0.0);
-    constexpr double part_of_turn = 4;
+    constexpr double part_of_turn = 3;  // longer steps damp it e-fold within five thousand turns
     const bool passed_over = std::abs(z) > part_of_turn;
     double square = 0;  // of the vector, in scales
     const auto add = [&](int i, double real, double imaginary) {

@@ -2057,3 +2057,36 @@ TEST_CASE("slip that friction lets end just at rest ends there at every toleranc
     CHECK(cycle.metrics.period == Approx(26.90880989).epsilon(1e-3));
   }
 }
+
+TEST_CASE("oscillations that the steps of a cycle pass over are in its errors", "[stress][cycle][long]") {
+  // After each slip the slider rings 9000 times on the contact's spring by 6e-6 of the drive's speed, which steps at
+  // 1e-6 damp. Followed, at 1e-9, the highest slip rate is this.
+  auto model =
+      slider_under("spinodal", {0.369, 0.0349, 0.0489, 9e-7, 1e-6, 0.001, 90.0},
+                   {49558.422170782775, 0.0019034295765088254, 0}, 1.1161395570247673e-07, 7.127200594067653e-11);
+  model.lambda = 1;
+  model.contact_stiffness.per_load = 0.0031585467498261763;
+  model.contact_stiffness.damping_per_load = 2.077412518398718;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6, .multipliers = false});
+  REQUIRE(cycle.metrics.period > 0);
+  const double off = std::abs(cycle.metrics.slip_rate_max - 1.11614323588e-07);
+  CHECK(off <= cycle.error.slip_rate_max);
+  CHECK(cycle.error.slip_rate_max < 1e-5 * cycle.metrics.slip_rate_max);
+}
+
+TEST_CASE("a cycle that passages hardly lead to is known no better than the way they leave", "[stress][cycle]") {
+  // A passage forgets 1.4e-4 of where it began, and near the cycle its derivative leads astray.
+  auto model = slider_under("nagata",
+                            {0.91450116723011265, 0.10441709552557386, 0.16769210153783226, 0.018078792317291092,
+                             1.8241963678963656e-11, 0.70911948747994413},
+                            {0.0024979418265944869, 2408.8429288165016, 0.021842935281251641}, 7.7446440075672582e-09,
+                            0.56049674929720084);
+  model.lambda = 1;
+  model.contact_stiffness.tangential = 1.1483358888960824;
+  model.contact_stiffness.damping = 7.8581543726552604e-05;
+  model.drive.force = Signal(-0.00090387140240405517);
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), tight = find_cycle(model, {.tolerance = 1e-9});
+  for (const auto& metric : metric_names())
+    CHECK(std::abs(loose.metrics.*metric.member - tight.metrics.*metric.member) <=
+          loose.error.*metric.member + tight.error.*metric.member);
+}
