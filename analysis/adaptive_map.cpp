@@ -17,7 +17,7 @@ namespace {
 
 constexpr int fewest = 3;             ///< patches along one axis: together they keep the lanes full
 constexpr int longest = 160;          ///< intervals of a patch along one axis
-constexpr double node_share = 0.01;   ///< of the tolerance, asked of nodes: interpolation multiplies their errors
+constexpr double node_share = 0.03;   ///< of the tolerance, asked of nodes: interpolation multiplies their errors
 constexpr double direct_share = 0.1;  ///< the same of other points: few, but beside borders, where cycles settle slowly
 constexpr int coarsest = 8;           ///< stride of the points beside borders that are looked at first
 constexpr double finest = 1e-11;      ///< tolerance that is asked of any point

@@ -104,6 +104,7 @@ struct Search {
   double strayed = infinity;         ///< from the fixed point, after the passage before
   VectorXd error_rate;               ///< relative errors over the tolerance, as found in the end
   VectorXd inherited;                ///< the same, of certified neighbours; empty: to be found
+  double expected_rate = 0;          ///< about the largest of them; 0: not known
 
   void take(const KnownCycle& advice) {
     fixed_point = advice.fixed_point;
@@ -113,12 +114,19 @@ struct Search {
     slowest = largest_multiplier();
     amplitude = advice.amplitude;
     hinted = slowest < 1;
-    if (hinted) inherited = advice.error_rate;
+    if (!hinted) return;
+    inherited = advice.error_rate;
+    expected_rate = advice.expected_rate;
   }
   /// What can be told of the cycle that was found.
   KnownCycle knowledge(bool errors_are_smooth) const {
-    return {fixed_point,      derivative,        sensitivity,
-            derivative_error, passage.amplitude, errors_are_smooth ? error_rate : VectorXd()};
+    return {fixed_point,
+            derivative,
+            sensitivity,
+            derivative_error,
+            passage.amplitude,
+            errors_are_smooth ? error_rate : VectorXd(),
+            0};
   }
   VectorXd point() const {
     VectorXd z(coordinates.size());
@@ -312,14 +320,20 @@ class Settling final : public PassageQueue {
     if (!search.hinted) return false;
     search.hinted = false;
     search.inherited.resize(0);
+    search.expected_rate = 0;
     return begin(search);
   }
 
   /// At which the errors that neighbours met are small enough.
   static double inheriting_tolerance(const Search& search) {
-    return std::min(first_tolerance(search) / coarser, 0.7 * search.asked / search.inherited.maxCoeff());
+    return std::min(loosest_of_use(search) / coarser, 0.7 * search.asked / search.inherited.maxCoeff());
   }
-  static double first_tolerance(const Search& search) { return std::min(0.5 * coarser * search.asked, loosest); }
+  /// Of the first of two passages that are compared: a ratio coarser than the second may have to be.
+  static double first_tolerance(const Search& search) {
+    const double loosest = loosest_of_use(search);
+    return search.expected_rate > 0 ? std::min(loosest, 0.7 * coarser * search.asked / search.expected_rate) : loosest;
+  }
+  static double loosest_of_use(const Search& search) { return std::min(0.5 * coarser * search.asked, loosest); }
 
   void prepare(Search& search) const {
     search.tolerance = first_tolerance(search);
@@ -337,8 +351,9 @@ class Settling final : public PassageQueue {
       p.amplitude = search.amplitude;
       p.from_section = true;
       p.record = false;
-      if (search.inherited.size() > 0)
-        search.tolerance = std::min(plainer * inheriting_tolerance(search), first_tolerance(search));
+      search.tolerance =
+          std::min(plainer * (search.inherited.size() > 0 ? inheriting_tolerance(search) : first_tolerance(search)),
+                   loosest_of_use(search));
       search.start_at(search.fixed_point);
       return;
     }

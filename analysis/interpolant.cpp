@@ -82,14 +82,15 @@ double NodeValues::at(const NodeWeights& w) const {
 }
 
 double NodeValues::error_at(const NodeWeights& w) const {
-  double sum = 0, largest = 0;
+  double squares = 0, sum = 0, weights = 0;
   for (std::size_t j = 0; j < w.y.size(); ++j)
     for (std::size_t i = 0; i < w.x.size(); ++i) {
-      const double e = error[j * w.x.size() + i], part = w.x[i] * w.y[j] * e;
-      sum += part * part;
-      largest = std::max(largest, e);
+      const double weight = std::abs(w.x[i] * w.y[j]), part = weight * error[j * w.x.size() + i];
+      squares += part * part;
+      sum += part;
+      weights += weight;
     }
-  return std::max(2 * std::sqrt(sum), largest);
+  return std::max(2 * std::sqrt(squares), sum / weights);
 }
 
 Interpolant Interpolant::plain(NodeValues values) {
@@ -110,12 +111,14 @@ Interpolant Interpolant::logarithm(NodeValues values) {
 
 std::optional<Interpolant> Interpolant::root(const std::vector<int>& x, const std::vector<int>& y, NodeValues values,
                                              const Interpolant& helper, double threshold) {
+  // Where hardly anything is left the factor is lost in the helper's error, and better continued too.
+  constexpr double known = 50;  // over the helper's error
   std::vector<double> left;
   for (std::size_t k = 0; k < values.value.size(); ++k) {
-    const double d = left.emplace_back(threshold - helper.nodes_.value[k]);
-    if (!(d > 0)) continue;
-    values.error[k] =
-        values.error[k] / std::sqrt(d) + values.value[k] * helper.nodes_.error[k] / (2 * d * std::sqrt(d));
+    const double d = threshold - helper.nodes_.value[k], helper_error = helper.nodes_.error[k];
+    left.push_back(d > known * helper_error ? d : 0);
+    if (left[k] == 0) continue;
+    values.error[k] = values.error[k] / std::sqrt(d) + values.value[k] * helper_error / (2 * d * std::sqrt(d));
     values.value[k] /= std::sqrt(d);
   }
   const bool begins_within = !std::ranges::all_of(left, [](double d) { return d > 0; });
@@ -140,6 +143,11 @@ double Interpolant::at(const NodeWeights& w) const {
   return v;
 }
 
+void Interpolant::compared_at(const NodeWeights& w) {
+  if (form_ != Form::root) return;
+  if (const double left = threshold_ - helper_->at(w); left > 0) compared_ = std::min(compared_, left);
+}
+
 double Interpolant::error_at(const NodeWeights& w) const {
   const double e = nodes_.error_at(w);
   switch (form_) {
@@ -149,7 +157,8 @@ double Interpolant::error_at(const NodeWeights& w) const {
       return e * at(w);
     case Form::root: {
       const double h = helper_->at(w), left = threshold_ - h;
-      const double helper_error = helper_->error_at(w) + helper_->shown * std::max(1.0, std::abs(h));
+      const double unseen = left < compared_ ? helper_->shown * std::max(1.0, std::abs(h)) : 0;
+      const double helper_error = helper_->error_at(w) + unseen;
       const auto off = [&](double other) { return std::abs(root_of(other) - root_of(left)); };
       return root_of(left) * e + std::abs(nodes_.at(w)) * std::max(off(left + helper_error), off(left - helper_error));
     }

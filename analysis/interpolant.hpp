@@ -1,5 +1,6 @@
 /// A quantity on the nodes of a rectangle of pixels, interpolated in the form that suits it.
 #pragma once
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -38,6 +39,9 @@ class Interpolant {
   double error_at(const NodeWeights&) const;
   /// The error of the polynomial itself, as found, over the larger one of 1 and the value; of helpers.
   double shown = 0;
+  /// Notes a place where it has been compared with what it stands for. That shows what the helper's polynomial is wrong
+  /// by as well, where no more is left before the threshold.
+  void compared_at(const NodeWeights&);
   const NodeValues& nodes() const { return nodes_; }
 
  private:
@@ -46,6 +50,7 @@ class Interpolant {
   NodeValues nodes_;
   const Interpolant* helper_ = nullptr;
   double threshold_ = 0;
+  double compared_ = std::numeric_limits<double>::infinity();  ///< least that was left where it was compared
 };
 
 }  // namespace rosin::analysis

@@ -103,6 +103,7 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
   const int halvings = (points_[point].phase + 1) / 2;
   const bool found_anew = halvings % 3 == 1;
   if (found_anew) advice.error_rate.resize(0);
+  advice.expected_rate = 0;
   double sum = 0;
   for (const auto& [weight, cycle, near] : advisers) {
     if (cycle->fixed_point.size() != advice.fixed_point.size()) return std::nullopt;  // of another kind
@@ -112,6 +113,8 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
     advice.amplitude = std::min(advice.amplitude, cycle->amplitude);
     if (near && cycle->error_rate.size() == 0) advice.error_rate.resize(0);
     if (near && advice.error_rate.size() > 0) advice.error_rate = advice.error_rate.cwiseMax(cycle->error_rate);
+    if (near && cycle->error_rate.size() > 0)
+      advice.expected_rate = std::max(advice.expected_rate, cycle->error_rate.maxCoeff());
     sum += weight;
   }
   advice.fixed_point /= sum;

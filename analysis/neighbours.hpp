@@ -19,6 +19,7 @@ struct KnownCycle {
   double derivative_error = 0;              ///< of the first, guessed
   double amplitude = 1;                     ///< |v − V|/V
   Eigen::VectorXd error_rate;  ///< relative errors of the metrics over the tolerance; empty: not to be told
+  double expected_rate = 0;    ///< about the largest of them, as neighbours had it; 0: not known
 };
 
 class Tile;

@@ -122,7 +122,6 @@ Patch::Geometry Patch::geometry(const Leaf& leaf) const {
   add(g.x[nx / 3], hy.back(), Test::along_y);
   for (const int x : {hx.front(), hx.back()})
     for (const int y : {hy.front(), hy.back()}) add(x, y, Test::amid);
-  add(hx[nx / 2], hy[ny / 2], Test::amid);
   return g;
 }
 
@@ -335,6 +334,7 @@ std::optional<Patch::Fit> Patch::fit(const Geometry& g, const std::vector<HeldOu
   }
   if (!std::isfinite(fit.shown)) return std::nullopt;
   fit.interpolant->shown = fit.shown;
+  for (const auto& test : tests) fit.interpolant->compared_at(test.weights);
   bool same = true, itself = true;
   for (std::size_t k = 0; k < sizes.size(); ++k) {
     same &= sizes[k] == sizes[0];
@@ -397,7 +397,7 @@ bool Patch::fill(const Geometry& g, const std::vector<Fit>& fits, int kind) {
         const std::size_t at = std::size_t(pixel) * all_ + q;
         value_[at] = fits[q].interpolant->at(place);
         const double size = fits[q].size_at(place, value_[at]);
-        error_[at] = fits[q].interpolant->error_at(place) + fits[q].shown * size;
+        error_[at] = std::hypot(fits[q].interpolant->error_at(place), fits[q].shown * size);
         within = error_[at] <= options_.tolerance * size;
       }
       (within ? filled : doubtful).push_back(pixel);

@@ -15,6 +15,19 @@ namespace {
 using Real = long double;  // for its exponents: products of rates leave the range of double
 using Complex = std::complex<Real>;
 
+/// a/b without overflow on the way (R. L. Smith, Commun. ACM 5, 435, 1962); the operator asks after infinities too.
+Complex quotient(Complex a, Complex b) {
+  if (std::abs(b.real()) < std::abs(b.imag())) {  // turned by a quarter
+    a = {a.imag(), -a.real()};
+    b = {b.imag(), -b.real()};
+  }
+  const Real ratio = b.imag() / b.real(), whole = 1 / (b.real() + b.imag() * ratio);
+  return {(a.real() + a.imag() * ratio) * whole, (a.imag() - a.real() * ratio) * whole};
+}
+
+/// |Re x| + |Im x|.
+Real size_of(Complex x) { return std::abs(x.real()) + std::abs(x.imag()); }
+
 /// Coefficients of a polynomial in s, and the sum of the magnitudes that each was summed from.
 struct Polynomial {
   std::vector<Real> value, size;
@@ -100,7 +113,7 @@ Complex newton_correction(const std::vector<Real>& a, Complex x) {
   const int degree = int(a.size()) - 1;
   Complex p = a[degree], d = 0;
   for (int k = degree - 1; k >= 0; --k) d = d * x + p, p = p * x + a[k];
-  return p / d;
+  return quotient(p, d);
 }
 
 }  // namespace
@@ -142,10 +155,10 @@ CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::
       Complex repulsion = 0;
       for (std::size_t j = 0; j < x.size(); ++j)
         if (const Complex apart = x[i] - x[j]; j != i) repulsion += std::conj(apart) / std::norm(apart);
-      const Complex step = newton / (Complex(1) - newton * repulsion);
+      const Complex step = quotient(newton, Complex(1) - newton * repulsion);
       if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) continue;
       x[i] -= step;
-      largest = std::max(largest, std::abs(step) / std::max(std::abs(x[i]), Real(1e-4000L)));
+      largest = std::max(largest, size_of(step) / std::max(size_of(x[i]), Real(1e-4000L)));
     }
     if (largest < Real(1e-18L)) break;
   }
@@ -161,11 +174,16 @@ CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::
     Real change = 0, error = 0, real_error = 0;
     // Coefficients that vanish, which the roots at nought or infinity are owed to, may be of the size of their
     // rounding.
-    Complex power = std::pow(root, -int(zeros));
-    for (std::size_t k = 0; k <= n; ++k, power *= root) {
-      change += entry_rounding * p.size[k] * std::abs(power);
-      error += entry_rounding * p.size[k] * std::abs(power / slope);
-      real_error += entry_rounding * p.size[k] * std::abs((power / slope).real());
+    const Complex by_slope = quotient(1, slope);
+    const Real size = std::abs(root), steepness = std::abs(by_slope);
+    Complex power = 1;
+    for (std::size_t z = 0; z < zeros; ++z) power = quotient(power, root);
+    Real power_size = std::abs(power);
+    for (std::size_t k = 0; k <= n; ++k, power *= root, power_size *= size) {
+      const Real off = entry_rounding * p.size[k];
+      change += off * power_size;
+      error += off * power_size * steepness;
+      real_error += off * std::abs((power * by_slope).real());
     }
     const Real most = 2 * std::sqrt(change / std::abs(bend));
     roots.values.emplace_back(double(root.real()), double(root.imag()));
