@@ -483,19 +483,30 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   if (!coarse.found && coarse.outcome.complete() && remembers(model) && !coarse.reversed.empty()) {
     reversed = coarse.reversed;
     coarse = period_now();
-    if (coarse.found) {
+    // True if friction changes the swings by rounding only. Steps may pass over short reversals, and so tell nothing of
+    // friction that is felt there.
+    const auto swings_freely = [&] {
+      constexpr double rounding = 1e-9, hardly_felt = 1e-9, clearly = 1e-3;
       const auto multipliers =
           OnsetMap(model, 1e-10, options.stick_threshold, Onset::reversed, coarse.slips).multipliers(coarse.onset);
       if (!multipliers.empty()) attraction = 1 - std::abs(multipliers.front());
-      // Steps may pass over short reversals, and so tell nothing of friction that is felt there.
-      constexpr double rounding = 1e-11, hardly_felt = 1e-9, clearly = 1e-3;
-      if (std::abs(attraction) < rounding &&
-          (friction_felt < hardly_felt || coarse.metrics.slip_rate_min < -clearly * V)) {
+      return std::abs(attraction) < rounding &&
+             (friction_felt < hardly_felt || coarse.metrics.slip_rate_min < -clearly * V);
+    };
+    if (coarse.found) {
+      double notice = friction_felt;
+      bool freely = swings_freely();
+      if (freely && friction_felt < 1) {  // as steps have it that take no notice of friction
+        ask_more(friction_felt);
+        notice = 1;
+        freely = coarse.found && swings_freely();
+      }
+      if (freely) {
         cycle.outcome = {Ending::none_exists,
                          "friction changes swings in which slip reverses by no more than rounding"};
         return cycle;
       }
-      ask_more(attraction * friction_felt);
+      if (coarse.found) ask_more(attraction * notice);
     }
   }
   const auto sliding = stability(model);

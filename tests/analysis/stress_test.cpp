@@ -2090,3 +2090,28 @@ TEST_CASE("a cycle that passages hardly lead to is known no better than the way 
     CHECK(std::abs(loose.metrics.*metric.member - tight.metrics.*metric.member) <=
           loose.error.*metric.member + tight.error.*metric.member);
 }
+
+TEST_CASE("swings in which slip reverses are led to rest by friction that steps take no notice of",
+          "[stress][cycle][long]") {
+  // Friction is 5e-8 of the spring's force. Where slip no longer reverses it does not change with the slip rate, and
+  // leaves the swing alone: that which just comes to rest has v = V (1 - cos wt).
+  const double m = 0.00013447213394003591, k = 96.624446295924727, V = 2773.8069725990181;
+  auto model = slider_under("thermal-disc",
+                            {0.26091378745986415, 0.16596495975186001, 0.071071063247849758, 0.80814181926904749,
+                             0.032231128578027034, 0.0097835898774557752, 0.0052250075209465674, 0.0068165605335758876,
+                             1.0, 3.3552194096761646e-05, 1.3813902676708891},
+                            {m, k, 0}, V, 1.5388700944759964e-05);
+  model.lambda = 2675.3956736275122;
+  const auto cycle = find_cycle(model, {.tolerance = 1e-6, .multipliers = false});
+  REQUIRE(cycle.outcome.complete());
+  CHECK(std::abs(cycle.metrics.period - 2 * std::numbers::pi * std::sqrt(m / k)) <= cycle.error.period);
+  CHECK(std::abs(cycle.metrics.slip_rate_max - 2 * V) <= cycle.error.slip_rate_max);
+}
+
+TEST_CASE("free swings of a contact without friction in slip are no cycle at any tolerance", "[stress][cycle]") {
+  auto model = slider_under("kato-growth", {0.35, 0.45, 0.1, 0.5, 1e-200}, {0.32858242574280627, 164747.27404274582, 0},
+                            0.0001251020727228021, 4.1978679795693745);
+  model.lambda = 1;
+  for (const double tolerance : {1e-6, 1e-7, 1e-9})
+    CHECK(find_cycle(model, {.tolerance = tolerance}).outcome.ending == Ending::none_exists);
+}
