@@ -247,6 +247,7 @@ class Workshop {
   void collect(Piece& piece, FinishedPoints& finished) const {
     const auto& f = piece.frame;
     const int right = f.own_right ? f.x1 : f.x1 - 1, top = f.own_top ? f.y1 : f.y1 - 1;
+    finished.reserve(finished.size() + std::size_t(right - f.x0 + 1) * (top - f.y0 + 1));
     for (int iy = f.y0; iy <= top; ++iy)
       for (int ix = f.x0; ix <= right; ++ix) {
         const int pixel = (iy - f.y0) * piece.width() + (ix - f.x0);

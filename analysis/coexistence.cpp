@@ -383,19 +383,23 @@ CoexistenceSearch::Border CoexistenceSearch::border(const Model& model) {
   return known_.emplace(key, border).first->second;
 }
 
-Coexistence CoexistenceSearch::ask(const Model& model, const Stability& sliding) {
+Coexistence CoexistenceSearch::ask(const Model& model) {
   using enum Coexistence::Answer;
   const auto& law = *model.law;
   const double V = model.drive.speed.level(), N = model.drive.normal_load.level();
   if (N == 0) return {none, "no load, no friction"};
   if (law.set_valued()) return {possible, "the law is set-valued at rest: stick may coexist with sliding"};
-  if (!weakens_somewhere(law, N)) return {none, "friction strengthens with slip rate everywhere"};
-  if (law.steady_friction({V, N}).slope * V >= 0) return {possible, "the drive lies outside the weakening branch"};
-  constexpr double slowly = 1e-3;
-  const auto leading = sliding.eigenvalues.empty() ? 0.0 : sliding.eigenvalues.front();
-  if (parameter_.empty() && -leading.real() > slowly * std::abs(leading.imag()))
-    return {possible,
-            "motion dies out soon, and whether all does is seen sooner than the border of stability is found"};
+  const bool weakens = law.steady_friction({V, N}).slope * V < 0;
+  if (!weakens && !weakens_somewhere(law, N)) return {none, "friction strengthens with slip rate everywhere"};
+  if (!weakens) return {possible, "the drive lies outside the weakening branch"};
+  if (parameter_.empty()) {
+    constexpr double slowly = 1e-3;
+    const auto eigenvalues = stability(model).eigenvalues;
+    const auto leading = eigenvalues.empty() ? 0.0 : eigenvalues.front();
+    if (-leading.real() > slowly * std::abs(leading.imag()))
+      return {possible,
+              "motion dies out soon, and whether all does is seen sooner than the border of stability is found"};
+  }
   const Border found = border(model);
   if (found.hopf_load <= N) return {possible, "no Hopf point above this load"};
   if (!found.subcritical) return {none, "the border of stability is supercritical"};

@@ -64,8 +64,8 @@ class CoexistenceSearch {
   /// For points that differ in normal load and in `parameter`. Takes folds from a line that was traced, where it
   /// reaches, instead of searching for each.
   CoexistenceSearch(std::string parameter, FoldLine line) : parameter_(std::move(parameter)), line_(std::move(line)) {}
-  /// `sliding`: of this model, stable.
-  Coexistence ask(const Model& model, const Stability& sliding);
+  /// Of a model whose steady sliding is stable.
+  Coexistence ask(const Model& model);
 
  private:
   struct Border {

@@ -120,13 +120,8 @@ struct Search {
   }
   /// What can be told of the cycle that was found.
   KnownCycle knowledge(bool errors_are_smooth) const {
-    return {fixed_point,
-            derivative,
-            sensitivity,
-            derivative_error,
-            passage.amplitude,
-            errors_are_smooth ? error_rate : VectorXd(),
-            0};
+    const VectorXd told = errors_are_smooth ? error_rate : VectorXd();
+    return {fixed_point, derivative, sensitivity, derivative_error, passage.amplitude, told, 0};
   }
   VectorXd point() const {
     VectorXd z(coordinates.size());
@@ -328,10 +323,10 @@ class Settling final : public PassageQueue {
   static double inheriting_tolerance(const Search& search) {
     return std::min(loosest_of_use(search) / coarser, 0.7 * search.asked / search.inherited.maxCoeff());
   }
-  /// Of the first of two passages that are compared: a ratio coarser than the second may have to be.
+  /// Of the first of two passages that are compared, the second of which may then meet what neighbours met.
   static double first_tolerance(const Search& search) {
-    const double loosest = loosest_of_use(search);
-    return search.expected_rate > 0 ? std::min(loosest, 0.7 * coarser * search.asked / search.expected_rate) : loosest;
+    const double usual = loosest_of_use(search);
+    return search.expected_rate > 0 ? std::min(usual, 0.7 * coarser * search.asked / search.expected_rate) : usual;
   }
   static double loosest_of_use(const Search& search) { return std::min(0.5 * coarser * search.asked, loosest); }
 

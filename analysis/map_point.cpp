@@ -10,11 +10,13 @@
 namespace rosin::analysis {
 
 Verdict judge(const Model& model, CoexistenceSearch& coexistence) {
-  if (surely_unstable(model)) return Verdict::look_for_cycle;
-  const Stability sliding = stability(model);
-  if (!sliding.stable && !sliding.marginal) return Verdict::look_for_cycle;
-  return coexistence.ask(model, sliding).answer == Coexistence::Answer::none ? Verdict::stable
-                                                                             : Verdict::look_beside_steady;
+  const auto unstable = [&] {
+    if (const auto stable = surely_stable(model)) return !*stable;
+    const Stability sliding = stability(model);
+    return !sliding.stable && !sliding.marginal;
+  };
+  if (unstable()) return Verdict::look_for_cycle;
+  return coexistence.ask(model).answer == Coexistence::Answer::none ? Verdict::stable : Verdict::look_beside_steady;
 }
 
 MapPoint undecided_point() {

@@ -107,7 +107,7 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
     VectorXd step = map.difference(passage.end, point.y);
     if (leads) step = scale.asDiagonal() * lu.solve(scale.cwiseInverse().asDiagonal() * step);
     // What is not led there comes nearer by the part that a passage forgets.
-    const double length = map.length(step) / (leads ? 1 : attraction(point, map));
+    const double length = map.length(step) / (leads ? 1 : std::max(attraction(point, map), 1e-14));
     if (!std::isfinite(length)) break;
     if (length > 0.5 * result.closure) {
       // The derivative is that of the point that was first found, and where slip only just reverses it changes soon.

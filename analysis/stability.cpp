@@ -293,16 +293,17 @@ std::optional<CriticalLoad> critical_load(const Model& model) {
   return CriticalLoad{N, omega};
 }
 
-bool surely_unstable(const Model& model) {
+std::optional<bool> surely_stable(const Model& model) {
   const auto law = undamped_single_state(model);
-  if (!law || model.contact_stiffness.present()) return false;
+  if (!law || model.contact_stiffness.present()) return std::nullopt;
   // Routh's condition is k − m ω_c² > −g N μ_ss'.
   const double omega_squared = -law->g * law->g * law->slope / law->direct;
   const double inertia = model.slider.mass * omega_squared,
                pull = -law->g * model.drive.normal_load.level() * law->slope;
   constexpr double surely = 1e-6, rounding = 1e-9;
-  return law->g > 0 && law->direct > 0 && law->slope < -rounding * law->direct &&
-         model.slider.stiffness < (1 - surely) * (inertia + pull);
+  if (!(law->g > 0 && law->direct > 0 && law->slope < -rounding * law->direct)) return std::nullopt;
+  const double excess = model.slider.stiffness / (inertia + pull) - 1;
+  return std::abs(excess) > surely ? std::optional(excess > 0) : std::nullopt;
 }
 
 namespace {

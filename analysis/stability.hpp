@@ -69,7 +69,7 @@ struct CriticalLoad {
 std::optional<CriticalLoad> critical_load(const Model&);
 /// True where that decides: where there is no critical load, there is no Hopf point in load.
 bool critical_load_is_closed(const Model&);
-/// True where the closed form shows, beyond rounding, that steady sliding is unstable.
-bool surely_unstable(const Model&);
+/// Whether steady sliding is stable, where the closed form shows that beyond rounding.
+std::optional<bool> surely_stable(const Model&);
 
 }  // namespace rosin::analysis

@@ -43,10 +43,12 @@ Polynomial expand(std::span<const double> J, std::span<const double> mass, std::
     order[i] = i;
     entries[i] = n - std::size_t(std::ranges::count(J.subspan(i * n, n), 0.0));
   }
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return entries[i]; });
+  std::ranges::sort(order, {}, [&](std::size_t i) { return std::pair(entries[i], i); });
   constexpr std::uint32_t none = -1;
   std::vector<std::uint32_t> place(choices, none);  // of each choice among the minors
   std::vector<Real> value(terms, 0), size(terms, 0);
+  if (constexpr std::size_t few = 6; n <= few)
+    for (auto* numbers : {&value, &size}) numbers->reserve(choices * terms);
   place[0] = 0;
   value[0] = size[0] = 1;
   for (std::size_t columns = 0; columns + 1 < choices; ++columns) {
@@ -87,13 +89,13 @@ Polynomial expand(std::span<const double> J, std::span<const double> mass, std::
 std::vector<Complex> starts(const std::vector<Real>& a) {
   const int degree = int(a.size()) - 1;
   std::vector<int> hull;
+  std::vector<Real> log(a.size());
   for (int k = 0; k <= degree; ++k) {
     if (a[k] == 0) continue;
+    log[k] = std::log(std::abs(a[k]));
     while (hull.size() >= 2) {
       const int i = hull[hull.size() - 2], j = hull.back();
-      const Real slope_ij = (std::log(std::abs(a[j])) - std::log(std::abs(a[i]))) / (j - i);
-      const Real slope_jk = (std::log(std::abs(a[k])) - std::log(std::abs(a[j]))) / (k - j);
-      if (slope_jk < slope_ij) break;
+      if ((log[k] - log[j]) / (k - j) < (log[j] - log[i]) / (j - i)) break;
       hull.pop_back();
     }
     hull.push_back(k);
@@ -101,7 +103,7 @@ std::vector<Complex> starts(const std::vector<Real>& a) {
   std::vector<Complex> points;
   for (std::size_t e = 0; e + 1 < hull.size(); ++e) {
     const int count = hull[e + 1] - hull[e];
-    const Real radius = std::exp((std::log(std::abs(a[hull[e]])) - std::log(std::abs(a[hull[e + 1]]))) / count);
+    const Real radius = std::exp((log[hull[e]] - log[hull[e + 1]]) / count);
     for (int i = 0; i < count; ++i)
       points.push_back(std::polar(radius, 2 * std::numbers::pi_v<Real> * i / count + Real(0.7) * (e + 1)));
   }
