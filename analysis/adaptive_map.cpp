@@ -313,7 +313,7 @@ void compute_adaptively(const Model& model, const MapOptions& options, Coexisten
   // Borders are foretold, but not how finely the rest is divided: as the order of the polynomials has it, along both
   // axes.
   const int degree = Patch::degree(options.tolerance);
-  const double usual = (degree > 4 ? 0.95 : 1.4) * std::pow(1e-3 / options.tolerance, 2.0 / (degree + 1));
+  const double usual = (degree > 4 ? 0.95 : 1.1) * std::pow(1e-3 / options.tolerance, 2.0 / (degree + 1));
   work_in_groups(jobs, together, options.threads, usual, stop, finish,
                  [&](const std::vector<const Job<Plot>*>& group, const auto& advanced) {
                    Workshop(model, options, coexistence, stop).compute(group, advanced, [&](FinishedPoints& finished) {
