@@ -28,7 +28,8 @@ struct Refined {
   double closure;  ///< remaining change of the section point, in scales
   std::vector<CyclePoint> orbit;
   Outcome outcome;
-  Metrics passed_over = {};  ///< what oscillations that steps passed over would change
+  Metrics passed_over = {};      ///< what oscillations that steps passed over would change
+  std::vector<double> led = {};  ///< s, how long each passage took that led to a swing which friction leaves alone
 };
 /// What oscillations of the unknowns, so large, change of metrics; of the loop only as a slow one would.
 Metrics changed_by(const std::vector<double>& ringing, const SliderSystem& system, const Metrics& metrics) {
@@ -148,17 +149,32 @@ Refined refine_swing(ReturnMap& map, FixedPoint& point, double tolerance, const 
 /// The same of a swing that friction all but leaves alone: it is what the start made it.
 Refined refine_free(ReturnMap& map, FixedPoint& point, double tolerance, const CycleOptions& options, bool keep_orbit) {
   auto y = point.free->start;
+  std::vector<double> led;
   for (int k = 0; k < point.free->passages; ++k) {
     const auto passage = map.follow(y, tolerance, 1, k > 0, false, nullptr, dip_of(point.amplitude));
     if (!passage.outcome.complete()) return {{}, infinity, {}, passage.outcome};
     y = passage.end;
+    led.push_back(passage.duration);
   }
   const auto swing = slow_swing_from(map, y, tolerance);
   if (!swing) return {{}, infinity, {}, {Ending::budget_spent, "the swing does not come round in one turn"}};
   point.y = swing->y;
   Refined result = record(map, point, tolerance, options, keep_orbit);
   result.closure = 0;
+  result.led = std::move(led);
   return result;
+}
+
+/// The largest difference between the passages that led to such a swing at two tolerances, as part of their time: where
+/// a start is about to slip, errors of steps may decide whether it does or heals. Nought if they are the same ones.
+double led_astray(const std::vector<double>& a, const std::vector<double>& b) {
+  constexpr double same = 1e-2;
+  double largest = 0, time = 0;
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
+    largest = std::max(largest, std::abs(a[k] - b[k]));
+    time += std::max(a[k], b[k]);
+  }
+  return largest > same * time ? largest / time : 0;
 }
 
 /// What the last digits of the forces leave of the slip rate of a slider on a contact spring, where damping and not
@@ -301,7 +317,8 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     const double rounding = std::max(1e-14, last_digits(map, point.y));
     const double forgetting = rounding / (point.swing ? 1 : std::max(attraction(point, map), 1e-14));
     const double size = map.distance(point.y, map.system().steady(0));
-    const double closure = (fine.closure + forgetting) * std::max(1.0, std::min(1.0, point.amplitude) / size);
+    const double closure = (fine.closure + forgetting) * std::max(1.0, std::min(1.0, point.amplitude) / size) +
+                           led_astray(coarse.led, fine.led);
     double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), closure, V,
                                      stick_is_ill_conditioned, error, worst);
     const auto beside = [&](const Metrics& errors) {
