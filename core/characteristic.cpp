@@ -189,9 +189,10 @@ CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::
     }
     const Real most = 2 * std::sqrt(change / std::abs(bend));
     roots.values.emplace_back(double(root.real()), double(root.imag()));
-    roots.errors.push_back(double(std::min(error, most)));
+    // At a double root the slope may vanish, and what is divided by it is NaN: min() keeps its first argument then.
+    roots.errors.push_back(double(std::min(most, error)));
     real_error += Real(1e-18L) * std::abs(root);  // of the iteration
-    roots.real_errors.push_back(double(std::min(real_error, most)));
+    roots.real_errors.push_back(double(std::min(most, real_error)));
   }
   // Complex roots come in pairs: what is real within rounding is real.
   for (std::size_t i = 0; i < roots.values.size(); ++i)
