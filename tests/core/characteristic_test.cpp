@@ -66,3 +66,15 @@ TEST_CASE("algebraic rows lower the number of eigenvalues", "[characteristic]") 
   CHECK(least == Approx(-2).epsilon(1e-14));
   CHECK(roots.values[0].real() + roots.values[1].real() == Approx(1).epsilon(1e-14));
 }
+
+TEST_CASE("a double root where the slope vanishes is known within its error", "[characteristic]") {
+  const std::vector<double> J{2, 0, 0, 0, 2, 0, 0, 0, -3}, mass{1, 1, 1};
+  const auto roots = characteristic_roots(J, mass);
+  REQUIRE(roots.values.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double exact = roots.values[i].real() > 0 ? 2 : -3;
+    CHECK(std::abs(roots.values[i] - exact) <= roots.errors[i]);
+    CHECK(std::abs(roots.values[i].real() - exact) <= roots.real_errors[i]);
+    CHECK(roots.errors[i] < 1e-5);
+  }
+}
