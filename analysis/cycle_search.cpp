@@ -127,7 +127,13 @@ std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, 
       if (neighbour.outcome.complete() && neighbour.duration < 0.5 * passage.duration)  // it began beside the section
         neighbour = map.follow(neighbour.end, loose, turns, true, false, nullptr, dip);
       if (!neighbour.outcome.complete()) return std::nullopt;
-      const VectorXd led = map.difference(neighbour.end, passage.end) / step[k];
+      VectorXd led = map.difference(neighbour.end, passage.end) / step[k];
+      // A passage more or less leads to another place of the same cycle.
+      for (int more = 0; more < turns && map.length(led) * std::abs(step[k]) > share; ++more) {
+        neighbour = map.follow(neighbour.end, loose, 1, true, false, nullptr, dip);
+        if (!neighbour.outcome.complete()) return std::nullopt;
+        led = map.difference(neighbour.end, passage.end) / step[k];
+      }
       if (map.length(led) > map.length(point.derivative.col(k))) point.derivative.col(k) = led;
     }
   return point;
@@ -226,6 +232,8 @@ class Leaps {
     steady_ = known && change_.size() && change.norm() < slow * size && change.norm() > 0 &&
               (change - change_).norm() < same * change.norm();
     pace_ = known ? change.norm() / size : infinity;
+    constexpr double die_out = 0.3;
+    dies_out_ = known && change_.size() && change.norm() <= die_out * change_.norm();
     // Ringing that decays until slip sticks, and begins anew after the next: a period of many passages.
     if (passages_ > 0 && known && pace_ > jump) useless_ = true;
     if (known) change_ = change;
@@ -236,7 +244,7 @@ class Leaps {
   /// Change in one passage as a part of the size; infinite where not known.
   double pace() const { return pace_; }
   /// Between leaps, as long as the changes do not die out: no cycle is near.
-  bool under_way() const { return passages_ > 0 && remaining_ > 0.3 && !useless_ && leaps_ < most_leaps; }
+  bool under_way() const { return passages_ > 0 && remaining_ > 0.3 && !dies_out_ && !useless_ && leaps_ < most_leaps; }
 
   /// The point so many passages ahead.
   std::vector<double> ahead() {
@@ -271,7 +279,7 @@ class Leaps {
   std::vector<double> last_, from_;  ///< of the last passage; where the last leap began
   VectorXd change_, before_;         ///< in the last passage, in the one before the last leap; in scales
   double size_ = 0, pace_ = infinity, passages_ = 0, remaining_ = 1;
-  bool steady_ = false, useless_ = false;
+  bool steady_ = false, useless_ = false, dies_out_ = false;
   int leaps_ = 0;
 };
 

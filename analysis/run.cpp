@@ -289,8 +289,9 @@ class Pass {
       if (solver_ == "cvode")  // which moves slip by what is left of the balance, and so rings too
         slip_rate_follows_ =
             std::max(slip_rate_follows_, (digit * largest + lost) / std::max({damping, swing, inertia}));
-      else if (damping > swing)
-        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / std::max(damping, inertia));
+      else if (damping > swing ||
+               options_.start.kind == Start::Kind::steady)  // forces that balance to their last digits
+        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / std::max({damping, swing, inertia}));
     }
     const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
                              seen.friction_coefficient};

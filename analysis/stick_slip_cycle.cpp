@@ -100,8 +100,13 @@ class OnsetMap {
           closest = change = infinity;
           continue;
         }
-        period.closure +=
+        const double open =
             settled ? std::max(now, size_of_step(onward, z)) : 10 * largest_change(before, period.metrics);
+        constexpr double many = 1e3;  // periods from what repeats itself, or rounding says so
+        if (kind_ == Onset::reversed || (settled && open > many * now))
+          period = closer(std::move(period), z, open, steps, evaluations);
+        else
+          period.closure += open;
         period.steps = steps, period.evaluations = evaluations, period.slips = slips_;
         period.turned = judged_at >= 0;
         return period;
@@ -211,6 +216,27 @@ class OnsetMap {
     constexpr double most = 0.5;
     onward = onward.cwiseMax(-most);
     return VectorXd(onward.cwiseProduct(sizes));
+  }
+  /// What a period hardly forgets, such as a reversal, is far from where it repeats itself although nothing shows in a
+  /// period. From one that begins at z to that, by Newton's method for as long as that halves the way. What is left of
+  /// it counts as open; where neighbouring periods do not return, `open`.
+  StickSlipPeriod closer(StickSlipPeriod period, VectorXd z, double open, long& steps, long& evaluations) const {
+    constexpr double farthest = 0.1, last_digits = 1e-15;
+    double way = infinity;
+    while (const auto turn = newton_step(z, gather(period.onset) - z)) {
+      steps += 2 * z.size() * period.steps;  // about
+      const double left = size_of_step(*turn, z);
+      const bool leads = left < std::min(0.5 * way, farthest);
+      way = std::min(left, way);
+      if (!leads || way < last_digits) break;
+      auto next = period_from(z + *turn);
+      steps += next.steps, evaluations += next.evaluations;
+      if (!next.found) break;
+      z += *turn;
+      period = std::move(next);
+    }
+    period.closure += way < infinity ? way : open;
+    return period;
   }
   /// True if small changes of the last periods have not led away from where they began, as slow ones of one sign do.
   bool go_nowhere(const std::vector<VectorXd>& onsets, const std::vector<VectorXd>& changes) const {
@@ -472,13 +498,19 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   StickSlipPeriod coarse = period_now();
   // What a period forgets of where slip reverses, and the last digits of that.
   double attraction = 1;
-  constexpr double last_digits = 1e-16;
+  constexpr double last_digits = 1e-15;
   // Weak attraction magnifies what steps err in the work of friction, at every tolerance alike; and where friction is
   // weak, steps that follow the motion take little notice of it.
-  const auto ask_more = [&](double share) {
+  const double loose = sharpening.tolerance();
+  const auto ask_for = [&](double share) {
     constexpr double weakest = 1e-8;
-    sharpening = Sharpening(options.tolerance, sharpening.tolerance() * std::clamp(share, weakest, 1.0));
+    sharpening = Sharpening(options.tolerance, loose * std::clamp(share, weakest, 1.0));
     coarse = period_now();
+  };
+  const auto attraction_of = [&](const StickSlipPeriod& period) {
+    const auto multipliers =
+        OnsetMap(model, 1e-10, options.stick_threshold, Onset::reversed, period.slips).multipliers(period.onset);
+    return multipliers.empty() ? attraction : 1 - std::abs(multipliers.front());
   };
   if (!coarse.found && coarse.outcome.complete() && remembers(model) && !coarse.reversed.empty()) {
     reversed = coarse.reversed;
@@ -487,26 +519,22 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     // friction that is felt there.
     const auto swings_freely = [&] {
       constexpr double rounding = 1e-9, hardly_felt = 1e-9, clearly = 1e-3;
-      const auto multipliers =
-          OnsetMap(model, 1e-10, options.stick_threshold, Onset::reversed, coarse.slips).multipliers(coarse.onset);
-      if (!multipliers.empty()) attraction = 1 - std::abs(multipliers.front());
+      if (!coarse.found) return false;
+      attraction = attraction_of(coarse);
       return std::abs(attraction) < rounding &&
              (friction_felt < hardly_felt || coarse.metrics.slip_rate_min < -clearly * V);
     };
-    if (coarse.found) {
-      double notice = friction_felt;
-      bool freely = swings_freely();
-      if (freely && friction_felt < 1) {  // as steps have it that take no notice of friction
-        ask_more(friction_felt);
-        notice = 1;
-        freely = coarse.found && swings_freely();
-      }
-      if (freely) {
-        cycle.outcome = {Ending::none_exists,
-                         "friction changes swings in which slip reverses by no more than rounding"};
-        return cycle;
-      }
-      if (coarse.found) ask_more(attraction * notice);
+    bool freely = swings_freely();
+    // Steps that take no notice of friction may have swings free, or may have them only just reverse, which attracts.
+    if (coarse.found && !(freely && friction_felt == 1)) {
+      const double share = freely ? friction_felt : attraction * friction_felt;
+      ask_for(share);
+      freely = swings_freely();
+      if (const double closer = attraction * friction_felt; coarse.found && !freely && closer < share) ask_for(closer);
+    }
+    if (freely) {
+      cycle.outcome = {Ending::none_exists, "friction changes swings in which slip reverses by no more than rounding"};
+      return cycle;
     }
   }
   const auto sliding = stability(model);
@@ -515,7 +543,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     coarse = period_now();
     if (coarse.found) {
       const double swing = coarse.onset_displacement - sliding.steady.displacement;
-      ask_more(-slope_of_swing(model, swing, options.stick_threshold));
+      ask_for(-slope_of_swing(model, swing, options.stick_threshold));
     }
   }
   std::string worst;
@@ -529,6 +557,10 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
   const double caution = kinks || !reversed.empty() ? 10 : 1;
   while (sharpening.next()) {
     StickSlipPeriod fine = coarse.found ? period_now() : coarse;
+    // Many periods from rest, each at no small cost, need not be gone through again.
+    if (coarse.found && sticks && reversed.empty() && fine.outcome.ending == Ending::budget_spent)
+      fine = OnsetMap(model, sharpening.tolerance(), options.stick_threshold, Onset::held, coarse.slips)
+                 .cycle(&coarse.onset);
     if (coarse.found && sharpening.ease(fine.outcome)) fine = period_now();
     cycle.cost.steps += fine.steps + coarse.steps;
     cycle.cost.evaluations += fine.evaluations + coarse.evaluations;
@@ -551,6 +583,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
         cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;
     }
+    if (!reversed.empty()) attraction = attraction_of(fine);
     const double closure = fine.closure + last_digits / std::max(std::abs(attraction), last_digits);
     double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), closure, V, false,
                                      cycle.error, worst, caution);

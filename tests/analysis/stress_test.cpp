@@ -2128,3 +2128,114 @@ TEST_CASE("a free swing is that of the start, not of what steps make of it", "[s
   CHECK(std::abs(loose.metrics.slip_rate_max - tight.metrics.slip_rate_max) <=
         loose.error.slip_rate_max + tight.error.slip_rate_max);
 }
+
+namespace {
+/// Work of slip-distance friction per turn and radian of a free swing v = V (1 + a cos τ), a > 1, over the load:
+/// against the swing where positive. Friction begins anew at both reversals, where cos τ = −1/a.
+double work_against_swing(double a, double mu_s, double mu_d, double d_c, double slip_per_radian) {
+  const double half = std::acos(1 / a), pi = std::numbers::pi;
+  double work = 4 * mu_d * std::sin(half);
+  const auto add = [&](double sign, double from, double to) {
+    const auto slipped = [&](double tau) {
+      return slip_per_radian * std::abs(tau - from + a * (std::sin(tau) - std::sin(from)));
+    };
+    double low = from, high = to;
+    if (slipped(to) < d_c) low = to;
+    while (high - low > 1e-14 * high) {
+      const double middle = 0.5 * (low + high);
+      (slipped(middle) < d_c ? low : high) = middle;
+    }
+    constexpr int intervals = 4000;  // Simpson's rule
+    const double width = (low - from) / intervals;
+    for (int i = 0; i <= intervals; ++i) {
+      const double tau = from + i * width, weight = i == 0 || i == intervals ? 1 : 2 + 2 * (i % 2);
+      work += sign * (mu_s - mu_d) * (1 - slipped(tau) / d_c) * std::cos(tau) * weight * width / 3;
+    }
+  };
+  add(1, pi + half, 3 * pi - half);
+  add(-1, pi - half, pi + half);
+  return work;
+}
+}  // namespace
+
+TEST_CASE("swings that friction hardly moves are balanced where its work vanishes, at every tolerance",
+          "[stress][cycle]") {
+  // Friction is 5e-10 and 9e-11 of the spring's force, and a turn forgets 4e-9 and 2e-9 of where slip reverses.
+  struct Case {
+    double mu_s, mu_d, d_c, lambda, mass, stiffness, V, load;
+  };
+  for (const auto& [mu_s, mu_d, d_c, lambda, m, k, V, N] :
+       {Case{1.1899353156176604, 4.9406564584124654e-324, 0.39559593774916224, 0.4095671631875813, 1e12,
+             1611247.7410890737, 0.00031184383746229744, 0.00018699644097269774},
+        Case{0.52944757797456554, 0.19124811316535056, 0.030612569390573559, 86.538302972926715, 145409.67936046192,
+             3018.6152275490904, 5.6872197878911113, 1.1163288327273759e-05}}) {
+    auto model = slider_under("slip-distance", {mu_s, mu_d, d_c}, {m, k, 0}, V, N);
+    model.lambda = lambda;
+    double low = 1 + 1e-9, high = 1.5;
+    while (high - low > 1e-15) {
+      const double middle = 0.5 * (low + high);
+      if (middle == low || middle == high) break;
+      (work_against_swing(middle, mu_s, mu_d, d_c, V / (std::sqrt(k / m) * lambda)) < 0 ? low : high) = middle;
+    }
+    for (const double tolerance : {1e-5, 1e-6, 1e-9}) {
+      const auto cycle = find_cycle(model, {.tolerance = tolerance});
+      REQUIRE(cycle.metrics.period > 0);
+      CHECK(std::abs(cycle.metrics.slip_rate_max - V * (1 + low)) <= cycle.error.slip_rate_max);
+      CHECK(cycle.error.slip_rate_max < 1e-5 * V);
+    }
+  }
+}
+
+TEST_CASE("an integrated run from steady sliding knows slip no better than the last digits of its balance",
+          "[stress]") {
+  // 5796 N, whose last digit over sqrt(km) = 5e-11 N s/m is half of the drive's speed.
+  const double V = 0.046512422547403613;
+  auto model =
+      slider_under("spinodal",
+                   {0.34252181459192166, 0.011534989047905803, 0.035408422030299321, 6.1957972251636705e-07,
+                    7.1996799738393118e-07, 0.00011829454194202496, 15.49265706263165},
+                   {7.157773879418456e-19, 0.0034094886494622331, 9.8953210581083455e-12}, V, 37471.692793682822);
+  model.lambda = 0.5000232986995039;
+  model.contact_stiffness.tangential = 1.3442400140105328e-07;
+  model.contact_stiffness.damping = 3.5058460106535551e-17;
+  RunOptions options;
+  options.duration = 2.3926980717660679e-06;
+  options.samples = 20;
+  options.start.kind = Start::Kind::steady;
+  options.solver = "collocation";
+  const auto motion = run(model, options);
+  constexpr std::size_t slip_rate = 2;
+  REQUIRE(motion.column_names[slip_rate] == "slip_rate");
+  for (const double v : motion.columns[slip_rate]) CHECK(std::abs(v - V) <= motion.column_error[slip_rate]);
+}
+
+TEST_CASE("what leaps have brought near its cycle is taken for it", "[stress][cycle]") {
+  // Slips at 3e9 V of a slider without mass; and swings at 36 V.
+  auto relaxing = slider_under(
+      "ageing",
+      {0.20201289741844677, 0.017181349334608933, 0.028895348592071386, 1.0015016647899642e-05, 0.00050546699799880305},
+      {0, 89.991264947537189, 0}, 1.1179232107606307e-05, 3.3077265448402328e-06);
+  relaxing.lambda = 4.2592685379634111e-05;
+  auto swinging =
+      slider_under("two-state-ageing", {0.6, 0.01, 0.009, 2e-6, 0.006, 4e-5, 1e-6},
+                   {0.00065190027046416318, 5965949.9311773404, 0}, 0.04971386395427535, 4640.7326765127173);
+  swinging.lambda = 0.13870760706684929;
+  // Four passages of v = V in a period; a neighbour may take one more.
+  auto recoiling =
+      slider_under("slip",
+                   {0.85224280156698728, 0.0060595876111518478, 0.022766072589799638, 5.7332414092098843e-09,
+                    2.4211027085630894e-06},
+                   {0, 24.235023694418011, 3.0817147879659897e-07}, 1.2748398957583448e-05, 0.15587477574312436);
+  recoiling.lambda = 4.4467666817662117e-06;
+  recoiling.contact_stiffness.tangential = 4.5500747083694639;
+  recoiling.contact_stiffness.damping = 0.00039621337334138745;
+  for (const auto& model : {relaxing, swinging, recoiling}) {
+    const auto loose = find_cycle(model, {.tolerance = 1e-6}), tight = find_cycle(model, {.tolerance = 1e-9});
+    REQUIRE(loose.outcome.complete());
+    REQUIRE(tight.metrics.period > 0);
+    CHECK(loose.stable);
+    CHECK(std::abs(loose.metrics.slip_rate_mean - model.drive.speed.level()) <= loose.error.slip_rate_mean);
+    for (const auto member : {&Metrics::period, &Metrics::slip_rate_max, &Metrics::friction_mean})
+      CHECK(std::abs(loose.metrics.*member - tight.metrics.*member) <= loose.error.*member + tight.error.*member);
+  }
+}
