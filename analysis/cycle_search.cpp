@@ -129,7 +129,7 @@ std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, 
       if (!neighbour.outcome.complete()) return std::nullopt;
       VectorXd led = map.difference(neighbour.end, passage.end) / step[k];
       // A passage more or less leads to another place of the same cycle.
-      for (int more = 0; more < turns && map.length(led) * std::abs(step[k]) > share; ++more) {
+      for (int more = 1; more < turns && map.length(led) * std::abs(step[k]) > share; ++more) {
         neighbour = map.follow(neighbour.end, loose, 1, true, false, nullptr, dip);
         if (!neighbour.outcome.complete()) return std::nullopt;
         led = map.difference(neighbour.end, passage.end) / step[k];
