@@ -100,10 +100,12 @@ class OnsetMap {
           closest = change = infinity;
           continue;
         }
-        const double open =
-            settled ? std::max(now, size_of_step(onward, z)) : 10 * largest_change(before, period.metrics);
+        // Metrics may change by more than states do, as stick does that ends the sooner the hotter the contact is.
+        const double changed = largest_change(before, period.metrics);
+        const double times = onsets.size() > 1 ? std::max(changed / size_of_step(z - onsets.end()[-2], z), 1.0) : 1;
+        const double away = std::max(now, size_of_step(onward, z)), open = settled ? times * away : 10 * changed;
         constexpr double many = 1e3;  // periods from what repeats itself, or rounding says so
-        if (kind_ == Onset::reversed || (settled && open > many * now))
+        if (kind_ == Onset::reversed || (settled && away > many * now))
           period = closer(std::move(period), z, open, steps, evaluations);
         else
           period.closure += open;
@@ -222,7 +224,7 @@ class OnsetMap {
   /// it counts as open; where neighbouring periods do not return, `open`.
   StickSlipPeriod closer(StickSlipPeriod period, VectorXd z, double open, long& steps, long& evaluations) const {
     constexpr double farthest = 0.1, last_digits = 1e-15;
-    double way = infinity;
+    double way = infinity, times = 1;  // what is left; and by how much more metrics change
     while (const auto turn = newton_step(z, gather(period.onset) - z)) {
       steps += 2 * z.size() * period.steps;  // about
       const double left = size_of_step(*turn, z);
@@ -232,10 +234,11 @@ class OnsetMap {
       auto next = period_from(z + *turn);
       steps += next.steps, evaluations += next.evaluations;
       if (!next.found) break;
+      times = std::max(times, largest_change(period.metrics, next.metrics) / left);
       z += *turn;
       period = std::move(next);
     }
-    period.closure += way < infinity ? way : open;
+    period.closure += way < infinity ? times * way : open;
     return period;
   }
   /// True if small changes of the last periods have not led away from where they began, as slow ones of one sign do.

@@ -2239,3 +2239,19 @@ TEST_CASE("what leaps have brought near its cycle is taken for it", "[stress][cy
       CHECK(std::abs(loose.metrics.*member - tight.metrics.*member) <= loose.error.*member + tight.error.*member);
   }
 }
+
+TEST_CASE("periods whose stick hangs on a state are known to less than that state", "[stress][cycle]") {
+  // The contact's temperature is known to 4e-9 and friction falls by 0.6 % of itself, so that the period is to 2e-7.
+  auto model = slider_under("thermal", {0.35, 0.4, 0.01, 0.45, 0.1, 5e-7, 0.001, 0.008, 1.0, 1.0},
+                            {0.00056915071524490577, 3773514.4972719392, 30.479707784771406}, 0.0050521294079599322,
+                            915499.52609136305);
+  model.lambda = 16806.295988743172;
+  const auto tight = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(tight.outcome.complete());
+  for (const double tolerance : {1e-5, 1e-6, 1e-7}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance, .multipliers = false});
+    REQUIRE(cycle.outcome.complete());
+    for (const auto member : {&Metrics::period, &Metrics::slip_rate_max, &Metrics::friction_mean})
+      CHECK(std::abs(cycle.metrics.*member - tight.metrics.*member) <= cycle.error.*member + tight.error.*member);
+  }
+}
