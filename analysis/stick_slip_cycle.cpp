@@ -78,9 +78,10 @@ class OnsetMap {
       const Metrics before = period.metrics;
       StickSlipPeriod next = period_from(z);
       steps += next.steps, evaluations += next.evaluations;
-      if (!next.found && (leapt_at >= 0 || k <= judged_at) && strays < most_strays) {
+      if (!next.found && (leapt_at >= 0 || k <= judged_at)) {
         // Beyond where slip comes to rest, to which periods by themselves may never lead.
         go_back(k);
+        if (strays > most_strays) plain_until = most_periods;
         continue;
       }
       period = std::move(next);
@@ -90,7 +91,8 @@ class OnsetMap {
       onsets.push_back(z), changes.push_back(step);
       const VectorXd onward = accelerated(onsets, changes);
       const double known = std::max(tolerance_, 1e-14);  // no state is known better
-      const bool settled = now < 10 * known || (k > 3 && now < 1e3 * known && !(now < 0.5 * change));
+      const bool comes_in_slowly = k > 3 && now < 1e3 * known && !(now < 0.5 * change);
+      const bool settled = now < 10 * known || comes_in_slowly;
       // States that count the time at rest scatter as the times at which slip stops, and what has all but decayed as
       // the rounding of what it came from. Then the metrics of two periods that both do show what is left.
       const bool unshaken = now < 10 * closest;  // by a leap
@@ -105,7 +107,7 @@ class OnsetMap {
         const double times = onsets.size() > 1 ? std::max(changed / size_of_step(z - onsets.end()[-2], z), 1.0) : 1;
         const double away = std::max(now, size_of_step(onward, z)), open = settled ? times * away : 10 * changed;
         constexpr double many = 1e3;  // periods from what repeats itself, or rounding says so
-        if (kind_ == Onset::reversed || (settled && away > many * now))
+        if (kind_ == Onset::reversed || comes_in_slowly || (settled && away > many * now))
           period = closer(std::move(period), z, open, steps, evaluations);
         else
           period.closure += open;
@@ -223,7 +225,7 @@ class OnsetMap {
   /// period. From one that begins at z to that, by Newton's method for as long as that halves the way. What is left of
   /// it counts as open; where neighbouring periods do not return, `open`.
   StickSlipPeriod closer(StickSlipPeriod period, VectorXd z, double open, long& steps, long& evaluations) const {
-    constexpr double farthest = 0.1, last_digits = 1e-15;
+    constexpr double farthest = 0.5, last_digits = 1e-15;
     double way = infinity, times = 1;  // what is left; and by how much more metrics change
     while (const auto turn = newton_step(z, gather(period.onset) - z)) {
       steps += 2 * z.size() * period.steps;  // about

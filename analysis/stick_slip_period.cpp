@@ -97,8 +97,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
   constexpr double last_digits = 8 * std::numeric_limits<double>::epsilon();
   // Slip rate that the last digits of the spring's force make.
-  const double noise = last_digits * s.stiffness * std::abs(sliding.steady.displacement) /
-                       std::max(resistance(model), std::sqrt(s.stiffness * s.mass));
+  const double resists = std::max(resistance(model), std::sqrt(s.stiffness * s.mass));
+  const double noise = last_digits * s.stiffness * std::abs(sliding.steady.displacement) / resists;
   // Friction that falls with the way of slip alone lets slip end just at rest, but for those digits.
   constexpr double touch = 10, of_digits = 0.1, most = 3e-13;
   // Without memory a turn that is not held begins another as wide, or does not, which decides between cycle and none.
@@ -211,11 +211,12 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
         result.landing += std::max(tolerance, 1e-15) * bottom->highest / bottom->deceleration;
       }
       if (!damped && !stop) {
-        // What the highest slip rate has lost in rounding, unless damping made slip forget it, is missing where it just
-        // comes to rest, and makes the moment at which it does doubtful: by the time in which the spring makes up for
-        // it. States that change at rest keep that.
-        constexpr double known = 5e-17, grazing = 100;
-        const double lost = known * bottom->highest;
+        // What the highest slip rate and the spring's force have lost in rounding, unless damping made slip forget it,
+        // is missing where it just comes to rest, and makes the moment at which it does doubtful: by the time in which
+        // the spring makes up for it. States that change at rest keep that.
+        constexpr double known = 5e-17, grazing = 100, half_digit = 0.5 * std::numeric_limits<double>::epsilon();
+        const double of_force = half_digit * s.stiffness * std::abs(solver.state()[0]) / resists;
+        const double lost = known * bottom->highest + of_force;
         result.grazes |= bottom->dip < grazing * tolerance * bottom->highest;
         lowest_dip = std::min(lowest_dip, bottom->dip / bottom->highest);
         if (switched != solvers::Switch::none)
