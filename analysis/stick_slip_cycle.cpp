@@ -104,7 +104,8 @@ class OnsetMap {
         }
         // Metrics may change by more than states do, as stick does that ends the sooner the hotter the contact is.
         const double changed = largest_change(before, period.metrics);
-        const double times = onsets.size() > 1 ? std::max(changed / size_of_step(z - onsets.end()[-2], z), 1.0) : 1;
+        const double moved = onsets.size() > 1 ? size_of_step(z - onsets.end()[-2], z) : infinity;
+        const double times = moved > 0 ? std::max(changed / moved, 1.0) : 1;
         const double away = std::max(now, size_of_step(onward, z)), open = settled ? times * away : 10 * changed;
         constexpr double many = 1e3;  // periods from what repeats itself, or rounding says so
         if (kind_ == Onset::reversed || comes_in_slowly || (settled && away > many * now))
