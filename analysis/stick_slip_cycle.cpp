@@ -596,7 +596,17 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     cycle.error.friction_min += fine.friction;
     if (!reversed.empty()) cycle.error.friction_max += fine.friction;
     const double level = std::max(std::abs(fine.metrics.friction_min), std::abs(fine.metrics.friction_max));
-    if (const double part = fine.friction / level; part > reached) reached = part, worst = "friction_min";
+    double doubtful = fine.friction;
+    if (fine.turns_back > 0 && fine.turns_back < cycle.error.slip_rate_max) {
+      // It may as well rest, under friction of either sign, for as long as the spring takes to make up for the doubt.
+      const auto& slider = model.slider;
+      const double rest = 2 * std::sqrt(2 * cycle.error.slip_rate_max * slider.mass / (slider.stiffness * V));
+      doubtful += 2 * level;
+      cycle.error.friction_min += 2 * level;
+      cycle.error.friction_mean += 2 * level * rest / fine.metrics.period;
+      cycle.error.stick_fraction += rest / fine.metrics.period;
+    }
+    if (const double part = doubtful / level; part > reached) reached = part, worst = "friction_min";
     cycle.metrics = fine.metrics;
     cycle.orbit = fine.orbit;
     cycle.section_displacement = fine.onset_displacement;

@@ -252,7 +252,10 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       result.metrics = recorder.finish(period);
       result.metrics.stick_fraction = stuck / period;
       // Stick is rest; the end of a located slip is rest but for rounding.
-      if (std::abs(result.metrics.slip_rate_min) < 1e-10 * V) result.metrics.slip_rate_min = 0;
+      if (std::abs(result.metrics.slip_rate_min) < 1e-10 * V) {
+        result.turns_back = std::max(-result.metrics.slip_rate_min, 0.0);
+        result.metrics.slip_rate_min = 0;
+      }
       result.orbit = std::move(recorder.orbit);
       result.onset = solver.state();
       result.onset_displacement = result.onset[0];

@@ -40,6 +40,7 @@ struct StickSlipPeriod {
   double rounding = 0;        ///< relative error that rounding of the slip rate makes where it just comes to rest
   double landing = 0;         ///< to which the times at which slip stops are known together (s)
   double friction = 0;        ///< to which friction is known where slip has just come to rest, or reverses
+  double turns_back = 0;      ///< slip rate at which slip reverses (m/s), if by so little that it counts as rest
   double growth = 0;          ///< of a swing that does not stick, by the work of friction (SwingWork)
   long steps = 0, evaluations = 0;
 };

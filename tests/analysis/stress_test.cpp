@@ -2255,3 +2255,22 @@ TEST_CASE("periods whose stick hangs on a state are known to less than that stat
       CHECK(std::abs(cycle.metrics.*member - tight.metrics.*member) <= cycle.error.*member + tight.error.*member);
   }
 }
+
+TEST_CASE("slip that turns back by less than it is known to may as well rest", "[stress][cycle]") {
+  // Friction is 2e-13 of the spring's force: v = V (1 - cos wt), which just comes to rest, and rounding decides whether
+  // it turns back.
+  const double m = 0.20850472277459708, k = 3158768.1927601169, V = 10000;
+  auto model = slider_under(
+      "thermal",
+      {0.78977605942424156, 0.31842234179201606, 368.28772805216681, 1.0425001859625205, 0.31132708774714779,
+       0.0010183321629598579, 34.870545583330596, 9.2512884125802133e-08, 1.0, 4693.3094236256093},
+      {m, k, 0}, V, 1.7609353523968692e-05);
+  model.lambda = 235.92760506071718;
+  model.drive.force = 5.3000376561029529e-06;
+  const auto loose = find_cycle(model, {.tolerance = 1e-6}), tight = find_cycle(model, {.tolerance = 1e-9});
+  REQUIRE(loose.metrics.period > 0);
+  REQUIRE(tight.metrics.period > 0);
+  CHECK(std::abs(loose.metrics.period - 2 * std::numbers::pi * std::sqrt(m / k)) <= loose.error.period);
+  for (const auto member : {&Metrics::friction_mean, &Metrics::friction_min, &Metrics::stick_fraction})
+    CHECK(std::abs(loose.metrics.*member - tight.metrics.*member) <= loose.error.*member + tight.error.*member);
+}
