@@ -175,6 +175,11 @@ struct Written {
   ROSIN_INLINE void steady(const Sliding<T>& at, Number* state) const {
     if constexpr (states > 0) unpack(law.steady(at), state);
   }
+  /// Of a law whose friction answers to the rates of its states, and which says what it is without them.
+  ROSIN_INLINE T steady_friction(const Sliding<T>& at) const requires requires(const L<T>& law) {
+    law.steady_friction(at);
+  }
+  { return law.steady_friction(at); }
   /// The greatest size that a change of each linear state is measured by: its own in steady sliding, unless the law
   /// states one.
   ROSIN_INLINE void sizes(const Number* steady, T* sizes) const {
@@ -230,19 +235,32 @@ struct Written {
   }
 };
 
-/// μ_ss of steady sliding at a slip rate; of set-valued laws at one that is not negative.
+/// Friction at the states of steady sliding, as rows that carry these have it, to the last digit; of set-valued laws at
+/// a slip rate that is not negative.
 template <class Law, class T>
-ROSIN_INLINE T steady_of(const Law& law, const Sliding<T>& at) {
+ROSIN_INLINE T friction_at_steady_states(const Law& law, const Sliding<T>& at) {
   typename Law::Number state[Law::capacity];
   law.steady(at, state);
   return law.friction(at, state);
 }
-/// The same at any slip rate; odd in it for set-valued laws too.
+/// μ_ss of steady sliding; of set-valued laws at a slip rate that is not negative.
 template <class Law, class T>
-ROSIN_INLINE T steady_coefficient(const Law& law, const Sliding<T>& at) {
-  if (!law.set_valued) return steady_of(law, at);
+ROSIN_INLINE T steady_of(const Law& law, const Sliding<T>& at) {
+  if constexpr (requires { law.steady_friction(at); })
+    return law.steady_friction(at);
+  else
+    return friction_at_steady_states(law, at);
+}
+
+/// μ_ss at any slip rate; odd in it for set-valued laws too. `equilibrium`: as rows without states have it.
+template <class Law, class T>
+ROSIN_INLINE T steady_coefficient(const Law& law, const Sliding<T>& at, bool equilibrium = true) {
+  const auto along = [&](const Sliding<T>& at) {
+    return equilibrium ? steady_of(law, at) : friction_at_steady_states(law, at);
+  };
+  if (!law.set_valued) return along(at);
   const T direction = sign(at.slip_rate);
-  return direction * steady_of(law, Sliding<T>{direction * at.slip_rate, at.normal_load});
+  return direction * along(Sliding<T>{direction * at.slip_rate, at.normal_load});
 }
 
 /// The rows of a contact, g and F, for parameters and unknowns of scalar type T.
@@ -270,12 +288,12 @@ struct Rows {
     } else {
       const Sliding<T> at{law.set_valued ? speed_of(in) : u, N};
       if (equilibrium) {
-        law.steady(at, state);
+        F = N * steady_of(law, at);
       } else {
         read(law, z, state);
         rates(law, at, state, g);
+        F = N * law.friction(at, state);
       }
-      F = N * law.friction(at, state);
       if (law.set_valued) F = in.direction * F;
     }
   }
@@ -429,7 +447,8 @@ class LawContact final : public Contact<Real> {
       for (int p = 0; p < Wide::count; ++p)
         Wide::set(mu, p,
                   detail::steady_coefficient(detail::Written<L, WideScalar>{law_[p]},
-                                             Sliding<WideScalar>{Wide::get(u, p), Wide::get(N, p)}));
+                                             Sliding<WideScalar>{Wide::get(u, p), Wide::get(N, p)},
+                                             setup_.rows().equilibrium));
     });
   }
 

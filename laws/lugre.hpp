@@ -52,6 +52,10 @@ struct Lugre {
     const Real v = at.slip_rate;
     return {v - sigma0 * abs(v) / stribeck(v) * s.z};
   }
+  /// Without the bristles' damping, of whose large forces rounding would leave some.
+  Real steady_friction(Sliding<Real> at) const {
+    return sign(at.slip_rate) * stribeck(at.slip_rate) + sigma2 * at.slip_rate;
+  }
   State steady(Sliding<Real> at) const { return {sign(at.slip_rate) * stribeck(at.slip_rate) / sigma0}; }
   State rest(Sliding<Real>) const { return {Real(0.0)}; }
   State size() const { return {mu_s / sigma0}; }

@@ -42,6 +42,7 @@ struct LugreUnscaled {
 
   Real friction(Sliding<Real> at, State s) const { return at_load(at.normal_load).friction(at, s); }
   State rate(Sliding<Real> at, State s) const { return at_load(at.normal_load).rate(at, s); }
+  Real steady_friction(Sliding<Real> at) const { return at_load(at.normal_load).steady_friction(at); }
   State steady(Sliding<Real> at) const { return at_load(at.normal_load).steady(at); }
   State rest(Sliding<Real>) const { return {Real(0.0)}; }
   LawByName without_clock(double N) const { return at_load(N).without_clock(N); }

@@ -37,3 +37,17 @@ TEST_CASE("lugre-unscaled: force follows slip rate and load as linear bristles d
     CHECK(std::abs(found.normal(s) / by_load - 1.0) < 1e-12);
   }
 }
+
+TEST_CASE("lugre-unscaled: steady friction holds no rounding of the bristles' damping", "[laws][lugre-unscaled]") {
+  // The damping of bristles that do not change is nothing, but a last digit of it here 4e-11 N of 4e-5 N.
+  const double sigma1 = 5898849.5407037735, sigma2 = 6.1195880040115467e-06, mu_s = 2.980496119458929,
+               mu_d = 0.030261505847599249, v_s = 0.88072098338894611;
+  const auto law = laws::find_law("lugre-unscaled")->with({2632.4000166971405, sigma1, sigma2, mu_s, mu_d, v_s});
+  for (double N = 1e-5; N < 2e-5; N *= 1.01)
+    for (double v = 0.05; v < 0.1; v *= 1.03) {
+      const auto steady = law->steady_friction({v, N});
+      const double fall = (mu_s - mu_d) * std::exp(-(v / v_s) * (v / v_s));
+      CHECK(steady.friction == Approx(mu_d + fall + sigma2 * v / N).epsilon(1e-14));
+      CHECK(std::abs(steady.slope - (sigma2 / N - 2 * v / (v_s * v_s) * fall)) < 1e-14 * sigma2 / N);
+    }
+}
