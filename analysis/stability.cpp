@@ -373,9 +373,26 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
         const auto g = std::isfinite(x) ? at(x) : std::nullopt;
         return g ? g->rate : NAN;
       };
-      const auto [a, b] = boost::math::tools::toms748_solve(rate, w_before, w, before->rate, now->rate,
+      // A real eigenvalue may come back from infinity here, where there is none for once: interpolation must not end
+      // there.
+      const double most = 1e3 * std::min(std::abs(before->rate), std::abs(now->rate));
+      const auto bounded = [&](double x) {
+        const double growth = rate(x);
+        return std::clamp(std::isfinite(growth) ? growth : now->rate, -most, most);
+      };
+      const auto [a, b] = boost::math::tools::toms748_solve(bounded, w_before, w, std::clamp(before->rate, -most, most),
+                                                            std::clamp(now->rate, -most, most),
                                                             boost::math::tools::eps_tolerance<double>(52), iterations);
-      const double root = 0.5 * (a + b);
+      // Where resistance passes through zero it does so as a pair turns unstable, and the last digit decides which of
+      // them is seen.
+      const auto oscillates = [&](double x, double most_growth) {  // of the frequency
+        const auto g = std::isfinite(x) ? at(x) : std::nullopt;
+        return g && g->frequency > 0 && std::abs(g->rate) <= most_growth * g->frequency;
+      };
+      double root = 0.5 * (a + b);
+      if (!oscillates(root, infinity))
+        for (const double end : {a, b})
+          if (oscillates(end, 1e-9)) root = end;
       const auto there = std::isfinite(root) ? at(root) : std::nullopt;
       if (there && there->frequency > 0) {
         HopfPoint point{std::string(parameter), std::exp(root), 0, there->frequency, {}, 0, false};

@@ -115,7 +115,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   double slip_rate_before = 0;
   int turns = 0;
   Recorder recorder(system, tolerance, stick_threshold, true);
-  bool began = onset != nullptr, fast = false;
+  bool began = onset != nullptr, fast = false, reverses = false;
   double slipped = 0, period = 0, stuck = 0, fastest = V, lowest_x = infinity, highest_x = -infinity;
   Bottoms bottoms(model, system);
   // Slip that hardly changes, as where it waits for heat in depth, is no swing; where sliding is stable it is followed
@@ -234,6 +234,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
         break;
       }
     }
+    reverses = reverses || (began && switched == solvers::Switch::reversal);
     const bool turns_along = switched == solvers::Switch::reversal && solver.upcoming() > 0;
     if (turns_along) {
       result.reversed = solver.state();
@@ -253,7 +254,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
       result.metrics.stick_fraction = stuck / period;
       // Stick is rest; the end of a located slip is rest but for rounding.
       if (std::abs(result.metrics.slip_rate_min) < 1e-10 * V) {
-        result.turns_back = std::max(-result.metrics.slip_rate_min, 0.0);
+        if (reverses) result.turns_back = std::max(-result.metrics.slip_rate_min, 0.0);
         result.metrics.slip_rate_min = 0;
       }
       result.orbit = std::move(recorder.orbit);

@@ -846,7 +846,7 @@ TEST_CASE("layers that warm up over thousands of periods are turned to their cyc
   REQUIRE(cycle.outcome.complete());
   CHECK(cycle.stable);
   CHECK(std::abs(cycle.multipliers.front()) > 0.9999);  // 1e4 periods and more to forget a start
-  CHECK(cycle.cost.steps < 50'000);
+  CHECK(cycle.cost.steps < 100'000);
   // Friction so weak hardly moves the slider: in and out of rest it swings at its own frequency.
   const double period = 2 * std::numbers::pi * std::sqrt(model.slider.mass / model.slider.stiffness);
   CHECK(cycle.metrics.period == Approx(period).epsilon(2e-3));
