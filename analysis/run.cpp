@@ -286,12 +286,12 @@ class Pass {
     if (system_.mechanics() == Mechanics::inertial && solver_ != "steady") {
       const auto [sum, largest, lost, damping, swing] = balance_at(t, y, seen);
       const double inertia = system_.model().slider.mass / times_.back();  // all that resists where nothing else does
+      const double resists = std::max({damping, swing, inertia});
+      const bool from_balance = options_.start.kind == Start::Kind::steady;  // of forces, to their last digits
       if (solver_ == "cvode")  // which moves slip by what is left of the balance, and so rings too
-        slip_rate_follows_ =
-            std::max(slip_rate_follows_, (digit * largest + lost) / std::max({damping, swing, inertia}));
-      else if (damping > swing ||
-               options_.start.kind == Start::Kind::steady)  // forces that balance to their last digits
-        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / std::max({damping, swing, inertia}));
+        slip_rate_follows_ = std::max(slip_rate_follows_, (digit * largest + lost) / resists);
+      else if (damping > swing || from_balance)
+        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / resists);
     }
     const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
                              seen.friction_coefficient};

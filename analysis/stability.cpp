@@ -358,7 +358,10 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
   const double low = std::max({here * std::pow(10.0, -decades), range.low, range.smallest, 1e-290});
   const double high = std::min({here * std::pow(10.0, decades), range.high, range.largest, 1e290});
   if (!(low < high)) return {};
-  const auto at = [&](double w) { return growth(model.with(parameter, std::clamp(std::exp(w), low, high))); };
+  const auto at = [&](double w) -> std::optional<Growth> {
+    if (!std::isfinite(w)) return std::nullopt;
+    return growth(model.with(parameter, std::clamp(std::exp(w), low, high)));
+  };
   std::vector<HopfPoint> found;
   constexpr int points_per_decade = 12;
   const int count = std::max(2, int(std::log10(high / low) * points_per_decade) + 1);
@@ -370,15 +373,15 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
     if (before && now && now->decided() && (before->rate > 0) != (now->rate > 0)) {
       std::uintmax_t iterations = 100;
       const auto rate = [&](double x) {
-        const auto g = std::isfinite(x) ? at(x) : std::nullopt;
+        const auto g = at(x);
         return g ? g->rate : NAN;
       };
       // A real eigenvalue may come back from infinity here, where there is none for once: interpolation must not end
       // there.
       const double most = 1e3 * std::min(std::abs(before->rate), std::abs(now->rate));
       const auto bounded = [&](double x) {
-        const double growth = rate(x);
-        return std::clamp(std::isfinite(growth) ? growth : now->rate, -most, most);
+        const double value = rate(x);
+        return std::clamp(std::isfinite(value) ? value : now->rate, -most, most);
       };
       const auto [a, b] = boost::math::tools::toms748_solve(bounded, w_before, w, std::clamp(before->rate, -most, most),
                                                             std::clamp(now->rate, -most, most),
@@ -386,14 +389,14 @@ std::vector<HopfPoint> hopf_points(const Model& model, std::string_view paramete
       // Where resistance passes through zero it does so as a pair turns unstable, and the last digit decides which of
       // them is seen.
       const auto oscillates = [&](double x, double most_growth) {  // of the frequency
-        const auto g = std::isfinite(x) ? at(x) : std::nullopt;
+        const auto g = at(x);
         return g && g->frequency > 0 && std::abs(g->rate) <= most_growth * g->frequency;
       };
       double root = 0.5 * (a + b);
       if (!oscillates(root, infinity))
         for (const double end : {a, b})
           if (oscillates(end, 1e-9)) root = end;
-      const auto there = std::isfinite(root) ? at(root) : std::nullopt;
+      const auto there = at(root);
       if (there && there->frequency > 0) {
         HopfPoint point{std::string(parameter), std::exp(root), 0, there->frequency, {}, 0, false};
         // The slope of the growth rate turns its error into one of the value.

@@ -513,10 +513,14 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     sharpening = Sharpening(options.tolerance, loose * std::clamp(share, weakest, 1.0));
     coarse = period_now();
   };
-  const auto attraction_of = [&](const StickSlipPeriod& period) {
-    const auto multipliers =
-        OnsetMap(model, 1e-10, options.stick_threshold, Onset::reversed, period.slips).multipliers(period.onset);
-    return multipliers.empty() ? attraction : 1 - std::abs(multipliers.front());
+  const auto multipliers_of = [&](const std::vector<double>& onset, int slips) {
+    const Onset kind = reversed.empty() ? Onset::held : Onset::reversed;
+    return OnsetMap(model, 1e-10, options.stick_threshold, kind, slips).multipliers(onset);
+  };
+  std::vector<std::complex<double>> multipliers;  // of the last period, where slip reverses
+  const auto look_at_attraction = [&](const StickSlipPeriod& period) {
+    multipliers = multipliers_of(period.onset, period.slips);
+    if (!multipliers.empty()) attraction = 1 - std::abs(multipliers.front());
   };
   if (!coarse.found && coarse.outcome.complete() && remembers(model) && !coarse.reversed.empty()) {
     reversed = coarse.reversed;
@@ -526,7 +530,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     const auto swings_freely = [&] {
       constexpr double rounding = 1e-9, hardly_felt = 1e-9, clearly = 1e-3;
       if (!coarse.found) return false;
-      attraction = attraction_of(coarse);
+      look_at_attraction(coarse);
       return std::abs(attraction) < rounding &&
              (friction_felt < hardly_felt || coarse.metrics.slip_rate_min < -clearly * V);
     };
@@ -589,7 +593,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
         cycle.outcome = {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
       return cycle;
     }
-    if (!reversed.empty()) attraction = attraction_of(fine);
+    if (!reversed.empty()) look_at_attraction(fine);
     const double closure = fine.closure + last_digits / std::max(std::abs(attraction), last_digits);
     double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), closure, V, false,
                                      cycle.error, worst, caution);
@@ -619,9 +623,7 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     coarse = std::move(fine);
   }
   if (sticks) {
-    cycle.multipliers =
-        OnsetMap(model, 1e-10, options.stick_threshold, reversed.empty() ? Onset::held : Onset::reversed, slips)
-            .multipliers(onset);
+    cycle.multipliers = reversed.empty() ? multipliers_of(onset, slips) : std::move(multipliers);
     if (remembers(model)) cycle.section_state = SliderSystem(model).observe(0, onset.data()).state;
   } else {
     const double swing = cycle.section_displacement - steady_sliding(model).displacement;

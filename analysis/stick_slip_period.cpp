@@ -96,9 +96,10 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
   const double frequency = std::sqrt(s.stiffness / s.mass), swing = swing_time(model);
   constexpr double settled = 1e-5;  // of the drive speed: amplitudes below it decay onto stable sliding
   constexpr double last_digits = 8 * std::numeric_limits<double>::epsilon();
-  // Slip rate that the last digits of the spring's force make.
+  // Slip rate that so many digits of the spring's force make.
   const double resists = std::max(resistance(model), std::sqrt(s.stiffness * s.mass));
-  const double noise = last_digits * s.stiffness * std::abs(sliding.steady.displacement) / resists;
+  const auto of_spring = [&](double digits, double x) { return digits * s.stiffness * std::abs(x) / resists; };
+  const double noise = of_spring(last_digits, sliding.steady.displacement);
   // Friction that falls with the way of slip alone lets slip end just at rest, but for those digits.
   constexpr double touch = 10, of_digits = 0.1, most = 3e-13;
   // Without memory a turn that is not held begins another as wide, or does not, which decides between cycle and none.
@@ -215,8 +216,7 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
         // is missing where it just comes to rest, and makes the moment at which it does doubtful: by the time in which
         // the spring makes up for it. States that change at rest keep that.
         constexpr double known = 5e-17, grazing = 100, half_digit = 0.5 * std::numeric_limits<double>::epsilon();
-        const double of_force = half_digit * s.stiffness * std::abs(solver.state()[0]) / resists;
-        const double lost = known * bottom->highest + of_force;
+        const double lost = known * bottom->highest + of_spring(half_digit, solver.state()[0]);
         result.grazes |= bottom->dip < grazing * tolerance * bottom->highest;
         lowest_dip = std::min(lowest_dip, bottom->dip / bottom->highest);
         if (switched != solvers::Switch::none)
