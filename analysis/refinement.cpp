@@ -81,4 +81,15 @@ Outcome Sharpening::judge(double reached, const std::string& worst) {
   return {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
 }
 
+bool Sharpening::supersedes(const Cycle& known, const Metrics& metrics, const Metrics& error, double reached) {
+  const bool agree = std::ranges::all_of(metric_names(), [&](const MetricName& metric) {
+    const double difference = std::abs(known.metrics.*metric.member - metrics.*metric.member);
+    return (is_stick(metric) && known.ill_conditioned_stick) ||
+           difference <= known.error.*metric.member + error.*metric.member;
+  });
+  if (reached > least_reached_ && agree) return false;
+  least_reached_ = reached;
+  return true;
+}
+
 }  // namespace rosin::analysis

@@ -30,9 +30,13 @@ class Sharpening {
   bool ease(const Outcome&);
   /// Takes the worst ratio of error to size, that of the metric `worst`. \returns how well the cycle is known.
   Outcome judge(double reached, const std::string& worst);
+  /// True if a refinement is to take the place of what is `known` of the cycle: it is known better, by the worst ratio
+  /// `reached`, or refutes that. Finer steps may follow what coarser ones pass over, and lose themselves in it, or do
+  /// nothing but round more often.
+  bool supersedes(const Cycle& known, const Metrics&, const Metrics& error, double reached);
 
  private:
-  double asked_, tolerance_, before_ = 0, factor_ = 0.01;
+  double asked_, tolerance_, before_ = 0, factor_ = 0.01, least_reached_ = infinity;
   int attempts_ = 0;
   bool eased_ = false;
 };

@@ -214,15 +214,6 @@ Metrics off_the_cycle(ReturnMap& map, const FixedPoint& point, const Metrics& th
   return change;
 }
 
-/// True if no metric differs by more than the errors stated.
-bool agree(const Cycle& known, const Metrics& metrics, const Metrics& error) {
-  return std::ranges::all_of(metric_names(), [&](const MetricName& metric) {
-    const double difference = std::abs(known.metrics.*metric.member - metrics.*metric.member);
-    return (is_stick(metric) && known.ill_conditioned_stick) ||
-           difference <= known.error.*metric.member + error.*metric.member;
-  });
-}
-
 /// Several turns that were taken together, because each seemed to differ from the next, may prove to be one and the
 /// same. True if so; `point` is known to be on the cycle within `closure`, in scales.
 bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double closure) {
@@ -293,7 +284,6 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   };
   if (took_too_many(coarse)) coarse = refined(false);
   std::string worst;
-  double least_reached = infinity;
   while (sharpening.next()) {
     Refined fine = refined(true);
     if (coarse.outcome.complete() && sharpening.ease(fine.outcome)) fine = refined(true);
@@ -336,10 +326,7 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
       beside(off_the_cycle(map, point, fine.metrics, closure, sharpening.tolerance(), options));
     error.slip_rate_min += digits, error.slip_rate_max += digits;
     const Outcome outcome = sharpening.judge(reached, worst);
-    // A finer passage may follow what a coarser one passes over, and lose itself in it. What it does not refute stays.
-    const bool better_known = reached > least_reached && agree(cycle, fine.metrics, error);
-    if (!better_known) {
-      least_reached = reached;
+    if (sharpening.supersedes(cycle, fine.metrics, error, reached)) {
       cycle.ill_conditioned_stick = stick_is_ill_conditioned;
       cycle.metrics = fine.metrics;
       cycle.error = error;

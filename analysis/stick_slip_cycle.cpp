@@ -595,27 +595,32 @@ Cycle find_stick_slip_cycle(const Model& model, const CycleOptions& options) {
     }
     if (!reversed.empty()) look_at_attraction(fine);
     const double closure = fine.closure + last_digits / std::max(std::abs(attraction), last_digits);
-    double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), closure, V, false,
-                                     cycle.error, worst, caution);
-    cycle.error.friction_min += fine.friction;
-    if (!reversed.empty()) cycle.error.friction_max += fine.friction;
+    Metrics error;
+    double reached =
+        estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), closure, V, false, error, worst, caution);
+    error.friction_min += fine.friction;
+    if (!reversed.empty()) error.friction_max += fine.friction;
     const double level = std::max(std::abs(fine.metrics.friction_min), std::abs(fine.metrics.friction_max));
     double doubtful = fine.friction;
-    if (fine.turns_back > 0 && fine.turns_back < cycle.error.slip_rate_max) {
+    if (fine.turns_back > 0 && fine.turns_back < error.slip_rate_max) {
       // It may as well rest, under friction of either sign, for as long as the spring takes to make up for the doubt.
       const auto& slider = model.slider;
-      const double rest = 2 * std::sqrt(2 * cycle.error.slip_rate_max * slider.mass / (slider.stiffness * V));
+      const double rest = 2 * std::sqrt(2 * error.slip_rate_max * slider.mass / (slider.stiffness * V));
       doubtful += 2 * level;
-      cycle.error.friction_min += 2 * level;
-      cycle.error.friction_mean += 2 * level * rest / fine.metrics.period;
-      cycle.error.stick_fraction += rest / fine.metrics.period;
+      error.friction_min += 2 * level;
+      error.friction_mean += 2 * level * rest / fine.metrics.period;
+      error.stick_fraction += rest / fine.metrics.period;
     }
     if (const double part = doubtful / level; part > reached) reached = part, worst = "friction_min";
-    cycle.metrics = fine.metrics;
-    cycle.orbit = fine.orbit;
-    cycle.section_displacement = fine.onset_displacement;
-    if (sticks) onset = fine.onset, slips = fine.slips, turned = fine.turned;
-    cycle.outcome = sharpening.judge(reached, worst);
+    const Outcome outcome = sharpening.judge(reached, worst);
+    if (sharpening.supersedes(cycle, fine.metrics, error, reached)) {
+      cycle.metrics = fine.metrics;
+      cycle.error = error;
+      cycle.orbit = fine.orbit;
+      cycle.section_displacement = fine.onset_displacement;
+      cycle.outcome = outcome;
+      if (sticks) onset = fine.onset, slips = fine.slips, turned = fine.turned;
+    }
     if (cycle.outcome.complete()) {
       state_with_caution(cycle.error, cycle.metrics, options.tolerance, V);
       break;

@@ -493,26 +493,23 @@ Outcome Collocation::step(double t_limit) {
   constexpr int shortened = 3;
   const double first_tried = h, planned = rejections_ < shortened ? h : 0;
   for (int attempt = 0;; ++attempt) {
+    if (attempt == rounding_attempt && most_rounding_ < most_rounding[1]) {
+      most_rounding_ = most_rounding[1];
+      h = first_tried;
+    }
     const double remaining = t_limit - t_;
     bool last = false;
     if (h >= remaining * (1 - 1e-12) && remaining <= longest_step_)
       h = remaining, last = true;
     else if (h > 0.5 * remaining)
       h = 0.5 * remaining;  // no sliver at the end
+    while (h >= shortest && growth_.faster_than(growth_followed(h), mass_, J_)) h *= 0.5, last = false;
     if (h < shortest || attempt > 200 || !(h > 0)) {
       int worst = 0;
       for (int i = 1; i < n; ++i)
         if (std::abs(f_stage_[i]) / scale_[i] > std::abs(f_stage_[worst]) / scale_[worst]) worst = i;
       return {Ending::tolerance_not_met,
               fmt::format("at t = {:.9g} s the step fell to {:.3g} s in '{}'", t_, h, system_.unknown(worst))};
-    }
-    if (growth_.faster_than(growth_followed(h), mass_, J_)) {
-      h *= 0.5;
-      continue;
-    }
-    if (attempt == rounding_attempt && most_rounding_ < most_rounding[1]) {
-      most_rounding_ = most_rounding[1];
-      h = first_tried;
     }
     factorise(h);
     // Start from the polynomial of the last step, extrapolated.

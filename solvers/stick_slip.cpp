@@ -115,7 +115,8 @@ void StickSlip::put_at_rest(const Work& work) {
   const double error = std::max(tolerance_, least) * work.size + digits * before;
   // Slip that does no more than touch rest ends at the place where friction turns it: of how near it has come to that
   // the last digits of its swing tell, and of the place itself then not even the energy.
-  const double turn = turning_swing(collocation_.time(), behind_switch_.data()), beyond = std::sqrt(square) - turn;
+  const double turn = turning_swing(collocation_.time(), collocation_.state().data()),
+               beyond = std::sqrt(square) - turn;
   const double drive = system_.swing_of_drive(),
                place = std::hypot(beyond, std::sqrt(digit) * drive) - std::abs(beyond);
   const double known = error / (2 * std::abs(swing)) + turn / std::abs(swing) * place;

@@ -333,18 +333,20 @@ TEST_CASE("the error of an oscillation over the embedded estimate falls with the
 
 TEST_CASE("growth is followed, not damped, however small it begins and long the steps could be", "[collocation]") {
   const Growth system;
-  for (const double first : {1e-6, 1e-12})
-    for (const double tolerance : {1e-4, 1e-8}) {
-      Collocation solver(system, tolerance);
-      REQUIRE(solver.start(0, std::vector{first, first * first}));
-      while (solver.time() < 1 && solver.state()[0] < 0.5) REQUIRE(solver.step(1).complete());
-      const auto half = solver.locate([](double, const double* y) { return y[0] - 0.5; }, 0, 1,
-                                      solver.state_before()[0] - 0.5, solver.state()[0] - 0.5);
-      REQUIRE(half);
-      // y/(1 − y) grows as e^(rt).
-      CAPTURE(first, tolerance);
-      CHECK(solver.time_at(*half) * Growth::rate == Approx(std::log(1 / first - 1)).epsilon(10 * tolerance));
-    }
+  // s: first steps that it bounds are up to 2^40 times too long
+  for (const double end : {1.0, 1e7, 2e7, 4e7, 8e7, 1.6e8, 3.2e8})
+    for (const double first : {1e-6, 1e-12, 1e-18})
+      for (const double tolerance : {1e-4, 1e-8}) {
+        Collocation solver(system, tolerance);
+        REQUIRE(solver.start(0, std::vector{first, first * first}));
+        while (solver.time() < end && solver.state()[0] < 0.5) REQUIRE(solver.step(end).complete());
+        const auto half = solver.locate([](double, const double* y) { return y[0] - 0.5; }, 0, 1,
+                                        solver.state_before()[0] - 0.5, solver.state()[0] - 0.5);
+        REQUIRE(half);
+        // y/(1 − y) grows as e^(rt).
+        CAPTURE(end, first, tolerance);
+        CHECK(solver.time_at(*half) * Growth::rate == Approx(std::log(1 / first - 1)).epsilon(10 * tolerance));
+      }
 }
 
 TEST_CASE("growth in pairs is followed too", "[solvers]") {
