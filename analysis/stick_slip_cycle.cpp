@@ -57,7 +57,7 @@ class OnsetMap {
     if (!period.found || scale_.size() == 0) return period;  // without memory stick forgets the past
     long steps = period.steps, evaluations = period.evaluations;
     constexpr int most_periods = 400;
-    constexpr long most_steps = 200'000;
+    constexpr long most_steps = longest_period;
     VectorXd z = gather(period.onset);
     std::vector<VectorXd> onsets, changes;  // of the last periods, as long as they belong together
     double change = infinity, change_before = infinity, closest = infinity;
@@ -67,18 +67,32 @@ class OnsetMap {
     // Plain periods lead to what attracts; where they come in, what they have in common leads there faster.
     constexpr int plain = 6, most_strays = 5;
     int plain_until = plain - 1, strays = 0;
-    int judged_at = -1;  ///< the period by which Newton's method must have led closer
+    // Many slow states, such as the temperatures of deep layers, come in one after the other; Newton's method turns
+    // them all at once, and the fast ones follow within a few periods. Where leaps lead astray again and again it is
+    // not waited for so long, and where it does, it goes half the way.
+    constexpr int patience = 24, grace = 4, again = 2;
+    int turn_at = patience - 1;  ///< the period after which it is next asked
+    int judged_at = -1;          ///< the period by which it must have led closer
+    double share = 1;            ///< of its way
+    // What neither leads closer, and changes to and fro, is as close as rounding lets it come.
+    double nearest = infinity;
+    int nearest_at = 0;
     const auto go_back = [&](int k) {
       onsets.clear(), changes.clear();
       z = closest_image;
-      leapt_at = judged_at = -1;
+      const bool turned = k <= judged_at;
       plain_until = k + ++strays * plain;
+      if (turned) share *= 0.5;
+      if (turned || strays >= again) turn_at = k + (turned ? patience : plain);
+      leapt_at = judged_at = -1;
     };
     for (int k = 0; k < most_periods && steps < most_steps && period.found; ++k) {
       const Metrics before = period.metrics;
-      StickSlipPeriod next = period_from(z);
+      const bool led = leapt_at >= 0 || k <= judged_at;
+      constexpr long alike = 20, few = 1000;  // steps: a period that takes many more is of another kind
+      StickSlipPeriod next = period_from(z, led ? alike * period.steps + few : most_steps);
       steps += next.steps, evaluations += next.evaluations;
-      if (!next.found && (leapt_at >= 0 || k <= judged_at)) {
+      if (!next.found && led) {
         // Beyond where slip comes to rest, to which periods by themselves may never lead.
         go_back(k);
         if (strays > most_strays) plain_until = most_periods;
@@ -93,10 +107,17 @@ class OnsetMap {
       const double known = std::max(tolerance_, 1e-14);  // no state is known better
       const bool comes_in_slowly = k > 3 && now < 1e3 * known && !(now < 0.5 * change);
       const bool settled = now < 10 * known || comes_in_slowly;
+      const bool in_flight = leapt_at >= 0 || k <= judged_at;
+      if (now < 0.5 * nearest) nearest = now, nearest_at = k;
+      // Onsets before a leap say nothing of those after it.
+      const std::size_t together = std::min<std::size_t>(onsets.size(), k - last_leap);
+      const bool scatters = scatter_in(std::span(changes).last(together), z);
+      const bool no_nearer = k - nearest_at >= 2 * patience && now < 100 * nearest && !in_flight && scatters;
       // States that count the time at rest scatter as the times at which slip stops, and what has all but decayed as
       // the rounding of what it came from. Then the metrics of two periods that both do show what is left.
       const bool unshaken = now < 10 * closest;  // by a leap
-      if (settled || std::max(now, change) < 3 * scatter(period) || (unshaken && go_nowhere(onsets, changes))) {
+      if (settled || std::max(now, change) < 3 * scatter(period) || (unshaken && go_nowhere(onsets, changes)) ||
+          no_nearer) {
         if (fewer_slips_do(z, 1e3 * known)) {
           onsets.clear(), changes.clear();
           closest = change = infinity;
@@ -108,7 +129,7 @@ class OnsetMap {
         const double times = moved > 0 ? std::max(changed / moved, 1.0) : 1;
         const double away = std::max(now, size_of_step(onward, z)), open = settled ? times * away : 10 * changed;
         constexpr double many = 1e3;  // periods from what repeats itself, or rounding says so
-        if (kind_ == Onset::reversed || comes_in_slowly || (settled && away > many * now))
+        if (kind_ == Onset::reversed || comes_in_slowly || no_nearer || (settled && away > many * now))
           period = closer(std::move(period), z, open, steps, evaluations);
         else
           period.closure += open;
@@ -116,29 +137,26 @@ class OnsetMap {
         period.turned = judged_at >= 0;
         return period;
       }
-      // Onsets before a leap say nothing of those after it.
-      const auto since_leap = std::span(onsets).last(std::min<std::size_t>(onsets.size(), k - last_leap));
-      if (slips_ == 1 && alternate(since_leap, z + step, now)) {
+      if (slips_ == 1 && alternate(std::span(onsets).last(together), z + step, now)) {
         onsets.clear(), changes.clear();
         closest = change = infinity;
         z += step;
         continue;
       }
       constexpr double comes_in = 1 - 1e-7;
-      // Many slow states, such as the temperatures of deep layers, come in one after the other; Newton's method turns
-      // them all at once, and the fast ones follow within a few periods.
-      constexpr int patience = 24, grace = 4;
-      if (k % patience == patience - 1 && k > plain_until) {
+      if (k >= turn_at && k > judged_at && !scatters) {
         steps += 2 * z.size() * period.steps;  // about
         if (const auto turn = newton_step(z, step)) {
           if (now < closest) closest = now, closest_image = z + step;
           onsets.clear(), changes.clear();
-          z += *turn;
+          z += share * *turn;
           change = infinity;
           leapt_at = -1;
           judged_at = k + 1 + grace;
+          turn_at = judged_at + plain;
           continue;
         }
+        turn_at = k + patience;
       }
       // What a leap does to fast states is gone within a few periods.
       const bool farther = now > 2 * closest, waits = leapt_at >= 0 && k <= leapt_at + grace;
@@ -146,7 +164,10 @@ class OnsetMap {
         go_back(k);
       } else {
         if (!farther) leapt_at = -1;
-        if (now < closest) closest = now, closest_image = z + step;
+        if (now < closest) {
+          closest = now, closest_image = z + step;
+          if (k == judged_at) share = std::min(2 * share, 1.0);
+        }
         const bool leaps = leapt_at < 0 && k > plain_until && k > judged_at &&
                            std::max(now / change, change / change_before) < comes_in;
         if (leaps) leapt_at = last_leap = k;
@@ -244,6 +265,16 @@ class OnsetMap {
     period.closure += way < infinity ? times * way : open;
     return period;
   }
+  /// True if the changes of the last periods do not add up, as those of slow states would: rounding makes them.
+  bool scatter_in(std::span<const VectorXd> changes, const VectorXd& z) const {
+    constexpr std::size_t few = 3, most = 6;
+    if (changes.size() < few) return false;
+    VectorXd sum = VectorXd::Zero(z.size());
+    double sizes = 0;
+    for (const auto& change : changes.last(std::min(most, changes.size())))
+      sum += change, sizes += size_of_step(change, z);
+    return size_of_step(sum, z) < 0.5 * sizes;
+  }
   /// True if small changes of the last periods have not led away from where they began, as slow ones of one sign do.
   bool go_nowhere(const std::vector<VectorXd>& onsets, const std::vector<VectorXd>& changes) const {
     constexpr std::size_t periods = 8;
@@ -297,11 +328,11 @@ class OnsetMap {
           largest, std::abs(a.*metric.member - b.*metric.member) / size_of(metric, b, model_.drive.speed.level()));
     return largest;
   }
-  StickSlipPeriod period_from(const VectorXd& z) const {
+  StickSlipPeriod period_from(const VectorXd& z, long most_steps = longest_period) const {
     std::vector<double> onset(system_.size());
     for (std::size_t k = 0; k < returning_.size(); ++k) onset[returning_[k]] = z[k];
     if (kind_ == Onset::held) onset = system_.loaded_at_rest(system_.observe(0, onset.data()).state, 1);
-    return stick_slip_period(model_, tolerance_, stick_threshold_, &onset, slips_, kind_);
+    return stick_slip_period(model_, tolerance_, stick_threshold_, &onset, slips_, kind_, most_steps);
   }
   /// Not finite where neighbouring periods do not return, or would take too long.
   MatrixXd derivative(const VectorXd& z) const {

@@ -77,7 +77,7 @@ class Bottoms {
 }  // namespace
 
 StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double stick_threshold,
-                                  const std::vector<double>* onset, int slips, Onset kind) {
+                                  const std::vector<double>* onset, int slips, Onset kind, long most_steps) {
   StickSlipPeriod result;
   SliderSystem system(model);
   solvers::StickSlip solver(system, tolerance);
@@ -157,8 +157,8 @@ StickSlipPeriod stick_slip_period(const Model& model, double tolerance, double s
     return std::max(swing, -slopes.back() / s.stiffness);
   };
   while (slipped < longest_slip) {
-    if (solver.stepper().count().steps > 200'000) {
-      result.outcome = {Ending::budget_spent, "no period of stick and slip within 200000 steps"};
+    if (solver.stepper().count().steps > most_steps) {
+      result.outcome = {Ending::budget_spent, fmt::format("no period of stick and slip within {} steps", most_steps)};
       break;
     }
     const double swing_here = plane && system.direction() != 0 ? swing_at(solver.state()) : swing;

@@ -45,8 +45,11 @@ struct StickSlipPeriod {
   long steps = 0, evaluations = 0;
 };
 
+constexpr long longest_period = 200'000;  ///< steps
+
 /// The period of so many slips that begins at the `onset` of slip, or else the first full one after stick from rest.
 StickSlipPeriod stick_slip_period(const oscillators::Model&, double tolerance, double stick_threshold,
-                                  const std::vector<double>* onset = nullptr, int slips = 1, Onset kind = Onset::held);
+                                  const std::vector<double>* onset = nullptr, int slips = 1, Onset kind = Onset::held,
+                                  long most_steps = longest_period);
 
 }  // namespace rosin::analysis

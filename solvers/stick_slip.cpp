@@ -13,6 +13,7 @@ namespace rosin::solvers {
 namespace {
 constexpr double rest = 1e-11;     ///< slip rates below this part of the reference speed are rounding noise at a switch
 constexpr double doubtful = 1e-4;  ///< or below this one may be rest: no solution is worse
+constexpr double last_digits = 4 * std::numeric_limits<double>::epsilon();  ///< below which part no energy tells more
 }  // namespace
 
 void StickSlip::rest_in_doubt(bool even_if_not_held) {
@@ -222,7 +223,8 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
           if (value < touch_ && (touch_rests_ || holds(collocation_.time_at(theta), work_))) touched = theta;
         } else if (value < doubtful * system_.reference_speed()) {
           const std::vector<double> there = work_;
-          if (rests(work_so_far(), collocation_.time_at(theta), there.data())) touched = theta;
+          const bool by_rounding = touch_rests_ && value < last_digits * system_.reference_speed();
+          if (by_rounding || rests(work_so_far(), collocation_.time_at(theta), there.data())) touched = theta;
         }
       }
       if (value < 0) {

@@ -23,7 +23,8 @@ class StickSlip {
   /// long sticks.
   void rewind_at_switches() { rewinds_ = true; }
   /// Slip that comes down to so little (m/s) before it turns up again has come to rest if the contact then holds it, or
-  /// `even_if_not_held`, for no time: whether it did is not told by a solution that is no better.
+  /// `even_if_not_held`, for no time: whether it did is not told by a solution that is no better. Of free swings their
+  /// energy tells, but for last digits of the slip rate.
   void rest_below(double slip_rate, bool even_if_not_held) { touch_ = slip_rate, touch_rests_ = even_if_not_held; }
   /// The same within ten tolerances of rest, by slip rate, and within one by the energy that tells it of free swings.
   void rest_in_doubt(bool even_if_not_held);

@@ -2274,3 +2274,19 @@ TEST_CASE("slip that turns back by less than it is known to may as well rest", "
   for (const auto member : {&Metrics::friction_mean, &Metrics::friction_min, &Metrics::stick_fraction})
     CHECK(std::abs(loose.metrics.*member - tight.metrics.*member) <= loose.error.*member + tight.error.*member);
 }
+
+TEST_CASE("slip that misses rest by the last digits of its highest rate has come to rest", "[stress][cycle]") {
+  // By which turn it does would be for rounding to say: a period had 1, 2 or 33 of them.
+  const double m = 2.8416806229610021, k = 9573.6182764912719;
+  auto model = slider_under(
+      "thermal",
+      {0.83118033299451777, 0.16672437372414425, 9.3560734417197804e-06, 0.24897957764327688, 0.00045157338510934094,
+       3.5755083826976264e-05, 0.0028081882018176673, 14.65406547146628, 1.0, 442.69485806362229},
+      {m, k, 0}, 0.50416118635230123, 2.5188139228251392);
+  model.lambda = 4138.075544135886;
+  for (const double tolerance : {1e-5, 1e-6, 1e-7, 1e-8, 1e-9}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance, .multipliers = false});
+    REQUIRE(cycle.outcome.complete());
+    CHECK(cycle.metrics.period == Approx(2 * std::numbers::pi * std::sqrt(m / k)).epsilon(1e-9));
+  }
+}
