@@ -338,6 +338,7 @@ double Collocation::ringing_error(double h, const double* estimate) {
   for (int i = 0; i < n; ++i) (mass_[i] != 0 ? moving[m++] : following[a++]) = i;
   const double size = norm(estimate);
   std::fill(ringing_errors_.begin() + n, ringing_errors_.end(), 0.0);
+  growth_bound_ = infinity;
   if (m < 2 || !(size > 0)) return 0;  // nothing that could ring
   // What has no rate follows the moving unknowns, δy_a = −J_aa⁻¹ J_am δy_m.
   SmallMatrix<double> own(a, a), follow(a, m);
@@ -366,7 +367,14 @@ double Collocation::ringing_error(double h, const double* estimate) {
   int count = 0;
   const double least = RadauTableau::size_below(0.1 * tolerance_ / size);
   /// Notes mode k if it rings, with z within `radius`. \returns false if that is not to be told so.
+  bool outgrown = false;  // by an oscillation that grows notably in a turn, however small it is
   const auto note = [&](int k, bool pair, Complex z, double radius) {
+    constexpr double notably = 0.05;
+    if (pair && z.real() - radius > notably * std::abs(z.imag())) {
+      const double followed = h * growth_followed(h);
+      growth_bound_ = std::min(growth_bound_, h * followed / std::abs(z));
+      outgrown = outgrown || std::abs(z) - radius > followed;
+    }
     if (std::abs(z) + radius < least || std::abs(z.real()) - std::abs(z.imag()) > std::sqrt(2) * radius) return true;
     if (!pair || !(radius < 0.1 * std::abs(z))) return false;
     ringing[count++] = {k, z};
@@ -402,6 +410,7 @@ double Collocation::ringing_error(double h, const double* estimate) {
       k += pair;
     }
   }
+  if (outgrown) return infinity;
   const Modes vectors(modes_.data(), m, m), inverse(modes_inverse_.data(), m, m);
   std::array<double, most_small_rows * most_small_rows> noise;
   double sum = 0;
@@ -427,7 +436,8 @@ double Collocation::ringing_error(double h, const double* estimate) {
     };
     double amplitude = part(estimate, 1);
     for (int i = 0; i < n; ++i) amplitude -= part(&noise[i], n);
-    const double error = kappa * std::max(amplitude, 0.0);
+    if (!(amplitude > 0)) continue;
+    const double error = kappa * amplitude;
     constexpr double part_of_turn = 3;  // longer steps damp it e-fold within five thousand turns
     const bool passed_over = std::abs(z) > part_of_turn;
     double square = 0;  // of the vector, in scales
@@ -447,7 +457,7 @@ double Collocation::ringing_error(double h, const double* estimate) {
     }
     sum += error * std::sqrt(square / n);
   }
-  return std::isfinite(sum) ? sum : 0;
+  return std::isnan(sum) ? 0 : sum;
 }
 
 double Collocation::first_step(double t_limit) {
@@ -484,7 +494,7 @@ Outcome Collocation::step(double t_limit) {
     if (!std::isfinite(f0_[i]))
       return {Ending::not_finite, fmt::format("at t = {:.9g} s in '{}'", t_, system_.unknown(i))};
   double h = h_next_ > 0 ? h_next_ : first_step(t_limit);
-  h = std::min({h, system_.resolution(), longest_step_});
+  h = std::min({h, system_.resolution(), longest_step_, growth_bound_});
   h = within_growth(h);
   // Where nothing depends on time, steps may be shorter than the clock shows, as in a fast slip after a long stick, or
   // while friction turns over in a reversal.
@@ -540,7 +550,7 @@ Outcome Collocation::step(double t_limit) {
     if (!(error <= 1)) {
       ++count_.rejected;
       ++rejections_;
-      h *= std::isfinite(error) ? std::clamp(factor, least_factor, 0.9) : 0.2;
+      h = growth_bound_ < h ? growth_bound_ : h * (std::isfinite(error) ? std::clamp(factor, least_factor, 0.9) : 0.2);
       rejected = true;
       continue;
     }
@@ -620,23 +630,26 @@ bool Collocation::solve_at(double theta, double* y) {
     return true;
   }
   const double h = theta * h_last_;
-  // The Jacobian at the start of the step is still that of the last step's start unless a step was taken since.
   system_.mass(t_before_, mass_.data());
-  system_.linearise(t_before_, y_before_.data(), f0_.data(), J_.data());
-  ++count_.linearisations;
-  factorise(h);
-  for (int i = 0; i < s; ++i) {
-    interpolate(theta * tableau_.c[i], &Z_trial_[i * n]);
-    for (int k = 0; k < n; ++k) Z_trial_[i * n + k] -= y_before_[k];
-  }
-  const Newton newton = solve_stages(t_before_, y_before_.data(), h, patient_iterations);
   interpolate(theta, y);
-  for (int k = 0; k < n; ++k) work_[k] = y_before_[k] + Z_trial_[(s - 1) * n + k] - y[k];
-  // Newton's method that does not come to an end may end anywhere.
-  constexpr double astray = 0.1;  // scales
-  if (newton == Newton::not_finite || (newton == Newton::slow && !(norm(work_.data()) < astray))) return false;
-  for (int k = 0; k < n; ++k) y[k] = y_before_[k] + Z_trial_[(s - 1) * n + k];
-  return true;
+  // With the Jacobian at the start of the step, or, where Newton's method does not come to an end so, at theta.
+  for (const bool at_start : {true, false}) {
+    system_.linearise(at_start ? t_before_ : t_before_ + h, at_start ? y_before_.data() : y, f0_.data(), J_.data());
+    ++count_.linearisations;
+    factorise(h);
+    for (int i = 0; i < s; ++i) {
+      interpolate(theta * tableau_.c[i], &Z_trial_[i * n]);
+      for (int k = 0; k < n; ++k) Z_trial_[i * n + k] -= y_before_[k];
+    }
+    const Newton newton = solve_stages(t_before_, y_before_.data(), h, patient_iterations);
+    const double* change = &Z_trial_[(s - 1) * n];
+    for (int k = 0; k < n; ++k) work_[k] = y_before_[k] + change[k] - y[k];
+    constexpr double astray = 0.1;  // scales: where it may end otherwise
+    if (newton == Newton::not_finite || (newton == Newton::slow && !(norm(work_.data()) < astray))) continue;
+    for (int k = 0; k < n; ++k) y[k] = y_before_[k] + change[k];
+    return true;
+  }
+  return false;
 }
 
 bool Collocation::shorten(double theta) {

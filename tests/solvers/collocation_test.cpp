@@ -104,6 +104,23 @@ struct TwinGrowth final : System {
   std::string unknown(int i) const override { return i == 0 ? "slow" : "fast"; }
 };
 
+/// ẏ = λ y with the complex λ = r + 3 i r: a spiral that grows.
+struct Spiral final : System {
+  static constexpr double rate = 1e6, frequency = 3e6;
+  int size() const override { return 2; }
+  void mass(double, double* m) const override { m[0] = m[1] = 1; }
+  void evaluate(double, const double* y, double* f) const override {
+    f[0] = rate * y[0] - frequency * y[1];
+    f[1] = frequency * y[0] + rate * y[1];
+  }
+  void linearise(double t, const double* y, double* f, double* J) const override {
+    evaluate(t, y, f);
+    J[0] = J[3] = rate, J[1] = -frequency, J[2] = frequency;
+  }
+  void scale(const double*, double* s) const override { s[0] = s[1] = 1; }
+  std::string unknown(int i) const override { return i == 0 ? "cosine" : "sine"; }
+};
+
 /// ẏ₀ = −2 y₀ − 1, which falls through 0 at t = ln(3)/2 from y₀ = 1, and 0 = y₀ − k y₁ with k = 1 above 0 and 4 below.
 struct Corner final : System {
   int size() const override { return 2; }
@@ -362,6 +379,23 @@ TEST_CASE("growth in pairs is followed too", "[solvers]") {
       CAPTURE(first, tolerance);
       CHECK(solver.time_at(*half) * system.rate[0] == Approx(std::log(1 / first - 1)).epsilon(10 * tolerance));
     }
+}
+
+TEST_CASE("an oscillation that grows is followed, however small it begins", "[solvers]") {
+  const Spiral system;
+  for (const double end : {1e-2, 1.0, 1e6})
+    for (const double first : {1e-6, 1e-12, 1e-18})
+      for (const double tolerance : {1e-4, 1e-8}) {
+        Collocation solver(system, tolerance);
+        REQUIRE(solver.start(0, std::vector{first, 0.0}));
+        const auto amplitude = [&] { return std::hypot(solver.state()[0], solver.state()[1]); };
+        while (solver.time() < end && amplitude() < 0.5) REQUIRE(solver.step(end).complete());
+        CAPTURE(end, first, tolerance);
+        const long steps = solver.count().steps;
+        CHECK(amplitude() ==
+              Approx(first * std::exp(Spiral::rate * solver.time())).epsilon(1.5 * double(steps) * tolerance));
+        CHECK(steps < 120);
+      }
 }
 
 TEST_CASE("a step ends at a kink, wherever that lies in it", "[solvers]") {
