@@ -23,9 +23,6 @@ double compliance_at(const SeriesSpring& spring, double N) {
   return spring.compliance + spring.compliance_per_load / N;
 }
 
-/// Slip beside the law's at the friction of steady sliding, as part of the reference speed: without memory a start from
-/// rest slips by 1e-14 of it, which must not show it.
-constexpr double creep_share = 1e-14, creep_share_without_memory = 1e-24;
 constexpr double nearly_stuck = 1e-6;  ///< of the reference speed: below it the slip rate is read from friction
 }  // namespace
 
@@ -94,11 +91,12 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   const double friction_scale = carries_friction() ? contact_scale_[0] : 0.1;
   const auto& s = model_.slider;
   if (mechanics_ == Mechanics::inertial && rigid() && carries_friction()) {
-    // Friction that is all but gone in steady sliding may hold much in stick.
-    constexpr double stuck = 1e-3;
+    // Slip beside the law's at the friction of steady sliding, as part of the reference speed: without memory a start
+    // from rest slips by 1e-14 of it, which must not show it. Friction that is all but gone in steady sliding may hold
+    // much in stick.
+    const auto [share, stuck] = model_.lambda == 0 ? std::pair(1e-28, 1e-14) : std::pair(1e-14, 1e-3);
     const double held = law.steady_friction({stuck * reference_speed_, start.load}).friction;
-    creep_ = (model_.lambda == 0 ? creep_share_without_memory : creep_share) * reference_speed_ /
-             std::max({std::abs(z[0]), 0.1 * friction_scale, std::abs(held)});
+    creep_ = share * reference_speed_ / std::max({std::abs(z[0]), 0.1 * friction_scale, std::abs(held)});
   }
   if (const double impedance = std::sqrt(s.stiffness * s.mass), V = std::abs(start.speed);
       set_valued_ && is_constant_ && V > 0 && std::isfinite(impedance)) {

@@ -2290,3 +2290,23 @@ TEST_CASE("slip that misses rest by the last digits of its highest rate has come
     CHECK(cycle.metrics.period == Approx(2 * std::numbers::pi * std::sqrt(m / k)).epsilon(1e-9));
   }
 }
+
+TEST_CASE("friction that is all but gone in steady sliding creeps by nothing that shows in a start from rest",
+          "[stress][run]") {
+  // 2e4 times as much friction holds at 1e-14 of the drive's speed as at 1e-3 of it.
+  const double V = 0.019300627802382887, N = 23.176927855317995;
+  auto model = slider_under("nagata",
+                            {0.31978305126980255, 0.035390317864815175, 0.15554465007059057, 2.5282673915716151e-06,
+                             5.3950550155668247e-07, 5.0026428387598383},
+                            {4387.0710467588879, 40154.124073586652, 168536.92421281108}, V, N);
+  model.lambda = 0;
+  RunOptions options;
+  options.duration = 0.012257644171741076;
+  options.samples = 20;
+  options.start.kind = Start::Kind::rest;
+  const auto found = run(model, options);
+  REQUIRE(found.outcome.complete());
+  constexpr std::size_t slip_rate = 2, phi = 5;
+  CHECK(found.columns[slip_rate][0] == Approx(1e-14 * V).epsilon(1e-8));
+  CHECK(std::abs(found.columns[phi][0] - model.law->steady({1e-14 * V, N})[0]) <= found.column_error[phi]);
+}
