@@ -533,8 +533,9 @@ class Settling final : public PassageQueue {
         search.strayed = infinity;
         search.residual = (image - visit.start).norm() / size;
         search.stepped = step.norm() / size;
-        // Along the amplitude too: what rounding has taught of the derivative may point anywhere.
-        VectorXd swing = search.sticks ? direction : VectorXd((next - search.steady()).normalized());
+        // Along the amplitude too, which is the displacement: what rounding has taught of the derivative may point
+        // anywhere, and states that a turn forgets at once may be far larger.
+        VectorXd swing = search.sticks ? direction : VectorXd(VectorXd::Unit(next.size(), 0));
         if (swing.dot(direction) < 0) swing = -swing;
         search.start_at(next + astray * size * (direction + swing).normalized());
         return true;

@@ -2310,3 +2310,18 @@ TEST_CASE("friction that is all but gone in steady sliding creeps by nothing tha
   CHECK(found.columns[slip_rate][0] == Approx(1e-14 * V).epsilon(1e-8));
   CHECK(std::abs(found.columns[phi][0] - model.law->steady({1e-14 * V, N})[0]) <= found.column_error[phi]);
 }
+
+TEST_CASE("lanes take no swing for attracted that friction leaves alone, however much its states change",
+          "[stress][cycle]") {
+  // Friction of 1e-15 of the spring's force: what the swing is was made by the slip that began it. The state, 30
+  // decades from that of steady sliding, is forgotten in a turn.
+  auto model = slider_under("spinodal",
+                            {0.29332001638008948, 0.020591387370539598, 0.13634434012210048, 1e-10,
+                             8.8684398273781987e-11, 2.9734401231969706e-08, 5.9173898142716812},
+                            {13.106003061100321, 1547313.0339230155, 0}, 3.5772067779329934e-12, 1.6496390334081799);
+  model.lambda = 170.62078440232489;
+  LaneCycleOptions options;
+  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
+  const auto found = find_cycles(std::span(&model, 1), options);
+  CHECK(!found.front().found);
+}
