@@ -113,7 +113,7 @@ class Collocation {
   double most_rounding_;  ///< what the last digits of forces may leave of an unknown, in scales
   double longest_step_ = infinity, bound_share_;
   double growth_bound_ = infinity;  ///< of steps, by the oscillation that grew fastest beside the last one
-  double last_moment_ = infinity;  ///< just before the limit of the last step
+  double last_moment_ = infinity;   ///< just before the limit of the last step
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
   bool resolve_starts_ = false;
   bool has_kink_ = false;      ///< the system has a kink
