@@ -39,7 +39,7 @@ class Collocation {
   void bound_step(double longest) { longest_step_ = longest * bound_share_; }
   /// Starts begin within the fastest time of the Jacobian, so that a transient is seen even if a start excites it
   /// weakly and a longer step would damp it out of sight. Costs a few steps more where there is none.
-  void resolve_starts() { resolve_starts_ = true; }
+  void resolve_starts(bool yes = true) { resolve_starts_ = yes; }
   /// Shortens the last step to `theta` of its length (0 < theta <= 1), solved again at full order.
   bool shorten(double theta);
 

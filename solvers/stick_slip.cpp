@@ -73,6 +73,10 @@ bool StickSlip::holds(double t, std::vector<double> y) const {
   return std::abs(system_.holding_force(t, y.data())) < certainly * system_.holding_limit(t, y.data());
 }
 
+/// What states forget at rest decides when the contact gives way, and one step may take them through all of it, the
+/// same at every tolerance.
+void StickSlip::resolve_stick() { collocation_.resolve_starts(system_.direction() == 0); }
+
 /// At rest, in the mode that now begins.
 void StickSlip::leave_rest(const double* y) {
   work_done_ = {};
@@ -131,6 +135,7 @@ bool StickSlip::start_slip(double t, std::span<const double> y, double direction
   std::vector<double> released(y.begin(), y.end());
   system_.release(t, released.data());
   leave_rest(released.data());
+  resolve_stick();
   return collocation_.start(t, released);
 }
 
@@ -144,6 +149,7 @@ bool StickSlip::start(double t, std::span<const double> y) {
   switched_ = false;
   swing_before_.reset();
   if (!armed_) leave_rest(work_.data());
+  resolve_stick();
   return collocation_.start(t, y);
 }
 
@@ -156,6 +162,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
     armed_ = switched_ = false;
     if (stuck) system_.release(collocation_.time(), behind_switch_.data());
     leave_rest(behind_switch_.data());
+    resolve_stick();
     double begin = rewinds_ ? 0 : collocation_.time();
     if (rest_ && !rewinds_ && begin + rest_->later < t_limit) begin += rest_->later;
     if (!collocation_.start(begin, behind_switch_)) return {Ending::not_finite, "after a switch"};
