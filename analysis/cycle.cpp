@@ -150,14 +150,21 @@ Cycle find_cycle(const Model& model, const CycleOptions& options) {
     cycle =
         searched.law->set_valued() ? find_stick_slip_cycle(searched, options) : find_smooth_cycle(searched, options);
     if (curve) add_states(cycle, *model.law, model.drive.normal_load.level());
+    const auto forget = [&](Outcome outcome) {
+      const auto cost = cycle.cost;
+      cycle = {};
+      cycle.cost = cost;
+      cycle.outcome = std::move(outcome);
+    };
     for (const auto& metric : metric_names())
       if (!std::isfinite(cycle.metrics.*metric.member) || !std::isfinite(cycle.error.*metric.member)) {
-        const auto cost = cycle.cost;
-        cycle = {};
-        cycle.cost = cost;
-        cycle.outcome = {Ending::not_finite, fmt::format("in {}", metric.name)};
+        forget({Ending::not_finite, fmt::format("in {}", metric.name)});
         break;
       }
+    // Ringing that has not settled may seem to come round, but is no period.
+    constexpr double hardly = 0.1;
+    if (const double known = cycle.error.period / cycle.metrics.period; known > hardly)
+      forget({Ending::tolerance_not_met, fmt::format("period is known to {:.1e} only: none is known", known)});
   }
   return cycle;
 }

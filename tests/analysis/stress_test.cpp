@@ -2343,3 +2343,21 @@ TEST_CASE("what states forget at rest is resolved, and with it when the contact 
       CHECK(std::abs(cycle.metrics.*member - tight.metrics.*member) <= cycle.error.*member + tight.error.*member);
   }
 }
+
+TEST_CASE("ringing that has not settled is no period", "[stress][cycle]") {
+  // Bristles ring through a stick of 1.3e5 s; some tolerances lead to the period, others into the ringing.
+  auto model = slider_under("lugre-unscaled",
+                            {87003.063654146448, 48.93714158799623, 0.056977483195458402, 2.6970777677349216,
+                             2.6006464118931034, 0.0025318565129216655},
+                            {17.521398449556834, 0.41052201123182408, 0}, 2.8895594693799769e-05, 8.0256716221472217);
+  model.lambda = 0.099251069469069739;
+  model.drive.force = -9.9024557879678277;
+  for (const double tolerance : {1e-5, 1e-6, 1e-7}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance, .multipliers = false});
+    CHECK(cycle.error.period <= 0.1 * cycle.metrics.period);
+    if (cycle.outcome.complete())
+      CHECK(cycle.metrics.period == Approx(128373.971).epsilon(1e-5));
+    else
+      CHECK(cycle.metrics.period == 0);
+  }
+}
