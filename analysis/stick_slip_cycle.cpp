@@ -69,11 +69,10 @@ class OnsetMap {
     int plain_until = plain - 1, strays = 0;
     // Many slow states, such as the temperatures of deep layers, come in one after the other; Newton's method turns
     // them all at once, and the fast ones follow within a few periods. Where leaps lead astray again and again it is
-    // not waited for so long, and where it does, it goes half the way.
+    // not waited for so long.
     constexpr int patience = 24, grace = 4, again = 2;
     int turn_at = patience - 1;  ///< the period after which it is next asked
     int judged_at = -1;          ///< the period by which it must have led closer
-    double share = 1;            ///< of its way
     // What neither leads closer, and changes to and fro, is as close as rounding lets it come.
     double nearest = infinity;
     int nearest_at = 0;
@@ -82,7 +81,6 @@ class OnsetMap {
       z = closest_image;
       const bool turned = k <= judged_at;
       plain_until = k + ++strays * plain;
-      if (turned) share *= 0.5;
       if (turned || strays >= again) turn_at = k + (turned ? patience : plain);
       leapt_at = judged_at = -1;
     };
@@ -149,7 +147,7 @@ class OnsetMap {
         if (const auto turn = newton_step(z, step)) {
           if (now < closest) closest = now, closest_image = z + step;
           onsets.clear(), changes.clear();
-          z += share * *turn;
+          z += *turn;
           change = infinity;
           leapt_at = -1;
           judged_at = k + 1 + grace;
@@ -164,10 +162,7 @@ class OnsetMap {
         go_back(k);
       } else {
         if (!farther) leapt_at = -1;
-        if (now < closest) {
-          closest = now, closest_image = z + step;
-          if (k == judged_at) share = std::min(2 * share, 1.0);
-        }
+        if (now < closest) closest = now, closest_image = z + step;
         const bool leaps = leapt_at < 0 && k > plain_until && k > judged_at &&
                            std::max(now / change, change / change_before) < comes_in;
         if (leaps) leapt_at = last_leap = k;
