@@ -105,12 +105,11 @@ class OnsetMap {
       const double known = std::max(tolerance_, 1e-14);  // no state is known better
       const bool comes_in_slowly = k > 3 && now < 1e3 * known && !(now < 0.5 * change);
       const bool settled = now < 10 * known || comes_in_slowly;
-      const bool in_flight = leapt_at >= 0 || k <= judged_at;
       if (now < 0.5 * nearest) nearest = now, nearest_at = k;
       // Onsets before a leap say nothing of those after it.
       const std::size_t together = std::min<std::size_t>(onsets.size(), k - last_leap);
       const bool scatters = scatter_in(std::span(changes).last(together), z);
-      const bool no_nearer = k - nearest_at >= 2 * patience && now < 100 * nearest && !in_flight && scatters;
+      const bool no_nearer = k - nearest_at >= 2 * patience && now < 100 * nearest && !led && scatters;
       // States that count the time at rest scatter as the times at which slip stops, and what has all but decayed as
       // the rounding of what it came from. Then the metrics of two periods that both do show what is left.
       const bool unshaken = now < 10 * closest;  // by a leap

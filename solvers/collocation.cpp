@@ -76,7 +76,9 @@ bool Collocation::start(double t, std::span<const double> y) {
   fresh_ = true;
   rounded_ = false;
   rejections_ = 0;
-  mode_rates_.clear();  // what a solution costs and gives must not depend on those before it
+  // What a solution costs and gives must not depend on those before it.
+  mode_rates_.clear();
+  growth_bound_ = infinity;
   system_.mass(t, mass_.data());
   if (!make_consistent()) return false;
   y_before_ = y_;
@@ -366,8 +368,8 @@ double Collocation::ringing_error(double h, const double* estimate) {
   std::array<Ringing, most_small_rows / 2> ringing;
   int count = 0;
   const double least = RadauTableau::size_below(0.1 * tolerance_ / size);
-  /// Notes mode k if it rings, with z within `radius`. \returns false if that is not to be told so.
   bool outgrown = false;  // by an oscillation that grows notably in a turn, however small it is
+  /// Notes mode k if it rings, with z within `radius`. \returns false if that is not to be told so.
   const auto note = [&](int k, bool pair, Complex z, double radius) {
     constexpr double notably = 0.05;
     if (pair && z.real() - radius > notably * std::abs(z.imag())) {

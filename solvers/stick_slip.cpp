@@ -73,9 +73,12 @@ bool StickSlip::holds(double t, std::vector<double> y) const {
   return std::abs(system_.holding_force(t, y.data())) < certainly * system_.holding_limit(t, y.data());
 }
 
-/// What states forget at rest decides when the contact gives way, and one step may take them through all of it, the
-/// same at every tolerance.
-void StickSlip::resolve_stick() { collocation_.resolve_starts(system_.direction() == 0); }
+/// Of the present mode. What states forget at rest decides when the contact gives way, and one step may take them
+/// through all of it, the same at every tolerance: the first is to resolve it.
+bool StickSlip::begin(double t, std::span<const double> y) {
+  collocation_.resolve_starts(system_.direction() == 0);
+  return collocation_.start(t, y);
+}
 
 /// At rest, in the mode that now begins.
 void StickSlip::leave_rest(const double* y) {
@@ -135,8 +138,7 @@ bool StickSlip::start_slip(double t, std::span<const double> y, double direction
   std::vector<double> released(y.begin(), y.end());
   system_.release(t, released.data());
   leave_rest(released.data());
-  resolve_stick();
-  return collocation_.start(t, released);
+  return begin(t, released);
 }
 
 bool StickSlip::start(double t, std::span<const double> y) {
@@ -149,8 +151,7 @@ bool StickSlip::start(double t, std::span<const double> y) {
   switched_ = false;
   swing_before_.reset();
   if (!armed_) leave_rest(work_.data());
-  resolve_stick();
-  return collocation_.start(t, y);
+  return begin(t, y);
 }
 
 Outcome StickSlip::step(double t_limit, Switch& switched) {
@@ -162,10 +163,9 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
     armed_ = switched_ = false;
     if (stuck) system_.release(collocation_.time(), behind_switch_.data());
     leave_rest(behind_switch_.data());
-    resolve_stick();
-    double begin = rewinds_ ? 0 : collocation_.time();
-    if (rest_ && !rewinds_ && begin + rest_->later < t_limit) begin += rest_->later;
-    if (!collocation_.start(begin, behind_switch_)) return {Ending::not_finite, "after a switch"};
+    double now = rewinds_ ? 0 : collocation_.time();
+    if (rest_ && !rewinds_ && now + rest_->later < t_limit) now += rest_->later;
+    if (!begin(now, behind_switch_)) return {Ending::not_finite, "after a switch"};
   }
   rest_.reset();
   const double small = rest * system_.reference_speed();

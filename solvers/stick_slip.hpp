@@ -61,7 +61,7 @@ class StickSlip {
   bool holds(double t, std::vector<double> y) const;
   double mode_at_rest(double t, const double* y, double direction) const;
   void leave_rest(const double* y);
-  void resolve_stick();
+  bool begin(double t, std::span<const double> y);
   Work work_so_far();
   double turning_swing(double t, const double* y) const;
   bool rests(const Work&, double t, const double* y) const;
