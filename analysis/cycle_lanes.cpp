@@ -725,6 +725,13 @@ void find_cycles(std::vector<CycleBatch> batches, double stick_threshold, const 
     }
 }
 
+LaneCycleOptions every_metric(double tolerance) {
+  LaneCycleOptions options;
+  options.tolerance = tolerance;
+  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
+  return options;
+}
+
 std::vector<LaneCycle> find_cycles(std::span<const Model> models, const LaneCycleOptions& options,
                                    std::span<const GridPlace> places) {
   std::vector<LaneCycle> cycles;

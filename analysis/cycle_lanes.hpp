@@ -28,6 +28,8 @@ struct LaneCycleOptions {
   double stick_threshold = 0.1;
   std::vector<std::string> metrics;  ///< names; the period is always found
 };
+/// That ask for every metric there is.
+LaneCycleOptions every_metric(double tolerance = 1e-6);
 
 /// Cycles reached from stick, or from where neighbours expect them. Results do not depend on which sliders share the
 /// lanes, only on what is in their own tile. `places`: one for each slider, or none. \throws InputError

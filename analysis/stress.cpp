@@ -392,9 +392,7 @@ Judgement judge_stability(const Model& model) {
 /// The third answer, from the lanes that fill planes: largest difference over stated errors, 0 where they do not serve
 /// or settle on nothing. A cycle with another period, by more than a tenth, is another cycle and no error.
 double lanes_against(const Cycle& tight, const Model& model, std::string& worst) {
-  LaneCycleOptions options;
-  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
-  const auto found = find_cycles(std::span(&model, 1), options);
+  const auto found = find_cycles(std::span(&model, 1), every_metric());
   const LaneCycle& lane = found.front();
   const bool another = std::abs(lane.metrics.period / tight.metrics.period - 1) > 0.1;
   if (!lane.found || another) return 0;
@@ -458,8 +456,7 @@ Judgement judge_cycle(const Model& model) {
     const double a = loose.metrics.*metric.member, a_error = loose.error.*metric.member;
     const double b = tight.metrics.*metric.member, b_error = tight.error.*metric.member;
     if (!std::isfinite(a + b + a_error + b_error)) return {Verdict::not_finite, metric.name};
-    const bool stick = std::string_view(metric.name).starts_with("stick_fraction");
-    if (stick && (loose.ill_conditioned_stick || tight.ill_conditioned_stick)) continue;
+    if (is_stick(metric) && (loose.ill_conditioned_stick || tight.ill_conditioned_stick)) continue;
     const double r = a == b ? 0 : std::abs(a - b) / (a_error + b_error);
     if (!(r <= ratio)) ratio = r, worst = metric.name;
   }

@@ -80,9 +80,7 @@ Coverage of_find_cycle(const Known& known) {
 
 /// Cycles that lanes find, but for those that settle on another cycle of the same slider.
 Coverage of_lanes(const Known& known) {
-  LaneCycleOptions options;
-  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
-  const auto found = find_cycles(known.models, options);
+  const auto found = find_cycles(known.models, every_metric());
   Coverage coverage;
   for (std::size_t i = 0; i < found.size(); ++i)
     if (found[i].found && std::abs(found[i].metrics.period / known.cycles[i].metrics.period - 1) < 0.1)

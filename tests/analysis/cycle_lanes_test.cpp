@@ -119,8 +119,6 @@ TEST_CASE("a contact spring is no obstacle", "[cycle-lanes]") {
 }
 
 TEST_CASE("every law in all its surroundings is served by lanes, within the stated errors", "[cycle-lanes][long]") {
-  LaneCycleOptions options;
-  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
   int found = 0, numbers = 0, outside = 0;
   for (auto model : rosin::tests::surrounded_laws()) {
     model.slider = {0.5, 20, 0.3};
@@ -129,7 +127,7 @@ TEST_CASE("every law in all its surroundings is served by lanes, within the stat
                                 << ", spring " << model.contact_stiffness.tangential << ", "
                                 << model.contact_stiffness.per_load);
     REQUIRE(PassageLanes::serves(rosin::oscillators::SliderSystem(model)));
-    const auto lane = find_cycles(std::span(&model, 1), options).front();
+    const auto lane = find_cycles(std::span(&model, 1), every_metric()).front();
     if (!lane.found) continue;
     const auto cycle = find_cycle(model, {.tolerance = 1e-8, .multipliers = false});
     CHECK(cycle.outcome.complete());
@@ -150,8 +148,6 @@ TEST_CASE("every law in all its surroundings is served by lanes, within the stat
 }
 
 TEST_CASE("bristles that deflect ring through stick in lanes too", "[cycle-lanes][long]") {
-  LaneCycleOptions options;
-  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
   int found = 0, known = 0, numbers = 0, outside = 0;
   for (const char* name : {"lugre", "lugre-unscaled"}) {
     std::mt19937 random(7);
@@ -167,7 +163,7 @@ TEST_CASE("bristles that deflect ring through stick in lanes too", "[cycle-lanes
       model.drive.normal_load = decades(-2, 2);
       if (!stability(model).stable) models.push_back(model);
     }
-    const auto cycles = find_cycles(models, options);
+    const auto cycles = find_cycles(models, every_metric());
     for (std::size_t i = 0; i < models.size(); ++i) {
       const Cycle fine = find_cycle(models[i], {.tolerance = 1e-9, .multipliers = false});
       if (!fine.outcome.complete()) continue;
@@ -196,9 +192,7 @@ TEST_CASE("a contact that only rings has no cycle in lanes", "[cycle-lanes]") {
 }
 
 TEST_CASE("Fig 1 in lanes, with every metric", "[cycle-lanes]") {
-  LaneCycleOptions options;
-  options.tolerance = 1e-7;
-  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
+  const LaneCycleOptions options = every_metric(1e-7);
   const std::vector<Model> models = {bristol_board(1e-4, 10)};
   const auto cycle = find_cycles(models, options).front();
   REQUIRE(cycle.found);
@@ -220,9 +214,7 @@ TEST_CASE("stick and slip under Coulomb friction in lanes has the closed form's 
   model.slider = {2, 300, 0};
   model.drive.speed = 0.01;
   model.drive.normal_load = 1.5;
-  LaneCycleOptions options;
-  options.tolerance = 1e-8;
-  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
+  const LaneCycleOptions options = every_metric(1e-8);
   const auto cycle = find_cycles(std::span(&model, 1), options).front();
   REQUIRE(cycle.found);
   const double V = 0.01, w = std::sqrt(300.0 / 2), d = 0.1 * 1.5 / 300;
@@ -273,8 +265,7 @@ TEST_CASE("every set-valued law sticks and slips in lanes, a user's and a heated
       laws::heated(laws::find_law("slip-distance"), {.resistance = 2e4, .time = 0.02, .softening = 30})};
   for (const auto& law : laws::catalogue())
     if (law->set_valued()) set_valued.push_back(law);
-  LaneCycleOptions options;
-  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
+  const LaneCycleOptions options = every_metric();
   int cycles_found = 0, covered = 0;
   for (const auto& law : set_valued) {
     std::mt19937 random(17);

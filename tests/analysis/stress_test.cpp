@@ -2320,9 +2320,7 @@ TEST_CASE("lanes take no swing for attracted that friction leaves alone, however
                              8.8684398273781987e-11, 2.9734401231969706e-08, 5.9173898142716812},
                             {13.106003061100321, 1547313.0339230155, 0}, 3.5772067779329934e-12, 1.6496390334081799);
   model.lambda = 170.62078440232489;
-  LaneCycleOptions options;
-  for (const auto& metric : metric_names()) options.metrics.emplace_back(metric.name);
-  const auto found = find_cycles(std::span(&model, 1), options);
+  const auto found = find_cycles(std::span(&model, 1), every_metric());
   CHECK(!found.front().found);
 }
 
