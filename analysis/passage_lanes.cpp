@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/landing.hpp"
 #include "analysis/loop_area.hpp"
 #include "analysis/stick_slip_period.hpp"
 #include "core/instruction_set.hpp"
@@ -122,6 +123,7 @@ bool PassageLanes::take(int lane, PassageQueue& queue) {
     sliders_.load(lane, *passage.slider);
     at.loaded = passage.slider;
     at.V = passage.slider->model().drive.speed.level();
+    landed_.set(lane, LandingSteps::part * narrow_slip_rate(*passage.slider));
   }
   if (switches_)
     begin_mode(lane, passage.from_section ? 1 : 0, passage.y.data());
@@ -498,6 +500,11 @@ void PassageLanes::see() {
       const Mask grows = good & (before > zero) & (v > before) & (v < 0.1 * V);
       const Pack foldings = max(log(felt_.pack[p] / v), Pack(followed));
       bounds.pack[p] = select(grows, ensemble_.length().pack[p] * foldings / log(v / before), bounds.pack[p]);
+      const Pack landed = landed_.pack[p];
+      const Mask slows = good & (landed > zero) & (v * before > zero) & (abs(v) < abs(before));
+      const Pack loses = max(LandingSteps::share * abs(v), landed);
+      bounds.pack[p] =
+          select(slows, min(bounds.pack[p], ensemble_.length().pack[p] * loses / abs(before - v)), bounds.pack[p]);
       update(creep_, v);
     }
   });

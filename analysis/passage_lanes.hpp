@@ -136,6 +136,7 @@ class PassageLanes {
   bool rigid_;
   bool switches_;  ///< the law is set-valued
   std::array<Lane, lane_count> lanes_;
+  Lanes landed_;  ///< slip rate that a step may always take away where slip comes down to a reversal; 0: any step
   Lanes section_, creep_;                         ///< contact slip rate, and at the end of the last step taken
   Lanes slip_rate_slope_[2], friction_slope_[2];  ///< at both ends of the step, by θ
   Lanes friction_[2];                             ///< at both ends of the step

@@ -385,7 +385,7 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     // An implicit step over many turns of an oscillation that grows would damp it.
     const bool near_steady = std::abs(section(solver.time(), solver.state().data())) < 0.9 * speed_;
     const double growing = near_steady && spirals_ ? growth_time_ : infinity;
-    solver.bound_step(std::min(growing, landing_time(solver)));
+    solver.bound_step(std::min({growing, landing_time(solver), landing_.time(solver)}));
     const Outcome outcome = solver.step(longest_passage_);
     if (!outcome.complete()) {
       const auto end = why_motion_ends(system_, solver.time(), solver.state().data());

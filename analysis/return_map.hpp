@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "analysis/cycle.hpp"
+#include "analysis/landing.hpp"
 #include "oscillators/slider_system.hpp"
 #include "solvers/collocation.hpp"
 
@@ -68,6 +69,7 @@ constexpr double weak_friction = 0.1;  ///< over a swing: below this a turn may 
 class ReturnMap {
  public:
   explicit ReturnMap(const Model&);
+  ReturnMap(const ReturnMap&) = delete;
 
   struct Passage {
     Outcome outcome;
@@ -109,6 +111,7 @@ class ReturnMap {
   double landing_time(const solvers::Collocation&) const;
   std::vector<double> rates_at_end(const solvers::Collocation&, double tolerance) const;
   oscillators::SliderSystem system_;
+  LandingSteps landing_{system_};
   double speed_, longest_passage_;
   double growth_time_ = infinity;  ///< 1/|s| of the fastest growing mode of steady sliding
   bool spirals_ = false;           ///< what grows there oscillates

@@ -14,6 +14,7 @@
 
 #include "analysis/algorithm_run.hpp"
 #include "analysis/exact_run.hpp"
+#include "analysis/landing.hpp"
 #include "analysis/motion_end.hpp"
 #include "analysis/refinement.hpp"
 #include "analysis/stability.hpp"
@@ -436,7 +437,9 @@ class Pass {
   Outcome with_collocation(const std::vector<double>& y, double tolerance) {
     Collocation solver(system_, tolerance);
     solver.resolve_starts();
+    const LandingSteps landing(system_);
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
+      solver.bound_step(landing.time(solver));
       const Outcome o = solver.step(limit);
       if (!o.complete()) return explained(o, solver);
       look_at(solver, true);
@@ -480,6 +483,8 @@ class Pass {
     const int n = system_.size();
     std::vector<double> z(n), state_before(n), rate(n);
     lost_.assign(n, 0);
+    constexpr double one_ahead = 0.2;  // CVODE has chosen the next step before the bound comes
+    const LandingSteps landing(system_, one_ahead);
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       const double before = solver.time();
       state_before = solver.state();
@@ -488,6 +493,9 @@ class Pass {
       solver.rate(rate.data());
       for (int i = 0; i < n; ++i)
         if (solver.state()[i] == state_before[i]) lost_[i] += (solver.time() - before) * rate[i];
+      const double clock = 1e-10 * solver.time();  // shorter steps would be a matter of its last digits
+      solver.bound_step(std::max(clock, landing.time(before, state_before.data(), solver.time(), solver.state().data(),
+                                                     solver.time() - before)));
       sample_until(solver.time(), false, [&](double t) {
         solver.interpolate(t, z.data());
         return z.data();

@@ -51,6 +51,11 @@ inline double size_of_terms(const double* row, const double* y, int n) {
   for (int j = 0; j < n; ++j) sum += std::abs(row[j] * y[j]);
   return sum;
 }
+/// What may be wrong with a row of f by that.
+inline double last_digits_of_terms(const double* row, const double* y, int n) {
+  constexpr double rounding = 2.3e-16;
+  return 4 * rounding * size_of_terms(row, y, n);
+}
 
 /// A system with one set-valued contact: it sticks, or slips in one of two directions, and a solver with event
 /// location sets which.
@@ -63,6 +68,8 @@ class SwitchingSystem : public System {
   /// The force that keeps the contact from slipping, and the largest that it can bear (newton).
   virtual double holding_force(double t, const double* y) const = 0;
   virtual double holding_limit(double t, const double* y) const = 0;
+  /// What rounding leaves open of the two (newton).
+  virtual double holding_digits(double t, const double* y) const = 0;
   /// Sets the slip rate to exactly zero.
   virtual void hold(double* y) const = 0;
   /// At rest, where stick gives way to slip in the present direction: loads the contact by the last digits that are

@@ -584,9 +584,13 @@ double SliderSystem::holding_limit(double t, const double* y) const {
   return N * law.static_limit(N, {state, law.states().size()});
 }
 
-void SliderSystem::release(double t, double* y) const {
+double SliderSystem::holding_digits(double t, const double* y) const {
   constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
-  const double k = model_.slider.stiffness, sure = digits * (holding_limit(t, y) + k * std::abs(y[0]));
+  return digits * (holding_limit(t, y) + model_.slider.stiffness * std::abs(y[0]));
+}
+
+void SliderSystem::release(double t, double* y) const {
+  const double k = model_.slider.stiffness, sure = holding_digits(t, y);
   std::vector<double> f(size());
   evaluate(t, y, f.data());
   const double driving = direction_ * f[1];

@@ -99,6 +99,7 @@ class SliderSystem final : public SwitchingSystem {
   double direction() const override { return direction_; }
   double holding_force(double t, const double* y) const override;
   double holding_limit(double t, const double* y) const override;
+  double holding_digits(double t, const double* y) const override;
   void hold(double* y) const override { y[1] = 0; }
   void release(double t, double* y) const override;
   void stop(double* y) const override;

@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 
-#include "core/eigenpairs.hpp"
 #include "solvers/lu.hpp"
 
 namespace rosin::solvers {
@@ -32,6 +31,7 @@ Collocation::Collocation(const System& system, double tolerance)
       n_(system.size()),
       tolerance_(std::max(tolerance, least_tolerance)),
       growth_(n_),
+      oscillations_(tableau_, n_, tolerance_),
       most_rounding_(most_rounding[0]) {
   if (s * n_ > largest_lu)
     throw InputError(fmt::format("{} unknowns are more than the collocation takes, {}", n_, largest_lu / s));
@@ -42,7 +42,6 @@ Collocation::Collocation(const System& system, double tolerance)
   bound_share_ = std::min(1.0, std::pow(tolerance_ / 1e-6, 1.0 / 9));
   const int n = n_;
   for (auto* v : {&carry_, &y_, &y_before_, &f0_, &mass_, &scale_, &work_}) v->assign(n, 0.0);
-  ringing_errors_.assign(2 * n, 0.0);
   for (auto* v : {&Z_, &Z_trial_, &residual_, &stage_mass_}) v->assign(s * n, 0.0);
   J_.assign(n * n, 0.0);
   real_lu_.assign(n * n, 0.0);
@@ -54,8 +53,6 @@ Collocation::Collocation(const System& system, double tolerance)
     pair_pivot_[k].assign(n, 0);
   }
   f_stage_.assign(n, 0.0);
-  for (auto* v : {&modes_, &modes_inverse_}) v->reserve(n * n);
-  mode_rates_.reserve(n);
 }
 
 double Collocation::norm(const double* v) const {
@@ -77,8 +74,7 @@ bool Collocation::start(double t, std::span<const double> y) {
   rounded_ = false;
   rejections_ = 0;
   // What a solution costs and gives must not depend on those before it.
-  mode_rates_.clear();
-  growth_bound_ = infinity;
+  oscillations_.forget();
   system_.mass(t, mass_.data());
   if (!make_consistent()) return false;
   y_before_ = y_;
@@ -251,8 +247,9 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
     solve_lu(real_lu_, real_pivot_, n, e.data());
   };
   solve(f0_.data());
-  const double ringing = ringing_error(h, e.data());
   double size = norm(e.data());
+  const double ringing = oscillations_.error(
+      {h, h * growth_followed(h), y_, mass_, J_, scale_, real_lu_, real_pivot_, {e.data(), std::size_t(n)}, size});
   if (refine && size > estimate_tolerance_) {
     // Filters the stiff components once more (Hairer & Wanner, IV.8). Not at a start: that would hide the transient of
     // a start off the stiff components' own motion, which a long step skips at every tolerance alike.
@@ -269,7 +266,7 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
 }
 
 /// What may be wrong with f in row i by rounding.
-double Collocation::last_digits(int row) const { return 4 * rounding * size_of_terms(&J_[row * n_], y_.data(), n_); }
+double Collocation::last_digits(int row) const { return last_digits_of_terms(&J_[row * n_], y_.data(), n_); }
 
 /// What the last digits of f leave in the embedded estimate of a step whose matrix is factorised, in scales.
 double Collocation::rounding_error() {
@@ -286,180 +283,6 @@ double Collocation::beyond_rounding(const std::vector<double>& estimate) {
   for (int i = 0; i < n_; ++i)
     work_[i] = std::max(std::abs(estimate[i]) - std::min(std::abs(work_[i]), most_rounding_ * scale_[i]), 0.0);
   return norm(work_.data());
-}
-
-/// The modes from the answers of the filter that the embedded estimate has passed: (γM/h − J)⁻¹ M r = r h/(γ − z) where
-/// J r = λ M r and z = hλ. That keeps the digits of slow modes beside those of a stuck contact, which J does not.
-/// \returns false where there are none to be had.
-bool Collocation::find_modes(double h, std::span<const int> moving) {
-  const int n = n_, m = int(moving.size());
-  std::array<double, most_small_rows * most_small_rows> columns;
-  std::fill_n(columns.begin(), n * m, 0.0);
-  for (int j = 0; j < m; ++j) columns[moving[j] * m + j] = mass_[moving[j]] * scale_[moving[j]];
-  solve_lu(real_lu_, real_pivot_, n, columns.data(), m);
-  SmallMatrix<double> G(m, m), vectors(m, m);
-  for (int i = 0; i < m; ++i)
-    for (int j = 0; j < m; ++j) G(i, j) = columns[moving[i] * m + j] / scale_[moving[i]];
-  mode_rates_.clear();
-  if (!G.allFinite()) return false;
-  const auto pairs = small_eigenpairs(G, true);
-  if (!pairs.values.allFinite()) return false;
-  for (int k = 0; k < m; ++k) {
-    const bool pair = pairs.values[k].imag() != 0;
-    const int first = pairs.values[k].imag() > 0 ? k : k - 1;  // Eigen puts it before its conjugate
-    mode_rates_.push_back(tableau_.gamma / h - 1.0 / pairs.values[pair ? first : k]);
-    for (int i = 0; i < m; ++i) {
-      const auto part = pairs.vectors(i, pair ? first : k) * scale_[moving[i]];
-      vectors(i, k) = pair && first != k ? part.imag() : part.real();
-    }
-  }
-  modes_.assign(vectors.data(), vectors.data() + m * m);
-  // The inverse by way of scales, in which the vectors are of one size.
-  for (int i = 0; i < m; ++i) vectors.row(i) /= scale_[moving[i]];
-  SmallMatrix<double> inverse = vectors.inverse();
-  for (int i = 0; i < m; ++i) inverse.col(i) /= scale_[moving[i]];
-  modes_inverse_.assign(inverse.data(), inverse.data() + m * m);
-  return true;
-}
-
-/// The error of the modes that ring, in scales. That the solution is better than the estimate holds for motion of the
-/// size of the scale alone. A weak oscillation y' = λy, on a stiff spring say, is followed by a long step to nothing
-/// at once while the estimate is still small. But for it both are known: with z = hλ the method errs by
-/// |R(z) − e^z| and estimates |ρ(z)|, each times the amplitude, so that the part of the estimate in the mode times
-/// κ(z) = |R − e^z|/|ρ| is the error. Modes with |Im z| < |Re z| die out within a turn.
-///
-/// Modes are found again when those of an earlier step no longer serve. In their vectors J is nearly diagonal, and each
-/// rate is within the sum of its row's other entries from the diagonal (Gershgorin): as long as no rate that may lie
-/// where κ matters is surrounded by a tenth of its size, or is one of those that did not ring, they serve.
-double Collocation::ringing_error(double h, const double* estimate) {
-  using Complex = std::complex<double>;
-  static_assert(s * most_small_rows >= largest_lu);
-  const int n = n_;
-  std::array<int, most_small_rows> moving, following;  // unknowns with and without a rate of their own
-  int m = 0, a = 0;
-  for (int i = 0; i < n; ++i) (mass_[i] != 0 ? moving[m++] : following[a++]) = i;
-  const double size = norm(estimate);
-  std::fill(ringing_errors_.begin() + n, ringing_errors_.end(), 0.0);
-  growth_bound_ = infinity;
-  if (m < 2 || !(size > 0)) return 0;  // nothing that could ring
-  // What has no rate follows the moving unknowns, δy_a = −J_aa⁻¹ J_am δy_m.
-  SmallMatrix<double> own(a, a), follow(a, m);
-  for (int i = 0; i < a; ++i) {
-    for (int j = 0; j < a; ++j) own(i, j) = J_[following[i] * n + following[j]];
-    for (int j = 0; j < m; ++j) follow(i, j) = -J_[following[i] * n + moving[j]];
-    const double largest = own.row(i).cwiseAbs().maxCoeff();  // rows may be fifty decades apart
-    own.row(i) /= largest, follow.row(i) /= largest;
-  }
-  if (a > 0) follow = own.partialPivLu().solve(follow).eval();
-  SmallMatrix<double> rates(m, m);
-  for (int i = 0; i < m; ++i)
-    for (int j = 0; j < m; ++j) {
-      const double* row = &J_[moving[i] * n];
-      double sum = row[moving[j]];
-      for (int k = 0; k < a; ++k) sum += row[following[k]] * follow(k, j);
-      rates(i, j) = h * sum / mass_[moving[i]];
-    }
-  if (const double apart = rates(0, 0) - rates(1, 1); m == 2 && apart * apart + 4 * rates(0, 1) * rates(1, 0) >= 0)
-    return 0;  // both real
-  struct Ringing {
-    int mode;
-    Complex z;
-  };
-  std::array<Ringing, most_small_rows / 2> ringing;
-  int count = 0;
-  const double least = RadauTableau::size_below(0.1 * tolerance_ / size);
-  bool outgrown = false;  // by an oscillation that grows notably in a turn, however small it is
-  /// Notes mode k if it rings, with z within `radius`. \returns false if that is not to be told so.
-  const auto note = [&](int k, bool pair, Complex z, double radius) {
-    constexpr double notably = 0.05;
-    if (pair && z.real() - radius > notably * std::abs(z.imag())) {
-      const double followed = h * growth_followed(h);
-      growth_bound_ = std::min(growth_bound_, h * followed / std::abs(z));
-      outgrown = outgrown || std::abs(z) - radius > followed;
-    }
-    if (std::abs(z) + radius < least || std::abs(z.real()) - std::abs(z.imag()) > std::sqrt(2) * radius) return true;
-    if (!pair || !(radius < 0.1 * std::abs(z))) return false;
-    ringing[count++] = {k, z};
-    return true;
-  };
-  using Modes = Eigen::Map<const Eigen::MatrixXd>;
-  const auto known = [&] {
-    if (int(mode_rates_.size()) != m) return false;
-    SmallMatrix<double> B = rates.lazyProduct(Modes(modes_.data(), m, m));
-    B = Modes(modes_inverse_.data(), m, m).lazyProduct(B).eval();
-    for (int k = 0; k < m; ++k) {
-      const bool pair = mode_rates_[k].imag() > 0;
-      const int last = pair ? k + 1 : k;
-      double radius = 0;
-      for (int j = 0; j < m; ++j)
-        if (j < k || j > last) radius += pair ? std::hypot(B(k, j), B(last, j)) : std::abs(B(k, j));
-      Complex z = B(k, k);
-      if (pair) {
-        z = {0.5 * (B(k, k) + B(last, last)), 0.5 * (B(k, last) - B(last, k))};
-        radius += 0.5 * std::hypot(B(k, k) - B(last, last), B(k, last) + B(last, k));
-      }
-      if (!note(k, pair, z, radius)) return false;
-      k = last;
-    }
-    return true;
-  };
-  if (!known()) {
-    count = 0;
-    if (!find_modes(h, {moving.data(), std::size_t(m)})) return 0;
-    for (int k = 0; k < m; ++k) {
-      const bool pair = mode_rates_[k].imag() > 0;
-      note(k, pair, h * mode_rates_[k], 0);
-      k += pair;
-    }
-  }
-  if (outgrown) return infinity;
-  const Modes vectors(modes_.data(), m, m), inverse(modes_inverse_.data(), m, m);
-  std::array<double, most_small_rows * most_small_rows> noise;
-  double sum = 0;
-  bool heard = false;
-  for (int r = 0; r < count; ++r) {
-    const auto& [k, z] = ringing[r];
-    const double kappa = tableau_.error_over_estimate(z);
-    if (!(kappa * size > 0.1 * tolerance_)) continue;
-    if (!heard) {
-      // Beside the estimate the estimates of what rounding leaves of forces that balance, which rings at every start.
-      std::fill_n(noise.begin(), n * n, 0.0);
-      for (int i = 0; i < n; ++i) noise[i * n + i] = last_digits(i);
-      solve_lu(real_lu_, real_pivot_, n, noise.data(), n);
-      heard = true;
-    }
-    const auto part = [&](const double* source, int stride) {  // in the pair of modes
-      double real = 0, imaginary = 0;
-      for (int j = 0; j < m; ++j) {
-        real += inverse(k, j) * source[moving[j] * stride];
-        imaginary += inverse(k + 1, j) * source[moving[j] * stride];
-      }
-      return std::hypot(real, imaginary);
-    };
-    double amplitude = part(estimate, 1);
-    for (int i = 0; i < n; ++i) amplitude -= part(&noise[i], n);
-    if (!(amplitude > 0)) continue;
-    const double error = kappa * amplitude;
-    constexpr double part_of_turn = 3;  // longer steps damp it e-fold within five thousand turns
-    const bool passed_over = std::abs(z) > part_of_turn;
-    double square = 0;  // of the vector, in scales
-    const auto add = [&](int i, double real, double imaginary) {
-      const double length = std::hypot(real, imaginary);
-      square += length * length / (scale_[i] * scale_[i]);
-      if (passed_over) ringing_errors_[n + i] += error * length;
-    };
-    for (int j = 0; j < m; ++j) add(moving[j], vectors(j, k), vectors(j, k + 1));
-    for (int i = 0; i < a; ++i) {
-      double real = 0, imaginary = 0;
-      for (int j = 0; j < m; ++j) {
-        real += follow(i, j) * vectors(j, k);
-        imaginary += follow(i, j) * vectors(j, k + 1);
-      }
-      add(following[i], real, imaginary);
-    }
-    sum += error * std::sqrt(square / n);
-  }
-  return std::isnan(sum) ? 0 : sum;
 }
 
 double Collocation::first_step(double t_limit) {
@@ -496,7 +319,7 @@ Outcome Collocation::step(double t_limit) {
     if (!std::isfinite(f0_[i]))
       return {Ending::not_finite, fmt::format("at t = {:.9g} s in '{}'", t_, system_.unknown(i))};
   double h = h_next_ > 0 ? h_next_ : first_step(t_limit);
-  h = std::min({h, system_.resolution(), longest_step_, growth_bound_});
+  h = std::min({h, system_.resolution(), longest_step_, oscillations_.longest_step()});
   h = within_growth(h);
   // Where nothing depends on time, steps may be shorter than the clock shows, as in a fast slip after a long stick, or
   // while friction turns over in a reversal.
@@ -552,7 +375,8 @@ Outcome Collocation::step(double t_limit) {
     if (!(error <= 1)) {
       ++count_.rejected;
       ++rejections_;
-      h = growth_bound_ < h ? growth_bound_ : h * (std::isfinite(error) ? std::clamp(factor, least_factor, 0.9) : 0.2);
+      h = oscillations_.longest_step() < h ? oscillations_.longest_step()
+                                           : h * (std::isfinite(error) ? std::clamp(factor, least_factor, 0.9) : 0.2);
       rejected = true;
       continue;
     }
@@ -570,7 +394,7 @@ Outcome Collocation::step(double t_limit) {
     Z_.swap(Z_trial_);
     y_before_ = y_;
     t_before_ = t_;
-    for (int k = 0; k < n; ++k) ringing_errors_[k] += ringing_errors_[n + k];
+    oscillations_.accept();
     for (int k = 0; k < n; ++k) {
       const double change = Z_[(s - 1) * n + k] + carry_[k];
       y_[k] += change;

@@ -15,6 +15,7 @@
 #include "core/error.hpp"
 #include "core/system.hpp"
 #include "solvers/growth.hpp"
+#include "solvers/oscillations.hpp"
 #include "solvers/radau_tableau.hpp"
 
 namespace rosin::solvers {
@@ -76,7 +77,7 @@ class Collocation {
   /// What steps have been wrong by in oscillations that they passed over, for each unknown and at most: the sum of
   /// their errors since the solver was made. Each is within the tolerance, but an oscillation that a long step damps at
   /// once leaves nothing behind, at this tolerance or a larger one, for their difference to show.
-  std::span<const double> ringing_errors() const { return {ringing_errors_.data(), std::size_t(n_)}; }
+  std::span<const double> ringing_errors() const { return oscillations_.passed_over(); }
 
   struct Count {
     long steps = 0, rejected = 0, evaluations = 0, linearisations = 0, factorisations = 0;
@@ -100,8 +101,6 @@ class Collocation {
   double last_digits(int row) const;
   double rounding_error();
   double beyond_rounding(const std::vector<double>& estimate);
-  double ringing_error(double h, const double* estimate);
-  bool find_modes(double h, std::span<const int> moving);
   double norm(const double* v) const;
   double first_step(double t_limit);
 
@@ -110,10 +109,10 @@ class Collocation {
   int n_;
   double tolerance_, estimate_tolerance_;
   GrowthTest growth_;
+  Oscillations oscillations_;
   double most_rounding_;  ///< what the last digits of forces may leave of an unknown, in scales
   double longest_step_ = infinity, bound_share_;
-  double growth_bound_ = infinity;  ///< of steps, by the oscillation that grew fastest beside the last one
-  double last_moment_ = infinity;   ///< just before the limit of the last step
+  double last_moment_ = infinity;  ///< just before the limit of the last step
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
   bool resolve_starts_ = false;
   bool has_kink_ = false;      ///< the system has a kink
@@ -129,12 +128,6 @@ class Collocation {
   int iterations_ = 0;    ///< of the last Newton solution
   bool rounded_ = false;  ///< the last step came as far as the last digits of the forces tell
   int rejections_ = 0;    ///< attempts since the last step that succeeded at once
-  /// What differs from rest in M ẏ = J y moves in modes, kept while J hardly changes: their vectors in columns, of the
-  /// moving unknowns alone, the inverse of that, both column-major, and their rates. Of a pair the real and the
-  /// imaginary part of the one with the positive frequency, which stands twice among the rates.
-  std::vector<double> modes_, modes_inverse_;
-  std::vector<std::complex<double>> mode_rates_;
-  std::vector<double> ringing_errors_;  ///< of each unknown: summed up, then those of the step that is tried
   Count count_;
 };
 

@@ -23,7 +23,8 @@ struct Cvode::Core {
   SUNMatrix matrix = nullptr;
   SUNLinearSolver linear = nullptr;
   void* memory = nullptr;
-  bool fresh = true;                     ///< no step has been taken since the start
+  bool fresh = true;                            ///< no step has been taken since the start
+  double longest = infinity, bound = infinity;  ///< step, of all since the start and of those to come
   double t = 0, last_moment = infinity;  // just before the limit of the step: a jump there must not be seen early
   std::vector<double> y, mass, scale, jacobian, f;
   std::vector<int> found;
@@ -113,15 +114,18 @@ void Cvode::start(double t, std::span<const double> y) {
   if (c.roots > 0) CVodeRootInit(c.memory, c.roots, Core::root_function);
 }
 
+void Cvode::bound_step(double longest) { core_->bound = longest; }
+
 Outcome Cvode::step(double t_limit) {
   Core& c = *core_;
   CVodeSetStopTime(c.memory, t_limit);
   if (c.fresh) {
     // What is small in its scale would be passed over in a few long steps, the same at every tolerance.
     const double share = 0.3 * std::cbrt(c.tolerance);
-    CVodeSetMaxStep(c.memory, std::min(c.system.resolution(), share * (t_limit - c.t)));
+    c.longest = std::min(c.system.resolution(), share * (t_limit - c.t));
     c.fresh = false;
   }
+  CVodeSetMaxStep(c.memory, std::min(c.longest, c.bound));
   c.last_moment = std::nextafter(t_limit, c.t);
   const int flag = CVode(c.memory, t_limit, c.vector, &c.t, CV_ONE_STEP);
   std::copy_n(N_VGetArrayPointer(c.vector), c.system.size(), c.y.begin());

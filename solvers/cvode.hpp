@@ -24,6 +24,8 @@ class Cvode {
   Cvode(Cvode&&) noexcept;
 
   void start(double t, std::span<const double> y);
+  /// No step but the next, whose length is chosen, may be longer (s); infinity to lift the bound.
+  void bound_step(double longest);
   /// One internal step; stops exactly at t_limit, or at a root (then `root_found()` tells which).
   Outcome step(double t_limit);
   double time() const;

@@ -59,11 +59,13 @@ double StickSlip::indicator(double t, const double* y) const {
   return system_.direction() * system_.slip_rate(t, y);
 }
 
-/// The balance of forces at rest: stick if the contact can hold, else slip along the force that it cannot hold.
+/// The balance of forces at rest: stick if the contact can hold, else slip along the force that it cannot hold. Slip
+/// that loses nothing comes back to the limit that it began at, and is held but for last digits.
 double StickSlip::mode_at_rest(double t, const double* y, double direction) const {
   const double hold = system_.holding_force(t, y);
   if (direction == 0) return hold > 0 ? 1 : -1;  // stick has just reached its limit
-  return std::abs(hold) <= system_.holding_limit(t, y) ? 0 : hold > 0 ? 1 : -1;
+  const double doubt = direction * hold < 0 ? system_.holding_digits(t, y) : 0;
+  return std::abs(hold) <= system_.holding_limit(t, y) + doubt ? 0 : hold > 0 ? 1 : -1;
 }
 
 /// True if a stop in y leaves the contact more than rounding short of its limit.

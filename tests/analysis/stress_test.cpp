@@ -2359,3 +2359,65 @@ TEST_CASE("ringing that has not settled is no period", "[stress][cycle]") {
       CHECK(cycle.metrics.period == 0);
   }
 }
+
+namespace {
+/// A contact that heals below 4e-11 m/s and creeps through rest in each period.
+Model healing_at_rest() {
+  auto model = slider_under("kato-tullis",
+                            {0.36674135253338775, 0.0057665641584415187, 0.022104144074637778, 9.415171610083383e-06,
+                             0.00016419609085908932, 3.6885093316848825e-11},
+                            {6.3402280731544904e-05, 1084.3526508571224, 0.0025611119320038999}, 0.4926412318643576,
+                            105354.71722099447);
+  model.lambda = 154232.34003539899;
+  return model;
+}
+}  // namespace
+
+TEST_CASE("what contacts heal in the moment of a reversal is not passed over", "[stress][run]") {
+  // Through rest the load makes the slip rate rise by dv/dt, and healing adds 2 v_c/(lambda dv/dt) to the age.
+  const auto model = healing_at_rest();
+  const double v_c = 3.6885093316848825e-11, age = 4.4e-9, v = -1e-6;
+  const double N = model.drive.normal_load.level(), V = model.drive.speed.level(), k = model.slider.stiffness;
+  const double creep = model.law->slip_rate(1e-6, N, std::vector{age}) / 1e-6;  // m/s per unit of friction, near rest
+  const double slope = creep * k * V / N;
+  RunOptions options;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = v;
+  options.start.displacement = (v / creep * N - model.slider.damping * V) / k;
+  options.start.states["theta"] = age;
+  options.duration = 2 * std::abs(v) / slope;
+  options.samples = 1;
+  for (const char* solver : {"collocation", "cvode"}) {
+    options.solver = solver;
+    const auto found = run(model, options);
+    REQUIRE(found.columns[2].size() == 2);
+    CHECK(found.columns[2].back() == Approx(-v).epsilon(1e-2));
+    CHECK(found.columns.back().back() - age == Approx(2 * v_c / (model.lambda * slope)).epsilon(2e-3));
+  }
+}
+
+TEST_CASE("lanes follow what contacts heal in the moment of a reversal", "[stress][cycle]") {
+  const auto model = healing_at_rest();
+  const auto cycle = find_cycle(model, {.tolerance = 1e-9, .multipliers = false});
+  const auto lane = find_cycles(std::span(&model, 1), every_metric()).front();
+  REQUIRE(cycle.outcome.complete());
+  REQUIRE(lane.found);
+  for (const auto& metric : metric_names())
+    CHECK(std::abs(lane.metrics.*metric.member - cycle.metrics.*metric.member) <=
+          lane.error.*metric.member + cycle.error.*metric.member);
+}
+
+TEST_CASE("slip that loses nothing comes back to the limit that it began at, and is held", "[stress][cycle]") {
+  // A free swing from rest to rest, after which the drive turns the load from one limit to the other.
+  const double V = 1.9775462057923375e-07, N = 2.2061441530951414e-07;
+  auto model = slider_under("loading-rate", {10.0, 10.0, 94.620497901589076, 1e-30},
+                            {23.487206267119287, 416653.10185725091, 0}, V, N);
+  const double k = model.slider.stiffness, w = std::sqrt(k / model.slider.mass), d = 10 * N / k;
+  const double stick = 2 * d / V, slip = 2 * (std::numbers::pi - std::atan(w * d / V)) / w;
+  for (const double tolerance : {1e-5, 1e-6, 3e-7, 1e-8}) {
+    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    REQUIRE(cycle.outcome.complete());
+    CHECK(std::abs(cycle.metrics.period - (stick + slip)) <= cycle.error.period);
+    CHECK(std::abs(cycle.metrics.stick_fraction - stick / (stick + slip)) <= cycle.error.stick_fraction);
+  }
+}
