@@ -6,11 +6,9 @@
 
 namespace rosin::analysis {
 
-double narrow_slip_rate(const oscillators::SliderSystem& system) {
-  const auto& model = system.model();
-  const auto& law = *model.law;
-  if (law.set_valued() || !law.has_states() || !(model.lambda > 0)) return 0;
-  const double V = system.reference_speed(), N = model.drive.normal_load.level(), far = 0.03 * V;
+namespace {
+double narrowest(const FrictionLaw& law, double V, double N) {
+  const double far = 0.03 * V;
   const auto state = law.steady({V, N});
   const auto rate = [&](double v) { return law.rate({v, N}, state); };
   const auto at_rest = rate(0), beside = rate(far), slower = rate(0.5 * V);
@@ -27,6 +25,19 @@ double narrow_slip_rate(const oscillators::SliderSystem& system) {
     narrow = std::min(narrow, std::exp(high));
   }
   return narrow < infinity ? narrow : 0;
+}
+
+}  // namespace
+
+double narrow_slip_rate(const oscillators::SliderSystem& system) {
+  const auto& model = system.model();
+  const double N = model.drive.normal_load.level();
+  if (model.law->set_valued() || !model.law->has_states() || !(model.lambda > 0 && N > 0)) return 0;
+  try {
+    return narrowest(*model.law, system.reference_speed(), N);
+  } catch (const InputError&) {  // no rate at rest, or no steady state: nothing is known to be narrow
+    return 0;
+  }
 }
 
 double LandingSteps::time(double t0, const double* y0, double t1, const double* y1, double length) const {
