@@ -363,7 +363,8 @@ class Pass {
 
   /// Sample and, for smooth laws, find reversals in the last step of a collocation.
   void look_at(Collocation& step, bool reversals) {
-    std::vector<double> y(system_.size());
+    std::vector<double>& y = looked_at_;  // of the pass: a step allocates nothing
+    y.resize(system_.size());
     const double t0 = step.time_before(), h = step.length();
     if (reversals) {
       double low = 0, before = system_.slip_rate(t0, step.state_before().data());
@@ -574,6 +575,7 @@ class Pass {
   std::string solver_;
   double tolerance_ = 0;
   std::vector<double> work_;
+  std::vector<double> looked_at_;  ///< scratch
   std::size_t next_ = 0;
   double begin_ = 0;  ///< s, of the steps
   long steps_ = 0;
