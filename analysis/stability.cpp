@@ -109,12 +109,11 @@ struct Linearisation {
     Complex value;
     double error, real_error;
   };
-  static constexpr std::size_t largest_expanded = 14;
   /// Largest real part first.
   std::vector<Eigenvalue> eigenvalues() const {
     if (!J.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
     std::vector<Eigenvalue> list;
-    if (const Pencil pencil(system); pencil.mass.size() <= largest_expanded) {
+    if (const Pencil pencil(system); pencil.mass.size() <= most_expanded) {
       const auto count = std::size_t(pencil.J.size());
       const auto roots = characteristic_roots({pencil.J.data(), count}, pencil.mass, {pencil.sizes.data(), count});
       for (std::size_t i = 0; i < roots.values.size(); ++i)

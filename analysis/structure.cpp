@@ -1,4 +1,5 @@
-/// The pencil of structure and contacts, its eigenvalues by QZ, and the turns of its determinant along the axis.
+/// The pencil of structure and contacts, its eigenvalues with their errors, and the turns of its determinant along the
+/// axis.
 #include "analysis/structure.hpp"
 
 #include <fmt/format.h>
@@ -12,12 +13,15 @@
 #include <numeric>
 
 #include "analysis/lab/sensor.hpp"
+#include "core/characteristic.hpp"
+#include "core/eigenpairs.hpp"
 #include "core/error.hpp"
 
 namespace rosin::analysis {
 
 using Complex = std::complex<double>;
 using Matrix = Eigen::MatrixXd;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using ComplexMatrix = Eigen::MatrixXcd;
 
 namespace {
@@ -25,7 +29,7 @@ namespace {
 Matrix matrix_of(const std::vector<double>& entries, int n, const char* name) {
   if (int(entries.size()) != n * n)
     throw InputError(fmt::format("{} has {} entries, but {} coordinates need {}", name, entries.size(), n, n * n));
-  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(entries.data(), n, n);
+  return Eigen::Map<const RowMajor>(entries.data(), n, n);
 }
 
 Eigen::VectorXd vector_of(const std::vector<double>& entries, int n, const char* name) {
@@ -62,36 +66,62 @@ struct Assembly {
     }
   }
 
-  /// E ẏ = A y with y = (x, ẋ, of each contact z and N).
-  void pencil(Matrix& E, Matrix& A) const {
+  /// E ẏ = A y with y = (x, ẋ, z of each contact), and what each entry was summed from.
+  struct Pencil {
+    RowMajor E, A, E_sizes, A_sizes;
+
+    explicit Pencil(int size) { E.setZero(size, size), A = E_sizes = A_sizes = E; }
+    void add_to_E(int row, int column, const Matrix& block) { add(E, E_sizes, row, column, block); }
+    void add_to_A(int row, int column, const Matrix& block) { add(A, A_sizes, row, column, block); }
+
+   private:
+    static void add(RowMajor& sum, RowMajor& sizes, int row, int column, const Matrix& block) {
+      sum.block(row, column, block.rows(), block.cols()) += block;
+      sizes.block(row, column, block.rows(), block.cols()) += block.cwiseAbs();
+    }
+  };
+  Pencil pencil() const {
     const auto& l = response.linear();
-    const int nz = l.size(), each = nz + 1, total = 2 * n + each * int(contacts.size());
-    E.setZero(total, total), A.setZero(total, total);
-    E.topLeftCorner(n, n).setIdentity();
-    A.block(0, n, n, n).setIdentity();
-    E.block(n, n, n, n) = M;
-    A.block(n, 0, n, n) = -K, A.block(n, n, n, n) = -C;
+    const int nz = l.size();
+    Pencil p(2 * n + nz * int(contacts.size()));
+    const int velocity = n;  // first row and column of ẋ
+    p.add_to_E(0, 0, Matrix::Identity(n, n));
+    p.add_to_A(0, velocity, Matrix::Identity(n, n));
+    p.add_to_E(velocity, velocity, M);
+    p.add_to_A(velocity, 0, -K);
+    p.add_to_A(velocity, velocity, -C);
     for (std::size_t j = 0; j < contacts.size(); ++j) {
       const auto& [t, normal_direction, pressed] = contacts[j];
-      const int z = 2 * n + int(j) * each, N = z + nz;
-      const auto tt = t.transpose();
-      // δv = −tᵀẋ, δN = N; δF = c z + d_v v + d_N N + d_R Ṅ
+      const int z = 2 * n + int(j) * nz;
+      // δv = −tᵀẋ, δN = pᵀx + qᵀẋ; M ẍ = … + t δF − n δN with δF = c z + d_v v + d_N N + d_R Ṅ
+      const Eigen::RowVectorXd slip = -t.transpose(), pressing = normal_direction.transpose(),
+                               p_T = normal.stiffness * pressing, damping = normal.damping * pressing,
+                               lift = (pressed ? normal.lift : 0.0) * slip;
+      for (const Eigen::RowVectorXd& q_T : {damping, lift}) {
+        p.add_to_A(velocity, velocity, t * l.d_N * q_T);
+        p.add_to_A(velocity, velocity, -normal_direction * q_T);
+        p.add_to_E(velocity, velocity, -t * l.d_R * q_T);
+      }
+      p.add_to_A(velocity, 0, t * l.d_N * p_T);
+      p.add_to_A(velocity, 0, -normal_direction * p_T);
+      p.add_to_A(velocity, velocity, t * l.d_R * p_T);
+      p.add_to_A(velocity, velocity, t * l.d_v * slip);
       for (int i = 0; i < nz; ++i) {
         const auto k = std::size_t(i);
-        E(z + i, z + i) = l.mass[k];
-        E(z + i, N) = -l.b_R[k];
-        for (int m = 0; m < nz; ++m) A(z + i, z + m) = l.A[k * std::size_t(nz) + std::size_t(m)];
-        A.block(z + i, n, 1, n) = -l.b_v[k] * tt;
-        A(z + i, N) = l.b_N[k];
-        A.block(n, z + i, n, 1) += t * l.c[k];
+        p.add_to_E(z + i, z + i, Matrix::Constant(1, 1, l.mass[k]));
+        for (int m = 0; m < nz; ++m)
+          p.add_to_A(z + i, z + m, Matrix::Constant(1, 1, l.A[k * std::size_t(nz) + std::size_t(m)]));
+        p.add_to_A(z + i, velocity, l.b_v[k] * slip);
+        p.add_to_A(z + i, 0, l.b_N[k] * p_T);
+        p.add_to_A(z + i, velocity, l.b_R[k] * p_T);
+        for (const Eigen::RowVectorXd& q_T : {damping, lift}) {
+          p.add_to_A(z + i, velocity, l.b_N[k] * q_T);
+          p.add_to_E(z + i, velocity, -l.b_R[k] * q_T);
+        }
+        p.add_to_A(velocity, z + i, t * l.c[k]);
       }
-      A.block(n, n, n, n) -= t * l.d_v * tt;
-      A.block(n, N, n, 1) += t * l.d_N - normal_direction;
-      E.block(n, N, n, 1) -= t * l.d_R;
-      A(N, N) = -1;  // 0 = −N + (k_n + c_n s) nᵀx + lift·v
-      A.block(N, 0, 1, n) = normal.stiffness * normal_direction.transpose();
-      A.block(N, n, 1, n) = normal.damping * normal_direction.transpose() - (pressed ? normal.lift : 0.0) * tt;
     }
+    return p;
   }
 
   /// Dynamic stiffness of the structure with its contacts at s.
@@ -126,34 +156,75 @@ std::optional<double> turn(const F& f, double a, Complex fa, double b, Complex f
   return *left + *right;
 }
 
-std::vector<Complex> eigenvalues(const Assembly& assembly) {
-  Matrix E, A;
-  assembly.pencil(E, A);
-  // Time in the unit of the structure, rows in their own sizes.
+/// An eigenvalue (1/s), and the error of its real part.
+struct Eigenvalue {
+  Complex value;
+  double real_error;
+  /// The sign of the real part is beyond rounding.
+  bool decided() const { return std::abs(value.real()) > 4 * real_error; }
+  bool grows() const { return value.real() > 0 && decided(); }
+};
+
+/// By QR of (A − σE)⁻¹E with σ in the unit of the structure's frequencies, which sends the eigenvalues at infinity to
+/// 0. Keeps the digits of close frequencies, and loses those of rates that lie many decades below σ. Nothing where no
+/// iteration converges.
+std::vector<Eigenvalue> eigenvalues_by_inversion(const Assembly& assembly, const Assembly::Pencil& pencil) {
   const double clock = std::max(1e-30, std::sqrt(assembly.K.cwiseAbs().maxCoeff() / assembly.M.cwiseAbs().maxCoeff()));
-  E *= clock;
-  for (int pass = 0; pass < 4; ++pass) {
-    for (int i = 0; i < E.rows(); ++i) {
-      const double size = std::max(A.row(i).cwiseAbs().maxCoeff(), E.row(i).cwiseAbs().maxCoeff());
-      if (size > 0) A.row(i) /= size, E.row(i) /= size;
+  for (const double shift : {1.0, 1.37, 0.61}) {  // one of them is no eigenvalue
+    const double sigma = shift * clock;
+    Matrix B = pencil.A - sigma * pencil.E, E = clock * pencil.E;
+    for (int i = 0; i < B.rows(); ++i) {  // rows in their own sizes
+      const double size = std::max(B.row(i).cwiseAbs().maxCoeff(), 1e-300);
+      B.row(i) /= size, E.row(i) /= size;
     }
-    for (int i = 0; i < E.cols(); ++i) {
-      const double size = std::max(A.col(i).cwiseAbs().maxCoeff(), E.col(i).cwiseAbs().maxCoeff());
-      if (size > 0) A.col(i) /= size, E.col(i) /= size;
+    const auto spectrum = spectrum_of(B.partialPivLu().solve(E));
+    std::vector<Eigenvalue> list;
+    bool finite = true;
+    for (std::size_t i = 0; i < spectrum.values.size(); ++i) {
+      const Complex inverse = spectrum.values[i];
+      finite = finite && std::isfinite(std::abs(inverse));
+      if (std::abs(inverse) <= 2 * spectrum.errors[i]) continue;  // an eigenvalue at infinity
+      list.push_back({sigma + clock / inverse, clock * spectrum.errors[i] / std::norm(inverse)});
     }
+    if (finite) return list;
   }
-  const Eigen::GeneralizedEigenSolver<Matrix> solver(A, E, false);
-  if (solver.info() != Eigen::Success)
-    throw InputError("the eigenvalues of structure and contacts could not be computed");
-  std::vector<Complex> list;
-  for (int i = 0; i < E.rows(); ++i) {
-    const Complex alpha = solver.alphas()[i];
-    const double beta = solver.betas()[i];
-    if (std::abs(beta) > 1e-13 * std::abs(alpha)) list.push_back(alpha / beta * clock);
+  return {};
+}
+
+/// By the characteristic polynomial of small structures: keeps the digits of rates many decades apart, and loses some
+/// of close frequencies. Nothing where it is beyond the range of numbers.
+std::vector<Eigenvalue> eigenvalues_by_expansion(const Assembly::Pencil& pencil) {
+  const auto count = std::size_t(pencil.A.size());
+  const auto roots = pencil_roots({pencil.A.data(), count}, {pencil.E.data(), count}, {pencil.A_sizes.data(), count},
+                                  {pencil.E_sizes.data(), count});
+  std::vector<Eigenvalue> list;
+  for (std::size_t i = 0; i < roots.values.size(); ++i) {
+    if (!std::isfinite(std::abs(roots.values[i])) || !std::isfinite(roots.real_errors[i])) return {};
+    list.push_back({roots.values[i], roots.real_errors[i]});
   }
-  std::ranges::sort(list, [](const Complex& a, const Complex& b) {
-    return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag();
-  });
+  return list;
+}
+
+/// Those that are finite, largest real part first; by expansion where that knows the first of them better.
+std::vector<Eigenvalue> eigenvalues(const Assembly& assembly) {
+  const auto sorted = [](std::vector<Eigenvalue> list) {
+    std::ranges::sort(list, [](const Eigenvalue& a, const Eigenvalue& b) {
+      return a.value.real() != b.value.real() ? a.value.real() > b.value.real() : a.value.imag() > b.value.imag();
+    });
+    return list;
+  };
+  const auto pencil = assembly.pencil();
+  auto list = sorted(eigenvalues_by_inversion(assembly, pencil));
+  constexpr double known_well = 1e-6;  // the root of rounding where two eigenvalues merge is
+  const bool known = !list.empty() && list.front().real_error < known_well * std::abs(list.front().value);
+  if (!known && std::size_t(pencil.A.rows()) <= most_expanded)
+    if (auto expanded = sorted(eigenvalues_by_expansion(pencil));
+        !expanded.empty() && (list.empty() || expanded.front().real_error < list.front().real_error))
+      list = std::move(expanded);
+  if (list.empty())
+    throw InputError(
+        "the eigenvalues of structure and contacts could not be computed: they are beyond the range of numbers, or no "
+        "iteration converges");
   return list;
 }
 
@@ -197,9 +268,14 @@ ClosedLoop close_loop(const Structure& structure, const Model& model, const std:
           "the contact is unstable by itself, at an imposed slip rate: its spring is softer than friction "
           "weakens");
   ClosedLoop result;
-  result.eigenvalues = eigenvalues(assembly);
-  for (const auto& z : result.eigenvalues) result.unstable_by_eigenvalues += z.real() > 0;
-  result.stable = result.unstable_by_eigenvalues == 0;
+  bool decided = true;
+  for (const auto& eigenvalue : eigenvalues(assembly)) {
+    result.eigenvalues.push_back(eigenvalue.value);
+    result.unstable_by_eigenvalues += eigenvalue.grows();
+    decided = decided && eigenvalue.decided();
+  }
+  result.marginal = result.unstable_by_eigenvalues == 0 && !decided;
+  result.stable = result.unstable_by_eigenvalues == 0 && decided;
 
   // det D(s)/∏(s + ω₀) has 2n zeros, and poles only to the left: it turns by −π less along the axis for each zero to
   // the right. Frequencies near which it may turn fast: those of the structure, free and clamped by its contacts.
@@ -240,7 +316,7 @@ ClosedLoop close_loop(const Structure& structure, const Model& model, const std:
     before = now;
   }
   // With all zeros to the left the ratio ends with the phase it began with.
-  result.unstable_by_nyquist = resolved ? int(std::lround(-angle / std::numbers::pi)) : -1;
+  result.unstable_by_nyquist = resolved && !result.marginal ? int(std::lround(-angle / std::numbers::pi)) : -1;
 
   result.margin = result.margin_frequency = std::nan("");
   if (assembly.contacts.size() == 1) {
@@ -329,25 +405,67 @@ SlidingStructure SlidingStructure::with(const std::string& path, double value) c
   return changed;
 }
 
+namespace {
+
+Eigenvalue leading(const SlidingStructure& sliding) {
+  return eigenvalues(Assembly(sliding.structure(), sliding.model, sliding.normal)).front();
+}
+
+/// Relative error of critical values by the rounding of a law's slopes.
+constexpr double slope_rounding = 1e-12;
+
+/// Where vibration that grows at `growing` and is marginal at `still`, within rounding, sets in: two eigenvalues merge
+/// there, or one crosses the axis beside another that stays on it. Growth rises from there as a power of the distance,
+/// ½ where two merge, and is told from rounding only beyond some distance, which the error covers.
+template <class Leading>
+CriticalValue onset_beside_marginal(const Leading& at, double still, double growing) {
+  const double scanned = growing;
+  while (std::abs(growing - still) > 4e-16 * std::abs(growing)) {
+    const double middle = 0.5 * (still + growing);
+    if (middle == still || middle == growing) break;
+    (at(middle).grows() ? growing : still) = middle;
+  }
+  const auto onset = at(growing);
+  const double range = scanned - growing;
+  double distance = std::abs(range);  // if no power is seen
+  for (double step = std::copysign(1e-9 * growing, range); std::abs(4 * step) < std::abs(range); step *= 8) {
+    const double near = at(growing + step).value.real() / onset.value.real(),
+                 far = at(growing + 4 * step).value.real() / onset.value.real();
+    constexpr double surely = 8;
+    if (!(near > surely && far > near)) continue;
+    const double power = std::log(far / near) / std::log(4.0);
+    distance = std::abs(step) / (std::pow(near, 1 / power) - 1);
+    break;
+  }
+  return {growing - std::copysign(distance, range), std::abs(onset.value.imag()),
+          distance + std::abs(growing - still) + slope_rounding * std::abs(growing)};
+}
+
+}  // namespace
+
 std::vector<CriticalValue> critical_values(const SlidingStructure& sliding, const std::string& parameter, double low,
                                            double high, int points) {
-  const auto leading = [&](double value) {
-    const auto changed = sliding.with(parameter, value);
-    return eigenvalues(Assembly(changed.structure(), changed.model, changed.normal)).front();
-  };
+  const auto at = [&](double value) { return leading(sliding.with(parameter, value)); };
   std::vector<CriticalValue> found;
   double a = low;
-  Complex at_a = leading(a);
+  auto at_a = at(a);
   for (int i = 1; i <= points; ++i) {
     const double b = i == points ? high : low * std::pow(high / low, double(i) / points);
-    const Complex at_b = leading(b);
-    if ((at_a.real() > 0) != (at_b.real() > 0)) {
-      std::uintmax_t iterations = 100;
-      const auto [left, right] =
-          boost::math::tools::toms748_solve([&](double value) { return leading(value).real(); }, a, b, at_a.real(),
-                                            at_b.real(), boost::math::tools::eps_tolerance<double>(51), iterations);
-      const Complex there = leading(0.5 * (left + right));
-      found.push_back({0.5 * (left + right), std::abs(there.imag()), right - left + 1e-12 * right});
+    const auto at_b = at(b);
+    if (at_a.grows() != at_b.grows()) {
+      if (!at_a.decided() || !at_b.decided()) {
+        found.push_back(at_a.grows() ? onset_beside_marginal(at, b, a) : onset_beside_marginal(at, a, b));
+      } else {
+        std::uintmax_t iterations = 100;
+        const auto [left, right] = boost::math::tools::toms748_solve(
+            [&](double value) { return at(value).value.real(); }, a, b, at_a.value.real(), at_b.value.real(),
+            boost::math::tools::eps_tolerance<double>(51), iterations);
+        const double value = 0.5 * (left + right), beside = 1e-6 * value;
+        const auto there = at(value);
+        const double slope = std::abs(at(value + beside).value.real() - at(value - beside).value.real()) / (2 * beside);
+        found.push_back({value, std::abs(there.value.imag()),
+                         right - left + slope_rounding * right + there.real_error / std::max(slope, 1e-300)});
+      }
     }
     a = b, at_a = at_b;
   }
@@ -357,8 +475,8 @@ std::vector<CriticalValue> critical_values(const SlidingStructure& sliding, cons
 Uncertainty propagate(const SlidingStructure& sliding, const std::vector<Uncertain>& inputs, int samples,
                       std::uint64_t seed) {
   return propagate(sliding, inputs, samples, seed, [](const SlidingStructure& changed, int) {
-    const double growth = eigenvalues(Assembly(changed.structure(), changed.model, changed.normal)).front().real();
-    return Drawn{growth > 0, growth};
+    const auto growth = leading(changed);
+    return Drawn{growth.grows(), growth.value.real()};
   });
 }
 

@@ -1,7 +1,7 @@
 /// A vibrating structure with friction contacts: is steady sliding stable, by eigenvalues and by Nyquist, with what
 /// margin, from which load on, and how surely.
 ///
-/// M ẍ + C ẋ + K x = Σ t F + n N: contact j slides along t (slip rate V − tᵀẋ) and is pressed by motion along n,
+/// M ẍ + C ẋ + K x = Σ t F − n N: contact j slides along t (slip rate V − tᵀẋ) and is pressed by motion along n,
 /// δN = (k_n + c_n s) nᵀx on it, −n δN on the structure. Each F, N is that of a FrictionResponse. Any structure is
 /// unstable where 1 + s Z(s) H(s), H its receptance, has zeros in the right half-plane: Woodhouse, Putelat & McKay
 /// (2015), section 3; Duffour & Woodhouse (2004).
@@ -76,7 +76,9 @@ struct SlidingStructure {
 struct ClosedLoop {
   std::vector<std::complex<double>> eigenvalues;  ///< 1/s, largest real part first; those at infinity left out
   bool stable = false;
-  int unstable_by_eigenvalues = 0;
+  /// Neither stable nor unstable: growth is 0 within rounding, as of undamped structures.
+  bool marginal = false;
+  int unstable_by_eigenvalues = 0;  ///< whose growth is beyond rounding
   /// Turns of the characteristic function as iω runs up the axis (Mikhailov's form of Nyquist's criterion); −1 where
   /// an eigenvalue is so near the axis that the turns cannot be counted.
   int unstable_by_nyquist = 0;
@@ -96,7 +98,8 @@ std::complex<double> receptance(const Structure&, std::complex<double> s);
 struct CriticalValue {
   double value, angular_frequency, error;
 };
-/// Along a parameter from low to high on a logarithmic scan, each located to its last digits.
+/// Along a parameter from low to high on a logarithmic scan, each located to its last digits, where eigenvalues merge
+/// too, as those of undamped modes do.
 std::vector<CriticalValue> critical_values(const SlidingStructure&, const std::string& parameter, double low,
                                            double high, int points = 60);
 

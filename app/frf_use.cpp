@@ -133,17 +133,25 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
   const auto structure = use.sliding.structure();
   const auto loop = analysis::close_loop(structure, scene.model, use.sliding.normal);
   stability["stable"] = loop.stable;
+  stability["marginal"] = loop.marginal;
   stability["eigenvalues"] = pairs(loop.eigenvalues);
   stability["unstable_by_eigenvalues"] = loop.unstable_by_eigenvalues;
   stability["unstable_by_nyquist"] = loop.unstable_by_nyquist;
   stability["margin"] = loop.margin;
   stability["margin_frequency"] = loop.margin_frequency / (2 * std::numbers::pi);
   const auto& leading = loop.eigenvalues.front();
-  job.say("structure and friction: {}; largest growth {:.6g} 1/s at {:.6g} Hz", loop.stable ? "stable" : "unstable",
+  job.say("structure and friction: {}; largest growth {:.6g} 1/s at {:.6g} Hz",
+          loop.marginal ? "marginal"
+          : loop.stable ? "stable"
+                        : "unstable",
           leading.real(), std::abs(leading.imag()) / (2 * std::numbers::pi));
-  job.say("roots in the right half-plane: {} by eigenvalues, {} by Nyquist", loop.unstable_by_eigenvalues,
-          loop.unstable_by_nyquist);
-  if (loop.unstable_by_nyquist != loop.unstable_by_eigenvalues)
+  if (loop.marginal)
+    job.say(
+        "an eigenvalue lies on the imaginary axis within rounding, and none beyond it: Nyquist does not count there");
+  else
+    job.say("roots in the right half-plane: {} by eigenvalues, {} by Nyquist", loop.unstable_by_eigenvalues,
+            loop.unstable_by_nyquist);
+  if (!loop.marginal && loop.unstable_by_nyquist != loop.unstable_by_eigenvalues)
     job.note("eigenvalues and Nyquist do not agree: an eigenvalue is too near the imaginary axis to be told from it");
   if (std::isfinite(loop.margin))
     job.say("margin {:.4g} at {:.6g} Hz: the least distance of the loop to -1", loop.margin,

@@ -33,11 +33,19 @@ struct Polynomial {
   std::vector<Real> value, size;
 };
 
+/// An entry J − s M with what both were summed from.
+struct Entry {
+  Real value, size, inertia, inertia_size;
+  bool empty() const { return value == 0 && size == 0 && inertia == 0 && inertia_size == 0; }
+};
+
 /// det(J − s M) by rows: the minors of the first rows in all choices of columns follow from those of one row less.
 /// Only those that are not empty are kept: of heat in many parts, which answer to the slip alone, they are few, and
 /// fewest where rows of few entries come first.
-Polynomial expand(std::span<const double> J, std::span<const double> mass, std::span<const double> sizes) {
-  const std::size_t n = mass.size(), terms = n + 1, choices = std::size_t(1) << n;
+/// \param at gives the Entry of a row and a column.
+template <class Entries>
+Polynomial expand(std::size_t n, std::span<const double> J, const Entries& at) {
+  const std::size_t terms = n + 1, choices = std::size_t(1) << n;
   std::vector<std::size_t> order(n), entries(n);
   for (std::size_t i = 0; i < n; ++i) {
     order[i] = i;
@@ -57,9 +65,7 @@ Polynomial expand(std::span<const double> J, std::span<const double> mass, std::
     Real sign = 1;
     for (std::size_t column = 0; column < n; ++column) {
       if (columns >> column & 1) continue;
-      const Real entry = J[order[row] * n + order[column]], inertia = row == column ? Real(mass[order[row]]) : Real(0);
-      const Real entry_size = sizes.empty() ? std::abs(entry) : Real(sizes[order[row] * n + order[column]]);
-      if (entry != 0 || entry_size != 0 || inertia != 0) {
+      if (const Entry entry = at(order[row], order[column]); !entry.empty()) {
         auto& further = place[columns | std::size_t(1) << column];
         if (further == none) {
           further = std::uint32_t(value.size() / terms);
@@ -68,11 +74,11 @@ Polynomial expand(std::span<const double> J, std::span<const double> mass, std::
         }
         const std::size_t next = further * terms;
         for (std::size_t k = 0; k <= row + 1; ++k) {
-          value[next + k] += sign * entry * value[minor + k];
-          size[next + k] += entry_size * size[minor + k];
+          value[next + k] += sign * entry.value * value[minor + k];
+          size[next + k] += entry.size * size[minor + k];
           if (k > 0) {
-            value[next + k] -= sign * inertia * value[minor + k - 1];
-            size[next + k] += inertia * size[minor + k - 1];
+            value[next + k] -= sign * entry.inertia * value[minor + k - 1];
+            size[next + k] += entry.inertia_size * size[minor + k - 1];
           }
         }
       }
@@ -118,12 +124,9 @@ Complex newton_correction(const std::vector<Real>& a, Complex x) {
   return quotient(p, d);
 }
 
-}  // namespace
-
-CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::span<const double> mass,
-                                         std::span<const double> sizes) {
-  const std::size_t n = mass.size();
-  Polynomial p = expand(jacobian, mass, sizes);
+/// Roots of p, of degree n or less, with the errors that follow from what its coefficients were summed from.
+CharacteristicRoots roots_of(Polynomial p) {
+  const std::size_t n = p.value.size() - 1;
   // What is no more than the rounding of its terms is zero.
   std::size_t degree = n;
   for (std::size_t k = 0; k <= n; ++k)
@@ -185,7 +188,8 @@ CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::
       const Real off = entry_rounding * p.size[k];
       change += off * power_size;
       error += off * power_size * steepness;
-      real_error += off * std::abs((power * by_slope).real());
+      // Sums of long double numbers keep 1e-18 of their terms, in any direction.
+      real_error += off * std::abs((power * by_slope).real()) + Real(1e-18L) * p.size[k] * power_size * steepness;
     }
     const Real most = 2 * std::sqrt(change / std::abs(bend));
     roots.values.emplace_back(double(root.real()), double(root.imag()));
@@ -198,6 +202,26 @@ CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::
   for (std::size_t i = 0; i < roots.values.size(); ++i)
     if (std::abs(roots.values[i].imag()) <= 1e-17 * std::abs(roots.values[i])) roots.values[i].imag(0);
   return roots;
+}
+
+}  // namespace
+
+CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::span<const double> mass,
+                                         std::span<const double> sizes) {
+  const std::size_t n = mass.size();
+  return roots_of(expand(n, jacobian, [&](std::size_t row, std::size_t column) -> Entry {
+    const Real value = jacobian[row * n + column], inertia = row == column ? Real(mass[row]) : Real(0);
+    return {value, sizes.empty() ? std::abs(value) : Real(sizes[row * n + column]), inertia, inertia};
+  }));
+}
+
+CharacteristicRoots pencil_roots(std::span<const double> A, std::span<const double> E, std::span<const double> A_sizes,
+                                 std::span<const double> E_sizes) {
+  const auto n = std::size_t(std::lround(std::sqrt(double(A.size()))));
+  return roots_of(expand(n, A_sizes, [&](std::size_t row, std::size_t column) -> Entry {
+    const std::size_t at = row * n + column;
+    return {A[at], A_sizes[at], E[at], E_sizes[at]};
+  }));
 }
 
 }  // namespace rosin

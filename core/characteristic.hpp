@@ -17,9 +17,15 @@ struct CharacteristicRoots {
 
 /// \param jacobian row-major n × n. \param mass diagonal of M; zero rows are algebraic and lower the degree.
 /// \param sizes of the entries of J, which are known to 4e-15 of these; their own magnitudes if empty.
-/// NaN throughout where an entry is not finite. Costs n!, so n ≤ 6 is meant.
+/// NaN throughout where an entry is not finite. Costs 2ⁿ n² where no entry is 0.
 CharacteristicRoots characteristic_roots(std::span<const double> jacobian, std::span<const double> mass,
                                          std::span<const double> sizes = {});
+/// Roots of det(A − s E) = 0, E of any form; all row-major n × n. \param A_sizes, E_sizes what each entry was summed
+/// from.
+CharacteristicRoots pencil_roots(std::span<const double> A, std::span<const double> E, std::span<const double> A_sizes,
+                                 std::span<const double> E_sizes);
+/// Unknowns beyond which a determinant is too dear to expand.
+inline constexpr std::size_t most_expanded = 14;
 /// The part of their sizes that entries are known to.
 inline constexpr double entry_rounding = 4e-15;
 

@@ -12,8 +12,17 @@ struct Eigenpairs {
   Eigen::MatrixXcd vectors;
 };
 
-/// Eigenvalues, and eigenvectors in columns if asked, of a square matrix. NaN throughout if the iteration fails.
+/// Eigenvalues, and eigenvectors in columns if asked, of a square matrix. NaN throughout where the matrix is not finite
+/// or no iteration converges.
 Eigenpairs eigenpairs(const Eigen::MatrixXd& A, bool with_vectors = false);
+
+/// Eigenvalues of a matrix of any balance, each with the error that rounding leaves: its condition times the rounding
+/// of the matrix, and where m eigenvalues merge the m-th root of that rounding. NaN throughout as eigenpairs.
+struct Spectrum {
+  std::vector<std::complex<double>> values;
+  std::vector<double> errors;
+};
+Spectrum spectrum_of(Eigen::MatrixXd A);
 
 /// What moves in M ẏ = J y by its own: the unknowns with a mass, and the matrix of their rates, each in its scale. The
 /// others follow at once, and their rows are eliminated; scales balance the matrix.

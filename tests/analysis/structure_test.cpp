@@ -1,6 +1,8 @@
 /// Structures with friction: the single slider's critical load, and Nyquist against eigenvalues on random structures.
 #include "analysis/structure.hpp"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -146,6 +148,243 @@ TEST_CASE("mode coupling under Coulomb friction: two modes merge at the friction
     const double growth = loop.eigenvalues.front().real();
     INFO(mu << ": " << growth);
     CHECK((growth > 1) == (part > 1));
+  }
+}
+
+namespace {
+
+/// A structure whose only contact, under Coulomb friction, is pressed by its own motion. With (s²M + sC + K + k nnᵀ)
+/// diagonal in modes φ (damping is proportional) its characteristic function is 1 − μ f(s), f = Σ r_j/(s² + c_j s +
+/// λ_j), r_j = k (n·φ_j)(t·φ_j): every μ at which a root lies on the axis follows from f(iω) alone.
+struct Flutter {
+  int n;
+  std::vector<double> lambda, damping, residue;  ///< of each mode
+  Structure structure;
+  NormalContact normal;
+
+  std::complex<long double> f(long double omega) const {
+    std::complex<long double> sum = 0;
+    for (int j = 0; j < n; ++j)
+      sum += (long double)(residue[j]) /
+             std::complex<long double>(lambda[j] - omega * omega, (long double)(damping[j]) * omega);
+    return sum;
+  }
+  /// f(√λ) of undamped modes and its slope by λ.
+  std::pair<long double, long double> undamped(long double square) const {
+    long double value = 0, slope = 0;
+    for (int j = 0; j < n; ++j) {
+      const long double apart = lambda[j] - square;
+      value += residue[j] / apart, slope += residue[j] / (apart * apart);
+    }
+    return {value, slope};
+  }
+  /// Roots s² of undamped modes at μ that are not positive, real or complex: those vibrations grow. By a method of its
+  /// own: Newton's identities would do, but the n roots of ∏(λ_j − x) (1 − μ f(x)) are few enough to be found together.
+  bool grows(double mu) const {
+    using C = std::complex<long double>;
+    std::vector<C> x(n);
+    for (int j = 0; j < n; ++j) x[j] = C(lambda[j] * (1 + 0.01L * j), 0.03L * lambda[j] * (j % 2 ? 1 : -1));
+    const auto p = [&](C at) {
+      C product = 1, sum = 0;
+      for (int j = 0; j < n; ++j) product *= C(lambda[j]) - at;
+      for (int j = 0; j < n; ++j) {
+        C others = 1;
+        for (int i = 0; i < n; ++i)
+          if (i != j) others *= C(lambda[i]) - at;
+        sum += (long double)(residue[j]) * others;
+      }
+      return product - (long double)(mu)*sum;
+    };
+    for (int round = 0; round < 400; ++round)
+      for (int j = 0; j < n; ++j) {  // Durand-Kerner; the leading coefficient is (−1)ⁿ
+        C others = n % 2 ? -1 : 1;
+        for (int i = 0; i < n; ++i)
+          if (i != j) others *= x[j] - x[i];
+        x[j] -= p(x[j]) / others;
+      }
+    for (const auto& root : x)
+      if (root.real() < 0 || std::abs(root.imag()) > 1e-9L * std::abs(root)) return true;
+    return false;
+  }
+  SlidingStructure sliding(double mu) const {
+    return {structure, slider_under("coulomb", {10.0, mu}, any_slider, 1, 1), normal};
+  }
+};
+
+/// Random modes and directions, as matrices in random coordinates x = Φ q.
+Flutter random_flutter(std::mt19937& random, int n, double mass_damping, double stiffness_damping) {
+  const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(random); };
+  Flutter flutter;
+  flutter.n = n;
+  Eigen::MatrixXd modes(n, n);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) modes(i, j) = uniform(-1, 1) + (i == j ? 2 : 0);
+  const Eigen::MatrixXd inverse = modes.inverse();
+  Eigen::VectorXd t(n), normal(n), lambda(n);
+  for (int i = 0; i < n; ++i) {
+    t[i] = uniform(-1, 1), normal[i] = uniform(-1, 1);
+    lambda[i] = std::pow(10, uniform(0, 1.5));
+  }
+  const double k = std::pow(10, uniform(-1, 1));
+  const Eigen::MatrixXd M = inverse.transpose() * inverse,
+                        clamped = inverse.transpose() * lambda.asDiagonal() * inverse,
+                        K = clamped - k * normal * normal.transpose();
+  const Eigen::MatrixXd C = mass_damping * M + stiffness_damping * clamped;
+  for (int i = 0; i < n; ++i) {
+    flutter.lambda.push_back(lambda[i]);
+    flutter.damping.push_back(mass_damping + stiffness_damping * lambda[i]);
+    flutter.residue.push_back(k * normal.dot(modes.col(i)) * t.dot(modes.col(i)));
+  }
+  const auto rows = [&](const Eigen::MatrixXd& A) {
+    std::vector<double> list;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) list.push_back(A(i, j));
+    return list;
+  };
+  flutter.structure = {rows(M), rows(C), rows(K), {{{t.begin(), t.end()}, {normal.begin(), normal.end()}}}};
+  flutter.normal = {.stiffness = k};
+  return flutter;
+}
+
+/// Sign changes of a function on a grid, by bisection.
+template <class F>
+std::vector<long double> zeros(const F& f, const std::vector<long double>& grid) {
+  std::vector<long double> found;
+  for (std::size_t i = 1; i < grid.size(); ++i) {
+    long double a = grid[i - 1], b = grid[i];
+    const bool below = f(a) < 0;
+    if (below == (f(b) < 0)) continue;
+    for (int k = 0; k < 90; ++k) {
+      const long double middle = (a + b) / 2;
+      ((f(middle) < 0) == below ? a : b) = middle;
+    }
+    found.push_back((a + b) / 2);
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("flutter of undamped and damped structures sets in where the characteristic function says",
+          "[structure][long]") {
+  std::mt19937 random(36);
+  constexpr int structures = 1000, scan_points = 60;
+  constexpr double low = 0.02, high = 10;
+  const double cell = std::log(high / low) / scan_points;
+  int compared = 0, undamped = 0, known = 0, precise = 0;
+  for (int k = 0; k < structures; ++k) {
+    const bool damped = k % 3 == 2;
+    const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(random); };
+    const auto flutter = random_flutter(random, 2 + k % 5, damped ? std::pow(10, uniform(-6, 0)) : 0,
+                                        damped ? std::pow(10, uniform(-6, -1)) : 0);
+    std::vector<long double> grid;  // of ω², denser beside each mode
+    for (int i = 0; i <= 3000; ++i) grid.push_back(std::pow(10.0L, -4 + i / 300.0L));
+    for (const double pole : flutter.lambda)
+      for (int i = -200; i <= 200; ++i)
+        if (i != 0) grid.push_back(pole * (1 + std::copysign(std::pow(10.0L, -std::abs(i) / 20.0L), i)));
+    std::ranges::sort(grid);
+    // Where roots cross the axis: at a real value of f, or where f turns round, or at ω = 0.
+    std::vector<double> candidates{double(1 / flutter.undamped(0).first)};
+    if (damped) {
+      for (auto& square : grid) square = std::sqrt(square);
+      for (const auto omega : zeros([&](auto w) { return flutter.f(w).imag(); }, grid))
+        candidates.push_back(double(1 / flutter.f(omega).real()));
+    } else {
+      for (const auto square : zeros([&](auto x) { return flutter.undamped(x).second; }, grid))
+        candidates.push_back(double(1 / flutter.undamped(square).first));
+    }
+    std::erase_if(candidates, [&](double mu) { return !(mu > low && mu < high); });
+    std::ranges::sort(candidates);
+    const auto found = critical_values(flutter.sliding(0.1), "law.mu_d", low, high, scan_points);
+    INFO("structure " << k << " of " << flutter.n << " coordinates, " << (damped ? "damped" : "undamped"));
+    // Every value found is one of these, and within its error.
+    for (const auto& critical : found) {
+      double nearest = infinity;
+      for (const double mu : candidates) nearest = std::min(nearest, std::abs(mu - critical.value));
+      INFO("found " << critical.value << " ± " << critical.error);
+      CHECK(nearest <= critical.error);
+      CHECK(critical.error < 1e-6 * critical.value);  // as coordinates that are nearly dependent leave it
+      ++known, precise += critical.error < 1e-9 * critical.value;
+    }
+    // The first change of undamped structures is seen, unless another follows within a step of the scan.
+    if (damped) continue;
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      const double mu = candidates[c], before = c == 0 ? low : candidates[c - 1],
+                   after = c + 1 == candidates.size() ? high : candidates[c + 1];
+      if (std::log(mu / before) < 2 * cell || std::log(after / mu) < 2 * cell) continue;
+      if (flutter.grows(std::sqrt(mu * before)) == flutter.grows(std::sqrt(mu * after))) continue;
+      ++compared;
+      CHECK(std::ranges::any_of(found,
+                                [&](const auto& critical) { return std::abs(critical.value - mu) <= critical.error; }));
+    }
+    ++undamped;
+    if (!candidates.empty() && !flutter.grows(low)) {
+      const auto below = flutter.sliding(0.5 * candidates.front());
+      CHECK((candidates.front() < 2 * low || close_loop(below.structure(), below.model, below.normal).marginal));
+    }
+  }
+  CHECK(precise > 0.95 * known);
+  CHECK(undamped > 600);
+  CHECK(compared > 100);
+}
+
+TEST_CASE("undamped pairs merge at the friction of theory; defective structures have eigenvalues, small and large",
+          "[structure]") {
+  const auto under = [](double mu) { return slider_under("coulomb", {mu, mu}, any_slider, 1, 1); };
+  const NormalContact normal{.stiffness = 4.0 / 3};
+  struct Pair {
+    std::vector<double> K;
+    double k_n, critical, omega;
+  };
+  for (const auto& [K, k_n, critical, omega] : {Pair{{2, 1, 1, 2.0 / 3}, 4.0 / 3, 0.75, std::sqrt(2.0)},
+                                                Pair{{5.2e7, 1e7, 1e7, 2e7}, 3e7, 404.0 / 1200, std::sqrt(5.1e7)}}) {
+    // An undamped pair of unit masses merges where 4 k12 (k12 − μ k_n) = −(k11 − k22 − k_n)²; Hoffmann et al. (2002).
+    const Structure pair{{1, 0, 0, 1}, {0, 0, 0, 0}, K, {{{1, 0}, {0, 1}}}};
+    for (const auto& [low, high, points] : {std::tuple{0.01, 3.0, 60}, {0.01, 3.0, 61}, {0.2, 0.8, 7}}) {
+      const auto found = critical_values({.form = pair,
+                                          .model = slider_under("coulomb", {5.0, 0.1}, any_slider, 1, 1),
+                                          .normal = NormalContact{.stiffness = k_n}},
+                                         "law.mu_d", low, high, points);
+      REQUIRE(found.size() == 1);
+      CHECK(std::abs(found[0].value - critical) <= found[0].error);
+      CHECK(found[0].error < 1e-11);
+      CHECK(found[0].angular_frequency == Approx(omega).epsilon(1e-6));
+    }
+  }
+  // Hoffmann et al. (2002): an undamped pair merges at μ = ¾; equal damping shifts the merged roots as a whole.
+  for (const double damping : {0.0, 20.0}) {
+    const Structure pair{{1, 0, 0, 1}, {damping, 0, 0, damping}, {2, 1, 1, 2.0 / 3}, {{{1, 0}, {0, 1}}}};
+    const auto loop = close_loop(pair, under(0.75), normal);
+    CHECK(loop.marginal == (damping == 0));
+    CHECK(loop.stable == (damping > 0));
+    // s² + c s + 2 = 0 twice
+    const auto s = std::sqrt(Complex(damping * damping / 4 - 2)) - damping / 2;
+    CHECK(std::abs(loop.eigenvalues.front().real() - s.real()) < 1e-6 * std::abs(s));
+  }
+  // A chain of identical, undamped masses whose stiffness is one Jordan block; with memory at ten contacts, 28
+  // unknowns.
+  for (const int n : {3, 6, 9}) {
+    Structure chain;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        chain.M.push_back(i == j), chain.C.push_back(0);
+        chain.K.push_back(i == j ? 1 : i == j + 1 ? 1 : 0);
+      }
+    std::vector<double> t(std::size_t(n), 0.0);
+    t[0] = 1;
+    chain.contacts.push_back({t, {}});
+    const auto loop = close_loop(chain, under(0.3));
+    CHECK(loop.eigenvalues.size() == std::size_t(2 * n));
+    CHECK(loop.marginal);
+    const auto equal = [&] {
+      Structure same = chain;
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+          same.C[std::size_t(i * n + j)] = 2 * (i == j), same.K[std::size_t(i * n + j)] = i == j;
+      return same;
+    }();
+    // Critically damped: every eigenvalue is −1, 2n times.
+    for (const auto& z : close_loop(equal, under(0.3)).eigenvalues) CHECK(std::abs(z + 1.0) < 0.1);
   }
 }
 
