@@ -108,8 +108,8 @@ BalancedSwing balanced_swing(const Model& model, double tolerance) {
   return {{}, {Ending::budget_spent, fmt::format("no swing that repeats itself within {} steps of slip", most_steps)}};
 }
 
-double slope_of_swing(const Model& model, double swing, double stick_threshold) {
-  constexpr double closely = 1e-10, beside = 1e-4;
+double slope_of_swing(const Model& model, double swing, double stick_threshold, double beside) {
+  constexpr double closely = 1e-10;
   const auto left = slip_passage(model, swing * (1 - beside), closely, stick_threshold, false);
   const auto right = slip_passage(model, swing * (1 + beside), closely, stick_threshold, false);
   return (right.growth - left.growth) / (2 * beside);

@@ -19,7 +19,7 @@ struct BalancedSwing {
 BalancedSwing balanced_swing(const Model&, double tolerance);
 
 /// How the growth of a swing in a passage changes with the swing, d growth / d ln swing.
-double slope_of_swing(const Model&, double swing, double stick_threshold);
+double slope_of_swing(const Model&, double swing, double stick_threshold, double beside = 1e-4);
 
 /// Static limit, over load, of a contact without memory.
 double static_limit_of_curve(const Model&);

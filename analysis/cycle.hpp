@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <complex>
+#include <string>
 #include <vector>
 
 #include "analysis/start.hpp"
@@ -63,8 +64,10 @@ struct Cycle {
   Outcome outcome;  ///< none_exists: no periodic motion was found (steady sliding is reached, or rest)
   Metrics metrics, error;
   bool ill_conditioned_stick = false;  ///< the lowest speed touches ε·V: the stick fraction jumps nearby
-  std::vector<std::complex<double>>
-      multipliers;  ///< Floquet, largest modulus first; without the trivial 1; empty: unknown
+  /// Floquet, largest modulus first; without the trivial 1; and their absolute errors.
+  std::vector<std::complex<double>> multipliers;
+  std::vector<double> multiplier_errors;
+  std::string multipliers_left_out;  ///< why some or all are not known; empty: all that are asked for are
   bool stable = false;
   /// Of a swing that friction changes by less than 1e-12 of its amplitude in a period: by how much, ln. It is as its
   /// start made it, and its metrics hold for as many periods as that lets them.

@@ -10,24 +10,13 @@
 #include <numbers>
 
 #include "analysis/irregular_motion.hpp"
+#include "analysis/multipliers.hpp"
 #include "analysis/stick_slip_period.hpp"
-#include "core/eigenpairs.hpp"
 
 namespace rosin::analysis {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-std::vector<std::complex<double>> multipliers_of(const MatrixXd& derivative, const VectorXd& scale) {
-  const MatrixXd balanced = scale.cwiseInverse().asDiagonal() * derivative * scale.asDiagonal();
-  const auto found = eigenpairs(balanced).values;
-  std::vector<std::complex<double>> values(found.data(), found.data() + found.size());
-  std::sort(values.begin(), values.end(), [](auto a, auto b) {
-    return std::abs(a) != std::abs(b) ? std::abs(a) > std::abs(b) : a.imag() > b.imag();
-  });
-  values.pop_back();  // the projection's own zero: the direction off the section
-  return values;
-}
 
 double spectral_radius(const FixedPoint& point, const ReturnMap& map) {
   const auto values = multipliers_of(point.derivative, map.scale());
@@ -72,7 +61,7 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
   double residual = infinity, factor = 1;
   int halvings = 0;
   for (int iteration = 0; iteration < 14; ++iteration) {
-    const auto passage = map.follow(y, tolerance, turns, true, true, nullptr, dip_of(amplitude));
+    const auto passage = map.follow(y, tolerance, turns, true, Derivative::of_steps, nullptr, dip_of(amplitude));
     const double now = passage.outcome.complete() ? map.distance(passage.end, y) / std::max(size, 1e-12) : infinity;
     if (passage.amplitude < least_amplitude || !(now < residual)) {
       if (iteration == 0 || ++halvings > 2) return std::nullopt;
@@ -105,13 +94,13 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
 std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, int turns, double amplitude,
                                   double loose) {
   const double dip = dip_of(amplitude), size = map.distance(y, map.system().steady(0));
-  const auto passage = map.follow(y, loose, turns, true, false, nullptr, dip);
+  const auto passage = map.follow(y, loose, turns, true, Derivative::none, nullptr, dip);
   const double change = map.distance(passage.end, y);
   if (!passage.outcome.complete() || !(change < 1e-2 * size)) return std::nullopt;
   // A slow drift repeats itself too.
   constexpr double noise = 30, dies_out = 0.5;
   if (change > noise * loose * size) {
-    const auto next = map.follow(passage.end, loose, turns, true, false, nullptr, dip);
+    const auto next = map.follow(passage.end, loose, turns, true, Derivative::none, nullptr, dip);
     if (!next.outcome.complete() || map.distance(next.end, passage.end) > dies_out * change) return std::nullopt;
   }
   const int n = int(map.differential().size());
@@ -123,14 +112,14 @@ std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, 
       const VectorXd step = VectorXd::Unit(n, k) * (side * share * map.scale()[k]);
       const auto start = map.moved(y, step, 1);
       if (start == y) continue;  // off the section
-      auto neighbour = map.follow(start, loose, turns, true, false, nullptr, dip);
+      auto neighbour = map.follow(start, loose, turns, true, Derivative::none, nullptr, dip);
       if (neighbour.outcome.complete() && neighbour.duration < 0.5 * passage.duration)  // it began beside the section
-        neighbour = map.follow(neighbour.end, loose, turns, true, false, nullptr, dip);
+        neighbour = map.follow(neighbour.end, loose, turns, true, Derivative::none, nullptr, dip);
       if (!neighbour.outcome.complete()) return std::nullopt;
       VectorXd led = map.difference(neighbour.end, passage.end) / step[k];
       // A passage more or less leads to another place of the same cycle.
       for (int more = 1; more < turns && map.length(led) * std::abs(step[k]) > share; ++more) {
-        neighbour = map.follow(neighbour.end, loose, 1, true, false, nullptr, dip);
+        neighbour = map.follow(neighbour.end, loose, 1, true, Derivative::none, nullptr, dip);
         if (!neighbour.outcome.complete()) return std::nullopt;
         led = map.difference(neighbour.end, passage.end) / step[k];
       }
@@ -164,7 +153,7 @@ Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double am
     auto y = map.moved(steady, direction, size);
     double before = 0, rate = infinity;
     for (int k = 0; k < most_passages; ++k) {
-      const auto passage = map.follow(y, tolerance, 1, true, false, nullptr, dip);
+      const auto passage = map.follow(y, tolerance, 1, true, Derivative::none, nullptr, dip);
       if (!passage.outcome.complete() || map.cost().steps > last_step) return std::nullopt;
       const double a = before, last = rate, b = map.distance(passage.end, steady);
       if (!(b > 0)) return std::nullopt;
@@ -379,7 +368,7 @@ class Search {
     next_attempt_ = 2;
     for (int k = 0; k < most_passages_; ++k) {
       const long steps_before = map_.cost().steps;
-      const auto passage = map_.follow(y, tolerance, 1, k > 0, false, nullptr, dip_of(last_amplitude));
+      const auto passage = map_.follow(y, tolerance, 1, k > 0, Derivative::none, nullptr, dip_of(last_amplitude));
       most_taken_ = std::max(most_taken_, map_.cost().steps - steps_before);
       if (!passage.outcome.complete()) {
         if (const auto nearer = leaps.shorter()) {
@@ -558,8 +547,8 @@ class Search {
     balanced_ = true;
     const auto balanced = balance_of_drift(map_, y, amplitude, drift_at_rest_, loose_);
     if (balanced.y) {
-      const auto there = map_.follow(*balanced.y, search_tolerance(amplitude, drift_at_rest_, loose_), 1, true, false,
-                                     nullptr, dip_of(amplitude));
+      const auto there = map_.follow(*balanced.y, search_tolerance(amplitude, drift_at_rest_, loose_), 1, true,
+                                     Derivative::none, nullptr, dip_of(amplitude));
       if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return Attempt::ends;
     }
     return balanced.dies_out ? Attempt::ends : Attempt::goes_on;

@@ -1,6 +1,5 @@
 /// The search for the fixed point of the return map that motion from stick, or from a given start, settles on.
 #pragma once
-#include <complex>
 #include <optional>
 #include <vector>
 
@@ -27,8 +26,6 @@ struct FixedPoint {
   std::optional<Free> free = std::nullopt;
 };
 
-/// Multipliers, largest modulus first, without the trivial ones.
-std::vector<std::complex<double>> multipliers_of(const Eigen::MatrixXd& derivative, const Eigen::VectorXd& scale);
 double spectral_radius(const FixedPoint&, const ReturnMap&);
 
 struct SearchResult {

@@ -139,7 +139,7 @@ std::optional<Cycle> find_dry_cycle(const solvers::DryOscillator& oscillator, co
   }
   cycle.section_displacement = exact.onset_displacement();
   cycle.orbit = exact.orbit();
-  if (options.multipliers) cycle.multipliers = {0.0};
+  if (options.multipliers) cycle.multipliers = {0.0}, cycle.multiplier_errors = {0.0};
   cycle.stable = true;
   return cycle;
 }

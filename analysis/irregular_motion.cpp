@@ -36,10 +36,10 @@ std::optional<Mean> follow(ReturnMap& map, std::vector<double>& y, double tolera
   double amplitude = 1;
   std::array<double, parts> grown{}, sizes{};
   for (int k = -relaxed; k < parts * part; ++k) {
-    const auto passage = map.follow(y, tolerance, 1, true, true, nullptr, dip_of(amplitude));
+    const auto passage = map.follow(y, tolerance, 1, true, Derivative::of_steps, nullptr, dip_of(amplitude));
     if (!passage.outcome.complete() || map.cost().steps > last_step) return std::nullopt;
     if (k % part == 0) {
-      const auto again = map.follow(y, closer * tolerance, 1, true, false, nullptr, dip_of(amplitude));
+      const auto again = map.follow(y, closer * tolerance, 1, true, Derivative::none, nullptr, dip_of(amplitude));
       if (!again.outcome.complete() || map.distance(again.end, passage.end) > small * map.distance(passage.end, steady))
         return std::nullopt;
     }

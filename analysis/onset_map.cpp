@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "core/eigenpairs.hpp"
+#include "analysis/multipliers.hpp"
 
 namespace rosin::analysis {
 
@@ -270,14 +270,11 @@ StickSlipPeriod OnsetMap::cycle(const std::vector<double>* reversed) {
   return period;
 }
 
-std::vector<std::complex<double>> OnsetMap::multipliers(const std::vector<double>& onset) const {
+std::vector<std::complex<double>> OnsetMap::multipliers(const std::vector<double>& onset, double share) const {
   if (scale_.size() == 0) return {0.0};
-  const MatrixXd D = derivative(gather(onset));
+  const MatrixXd D = derivative(gather(onset), share);
   if (!D.allFinite()) return {};
-  const auto found = eigenpairs(D).values;
-  std::vector<std::complex<double>> values(found.data(), found.data() + found.size());
-  std::sort(values.begin(), values.end(), [](auto a, auto b) { return std::abs(a) > std::abs(b); });
-  return values;
+  return by_modulus(D);
 }
 
 VectorXd OnsetMap::gather(const std::vector<double>& y) const {
@@ -322,10 +319,10 @@ StickSlipPeriod OnsetMap::period_from(const VectorXd& z, long most_steps) const 
   return stick_slip_period(model_, tolerance_, stick_threshold_, &onset, slips_, kind_, most_steps);
 }
 
-MatrixXd OnsetMap::derivative(const VectorXd& z) const {
+MatrixXd OnsetMap::derivative(const VectorXd& z, double share) const {
   const int n = int(z.size());
   MatrixXd D = MatrixXd::Zero(n, n), unknown = MatrixXd::Constant(n, n, std::nan(""));
-  const double part = std::max(1e-4, 100 * tolerance_);
+  const double part = share * std::max(1e-4, 100 * tolerance_);
   constexpr long most_steps = 400'000;
   long steps = 0;
   for (int k = 0; k < n; ++k) {

@@ -19,8 +19,8 @@ class OnsetMap {
   /// The period that repeats itself, beginning with one from rest, or from where slip has turned to go along the drive.
   StickSlipPeriod cycle(const std::vector<double>* reversed = nullptr);
   /// Multipliers of the period that ends, and so begins, at `onset`, largest first; none where neighbouring periods
-  /// do not return.
-  std::vector<std::complex<double>> multipliers(const std::vector<double>& onset) const;
+  /// do not return. `share`: of the differences that they are taken over.
+  std::vector<std::complex<double>> multipliers(const std::vector<double>& onset, double share = 1) const;
 
  private:
   class Search;
@@ -36,7 +36,7 @@ class OnsetMap {
   double largest_change(const Metrics&, const Metrics&) const;
   StickSlipPeriod period_from(const Eigen::VectorXd& z, long most_steps = longest_period) const;
   /// Not finite where neighbouring periods do not return, or would take too long.
-  Eigen::MatrixXd derivative(const Eigen::VectorXd& z) const;
+  Eigen::MatrixXd derivative(const Eigen::VectorXd& z, double share = 1) const;
   /// From z, where a period changes the states by `step`, to where Newton's method has none change. Nothing where
   /// neighbouring periods do not return.
   std::optional<Eigen::VectorXd> newton_step(const Eigen::VectorXd& z, const Eigen::VectorXd& step) const;

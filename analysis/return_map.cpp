@@ -362,17 +362,33 @@ std::vector<double> ReturnMap::rates_at_end(const Collocation& solver, double to
   return rate;
 }
 
+/// Takes out of the columns of S what lies along the motion, at the end of the last step.
+void ReturnMap::take_out_motion(std::vector<double>& S, int columns, const Collocation& solver,
+                                double tolerance) const {
+  const auto rate = rates_at_end(solver, tolerance);
+  double square = 0;
+  for (std::size_t k = 0; k < differential_.size(); ++k) square += std::pow(rate[differential_[k]] / scale_[k], 2);
+  for (int c = 0; c < columns; ++c) {
+    double along = 0;
+    for (std::size_t k = 0; k < differential_.size(); ++k)
+      along += rate[differential_[k]] * S[differential_[k] * columns + c] / (scale_[k] * scale_[k]);
+    for (const int i : differential_) S[i * columns + c] -= rate[i] * along / square;
+  }
+}
+
 ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double tolerance, int turns, bool from_section,
-                                     bool derivative, PassageObserver* observer, double dip) {
+                                     Derivative derivative, PassageObserver* observer, double dip) {
   Passage passage;
   const int n = system_.size(), columns = int(differential_.size());
+  const bool across = derivative == Derivative::across_motion;
+  system_.mark_reversals(across);
   Collocation solver(system_, tolerance);
   if (!solver.start(0, y0)) {
     passage.outcome = {Ending::not_finite, "the start cannot be made consistent"};
     return passage;
   }
   std::vector<double> S, work(n);
-  if (derivative) {
+  if (derivative != Derivative::none) {
     S.assign(n * columns, 0.0);
     for (int c = 0; c < columns; ++c) S[differential_[c] * columns + c] = 1;
   }
@@ -413,7 +429,8 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
       if (value < -noise) below = true;
       low = theta, low_value = value;
     }
-    if (derivative) solver.propagate(S, columns);
+    if (derivative != Derivative::none) solver.propagate(S, columns);
+    if (across) take_out_motion(S, columns, solver, tolerance);
     if (observer) observer->step(solver);
     // Nothing that moves at all takes so many steps to grow.
     const bool at_rest = passage.amplitude < 1e-9 && solver.count().steps > 2'000;
@@ -429,6 +446,7 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
       break;
     }
   }
+  system_.mark_reversals(false);
   cost_.steps += solver.count().steps;
   cost_.evaluations += solver.count().evaluations + solver.count().linearisations;
   ++cost_.cycles;
@@ -437,7 +455,7 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
   passage.ringing.assign(solver.ringing_errors().begin(), solver.ringing_errors().end());
   for (const double x : passage.end)
     if (!std::isfinite(x) && passage.outcome.complete()) passage.outcome = {Ending::not_finite, "at the section"};
-  if (derivative && passage.outcome.complete()) {
+  if (derivative != Derivative::none && passage.outcome.complete()) {
     // Projection along the flow onto the section: D = S − ẏ (∇v·S)/(∇v·ẏ).
     std::vector<double> gradient(n);
     const auto rate = rates_at_end(solver, tolerance);

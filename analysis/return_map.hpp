@@ -65,6 +65,11 @@ class Recorder final : public PassageObserver {
 double friction_over_swing(const Model&);
 constexpr double weak_friction = 0.1;  ///< over a swing: below this a turn may hardly show it
 
+/// The derivative that a passage carries along. `across_motion`: for its eigenvalues to the last digits; steps end
+/// where slip reverses, where the rates of states have kinks, and what grows along the motion, which tells nothing but
+/// the time, is taken out after every step, so that rounding of it does not count.
+enum class Derivative { none, of_steps, across_motion };
+
 /// Section-to-section map of a slider with a smooth law under a constant drive with V > 0.
 class ReturnMap {
  public:
@@ -81,8 +86,8 @@ class ReturnMap {
   };
   /// Follows the motion from y through `turns` passages. `from_section`: y lies on the section. Motions that dip below
   /// V by less than `dip`·V do not leave it: after a slip at 10¹⁰ V, rounding alone passes it again.
-  Passage follow(const std::vector<double>& y, double tolerance, int turns, bool from_section, bool derivative = false,
-                 PassageObserver* observer = nullptr, double dip = least_dip);
+  Passage follow(const std::vector<double>& y, double tolerance, int turns, bool from_section,
+                 Derivative derivative = Derivative::none, PassageObserver* observer = nullptr, double dip = least_dip);
   static constexpr double least_dip = 1e-10;
   static constexpr long most_steps = 120'000;
   /// A passage that takes more steps ends with its budget spent.
@@ -110,6 +115,7 @@ class ReturnMap {
  private:
   double landing_time(const solvers::Collocation&) const;
   std::vector<double> rates_at_end(const solvers::Collocation&, double tolerance) const;
+  void take_out_motion(std::vector<double>& S, int columns, const solvers::Collocation&, double tolerance) const;
   oscillators::SliderSystem system_;
   LandingSteps landing_{system_};
   double speed_, longest_passage_;

@@ -104,7 +104,8 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
     swing.stretch = displacement - swing.middle;
     const double expected = amplitude_of(map, swing.stretch);
     SwingWork work(map.system(), model.slider.stiffness * swing.middle - model.drive.force.level());
-    const auto passage = map.follow(swing.y, tolerance, 1, true, leads, &work, dip_of(expected));
+    const auto passage = map.follow(swing.y, tolerance, 1, true, leads ? Derivative::of_steps : Derivative::none, &work,
+                                    dip_of(expected));
     if (!passage.outcome.complete() || !(std::abs(passage.amplitude - expected) < another * expected))
       return std::nullopt;
     swing.growth = work.growth(swing.stretch);
@@ -152,7 +153,8 @@ std::optional<SlowSwing> slow_swing_from(ReturnMap& map, const std::vector<doubl
   swing.y = y;
   SwingWork work(system, 0);
   const double about_steady = y[at_displacement] - system.steady(0)[at_displacement];
-  const auto passage = map.follow(y, tolerance, 1, true, false, &work, dip_of(amplitude_of(map, about_steady)));
+  const auto passage =
+      map.follow(y, tolerance, 1, true, Derivative::none, &work, dip_of(amplitude_of(map, about_steady)));
   if (!passage.outcome.complete()) return std::nullopt;
   swing.middle = middle_of(map, work.mean_friction());
   const auto found = swing_at(map, swing, y[at_displacement], tolerance);
@@ -192,9 +194,14 @@ SlowEnd follow_slow_swing(ReturnMap& map, const SlowSwing& start, double toleran
     constexpr double aside = 100 * searched;
     const auto low = beside(map, root->swing, -aside, tolerance), high = beside(map, root->swing, aside, tolerance);
     if (!low || !high || !(high->growth < low->growth)) break;
-    return {.balance = root->swing, .slope = (high->growth - low->growth) / (2 * aside), .last = {}, .turns = turns};
+    return {.balance = root->swing,
+            .slope = (high->growth - low->growth) / (2 * aside),
+            // By what the slopes of both sides differ by.
+            .slope_error = (std::abs(high->growth + low->growth) / 2 + high->scatter + low->scatter) / aside,
+            .last = {},
+            .turns = turns};
   }
-  return {.balance = {}, .slope = 0, .last = here, .turns = turns};
+  return {.balance = {}, .last = here, .turns = turns};
 }
 
 std::optional<Return> return_after(ReturnMap& map, const SlowSwing& last, const SlowSwing& first, double tolerance) {
@@ -209,7 +216,7 @@ std::optional<Return> return_after(ReturnMap& map, const SlowSwing& last, const 
     bool jumped = false;
     for (int k = 0, since = 0; !jumped || since < relaxed || amplitude < as_large * first.amplitude; ++k, ++since) {
       if (k == most_passages || map.cost().steps > most_steps) return std::nullopt;
-      const auto passage = map.follow(y, tolerance, 1, true, false, nullptr, dip_of(amplitude));
+      const auto passage = map.follow(y, tolerance, 1, true, Derivative::none, nullptr, dip_of(amplitude));
       if (!passage.outcome.complete()) return std::nullopt;
       if (passage.amplitude > jump * amplitude) jumped = true, since = 0;
       y = passage.end;

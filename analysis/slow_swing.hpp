@@ -51,10 +51,10 @@ std::optional<SlowSwing> slow_swing_from(ReturnMap&, const std::vector<double>& 
 
 /// Where the growth of slow swings leads.
 struct SlowEnd {
-  std::optional<SlowSwing> balance;  ///< neither grows nor decays, and attracts; known to 1e-7 of its stretch
-  double slope = 0;                  ///< d growth / d ln stretch there, below 0
-  std::optional<SlowSwing> last;     ///< else the last one that came round in one turn
-  double turns = 0;                  ///< that lead there, about
+  std::optional<SlowSwing> balance;   ///< neither grows nor decays, and attracts; known to 1e-7 of its stretch
+  double slope = 0, slope_error = 0;  ///< d growth / d ln stretch there, below 0
+  std::optional<SlowSwing> last;      ///< else the last one that came round in one turn
+  double turns = 0;                   ///< that lead there, about
 };
 SlowEnd follow_slow_swing(ReturnMap&, const SlowSwing& start, double tolerance);
 

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "analysis/cycle_search.hpp"
+#include "analysis/multipliers.hpp"
 #include "analysis/refinement.hpp"
 #include "analysis/return_map.hpp"
 #include "analysis/stability.hpp"
@@ -61,7 +62,8 @@ double attraction(const FixedPoint& point, const ReturnMap& map) {
 Refined record(ReturnMap& map, const FixedPoint& point, double tolerance, const CycleOptions& options,
                bool keep_orbit) {
   Recorder recorder(map.system(), tolerance, options.stick_threshold, keep_orbit);
-  const auto passage = map.follow(point.y, tolerance, point.turns, true, false, &recorder, dip_of(point.amplitude));
+  const auto passage =
+      map.follow(point.y, tolerance, point.turns, true, Derivative::none, &recorder, dip_of(point.amplitude));
   const Metrics metrics = recorder.finish(passage.duration);
   return {metrics, infinity, std::move(recorder.orbit), passage.outcome,
           passage.ringing.empty() ? Metrics{} : changed_by(passage.ringing, map.system(), metrics)};
@@ -79,7 +81,8 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
   double before = infinity, at_renewal = infinity;
   std::vector<double> onward;  // where the last passage ended
   for (int iteration = 0; iteration < 12; ++iteration) {
-    const auto passage = map.follow(point.y, tolerance, point.turns, true, renew, nullptr, dip_of(point.amplitude));
+    const auto passage = map.follow(point.y, tolerance, point.turns, true,
+                                    renew ? Derivative::of_steps : Derivative::none, nullptr, dip_of(point.amplitude));
     if (renew && passage.outcome.complete()) {
       FixedPoint renewed = point;
       renewed.derivative = passage.derivative;
@@ -151,7 +154,7 @@ Refined refine_free(ReturnMap& map, FixedPoint& point, double tolerance, const C
   auto y = point.free->start;
   std::vector<double> led;
   for (int k = 0; k < point.free->passages; ++k) {
-    const auto passage = map.follow(y, tolerance, 1, k > 0, false, nullptr, dip_of(point.amplitude));
+    const auto passage = map.follow(y, tolerance, 1, k > 0, Derivative::none, nullptr, dip_of(point.amplitude));
     if (!passage.outcome.complete()) return {{}, infinity, {}, passage.outcome};
     y = passage.end;
     led.push_back(passage.duration);
@@ -223,7 +226,8 @@ bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double 
   for (int fewer = 1; 2 * fewer <= point.turns; ++fewer) {
     if (point.turns % fewer != 0) continue;
     const auto passage =
-        map.follow(point.y, tolerance, fewer, true, !point.by_differences, nullptr, dip_of(point.amplitude));
+        map.follow(point.y, tolerance, fewer, true, !point.by_differences ? Derivative::of_steps : Derivative::none,
+                   nullptr, dip_of(point.amplitude));
     if (!passage.outcome.complete()) continue;
     FixedPoint candidate = point;
     candidate.turns = fewer;
@@ -238,6 +242,18 @@ bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double 
     return true;
   }
   return false;
+}
+
+/// Of the cycle at the point; of a swing that friction hardly changes in a turn, by the work of friction.
+Multipliers multipliers_of_cycle(ReturnMap& map, const FixedPoint& point) {
+  if (point.free) return {{}, {}, "multipliers left out: friction leaves the swing as its start made it"};
+  auto known = cycle_multipliers(map, point.y, point.turns, point.amplitude, !point.swing);
+  if (!point.swing) return known;
+  const auto& [slope, error] = std::pair(point.swing->slope, point.swing->slope_error);
+  if (known.values.empty()) known.values.emplace_back(), known.errors.emplace_back();
+  known.values.front() = std::min(1 + slope, std::nextafter(1.0, 0.0));
+  known.errors.front() = error + std::numeric_limits<double>::epsilon();
+  return known;
 }
 
 }  // namespace
@@ -339,16 +355,18 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     }
     coarse = std::move(fine);
   }
-  if (options.multipliers && !point.by_differences && !point.swing && !point.free) {
-    const auto passage = map.follow(point.y, std::max(sharpening.tolerance(), 1e-10), point.turns, true, true, nullptr,
-                                    dip_of(point.amplitude));
-    if (passage.outcome.complete()) point.derivative = passage.derivative;
+  if (options.multipliers) {
+    auto known = multipliers_of_cycle(map, point);
+    cycle.multipliers = std::move(known.values);
+    cycle.multiplier_errors = std::move(known.errors);
+    cycle.multipliers_left_out = std::move(known.left_out);
   }
-  // Of fewer turns than differences were taken over, multipliers are bounded but not known.
-  if (!(fewer && point.by_differences) && !point.bounded && !point.free)
-    cycle.multipliers = multipliers_of(point.derivative, map.scale());
   if (point.free) cycle.growth = point.free->growth;
-  cycle.stable = cycle.multipliers.empty() || std::abs(cycle.multipliers.front()) < 1;
+  // The search goes on until the motion attracts; of fewer turns than differences were taken over, and of a swing that
+  // friction leaves alone, its derivative tells nothing.
+  const bool unknown = (fewer && point.by_differences) || point.bounded || point.free;
+  cycle.stable =
+      cycle.multipliers.empty() ? unknown || spectral_radius(point, map) < 1 : std::abs(cycle.multipliers.front()) < 1;
   const auto at_section = map.system().observe(0, point.y.data());
   cycle.section_displacement = at_section.displacement;
   cycle.section_state = at_section.state;

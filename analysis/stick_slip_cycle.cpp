@@ -13,6 +13,7 @@
 #include "analysis/curve.hpp"
 #include "analysis/dry_cycle.hpp"
 #include "analysis/exact_run.hpp"
+#include "analysis/multipliers.hpp"
 #include "analysis/onset_map.hpp"
 #include "analysis/refinement.hpp"
 #include "analysis/return_map.hpp"
@@ -62,6 +63,8 @@ class StickSlipSearch {
   StickSlipPeriod refined();
   void ask_for(double share);
   std::vector<std::complex<double>> multipliers_of(const std::vector<double>& onset, int slips) const;
+  OnsetMap onset_map(int slips) const;
+  void state(Multipliers);
   void look_at_attraction(const StickSlipPeriod&);
   bool swings_freely();
   bool attracts_reversals();
@@ -155,8 +158,18 @@ void StickSlipSearch::ask_for(double share) {
 }
 
 std::vector<std::complex<double>> StickSlipSearch::multipliers_of(const std::vector<double>& onset, int slips) const {
+  return onset_map(slips).multipliers(onset);
+}
+
+OnsetMap StickSlipSearch::onset_map(int slips) const {
   const Onset kind = kind_ == Kind::reversing ? Onset::reversed : Onset::held;
-  return OnsetMap(model_, 1e-10, options_.stick_threshold, kind, slips).multipliers(onset);
+  return {model_, 1e-10, options_.stick_threshold, kind, slips};
+}
+
+void StickSlipSearch::state(Multipliers known) {
+  cycle_.multipliers = std::move(known.values);
+  cycle_.multiplier_errors = std::move(known.errors);
+  cycle_.multipliers_left_out = std::move(known.left_out);
 }
 
 void StickSlipSearch::look_at_attraction(const StickSlipPeriod& period) {
@@ -246,8 +259,11 @@ void StickSlipSearch::compare(const StickSlipPeriod& fine) {
 void StickSlipSearch::conclude() {
   if (kind_ == Kind::without_stick) {
     const double swing = cycle_.section_displacement - sliding_.steady.displacement;
-    const double slope = slope_of_swing(model_, swing, options_.stick_threshold);
-    cycle_.multipliers = {slope < 0 ? std::min(1 + slope, std::nextafter(1.0, 0.0)) : 1 + slope};
+    const auto multiplier = [&](double beside) {
+      const double slope = slope_of_swing(model_, swing, options_.stick_threshold, beside);
+      return std::vector<std::complex<double>>{slope < 0 ? std::min(1 + slope, std::nextafter(1.0, 0.0)) : 1 + slope};
+    };
+    state(known_multipliers(multiplier(3e-4), multiplier(1e-4)));
     // A swing about steady sliding that is no larger than its error is rounding, where friction hardly moves the
     // slider.
     if (cycle_.metrics.slip_rate_max - V_ <= cycle_.error.slip_rate_max) {
@@ -260,7 +276,18 @@ void StickSlipSearch::conclude() {
       return;
     }
   } else {
-    cycle_.multipliers = kind_ == Kind::reversing ? std::move(multipliers_) : multipliers_of(onset_, slips_);
+    const OnsetMap map = onset_map(slips_);
+    auto fine = kind_ == Kind::reversing ? std::move(multipliers_) : map.multipliers(onset_);
+    if (options_.multipliers) {
+      // Neighbours at three times the distance, whose differences are that much less rounded and nine times as bent.
+      const auto coarse = fine.empty() ? fine : map.multipliers(onset_, 3);
+      if (coarse.empty())
+        cycle_.multipliers_left_out = "multipliers left out: neighbouring periods do not return";
+      else
+        state(known_multipliers(coarse, std::move(fine)));
+    } else {
+      cycle_.multipliers = std::move(fine);
+    }
     if (remembers(model_)) cycle_.section_state = SliderSystem(model_).observe(0, onset_.data()).state;
   }
   if (cycle_.multipliers.empty()) return;

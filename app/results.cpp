@@ -195,9 +195,12 @@ std::string to_json(const Scene& scene, const analysis::Cycle& cycle) {
   document["section"] = {{"displacement", found ? cycle.section_displacement : std::nan("")},
                          {"state", states(*scene.model.law, cycle.section_state)}};
   document["error"] = metrics(found ? cycle.error : none());
+  document["error"]["multipliers"] = cycle.multiplier_errors;
   document["cost"] = {
       {"steps", cycle.cost.steps}, {"evaluations", cycle.cost.evaluations}, {"cycles", cycle.cost.cycles}};
-  document["notes"] = scene.notes;
+  auto notes = scene.notes;
+  if (!cycle.multipliers_left_out.empty()) notes.push_back(cycle.multipliers_left_out);
+  document["notes"] = notes;
   return text(document);
 }
 

@@ -209,7 +209,9 @@ Status cycle(const Request& request) {
     job.say("free swing, as the start made it: friction changes its amplitude by {:.1e} of itself in a period",
             *cycle.growth);
   if (!cycle.multipliers.empty())
-    job.say("{}: largest multiplier {:.6g}", cycle.stable ? "stable" : "unstable", std::abs(cycle.multipliers.front()));
+    job.say("{}: largest multiplier {}", cycle.stable ? "stable" : "unstable",
+            justified(std::abs(cycle.multipliers.front()), cycle.multiplier_errors.front(), "1"));
+  if (!cycle.multipliers_left_out.empty()) job.note(cycle.multipliers_left_out);
 
   const auto states = scene.model.law->states().size();
   std::vector<std::vector<double>> columns(4 + states);

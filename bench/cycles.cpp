@@ -72,7 +72,7 @@ Reading rosin_transient(const Truth& at, double tolerance) {
     last = current;
   }
   rosin::analysis::Recorder recorder(map.system(), tolerance, 0.1, false);
-  const auto passage = map.follow(y, tolerance, 1, true, false, &recorder);
+  const auto passage = map.follow(y, tolerance, 1, true, rosin::analysis::Derivative::none, &recorder);
   const int passages = r.passages + 1;
   r = reading_of(recorder.finish(passage.duration));
   r.passages = passages;

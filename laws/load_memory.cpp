@@ -1,4 +1,6 @@
 /// Any contact with states that remember the load.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -97,15 +99,36 @@ class MemoryContact final : public Contact<double> {
     law_->friction_slopes(lane, u, N, slopes);
   }
 
-  /// dz/d(ln N) = −α·share, by the classical fourth-order method; exact where friction is a + b ln θ.
+  /// dz/d(ln N) = −α·share, by the classical fourth-order method with twice as many steps until that changes no digit.
   void change_load(double v, double N, double changed, double* z) const override {
     if (N == changed) return;
     if (!(N > 0) || !(changed > 0))
       throw InputError("law.load_memory: the load must stay above 0 N, where its logarithm has no value");
-    constexpr double largest = 0.02;  // in ln N
-    const int states = unknowns() - first_, steps = int(std::ceil(std::abs(std::log(changed / N)) / largest));
-    const double h = std::log(changed / N) / steps;
+    refuse_what_no_state_carries(v, N, changed, z + first_);
+    const int states = unknowns() - first_;
+    constexpr double largest = 0.02, digits = 1e-14;  // of ln N; of a state, as a logarithm
+    constexpr int most_steps = 1 << 20;
     double* state = z + first_;
+    double now[most], before[most];
+    std::fill(before, before + most, infinity);
+    bool known = false;
+    for (int steps = int(std::ceil(std::abs(std::log(changed / N)) / largest)); !known; steps *= 2) {
+      if (steps > most_steps)
+        throw InputError(fmt::format("law.load_memory: states cannot follow the load from {} to {} N", N, changed));
+      std::copy(state, state + states, now);
+      change_load_in(steps, v, N, std::log(changed / N), now);
+      known = true;
+      for (int i = 0; i < states; ++i)
+        known = known && std::abs(now[i] - before[i]) <= 15 * digits * (1 + std::abs(now[i]));
+      std::copy(now, now + states, before);
+    }
+    std::copy(now, now + states, state);
+  }
+
+ private:
+  void change_load_in(int steps, double v, double N, double logarithm, double* state) const {
+    const int states = unknowns() - first_;
+    const double h = logarithm / steps;
     double k[4][most], at[most];
     for (int step = 0; step < steps; ++step)
       for (int stage = 0; stage < 4; ++stage) {
@@ -117,8 +140,25 @@ class MemoryContact final : public Contact<double> {
           for (int i = 0; i < states; ++i) state[i] -= alpha_ * h * (k[0][i] + 2 * k[1][i] + 2 * k[2][i] + k[3][i]) / 6;
       }
   }
-
- private:
+  /// Friction falls by way of the states no lower than where none of their contacts is left.
+  void refuse_what_no_state_carries(double v, double N, double changed, const double* state) const {
+    const double fall = alpha_ * std::log(changed / N);
+    double empty[most];
+    std::copy(state, state + unknowns() - first_, empty);
+    constexpr double nothing = -700;  // the logarithm of what is left
+    for (const int i : remembering_) empty[i] = nothing;
+    const double most_fall = coefficient(v, N, state) - coefficient(v, N, empty);
+    if (fall < most_fall || fall <= 0) return;
+    throw InputError(fmt::format(
+        "law.load_memory: as the load rises from {} to {} N, friction should fall by alpha ln(N'/N) = {:.4g}, "
+        "but the state carries {:.4g} at most; lower law.load_memory.alpha, {}, or the rise of drive.normal_load",
+        N, changed, fall, most_fall, alpha_));
+  }
+  double coefficient(double v, double N, const double* state) const {
+    double g[most], F;
+    shape_->evaluate({v, N, 0, 1}, state, g, F);
+    return F / N;
+  }
   double own_slip_rate(const ContactInput<double>& in, const double* z) const {
     if (first_ == 0) return in.slip_rate;
     double g[most], F;

@@ -524,6 +524,14 @@ double SliderSystem::friction_coefficient(double t, const double* y) const {
   return F / load;
 }
 
+double SliderSystem::kink(const double* y) const {
+  if (states_ == 0) return NAN;
+  const double of_states = model_.law->kink({y + first_state(), std::size_t(states_)});
+  if (!marks_reversals_) return of_states;
+  const double reversal = contact_slip_rate(0, y) / reference_speed_;
+  return std::isnan(of_states) ? reversal : of_states * reversal;
+}
+
 double SliderSystem::slip_rate(double t, const double* y) const {
   const Forcing now = forcing(t);
   if (mechanics_ == Mechanics::inertial && !(creep_ > 0 && std::abs(y[1]) < nearly_stuck * reference_speed_))

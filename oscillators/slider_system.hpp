@@ -44,9 +44,10 @@ class SliderSystem final : public SwitchingSystem {
   /// of y to 0. Does nothing where they do not.
   void measure_from_balance(std::vector<double>& y);
   bool autonomous() const override { return is_constant_; }
-  double kink(const double* y) const override {
-    return states_ > 0 ? model_.law->kink({y + first_state(), std::size_t(states_)}) : NAN;
-  }
+  double kink(const double* y) const override;
+  /// From now on a slip rate of the contact that changes its sign counts as a kink, as it is one of the rates of
+  /// states.
+  void mark_reversals(bool yes) { marks_reversals_ = yes; }
   double resolution() const override;
   bool has_flow() const override { return flow_ != nullptr; }
   void flow(const Pack& t, const Pack* y, Pack* rate, Pack& pace) const override;
@@ -163,7 +164,7 @@ class SliderSystem final : public SwitchingSystem {
   Origin origin_{};  ///< where the displacement among the unknowns is 0, and the forces that balance there
   Forcing constant_{};
   LaneForcing constant_in_lanes_{};
-  bool is_constant_, set_valued_;
+  bool is_constant_, set_valued_, marks_reversals_ = false;
   bool swings_freely_ = false;
   /// Displacement and coefficient of friction in steady sliding, where swings are free.
   double swing_center_ = 0, steady_coefficient_ = 0;

@@ -407,6 +407,7 @@ Outcome Collocation::step(double t_limit) {
     if (rounded_) h_next_ = std::max(h_next_, planned);
     fresh_ = false;
     ++count_.steps;
+    ended_at_kink_ = false;
     if (has_kink_) end_at_kink();
     return {};
   }
@@ -422,7 +423,7 @@ void Collocation::end_at_kink() {
   const double begin = system_.kink(y_before_.data());
   const auto theta = locate([&](double, const double* y) { return system_.kink(y); }, 0, 1,
                             kink_side_ * std::max(kink_side_ * begin, 0.0), end);
-  if (theta) shorten(*theta);
+  ended_at_kink_ = theta && shorten(*theta);
   kink_side_ = 0;
   fresh_ = true;
 }
@@ -485,6 +486,7 @@ bool Collocation::shorten(double theta) {
   Z_.swap(Z_trial_);
   y_ = y;
   std::fill(carry_.begin(), carry_.end(), 0.0);
+  ended_at_kink_ = false;
   h_last_ *= theta;
   t_ = t_before_ + h_last_;
   h_next_ = std::max(h_next_, h_last_);
@@ -500,7 +502,12 @@ void Collocation::propagate(std::vector<double>& S, int columns, const Forcing& 
   J_stage_.resize(n * n);
   for (int i = 0; i < s; ++i) {
     const double t = stage_time(i);
-    stage(i, work_.data());
+    // Slopes at a kink are those of the side that the step comes from.
+    constexpr double before_kink = 1 - 1e-7;
+    if (ended_at_kink_ && i == s - 1)
+      interpolate(before_kink, work_.data());
+    else
+      stage(i, work_.data());
     system_.linearise(t, work_.data(), f_stage_.data(), J_stage_.data());
     system_.mass(t, &stage_mass_[i * n]);
     if (forcing) forcing(t, work_.data(), &big_right_[i * n * columns]);

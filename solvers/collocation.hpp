@@ -115,10 +115,11 @@ class Collocation {
   double last_moment_ = infinity;  ///< just before the limit of the last step
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
   bool resolve_starts_ = false;
-  bool has_kink_ = false;      ///< the system has a kink
-  double kink_side_ = 0;       ///< sign of its function where y_ belongs; 0: the next step tells
-  bool fresh_ = true;          ///< no polynomial of an earlier step to start from
-  std::vector<double> carry_;  ///< what rounding left out of y_: a load that creeps up must not stand still
+  bool has_kink_ = false;       ///< the system has a kink
+  double kink_side_ = 0;        ///< sign of its function where y_ belongs; 0: the next step tells
+  bool ended_at_kink_ = false;  ///< the last step did
+  bool fresh_ = true;           ///< no polynomial of an earlier step to start from
+  std::vector<double> carry_;   ///< what rounding left out of y_: a load that creeps up must not stand still
   std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;
   std::vector<double> real_lu_, real_right_;
   std::vector<std::complex<double>> pair_lu_[2], pair_right_[2];

@@ -1750,8 +1750,8 @@ TEST_CASE("swings that reverse under friction too weak for arithmetic are no cyc
 }
 
 TEST_CASE("what sticks and rings has come to its cycle where periods have brought it back", "[stress]") {
-  // A slip at 10¹⁴ of the drive's speed, and a turn of ringing after it, in each period: nothing is left of
-  // derivatives.
+  // A slip at 10¹⁴ of the drive's speed, and a turn of ringing after it, in each period: derivatives along the motion
+  // are all rounding, and those across it are known.
   auto model = slider_under(
       "ageing",
       {1.4550578454333445, 0.004217099465800264, 0.040523411741710674, 3.1192830062422729e-06, 6.5151185386165034e-06},
@@ -1760,7 +1760,8 @@ TEST_CASE("what sticks and rings has come to its cycle where periods have brough
   model.lambda = 0.00046009563860482402;
   const auto cycle = find_cycle(model, {.tolerance = 1e-6});
   CHECK(cycle.stable);
-  CHECK(cycle.multipliers.empty());  // not known
+  REQUIRE(!cycle.multipliers.empty());
+  CHECK(std::abs(cycle.multipliers.front()) < 0.5);  // or it would not have been brought back
   ReturnMap map(model);
   auto y = map.stick(model.drive.speed.level());
   double slip = 0, stick = 0;

@@ -361,3 +361,55 @@ TEST_CASE("every law in every wrapper slides, oscillates and is judged", "[wrapp
       }
   }
 }
+
+TEST_CASE("a step of the load changes friction by -alpha ln N'/N, to the last digits and under any law", "[wrappers]") {
+  const auto friction = [](const FrictionLaw& law, double v, double N, const double* z) {
+    double g[16], F;
+    law.contact({.unknowns = Unknowns::states})->evaluate({v, N, 0, 1}, z, g, F);
+    return F / N;
+  };
+  const auto spinodal =
+      laws::find_law("spinodal")->with({0.6, 0.0097999, 0.011613, 7.697e-6, 3.4e-7, 0.045538, 21.1647});
+  struct Case {
+    std::shared_ptr<const FrictionLaw> law;
+    double alpha, changed;
+  };
+  const auto two_states = laws::find_law("two-state-ageing");
+  for (const auto& [law, alpha, changed] :
+       {Case{spinodal, 0.0682113, 0.6},
+        {spinodal, 0.0682113, 1e-3},
+        {two_states, 0.3, 0.6},
+        {two_states, 0.1, 40.0},
+        {laws::find_law("ageing"), 0.2, 1.3},
+        {laws::heated(spinodal, {.resistance = 2e4, .time = 0.02, .softening = 30}), 0.05, 0.4}}) {
+    const ContactSetup setup{.unknowns = Unknowns::states, .load_memory = alpha};
+    const auto contact = law->contact(setup);
+    constexpr double v = 1e-4;
+    double z[16], weight[16], before[16];
+    contact->steady(0, v, 1, z, weight);
+    std::copy(z, z + 16, before);
+    contact->change_load(v, 1, changed, z);
+    INFO(law->card().name << ", N' = " << changed);
+    CHECK(std::abs(friction(*law, v, changed, z) - friction(*law, v, 1, before) + alpha * std::log(changed)) < 1e-13);
+    if (law == two_states) {  // b₁²: b₂² of it each, by way of a + b₁ ln θ₁ + b₂ ln θ₂
+      const auto value = [&](const char* name) { return law->parameter(name); };
+      CHECK(value("b1") * (z[0] - before[0]) / (value("b2") * (z[1] - before[1])) ==
+            Approx(std::pow(value("b1") / value("b2"), 2)).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("a rise of the load that no state can carry is refused by that name", "[wrappers]") {
+  const auto law = laws::find_law("spinodal")->with({0.6, 0.0097999, 0.011613, 7.697e-6, 3.4e-7, 0.045538, 21.1647});
+  const auto contact = law->contact({.unknowns = Unknowns::states, .load_memory = 0.0682113});
+  double z[16], weight[16];
+  contact->steady(0, 1e-4, 1, z, weight);
+  // Friction can fall by b ln(1 + ψ/(c ψ*)) alone.
+  const double psi_ref = 7.697e-6 / (7.697e-6 + 3.4e-7 * 21.1647);
+  const double carried = 0.011613 * std::log1p(std::exp(z[0]) / (0.045538 * psi_ref)),
+               most = std::exp(carried / 0.0682113);
+  for (const double changed : {1.3, 2.0, 1.0001 * most})
+    CHECK_THROWS_WITH(contact->change_load(1e-4, 1, changed, z),
+                      Catch::Contains("the state carries") && Catch::Contains("law.load_memory.alpha"));
+  CHECK_NOTHROW(contact->change_load(1e-4, 1, std::pow(most, 0.9), z));
+}
