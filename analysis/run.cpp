@@ -787,12 +787,22 @@ Run run(const Model& model, const RunOptions& options) {
     result.column_names.push_back(s.name);
     result.column_units.push_back(s.unit);
   }
+  const Run empty = result;
   if (result.solver == "exact")
     run_exactly(model, std::get<solvers::DryOscillator>(dry_oscillator(model)), options, times, result);
   else if (solvers::force_algorithms::is_algorithm(result.solver))
     run_algorithm(model, std::get<solvers::DryOscillator>(dry_oscillator(model)), options, times, result);
   else
     run_twice(model, options, times, result);
+  if (result.outcome.ending == Ending::tolerance_not_met && result.solver == "explicit" && options.solver == "auto") {
+    // Explicit steps come no closer than 1e-14 of the unknowns, which slips that follow each other may magnify.
+    Run closer = empty;
+    closer.solver = "collocation";
+    closer.why = "explicit steps come too little close";
+    run_twice(model, options, times, closer);
+    closer.cost.steps += result.cost.steps, closer.cost.evaluations += result.cost.evaluations;
+    if (closer.outcome.complete()) result = std::move(closer);
+  }
   result.time.assign(times.begin(), times.begin() + result.columns[0].size());
   for (std::size_t c = 0; c < before_states && !result.time.empty(); ++c) {
     const auto [low, high] = std::minmax_element(result.columns[c].begin(), result.columns[c].end());

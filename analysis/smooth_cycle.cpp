@@ -244,8 +244,12 @@ bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double 
   return false;
 }
 
-/// Of the cycle at the point; of a swing that friction hardly changes in a turn, by the work of friction.
-Multipliers multipliers_of_cycle(ReturnMap& map, const FixedPoint& point) {
+/// Of the cycle at the point, whose period is known to a part; of a swing that friction hardly changes in a turn, by
+/// the work of friction.
+Multipliers multipliers_of_cycle(ReturnMap& map, const FixedPoint& point, double known_to) {
+  constexpr double well_known = 1e-3;  // else an orbit that closes nearby is another one
+  if (!(known_to < well_known))
+    return {{}, {}, fmt::format("multipliers left out: the period is known to {:.1g} of itself only", known_to)};
   if (point.free) return {{}, {}, "multipliers left out: friction leaves the swing as its start made it"};
   auto known = cycle_multipliers(map, point.y, point.turns, point.amplitude, !point.swing);
   if (!point.swing) return known;
@@ -356,7 +360,7 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     coarse = std::move(fine);
   }
   if (options.multipliers) {
-    auto known = multipliers_of_cycle(map, point);
+    auto known = multipliers_of_cycle(map, point, cycle.error.period / cycle.metrics.period);
     cycle.multipliers = std::move(known.values);
     cycle.multiplier_errors = std::move(known.errors);
     cycle.multipliers_left_out = std::move(known.left_out);
