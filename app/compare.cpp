@@ -180,11 +180,36 @@ void say_members(const Job& job, const CompareOptions& compare) {
   }
 }
 
+/// Stick is creep below the threshold under smooth laws and exact rest under set-valued ones. Where members are of both
+/// kinds stick_fraction would compare the two, slow_fraction is the same for all.
+bool of_both_kinds(const Members& members) {
+  const auto set_valued = [](const auto& member) { return member.model.law->set_valued(); };
+  return std::ranges::any_of(members, set_valued) && !std::ranges::all_of(members, set_valued);
+}
+/// Takes the slow fraction for the stick fraction among the metrics named, and says so.
+void take_slow_fraction(const Job& job, const Members& members, std::vector<std::string*> metrics) {
+  const auto stick = std::ranges::find_if(metrics, [](const auto* metric) { return *metric == "stick_fraction"; });
+  if (stick == metrics.end() || !of_both_kinds(members)) return;
+  **stick = "slow_fraction";
+  job.note(
+      "stick_fraction is exact rest under set-valued laws, and slip below the threshold under smooth ones: members of "
+      "both kinds are compared by slow_fraction, slip below the threshold under every law");
+}
+
 Status side_by_side(const Request& request, std::stop_token stop) {
   Job job(request, Verb::compare);
   auto& scene = job.scene();
   const auto& protocol = scene.compare.protocol;
   if (request.tolerance) scene.run.tolerance = scene.cycle.tolerance = scene.map.tolerance = *request.tolerance;
+  if (protocol == "cycle" && of_both_kinds(scene.compare.members))
+    job.note(
+        "stick_fraction is exact rest under set-valued laws, and slip below the threshold under smooth ones: compare "
+        "slow_fraction, which is slip below the threshold under every law");
+  if (protocol == "map") {
+    std::vector<std::string*> metrics;
+    for (auto& metric : scene.map.metrics) metrics.push_back(&metric);
+    take_slow_fraction(job, scene.compare.members, metrics);
+  }
   job.explain("{} members under protocol '{}'", scene.compare.members.size(), protocol);
   const auto begin = std::chrono::steady_clock::now();
   const Comparison comparison = protocol == "curve"       ? compare_curves(scene)
@@ -221,7 +246,10 @@ Status side_by_side(const Request& request, std::stop_token stop) {
 Status design(const Request& request, std::stop_token stop) {
   Job job(request, Verb::design);
   auto& scene = job.scene();
-  const auto& compare = scene.compare;
+  auto& compare = scene.compare;
+  std::vector<std::string*> metrics;
+  for (auto& noise : compare.noise) metrics.push_back(&noise.metric);
+  take_slow_fraction(job, compare.members, metrics);
   analysis::DesignOptions options{.x = scene.map.x,
                                   .y = scene.map.y,
                                   .noise = compare.noise,
