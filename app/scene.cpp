@@ -15,6 +15,7 @@
 
 #include "app/fit_scene.hpp"
 #include "app/frf_scene.hpp"
+#include "app/header.hpp"
 #include "app/scene_table.hpp"
 #include "core/error.hpp"
 #include "laws/catalogue.hpp"
@@ -93,15 +94,18 @@ void apply_override(toml::table& scene, const std::string& given) {
 
 // ---------------------------------------------------------------- signals
 
-/// Two numbers a line, separated by a comma or blanks; the first line may be a header. \throws InputError with the
-/// line.
-Signal::Table read_signal(const fs::path& path) {
+/// Two numbers a line, separated by a comma or blanks: a time in s and a value in `unit`, unless the first line is a
+/// header with other units. \throws InputError with the line.
+Signal::Table read_signal(const fs::path& path, const std::string& unit) {
   Signal::Table record;
   std::istringstream lines(read_file(path, largest_record));
   std::string line;
+  double time_factor = 1, value_factor = 1;
+  bool begun = false;
   for (int number = 1; std::getline(lines, line); ++number) {
     const auto hash = line.find('#');
     if (hash != std::string::npos) line.resize(hash);
+    const std::string written = line;
     std::ranges::replace_if(
         line, [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
     if (line.find_first_not_of(' ') == std::string::npos) continue;
@@ -118,11 +122,30 @@ Signal::Table read_signal(const fs::path& path) {
       values.push_back(value);
       at = next;
     }
-    if (at != end && record.time.empty() && number == 1) continue;  // the header
+    if (at != end && !std::exchange(begun, true)) {
+      const auto cells = read_header(written).cells;
+      if (cells.size() != 2)
+        throw InputError(
+            fmt::format("{}:{}: the header '{}' has {} names, but two are needed, such as \"time (s), value ({})\"; or "
+                        "delete the line",
+                        path.string(), number, written, cells.size(), unit));
+      try {
+        time_factor = to_si_factor(cells[0], "", "s"), value_factor = to_si_factor(cells[1], "", unit);
+      } catch (const InputError& error) {
+        throw InputError(fmt::format("{}:{}: {}", path.string(), number, error.what()));
+      }
+      continue;
+    }
+    if (at != end && record.time.empty() && holds_units(written))
+      throw InputError(fmt::format(
+          "{}:{}: '{}' holds units in a line of their own; write them into the header, \"time (…), value (…)\", and "
+          "delete this line",
+          path.string(), number, written));
     if (at != end || values.size() != 2)
       throw InputError(fmt::format("{}:{}: two numbers are needed, a time in s and a value", path.string(), number));
-    record.time.push_back(values[0]);
-    record.value.push_back(values[1]);
+    begun = true;
+    record.time.push_back(values[0] * time_factor);
+    record.value.push_back(values[1] * value_factor);
   }
   return record;
 }
@@ -164,8 +187,8 @@ Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::p
     }
     if (file) {
       const fs::path record = text(*file, quantity.name + ".table");
-      return Signal(
-          located(file->source(), [&] { return read_signal(record.is_absolute() ? record : folder / record); }));
+      return Signal(located(
+          file->source(), [&] { return read_signal(record.is_absolute() ? record : folder / record, quantity.unit); }));
     }
     if (noise) {
       Table keys(*noise, quantity.name + ".noise");
@@ -860,7 +883,7 @@ void read_lab(Table table, Scene& scene, const fs::path& folder) {
   if (experiment.takes_motion)
     if (const auto* record = table.find("record"))
       located(record->source(), [&] {
-        task.motion = read_signal(folder / text(*record, table.path("record")));
+        task.motion = read_signal(folder / text(*record, table.path("record")), "m");
         Signal{*task.motion};  // refuses empty records and times that do not ascend
       });
   if (auto sensor = table.table("sensor"))
