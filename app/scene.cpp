@@ -623,6 +623,12 @@ void read_map(Table table, Scene& scene) {
   }
   map.stick_threshold = scene.cycle.stick_threshold;
   table.read("stick_threshold", map.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
+  const bool hangs_on_it = std::ranges::find(map.metrics, "slow_fraction") != map.metrics.end();
+  if (table.find("stick_threshold") && scene.model.law->set_valued() && !hangs_on_it)
+    scene.notes.push_back(
+        "map.stick_threshold has no effect on stick_fraction under a set-valued law, whose stick is exact rest; ask "
+        "for "
+        "slow_fraction");
   table.finish();
 }
 
@@ -1041,6 +1047,10 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   if (verb == Verb::fit) root.required("fit", "parameters and data");
   if (auto table = root.table("fit"); table && verb == Verb::fit)
     read_fit(*table, scene, folder, [](Table law, oscillators::Model& model) { read_law(std::move(law), model); });
+  if (verb == Verb::fit)  // measurements have their own drive, and none of them knows a slider
+    for (const char* unread : {"oscillator", "drive.force", "law.load_memory"})
+      if (document.at_path(unread))
+        scene.notes.push_back(fmt::format("{} has no effect: a fit does not ask for it", unread));
   if (auto table = root.table("solver")) read_solver(*table, scene.run);
   if (auto table = root.table("lab"); table && chosen) read_lab(*table, scene, folder);
   root.finish();

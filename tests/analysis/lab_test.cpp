@@ -480,7 +480,7 @@ TEST_CASE("slide-hold-slide: the healing rate is that of the part that is straig
   const auto& rate = result.reading("healing_rate");
   const double psi_0 = 1 / (1 + 1e-5 * 90 / 0.9e-6);
   double steepest = 0;
-  for (const auto [t, next] : {std::pair{0.3, 1.0}, {1.0, 3.0}, {3.0, 10.0}, {10.0, 30.0}}) {
+  for (const auto& [t, next] : {std::pair{0.3, 1.0}, {1.0, 3.0}, {3.0, 10.0}, {10.0, 30.0}}) {
     const auto psi = [&](double hold) { return 1 - (1 - psi_0) * std::exp(-hold / 90); };
     steepest =
         std::max(steepest, 0.0489 * std::log((1e-3 + 101 * psi(next)) / (1e-3 + 101 * psi(t))) / std::log(next / t));

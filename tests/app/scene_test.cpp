@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -162,6 +163,26 @@ TEST_CASE("units in the headers of tables count for drives, motions and measurem
                               "{ slip_rate = 'Speed', friction_coefficient = 'mu' }",
                               "{ slip_rate = { column = 'Speed', unit = 'mm/s' }, friction_coefficient = 'mu' }"})
     CHECK(read(fit + data + columns + " } ]", Verb::fit).fit.data[0].x == std::vector<double>{1e-3, 1e-2, 0.1});
+}
+
+TEST_CASE("what a verb does not ask for is said to have no effect") {
+  const auto said = [](const Scene& scene, const char* text) {
+    return std::ranges::any_of(scene.notes, [&](const auto& note) { return note.find(text) != std::string::npos; });
+  };
+  const std::string fit = spinodal + slider + "force = 1\n[fit]\nparameters = ['law.a']\n" +
+                          "data = [ { type = 'steady-curve', file = 'curve.csv', standard_error = 1e-3, columns = "
+                          "{ slip_rate = 'Speed', friction_coefficient = 'mu' } } ]\n";
+  const auto fitted = read(fit, Verb::fit);
+  CHECK(said(fitted, "oscillator has no effect"));
+  CHECK(said(fitted, "drive.force has no effect"));
+  const std::string coulomb = "[law]\ntype = 'coulomb'\n" + slider +
+                              "[map]\nstick_threshold = 0.2\nx = { parameter = 'drive.normal_load', from = 1, to = 2, "
+                              "points = 2 }\ny = { parameter = 'drive.speed', from = 1, to = 2, points = 2 }\n";
+  CHECK(said(read(coulomb, Verb::map), "map.stick_threshold has no effect"));
+  CHECK_FALSE(said(read(coulomb + "metrics = ['slow_fraction']", Verb::map), "stick_threshold"));
+  const std::string lab = "[law]\ntype = 'ageing'\n[drive]\nspeed = 1\n[lab]\nspeed = 1e-5\n";
+  CHECK(
+      said(read(lab, Verb::lab, {}, "slide-hold-slide"), "drive.speed has no effect: slide-hold-slide sets it itself"));
 }
 
 TEST_CASE("starts are read in every form") {
