@@ -186,14 +186,24 @@ bool of_both_kinds(const Members& members) {
   const auto set_valued = [](const auto& member) { return member.model.law->set_valued(); };
   return std::ranges::any_of(members, set_valued) && !std::ranges::all_of(members, set_valued);
 }
+constexpr std::string_view two_kinds =
+    "stick_fraction is exact rest under set-valued laws, and slip below the threshold under smooth ones";
+void say_too(Job& job, std::string text) {
+  job.note(text);
+  job.scene().notes.push_back(std::move(text));
+}
 /// Takes the slow fraction for the stick fraction among the metrics named, and says so.
-void take_slow_fraction(const Job& job, const Members& members, std::vector<std::string*> metrics) {
-  const auto stick = std::ranges::find_if(metrics, [](const auto* metric) { return *metric == "stick_fraction"; });
-  if (stick == metrics.end() || !of_both_kinds(members)) return;
+void take_slow_fraction(Job& job, const std::vector<std::string*>& metrics) {
+  const auto named = [&](std::string_view name) {
+    return std::ranges::find_if(metrics, [&](const auto* metric) { return *metric == name; });
+  };
+  const auto stick = named("stick_fraction");
+  if (stick == metrics.end() || named("slow_fraction") != metrics.end() || !of_both_kinds(job.scene().compare.members))
+    return;
   **stick = "slow_fraction";
-  job.note(
-      "stick_fraction is exact rest under set-valued laws, and slip below the threshold under smooth ones: members of "
-      "both kinds are compared by slow_fraction, slip below the threshold under every law");
+  say_too(job, fmt::format("{}: members of both kinds are compared by slow_fraction, slip below the threshold under "
+                           "every law",
+                           two_kinds));
 }
 
 Status side_by_side(const Request& request, std::stop_token stop) {
@@ -202,13 +212,11 @@ Status side_by_side(const Request& request, std::stop_token stop) {
   const auto& protocol = scene.compare.protocol;
   if (request.tolerance) scene.run.tolerance = scene.cycle.tolerance = scene.map.tolerance = *request.tolerance;
   if (protocol == "cycle" && of_both_kinds(scene.compare.members))
-    job.note(
-        "stick_fraction is exact rest under set-valued laws, and slip below the threshold under smooth ones: compare "
-        "slow_fraction, which is slip below the threshold under every law");
+    say_too(job, fmt::format("{}: compare slow_fraction, slip below the threshold under every law", two_kinds));
   if (protocol == "map") {
     std::vector<std::string*> metrics;
     for (auto& metric : scene.map.metrics) metrics.push_back(&metric);
-    take_slow_fraction(job, scene.compare.members, metrics);
+    take_slow_fraction(job, metrics);
   }
   job.explain("{} members under protocol '{}'", scene.compare.members.size(), protocol);
   const auto begin = std::chrono::steady_clock::now();
@@ -249,7 +257,7 @@ Status design(const Request& request, std::stop_token stop) {
   auto& compare = scene.compare;
   std::vector<std::string*> metrics;
   for (auto& noise : compare.noise) metrics.push_back(&noise.metric);
-  take_slow_fraction(job, compare.members, metrics);
+  take_slow_fraction(job, metrics);
   analysis::DesignOptions options{.x = scene.map.x,
                                   .y = scene.map.y,
                                   .noise = compare.noise,

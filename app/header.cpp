@@ -156,6 +156,13 @@ double to_si_factor(const HeaderCell& cell, std::string_view given, std::string_
   }
 }
 
+bool names_units(std::string_view comment) {
+  const auto header = read_header(comment);
+  return std::ranges::all_of(header.cells, [](const HeaderCell& cell) {
+    return (cell.text.ends_with(')') || cell.text.ends_with(']')) && !cell.unit.empty() && unit_known(cell.unit);
+  });
+}
+
 bool holds_units(std::string_view line) {
   const auto cells = split(line, separator_of(line));
   const auto is_unit = [](std::string_view cell) {

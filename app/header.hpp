@@ -30,6 +30,9 @@ const HeaderCell* find_column(const std::vector<HeaderCell>&, std::string_view n
 /// are none, or of another dimension, and says the cure.
 double to_si_factor(const HeaderCell&, std::string_view given, std::string_view si);
 
+/// True for a comment that stands for a header: each of its cells has a unit in brackets, "time (ms), load (kN)".
+bool names_units(std::string_view comment);
+
 /// True for a line that has units in place of numbers, such as "mm/s;-".
 bool holds_units(std::string_view line);
 

@@ -102,9 +102,23 @@ Signal::Table read_signal(const fs::path& path, const std::string& unit) {
   std::string line;
   double time_factor = 1, value_factor = 1;
   bool begun = false;
+  const auto take_units = [&](const std::string& header, int number) {
+    const auto cells = read_header(header).cells;
+    if (cells.size() != 2) return false;
+    try {
+      time_factor = to_si_factor(cells[0], "", "s"), value_factor = to_si_factor(cells[1], "", unit);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}:{}: {}", path.string(), number, error.what()));
+    }
+    return true;
+  };
   for (int number = 1; std::getline(lines, line); ++number) {
     const auto hash = line.find('#');
-    if (hash != std::string::npos) line.resize(hash);
+    if (hash != std::string::npos) {
+      const auto comment = line.substr(hash + 1);
+      if (hash == 0 && !begun && names_units(comment)) take_units(comment, number);
+      line.resize(hash);
+    }
     const std::string written = line;
     std::ranges::replace_if(
         line, [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
@@ -123,17 +137,11 @@ Signal::Table read_signal(const fs::path& path, const std::string& unit) {
       at = next;
     }
     if (at != end && !std::exchange(begun, true)) {
-      const auto cells = read_header(written).cells;
-      if (cells.size() != 2)
-        throw InputError(
-            fmt::format("{}:{}: the header '{}' has {} names, but two are needed, such as \"time (s), value ({})\"; or "
-                        "delete the line",
-                        path.string(), number, written, cells.size(), unit));
-      try {
-        time_factor = to_si_factor(cells[0], "", "s"), value_factor = to_si_factor(cells[1], "", unit);
-      } catch (const InputError& error) {
-        throw InputError(fmt::format("{}:{}: {}", path.string(), number, error.what()));
-      }
+      if (!take_units(written, number))
+        throw InputError(fmt::format(
+            "{}:{}: the header '{}' does not name two columns, such as \"time (s), value ({})\"; correct it, or "
+            "delete the line",
+            path.string(), number, written, unit));
       continue;
     }
     if (at != end && record.time.empty() && holds_units(written))

@@ -29,6 +29,7 @@ Scene read(const std::string& text, Verb verb, const std::vector<std::string>& o
   std::ofstream("record.csv") << "time,load\n0,1\n2.5,4\n";
   std::ofstream("torn.csv") << "0,1\n2.5\n";
   std::ofstream("units.csv") << "# of the rig\ntime (ms), load [kN]\n0,1\n2500,4\n";
+  std::ofstream("units-in-comment.csv") << "# taken (twice), again\n# rig (new), run (last)\n# time (ms), load (kN)\n0,1\n2500,4\n";
   std::ofstream("units-below.csv") << "time,load\nms,kN\n0,1\n2500,4\n";
   std::ofstream("motion.csv") << "time (ms),displacement (mm)\n0,1\n2500,4\n";
   std::ofstream("curve.csv") << "Speed [mm/s],mu [-]\n1,0.4\n10,0.3\n100,0.2\n";
@@ -147,6 +148,8 @@ TEST_CASE("drive signals are read in every form") {
 TEST_CASE("units in the headers of tables count for drives, motions and measurements alike") {
   const std::string pulled = spinodal + "[oscillator]\nmass = 1\nstiffness = 1\n[drive]\nspeed = 1\nnormal_load = ";
   CHECK(read(pulled + "{ table = 'units.csv' }", Verb::stability).model.drive.normal_load.value(1.25) == 2500);
+  CHECK(read(pulled + "{ table = 'units-in-comment.csv' }", Verb::stability).model.drive.normal_load.value(1.25) ==
+        2500);
   CHECK_THAT(refusal(pulled + "{ table = 'motion.csv' }", Verb::stability),
              Catch::Contains("motion.csv:1") && Catch::Contains("'1 mm' is in mm, but needed is N"));
   CHECK_THAT(refusal(pulled + "{ table = 'units-below.csv' }", Verb::stability),
