@@ -67,7 +67,8 @@ std::vector<double> closer_times(const Record& record, const std::vector<Sought>
     const auto begin = mu.begin() + std::ptrdiff_t(first), end = mu.begin() + std::ptrdiff_t(last);
     const auto at =
         std::size_t((sought.maximum ? std::max_element(begin, end) : std::min_element(begin, end)) - mu.begin());
-    const double low = t[std::max(at, first + 1) - 1], high = t[std::min(at + 1, last - 1)];
+    if (at == first || at + 1 == last) continue;  // where the protocol jumps, it is a sample
+    const double low = t[at - 1], high = t[at + 1];
     for (int i = 1; i < parts; ++i) times.push_back(std::lerp(low, high, double(i) / parts));
   }
   return times;
@@ -98,8 +99,9 @@ void record_run(Result& result, const Task& task, const Model& model, const Star
     result.plan.push_back(fmt::format("solver {}, {} steps; {}", run.solver, run.cost.steps, run.why));
   };
   record();
-  if (!extremes.empty() && task.sensor.ideal() && result.record.time.size() == times.size()) {
-    const auto closer = closer_times(result.record, extremes);
+  const bool all = result.record.time.size() == times.size();
+  const auto closer = all && task.sensor.ideal() ? closer_times(result.record, extremes) : std::vector<double>();
+  if (!closer.empty()) {
     options.times.insert(options.times.end(), closer.begin(), closer.end());
     std::ranges::sort(options.times);
     const auto again = std::ranges::unique(options.times);
