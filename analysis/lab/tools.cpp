@@ -104,8 +104,7 @@ void record_run(Result& result, const Task& task, const Model& model, const Star
   if (!closer.empty()) {
     options.times.insert(options.times.end(), closer.begin(), closer.end());
     std::ranges::sort(options.times);
-    const auto again = std::ranges::unique(options.times);
-    options.times.erase(again.begin(), again.end());
+    options.times.erase(std::unique(options.times.begin(), options.times.end()), options.times.end());
     record();
   }
   const auto& errors = result.record.errors;
