@@ -59,8 +59,10 @@ class Quantities {
     const auto has = [&](const char* name) {
       return std::ranges::find(options.metrics, name) != options.metrics.end();
     };
-    const std::pair<const char*, double> thresholds[] = {
-        {"stick_fraction", options.stick_threshold}, {"stick_fraction_001", 0.01}, {"stick_fraction_05", 0.5}};
+    const std::pair<const char*, double> thresholds[] = {{"stick_fraction", options.stick_threshold},
+                                                         {"slow_fraction", options.stick_threshold},
+                                                         {"stick_fraction_001", 0.01},
+                                                         {"stick_fraction_05", 0.5}};
     for (const auto& [name, threshold] : thresholds) {
       if (!has(name)) continue;
       const int q = int(std::ranges::find(options.metrics, name) - options.metrics.begin());

@@ -20,7 +20,9 @@ const std::vector<MetricName>& metric_names() {
       {"friction_max", "1", "largest coefficient of friction", &Metrics::friction_max},
       {"friction_min", "1", "smallest coefficient of friction", &Metrics::friction_min},
       {"friction_mean", "1", "mean coefficient of friction", &Metrics::friction_mean},
-      {"stick_fraction", "1", "part of the period with |v| <= threshold * V", &Metrics::stick_fraction},
+      {"stick_fraction", "1", "part of the period with |v| <= threshold * V; at exact rest under set-valued laws",
+       &Metrics::stick_fraction},
+      {"slow_fraction", "1", "part of the period with |v| <= threshold * V, under every law", &Metrics::slow_fraction},
       {"stick_fraction_001", "1", "part of the period with |v| <= 0.01 V", &Metrics::stick_fraction_001},
       {"stick_fraction_05", "1", "part of the period with |v| <= 0.5 V", &Metrics::stick_fraction_05},
       {"loop_area", "m/s", "area enclosed by the friction-velocity loop", &Metrics::loop_area},
@@ -67,8 +69,8 @@ bool is_loop(const MetricName& metric) {
   return metric.member == &Metrics::loop_area || metric.member == &Metrics::loop_area_normalised;
 }
 bool is_stick(const MetricName& metric) {
-  return metric.member == &Metrics::stick_fraction || metric.member == &Metrics::stick_fraction_001 ||
-         metric.member == &Metrics::stick_fraction_05;
+  return metric.member == &Metrics::stick_fraction || metric.member == &Metrics::slow_fraction ||
+         metric.member == &Metrics::stick_fraction_001 || metric.member == &Metrics::stick_fraction_05;
 }
 
 namespace {

@@ -19,6 +19,7 @@ struct Metrics {
   double friction_min = 0;
   double friction_mean = 0;
   double stick_fraction = 0;        ///< part of the period with |v| <= ε V; time of exact stick for set-valued laws
+  double slow_fraction = 0;         ///< part of the period with |v| <= ε V, for every law
   double stick_fraction_001 = 0;    ///< the same at ε = 0.01
   double stick_fraction_05 = 0;     ///< the same at ε = 0.5
   double loop_area = 0;             ///< |∮ (μ − μ_ss(v)) dv|, m/s

@@ -42,6 +42,7 @@ Recording recording_for(double stick_threshold, const std::vector<std::string>& 
     const auto member = find_metric(name).member;
     const auto is = [&](auto... candidates) { return ((member == candidates) || ...); };
     r.stick_fraction |= is(&Metrics::stick_fraction);
+    r.slow_fraction |= is(&Metrics::slow_fraction);
     r.stick_fraction_001 |= is(&Metrics::stick_fraction_001);
     r.stick_fraction_05 |= is(&Metrics::stick_fraction_05);
     r.loop_area |= is(&Metrics::loop_area, &Metrics::loop_area_normalised);

@@ -173,15 +173,15 @@ Design discriminate(std::span<const Model> members, const DesignOptions& options
       continue;
     }
     double hardest = infinity;
+    std::vector<double> hardest_by_metric(options.noise.size(), infinity);
     for (std::size_t a = 0; a < members.size(); ++a)
       for (std::size_t b = a + 1; b < members.size(); ++b) {
-        std::vector<double> parts;
         double sum = 0, error = 0;
-        for (const auto& noise : options.noise) {
-          const auto& metric = find_metric(noise.metric);
+        for (std::size_t m = 0; m < options.noise.size(); ++m) {
+          const auto& metric = find_metric(options.noise[m].metric);
           const auto part = divergence(read(design.maps[a].points[i], metric, here[a]),
-                                       read(design.maps[b].points[i], metric, here[b]), noise);
-          parts.push_back(part.value);
+                                       read(design.maps[b].points[i], metric, here[b]), options.noise[m]);
+          hardest_by_metric[m] = std::min(hardest_by_metric[m], part.value);
           sum += part.value;
           error += part.error;
         }
@@ -189,8 +189,8 @@ Design discriminate(std::span<const Model> members, const DesignOptions& options
         hardest = sum;
         design.information[i] = sum;
         design.information_error[i] = error;
-        for (std::size_t m = 0; m < parts.size(); ++m) design.by_metric[m][i] = parts[m];
       }
+    for (std::size_t m = 0; m < hardest_by_metric.size(); ++m) design.by_metric[m][i] = hardest_by_metric[m];
   }
   for (const double information : design.information)
     design.repeats.push_back(std::isnan(information) ? nothing : repeats_needed(information, options.confidence));
@@ -242,13 +242,19 @@ Design inform(const Model& model, const std::string& parameter, const DesignOpti
       const auto& metric = find_metric(options.noise[m].metric);
       const auto a = read(low, metric, here[0]), b = read(high, metric, here[1]);
       if (!std::isfinite(a.value) || !std::isfinite(b.value)) continue;
-      const double sigma = deviation(options.noise[m], 0.5 * (a.value + b.value));
+      const auto& noise = options.noise[m];
+      const double sigma = deviation(noise, 0.5 * (a.value + b.value));
       if (sigma == 0) continue;
-      const double slope = (b.value - a.value) / (2 * half_step) / sigma;
+      // N(m, σ²): (dm/dq)²/σ² + 2 (d ln σ/dq)², q = ln p (S. M. Kay, Fundamentals of Statistical Signal Processing,
+      // 1993, eq. 3.31). d ln σ = relative² m dm/σ².
+      const double mean = (b.value - a.value) / (2 * half_step) / sigma;
+      const double of_noise = noise.relative * noise.relative * 0.5 * std::abs(a.value + b.value) / sigma;
+      const double factor = 1 + 2 * of_noise * of_noise;
       const double error = (a.error + b.error) / (2 * half_step) / sigma;
-      design.by_metric[m][i] = slope * slope;
-      design.information[i] += slope * slope;
-      design.information_error[i] += (2 * std::abs(slope) + error) * error;
+      const double information = factor * mean * mean;
+      design.by_metric[m][i] = information;
+      design.information[i] += information;
+      design.information_error[i] += factor * (2 * std::abs(mean) + error) * error;
     }
   }
   finish(design, options);

@@ -34,7 +34,9 @@ struct Design {
   // All row by row, [iy * x.size + ix]; NaN where a member has no result.
   std::vector<double> information;        ///< of one measurement of all metrics: nats, or Fisher's, of ln(parameter)
   std::vector<double> information_error;  ///< from the errors of the metrics
-  std::vector<std::vector<double>> by_metric;  ///< the part of each metric, in the order of the noise
+  /// From each metric alone, in the order of the noise; of more than two members, of the pair hardest to tell apart by
+  /// it.
+  std::vector<std::vector<double>> by_metric;
   std::vector<double> repeats;  ///< measurements needed; infinity where none helps; empty for a parameter
   /// Of a pair that cannot be told apart anywhere, information is 0.
   struct Best {
@@ -58,8 +60,9 @@ double repeats_needed(double information, double confidence);
 /// \throws InputError for fewer than two members, no noise, noise without size, unknown metrics.
 Design discriminate(std::span<const Model> members, const DesignOptions&, const MapHooks& = {});
 
-/// Fisher information of ln(parameter) from metrics, by central differences of relative size 0.02. The parameter may be
-/// one of the axes. 1/√(n·information) is the standard error of ln(parameter) from n measurements.
+/// Fisher information of ln(parameter) from metrics, by central differences of relative size 0.02: what their means
+/// tell, and what noise tells that is a part of them. The parameter may be one of the axes. 1/√(n·information) is the
+/// standard error of ln(parameter) from n measurements.
 Design inform(const Model&, const std::string& parameter, const DesignOptions&, const MapHooks& = {});
 
 }  // namespace rosin::analysis

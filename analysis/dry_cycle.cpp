@@ -51,8 +51,8 @@ class Swing {
     const Real t = tau + full(), fade = std::exp(-decay_ * t), half = std::sin(frequency_ * tau / 2);
     return V_ * (-std::expm1(-decay_ * t) + fade * 2 * half * half) + fade * sine_ * std::sin(frequency_ * tau);
   }
-  /// Metrics of the period.
-  Metrics metrics() const {
+  /// Metrics of the period; slow is what slides no faster than `threshold` V.
+  Metrics metrics(Real threshold) const {
     Metrics m;
     const Real stretched = start() - stretch(end_), stick = stretched / V_, slip = end_ + full(), period = slip + stick;
     const Real held = holding(stretch(end_)) / N_;
@@ -68,6 +68,7 @@ class Swing {
       const Real begins = root(factor * V_, -full(), highest_), ends = root(factor * V_, highest_, end_);
       return double((stick + (begins + full()) + (end_ - ends)) / period);
     };
+    m.slow_fraction = below(threshold);
     m.stick_fraction_001 = below(Real(0.01));
     m.stick_fraction_05 = below(Real(0.5));
     m.slip_rate_mean = double(V_);
@@ -128,8 +129,8 @@ std::optional<Cycle> find_dry_cycle(const solvers::DryOscillator& oscillator, co
   const Swing<long double> exact(oscillator);
   if (!swing.sticks() || !exact.sticks()) return std::nullopt;
   Cycle cycle;
-  cycle.metrics = exact.metrics();
-  const Metrics rounded = swing.metrics();
+  cycle.metrics = exact.metrics(options.stick_threshold);
+  const Metrics rounded = swing.metrics(options.stick_threshold);
   const double V = oscillator.speed.level();
   for (const auto& metric : metric_names()) {
     constexpr double digits = 4 * std::numeric_limits<double>::epsilon();

@@ -46,7 +46,8 @@ std::vector<double> bias_of_width(const std::vector<Complex>& H, double moment) 
   return bias;
 }
 
-void warn(MeasuredFrf& result, const CrossSpectra& spectra, double sample_rate) {
+void warn(MeasuredFrf& result, const CrossSpectra& spectra, const Channels& channels, double sample_rate,
+          const std::string& estimator) {
   const auto v = spectra.level(slip), F = spectra.level(force);
   auto& warnings = result.warnings;
   const auto low = std::count_if(result.coherence.begin(), result.coherence.end(), [](double c) { return !(c > 0.8); });
@@ -79,6 +80,24 @@ void warn(MeasuredFrf& result, const CrossSpectra& spectra, double sample_rate) 
           fmt::format("{} holds {:.2g} of its peak density just below half the sample rate ({:.4g} Hz): "
                       "what lies above is folded down (aliasing)",
                       name, above / peak, sample_rate / 2));
+  }
+  struct Name {
+    const char *name, *unit;
+  };
+  std::vector<Name> names = {{"slip rate", "m/s"}, {"force", "N"}};
+  if (channels.second == Channels::Second::approach_rate) names.push_back({"approach rate", "m/s"});
+  if (channels.second != Channels::Second::none) names.push_back({"normal load", "N"});
+  if (channels.reference) names.push_back({"reference", "1"});
+  for (std::size_t c = 0; c < names.size(); ++c)
+    if (auto clipped = clipping_warning(spectra.clipping(int(c)), names[c].name, names[c].unit, spectra.samples());
+        !clipped.empty())
+      warnings.push_back(std::move(clipped));
+  if (estimator == "hv" && channels.inputs() == 1 && !channels.reference) {
+    const double least = *std::ranges::min_element(result.coherence);
+    warnings.push_back(fmt::format(
+        "Hv is the geometric mean of H1 and H2, without bias only where noise is the same part of slip rate "
+        "and of force; if one of them has it all, |Hv| is off by up to a factor {:.3g}",
+        1 / std::sqrt(least)));
   }
 }
 
@@ -196,7 +215,7 @@ MeasuredFrf extract_frf(const CrossSpectra& spectra, const Channels& channels, d
     if (input < driven_part * peak) outside += power - std::norm(spectra.spectrum(slip, force, k)) / input;
   }
   result.outside_band = all > 0 ? outside / all : 0;
-  warn(result, spectra, sample_rate);
+  warn(result, spectra, channels, sample_rate, options.estimator);
   const auto worst = result.conditioning.empty() ? 1.0 : std::ranges::max(result.conditioning);
   if (worst > 20)
     result.warnings.push_back(fmt::format(

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <optional>
 
+#include "analysis/clipping.hpp"
 #include "analysis/lab/sensor.hpp"
 
 namespace rosin::analysis {
@@ -51,7 +52,8 @@ struct Problem {
   std::vector<Variable> variables;
   std::vector<double> q;  ///< all of them; those that are free are replaced
   std::vector<std::size_t> free;
-  std::vector<char> used;  ///< points that count; empty: all
+  std::vector<char> used;   ///< points that count; empty: all
+  mutable int evaluations;  ///< of the present minimisation
 
   Model at(const std::vector<double>& all) const {
     Model changed = *model;
@@ -106,10 +108,12 @@ struct Problem {
   }
 };
 
-constexpr double refused = 1e8;  ///< residual where the model does not answer
+constexpr double refused = 1e8;        ///< residual where the model does not answer
+constexpr int most_evaluations = 500;  ///< of one minimisation; those that converge take some tens
 
 int residual_callback(const gsl_vector* x, void* context, gsl_vector* f) {
   const auto& problem = *static_cast<const Problem*>(context);
+  if (++problem.evaluations > most_evaluations) return GSL_EMAXITER;
   const auto r = problem.residuals(problem.with_free(x));
   for (std::size_t i = 0; i < f->size; ++i) gsl_vector_set(f, i, r ? r->values[i] : refused);
   return GSL_SUCCESS;
@@ -132,6 +136,7 @@ struct Minimum {
 
 Minimum minimise(Problem& problem) {
   Minimum best{problem.q, infinity, {}, false};
+  problem.evaluations = 0;
   const std::size_t n = problem.rows(), p = problem.free.size();
   if (p == 0) {
     if (const auto r = problem.residuals(problem.q)) {
@@ -177,6 +182,7 @@ double profile_end(Problem problem, const Minimum& best, std::size_t index, doub
   std::erase(problem.free, index);
   problem.q = best.q;
   double inner = best.q[index], inner_height = 0, outer = inner + step;
+  bool flat = false;
   for (int i = 0; i < 12; ++i) {
     const double q = std::clamp(outer, variable.low, variable.high);
     problem.q[index] = q;
@@ -187,11 +193,15 @@ double profile_end(Problem problem, const Minimum& best, std::size_t index, doub
     if (q != outer && height < z) return q;  // the bound
     problem.q = there.q;
     const double slope = (height - inner_height) / (q - inner);
-    if (std::abs(slope) * std::abs(step) < 1e-3) return step > 0 ? variable.high : variable.low;  // flat: no end
+    flat = std::abs(slope) * std::abs(step) < 1e-3;
+    if (flat) {  // it may rise farther out
+      inner = q, inner_height = height, outer = q + (step *= 3);
+      continue;
+    }
     const double next = q + std::clamp((z - height) / slope / std::abs(step), -3.0, 3.0) * std::abs(step);
     inner = q, inner_height = height, outer = next;
   }
-  return outer;
+  return flat ? (step > 0 ? variable.high : variable.low) : outer;
 }
 
 }  // namespace
@@ -210,7 +220,7 @@ void require_fittable(const Model& model, const std::string& path) {
 
 Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptions& options) {
   gsl_set_error_handler_off();
-  Problem problem{&model, &data, {}, {}, {}, {}};
+  Problem problem{&model, &data, {}, {}, {}, {}, 0};
   for (const auto& path : options.parameters) {
     problem.variables.push_back(make_variable(model, path));
     problem.q.push_back(problem.variables.back().of(model.get(path)));
@@ -227,15 +237,26 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
     if (m.kind != Measurement::Kind::steady_curve && !std::ranges::is_sorted(m.x))
       throw InputError(fmt::format("{}: its abscissae must ascend", m.name));
     result.points += int(m.y.size());
+    if (!pairs) {
+      ClippingWatch watch;
+      for (const double y : m.y) watch.add(y);
+      if (auto clipped = clipping_warning(watch, m.name + ": friction", "1", long(m.y.size())); !clipped.empty())
+        result.warnings.push_back(std::move(clipped));
+    }
   }
   if (p == 0) throw InputError("a fit needs parameters");
   if (std::size_t(result.points) <= p)
     throw InputError(fmt::format("{} numbers do not determine {} parameters", result.points, p));
 
+  const int starts = std::max(1, options.starts), folds = options.folds > 1 ? options.folds : 0;
+  const int total = starts + (options.profiles ? 2 * int(p) : 0) + folds;
+  auto report = [&, done = 0]() mutable {
+    if (options.progress) options.progress(++done, total);
+  };
   const auto own = problem.q;
-  const auto random = lab::white_noise(p * std::size_t(std::max(1, options.starts)), options.seed);
+  const auto random = lab::white_noise(p * std::size_t(starts), options.seed);
   Minimum best;
-  for (int s = 0; s < std::max(1, options.starts); ++s) {
+  for (int s = 0; s < starts; ++s) {
     problem.q = own;
     const double spread = std::log(30.0) / 2;
     for (std::size_t i = 0; s > 0 && i < p; ++i) {
@@ -243,13 +264,18 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
       problem.q[i] = std::clamp(own[i] + spread * v.scale * random[std::size_t(s) * p + i], v.low, v.high);
     }
     auto found = minimise(problem);
+    report();
     if (!std::isfinite(found.chi_square)) continue;
     result.converged_starts += found.converged;
     if (found.chi_square < best.chi_square) best = std::move(found);
   }
   if (!std::isfinite(best.chi_square))
     throw InputError("the model answers to none of the starts: its parameters do not allow this prediction");
-  if (!best.converged) result.outcome = {Ending::budget_spent, "the least squares did not converge from any start"};
+  if (!best.converged)
+    result.outcome = {
+        Ending::budget_spent,
+        fmt::format("the least squares did not converge from any of {} starts, within {} evaluations each", starts,
+                    most_evaluations)};
 
   problem.q = best.q;
   result.model = problem.at(best.q);
@@ -257,22 +283,54 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
   result.aic = best.chi_square + 2 * double(p);
   result.bic = best.chi_square + double(p) * std::log(double(result.points));
   const double z = normal_quantile(options.confidence);
+  const auto at_best = problem.residuals(best.q, problem.free);
+  if (!at_best) {
+    result.outcome = {Ending::not_finite, "predictions at the least squares, or their slopes, are not finite"};
+    return result;
+  }
   for (std::size_t i = 0; i < p; ++i) {
     const auto& v = problem.variables[i];
+    double influence = 0;  // standard errors of the data per change of q by its scale
+    for (int k = 0; k < result.points; ++k)
+      influence = std::hypot(influence, at_best->slopes[std::size_t(k) * p + i] * v.scale);
     const double spread = std::sqrt(best.covariance[i * p + i]);
     FittedParameter parameter{v.quantity.name, v.quantity.unit, v.value(best.q[i])};
     parameter.standard_error = spread * (v.logarithmic ? parameter.value : 1);
     parameter.low = v.value(best.q[i] - z * spread), parameter.high = v.value(best.q[i] + z * spread);
     parameter.at_bound = best.q[i] <= v.low + 1e-6 * v.scale || best.q[i] >= v.high - 1e-6 * v.scale;
     parameter.profile_low = parameter.profile_high = std::nan("");
+    double profile_low = v.low, profile_high = v.high;  // q
     if (options.profiles && spread > 0 && std::isfinite(spread)) {
-      parameter.profile_low = v.value(profile_end(problem, best, i, -z * spread, z));
-      parameter.profile_high = v.value(profile_end(problem, best, i, z * spread, z));
+      const double first = std::min(z * spread, 3 * v.scale);
+      profile_low = profile_end(problem, best, i, -first, z);
+      report();
+      profile_high = profile_end(problem, best, i, first, z);
+      report();
+      parameter.profile_low = v.value(profile_low), parameter.profile_high = v.value(profile_high);
+    }
+    // A number that no prediction hangs on, and one whose interval is wider than all that it may be, is not found; its
+    // profile may still bound it on one side, as that of a spring too stiff to show.
+    constexpr double none = 1e-6;
+    const bool silent = influence < none, wide = !(z * spread < v.high - v.low);
+    if (!parameter.at_bound && (silent || wide)) {
+      const bool bounded = profile_low > v.low || profile_high < v.high;
+      parameter.standard_error = parameter.low = parameter.high = std::nan("");
+      result.warnings.push_back(
+          bounded  ? fmt::format("the data bound {} on one side only: {:.3g} … {:.3g} by its profile", parameter.path,
+                                 parameter.profile_low, parameter.profile_high)
+          : silent ? fmt::format("the data do not depend on {}: {:.6g} is where the fit left it, without an interval",
+                                 parameter.path, parameter.value)
+                   : fmt::format("the data do not determine {}: its interval would be wider than its range, {}",
+                                 parameter.path, text(v.quantity.range)));
+      if (!bounded) {
+        parameter.profile_low = parameter.profile_high = std::nan("");
+        if (result.outcome.complete()) result.outcome = {Ending::none_exists, result.warnings.back()};
+      }
     }
     if (parameter.at_bound)
       result.warnings.push_back(
           fmt::format("{} = {:.6g} lies at an end of its range", parameter.path, parameter.value));
-    else if (v.logarithmic && spread > 1)
+    else if (!std::isnan(parameter.low) && v.logarithmic && spread > 1)
       result.warnings.push_back(fmt::format("{} is hardly determined: a factor of {:.2g} is within one standard error",
                                             parameter.path, std::exp(spread)));
     result.parameters.push_back(parameter);
@@ -290,7 +348,7 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
         "chi square is {:.4g} where {:.4g} is expected: the law does not describe these data, or their errors are "
         "larger than stated; intervals are too narrow",
         best.chi_square, expected));
-  const auto residuals = problem.residuals(best.q)->values;
+  const auto& residuals = at_best->values;
   std::size_t point = 0;
   for (const auto& m : data) {
     result.residuals.emplace_back(residuals.begin() + std::ptrdiff_t(point),
@@ -310,6 +368,7 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
       }
       problem.q = best.q;
       const auto trained = minimise(problem);
+      report();
       const auto left_out = problem.used;
       problem.used.clear();
       const auto all = problem.residuals(trained.q);

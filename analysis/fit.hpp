@@ -6,6 +6,7 @@
 /// covariance and from the profile of the likelihood; ranking by AIC, BIC and cross-validation.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,12 +22,15 @@ struct FitOptions {
   bool profiles = true;
   int folds = 5;  ///< of cross-validation; 0: none
   double confidence = 0.95;
+  std::function<void(int done, int total)> progress = {};  ///< called after each minimisation, of so many at most
 };
 
 struct FittedParameter {
   std::string path, unit;
   double value = 0, standard_error = 0;
-  double low = 0, high = 0;                  ///< interval from the covariance, in ln p for positive parameters
+  /// Interval from the covariance, in ln p for positive parameters. NaN, as the standard error, where the data do not
+  /// determine the number.
+  double low = 0, high = 0;
   double profile_low = 0, profile_high = 0;  ///< from the profile of the likelihood; NaN if not asked for
   bool at_bound = false;
 };
@@ -41,7 +45,7 @@ struct Fit {
   double cross_validation = 0;  ///< mean squared standardised residual of points left out; NaN if not asked for
   std::vector<std::vector<double>> residuals;  ///< standardised, of each measurement
   std::vector<std::string> warnings;
-  Outcome outcome;
+  Outcome outcome;  ///< none_exists where the data do not determine a number; budget_spent without convergence
 };
 
 /// \throws InputError unless a fit can find the number at `path`: one of the law or its contact, finite, and above 0

@@ -103,6 +103,27 @@ class HeldContact final : public System {
       }
     }
   }
+  /// dF/dt at z, on its way.
+  double friction_rate(const double* z) const {
+    const int n = size();
+    Slopes<double> slopes;
+    double f[most], rate[most] = {}, sum = 0, F;
+    contact_->linearise(in_, z, f, F, slopes);
+    for (int i = 0; i < n; ++i)
+      if (!algebraic(i)) rate[i] = f[i] / mass_[i];
+    for (int i = 0; i < n; ++i) {
+      if (!algebraic(i)) continue;
+      for (int j = 0; j < n; ++j)
+        if (j != i) rate[i] -= slopes.g_z[i * n + j] * rate[j] / slopes.g_z[i * n + i];
+    }
+    for (int i = 0; i < n; ++i) sum += slopes.F_z[i] * rate[i];
+    return sum;
+  }
+  double friction(const double* z) const {
+    double g[most], F;
+    contact_->evaluate(in_, z, g, F);
+    return F;
+  }
   /// Adds friction at these unknowns and its slopes to the prediction.
   void read(const double* z, const std::vector<double>& S, Prediction& prediction) const {
     Slopes<double> slopes;
@@ -143,26 +164,87 @@ void respond(const Model& model, const std::vector<std::string>& paths, const Me
   }
 }
 
-/// What `reader` reads at each time of the motion of `held` from steady sliding in `before`.
+/// Motion of a held contact, and its slopes by the numbers of the model.
+class HeldMotion {
+ public:
+  HeldMotion(const HeldContact& held, const std::string& name, const std::vector<double>& start, std::vector<double> S)
+      : held_(held), name_(name), solver_(held, 1e-10), S_(std::move(S)) {
+    if (!solver_.start(0, start)) throw InputError(name_ + ": the motion cannot begin");
+    held_.settle(solver_.state().data(), S_);
+  }
+  const std::vector<double>& state() const { return solver_.state(); }
+  const std::vector<double>& slopes() const { return S_; }
+
+  void to(double time) {
+    while (solver_.time() < time) {
+      step(time);
+      propagate();
+    }
+  }
+  /// To the first maximum of friction, or to where it does not rise any more.
+  void to_peak() {
+    double before = held_.friction_rate(state().data());
+    std::vector<double> z(state().size());
+    const auto rate_at = [&](double, const double* at) { return held_.friction_rate(at); };
+    for (bool found = !(before > 0); !found; propagate()) {
+      step(infinity);
+      double low = 0;
+      for (int i = 0; i < solvers::Collocation::stages && !found; ++i) {
+        solver_.stage(i, z.data());
+        const double here = held_.friction_rate(z.data());
+        if (here < 0) {
+          const auto at = solver_.locate(rate_at, low, solver_.node(i), before, here);
+          if (!at || !solver_.shorten(*at)) throw InputError(name_ + ": the peak could not be located");
+          found = true;
+        }
+        low = solver_.node(i), before = here;
+      }
+      constexpr double settled = 1e-13;  // of friction, that it still rises by in as much time as has passed
+      found = found || before * solver_.time() <= settled * std::abs(held_.friction(state().data()));
+    }
+  }
+
+ private:
+  void step(double limit) {
+    // Motion that parameters far off have made stiff or fast must not take for ever.
+    constexpr long most_steps = 20'000;
+    if (solver_.count().steps >= most_steps)
+      throw InputError(
+          fmt::format("{}: the motion takes more than {} steps to t = {:.3g} s", name_, most_steps, solver_.time()));
+    if (const auto outcome = solver_.step(limit); !outcome.complete())
+      throw InputError(fmt::format("{}: the motion could not be followed: {}", name_, outcome.detail));
+  }
+  void propagate() {
+    if (held_.numbers() > 0)
+      solver_.propagate(S_, held_.numbers(), [&](double, const double* z, double* f_p) { held_.force(z, f_p); });
+  }
+
+  const HeldContact& held_;
+  const std::string& name_;
+  solvers::Collocation solver_;
+  std::vector<double> S_;
+};
+
+/// What `reader` reads at each time of the motion of `held` from steady sliding in `before`. `reload`: where a spring
+/// yields, it reads the peak of its own motion from there.
 void follow(const HeldContact& held, const HeldContact& before, const HeldContact& reader, const Measurement& m,
-            Prediction& prediction) {
+            bool reload, Prediction& prediction) {
   std::vector<double> S;
   const auto start = before.steady(S);
   if (held.size() == 0) {
     for (std::size_t i = 0; i < m.x.size(); ++i) reader.read(start.data(), S, prediction);
     return;
   }
-  const auto forcing = [&](double, const double* z, double* f_p) { held.force(z, f_p); };
-  solvers::Collocation solver(held, 1e-10);
-  if (!solver.start(0, start)) throw InputError(m.name + ": the motion cannot begin");
-  held.settle(solver.state().data(), S);
+  HeldMotion motion(held, m.name, start, S);
   for (const double time : m.x) {
-    while (solver.time() < time) {
-      if (const auto outcome = solver.step(time); !outcome.complete())
-        throw InputError(fmt::format("{}: the motion could not be followed: {}", m.name, outcome.detail));
-      if (held.numbers() > 0) solver.propagate(S, held.numbers(), forcing);
+    motion.to(time);
+    if (!reload) {
+      reader.read(motion.state().data(), motion.slopes(), prediction);
+      continue;
     }
-    reader.read(solver.state().data(), S, prediction);
+    HeldMotion again(reader, m.name, motion.state(), motion.slopes());
+    again.to_peak();
+    reader.read(again.state().data(), again.slopes(), prediction);
   }
 }
 
@@ -172,15 +254,19 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
   using Kind = Measurement::Kind;
   Model model = given;
   model.drive = {m.slip_rate, m.normal_load, 0.0};
-  // Steady sliding does not know the clock of the states, and neither it nor rest a spring.
+  // Steady sliding does not know the clock of the states, nor a spring.
   std::vector<std::string> own = paths;
   if (m.kind == Kind::hold && (!model.law->has_states() || model.lambda == 0))
     throw InputError(fmt::format("law '{}' without states does not remember a hold", model.law->card().name));
-  if (m.kind == Kind::steady_curve || m.kind == Kind::hold) {
+  const bool reload = m.kind == Kind::hold && model.contact_stiffness.present();
+  if (reload && model.law->set_valued())
+    throw InputError(
+        fmt::format("{}: law '{}' sticks to its spring when sliding resumes, which a hold does not follow; leave "
+                    "law.contact_stiffness out, or use 'rosin lab slide-hold-slide'",
+                    m.name, model.law->card().name));
+  if (m.kind == Kind::steady_curve) {
     model.contact_stiffness = {};
     std::erase_if(own, [](const std::string& path) { return path.starts_with("law.contact_stiffness."); });
-  }
-  if (m.kind == Kind::steady_curve) {
     model.lambda = 0;
     std::erase(own, "law.lambda");
   }
@@ -205,10 +291,10 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
       }
     } else if (m.kind == Kind::velocity_step) {
       const auto after = held(m.next_slip_rate, m.next_slip_rate);
-      follow(after, held(m.slip_rate, m.next_slip_rate), after, m, found);
+      follow(after, held(m.slip_rate, m.next_slip_rate), after, m, false, found);
     } else {
       const auto sliding = held(m.slip_rate, m.slip_rate);
-      follow(held(0, m.slip_rate), sliding, sliding, m, found);
+      follow(held(0, m.slip_rate), sliding, sliding, m, reload, found);
     }
   }
   Prediction prediction{std::move(found.y), {}};

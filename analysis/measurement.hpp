@@ -16,7 +16,7 @@ struct Measurement {
     frequency_response,  ///< x: Hz; y: real and imaginary part of Z in turn, N s/m
     velocity_step,       ///< x: s after the step of an imposed slip rate; y: friction coefficient
     steady_curve,        ///< x: m/s; y: friction coefficient
-    hold,                ///< x: s at rest; y: peak coefficient as sliding resumes, on a stiff machine
+    hold,                ///< x: s that the drive rests; y: peak coefficient as it resumes, behind the contact's spring
   };
   Kind kind = Kind::frequency_response;
   std::string name;

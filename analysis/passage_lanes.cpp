@@ -47,8 +47,8 @@ PassageLanes::PassageLanes(const SliderSystem& pattern, const Recording& recordi
       friction_index_(pattern.carries_friction() ? 2 : -1),
       rigid_(pattern.rigid() || !pattern.carries_friction()),
       switches_(sliders_.switches()) {
-  if (recording.stick_fraction && !switches_)  // a set-valued law sticks exactly
-    levels_.push_back({recording.stick_threshold, &Metrics::stick_fraction});
+  if (recording.slow_fraction || (recording.stick_fraction && !switches_))  // a set-valued law sticks exactly
+    levels_.push_back({recording.stick_threshold, &Metrics::slow_fraction});
   if (recording.stick_fraction_001) levels_.push_back({0.01, &Metrics::stick_fraction_001});
   if (recording.stick_fraction_05) levels_.push_back({0.5, &Metrics::stick_fraction_05});
 }
@@ -532,6 +532,7 @@ void PassageLanes::end(int lane, PassageQueue& queue) {
       if (inside_[k][lane] > 0) stuck += passage.duration - at.entered[k];
       stuck /= passage.duration;
     }
+    m.stick_fraction = m.slow_fraction;
     if (switches_) {
       m.stick_fraction = at.stuck / passage.duration;
       // Stick is rest, which slip comes to within its rounding.

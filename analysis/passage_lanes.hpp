@@ -11,7 +11,7 @@ namespace rosin::analysis {
 
 /// What a passage measures on its way; what is not asked for costs nothing.
 struct Recording {
-  bool stick_fraction = false, stick_fraction_001 = false, stick_fraction_05 = false;
+  bool stick_fraction = false, slow_fraction = false, stick_fraction_001 = false, stick_fraction_05 = false;
   bool loop_area = false;
   bool extremes = false;  ///< of slip rate and friction
   bool means = false;     ///< of slip rate and friction

@@ -221,7 +221,7 @@ void Recorder::step(Collocation& solver) {
   extreme(solver, samples, turns(samples, &Sample::friction), &Sample::friction, sums_.friction_min,
           sums_.friction_max);
   const double V = std::abs(system_.model().drive.speed.level());
-  sums_.stick_fraction += time_within(solver, samples, slip_turns, threshold_[0] * V);
+  sums_.slow_fraction += time_within(solver, samples, slip_turns, threshold_[0] * V);
   sums_.stick_fraction_001 += time_within(solver, samples, slip_turns, threshold_[1] * V);
   sums_.stick_fraction_05 += time_within(solver, samples, slip_turns, threshold_[2] * V);
   elapsed_ += h;
@@ -230,7 +230,7 @@ void Recorder::step(Collocation& solver) {
 
 void Recorder::linger(double time) {
   sums_.friction_mean += time * friction_;
-  for (auto within : {&Metrics::stick_fraction, &Metrics::stick_fraction_001, &Metrics::stick_fraction_05})
+  for (auto within : {&Metrics::slow_fraction, &Metrics::stick_fraction_001, &Metrics::stick_fraction_05})
     sums_.*within += time;
   elapsed_ += time;
 }
@@ -240,7 +240,8 @@ Metrics Recorder::finish(double period) const {
   m.period = period;
   m.friction_mean /= period;
   m.slip_rate_mean /= period;
-  m.stick_fraction /= period;
+  m.slow_fraction /= period;
+  m.stick_fraction = m.slow_fraction;  // of smooth laws; set-valued ones know their rest
   m.stick_fraction_001 /= period;
   m.stick_fraction_05 /= period;
   m.loop_area = std::abs(m.loop_area);

@@ -45,6 +45,7 @@ struct CrossSpectra::Work {
   std::vector<std::vector<double>> pending;  ///< samples not yet passed by all segments
   std::vector<std::complex<double>> sums;    ///< [(i·channels + j)·bins + bin], j ≥ i
   std::vector<Level> levels;
+  std::vector<ClippingWatch> clipping;
   std::vector<double> lowest_mean, highest_mean, mean_sum, square_sum;
   long segments = 0, samples = 0;
   double* time = nullptr;
@@ -109,6 +110,7 @@ CrossSpectra::CrossSpectra(int channels, const WelchOptions& options) : work_(st
   w.pending.resize(count);
   w.sums.resize(count * count * n);
   w.levels.resize(count);
+  w.clipping.resize(count);
   for (auto& level : w.levels) level.least = infinity;
   w.lowest_mean.assign(count, infinity);
   w.highest_mean.assign(count, -infinity);
@@ -135,7 +137,10 @@ void CrossSpectra::add(std::span<const std::span<const double>> block) {
   const auto length = block.front().size();
   for (std::size_t c = 0; c < block.size(); ++c) {
     w.pending[c].insert(w.pending[c].end(), block[c].begin(), block[c].end());
-    for (const double x : block[c]) w.levels[c].least = std::min(w.levels[c].least, x);
+    for (const double x : block[c]) {
+      w.levels[c].least = std::min(w.levels[c].least, x);
+      w.clipping[c].add(x);
+    }
   }
   w.samples += long(length);
   const auto segment = std::size_t(w.segment), hop = std::size_t(w.hop), held = w.pending.front().size();
@@ -179,6 +184,8 @@ double CrossSpectra::window_moment() const {
   const double turns = double(w.size()) / (2 * std::numbers::pi);
   return change / work_->power * turns * turns;
 }
+
+const ClippingWatch& CrossSpectra::clipping(int channel) const { return work_->clipping[std::size_t(channel)]; }
 
 CrossSpectra::Level CrossSpectra::level(int channel) const {
   const auto& w = *work_;

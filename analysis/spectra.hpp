@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "analysis/clipping.hpp"
+
 namespace rosin::analysis {
 
 struct WelchOptions {
@@ -43,6 +45,8 @@ class CrossSpectra {
     double drift = 0;                     ///< largest less smallest mean of a segment
   };
   Level level(int channel) const;
+  /// What all samples of a channel show of a sensor's limits.
+  const ClippingWatch& clipping(int channel) const;
 
  private:
   struct Work;

@@ -180,11 +180,44 @@ void say_members(const Job& job, const CompareOptions& compare) {
   }
 }
 
+/// Stick is creep below the threshold under smooth laws and exact rest under set-valued ones. Where members are of both
+/// kinds stick_fraction would compare the two, slow_fraction is the same for all.
+bool of_both_kinds(const Members& members) {
+  const auto set_valued = [](const auto& member) { return member.model.law->set_valued(); };
+  return std::ranges::any_of(members, set_valued) && !std::ranges::all_of(members, set_valued);
+}
+constexpr std::string_view two_kinds =
+    "stick_fraction is exact rest under set-valued laws, and slip below the threshold under smooth ones";
+void say_too(Job& job, std::string text) {
+  job.note(text);
+  job.scene().notes.push_back(std::move(text));
+}
+/// Takes the slow fraction for the stick fraction among the metrics named, and says so.
+void take_slow_fraction(Job& job, const std::vector<std::string*>& metrics) {
+  const auto named = [&](std::string_view name) {
+    return std::ranges::find_if(metrics, [&](const auto* metric) { return *metric == name; });
+  };
+  const auto stick = named("stick_fraction");
+  if (stick == metrics.end() || named("slow_fraction") != metrics.end() || !of_both_kinds(job.scene().compare.members))
+    return;
+  **stick = "slow_fraction";
+  say_too(job, fmt::format("{}: members of both kinds are compared by slow_fraction, slip below the threshold under "
+                           "every law",
+                           two_kinds));
+}
+
 Status side_by_side(const Request& request, std::stop_token stop) {
   Job job(request, Verb::compare);
   auto& scene = job.scene();
   const auto& protocol = scene.compare.protocol;
   if (request.tolerance) scene.run.tolerance = scene.cycle.tolerance = scene.map.tolerance = *request.tolerance;
+  if (protocol == "cycle" && of_both_kinds(scene.compare.members))
+    say_too(job, fmt::format("{}: compare slow_fraction, slip below the threshold under every law", two_kinds));
+  if (protocol == "map") {
+    std::vector<std::string*> metrics;
+    for (auto& metric : scene.map.metrics) metrics.push_back(&metric);
+    take_slow_fraction(job, metrics);
+  }
   job.explain("{} members under protocol '{}'", scene.compare.members.size(), protocol);
   const auto begin = std::chrono::steady_clock::now();
   const Comparison comparison = protocol == "curve"       ? compare_curves(scene)
@@ -221,7 +254,10 @@ Status side_by_side(const Request& request, std::stop_token stop) {
 Status design(const Request& request, std::stop_token stop) {
   Job job(request, Verb::design);
   auto& scene = job.scene();
-  const auto& compare = scene.compare;
+  auto& compare = scene.compare;
+  std::vector<std::string*> metrics;
+  for (auto& noise : compare.noise) metrics.push_back(&noise.metric);
+  take_slow_fraction(job, metrics);
   analysis::DesignOptions options{.x = scene.map.x,
                                   .y = scene.map.y,
                                   .noise = compare.noise,

@@ -7,6 +7,7 @@
 #include "app/gnuplot.hpp"
 #include "app/job.hpp"
 #include "app/json.hpp"
+#include "app/progress.hpp"
 
 namespace rosin::app {
 
@@ -62,6 +63,7 @@ std::string to_json(const Scene& scene, const std::vector<analysis::Fit>& fits, 
                                    {"warnings", fit.warnings}});
   }
   document["warnings"] = own.warnings;
+  document["notes"] = scene.notes;
   return text(document);
 }
 
@@ -111,12 +113,16 @@ Status fit(const Request& request) {
   const auto& scene = job.scene();
   const auto begin = std::chrono::steady_clock::now();
   std::vector<analysis::Fit> fits;
-  for (const auto& candidate : scene.fit.candidates) {
-    auto options = scene.fit.options;
-    options.parameters = candidate.parameters;
-    job.explain("{}: {} parameters by least squares from {} starts", candidate.name, candidate.parameters.size(),
-                options.starts);
-    fits.push_back(analysis::fit(candidate.model, scene.fit.data, options));
+  {
+    Progress progress(request.quiet);
+    for (const auto& candidate : scene.fit.candidates) {
+      auto options = scene.fit.options;
+      options.parameters = candidate.parameters;
+      options.progress = [&](int done, int total) { progress.show(std::size_t(done), std::size_t(total)); };
+      job.explain("{}: {} parameters by least squares from {} starts", candidate.name, candidate.parameters.size(),
+                  options.starts);
+      fits.push_back(analysis::fit(candidate.model, scene.fit.data, options));
+    }
   }
   std::vector<std::size_t> order(fits.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
@@ -127,8 +133,13 @@ Status fit(const Request& request) {
     const auto& fit = fits[k];
     job.say("{}: chi square {:.5g} of {} numbers", scene.fit.candidates[k].name, fit.chi_square, fit.points);
     for (const auto& p : fit.parameters)
-      job.say("  {:<34} {}, {:.3g} % interval {:.5g} … {:.5g}", p.path, justified(p.value, p.standard_error, p.unit),
-              100 * scene.fit.options.confidence, p.low, p.high);
+      if (std::isnan(p.low))
+        job.say("  {:<34} not determined by the data", p.path);
+      else
+        job.say("  {:<34} {}, {:.3g} % interval {:.5g} … {:.5g}", p.path, justified(p.value, p.standard_error, p.unit),
+                100 * scene.fit.options.confidence, p.low, p.high);
+    if (k > 0 && fit.outcome.ending == Ending::budget_spent)  // that of the scene's own law ends the verb
+      job.note(fmt::format("{}: {}", scene.fit.candidates[k].name, fit.outcome.detail));
     for (const auto& warning : fit.warnings) job.note(fmt::format("{}: {}", scene.fit.candidates[k].name, warning));
   }
   if (fits.size() > 1)

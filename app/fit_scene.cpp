@@ -62,10 +62,9 @@ Measurement read_data(const toml::node& node, const Scene& scene, const fs::path
   RecordSource source{file.is_absolute() ? file : folder / file, {}, 1, {}};
   auto columns = table.table("columns");
   for (const auto& column : kind.columns) {
-    RecordColumn one{column.name, "", column.si};
-    if (columns)
-      if (const auto* given = columns->find(column.name)) one.name = text(*given, columns->path(column.name));
-    source.columns.push_back(std::move(one));
+    const auto* given = columns ? columns->find(column.name) : nullptr;
+    source.columns.push_back(given ? read_column(*given, columns->path(column.name), column.si)
+                                   : RecordColumn{column.name, "", column.si});
   }
   if (columns) columns->finish();
   const auto& error = table.required("standard_error", "of each number: a value, or the name of a column");

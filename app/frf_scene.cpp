@@ -55,20 +55,6 @@ std::vector<double> read_frequencies(const toml::node& node, const std::string& 
   return list;
 }
 
-/// A column of a record by name, or { column, unit }.
-RecordColumn read_column(const toml::node& node, const std::string& path, const std::string& si) {
-  if (node.is_string()) return {text(node, path), "", si};
-  Table table(node, path);
-  table.expect({"column", "unit"});
-  RecordColumn column{text(table.required("column", "its name in the file"), table.path("column")), "", si};
-  if (const auto* unit = table.find("unit")) {
-    column.unit = text(*unit, table.path("unit"));
-    located(unit->source(), [&] { to_si("1 " + column.unit, si); });
-  }
-  table.finish();
-  return column;
-}
-
 FrfRecord read_frf_record(Table table, const fs::path& folder) {
   using Second = analysis::Channels::Second;
   FrfRecord record;

@@ -13,7 +13,8 @@ namespace fs = std::filesystem;
 std::string justified(double value, double error, std::string_view unit) {
   const auto suffix = unit == "1" ? std::string() : fmt::format(" {}", unit);
   if (!std::isfinite(value)) return "none";
-  if (!(error > 0) || !std::isfinite(error) || value == 0) return fmt::format("{:.10g}{}", value, suffix);
+  if (std::isinf(error)) return fmt::format("{:.6g}{}, of unknown error", value, suffix);
+  if (!(error > 0) || value == 0) return fmt::format("{:.10g}{}", value, suffix);
   const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(error)) + 1;
   return fmt::format("{:.{}g} ± {:.0e}{}", value, static_cast<int>(std::clamp(digits, 1.0, 16.0)), error, suffix);
 }

@@ -12,8 +12,8 @@
 #include <cstring>
 #include <memory>
 
+#include "app/header.hpp"
 #include "core/error.hpp"
-#include "core/units.hpp"
 
 namespace rosin::app {
 
@@ -22,22 +22,28 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t block_length = 1 << 16;
 
-[[noreturn]] void no_column(const RecordSource& source, const std::string& name,
-                            const std::vector<std::string>& known) {
+/// `header`: the line that was taken for it, of a text.
+[[noreturn]] void no_column(const RecordSource& source, const std::string& name, const std::vector<std::string>& known,
+                            long header = 0) {
   const auto near = nearest_name(name, known);
-  throw InputError(fmt::format(
-      "{}: has no column '{}'{}", source.file.string(), name,
-      near.empty() ? fmt::format("; it has {}", fmt::join(known, ", ")) : fmt::format("; did you mean '{}'?", near)));
+  const auto hint =
+      near.empty() ? fmt::format("; it has {}", fmt::join(known, ", ")) : fmt::format("; did you mean '{}'?", near);
+  const auto cure =
+      header > 0 && near.empty()
+          ? fmt::format(
+                " (line {} is taken for the header: delete what stands before the names of the columns, or "
+                "begin those lines with #)",
+                header)
+          : std::string();
+  throw InputError(fmt::format("{}: has no column '{}'{}{}", source.file.string(), name, hint, cure));
 }
 
 /// What a number of the file is worth in SI.
-double factor(const RecordSource& source, const RecordColumn& column, const std::string& unit_in_file) {
-  const auto& unit = column.unit.empty() ? unit_in_file : column.unit;
-  if (unit.empty()) return 1;
+double factor(const RecordSource& source, const RecordColumn& column, const HeaderCell& cell) {
   try {
-    return to_si("1 " + unit, column.si);
+    return to_si_factor(cell, column.unit, column.si);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: column '{}': {}", source.file.string(), column.name, error.what()));
+    throw InputError(fmt::format("{}: {}", source.file.string(), error.what()));
   }
 }
 
@@ -63,22 +69,18 @@ class TextRows final : public Rows {
       if (!line(header))
         throw InputError(fmt::format("{}: is empty; a header line with the names of the columns is needed", path_));
     while (skipped(header));
-    for (const char c : {',', ';', '\t'})
-      if (separator_ == ' ' && header.find(c) != std::string_view::npos) separator_ = c;
-    std::vector<std::string> names, units;
-    for (std::string_view cell; next_cell(header, cell);) {
-      const auto open = cell.rfind('('), close = cell.rfind(')');
-      const bool has_unit = open != std::string_view::npos && close != std::string_view::npos && open < close;
-      names.emplace_back(trimmed(has_unit ? cell.substr(0, open) : cell));
-      units.emplace_back(has_unit ? cell.substr(open + 1, close - open - 1) : std::string_view());
-    }
+    const auto [separator, cells] = read_header(header);
+    separator_ = separator;
     for (const auto& column : wanted) {
-      const auto found = std::ranges::find(names, column.name);
-      if (found == names.end()) no_column(source, column.name, names);
-      const auto index = std::size_t(found - names.begin());
-      wanted_.push_back({index, factor(source, column, units[index]), column.name});
+      const auto* found = find_column(cells, column.name);
+      if (!found) {
+        std::vector<std::string> names;
+        for (const auto& cell : cells) names.push_back(cell.name);
+        no_column(source, column.name, names, line_number_);
+      }
+      wanted_.push_back({std::size_t(found - cells.data()), factor(source, column, *found), column.name});
     }
-    columns_ = names.size();
+    columns_ = cells.size();
   }
 
   bool read(std::vector<std::vector<double>>& block) override {
@@ -87,6 +89,7 @@ class TextRows final : public Rows {
     std::size_t rows = 0;
     for (std::string_view text; rows < block_length && line(text);) {
       if (skipped(text)) continue;
+      const auto whole = text;
       std::fill(present.begin(), present.end(), 0);
       std::size_t index = 0;
       for (std::string_view cell; next_cell(text, cell); ++index) {
@@ -99,11 +102,7 @@ class TextRows final : public Rows {
         throw InputError(fmt::format("{}:{}: has {} cells, the header {} names", path_, line_number_, index, columns_));
       for (std::size_t c = 0; c < wanted_.size(); ++c) {
         const auto& column = wanted_[c];
-        if (!present[column.index])
-          throw InputError(
-              fmt::format("{}:{}: column '{}' is missing or not a finite number here; nothing is "
-                          "interpolated: cut the record, or fill it yourself",
-                          path_, line_number_, column.name));
+        if (!present[column.index]) not_a_number(whole, column.name);
         block[c].push_back(cells[column.index] * column.factor);
       }
       lines_.push_back(line_number_);
@@ -134,6 +133,22 @@ class TextRows final : public Rows {
     return text;
   }
   static bool skipped(std::string_view text) { return trimmed(text).empty() || trimmed(text).front() == '#'; }
+
+  [[noreturn]] void not_a_number(std::string_view text, const std::string& name) const {
+    if (lines_.empty() && holds_units(text))
+      throw InputError(
+          fmt::format("{}:{}: '{}' holds units in a line of their own; write them into the header, such as "
+                      "\"{} (…)\", and delete this line",
+                      path_, line_number_, trimmed(text), name));
+    if (separator_ != ',' && text.find(',') != std::string_view::npos)
+      throw InputError(fmt::format(
+          "{}:{}: column '{}' is no number here: '{}'; if a comma is the decimal sign, write a point for it", path_,
+          line_number_, name, trimmed(text)));
+    throw InputError(
+        fmt::format("{}:{}: column '{}' is missing or not a finite number here; nothing is "
+                    "interpolated: cut the record, or fill it yourself",
+                    path_, line_number_, name));
+  }
 
   /// Takes the first cell off `rest`.
   bool next_cell(std::string_view& rest, std::string_view& cell) const {
@@ -220,7 +235,9 @@ class NetcdfRows final : public Rows {
         unit.resize(std::strlen(unit.c_str()));
       }
       nc_get_att_double(file_.id, variable.id, "_FillValue", &variable.fill);
-      variable.factor = factor(source, column, unit);
+      HeaderCell cell = header_cell(column.name);
+      if (!unit.empty()) cell = {column.name, column.name, unit};
+      variable.factor = factor(source, column, cell);
       variables_.push_back(variable);
     }
   }

@@ -15,6 +15,7 @@
 
 #include "app/fit_scene.hpp"
 #include "app/frf_scene.hpp"
+#include "app/header.hpp"
 #include "app/scene_table.hpp"
 #include "core/error.hpp"
 #include "laws/catalogue.hpp"
@@ -93,15 +94,32 @@ void apply_override(toml::table& scene, const std::string& given) {
 
 // ---------------------------------------------------------------- signals
 
-/// Two numbers a line, separated by a comma or blanks; the first line may be a header. \throws InputError with the
-/// line.
-Signal::Table read_signal(const fs::path& path) {
+/// Two numbers a line, separated by a comma or blanks: a time in s and a value in `unit`, unless the first line is a
+/// header with other units. \throws InputError with the line.
+Signal::Table read_signal(const fs::path& path, const std::string& unit) {
   Signal::Table record;
   std::istringstream lines(read_file(path, largest_record));
   std::string line;
+  double time_factor = 1, value_factor = 1;
+  bool begun = false;
+  const auto take_units = [&](const std::string& header, int number) {
+    const auto cells = read_header(header).cells;
+    if (cells.size() != 2) return false;
+    try {
+      time_factor = to_si_factor(cells[0], "", "s"), value_factor = to_si_factor(cells[1], "", unit);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}:{}: {}", path.string(), number, error.what()));
+    }
+    return true;
+  };
   for (int number = 1; std::getline(lines, line); ++number) {
     const auto hash = line.find('#');
-    if (hash != std::string::npos) line.resize(hash);
+    if (hash != std::string::npos) {
+      const auto comment = line.substr(hash + 1);
+      if (hash == 0 && !begun && names_units(comment)) take_units(comment, number);
+      line.resize(hash);
+    }
+    const std::string written = line;
     std::ranges::replace_if(
         line, [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
     if (line.find_first_not_of(' ') == std::string::npos) continue;
@@ -118,11 +136,24 @@ Signal::Table read_signal(const fs::path& path) {
       values.push_back(value);
       at = next;
     }
-    if (at != end && record.time.empty() && number == 1) continue;  // the header
+    if (at != end && !std::exchange(begun, true)) {
+      if (!take_units(written, number))
+        throw InputError(fmt::format(
+            "{}:{}: the header '{}' does not name two columns, such as \"time (s), value ({})\"; correct it, or "
+            "delete the line",
+            path.string(), number, written, unit));
+      continue;
+    }
+    if (at != end && record.time.empty() && holds_units(written))
+      throw InputError(fmt::format(
+          "{}:{}: '{}' holds units in a line of their own; write them into the header, \"time (…), value (…)\", and "
+          "delete this line",
+          path.string(), number, written));
     if (at != end || values.size() != 2)
       throw InputError(fmt::format("{}:{}: two numbers are needed, a time in s and a value", path.string(), number));
-    record.time.push_back(values[0]);
-    record.value.push_back(values[1]);
+    begun = true;
+    record.time.push_back(values[0] * time_factor);
+    record.value.push_back(values[1] * value_factor);
   }
   return record;
 }
@@ -164,8 +195,8 @@ Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::p
     }
     if (file) {
       const fs::path record = text(*file, quantity.name + ".table");
-      return Signal(
-          located(file->source(), [&] { return read_signal(record.is_absolute() ? record : folder / record); }));
+      return Signal(located(
+          file->source(), [&] { return read_signal(record.is_absolute() ? record : folder / record, quantity.unit); }));
     }
     if (noise) {
       Table keys(*noise, quantity.name + ".noise");
@@ -600,6 +631,12 @@ void read_map(Table table, Scene& scene) {
   }
   map.stick_threshold = scene.cycle.stick_threshold;
   table.read("stick_threshold", map.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
+  const bool hangs_on_it = std::ranges::find(map.metrics, "slow_fraction") != map.metrics.end();
+  if (table.find("stick_threshold") && scene.model.law->set_valued() && !hangs_on_it)
+    scene.notes.push_back(
+        "map.stick_threshold has no effect on stick_fraction under a set-valued law, whose stick is exact rest; ask "
+        "for "
+        "slow_fraction");
   table.finish();
 }
 
@@ -860,7 +897,7 @@ void read_lab(Table table, Scene& scene, const fs::path& folder) {
   if (experiment.takes_motion)
     if (const auto* record = table.find("record"))
       located(record->source(), [&] {
-        task.motion = read_signal(folder / text(*record, table.path("record")));
+        task.motion = read_signal(folder / text(*record, table.path("record")), "m");
         Signal{*task.motion};  // refuses empty records and times that do not ascend
       });
   if (auto sensor = table.table("sensor"))
@@ -1018,6 +1055,10 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
   if (verb == Verb::fit) root.required("fit", "parameters and data");
   if (auto table = root.table("fit"); table && verb == Verb::fit)
     read_fit(*table, scene, folder, [](Table law, oscillators::Model& model) { read_law(std::move(law), model); });
+  if (verb == Verb::fit)  // measurements have their own drive, and none of them knows a slider
+    for (const char* unread : {"oscillator", "drive.force", "law.load_memory"})
+      if (document.at_path(unread))
+        scene.notes.push_back(fmt::format("{} has no effect: a fit does not ask for it", unread));
   if (auto table = root.table("solver")) read_solver(*table, scene.run);
   if (auto table = root.table("lab"); table && chosen) read_lab(*table, scene, folder);
   root.finish();

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/record.hpp"
 #include "core/error.hpp"
 #include "core/parameters.hpp"
 #include "core/units.hpp"
@@ -202,5 +203,19 @@ class Table {
   std::vector<std::string> known_;
   bool expected_ = false;
 };
+
+/// A column of a record by name, or { column, unit }.
+inline RecordColumn read_column(const toml::node& node, const std::string& path, const std::string& si) {
+  if (node.is_string()) return {text(node, path), "", si};
+  Table table(node, path);
+  table.expect({"column", "unit"});
+  RecordColumn column{text(table.required("column", "its name in the file"), table.path("column")), "", si};
+  if (const auto* unit = table.find("unit")) {
+    column.unit = text(*unit, table.path("unit"));
+    located(unit->source(), [&] { to_si("1 " + column.unit, si); });
+  }
+  table.finish();
+  return column;
+}
 
 }  // namespace rosin::app

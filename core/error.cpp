@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numeric>
 
@@ -46,9 +47,15 @@ void require(double value, const Range& range, std::string_view path, std::strin
       fmt::format("{} = {} is outside {} ({}, {})", path, value, text(range), meaning, readable_unit(unit)));
 }
 
-std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
-  // Levenshtein distance by rows.
-  const auto distance = [&](std::string_view other) {
+std::string nearest_name(std::string_view asked, const std::vector<std::string>& known) {
+  const auto lower = [](std::string_view text) {
+    std::string small(text);
+    for (char& c : small) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return small;
+  };
+  const std::string name = lower(asked);
+  // Levenshtein distance by rows, whatever the case.
+  const auto distance = [&](const std::string& other) {
     std::vector<std::size_t> row(other.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
     for (std::size_t i = 1; i <= name.size(); ++i) {
@@ -64,8 +71,13 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
   };
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, name.size() / 3) + 1;
-  for (const auto& candidate : known)
-    if (const auto d = distance(candidate); d < best_distance) best_distance = d, best = candidate;
+  for (const auto& candidate : known) {
+    const auto d = distance(lower(candidate));
+    const bool alike = 2 * d <= std::max(name.size(), candidate.size());  // half of it stays, or more
+    if (alike && d < best_distance) best_distance = d, best = candidate;
+  }
+  // The characteristic slip of rate-and-state friction, D_c in many papers, is L here.
+  if (best.empty() && (name == "dc" || name == "d_c") && std::ranges::find(known, "L") != known.end()) return "L";
   return best;
 }
 

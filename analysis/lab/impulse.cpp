@@ -159,7 +159,7 @@ Result perform(const Task& task) {
     return slid;
   };
   record_run(result, task, model, slope.pushed(push), times_after(push, 1));
-  result.record.add("slid", "m", slid_in(result.record));
+  result.record.add("slid", "m", slid_in(result.record), result.record.errors[0]);
   const double at_rest = settings.number_or("rest_speed", 1e-3 * push);
   const bool set_valued = model.law->set_valued();
   read_off(result, task.sensor, [&](const Record& seen) -> std::vector<Reading> {
@@ -176,7 +176,8 @@ Result perform(const Task& task) {
     return {std::move(stop), {"final_speed", "m/s", "slip rate at the end of the record", u.back()}};
   });
   result.readings.push_back({"slope", "rad", "slope of the table", alpha});
-  result.readings.push_back({"push", "m/s", "speed that the push gives the block", push});
+  result.readings.push_back({"push", "m/s", "speed that the push gives the block", push,
+                             finite && !settings.given("push") ? 0.9 * critical.error : 0});
   result.readings.push_back({"runs_away", "1", "1 if the block runs away after this push, 0 if it stops",
                              std::isnan(critical.value) ? critical.value
                              : push > critical.value    ? 1.0

@@ -125,7 +125,7 @@ Result perform(const Task& task) {
     slid.push_back(-result.record.columns[0][i]);
   }
   result.record.add("slope", "rad", std::move(slope));
-  result.record.add("slid", "m", std::move(slid));
+  result.record.add("slid", "m", std::move(slid), result.record.errors[0]);
   read_off(result, task.sensor, [&](const Record& seen) { return read_record(seen, gravity, rate, threshold); });
 
   // A set-valued law slips at a located event, which tells more than samples do.
@@ -133,7 +133,10 @@ Result perform(const Task& task) {
   if (law.set_valued() && task.sensor.ideal() && slips != result.events.end()) {
     result.readings[0].value = rate * slips->time;
     result.readings[1].value = std::tan(rate * slips->time);
-    result.readings[0].error = result.readings[1].error = 1e-14;
+    // At rest nothing but a state that sets the limit is integrated; tan' = 1 + tan².
+    const double error = 1e-14 + (law.has_states() ? result.record.errors[4] : 0);
+    result.readings[1].error = error;
+    result.readings[0].error = error / (1 + result.readings[1].value * result.readings[1].value);
     result.plan.push_back("start of slip: a located event; least slope: closed form");
   }
   read_curve(result, task);

@@ -207,7 +207,7 @@ Result perform(const Task& task) {
     for (const double t : seen.time)
       truth.push_back(at_time(result.record.time, result.record.column("friction_force"), t));
   } else {
-    seen = {task.motion->time, {"displacement"}, {"m"}, {task.motion->value}, {}};
+    seen = {task.motion->time, {"displacement"}, {"m"}, {task.motion->value}, {}, {}};
     if (seen.time.size() < 64)
       throw InputError(fmt::format("lab.record has {} samples; give it 64 or more", seen.time.size()));
   }
@@ -225,12 +225,12 @@ Result perform(const Task& task) {
     const auto begin = all.begin() + static_cast<std::ptrdiff_t>(rebuilt.first);
     return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(count));
   };
-  record = {part(t), {}, {}, {}, {}};
+  record = {part(t), {}, {}, {}, {}, {}};
   std::vector<double> force = rebuilt.force, slip_rate, low, high;
-  double most = 0;
-  for (const double F : force) most = std::max(most, std::abs(F));
+  double size = 0;
+  for (const double F : force) size = std::max(size, std::abs(F));
   constexpr double arithmetic = 1e-10;  // rounding, and to what a simulated motion is known
-  for (double& band : rebuilt.band) band += arithmetic * most;
+  for (double& band : rebuilt.band) band += arithmetic * size;
   for (std::size_t i = 0; i < count; ++i) {
     force[i] -= model.drive.force.value(record.time[i]);
     slip_rate.push_back(model.drive.speed.value(record.time[i]) - rebuilt.velocity[i]);
@@ -247,9 +247,14 @@ Result perform(const Task& task) {
     for (std::size_t i = 0; i < list.size(); ++i) sum += f(i) * f(i);
     return std::sqrt(sum / double(list.size()));
   };
+  std::size_t largest = 0;
+  for (std::size_t i = 0; i < count; ++i)
+    if (std::abs(force[i]) > std::abs(force[largest])) largest = i;
   const double band = rms(rebuilt.band, [&](std::size_t i) { return rebuilt.band[i]; });
-  result.readings = {{"noise", "m", "rms of the white noise found in the displacement", found},
-                     {"force_max", "N", "largest friction force", most, band},
+  constexpr double scatter = 3;  // of a median of correlated differences, over the root of their number
+  result.readings = {{"noise", "m", "rms of the white noise found in the displacement", found,
+                      scatter * found / std::sqrt(double(x.size()))},
+                     {"force_max", "N", "largest friction force", std::abs(force[largest]), rebuilt.band[largest]},
                      {"band", "N", "rms of the half-width of the confidence band", band},
                      {"impulse", "N s", "integral of the reconstructed force", 0}};
   for (std::size_t i = 1; i < count; ++i)
@@ -267,9 +272,9 @@ Result perform(const Task& task) {
     for (std::size_t i = 0; i < count; ++i) covered += std::abs(force[i] - truth[i]) <= rebuilt.band[i];
     result.readings.push_back({"error_rms", "N", "rms of the difference to the true force",
                                rms(truth, [&](std::size_t i) { return force[i] - truth[i]; })});
-    double largest = 0;
-    for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, std::abs(force[i] - truth[i]));
-    result.readings.push_back({"error_max", "N", "largest difference to the true force", largest});
+    double worst = 0;
+    for (std::size_t i = 0; i < count; ++i) worst = std::max(worst, std::abs(force[i] - truth[i]));
+    result.readings.push_back({"error_max", "N", "largest difference to the true force", worst});
     result.readings.push_back({"coverage", "1", "part of the record in which the true force lies within the band",
                                double(covered) / double(count)});
     record.add("true_friction_force", "N", truth);

@@ -56,6 +56,8 @@ Result perform(const Task& task) {
       const double part = double(i) / samples, to_reversal = q % 2 == 0 ? 1 - std::pow(1 - part, 3) : std::pow(part, 3);
       times.push_back(quarter * (q + to_reversal));
     }
+  // The last cycle begins at the reversal before last but one, so that it is closed.
+  const double end = quarter * (4 * cycles - 1), begin = end - 4 * quarter, past_end = std::nextafter(end, infinity);
   if (memoryless(model) && rigid_machine(model)) {
     std::vector<double> rates;
     for (std::size_t i = 0; i < times.size(); ++i) {
@@ -64,21 +66,18 @@ Result perform(const Task& task) {
     }
     record_curve(result, model, times, rates);
   } else {
-    record_run(result, task, model, Start{}, times);
+    record_run(result, task, model, Start{}, times, {{begin, past_end, true}, {begin, past_end, false}});
   }
   if (!result.outcome.complete()) return result;
   std::vector<double> stroke;
-  for (const double t : times) stroke.push_back(X * std::sin(omega * t));
+  for (const double t : result.record.time) stroke.push_back(X * std::sin(omega * t));
   result.record.add("stroke", "m", std::move(stroke));
   for (int q = 1; q <= 4 * cycles; ++q) result.record.breaks.push_back(quarter * q);
 
-  // The last cycle begins at the reversal before last but one, so that it is closed.
-  const double end = quarter * (4 * cycles - 1), begin = end - 4 * quarter;
   read_off(result, task.sensor, [&](const Record& seen) -> std::vector<Reading> {
-    const auto &t = seen.time, &F = seen.column("friction_force");
-    const auto [first, last] = between(t, begin, std::nextafter(end, infinity));
-    double most = 0;
-    for (std::size_t i = first; i < last; ++i) most = std::max(most, std::abs(F[i]));
+    const auto& F = seen.column("friction_force");
+    const double most =
+        std::max(extreme(seen, F, {begin, past_end, true}).value, -extreme(seen, F, {begin, past_end, false}).value);
     const double energy = loop_energy(seen, begin, end), stiffness = slope_at_zero(seen, begin, begin + 2 * quarter);
     return {{"energy_per_cycle", "J", "area of the last loop of force over stroke", energy},
             {"mean_friction", "1", "energy over 4 strokes and the load",

@@ -70,9 +70,10 @@ const std::vector<double>& Record::column(std::string_view name) const {
   return columns[static_cast<std::size_t>(at - names.begin())];
 }
 
-void Record::add(std::string name, std::string unit, std::vector<double> values) {
+void Record::add(std::string name, std::string unit, std::vector<double> values, double error) {
   names.push_back(std::move(name));
   units.push_back(std::move(unit));
+  errors.push_back(error);
   columns.push_back(std::move(values));
 }
 
@@ -100,8 +101,8 @@ Record measure(const Record& truth, const Sensor& sensor, std::vector<std::strin
     }
   if (sensor.ideal() || truth.time.size() < 2) return truth;
 
-  Record measured{
-      .time = truth.time, .names = truth.names, .units = truth.units, .columns = {}, .breaks = truth.breaks};
+  Record measured = truth;
+  measured.columns.clear();
   if (sensor.sample_rate > 0) {
     const double begin = truth.time.front(), duration = truth.time.back() - begin;
     const double intervals = std::floor(duration * sensor.sample_rate * (1 + 1e-12));

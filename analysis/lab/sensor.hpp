@@ -14,11 +14,12 @@ struct Record {
   std::vector<double> time;  ///< s, ascending
   std::vector<std::string> names, units;
   std::vector<std::vector<double>> columns;  ///< [column][sample]
-  std::vector<double> breaks;                ///< times at which the protocol jumps; each is a sample
+  std::vector<double> breaks;                ///< times at which the protocol or friction jumps
+  std::vector<double> errors;                ///< of each column, absolute: what its integration leaves
 
   /// \throws InputError if there is no such column.
   const std::vector<double>& column(std::string_view name) const;
-  void add(std::string name, std::string unit, std::vector<double> values);
+  void add(std::string name, std::string unit, std::vector<double> values, double error = 0);
 };
 
 /// The measuring chain, in the order in which it acts. What is zero or not named is ideal.

@@ -16,29 +16,60 @@ struct Hold {
   double begin, time, resume, end;  ///< s
 };
 
-/// Peak after each hold, above the sliding level before it.
+/// Peak after each hold, above the sliding level before it, and growth per e-fold of hold time since the hold before.
 struct Peaks {
-  std::vector<double> peak, rise;
+  std::vector<double> peak, rise, error, local_rate;  ///< error: of the rise, from a level that is not settled
 };
-Peaks read_peaks(const Record& record, const std::vector<Hold>& holds) {
+Peaks read_peaks(const Record& record, const std::vector<Hold>& holds, double settling) {
   const auto &t = record.time, &mu = record.column("friction_coefficient");
   Peaks peaks;
   double begin = 0;
   for (const auto& hold : holds) {
-    const auto [first, last] = between(t, hold.resume, hold.end);
-    peaks.peak.push_back(extreme(t, mu, first, last, true).value);
+    peaks.peak.push_back(extreme(record, mu, {hold.resume, hold.end, true}).value);
     peaks.rise.push_back(peaks.peak.back() - level(t, mu, begin, hold.begin));
+    peaks.error.push_back(unsettled(t, mu, begin, hold.begin, settling));
     begin = hold.resume;
   }
+  peaks.local_rate.push_back(std::nan(""));
+  for (std::size_t i = 1; i < holds.size(); ++i)
+    peaks.local_rate.push_back((peaks.rise[i] - peaks.rise[i - 1]) / std::log(holds[i].time / holds[i - 1].time));
   return peaks;
 }
 
-/// Growth per e-fold of hold time, over the longer half of the holds.
-Line growth(const std::vector<Hold>& holds, const std::vector<double>& rise, double shortest) {
+/// Holds [first, last) that a straight line in the logarithm of hold time is fitted to.
+struct Stretch {
+  std::size_t first, last;
+};
+
+/// The holds about the fastest growth, as far as the local rate stays within 2 % of it.
+Stretch straight_part(const std::vector<double>& local_rate) {
+  if (local_rate.size() < 2) return {0, local_rate.size()};
+  const auto rate = [&](std::size_t i) { return std::abs(local_rate[i]); };
+  std::size_t fastest = 1;
+  for (std::size_t i = 1; i < local_rate.size(); ++i)
+    if (rate(i) >= rate(fastest)) fastest = i;
+  Stretch part{fastest - 1, fastest + 1};
+  while (part.first > 0 && rate(part.first) >= 0.98 * rate(fastest)) --part.first;
+  while (part.last < local_rate.size() && rate(part.last) >= 0.98 * rate(fastest)) ++part.last;
+  return part;
+}
+
+/// Growth per e-fold of hold time. Error: the largest departure of a local rate, of the neighbours too where the
+/// stretch has one rate only, and what the errors of rises make of it.
+Line growth(const std::vector<Hold>& holds, const Peaks& peaks, Stretch part) {
   std::vector<double> x, y;
-  for (std::size_t i = 0; i < holds.size(); ++i)
-    if (holds[i].time >= shortest) x.push_back(std::log(holds[i].time)), y.push_back(rise[i]);
-  return fit_line(x, y);
+  double mean = 0, error = 0, apart = 0, square = 0;
+  for (std::size_t i = part.first; i < part.last; ++i) x.push_back(std::log(holds[i].time)), y.push_back(peaks.rise[i]);
+  auto line = fit_line(x, y);
+  if (x.size() < 2) return line;
+  const std::size_t beside = x.size() == 2 ? 1 : 0;
+  for (auto i = std::max<std::size_t>(part.first + 1 - beside, 1); i < std::min(part.last + beside, holds.size()); ++i)
+    apart = std::max(apart, std::abs(peaks.local_rate[i] - line.slope));
+  for (const double at : x) mean += at / double(x.size());
+  for (const double at : x) square += (at - mean) * (at - mean);
+  for (std::size_t i = 0; i < x.size(); ++i) error += std::abs(x[i] - mean) / square * peaks.error[part.first + i];
+  line.slope_error = apart + error;
+  return line;
 }
 
 /// A set-valued law at rest bears its static limit, after any hold: decided without integration.
@@ -71,8 +102,8 @@ Result perform(const Task& task) {
   model.drive.force = 0.0;
 
   double slide = settings.number_or("slide_time", 0);
+  const double settling = settling_time(model, speed);
   if (slide == 0) {
-    const double settling = settling_time(model, speed);
     if (!std::isfinite(settling))
       throw InputError(
           fmt::format("steady sliding at lab.speed = {} m/s is unstable on this machine: it would stick "
@@ -102,37 +133,50 @@ Result perform(const Task& task) {
   }
   holds.back().end = times.back() * (1 + 1e-12);
   model.drive.speed = Signal(drive);
+  std::vector<Sought> extremes;
+  for (const auto& hold : holds) extremes.push_back({hold.resume, hold.end, true});
   if (memoryless(model) && rigid_machine(model))
     hold_without_memory(result, model, times, holds, speed);
   else
-    record_run(result, task, model, Start{}, times);
+    record_run(result, task, model, Start{}, times, extremes);
   result.record.add("load_point", "m", driven_way(result.record.time, model.drive.speed));
   for (const auto& hold : holds) result.record.breaks.insert(result.record.breaks.end(), {hold.begin, hold.resume});
   if (!result.outcome.complete()) return result;
 
-  const double shortest = settings.number_or("fit_from", hold_times[(hold_times.size() - 1) / 2]);
+  // Which holds lie on a straight line is seen on the true record: noise would pick the steepest by chance.
+  std::ranges::sort(result.record.breaks);
+  Stretch part = straight_part(read_peaks(result.record, holds, settling).local_rate);
+  if (settings.given("fit_from")) {
+    const double shortest = settings.number("fit_from");
+    part = {std::size_t(std::ranges::lower_bound(hold_times, shortest) - hold_times.begin()), hold_times.size()};
+  }
+  const auto stretch = part.first < part.last
+                           ? fmt::format("from {:g} to {:g} s", hold_times[part.first], hold_times[part.last - 1])
+                           : std::string("of no hold");
   read_off(result, task.sensor, [&](const Record& seen) -> std::vector<Reading> {
-    const auto peaks = read_peaks(seen, holds);
-    const auto line = growth(holds, peaks.rise, shortest);
+    const auto peaks = read_peaks(seen, holds, settling);
+    const auto line = growth(holds, peaks, part);
     const auto n = peaks.rise.size();
-    const double last = n < 2
-                            ? std::nan("")
-                            : (peaks.rise[n - 1] - peaks.rise[n - 2]) / std::log(hold_times[n - 1] / hold_times[n - 2]);
-    return {{"healing_rate", "1",
-             fmt::format("growth of the peak per e-fold of hold time, least squares from {:g} s", shortest), line.slope,
-             line.slope_error},
+    const double last_error =
+        n < 2 ? 0 : (peaks.error[n - 1] + peaks.error[n - 2]) / std::log(hold_times[n - 1] / hold_times[n - 2]);
+    return {{"healing_rate", "1", fmt::format("growth of the peak per e-fold of hold time, least squares {}", stretch),
+             line.slope, line.slope_error},
             {"healing_rate_per_decade", "1", "the same per decade", line.slope * std::log(10),
              line.slope_error * std::log(10)},
-            {"last_healing_rate", "1", "growth per e-fold between the two longest holds", last},
-            {"last_rise", "1", "peak after the longest hold above the sliding level", peaks.rise.back()}};
+            {"last_healing_rate", "1", "growth per e-fold between the two longest holds", peaks.local_rate.back(),
+             last_error},
+            {"last_rise", "1", "peak after the longest hold above the sliding level", peaks.rise.back(),
+             peaks.error.back()}};
   });
-  const auto peaks = read_peaks(result.record, holds);
-  const auto line = growth(holds, peaks.rise, shortest);
-  result.tables.push_back(
-      {"peaks", {"hold_time", "peak", "rise"}, {"s", "1", "1"}, {hold_times, peaks.peak, peaks.rise}});
+  const auto peaks = read_peaks(result.record, holds, settling);
+  const auto line = growth(holds, peaks, part);
+  result.tables.push_back({"peaks",
+                           {"hold_time", "peak", "rise", "local_rate"},
+                           {"s", "1", "1", "1"},
+                           {hold_times, peaks.peak, peaks.rise, peaks.local_rate}});
   Panel::Curve fit{"least squares", {}, {}};
-  for (const double hold : hold_times)
-    if (hold >= shortest) fit.x.push_back(hold), fit.y.push_back(line.offset + line.slope * std::log(hold));
+  for (std::size_t i = part.first; i < part.last; ++i)
+    fit.x.push_back(hold_times[i]), fit.y.push_back(line.offset + line.slope * std::log(hold_times[i]));
   const auto& seen = result.record;
   result.panels = {{.x_label = "load-point displacement",
                     .x_unit = "m",
@@ -161,8 +205,7 @@ Experiment slide_hold_slide() {
                        {.quantity = {"fit_from",
                                      "s",
                                      {0, 1e12},
-                                     "shortest hold that the healing rate is fitted to; else "
-                                     "that in the middle"}},
+                                     "shortest hold that the healing rate is fitted to; else where growth is fastest"}},
                        {.quantity = {"samples", "1", {8, 1e5}, "pairs of samples of each slide and hold"},
                         .value = 200.0,
                         .whole = true}},

@@ -8,43 +8,113 @@
 
 #include "analysis/curve.hpp"
 #include "analysis/stability.hpp"
+#include "core/random.hpp"
 
 namespace rosin::analysis::lab {
 
 namespace {
 
-constexpr int repeats = 24;  ///< measurements with other noise, for the error of a reading
+constexpr double rounding = 4e-16;  ///< of a number, relative
+constexpr int repeats = 24;         ///< measurements with other noise, for the error of a reading
+constexpr int patterns = 8;         ///< in which the errors of columns may add up in a reading
 
-/// Every second sample, and all breaks.
-Record thinned(const Record& record) {
-  Record thin{.time = {}, .names = record.names, .units = record.units, .columns = {}, .breaks = record.breaks};
-  thin.columns.resize(record.columns.size());
-  std::size_t since = 0;
-  for (std::size_t i = 0; i < record.time.size(); ++i, ++since) {
-    const bool kept = std::ranges::binary_search(record.breaks, record.time[i]);
-    if (kept) since = 0;
-    if (since % 2 != 0 && i + 1 < record.time.size()) continue;
-    thin.time.push_back(record.time[i]);
-    for (std::size_t c = 0; c < record.columns.size(); ++c) thin.columns[c].push_back(record.columns[c][i]);
+/// The samples that `kept` says, the first, the last and all breaks among them.
+template <class Kept>
+Record part_of(const Record& record, Kept kept) {
+  Record part = record;
+  part.time.clear();
+  for (auto& column : part.columns) column.clear();
+  for (std::size_t i = 0; i < record.time.size(); ++i) {
+    const bool needed =
+        i == 0 || i + 1 == record.time.size() || std::ranges::binary_search(record.breaks, record.time[i]);
+    if (!kept(i) && !needed) continue;
+    part.time.push_back(record.time[i]);
+    for (std::size_t c = 0; c < record.columns.size(); ++c) part.columns[c].push_back(record.columns[c][i]);
   }
-  return thin;
+  return part;
+}
+
+/// The record with its columns moved by as much as their errors, this way or that in each of a few pieces between
+/// breaks, because errors of integration change slowly.
+Record moved(const Record& record, std::uint64_t pattern) {
+  constexpr std::size_t pieces = 4;
+  Record other = record;
+  const auto& t = record.time;
+  std::size_t first = 0;
+  while (first < t.size()) {
+    const auto next = std::ranges::upper_bound(record.breaks, t[first]);
+    const auto last =
+        next == record.breaks.end() ? t.size() : std::size_t(std::ranges::lower_bound(t, *next) - t.begin());
+    const std::size_t length = std::max<std::size_t>(1, (last - first + pieces - 1) / pieces);
+    for (std::size_t i = first; i < last; i += length)
+      for (std::size_t c = 0; c < other.columns.size(); ++c) {
+        const double error = (splitmix(pattern += splitmix_step) & 1u) != 0 ? record.errors[c] : -record.errors[c];
+        for (std::size_t j = i; j < std::min(i + length, last); ++j) other.columns[c][j] += error;
+      }
+    first = std::max(last, first + 1);
+  }
+  return other;
+}
+
+/// Samples closer to the extremes that are sought, evenly between the neighbours of each.
+std::vector<double> closer_times(const Record& record, const std::vector<Sought>& extremes) {
+  constexpr int parts = 64;
+  const auto &t = record.time, &mu = record.column("friction_coefficient");
+  std::vector<double> times;
+  for (const auto& sought : extremes) {
+    const auto [first, last] = between(t, sought.begin, sought.end);
+    if (first == last) continue;
+    const auto begin = mu.begin() + std::ptrdiff_t(first), end = mu.begin() + std::ptrdiff_t(last);
+    const auto at =
+        std::size_t((sought.maximum ? std::max_element(begin, end) : std::min_element(begin, end)) - mu.begin());
+    if (at == first || at + 1 == last) continue;  // where the protocol jumps, it is a sample
+    const double low = t[at - 1], high = t[at + 1];
+    for (int i = 1; i < parts; ++i) times.push_back(std::lerp(low, high, double(i) / parts));
+  }
+  return times;
 }
 
 }  // namespace
 
 void record_run(Result& result, const Task& task, const Model& model, const Start& start,
-                const std::vector<double>& times) {
+                const std::vector<double>& times, const std::vector<Sought>& extremes) {
   RunOptions options;
   options.times = times;
   options.duration = times.back();
   options.start = start;
   options.tolerance = task.tolerance;
-  auto run = analysis::run(model, options);
-  result.outcome = run.outcome;
-  result.events = std::move(run.events);
-  result.record = {
-      std::move(run.time), std::move(run.column_names), std::move(run.column_units), std::move(run.columns), {}};
-  result.plan.push_back(fmt::format("solver {}, {} steps; {}", run.solver, run.cost.steps, run.why));
+  const auto record = [&] {
+    auto run = analysis::run(model, options);
+    result.outcome = run.outcome;
+    result.events = std::move(run.events);
+    result.record = {std::move(run.time),
+                     std::move(run.column_names),
+                     std::move(run.column_units),
+                     std::move(run.columns),
+                     {},
+                     std::move(run.column_error)};
+    result.record.errors.resize(result.record.columns.size(), infinity);
+    if (model.law->set_valued())  // friction may jump
+      for (const auto& event : result.events) result.record.breaks.push_back(event.time);
+    result.plan.push_back(fmt::format("solver {}, {} steps; {}", run.solver, run.cost.steps, run.why));
+  };
+  record();
+  const bool all = result.record.time.size() == times.size();
+  const auto closer = all && task.sensor.ideal() ? closer_times(result.record, extremes) : std::vector<double>();
+  if (!closer.empty()) {
+    options.times.insert(options.times.end(), closer.begin(), closer.end());
+    std::ranges::sort(options.times);
+    options.times.erase(std::unique(options.times.begin(), options.times.end()), options.times.end());
+    record();
+  }
+  const auto& errors = result.record.errors;
+  const bool known = std::ranges::all_of(errors, [](double e) { return std::isfinite(e); });
+  if (result.outcome.ending == Ending::tolerance_not_met && known &&
+      result.record.time.size() == options.times.size()) {
+    result.warnings.push_back("the record misses the tolerance, which the errors of readings count: " +
+                              result.outcome.detail);
+    result.outcome = {};
+  }
 }
 
 void record_curve(Result& result, const Model& model, const std::vector<double>& times,
@@ -65,7 +135,13 @@ void record_curve(Result& result, const Model& model, const std::vector<double>&
                    {"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"},
                    {"m", "m/s", "m/s", "N", "1"},
                    std::move(columns),
+                   {},
                    {}};
+  for (const auto& column : result.record.columns) {
+    double size = 0;
+    for (const double x : column) size = std::max(size, std::abs(x));
+    result.record.errors.push_back(rounding * size);
+  }
   for (const auto& state : law.states()) {
     result.record.names.push_back(state.name);
     result.record.units.push_back(state.unit);
@@ -129,15 +205,26 @@ std::optional<double> static_limit(const FrictionLaw& law, double normal_load, s
 }
 
 void read_off(Result& result, const Sensor& sensor, const Reader& reader) {
+  std::ranges::sort(result.record.breaks);
   const Record truth = std::move(result.record);
-  result.record = measure(truth, sensor, result.warnings);
-  auto readings = reader(result.record);
   const auto ideal = reader(truth);
+  auto readings = ideal;
+  std::vector<double> integration(ideal.size()), sampling(ideal.size());
+  const auto differs = [&](std::vector<double>& most, const Record& other) {
+    const auto read = reader(other);
+    for (std::size_t i = 0; i < ideal.size(); ++i)
+      if (const double d = std::abs(read[i].value - ideal[i].value); !std::isnan(ideal[i].value))
+        most[i] = std::isnan(d) ? infinity : std::max(most[i], d);
+  };
+  for (const std::size_t odd : {0, 1}) differs(sampling, part_of(truth, [&](std::size_t i) { return i % 2 == odd; }));
+  for (int k = 1; k <= patterns; ++k) differs(integration, moved(truth, splitmix(std::uint64_t(k))));
+  for (std::size_t i = 0; i < readings.size(); ++i) readings[i].error += sampling[i] + integration[i];
   if (sensor.ideal()) {
-    const auto coarse = reader(thinned(truth));
-    for (std::size_t i = 0; i < readings.size(); ++i)
-      readings[i].error += std::abs(readings[i].value - coarse[i].value);
+    result.record = truth;
   } else {
+    result.record = measure(truth, sensor, result.warnings);
+    const auto measured = reader(result.record);
+    for (std::size_t i = 0; i < readings.size(); ++i) readings[i].value = measured[i].value;
     std::vector<double> squares(readings.size());
     for (int k = 1; k <= repeats; ++k) {
       Sensor again = sensor;
@@ -165,14 +252,33 @@ double level(const std::vector<double>& time, const std::vector<double>& x, doub
   return sum / double(last - first);
 }
 
-Extreme extreme(const std::vector<double>& time, const std::vector<double>& x, std::size_t first, std::size_t last,
-                bool maximum) {
+double unsettled(const std::vector<double>& time, const std::vector<double>& x, double begin, double end,
+                 double settling) {
+  const auto [first, last] = between(time, end - 0.1 * (end - begin), end);
+  if (first == last || settling == 0) return 0;
+  const auto [low, high] = std::minmax_element(x.begin() + std::ptrdiff_t(first), x.begin() + std::ptrdiff_t(last));
+  constexpr double few_samples = 2;  // show a part of what changes
+  return (*high - *low) * (std::isfinite(settling) ? few_samples * settling / (0.1 * (end - begin)) : 1);
+}
+
+Extreme extreme(const Record& record, const std::vector<double>& x, const Sought& sought) {
+  const auto& time = record.time;
+  const auto [first, last] = between(time, sought.begin, sought.end);
   if (first >= last) return {std::nan(""), std::nan("")};
-  const auto above = [&](std::size_t i, std::size_t j) { return maximum ? x[i] > x[j] : x[i] < x[j]; };
+  const auto above = [&](std::size_t i, std::size_t j) { return sought.maximum ? x[i] > x[j] : x[i] < x[j]; };
   std::size_t best = first;
   for (std::size_t i = first; i < last; ++i)
     if (above(i, best)) best = i;
   if (best == first || best + 1 == last) return {time[best], x[best]};
+  const auto jump = std::ranges::lower_bound(record.breaks, time[best - 1]);
+  if (jump != record.breaks.end() && *jump <= time[best + 1]) {
+    // On a straight line up to the jump, from the sample beside it on the same side.
+    const bool ahead = *jump > time[best], behind = !ahead && *jump < time[best] && *jump > time[best - 1];
+    const std::size_t beside = ahead ? best - 1 : best + 1;
+    if (!ahead && !behind) return {time[best], x[best]};
+    const double slope = (x[best] - x[beside]) / (time[best] - time[beside]), further = slope * (*jump - time[best]);
+    return (further > 0) == sought.maximum ? Extreme{*jump, x[best] + further} : Extreme{time[best], x[best]};
+  }
   const double a = time[best - 1] - time[best], b = time[best + 1] - time[best];
   const double fa = x[best - 1] - x[best], fb = x[best + 1] - x[best];
   const double curvature = (fa / a - fb / b) / (a - b), slope = fa / a - curvature * a;

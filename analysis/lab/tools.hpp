@@ -8,9 +8,17 @@ namespace rosin::analysis::lab {
 
 inline constexpr double standard_gravity = 9.80665;  ///< m/s²
 
+/// An extreme of friction that a reading asks for: the highest or the lowest at begin <= t < end.
+struct Sought {
+  double begin, end;
+  bool maximum;
+};
+
 /// Runs the model over the times and makes the result's record of it, with outcome and events. A run that ends short
-/// leaves what it reached.
-void record_run(Result&, const Task&, const Model&, const Start&, const std::vector<double>& times);
+/// leaves what it reached; one whose error exceeds the tolerance is taken with that error, and a warning. Extremes that
+/// are sought may fall between samples: without a sensor the run is repeated with samples closer to them.
+void record_run(Result&, const Task&, const Model&, const Start&, const std::vector<double>& times,
+                const std::vector<Sought>& = {});
 
 /// The record of a memoryless law at an imposed slip rate (m/s, one for each time): nothing is integrated.
 void record_curve(Result&, const Model&, const std::vector<double>& times, const std::vector<double>& slip_rates);
@@ -41,9 +49,9 @@ SteadyRange steady_range(const FrictionLaw&, double normal_load, double low, dou
 /// Largest tangential over normal force that rest bears, of a set-valued law. State: default that of long rest.
 std::optional<double> static_limit(const FrictionLaw&, double normal_load, std::span<const double> state = {});
 
-/// The reader's numbers on the measured record, put into the result together with it. Errors: without a sensor the
-/// difference to the reading from every second sample; with one, the rms deviation from the true reading over repeated
-/// measurements with other noise; in both, with the reading's own.
+/// The reader's numbers on the measured record, put into the result together with it. Errors: those of the true record,
+/// which are its own, what every second sample alone would read (the odd or the even), and what the errors of columns
+/// make of it; with a sensor also the rms deviation from the true reading over repeated measurements with other noise.
 using Reader = std::function<std::vector<Reading>(const Record&)>;
 void read_off(Result&, const Sensor&, const Reader&);
 
@@ -51,12 +59,17 @@ void read_off(Result&, const Sensor&, const Reader&);
 std::pair<std::size_t, std::size_t> between(const std::vector<double>& time, double begin, double end);
 /// Mean of the last tenth of the samples' time in [begin, end).
 double level(const std::vector<double>& time, const std::vector<double>& x, double begin, double end);
-/// Extreme of x in [first, last), a parabola through its sample and the two beside it; an end is taken as it is.
+/// What such a level still is from the steady value that x tends to with time constant `settling`: transients that
+/// decay by e in that time, and change x by so much in the last tenth, have no more left. All of that change where
+/// nothing settles.
+double unsettled(const std::vector<double>& time, const std::vector<double>& x, double begin, double end,
+                 double settling);
+/// Extreme of a column at begin <= t < end, a parabola through its sample and the two beside it; at an end the sample
+/// as it is, and beside a break of the record a straight line up to it.
 struct Extreme {
   double time, value;
 };
-Extreme extreme(const std::vector<double>& time, const std::vector<double>& x, std::size_t first, std::size_t last,
-                bool maximum);
+Extreme extreme(const Record&, const std::vector<double>& x, const Sought&);
 /// The straight line y = offset + slope·x by least squares, with standard errors.
 struct Line {
   double offset, slope, slope_error;

@@ -15,15 +15,24 @@ namespace {
 /// What one step shows.
 struct Step {
   double from, to, before, jump, peak, change, decay_length;
+  double before_error, after_error;  ///< what transients leave of the levels
+};
+
+/// When a step happens, and the time constants at the slip rates before and after it.
+struct Moment {
+  double begin, at, end, settling_before, settling_after;
 };
 
 /// The level before, the extreme in the direction of the step, the level after, and the slip in which the difference
 /// between the last two falls to 1/e.
-Step read_step(const Record& record, double from, double to, double begin, double at, double end) {
+Step read_step(const Record& record, double from, double to, const Moment& moment) {
+  const auto [begin, at, end, settling_before, settling_after] = moment;
   const auto &t = record.time, &mu = record.column("friction_coefficient"), &slip = record.column("slip");
-  Step step{from, to, level(t, mu, begin, at), 0, 0, 0, std::nan("")};
+  Step step{from, to, level(t, mu, begin, at), 0, 0, 0, std::nan(""), 0, 0};
+  step.before_error = unsettled(t, mu, begin, at, settling_before);
+  step.after_error = unsettled(t, mu, at, end, settling_after);
   const auto [first, last] = between(t, at, end);
-  const auto peak = extreme(t, mu, first, last, to > from);
+  const auto peak = extreme(record, mu, {at, end, to > from});
   const double after = level(t, mu, at, end), height = peak.value - after;
   step.peak = peak.value;
   step.jump = peak.value - step.before;
@@ -49,27 +58,34 @@ Result perform(const Task& task) {
   // Each speed is held until the step before it has been forgotten.
   const double N = model.drive.normal_load.level();
   Signal::Steps drive;
-  std::vector<double> times = {0}, breaks;
+  std::vector<double> times = {0}, breaks, settling;
   double t = 0;
   for (std::size_t i = 0; i < speeds.size(); ++i) {
     drive.steps.push_back({t, speeds[i]});
     double dwell = task.settings.number_or("dwell", 0);
+    settling.push_back(settling_time(model, speeds[i]));
     if (dwell == 0) {
-      const double settling = settling_time(model, speeds[i]);
-      if (!std::isfinite(settling))
+      if (!std::isfinite(settling.back()))
         throw InputError(
             fmt::format("steady sliding at lab.speeds = {} m/s is unstable on this machine: it would stick "
                         "and slip; stiffen oscillator.stiffness, or give lab.dwell to see it",
                         speeds[i]));
       constexpr double forgotten = 24;  // time constants: e^−24 is left
       const double machine = std::isfinite(model.slider.stiffness) ? 0.1 * N / model.slider.stiffness / speeds[i] : 0;
-      dwell = settling > 0 ? forgotten * settling + machine : 1;
+      dwell = settling.back() > 0 ? forgotten * settling.back() + machine : 1;
     }
     append_times(times, t, dwell, 2 * task.settings.count("samples"));
     t += dwell;
     if (i + 1 < speeds.size()) breaks.push_back(t);
   }
   model.drive.speed = Signal(drive);
+  std::vector<Moment> moments;
+  std::vector<Sought> extremes;
+  for (std::size_t i = 0; i < breaks.size(); ++i) {
+    const double end = i + 1 < breaks.size() ? breaks[i + 1] : times.back() * (1 + 1e-12);
+    moments.push_back({i > 0 ? breaks[i - 1] : 0, breaks[i], end, settling[i], settling[i + 1]});
+    extremes.push_back({breaks[i], end, speeds[i + 1] > speeds[i]});
+  }
 
   if (memoryless(model) && rigid_machine(model)) {
     std::vector<double> rates;
@@ -77,33 +93,39 @@ Result perform(const Task& task) {
     record_curve(result, model, times, rates);
   } else {
     Start steady;
-    record_run(result, task, model, steady, times);
+    record_run(result, task, model, steady, times, extremes);
   }
   auto& record = result.record;
-  record.breaks = breaks;
+  record.breaks.insert(record.breaks.end(), breaks.begin(), breaks.end());
   // Slip: what the drive has moved less what the slider has yielded.
   auto slip = driven_way(record.time, model.drive.speed);
   for (std::size_t i = 0; i < slip.size(); ++i) slip[i] -= record.columns[0][i] - record.columns[0][0];
-  record.add("slip", "m", std::move(slip));
+  record.add("slip", "m", std::move(slip), record.errors[0]);
 
   const auto steps_of = [&](const Record& seen) {
     std::vector<Step> steps;
-    for (std::size_t i = 0; i < breaks.size(); ++i)
-      steps.push_back(read_step(seen, speeds[i], speeds[i + 1], i > 0 ? breaks[i - 1] : 0, breaks[i],
-                                i + 1 < breaks.size() ? breaks[i + 1] : times.back() * (1 + 1e-12)));
+    for (std::size_t i = 0; i < moments.size(); ++i)
+      steps.push_back(read_step(seen, speeds[i], speeds[i + 1], moments[i]));
     return steps;
   };
   read_off(result, task.sensor, [&](const Record& seen) -> std::vector<Reading> {
     const auto step = steps_of(seen).front();
-    const double decades = std::log(step.to / step.from);
+    const double folds = std::log(step.to / step.from);
+    const double change_error = step.before_error + step.after_error;
+    // The transient, e^(-x/L) of its height, crosses 1/e later by (e - 1) L of what the level after is off by.
+    const double height = std::abs(step.jump - step.change);
+    const double length_error = (std::exp(1) - 1) * step.decay_length * step.after_error / height;
     return {
-        {"friction_before", "1", "steady coefficient before the first step", step.before},
-        {"direct_jump", "1", "peak less the level before", step.jump},
-        {"direct_effect", "1", "direct jump per e-fold of slip rate, a", step.jump / decades},
+        {"friction_before", "1", "steady coefficient before the first step", step.before, step.before_error},
+        {"direct_jump", "1", "peak less the level before", step.jump, step.before_error},
+        {"direct_effect", "1", "direct jump per e-fold of slip rate, a", step.jump / folds,
+         step.before_error / std::abs(folds)},
         {"peak", "1", "extreme coefficient after the step", step.peak},
-        {"final_change", "1", "level after less the level before", step.change},
-        {"rate_dependence", "1", "final change per e-fold of slip rate, a - b", step.change / decades},
-        {"decay_length", "m", "slip from the peak in which the transient falls to 1/e", step.decay_length},
+        {"final_change", "1", "level after less the level before", step.change, change_error},
+        {"rate_dependence", "1", "final change per e-fold of slip rate, a - b", step.change / folds,
+         change_error / std::abs(folds)},
+        {"decay_length", "m", "slip from the peak in which the transient falls to 1/e", step.decay_length,
+         std::isfinite(step.decay_length) ? length_error : 0},
     };
   });
   Table table{

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/cycle_lanes.hpp"
 #include "analysis/stability.hpp"
 #include "laws/spinodal.hpp"
 #include "tests/bristol_board.hpp"
@@ -176,6 +177,34 @@ TEST_CASE("Coulomb stick-slip has the closed-form slip and stick times", "[cycle
   check(cycle, {{&Metrics::period, 39.806257042379, 1e-12},
                 {&Metrics::slip_rate_max, 0.20182608713734, 1e-14},
                 {&Metrics::stick_fraction, 0.92189646636089, 1e-14}});
+}
+
+TEST_CASE("the slow fraction has one definition for all laws", "[cycle]") {
+  // w = V + R sin(ωt + ψ), R = hypot(V, Aω), from rest to rest: slower than ε V for (asin(V/R) − asin((1 − ε)V/R))/ω at
+  // either end of slip.
+  const Model coulomb = slider_under("coulomb", {0.4, 0.3}, {1, 1.09, 0}, 0.01, 2);
+  const double V = 0.01, A = 0.2 / 1.09, omega = std::sqrt(1.09), R = std::hypot(V, A * omega);
+  const double slip = (std::numbers::pi + 2 * std::asin(V / R)) / omega, period = slip + 2 * A / V;
+  for (const double threshold : {0.01, 0.1, 0.5}) {
+    const auto cycle = find_cycle(coulomb, {.tolerance = 1e-9, .stick_threshold = threshold});
+    REQUIRE(cycle.outcome.complete());
+    const double slow = 2 * (std::asin(V / R) - std::asin((1 - threshold) * V / R)) / omega;
+    CHECK(cycle.metrics.slow_fraction == Approx((2 * A / V + slow) / period).epsilon(1e-12));
+    CHECK(cycle.metrics.stick_fraction == Approx(2 * A / V / period).epsilon(1e-12));
+  }
+  // Located events, closed forms and lanes alike; of a smooth law the slow fraction is its stick fraction.
+  auto curve = coulomb;
+  curve.law = laws::find_law("stribeck");
+  const Model board = bristol_board(1e-4, 10);
+  for (const Model& model : {coulomb, curve, board}) {
+    const auto cycle = find_cycle(model, {.tolerance = 1e-8, .stick_threshold = 0.5});
+    REQUIRE(cycle.outcome.complete());
+    CHECK(cycle.metrics.slow_fraction == cycle.metrics.stick_fraction_05);
+    if (!model.law->set_valued()) CHECK(cycle.metrics.slow_fraction == cycle.metrics.stick_fraction);
+    const auto lanes = find_cycles(std::vector{model}, {1e-7, 0.5, {"slow_fraction", "stick_fraction_05"}});
+    CHECK(lanes[0].metrics.slow_fraction == Approx(lanes[0].metrics.stick_fraction_05).epsilon(1e-8));
+    CHECK(lanes[0].metrics.slow_fraction == Approx(cycle.metrics.slow_fraction).epsilon(1e-5));
+  }
 }
 
 TEST_CASE("Leine's belt block sticks and slips with the exactly known times", "[cycle]") {

@@ -86,6 +86,36 @@ TEST_CASE("a member against itself brings no information, and three members that
   for (std::size_t i = 0; i < all.information.size(); ++i) CHECK(all.information[i] <= near.information[i]);
 }
 
+TEST_CASE("of three members each metric has its own hardest pair", "[discrimination]") {
+  // The board at three clocks and other weights of its metrics: pairs differ in which metric tells them apart.
+  const auto options = small_design();
+  const std::vector<Model> members{bristol_board(1e-3, 1), bristol_board(1e-3, 3), bristol_board(2e-3, 2)};
+  const auto all = discriminate(members, options);
+  std::vector<Design> pairs;
+  for (const auto& [a, b] : {std::pair{0, 1}, {0, 2}, {1, 2}})
+    pairs.push_back(discriminate(std::vector{members[std::size_t(a)], members[std::size_t(b)]}, options));
+  for (std::size_t i = 0; i < all.information.size(); ++i)
+    for (std::size_t m = 0; m < options.noise.size(); ++m)
+      CHECK(all.by_metric[m][i] ==
+            std::min({pairs[0].by_metric[m][i], pairs[1].by_metric[m][i], pairs[2].by_metric[m][i]}));
+}
+
+TEST_CASE("noise that is a part of a metric tells of the parameter by its size too", "[discrimination]") {
+  // Steady sliding has slip rate V: d ln m/d ln V = 1, so that relative noise r leaves 1/r² + 2 and absolute σ V²/σ².
+  auto options = small_design();
+  options.x = make_axis("drive.normal_load", 1e-6, 2e-6, 2, true, {});
+  options.noise = {{"slip_rate_mean", 0, 0.3}, {"slip_rate_max", 1e-5, 0}, {"slip_rate_min", 0.4, 0.3}};
+  const Model board = bristol_board(1e-3, 2).with("oscillator.damping", 1.0);  // more than so little load feeds
+  const double V = board.drive.speed.level();
+  const auto design = inform(board, "drive.speed", options);
+  REQUIRE(design.outcome.complete());
+  REQUIRE(design.maps[0].points[0].regime == Regime::stable);
+  CHECK(design.by_metric[0][0] == Approx(1 / 0.09 + 2).epsilon(1e-4));
+  CHECK(design.by_metric[1][0] == Approx(V * V / 1e-10).epsilon(1e-3));
+  const double sigma = std::hypot(0.4, 0.3 * V), of_noise = 0.09 * V * V / (sigma * sigma);
+  CHECK(design.by_metric[2][0] == Approx(V * V / (sigma * sigma) + 2 * of_noise * of_noise).epsilon(1e-3));
+}
+
 TEST_CASE("information on a parameter is the squared slope of the metrics over the noise", "[discrimination]") {
   auto options = small_design();
   options.noise = {{"period", 0.1, 0}};

@@ -2,6 +2,7 @@
 /// seeds.
 #include "analysis/extraction.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -164,6 +165,21 @@ TEST_CASE("the bias of a bin's width is foretold where a response bends", "[extr
     INFO(m.frequency[k] << " Hz: off " << off << ", foretold " << m.bias_error[k] << " ± " << m.standard_error[k]);
     CHECK(off < 2 * m.bias_error[k] + 3 * m.standard_error[k]);
   }
+}
+
+TEST_CASE("Hv says how far noise that is not shared evenly may put it off", "[extraction]") {
+  // All noise on the force, as strong as what follows slip rate at half the frequencies: |Hv|² = |H|²/γ² there.
+  const auto v = sum(std::vector<double>(200000, 1.0), white_noise(200000, 3), 0.02);
+  const auto F = sum(filtered(v), white_noise(200000, 4), 0.02);
+  const auto m = extracted({v, F}, {}, 256, {.from = 20, .to = 400, .estimator = "hv"});
+  const auto said = std::ranges::find_if(m.warnings, [](const auto& text) { return text.starts_with("Hv is"); });
+  REQUIRE(said != m.warnings.end());
+  const double least = *std::ranges::min_element(m.coherence);
+  double most = 0;
+  for (std::size_t k = 0; k < m.frequency.size(); ++k)
+    most = std::max(most, std::abs(m.tangential[k]) / std::abs(filter_response(m.frequency[k])));
+  CHECK(std::stod(said->substr(said->rfind(' '))) == Approx(1 / std::sqrt(least)).epsilon(0.01));
+  CHECK(most == Approx(1 / std::sqrt(least)).epsilon(0.05));
 }
 
 TEST_CASE("warnings say where linear theory fails", "[extraction]") {

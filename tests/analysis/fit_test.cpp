@@ -2,6 +2,7 @@
 /// none.
 #include "analysis/fit.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -148,4 +149,58 @@ TEST_CASE("fits that cannot be done are refused, and weak ones are said to be we
   // mu0 and v0 shift the same curve.
   const auto twins = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.v0"}, .profiles = false, .folds = 0});
   CHECK_FALSE(twins.warnings.empty());
+}
+
+TEST_CASE("a number that the data do not depend on, or do not determine, has no interval", "[fit]") {
+  // A steady curve knows a − b alone, and no L.
+  Measurement curve{Kind::steady_curve, "curve", 1e-6, 1e-6, 5, {1e-7, 1e-6, 1e-5, 1e-4}, {}, {}};
+  const auto data = noisy(ageing(), curve, 1e-4, 1);
+  const auto silent = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.a", "law.L"}, .starts = 1, .folds = 0});
+  CHECK(silent.outcome.ending == Ending::none_exists);
+  CHECK_THAT(silent.outcome.detail, Catch::Contains("do not depend on law.L"));
+  const auto& L = silent.parameters[2];
+  CHECK((std::isnan(L.low) && std::isnan(L.high) && std::isnan(L.standard_error) && std::isnan(L.profile_low)));
+  CHECK(silent.parameters[1].standard_error < 1e-4);
+  const auto wide = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.a", "law.b"}, .starts = 1, .folds = 0});
+  CHECK(wide.outcome.ending == Ending::none_exists);
+  CHECK_THAT(wide.outcome.detail, Catch::Contains("do not determine law.a"));
+}
+
+TEST_CASE("every minimisation of a fit is reported, and ends within its evaluations", "[fit]") {
+  // From starts a factor of thirty off, a contact spring makes motion so stiff that it must not be followed for ever.
+  auto sprung = slider_under("slip", {0.55, 0.013, 0.019, 4e-6, 1e-6}, any_slider, 5e-6, 8);
+  sprung.contact_stiffness.tangential = 2e5;
+  auto at = response(5e-6);
+  at.normal_load = 8;
+  Measurement jump{Kind::velocity_step, "step", 5e-6, 2e-5, 8, {}, {}, {}};
+  for (int k = 1; k <= 40; ++k) jump.x.push_back(0.05 * k);
+  const std::vector<Measurement> data = {noisy(sprung, at, 200, 3), noisy(sprung, jump, 1e-3, 4)};
+  auto start = slider_under("slip", {0.5, 0.02, 0.02, 1e-5, 1e-6}, any_slider, 5e-6, 8);
+  start.contact_stiffness.tangential = 5e4;
+  FitOptions options{.parameters = {"law.mu0", "law.a", "law.b", "law.L", "law.contact_stiffness.tangential"},
+                     .starts = 2,
+                     .profiles = false,
+                     .folds = 0};
+  int reported = 0, all = 0;
+  options.progress = [&](int done, int total) { reported = done, all = total; };
+  const auto found = fit(start, data, options);
+  REQUIRE(found.outcome.complete());
+  CHECK(reported == 2);
+  CHECK(all == 2);
+  CHECK(found.model.get("law.L") == Approx(4e-6).epsilon(0.1));
+}
+
+TEST_CASE("a clipped measurement is warned of", "[fit]") {
+  // Friction measured at slip rates up and down, by a sensor that ends at 0.6.
+  Measurement curve{Kind::steady_curve, "curve", 1e-6, 1e-6, 5, {}, {}, {}};
+  for (int k = 0; k < 80; ++k) curve.x.push_back(1e-6 * std::exp(2 * std::sin(0.2 * k)));
+  auto data = noisy(ageing(), curve, 1e-4, 1);
+  const FitOptions options{.parameters = {"law.a"}, .starts = 1, .profiles = false, .folds = 0};
+  const auto clipping = [&] {
+    const auto warnings = fit(ageing(), {data}, options).warnings;
+    return std::ranges::count_if(warnings, [](const auto& text) { return text.find("clipping") != std::string::npos; });
+  };
+  CHECK(clipping() == 0);
+  for (double& y : data.y) y = std::min(y, 0.6);
+  CHECK(clipping() == 1);
 }

@@ -299,6 +299,31 @@ TEST_CASE("a comparison and a design answer in JSON with the fields that callers
   CHECK(run_rosin(folder, {"compare", example("bristol-board-cycle"), "--out", "c"}).status == 2);
 }
 
+TEST_CASE("members that stick and members that creep are compared by one definition, and it is said", "[app]") {
+  const Folder folder;
+  std::ofstream(folder.path / "scene.toml") << R"toml([law]
+type = "ageing"
+[oscillator]
+mass = 1
+stiffness = 1500
+[drive]
+speed = 1e-2
+normal_load = 100
+[map]
+x = { parameter = "drive.normal_load", from = 100, to = 200, points = 2 }
+y = { parameter = "drive.speed", from = 1e-2, to = 2e-2, points = 2 }
+[compare]
+members = [ { name = "creeps" }, { name = "sticks", law = { type = "coulomb" } } ]
+noise = { stick_fraction = { absolute = 0.01 } }
+)toml";
+  const auto answer = run_rosin(folder, {"compare", "scene.toml", "--design", "--json", "--tolerance", "1e-4"});
+  REQUIRE(answer.status == 0);
+  const auto document = json::parse(answer.out);
+  CHECK(document["by_metric"].contains("slow_fraction"));
+  CHECK_FALSE(document["by_metric"].contains("stick_fraction"));
+  CHECK(document["notes"].dump().find("slow_fraction") != std::string::npos);
+}
+
 TEST_CASE("a member under a law from text has the numbers of the compiled law that it spells") {
   const Folder folder;
   std::ofstream(folder.path / "scene.toml") << R"toml([law]

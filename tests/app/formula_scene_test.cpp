@@ -94,10 +94,10 @@ TEST_CASE("errors in laws from text stand at line and column of the token", "[fo
     std::string rest;
     const char* message;
   } cases[] = {
-      {"friction = 'eta*v*ey'", "5:19: law.formula.friction: unknown name 'ey'; did you mean"},
+      {"friction = 'eta*v*etta'", "5:19: law.formula.friction: unknown name 'etta'; did you mean 'eta'?"},
       {"friction = \"eta*v + v\"", "5:21: law.formula.friction: 'eta*v' (dimensionless) and 'v' (m/s) cannot be added"},
-      {"friction = \"\"\"\neta*v*ey\"\"\"",
-       "5:12: law.formula.friction: unknown name 'ey'; did you mean 'v'? (character 7 of the text)"},
+      {"friction = \"\"\"\neta*v*etta\"\"\"",
+       "5:12: law.formula.friction: unknown name 'etta'; did you mean 'eta'? (character 7 of the text)"},
       {"friction = 'v'", "5:12: law.formula.friction: must be dimensionless, but is in m/s"},
       {"friction = 'eta*v'\ndefine = { A = 'B', B = 'A' }",
        "law.formula.define.A: 'A' is defined by itself: A → B → A"},

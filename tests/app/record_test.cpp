@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "app/header.hpp"
 #include "core/error.hpp"
 #include "tests/app/folder.hpp"
 
@@ -55,6 +56,48 @@ TEST_CASE("columns are found by name and converted by the header's units", "[rec
   CHECK(text("t v F\n0 1 2\n1 1 2\n2  1 2").end.samples == 3);
 }
 
+TEST_CASE("a unit in the header counts in every way of writing it", "[record]") {
+  struct Case {
+    const char *text, *name, *unit;
+  };
+  for (const auto& [written, name, unit] : {Case{"Speed (mm/s)", "Speed", "mm/s"},
+                                            {"Speed [mm/s]", "Speed", "mm/s"},
+                                            {"Speed / mm/s", "Speed", "mm/s"},
+                                            {"v/(mm/s)", "v", "mm/s"},
+                                            {"Speed, mm/s", "Speed", "mm/s"},
+                                            {"\"Speed, mm/s\"", "Speed", "mm/s"},
+                                            {"Speed mm/s", "Speed", "mm/s"},
+                                            {"slip_rate_mm_s", "slip_rate", "mm/s"},
+                                            {"speed_mm_per_s", "speed", "mm/s"},
+                                            {"Z_N_s_m", "Z", "N s/m"},
+                                            {"x [µm]", "x", "um"},
+                                            {"mu [-]", "mu", "1"},
+                                            {"load_kN", "load", "kN"},
+                                            {"slip_rate", "slip_rate", ""},
+                                            {"friction_force", "friction_force", ""},
+                                            {"stick_fraction_001", "stick_fraction_001", ""}}) {
+    const auto cell = header_cell(written);
+    CHECK(cell.name == name);
+    CHECK(cell.unit == unit);
+  }
+  CHECK(to_si_factor(header_cell("Speed [mm/s]"), "", "m/s") == 1e-3);
+  CHECK(to_si_factor(header_cell("load_kN"), "", "N") == 1e3);
+  CHECK(to_si_factor(header_cell("load_kN"), "mN", "N") == 1e-3);  // the scene's unit comes first
+  CHECK(to_si_factor(header_cell("mu_s"), "", "1") == 1);          // a subscript, no second
+  CHECK_THROWS_WITH(to_si_factor(header_cell("position_mm"), "", "m/s"), Contains("'position_mm'") && Contains("mm"));
+  CHECK_THROWS_WITH(to_si_factor(header_cell("force (raw)"), "", "N"), Contains("'raw' is not a known unit"));
+  CHECK_THROWS_WITH(to_si_factor(header_cell("T (degC)"), "", "K"), Contains("another zero"));
+
+  const auto read = text("t_ms;v [mm/s];F / kN\n0;1;2\n1;1;2\n2;1;2\n");
+  CHECK(read.end.sample_rate == Approx(1000));
+  CHECK(read.columns[0][0] == 1e-3);
+  CHECK(read.columns[1][0] == 2e3);
+  CHECK(text("t (ms) v (mm/s) F (N)\n0 1 2\n1 1 2\n2 1 2\n").columns[0][0] == 1e-3);
+  CHECK_THROWS_WITH(text("t,v,F\nms,mm/s,N\n0,1,2\n1,1,2\n"), Contains("r.csv:2") && Contains("into the header"));
+  CHECK_THROWS_WITH(text("t;v;F\n0;1,5;2\n1;1;2\n"), Contains("decimal sign"));
+  CHECK_THROWS_WITH(text("Rig 2\nt,v,F\n0,1,2\n1,1,2\n"), Contains("taken for the header"));
+}
+
 TEST_CASE("nothing is interpolated in silence", "[record]") {
   CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,2\n2,1,2\n5,1,2\n"), Contains("r.csv:5: a gap"));
   CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,2\n2.2,1,2\n3.2,1,2\n4.2,1,2\n"),
@@ -64,7 +107,7 @@ TEST_CASE("nothing is interpolated in silence", "[record]") {
   CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,\n"), Contains("r.csv:3: column 'F' is missing"));
   CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1\n"), Contains("r.csv:3: has 2 cells, the header 3 names"));
   CHECK_THROWS_WITH(text("t,v\n0,1\n1,1\n"), Contains("has no column 'F'"));
-  CHECK_THROWS_WITH(text("t,v,F (kg)\n0,1,2\n"), Contains("column 'F'"));
+  CHECK_THROWS_WITH(text("t,v,F (kg)\n0,1,2\n"), Contains("column 'F (kg)': '1 kg' is in kg"));
   CHECK_THROWS_WITH(text("t,v,F\n"), Contains("has 0 samples"));
   CHECK_THROWS_WITH(text(""), Contains("is empty"));
   std::string drifting = "t,v,F\n";  // each step within a tenth, the whole far off

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -17,7 +18,8 @@ using rosin::app::Verb;
 namespace {
 
 /// A scene in a file "scene.toml" of a folder of its own, read with that folder as the working directory.
-Scene read(const std::string& text, Verb verb, const std::vector<std::string>& overrides = {}) {
+Scene read(const std::string& text, Verb verb, const std::vector<std::string>& overrides = {},
+           std::string_view experiment = {}) {
   namespace fs = std::filesystem;
   const auto before = fs::current_path();
   const auto folder = fs::temp_directory_path() / ("rosin-scene-" + std::to_string(getpid()));
@@ -26,11 +28,16 @@ Scene read(const std::string& text, Verb verb, const std::vector<std::string>& o
   std::ofstream("scene.toml", std::ios::binary) << text;
   std::ofstream("record.csv") << "time,load\n0,1\n2.5,4\n";
   std::ofstream("torn.csv") << "0,1\n2.5\n";
+  std::ofstream("units.csv") << "# of the rig\ntime (ms), load [kN]\n0,1\n2500,4\n";
+  std::ofstream("units-in-comment.csv") << "# taken (twice), again\n# rig (new), run (last)\n# time (ms), load (kN)\n0,1\n2500,4\n";
+  std::ofstream("units-below.csv") << "time,load\nms,kN\n0,1\n2500,4\n";
+  std::ofstream("motion.csv") << "time (ms),displacement (mm)\n0,1\n2500,4\n";
+  std::ofstream("curve.csv") << "Speed [mm/s],mu [-]\n1,0.4\n10,0.3\n100,0.2\n";
   struct Return {
     fs::path to;
     ~Return() { fs::current_path(to); }
   } on_exit{before};
-  return read_scene("scene.toml", overrides, verb);
+  return read_scene("scene.toml", overrides, verb, experiment);
 }
 
 std::string refusal(const std::string& text, Verb verb, const std::vector<std::string>& overrides = {}) {
@@ -136,6 +143,49 @@ TEST_CASE("drive signals are read in every form") {
   CHECK(drive("{ ramp = { from = 1, rate = '2 N/min' } }").value(60) == Approx(3));
   CHECK(drive("{ mean = 9.8, harmonics = [{ amplitude = 5, angular_frequency = 15 }] }").value(0) == 14.8);
   CHECK(drive("{ table = 'record.csv' }").value(1.25) == 2.5);
+}
+
+TEST_CASE("units in the headers of tables count for drives, motions and measurements alike") {
+  const std::string pulled = spinodal + "[oscillator]\nmass = 1\nstiffness = 1\n[drive]\nspeed = 1\nnormal_load = ";
+  CHECK(read(pulled + "{ table = 'units.csv' }", Verb::stability).model.drive.normal_load.value(1.25) == 2500);
+  CHECK(read(pulled + "{ table = 'units-in-comment.csv' }", Verb::stability).model.drive.normal_load.value(1.25) ==
+        2500);
+  CHECK_THAT(refusal(pulled + "{ table = 'motion.csv' }", Verb::stability),
+             Catch::Contains("motion.csv:1") && Catch::Contains("'1 mm' is in mm, but needed is N"));
+  CHECK_THAT(refusal(pulled + "{ table = 'units-below.csv' }", Verb::stability),
+             Catch::Contains("units-below.csv:2") && Catch::Contains("into the header"));
+
+  const std::string lab = spinodal + slider + "[lab]\nrecord = 'motion.csv'\n";
+  const auto scene = read(lab, Verb::lab, {}, "inverse");
+  CHECK(scene.lab->motion->time.back() == 2.5);
+  CHECK(scene.lab->motion->value.back() == 4e-3);
+
+  const std::string fit = spinodal + "[drive]\nspeed = 1\nnormal_load = 1\n[fit]\nparameters = ['law.a']\n";
+  const std::string data = "data = [ { type = 'steady-curve', file = 'curve.csv', standard_error = 1e-3, columns = ";
+  for (const char* columns : {"{ slip_rate = 'Speed [mm/s]', friction_coefficient = 'mu [-]' }",
+                              "{ slip_rate = 'Speed', friction_coefficient = 'mu' }",
+                              "{ slip_rate = { column = 'Speed', unit = 'mm/s' }, friction_coefficient = 'mu' }"})
+    CHECK(read(fit + data + columns + " } ]", Verb::fit).fit.data[0].x == std::vector<double>{1e-3, 1e-2, 0.1});
+}
+
+TEST_CASE("what a verb does not ask for is said to have no effect") {
+  const auto said = [](const Scene& scene, const char* text) {
+    return std::ranges::any_of(scene.notes, [&](const auto& note) { return note.find(text) != std::string::npos; });
+  };
+  const std::string fit = spinodal + slider + "force = 1\n[fit]\nparameters = ['law.a']\n" +
+                          "data = [ { type = 'steady-curve', file = 'curve.csv', standard_error = 1e-3, columns = "
+                          "{ slip_rate = 'Speed', friction_coefficient = 'mu' } } ]\n";
+  const auto fitted = read(fit, Verb::fit);
+  CHECK(said(fitted, "oscillator has no effect"));
+  CHECK(said(fitted, "drive.force has no effect"));
+  const std::string coulomb = "[law]\ntype = 'coulomb'\n" + slider +
+                              "[map]\nstick_threshold = 0.2\nx = { parameter = 'drive.normal_load', from = 1, to = 2, "
+                              "points = 2 }\ny = { parameter = 'drive.speed', from = 1, to = 2, points = 2 }\n";
+  CHECK(said(read(coulomb, Verb::map), "map.stick_threshold has no effect"));
+  CHECK_FALSE(said(read(coulomb + "metrics = ['slow_fraction']", Verb::map), "stick_threshold"));
+  const std::string lab = "[law]\ntype = 'ageing'\n[drive]\nspeed = 1\n[lab]\nspeed = 1e-5\n";
+  CHECK(
+      said(read(lab, Verb::lab, {}, "slide-hold-slide"), "drive.speed has no effect: slide-hold-slide sets it itself"));
 }
 
 TEST_CASE("starts are read in every form") {
