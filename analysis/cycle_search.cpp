@@ -329,6 +329,8 @@ class Search {
   void run_once() {
     if (!options_.near.empty()) {
       const auto passage = map_.follow(options_.near, loose_, 1, true);
+      begin_at(options_.near);
+      visited_.push_back(passage.end);
       if (passage.outcome.complete() && accept(passage.end, 1, passage.amplitude, infinity)) return;
     }
     // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin

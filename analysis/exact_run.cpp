@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/stop.hpp"
+
 namespace rosin::analysis {
 
 using solvers::DryOscillator;
@@ -60,6 +62,10 @@ struct Pass {
       if (pieces == options.most_steps) {
         outcome = {Ending::budget_spent,
                    fmt::format("{} pieces at t = {:.9g} s", pieces, static_cast<double>(solver.time()))};
+        return;
+      }
+      if (Listening::stop_asked()) {
+        outcome = {Ending::interrupted, fmt::format("at t = {:.9g} s", double(solver.time()))};
         return;
       }
       const Switch what = solver.advance(end);

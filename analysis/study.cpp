@@ -4,14 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <ctime>
 #include <mutex>
 #include <numbers>
 #include <random>
-#include <thread>
 
+#include "core/workers.hpp"
 #include "solvers/exact.hpp"
 #include "solvers/force_algorithms/force_algorithms.hpp"
 #include "solvers/plane_stick_slip.hpp"
@@ -359,32 +358,19 @@ StudyResult study_in(const StudyOptions& options, const std::function<void(int)>
   std::vector<Drawn<D>> drawn;
   for (int i = 0; i < options.cases; ++i) drawn.push_back(draw<D>(random, options));
   result.cases.resize(drawn.size());
-  std::atomic<std::size_t> next = 0;
   std::mutex reporting;
   int done = 0;
-  std::exception_ptr problem;
-  const auto work = [&] {
-    for (std::size_t i; (i = next++) < drawn.size() && !stop.stop_requested();) {
-      try {
-        double exact_seconds = 0, seconds = 0;
-        result.cases[i] = follow_all(drawn[i], options, exact_seconds, seconds);
-        const std::lock_guard lock(reporting);
-        result.exact_seconds += exact_seconds, result.algorithm_seconds += seconds;
-        if (progress) progress(++done);
-      } catch (...) {
-        const std::lock_guard lock(reporting);
-        if (!problem) problem = std::current_exception();
-        next = drawn.size();
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
-    work();
-  }
-  if (problem) std::rethrow_exception(problem);
-  if (stop.stop_requested()) {
+  const Listening listening(std::move(stop));
+  try {
+    in_parallel(options.threads, drawn.size(), [&](std::size_t i) {
+      double exact_seconds = 0, seconds = 0;
+      result.cases[i] = follow_all(drawn[i], options, exact_seconds, seconds);
+      const std::lock_guard lock(reporting);
+      result.exact_seconds += exact_seconds, result.algorithm_seconds += seconds;
+      ++done;
+      if (progress) progress(done);
+    });
+  } catch (const Stopped&) {
     result.outcome = {Ending::interrupted, fmt::format("{} of {} cases", done, options.cases)};
     return result;
   }

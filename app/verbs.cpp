@@ -170,8 +170,9 @@ Status run(const Request& request) {
           "  {:<22} ends at {}", run.column_names[c],
           justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
   write_csv(job.folder() / "run.csv", table);
-  auto files = write_picture(job.folder(), scene, run);
-  files.push_back("run.csv");
+  std::vector<std::string> files = {"run.csv"};
+  if (run.time.size() < 2) return job.finish(to_json(scene, run), std::move(files), "", run.outcome);
+  for (auto& file : write_picture(job.folder(), scene, run)) files.push_back(std::move(file));
   if (scene.plane) {
     auto path = draw(job.folder(), "run-path.gp");
     files.insert(files.end(), path.files.begin(), path.files.end());

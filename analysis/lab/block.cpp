@@ -43,7 +43,7 @@ Start rested(const Task& task) {
   options.tolerance = task.tolerance;
   const auto held = analysis::run(level, options);
   // Nothing moves, so that the tolerance, which asks also for the speed of what does not, says nothing.
-  if (!held.outcome.complete() && held.outcome.ending != Ending::tolerance_not_met)
+  if (held.time.empty() || (!held.outcome.complete() && held.outcome.ending != Ending::tolerance_not_met))
     throw InputError("lab.rest_time: the rest could not be computed: " + held.outcome.detail);
   put([&](std::size_t i) { return held.columns[5 + i].back(); });
   return start;

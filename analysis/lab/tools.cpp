@@ -45,6 +45,7 @@ void record_run(Result& result, const Task& task, const Model& model, const Star
   result.record = {
       std::move(run.time), std::move(run.column_names), std::move(run.column_units), std::move(run.columns), {}};
   result.plan.push_back(fmt::format("solver {}, {} steps; {}", run.solver, run.cost.steps, run.why));
+  if (result.record.time.size() < 2) throw NothingRecorded{std::move(result)};
 }
 
 void record_curve(Result& result, const Model& model, const std::vector<double>& times,

@@ -9,7 +9,7 @@ namespace rosin::analysis::lab {
 inline constexpr double standard_gravity = 9.80665;  ///< m/s²
 
 /// Runs the model over the times and makes the result's record of it, with outcome and events. A run that ends short
-/// leaves what it reached.
+/// leaves what it reached. \throws NothingRecorded where that is less than two samples, of which nothing can be read.
 void record_run(Result&, const Task&, const Model&, const Start&, const std::vector<double>& times);
 
 /// The record of a memoryless law at an imposed slip rate (m/s, one for each time): nothing is integrated.
