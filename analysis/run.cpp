@@ -210,7 +210,7 @@ class Pass {
     try {
       outcome_ = follow(other_digits);
     } catch (const Stopped&) {  // samples until then are good
-      outcome_ = {Ending::interrupted, fmt::format("after {} of {} samples", columns_[0].size(), times_.size())};
+      outcome_ = {Ending::interrupted, fmt::format("{} of {} samples are kept", columns_[0].size(), times_.size())};
     }
   }
 
@@ -713,9 +713,9 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     fine = std::make_unique<Pass>(model, options, result.solver, times);
     fine->run(tolerance, attempt % 2 == 1);
     if (fine->outcome_.ending == Ending::interrupted && fine->columns_[0].size() < coarse->columns_[0].size()) {
-      const Outcome interrupted = fine->outcome_;
-      fine = std::move(coarse);  // which came further, though nothing tells its error
-      fine->outcome_ = interrupted;
+      fine = std::move(coarse);  // which came further
+      fine->outcome_ = {Ending::interrupted, fmt::format("{} of {} samples are kept, without errors",
+                                                         fine->columns_[0].size(), times.size())};
       coarse = std::make_unique<Pass>(model, options, result.solver, times);
     }
     result.outcome = fine->outcome_;

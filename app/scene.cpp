@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <utility>
 
@@ -17,6 +17,7 @@
 #include "app/frf_scene.hpp"
 #include "app/scene_table.hpp"
 #include "core/error.hpp"
+#include "core/files.hpp"
 #include "laws/catalogue.hpp"
 #include "laws/formula.hpp"
 #include "laws/heating.hpp"
@@ -29,22 +30,43 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t largest_scene = 10'000'000, largest_record = 200'000'000;  // bytes
 
-std::string read_file(const fs::path& path, std::uintmax_t largest) {
-  std::error_code problem;
-  const auto status = fs::status(path, problem);
-  const auto shown = path.string();
-  if (!fs::exists(status)) throw InputError(fmt::format("{}: no such file", shown));
-  if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder, not a file", shown));
-  if (!fs::is_regular_file(status)) throw InputError(fmt::format("{}: is not a regular file", shown));
-  const auto size = fs::file_size(path, problem);
-  if (!problem && size > largest)
-    throw InputError(
-        fmt::format("{}: has {:.1f} MB, more than the {} MB that are read", shown, size / 1e6, largest / 1'000'000));
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw InputError(fmt::format("{}: cannot be read", shown));
-  return std::move(text).str();
+constexpr int deepest = 100;  // levels: parsing and every walk over a scene goes as deep into the stack
+
+/// Brackets within brackets and keys with dots, counted without parsing them. \throws InputError with the line.
+void check_depth(std::string_view text, std::string_view origin) {
+  std::vector<int> dots = {0};  // of the key at hand, and of those that it lies within
+  int line = 1, levels = 0;
+  const auto skip_string = [&](std::size_t begin) {  // returns the index of its last character
+    const char quote = text[begin];
+    const bool multi = text.substr(begin, 3) == std::string(3, quote);
+    const auto end = multi ? text.substr(begin, 3) : text.substr(begin, 1);
+    std::size_t i = begin + end.size();
+    for (; i < text.size() && text.substr(i, end.size()) != end; ++i) {
+      if (text[i] == '\n' && !multi) return i - 1;
+      line += text[i] == '\n';
+      if (quote == '"' && text[i] == '\\') ++i;
+    }
+    return i + end.size() - 1;
+  };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      i = skip_string(i);
+    } else if (c == '#') {
+      i = std::min(text.find('\n', i), text.size()) - 1;
+    } else if (c == '[' || c == '{') {
+      dots.push_back(0), ++levels;
+    } else if ((c == ']' || c == '}') && dots.size() > 1) {
+      levels -= 1 + dots.back(), dots.pop_back();
+    } else if (c == '.') {
+      ++dots.back(), ++levels;
+    } else if (c == ',' || (c == '\n' && dots.size() == 1)) {
+      levels -= std::exchange(dots.back(), 0);
+    }
+    line += c == '\n';
+    if (levels > deepest)
+      throw InputError(fmt::format("{}:{}: tables or lists lie more than {} levels deep", origin, line, deepest));
+  }
 }
 
 // ---------------------------------------------------------------- overrides
@@ -56,11 +78,13 @@ void place_at(toml::table& table, std::string_view key, toml::node& node) {
 
 /// Parses "path=value" and puts the value into the scene.
 void apply_override(toml::table& scene, const std::string& given) {
-  const std::string origin = std::string(override_mark) + given;
+  constexpr std::size_t shown = 200;
+  const std::string origin = std::string(override_mark) + (given.size() > shown ? given.substr(0, shown) + "…" : given);
   const auto equals = given.find('=');
   if (equals == std::string::npos || equals == 0)
     throw InputError(fmt::format("{}: must read path=value, such as --set drive.speed=1e-5", origin));
   const std::string path = given.substr(0, equals), value = given.substr(equals + 1);
+  check_depth(path + " = " + value, origin);
 
   toml::table parsed;
   try {
@@ -97,7 +121,7 @@ void apply_override(toml::table& scene, const std::string& given) {
 /// line.
 Signal::Table read_signal(const fs::path& path) {
   Signal::Table record;
-  std::istringstream lines(read_file(path, largest_record));
+  std::istringstream lines(read_whole(path, largest_record));
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     const auto hash = line.find('#');
@@ -910,6 +934,7 @@ void write_table(std::string& out, const toml::table& table, std::string_view na
 }
 
 toml::table parse(const std::string& path, std::string_view content) {
+  check_depth(content, path);
   try {
     return toml::parse(content, path);
   } catch (const toml::parse_error& error) {
@@ -917,20 +942,17 @@ toml::table parse(const std::string& path, std::string_view content) {
   }
 }
 
-}  // namespace
+/// Where each key stands, by its path.
+void note_places(const toml::node& node, const std::string& path, std::map<std::string, std::string>& places) {
+  if (!path.empty()) places[path] = place(node.source());
+  if (const auto* table = node.as_table())
+    for (const auto& [key, inner] : *table)
+      note_places(inner, path.empty() ? std::string(key.str()) : fmt::format("{}.{}", path, key.str()), places);
+}
 
-Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb verb,
-                 std::string_view experiment) {
-  const auto* chosen = verb == Verb::lab ? &analysis::lab::find_experiment(experiment) : nullptr;
-  const auto content = read_file(path, largest_scene);
-  if (content.find_first_not_of(" \t\r\n") == std::string::npos)
-    throw InputError(fmt::format("{}:1:1: the file is empty; a scene needs at least [law] with a type", path));
-  toml::table document = parse(path, content);
-  for (const auto& override : overrides) apply_override(document, override);
-
-  Scene scene;
-  scene.path = path;
-  scene.name = fs::path(path).stem().string();
+/// Reads what the verb asks of the scene; `chosen`: the experiment of the verb lab.
+void read_tables(const toml::table& document, Verb verb, const analysis::lab::Experiment* chosen, Scene& scene) {
+  const fs::path folder = fs::path(scene.path).parent_path();
   Table root(document, "");
   for (const char* table : {"sweep", "branch", "lyapunov"}) root.refuse(table);
   root.expect({"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "compare", "fit",
@@ -940,9 +962,8 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     read_study(Table(root.required("study", "cases, seed and algorithms"), "study"), scene.study);
     root.finish();
     write_table(scene.resolved, document, "");
-    return scene;
+    return;
   }
-  const fs::path folder = fs::path(path).parent_path();
   const auto* response = document.at_path("frf.record").node();  // a measured one needs neither law nor drive
   if (verb == Verb::frf && response && !document.contains("law") && !document.contains("drive")) {
     scene.frf_predicts = false;
@@ -950,7 +971,7 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     read_frf(*table, scene, nullptr, folder);
     root.finish();
     write_table(scene.resolved, document, "");
-    return scene;
+    return;
   }
   read_law(Table(root.required("law", "the friction law"), "law"), scene.model);
 
@@ -977,7 +998,7 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     if (auto table = root.table("solver")) read_solver(*table, scene.run);
     root.finish();
     write_table(scene.resolved, document, "");
-    return scene;
+    return;
   }
   if (oscillator) read_oscillator(Table(*oscillator, "oscillator"), scene.model.slider, complete);
   const toml::node* drive = root.find("drive");
@@ -1039,7 +1060,50 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     }
 
   write_table(scene.resolved, document, "");
+}
+
+}  // namespace
+
+Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb verb,
+                 std::string_view experiment) {
+  const auto* chosen = verb == Verb::lab ? &analysis::lab::find_experiment(experiment) : nullptr;
+  const auto content = read_whole(path, largest_scene);
+  if (content.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw InputError(fmt::format("{}:1:1: the file is empty; a scene needs at least [law] with a type", path));
+  toml::table document = parse(path, content);
+  for (const auto& override : overrides) apply_override(document, override);
+
+  Scene scene;
+  scene.path = path;
+  note_places(document, "", scene.places);
+  try {
+    read_tables(document, verb, chosen, scene);
+  } catch (const PlacedError&) {
+    throw;
+  } catch (const InputError& error) {
+    throw InputError(scene.placed(error.what()));
+  }
   return scene;
+}
+
+std::string Scene::placed(const std::string& text) const {
+  if (text.starts_with(path) || text.starts_with(override_mark)) return text;
+  const auto is_part = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.';
+  };
+  std::string above;  // the place of a table that a key would stand in
+  for (auto begin = text.begin(); begin != text.end();) {
+    begin = std::find_if(begin, text.end(), is_part);
+    const auto end = std::find_if_not(begin, text.end(), is_part);
+    std::string word(begin, end);
+    begin = end;
+    while (word.ends_with('.')) word.pop_back();
+    if (word.find('.') == std::string::npos) continue;
+    if (const auto place = places.find(word); place != places.end()) return fmt::format("{}: {}", place->second, text);
+    if (const auto place = places.find(word.substr(0, word.rfind('.'))); place != places.end() && above.empty())
+      above = place->second;
+  }
+  return fmt::format("{}: {}", above.empty() ? path : above, text);
 }
 
 }  // namespace rosin::app

@@ -97,7 +97,10 @@ inline int count(const toml::node& node, std::string_view path, int low, std::st
 }
 
 inline std::string text(const toml::node& node, std::string_view path) {
-  if (const auto* value = node.as_string()) return value->get();
+  if (const auto* value = node.as_string()) {
+    if (value->get().find('\0') != std::string::npos) fail(node.source(), "{} holds a zero byte", path);
+    return value->get();
+  }
   wrong_kind(node, path, "a text");
 }
 
