@@ -384,6 +384,7 @@ class RowsOfChild final : public Rows {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     const rlimit none{0, 0};
     ::setrlimit(RLIMIT_CORE, &none);
+    for (const int crash : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) ::signal(crash, SIG_DFL);
     if (const int silence = ::open("/dev/null", O_WRONLY); silence >= 0) ::dup2(silence, STDERR_FILENO);
     const auto send = [&](const void* bytes, std::size_t length) {
       write_all(pipe, {static_cast<const char*>(bytes), length}, path_);

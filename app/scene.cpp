@@ -203,14 +203,14 @@ Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::p
       if (band.size() != 2) fail(noise->source(), "{} needs two frequencies", keys.path("band"));
       form.band.low = band[0], form.band.high = band[1];
       int seed = 1;
-      keys.read("seed", seed, 0, "of the random numbers");
+      keys.read("seed", seed, 0, largest_seed, "of the random numbers");
       form.band.seed = std::uint64_t(seed);
       keys.finish();
       return Signal(form);
     }
     Signal::Harmonics form{0, {}};
     if (mean) form.mean = number(*mean, unbounded);
-    for (const auto& element : list(*harmonics, quantity.name + ".harmonics", "tables")) {
+    for (const auto& element : list(*harmonics, quantity.name + ".harmonics", "tables", most_names)) {
       Table keys(element, quantity.name + ".harmonics");
       Signal::Harmonic term{0, 0, 0};
       keys.required("amplitude", quantity.unit);
@@ -555,7 +555,7 @@ void read_run(Table table, analysis::RunOptions& run, const FrictionLaw& law, an
   table.read("duration", run.duration, {"", "s", {1e-15, 1e15}, "time that is computed"});
   if (times && run.times.back() > run.duration)
     fail(times->source(), "run.times ends at {} s, after run.duration = {} s", run.times.back(), run.duration);
-  table.read("samples", run.samples, 1, "equal intervals of the record");
+  table.read("samples", run.samples, 1, most_points, "equal intervals of the record");
   if (const auto* start = table.find("start")) {
     if (plane)
       read_plane_start(*start, table.path("start"), *plane);
@@ -589,7 +589,7 @@ analysis::Axis read_axis(Table table, const oscillators::Model& model) {
   int points = 0;
   table.read("from", from, quantity);
   table.read("to", to, quantity);
-  table.read("points", points, 2, "number of values");
+  table.read("points", points, 2, most_points, "number of values");
   bool logarithmic = true;
   if (const auto* scale = table.find("scale"))
     logarithmic = choice(*scale, table.path("scale"), {"log", "linear"}) == "log";
@@ -633,7 +633,7 @@ void read_curve(Table table, CurveOptions& curve) {
   table.read("to", curve.to, speed);
   if (!(curve.from < curve.to))
     fail(table.source(), "curve.from = {} must be below curve.to = {}", curve.from, curve.to);
-  table.read("points", curve.points, 2, "number of slip rates");
+  table.read("points", curve.points, 2, 1'000'000, "number of slip rates");
   table.read("normal_load", curve.normal_load, mechanical("drive.normal_load"));
   table.finish();
 }
@@ -687,13 +687,13 @@ void read_solver(Table table, analysis::RunOptions& run) {
 
 void read_study(Table table, analysis::StudyOptions& study) {
   if (const auto* dimensions = table.find("dimensions")) {
-    study.dimensions = count(*dimensions, table.path("dimensions"), 1, "1 or 2");
+    study.dimensions = count(*dimensions, table.path("dimensions"), 1, 2, "1 or 2");
     if (study.dimensions > 2) fail(dimensions->source(), "study.dimensions = {} is outside 1 … 2", study.dimensions);
     if (study.dimensions == 2) study.window_threshold = 0.2751;
   }
-  table.read("cases", study.cases, 1, "random oscillators");
+  table.read("cases", study.cases, 1, 1'000'000, "random oscillators");
   int seed = 1;
-  table.read("seed", seed, 0, "of the random oscillators");
+  table.read("seed", seed, 0, largest_seed, "of the random oscillators");
   study.seed = static_cast<std::uint64_t>(seed);
   if (const auto* names = table.find("algorithms")) {
     study.algorithms = texts(*names, table.path("algorithms"));
@@ -701,12 +701,12 @@ void read_study(Table table, analysis::StudyOptions& study) {
   }
   table.read("start_factor", study.start_factor, {"", "1", {1.000001, 1e6}, "start over where stick could hold"});
   table.read("duration_factor", study.duration_factor, {"", "1", {1e-3, 1e3}, "time in four decay times"});
-  table.read("steps_per_period", study.steps_per_period, 600, "steps of the shortest period");
-  table.read("most_sticks", study.most_sticks, 1, "sticks with which a motion ends");
+  table.read("steps_per_period", study.steps_per_period, 600, 1'000'000, "steps of the shortest period");
+  table.read("most_sticks", study.most_sticks, 1, 1'000'000, "sticks with which a motion ends");
   table.read("window_share", study.window_share, {"", "1", {1e-9, 1}, "window of o-fbfm over the average speed"});
   table.read("window_threshold", study.window_threshold,
              {"", "1", {1e-6, 1e6}, "threshold of the distribution of o-fbfm's errors"});
-  table.read("show", study.show, 0, "case whose motions are drawn");
+  table.read("show", study.show, 0, 1'000'000, "case whose motions are drawn");
   table.finish();
 }
 
@@ -728,7 +728,7 @@ std::vector<analysis::Property> read_properties(const toml::node& node, const st
       keys.required("to", "highest slip rate, m/s");
       keys.read("from", from, speed);
       keys.read("to", to, speed);
-      keys.read("points", points, 2, "slip rates along the curve");
+      keys.read("points", points, 2, 1'000'000, "slip rates along the curve");
       if (!(from < to)) fail(element.source(), "{}: from = {} must be below to = {}", path, from, to);
       const auto curve = analysis::steady_curve(from, to, points);
       properties.insert(properties.end(), curve.begin(), curve.end());
@@ -796,7 +796,7 @@ void read_compare(Table table, Scene& scene, Verb verb) {
   }
   const bool of_parameter = verb == Verb::design && !compare.parameter.empty();
   if (const auto* members = table.find("members"))
-    for (const auto& element : list(*members, "compare.members", "tables"))
+    for (const auto& element : list(*members, "compare.members", "tables", most_names))
       compare.members.push_back(read_member(element, scene.model));
   if (!of_parameter && compare.members.size() < 2)
     fail(table.source(), "compare.members needs two members or more, each a table with a name and what it changes");
@@ -853,7 +853,7 @@ analysis::lab::Sensor read_sensor(Table table, const std::vector<std::string>& c
   table.read("sample_rate", sensor.sample_rate, {"", "Hz", {1e-15, 1e15}, "samples per second"});
   table.read("low_pass", sensor.low_pass, {"", "Hz", {1e-15, 1e15}, "corner frequency of the pole before sampling"});
   int seed = 1;
-  table.read("seed", seed, 0, "of the noise");
+  table.read("seed", seed, 0, largest_seed, "of the noise");
   sensor.seed = static_cast<std::uint64_t>(seed);
   if (auto noise = table.table("noise")) sensor.noise = read_columns(*noise, columns, "rms of white noise, SI");
   if (auto step = table.table("resolution"))
@@ -875,8 +875,9 @@ void read_lab(Table table, Scene& scene, const fs::path& folder) {
       if (quantity.is_list)
         task.settings.set(name, numbers(*node, quantity));
       else if (setting.whole)
-        task.settings.set(name,
-                          double(count(*node, quantity.name, static_cast<int>(quantity.range.low), quantity.meaning)));
+        task.settings.set(name, double(count(*node, quantity.name, static_cast<int>(quantity.range.low),
+                                             static_cast<int>(std::min<double>(quantity.range.high, most_points)),
+                                             quantity.meaning)));
       else
         task.settings.set(name, number(*node, quantity));
     });

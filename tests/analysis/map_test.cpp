@@ -271,3 +271,23 @@ TEST_CASE("axes that cannot be are refused", "[map]") {
   options.x = make_axis("law.a", 0.01, 3, 3, true, {});
   CHECK_THROWS_WITH(compute_map(bristol_board(1e-4, 10), options), Catch::Contains("law.a = 3"));
 }
+
+TEST_CASE("a search beside a neighbour's cycle that dies out goes on from stick", "[map][long]") {
+  // Slip at 10⁹ times what friction does in a turn: the neighbour's motion is a swing whose start is its own.
+  Model model;
+  model.law = laws::find_law("two-state-ageing");
+  model.slider = {.mass = 1, .stiffness = 1e9, .damping = 0};
+  model.drive = {.speed = 2e-4, .normal_load = 9.81, .force = 0.0};
+  for (const auto& [path, value] : {std::pair{"law.a", 0.018}, {"law.L1", 2.5e-8}, {"law.b2", 0.5}, {"law.L2", 9e-5}})
+    model = model.with(path, value);
+  MapOptions options;
+  options.x = {"drive.normal_load", {9.81}, 1};
+  options.y = {"law.lambda", {1e-4, 1.0001e-4}, 2};
+  options.tolerance = 1e-2;
+  options.metrics = {"stick_fraction"};
+  const Map map = compute_map(model, options);
+  for (const auto& point : map.points) {
+    INFO(point.why);
+    CHECK(point.regime != Regime::failed);
+  }
+}
