@@ -213,6 +213,7 @@ Run record(const Model& model, const std::vector<double>& times, double toleranc
   options.tolerance = tolerance;
   options.most_steps = 50'000'000;
   auto run = analysis::run(model, options);
+  end_if_stopped();
   if (!run.outcome.complete()) throw InputError("the simulation of a response ended early: " + run.outcome.detail);
   return run;
 }

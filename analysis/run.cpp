@@ -253,6 +253,7 @@ class Pass {
   template <class SolutionAt>
   void sample_until(double t, bool closed, SolutionAt solution_at) {
     while (next_ < times_.size() && (times_[next_] < t || (closed && times_[next_] == t))) {
+      end_if_stopped();
       record(times_[next_], solution_at(times_[next_]));
       ++next_;
     }

@@ -639,6 +639,7 @@ StressReport stress(const StressOptions& options, const StressObservers& observe
           mine.begin = Clock::now().time_since_epoch().count();
           mine.index = scene.index;
           auto judgement = judge(scene);
+          end_if_stopped();  // of a run that was broken off there is nothing to judge
           mine.index = -1;
           const std::scoped_lock lock(reporting);
           if (observers.finished) observers.finished(scene, judgement);

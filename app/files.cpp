@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "app/stopping.hpp"
+
 namespace rosin::app {
 
 namespace fs = std::filesystem;
@@ -12,6 +14,7 @@ std::string column_header(std::string_view name, std::string_view unit) {
 }
 
 void write_csv(const fs::path& path, const std::vector<Column>& columns) {
+  results_are_due();
   fmt::memory_buffer text;
   const auto write_row = [&](auto cell) {
     for (std::size_t i = 0; i < columns.size(); ++i)

@@ -122,6 +122,7 @@ void Job::say_what_is_replaced(const std::string& label) const {
 }
 
 Status Job::finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome) {
+  results_are_due();
   std::vector<std::string> scripts;
   for (const auto& file : files)
     if (fs::path(file).extension() == ".gp") {

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstring>
 #include <new>
 
@@ -52,7 +53,8 @@ int main(int argc, char** argv) {
   keep_streams_apart();
   const int status = perform(argc, argv);
   if (const int problem = rosin::output_problem()) {
-    rosin::tell("rosin: standard output cannot be written: {}\n", std::strerror(problem));
+    if (problem != EPIPE)  // else whoever read it has seen enough
+      rosin::tell("rosin: standard output cannot be written: {}\n", std::strerror(problem));
     if (status == rosin::app::done) return rosin::app::ended_short;
   }
   return status;

@@ -19,6 +19,7 @@ namespace rosin::app {
 namespace {
 
 std::atomic<double> limit_passed = 0;  ///< s; 0: it has not
+std::atomic<bool> writing = false;
 
 /// False if the time (s) has passed before a signal came.
 bool wait_for(const sigset_t& watched, std::optional<double> seconds) {
@@ -44,11 +45,18 @@ std::stop_token watch_for_stop(std::optional<double> time_limit) {
     if (!wait_for(watched, time_limit)) limit_passed = *time_limit;
     stop.request_stop();
     constexpr double grace = 10;  // s
-    if (!wait_for(watched, grace)) tell("rosin: the work does not end in order, so it is broken off\n");
+    if (!wait_for(watched, grace)) {
+      if (writing)
+        wait_for(watched, std::nullopt);
+      else
+        tell("rosin: the work does not end in order, so it is broken off\n");
+    }
     _exit(status_of(why_stopped({Ending::interrupted, ""})));
   }).detach();
   return stop.get_token();
 }
+
+void results_are_due() { writing = true; }
 
 Outcome why_stopped(Outcome outcome) {
   if (outcome.ending != Ending::interrupted || limit_passed == 0) return outcome;

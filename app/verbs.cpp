@@ -324,7 +324,8 @@ Status lab(Job& job) {
   task.tolerance = job.request().tolerance.value_or(task.tolerance);
   job.explain_model();
   const auto begin = std::chrono::steady_clock::now();
-  const auto result = scene.experiment->perform(task);
+  auto result = scene.experiment->perform(task);
+  result.outcome = why_stopped(result.outcome);
   for (const auto& line : result.plan) job.explain("{}", line);
   for (const auto& warning : result.warnings) job.note(warning);
 
