@@ -493,7 +493,9 @@ class Clock {
 
 RecordEnd read_record(const RecordSource& source,
                       const std::function<void(double, std::span<const std::span<const double>>)>& use) {
-  if (!fs::is_regular_file(source.file)) throw InputError(fmt::format("{}: no such file", source.file.string()));
+  if (!fs::is_regular_file(source.file))
+    throw InputError(fmt::format("{}: {}", source.file.string(),
+                                 fs::exists(source.file) ? "is not a regular file" : "no such file"));
   auto wanted = source.columns;
   if (source.time) wanted.push_back(*source.time);
   const auto ending = source.file.extension();

@@ -3,6 +3,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -11,6 +12,9 @@ namespace rosin {
 void write_output(std::string_view);
 /// A message: lost without a word if nobody can read it.
 void write_message(std::string_view);
+/// A text that may quote anything, as a message: no control characters, which a terminal would obey, and no more of it
+/// than anybody reads.
+std::string presentable(std::string text);
 /// Writes out what waits. \returns the errno of the first failure of standard output, 0 if it has all.
 int output_problem();
 
@@ -20,7 +24,7 @@ void print(fmt::format_string<Args...> text, Args&&... args) {
 }
 template <class... Args>
 void tell(fmt::format_string<Args...> text, Args&&... args) {
-  write_message(fmt::format(text, std::forward<Args>(args)...));
+  write_message(presentable(fmt::format(text, std::forward<Args>(args)...)));
 }
 
 }  // namespace rosin
