@@ -146,6 +146,20 @@ def prepare(dice, folder):
         record = "\n".join(rows).encode()
         (folder / "record.csv").write_bytes(damaged(dice, record) if dice.random() < 0.5 else record)
     (folder / "scene.toml").write_bytes(mutated(dice, text).encode("utf-8", "surrogateescape"))
+    if dice.random() < 0.15:  # what an earlier run, or somebody else, has left in the results folder
+        results = folder / "out" / "scene"
+        results.mkdir(parents=True)
+        for name in dice.sample(["map.partial", "manifest.json", "result.json", verb + ".manifest.json", verb + ".json",
+                                 verb + ".csv", verb + ".gp"], 3):
+            how = dice.random()
+            if how < 0.2:
+                (results / name).symlink_to(folder / "scene.toml")
+            elif how < 0.3:
+                (results / name).mkdir()
+            else:
+                (results / name).write_bytes(damaged(dice, dice.choice(
+                    [b"rosin map, 3 bytes of key\nkey\n" + bytes(100), b'{"scripts": {"run.gp": 3}}', b'{"overrides": 3}',
+                     b'{"tolerance": [], "scene_resolved": {}, "scripts": []}', b"[" * 10000, b"{}"])))
     arguments = [verb]
     if verb == "lab":
         same = [e for e in EXPERIMENTS if scene.stem == "lab-" + e]
@@ -197,8 +211,8 @@ def finding(arguments, folder, rosin, environment):
         return f"status {status}: {error[:300]}", status
     if "sanitizer" in error.lower() or "runtime error" in error:
         return error[:2000], status
+    lines = [line for line in error.split("\n") if not line.startswith(("plan: ", "note: "))]
     if status == 2:
-        lines = [line for line in error.split("\n") if not line.startswith(("plan: ", "note: "))]
         if not PLACE.match(lines[0]):
             return f"a refusal that names no place: {error[:300]}", status
         return ("a refusal with a document" if done.stdout else None), status
@@ -206,7 +220,7 @@ def finding(arguments, folder, rosin, environment):
         return "the work did not end in order", status
     if "--json" in arguments:
         if not done.stdout:
-            known = error.startswith("rosin: ")  # a file that could not be written, no memory
+            known = lines[0].startswith("rosin: ")  # a file that could not be written, no memory
             return (None if status == 1 and known else f"status {status} without a document: {error[:300]}"), status
         try:
             json.loads(done.stdout, parse_constant=no_constants)
