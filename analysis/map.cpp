@@ -315,7 +315,6 @@ void compute(const Model& model, const MapOptions& options, const MapHooks& hook
 
 Map compute_map(const Model& model, const MapOptions& options, const MapHooks& hooks) {
   Map map;
-  const Listening listening(hooks.stop);
   try {
     compute(model, options, hooks, map);
   } catch (const Stopped&) {

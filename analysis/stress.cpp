@@ -616,7 +616,6 @@ StressReport stress(const StressOptions& options, const StressObservers& observe
   };
   std::vector<Watched> watched(std::size_t(options.threads));
   {
-    const Listening listening(observers.stop);
     // No scene may hang unseen: solvers count their steps, and this watches the clock.
     std::mutex waiting;
     std::condition_variable_any wake;

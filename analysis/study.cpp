@@ -350,7 +350,7 @@ const std::vector<std::string> plane_units = {"kg", "rad/s", "rad/s", "1", "1", 
                                               "N",  "N",     "N",     "N", "N", "N",     "1",     "1"};
 
 template <int D>
-StudyResult study_in(const StudyOptions& options, const std::function<void(int)>& progress, std::stop_token stop) {
+StudyResult study_in(const StudyOptions& options, const std::function<void(int)>& progress) {
   StudyResult result;
   result.input_names = D == 1 ? line_names : plane_names;
   result.input_units = D == 1 ? line_units : plane_units;
@@ -360,7 +360,6 @@ StudyResult study_in(const StudyOptions& options, const std::function<void(int)>
   result.cases.resize(drawn.size());
   std::mutex reporting;
   int done = 0;
-  const Listening listening(std::move(stop));
   try {
     in_parallel(options.threads, drawn.size(), [&](std::size_t i) {
       double exact_seconds = 0, seconds = 0;
@@ -401,7 +400,7 @@ StudyResult study_in(const StudyOptions& options, const std::function<void(int)>
 
 }  // namespace
 
-StudyResult study(const StudyOptions& options, const std::function<void(int)>& progress, std::stop_token stop) {
+StudyResult study(const StudyOptions& options, const std::function<void(int)>& progress) {
   for (const auto& name : options.algorithms)
     if (!algorithms::is_algorithm(name)) {
       std::vector<std::string> known;
@@ -414,8 +413,7 @@ StudyResult study(const StudyOptions& options, const std::function<void(int)>& p
   require(options.steps_per_period, {600, 1e6}, "study.steps_per_period", "steps of the shortest period", "1");
 
   require(options.dimensions, {1, 2}, "study.dimensions", "directions of motion", "1");
-  return options.dimensions == 1 ? study_in<1>(options, progress, std::move(stop))
-                                 : study_in<2>(options, progress, std::move(stop));
+  return options.dimensions == 1 ? study_in<1>(options, progress) : study_in<2>(options, progress);
 }
 
 }  // namespace rosin::analysis

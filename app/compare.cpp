@@ -146,8 +146,8 @@ Comparison compare_maps(const Scene& scene, const Request& request) {
   Comparison comparison;
   Progress progress(request.quiet);
   for (std::size_t k = 0; k < members.size(); ++k) {
-    comparison.maps.push_back(analysis::compute_map(
-        members[k].model, options, {.known = {}, .finished = {}, .progress = progress.of_map(), .stop = {}}));
+    comparison.maps.push_back(
+        analysis::compute_map(members[k].model, options, {.known = {}, .finished = {}, .progress = progress.of_map()}));
     worsen(comparison.outcome, comparison.maps.back().outcome, members[k].name);
     if (comparison.outcome.ending == Ending::interrupted) return comparison;
   }
@@ -236,7 +236,7 @@ Status design(Job& job) {
   DesignResult result;
   {
     Progress progress(request.quiet);
-    const analysis::MapHooks hooks{.known = {}, .finished = {}, .progress = progress.of_map(), .stop = {}};
+    const analysis::MapHooks hooks{.known = {}, .finished = {}, .progress = progress.of_map()};
     std::vector<oscillators::Model> models;
     for (const auto& member : compare.members) models.push_back(member.model);
     result.design = of_parameter ? analysis::inform(scene.model, compare.parameter, options, hooks)

@@ -169,8 +169,7 @@ Status stress(const Request& request) {
                                      const auto path = keep(scene, {Verdict::failed, "hung: no answer in time"});
                                      tell("{}: hung; the suite cannot go on\n", path);
                                      _exit(ended_short);
-                                   },
-                               .stop = {}});
+                                   }});
   }
   const auto document =
       to_json(report, request.seed).dump(1, ' ', false, ordered_json::error_handler_t::replace) + '\n';

@@ -266,8 +266,7 @@ Status map(Job& job) {
         {.known = [&](std::size_t i) { return partial.known(i); },
          .finished = [&](std::span<const std::size_t> indices,
                          const std::vector<analysis::MapPoint>& points) { partial.append(indices, points); },
-         .progress = progress.of_map(),
-         .stop = {}});
+         .progress = progress.of_map()});
   }
   auto& map = result.map;
   result.seconds = seconds_since(begin);

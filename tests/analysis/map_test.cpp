@@ -7,6 +7,7 @@
 
 #include "analysis/coexistence.hpp"
 #include "analysis/stability.hpp"
+#include "core/stop.hpp"
 #include "laws/catalogue.hpp"
 #include "tests/bristol_board.hpp"
 
@@ -194,7 +195,7 @@ TEST_CASE("a stop is obeyed and said", "[map]") {
   std::stop_source stop;
   MapHooks hooks;
   hooks.finished = [&](auto, const auto&) { stop.request_stop(); };
-  hooks.stop = stop.get_token();
+  const Listening listening(stop.get_token());
   CHECK(compute_map(bristol_board(1e-4, 10), small_plane(4), hooks).outcome.ending == Ending::interrupted);
 }
 

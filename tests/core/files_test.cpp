@@ -2,6 +2,7 @@
 #include "core/files.hpp"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -58,6 +59,7 @@ TEST_CASE("files and pipes are read to a bound, devices and folders not at all",
   CHECK_THROWS_WITH(read_whole(folder.path / "none", 10), Contains("none: no such file"));
   const auto pipe = folder.path / "pipe";
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  const auto before = ::signal(SIGPIPE, SIG_IGN);  // of the writer, whose reader goes away
   for (const std::size_t size : {1'000, 1'000'000}) {
     std::jthread writer([&] {
       const int file = ::open(pipe.c_str(), O_WRONLY | O_CLOEXEC);
@@ -69,6 +71,7 @@ TEST_CASE("files and pipes are read to a bound, devices and folders not at all",
     if (size == 1'000)
       CHECK(read_whole(pipe, 200'000).size() == size);
     else
-      CHECK_THROWS_AS(read_whole(pipe, 2'000'000 / 20), InputError);
+      CHECK_THROWS_AS(read_whole(pipe, 100'000), InputError);
   }
+  ::signal(SIGPIPE, before);
 }
