@@ -122,8 +122,8 @@ struct Plot {
 
 class Workshop {
  public:
-  Workshop(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence, const std::stop_token& stop)
-      : model_(model), options_(options), coexistence_(coexistence), stop_(stop), quantities_(options) {}
+  Workshop(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence)
+      : model_(model), options_(options), coexistence_(coexistence), quantities_(options) {}
 
   /// `finish` is given the pixels of each patch once it is complete.
   void compute(const std::vector<const Job<Plot>*>& jobs, const std::function<void(double work)>& advanced,
@@ -139,7 +139,7 @@ class Workshop {
     // One patch waits for the last of its pixels while lanes work on the others.
     const auto go_on = [&](std::size_t k) -> std::optional<CycleBatch> {
       auto& piece = pieces[k];
-      if (stop_.stop_requested()) return std::nullopt;
+      end_if_stopped();
       if (auto batch = next_batch(*piece, k)) return batch;
       collect(*piece, finished);
       finish(finished);
@@ -153,8 +153,7 @@ class Workshop {
       double attempts = 0;
       for (const auto& cycle : batch.cycles) attempts += Forecast::attempts_of(cycle);
       advanced(attempts);
-      for (std::size_t i = 0; i < batch.cycles.size() && !stop_.stop_requested(); ++i)
-        take(*pieces[batch.label], batch, i);
+      for (std::size_t i = 0; i < batch.cycles.size(); ++i) take(*pieces[batch.label], batch, i);
       return go_on(batch.label);
     });
   }
@@ -277,7 +276,6 @@ class Workshop {
   const Model& model_;
   const MapOptions& options_;
   CoexistenceSearch& coexistence_;
-  const std::stop_token& stop_;
   Quantities quantities_;
 };
 
@@ -293,7 +291,7 @@ bool interpolates(const MapOptions& options) {
 
 void compute_adaptively(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence,
                         const std::vector<MapPoint>& known, bool foretell,
-                        const std::function<void(FinishedPoints&, double work)>& finish, const std::stop_token& stop) {
+                        const std::function<void(FinishedPoints&, double work)>& finish) {
   std::vector<Job<Plot>> jobs;
   for (const auto& f : frames(options.x, options.y)) {
     bool missing = false;
@@ -302,10 +300,10 @@ void compute_adaptively(const Model& model, const MapOptions& options, Coexisten
         missing |= !known[std::size_t(iy) * options.x.values.size() + ix].done;
     if (missing) jobs.push_back({.what = {.frame = f}});
   }
-  const Workshop planner(model, options, coexistence, stop);
+  const Workshop planner(model, options, coexistence);
   if (foretell) {
-    const Forecast forecast(model, options, planner.node_tolerance(), planner.metrics(), coexistence, stop);
-    in_parallel(options.threads, jobs.size(), stop, [&](std::size_t k) { planner.outline(jobs[k], forecast); });
+    const Forecast forecast(model, options, planner.node_tolerance(), planner.metrics(), coexistence);
+    in_parallel(options.threads, jobs.size(), [&](std::size_t k) { planner.outline(jobs[k], forecast); });
   }
   // As few groups as keep the lanes full, and as many for one thread as for another.
   constexpr std::size_t most_together = 16;
@@ -316,9 +314,9 @@ void compute_adaptively(const Model& model, const MapOptions& options, Coexisten
   // axes.
   const int degree = Patch::degree(options.tolerance);
   const double usual = (degree > 4 ? 0.95 : 1.1) * std::pow(1e-3 / options.tolerance, 2.0 / (degree + 1));
-  work_in_groups(jobs, together, options.threads, usual, stop, finish,
+  work_in_groups(jobs, together, options.threads, usual, finish,
                  [&](const std::vector<const Job<Plot>*>& group, const auto& advanced) {
-                   Workshop(model, options, coexistence, stop).compute(group, advanced, [&](FinishedPoints& finished) {
+                   Workshop(model, options, coexistence).compute(group, advanced, [&](FinishedPoints& finished) {
                      finish(finished, 0);
                    });
                    return FinishedPoints();

@@ -1,7 +1,6 @@
 /// Large planes from few points: patches refined on their own, each a unit of work that can be kept and resumed.
 #pragma once
 #include <functional>
-#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -15,9 +14,8 @@ using FinishedPoints = std::vector<std::pair<std::size_t, MapPoint>>;
 
 /// Computes the points of the plane that are not done in `known`. `finish` is called from several threads; if
 /// `foretell`, work is weighed beforehand, which takes some of the time itself. Neither
-/// their number nor what is known shows in the results. Ends early on a stop.
+/// their number nor what is known shows in the results. \throws Stopped
 void compute_adaptively(const Model&, const MapOptions&, CoexistenceSearch&, const std::vector<MapPoint>& known,
-                        bool foretell, const std::function<void(FinishedPoints&, double work)>& finish,
-                        const std::stop_token& stop);
+                        bool foretell, const std::function<void(FinishedPoints&, double work)>& finish);
 
 }  // namespace rosin::analysis

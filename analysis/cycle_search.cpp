@@ -318,7 +318,10 @@ class Search {
   void run_once() {
     if (!options_.near.empty()) {
       const auto passage = map_.follow(options_.near, loose_, 1, true);
-      if (passage.outcome.complete() && accept(passage.end, 1, passage.amplitude, infinity)) return;
+      begin_at(options_.near);
+      visited_.push_back(passage.end);
+      const bool ends = passage.outcome.complete() && accept(passage.end, 1, passage.amplitude, infinity);
+      if (ends && (point || !outcome.complete())) return;  // else it has died out, which says nothing of other starts
     }
     // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin
     // of a cycle beside stable sliding that the first start misses, and does not fall straight onto an unstable steady

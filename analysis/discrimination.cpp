@@ -93,7 +93,6 @@ std::vector<Map> maps_of(std::span<const Model> members, std::span<const MapOpti
   std::vector<Map> maps;
   for (std::size_t k = 0; k < members.size(); ++k) {
     MapHooks own;
-    own.stop = hooks.stop;
     if (hooks.progress)
       own.progress = [&](const MapProgress& p) {
         hooks.progress({k * p.total + p.done, members.size() * p.total, (double(k) + p.work) / double(members.size())});

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "analysis/run.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::analysis {
 
@@ -58,6 +59,7 @@ Model imposed(const Model& model, Signal slip_rate) {
 
 Run complete_run(const Model& model, const RunOptions& options) {
   Run result = run(model, options);
+  end_if_stopped();
   if (!result.outcome.complete())
     throw InputError(fmt::format("a property of law '{}' could not be computed: {}: {}", model.law->card().name,
                                  name(result.outcome.ending), result.outcome.detail));

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/stop.hpp"
+
 namespace rosin::analysis {
 
 using solvers::DryOscillator;
@@ -47,6 +49,7 @@ struct Pass {
     std::size_t next = 0;
     const auto sample_until = [&](Real t, bool closed) {
       for (; next < times.size() && (times[next] < t || (closed && times[next] == t)); ++next) {
+        if (Listening::stop_asked()) return;
         const auto seen = solver.at(times[next]);
         const Real values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
                                seen.load > 0 ? seen.friction_force / seen.load : 0};
@@ -62,6 +65,10 @@ struct Pass {
                    fmt::format("{} pieces at t = {:.9g} s", pieces, static_cast<double>(solver.time()))};
         return;
       }
+      if (Listening::stop_asked()) {
+        outcome = {Ending::interrupted, fmt::format("{} of {} samples are kept", next, times.size())};
+        return;
+      }
       const Switch what = solver.advance(end);
       const double displacement = double(solver.at(solver.time()).displacement);
       if (!std::isfinite(displacement)) {
@@ -74,6 +81,8 @@ struct Pass {
       if (events) events->push_back({double(solver.time()), name(what), displacement});
     }
     sample_until(end, true);
+    if (next < times.size())
+      outcome = {Ending::interrupted, fmt::format("{} of {} samples are kept", next, times.size())};
   }
 };
 

@@ -9,8 +9,7 @@
 namespace rosin::analysis {
 
 Forecast::Forecast(const Model& model, const MapOptions& options, double tolerance,
-                   const std::vector<std::string>& metrics, CoexistenceSearch& coexistence,
-                   const std::stop_token& stop) {
+                   const std::vector<std::string>& metrics, CoexistenceSearch& coexistence) {
   // So few that they do not matter themselves.
   const double points = double(options.x.values.size()) * double(options.y.values.size());
   const int side = int(std::clamp(std::sqrt(points) / 64, 4.0, 16.0));
@@ -21,7 +20,7 @@ Forecast::Forecast(const Model& model, const MapOptions& options, double toleran
         const int ix = place(options.x, i), iy = place(options.y, j);
         Model here =
             model.with(options.x.parameter, options.x.values[ix]).with(options.y.parameter, options.y.values[iy]);
-        if (stop.stop_requested() || judge(here, coexistence) == Verdict::stable) continue;
+        if (judge(here, coexistence) == Verdict::stable) continue;
         models.push_back(std::move(here));
         samples_.push_back({ix, iy, 0});
       } catch (const InputError&) {  // the plane itself will say it

@@ -1,6 +1,5 @@
 /// How the work for a plane is spread over it, for the time that is left.
 #pragma once
-#include <stop_token>
 #include <vector>
 
 #include "analysis/coexistence.hpp"
@@ -14,7 +13,7 @@ class Forecast {
  public:
   /// `tolerance`, `metrics`: of the points that are to be computed.
   Forecast(const Model&, const MapOptions&, double tolerance, const std::vector<std::string>& metrics,
-           CoexistenceSearch&, const std::stop_token&);
+           CoexistenceSearch&);
   /// Step attempts that a cycle at the point (ix, iy) is expected to take.
   double attempts_at(int ix, int iy) const;
   /// What a point has taken.

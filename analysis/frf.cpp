@@ -11,6 +11,7 @@
 #include "analysis/contact_slopes.hpp"
 #include "core/characteristic.hpp"
 #include "core/error.hpp"
+#include "core/stop.hpp"
 #include "core/tower.hpp"
 
 namespace rosin::analysis {
@@ -258,6 +259,7 @@ FrfCurve predict_curve(const Model& model, const FrfOptions& options) {
   curve.zeros = response.zeros();
   constexpr double share = 0.01;
   for (const double f : options.frequencies) {
+    end_if_stopped();
     const auto s = at_frequency(f);
     curve.tangential.push_back(response.tangential(s, options.rig));
     curve.linear_amplitude.push_back(response.amplitude_of_harmonic(s.imag(), share));
@@ -298,6 +300,7 @@ FrfPrediction predict_frf(const Model& model, const FrfOptions& options) {
   }
   if (options.family == "drive.normal_load" && prediction.family.size() > 1)
     for (std::size_t k = 0; k < options.frequencies.size(); ++k) {
+      end_if_stopped();
       double x = 0, y = 0, xx = 0, xy = 0;
       const double count = double(prediction.family.size());
       for (const auto& member : prediction.family) {

@@ -5,13 +5,12 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
-#include <atomic>
 #include <cmath>
 #include <numbers>
-#include <thread>
 
 #include "analysis/run.hpp"
 #include "core/error.hpp"
+#include "core/workers.hpp"
 #include "oscillators/slider_system.hpp"
 #include "solvers/collocation.hpp"
 
@@ -200,21 +199,7 @@ SweptFrf simulate_sweep(const Model& model, const SweepOptions& options) {
     result.matrix[k] = response_matrix(s, result.tangential[k], by_load.linear, options.rig.normal);
     result.matrix_error[k] = matrix_error(s, by_slip_rate.error, by_load.error, options.rig.normal);
   };
-  std::atomic<std::size_t> next = 0;
-  std::exception_ptr problem;
-  std::atomic<bool> failed = false;
-  {
-    std::vector<std::jthread> workers;
-    for (int t = 0; t < options.threads; ++t)
-      workers.emplace_back([&] {
-        try {
-          for (std::size_t k; !failed && (k = next++) < count;) simulate(k);
-        } catch (...) {
-          if (!failed.exchange(true)) problem = std::current_exception();
-        }
-      });
-  }
-  if (problem) std::rethrow_exception(problem);
+  in_parallel(options.threads, count, simulate);
   warn(result, options);
   return result;
 }
@@ -228,6 +213,7 @@ Run record(const Model& model, const std::vector<double>& times, double toleranc
   options.tolerance = tolerance;
   options.most_steps = 50'000'000;
   auto run = analysis::run(model, options);
+  end_if_stopped();
   if (!run.outcome.complete()) throw InputError("the simulation of a response ended early: " + run.outcome.detail);
   return run;
 }

@@ -117,7 +117,6 @@ class Collected {
     work_ = std::max(work_, done);
     if (hooks_.progress) hooks_.progress({done_, map_.points.size(), work_});
   }
-  std::size_t done() const { return done_; }
 
  private:
   Map& map_;
@@ -129,8 +128,7 @@ class Collected {
 
 /// Every point by itself, in tiles. Work is weighed beforehand if `foretell`.
 void compute_every_point(const Model& model, const MapOptions& options, CoexistenceSearch& coexistence, const Map& map,
-                         bool foretell, const std::function<void(FinishedPoints&, double)>& finish,
-                         const std::stop_token& stop) {
+                         bool foretell, const std::function<void(FinishedPoints&, double)>& finish) {
   const std::size_t nx = options.x.values.size();
   const auto model_at = [&](std::size_t i) {
     return model.with(options.x.parameter, options.x.values[i % nx])
@@ -146,8 +144,8 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
     if (missing) open.push_back({tile});
   }
   if (foretell) {
-    const Forecast forecast(model, options, options.tolerance, options.metrics, coexistence, stop);
-    in_parallel(options.threads, open.size(), stop, [&](std::size_t k) {
+    const Forecast forecast(model, options, options.tolerance, options.metrics, coexistence);
+    in_parallel(options.threads, open.size(), [&](std::size_t k) {
       open[k].expected = 0;
       tiles.for_each(open[k].what, [&](std::size_t i, int column, int row) {
         constexpr int every = 4;  // point along both axes is judged
@@ -165,7 +163,7 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
   constexpr int coarsest_stride = 8;  // of points that start from stick
   constexpr double usual = 7;         // a sixteenth of the points is foretold, and most start beside others
   const LaneCycleOptions lane_options{options.tolerance, options.stick_threshold, options.metrics};
-  work_in_groups(open, together, options.threads, usual, stop, finish,
+  work_in_groups(open, together, options.threads, usual, finish,
                  [&](const std::vector<const Job<int>*>& group, const auto& advanced) {
                    std::vector<Model> models;
                    std::vector<GridPlace> places;
@@ -199,16 +197,16 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
                    double attempts = 0;
                    for (const auto& cycle : cycles) attempts += Forecast::attempts_of(cycle);
                    advanced(attempts);
-                   for (std::size_t k = 0; k < cycles.size() && !stop.stop_requested(); ++k) {
+                   for (std::size_t k = 0; k < cycles.size(); ++k) {
                      if (map.points[indices[k]].done)
                        continue;  // known from before: only its neighbours needed it again
                      if (const auto point = point_of(cycles[k], attracted[k])) {
                        finished.emplace_back(indices[k], *point);
                      } else {
+                       finish(finished, 0);  // by itself a point takes long
                        finished.emplace_back(indices[k],
                                              compute_point(models[k], options.tolerance, options.stick_threshold,
                                                            attracted[k], cycles[k].near));
-                       finish(finished, 0);  // by itself a point takes long
                      }
                    }
                    return finished;
@@ -257,10 +255,7 @@ void draw_folds(const Model& model, const FoldLine& folds, const Axis& load, con
   }
 }
 
-}  // namespace
-
-Map compute_map(const Model& model, const MapOptions& options, const MapHooks& hooks) {
-  Map map;
+void compute(const Model& model, const MapOptions& options, const MapHooks& hooks, Map& map) {
   map.x = options.x;
   map.y = options.y;
   if (map.x.parameter == map.y.parameter) throw InputError(fmt::format("both map axes are '{}'", map.x.parameter));
@@ -287,13 +282,9 @@ Map compute_map(const Model& model, const MapOptions& options, const MapHooks& h
   const auto finish = [&](FinishedPoints& found, double work) { collected.finish(found, work); };
   const bool adaptive = interpolates(options), foretell = bool(hooks.progress);
   if (adaptive)
-    compute_adaptively(model, options, *coexistence, map.points, foretell, finish, hooks.stop);
+    compute_adaptively(model, options, *coexistence, map.points, foretell, finish);
   else
-    compute_every_point(model, options, *coexistence, map, foretell, finish, hooks.stop);
-  if (collected.done() < map.points.size()) {
-    map.outcome = {Ending::interrupted, fmt::format("{} of {} points are done", collected.done(), map.points.size())};
-    return map;
-  }
+    compute_every_point(model, options, *coexistence, map, foretell, finish);
   std::vector<Side> sides;
   std::size_t failed = 0;
   for (const auto& point : map.points) {
@@ -318,6 +309,19 @@ Map compute_map(const Model& model, const MapOptions& options, const MapHooks& h
         map.interpolated, map.points.size()));
   if (failed > 0)
     map.outcome = {Ending::budget_spent, fmt::format("{} of {} points failed", failed, map.points.size())};
+}
+
+}  // namespace
+
+Map compute_map(const Model& model, const MapOptions& options, const MapHooks& hooks) {
+  Map map;
+  try {
+    compute(model, options, hooks, map);
+  } catch (const Stopped&) {
+    map.outcome = {
+        Ending::interrupted,
+        fmt::format("{} of {} points are done", std::ranges::count_if(map.points, &MapPoint::done), map.points.size())};
+  }
   return map;
 }
 

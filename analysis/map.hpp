@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -85,11 +84,11 @@ struct MapHooks {
   /// Some points are done: keep them safe. Patches that are interpolated are known whole or computed again.
   std::function<void(std::span<const std::size_t>, const std::vector<MapPoint>&)> finished;
   std::function<void(const MapProgress&)> progress;
-  std::stop_token stop;  ///< asks for an early, orderly end
 };
 
 /// Computes the plane. Results do not depend on the number of threads. \throws InputError for unknown paths or metrics
-/// and for axis values outside the parameters' ranges.
+/// and for axis values outside the parameters' ranges. Asked to stop (core/stop.hpp), it ends "interrupted" with the
+/// points that are done.
 Map compute_map(const Model&, const MapOptions&, const MapHooks& = {});
 
 }  // namespace rosin::analysis

@@ -1,33 +1,15 @@
 /// Sharing the work for a plane out to threads.
 #pragma once
 #include <algorithm>
-#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <stop_token>
-#include <thread>
 #include <vector>
 
 #include "analysis/adaptive_map.hpp"
+#include "core/workers.hpp"
 
 namespace rosin::analysis {
-
-/// Calls f(k) for k < count from several threads.
-template <class F>
-void in_parallel(int threads, std::size_t count, const std::stop_token& stop, F f) {
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    while (!stop.stop_requested()) {
-      const std::size_t k = next.fetch_add(1);
-      if (k >= count) return;
-      f(k);
-    }
-  };
-  std::vector<std::jthread> others;
-  for (int t = 1; t < threads; ++t) others.emplace_back(work);
-  work();
-}
 
 /// What is done of the work of all groups. Groups that are finished teach how far the expectations of the others are
 /// off. For several threads.
@@ -59,10 +41,10 @@ struct Job {
 
 /// Computes all jobs, `together` at a time, in groups that take alike long. `compute(group, advanced)` returns what
 /// `finish` takes over with what is done of all work; until then it may call `advanced(work)` for parts of it.
+/// \throws Stopped where it ends early; what was finished until then has been handed over.
 template <class Part, class Compute>
 void work_in_groups(const std::vector<Job<Part>>& jobs, std::size_t together, int threads, double usual,
-                    const std::stop_token& stop, const std::function<void(FinishedPoints&, double done)>& finish,
-                    Compute compute) {
+                    const std::function<void(FinishedPoints&, double done)>& finish, Compute compute) {
   struct Group {
     std::vector<const Job<Part>*> jobs;
     double expected = 0;
@@ -82,13 +64,13 @@ void work_in_groups(const std::vector<Job<Part>>& jobs, std::size_t together, in
   Ledger ledger(of_groups, usual);
   FinishedPoints none;
   finish(none, 0);
-  in_parallel(threads, groups.size(), stop, [&](std::size_t k) {
+  in_parallel(threads, groups.size(), [&](std::size_t k) {
     const auto advanced = [&](double more) {
       FinishedPoints nothing;
       finish(nothing, ledger.advance(k, more));
     };
     FinishedPoints finished = compute(groups[k].jobs, advanced);
-    if (!stop.stop_requested() || !finished.empty()) finish(finished, ledger.finish(k));
+    finish(finished, ledger.finish(k));
   });
 }
 

@@ -65,6 +65,9 @@ MapPoint compute_point(const Model& model, double tolerance, double stick_thresh
       if (!cycle.outcome.complete()) point.why = cycle.outcome.detail;  // found, less accurately than asked
     } else if (attracts && cycle.outcome.ending == Ending::none_exists) {
       point.regime = Regime::stable;
+    } else if (cycle.metrics.period > 0) {
+      point.why = fmt::format("the cycle found does not attract: of a change {:.6g} is left after a period",
+                              cycle.multipliers.empty() ? infinity : std::abs(cycle.multipliers.front()));
     } else {
       point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
     }

@@ -8,6 +8,7 @@
 #include "analysis/loop_area.hpp"
 #include "analysis/stick_slip_period.hpp"
 #include "core/instruction_set.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::analysis {
 
@@ -661,6 +662,7 @@ void PassageLanes::run(PassageQueue& queue) {
   int working = 0;
   for (int lane = 0; lane < lane_count; ++lane) working += take(lane, queue);
   while (working > 0) {
+    end_if_stopped();
     if (switches_) bound_switching_steps();
     ensemble_.attempt();
     ++attempts_;

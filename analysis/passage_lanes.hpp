@@ -136,20 +136,21 @@ class PassageLanes {
   bool rigid_;
   bool switches_;  ///< the law is set-valued
   std::array<Lane, lane_count> lanes_;
-  Lanes landed_;  ///< slip rate that a step may always take away where slip comes down to a reversal; 0: any step
-  Lanes section_, creep_;                         ///< contact slip rate, and at the end of the last step taken
-  Lanes slip_rate_slope_[2], friction_slope_[2];  ///< at both ends of the step, by θ
-  Lanes friction_[2];                             ///< at both ends of the step
-  Lanes V_ = 1.0, floor_ = 0.0, growth_time_ = infinity, longest_ = infinity, thresholds_[most_levels];
+  // Of idle lanes too, which compute along: what they hold is of no meaning, but a number.
+  Lanes landed_{};  ///< slip rate that a step may always take away where slip comes down to a reversal; 0: any step
+  Lanes section_{}, creep_{};                         ///< contact slip rate, and at the end of the last step taken
+  Lanes slip_rate_slope_[2]{}, friction_slope_[2]{};  ///< at both ends of the step, by θ
+  Lanes friction_[2]{};                               ///< at both ends of the step
+  Lanes V_ = 1.0, floor_ = 0.0, growth_time_ = infinity, longest_ = infinity, thresholds_[most_levels]{};
   Lanes felt_ = 1.0;  ///< slip rate from which growth out of stick is followed
   // 1 or 0: has been below V; follows a passage; is to land on an event; records; lies within a stick threshold.
-  Lanes below_ = 0.0, active_ = 0.0, landing_ = 0.0, records_ = 0.0, inside_[most_levels];
+  Lanes below_ = 0.0, active_ = 0.0, landing_ = 0.0, records_ = 0.0, inside_[most_levels]{};
   // Of set-valued laws: 1 or 0, slip has left the neighbourhood of rest that it began in; a part of the free swing (s);
   // slip rates below which the approach to rest does not matter (m/s).
   Lanes armed_ = 0.0, swing_ = 1.0, landing_floor_ = 0.0;
-  Lanes amplitude_ = 0.0, slip_rate_max_, slip_rate_min_, friction_max_, friction_min_;
+  Lanes amplitude_ = 0.0, slip_rate_max_{}, slip_rate_min_{}, friction_max_{}, friction_min_{};
   Lanes flagged_ = 0.0;  ///< needs a closer look
-  Lanes counted_ = 0.0, loop_, friction_sum_, slip_rate_sum_;
+  Lanes counted_ = 0.0, loop_{}, friction_sum_{}, slip_rate_sum_{};
   long attempts_ = 0;  ///< of the ensemble so far
 };
 

@@ -164,6 +164,7 @@ Run run_plane(const PlaneModel& model, const RunOptions& options) {
     const double error = exactly ? 3 * difference + tolerance * size : difference;
     if (size > 0 && c < 4) worst = std::max(worst, error / size);
     result.column_error.push_back(error);
+    if (result.time.empty()) continue;
     const auto [low, high] = std::ranges::minmax(result.columns[c]);
     result.metrics[result.column_names[c] + "_min"] = low, result.metrics[result.column_names[c] + "_max"] = high;
   }

@@ -386,6 +386,7 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
   Collocation solver(system_, tolerance);
   if (!solver.start(0, y0)) {
     passage.outcome = {Ending::not_finite, "the start cannot be made consistent"};
+    passage.end = y0;
     return passage;
   }
   std::vector<double> S, work(n);

@@ -20,6 +20,7 @@
 #include "analysis/stability.hpp"
 #include "analysis/stick_slip_period.hpp"
 #include "core/eigenpairs.hpp"
+#include "core/stop.hpp"
 #include "oscillators/slider_system.hpp"
 #include "solvers/collocation.hpp"
 #include "solvers/cvode.hpp"
@@ -206,7 +207,11 @@ class Pass {
   /// on either differs from pass to pass.
   void run(double tolerance, bool other_digits) {
     tolerance_ = tolerance;
-    outcome_ = follow(other_digits);
+    try {
+      outcome_ = follow(other_digits);
+    } catch (const Stopped&) {  // samples until then are good
+      outcome_ = {Ending::interrupted, fmt::format("{} of {} samples are kept", columns_[0].size(), times_.size())};
+    }
   }
 
   Outcome outcome_;
@@ -248,6 +253,7 @@ class Pass {
   template <class SolutionAt>
   void sample_until(double t, bool closed, SolutionAt solution_at) {
     while (next_ < times_.size() && (times_[next_] < t || (closed && times_[next_] == t))) {
+      end_if_stopped();
       record(times_[next_], solution_at(times_[next_]));
       ++next_;
     }
@@ -707,6 +713,12 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     tolerance = std::max(0.01 * tolerance, least);
     fine = std::make_unique<Pass>(model, options, result.solver, times);
     fine->run(tolerance, attempt % 2 == 1);
+    if (fine->outcome_.ending == Ending::interrupted && fine->columns_[0].size() < coarse->columns_[0].size()) {
+      fine = std::move(coarse);  // which came further
+      fine->outcome_ = {Ending::interrupted, fmt::format("{} of {} samples are kept, without errors",
+                                                         fine->columns_[0].size(), times.size())};
+      coarse = std::make_unique<Pass>(model, options, result.solver, times);
+    }
     result.outcome = fine->outcome_;
     result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
     result.cost.evaluations += fine->cost_.evaluations + (attempt == 0 ? coarse->cost_.evaluations : 0);

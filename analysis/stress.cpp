@@ -15,6 +15,7 @@
 #include "analysis/cycle_lanes.hpp"
 #include "analysis/stability.hpp"
 #include "core/random.hpp"
+#include "core/workers.hpp"
 
 namespace rosin::analysis {
 
@@ -615,22 +616,6 @@ StressReport stress(const StressOptions& options, const StressObservers& observe
   };
   std::vector<Watched> watched(std::size_t(options.threads));
   {
-    std::vector<std::jthread> workers;
-    for (auto& mine : watched)
-      workers.emplace_back([&] {
-        for (long i = next++; i < options.scenes && !observers.stop.stop_requested(); i = next++) {
-          const auto scene = draw_scene(options.laws, options.seed, options.first + i);
-          mine.begin = Clock::now().time_since_epoch().count();
-          mine.index = scene.index;
-          auto judgement = judge(scene);
-          mine.index = -1;
-          const std::scoped_lock lock(reporting);
-          if (observers.finished) observers.finished(scene, judgement);
-          questions[std::size_t(i)] = scene.question;
-          judgements[std::size_t(i)] = std::move(judgement);
-          done[std::size_t(i)] = 1;
-        }
-      });
     // No scene may hang unseen: solvers count their steps, and this watches the clock.
     std::mutex waiting;
     std::condition_variable_any wake;
@@ -644,7 +629,26 @@ StressReport stress(const StressOptions& options, const StressObservers& observe
             observers.hung(draw_scene(options.laws, options.seed, index));
         }
     });
-    for (auto& worker : workers) worker.join();
+    try {
+      in_threads(options.threads, [&](int t) {
+        auto& mine = watched[std::size_t(t)];
+        for (long i = next++; i < options.scenes; i = next++) {
+          end_if_stopped();
+          const auto scene = draw_scene(options.laws, options.seed, options.first + i);
+          mine.begin = Clock::now().time_since_epoch().count();
+          mine.index = scene.index;
+          auto judgement = judge(scene);
+          end_if_stopped();  // of a run that was broken off there is nothing to judge
+          mine.index = -1;
+          const std::scoped_lock lock(reporting);
+          if (observers.finished) observers.finished(scene, judgement);
+          questions[std::size_t(i)] = scene.question;
+          judgements[std::size_t(i)] = std::move(judgement);
+          done[std::size_t(i)] = 1;
+        }
+      });
+    } catch (const Stopped&) {  // the report says that it is not complete
+    }
   }
 
   StressReport report;

@@ -6,7 +6,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -72,7 +71,6 @@ struct StressOptions {
 struct StressObservers {
   std::function<void(const StressScene&, const Judgement&)> finished;  ///< called by one thread at a time
   std::function<void(const StressScene&)> hung;  ///< a scene that outlives `longest`; must not return to it
-  std::stop_token stop;
 };
 
 /// How often something was said, and the first scene that said it.

@@ -4,14 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <ctime>
 #include <mutex>
 #include <numbers>
 #include <random>
-#include <thread>
 
+#include "core/workers.hpp"
 #include "solvers/exact.hpp"
 #include "solvers/force_algorithms/force_algorithms.hpp"
 #include "solvers/plane_stick_slip.hpp"
@@ -351,7 +350,7 @@ const std::vector<std::string> plane_units = {"kg", "rad/s", "rad/s", "1", "1", 
                                               "N",  "N",     "N",     "N", "N", "N",     "1",     "1"};
 
 template <int D>
-StudyResult study_in(const StudyOptions& options, const std::function<void(int)>& progress, std::stop_token stop) {
+StudyResult study_in(const StudyOptions& options, const std::function<void(int)>& progress) {
   StudyResult result;
   result.input_names = D == 1 ? line_names : plane_names;
   result.input_units = D == 1 ? line_units : plane_units;
@@ -359,32 +358,18 @@ StudyResult study_in(const StudyOptions& options, const std::function<void(int)>
   std::vector<Drawn<D>> drawn;
   for (int i = 0; i < options.cases; ++i) drawn.push_back(draw<D>(random, options));
   result.cases.resize(drawn.size());
-  std::atomic<std::size_t> next = 0;
   std::mutex reporting;
   int done = 0;
-  std::exception_ptr problem;
-  const auto work = [&] {
-    for (std::size_t i; (i = next++) < drawn.size() && !stop.stop_requested();) {
-      try {
-        double exact_seconds = 0, seconds = 0;
-        result.cases[i] = follow_all(drawn[i], options, exact_seconds, seconds);
-        const std::lock_guard lock(reporting);
-        result.exact_seconds += exact_seconds, result.algorithm_seconds += seconds;
-        if (progress) progress(++done);
-      } catch (...) {
-        const std::lock_guard lock(reporting);
-        if (!problem) problem = std::current_exception();
-        next = drawn.size();
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
-    work();
-  }
-  if (problem) std::rethrow_exception(problem);
-  if (stop.stop_requested()) {
+  try {
+    in_parallel(options.threads, drawn.size(), [&](std::size_t i) {
+      double exact_seconds = 0, seconds = 0;
+      result.cases[i] = follow_all(drawn[i], options, exact_seconds, seconds);
+      const std::lock_guard lock(reporting);
+      result.exact_seconds += exact_seconds, result.algorithm_seconds += seconds;
+      ++done;
+      if (progress) progress(done);
+    });
+  } catch (const Stopped&) {
     result.outcome = {Ending::interrupted, fmt::format("{} of {} cases", done, options.cases)};
     return result;
   }
@@ -415,7 +400,7 @@ StudyResult study_in(const StudyOptions& options, const std::function<void(int)>
 
 }  // namespace
 
-StudyResult study(const StudyOptions& options, const std::function<void(int)>& progress, std::stop_token stop) {
+StudyResult study(const StudyOptions& options, const std::function<void(int)>& progress) {
   for (const auto& name : options.algorithms)
     if (!algorithms::is_algorithm(name)) {
       std::vector<std::string> known;
@@ -428,8 +413,7 @@ StudyResult study(const StudyOptions& options, const std::function<void(int)>& p
   require(options.steps_per_period, {600, 1e6}, "study.steps_per_period", "steps of the shortest period", "1");
 
   require(options.dimensions, {1, 2}, "study.dimensions", "directions of motion", "1");
-  return options.dimensions == 1 ? study_in<1>(options, progress, std::move(stop))
-                                 : study_in<2>(options, progress, std::move(stop));
+  return options.dimensions == 1 ? study_in<1>(options, progress) : study_in<2>(options, progress);
 }
 
 }  // namespace rosin::analysis

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -94,7 +93,8 @@ struct StudyResult {
 /// Two dimensions: m as above, ω₀ₓ, ω₀ᵧ 2π … 200π rad/s, ζₓ, ζᵧ 0.01 … 0.05, ωₑₓ, ωₑᵧ, ω_n 0 … 90π rad/s, mean forces
 /// over stiffness 0 … 1 mm and amplitudes 0 … 1.5 mm (x, then y), N_v/N_c, μd, μs/μd as above; the exact motion is that
 /// of located events.
-/// `progress(done)` is called from time to time. \throws InputError for options without meaning.
-StudyResult study(const StudyOptions&, const std::function<void(int)>& progress = {}, std::stop_token = {});
+/// `progress(done)` is called from time to time. Asked to stop (core/stop.hpp), it ends "interrupted". \throws
+/// InputError for options without meaning.
+StudyResult study(const StudyOptions&, const std::function<void(int)>& progress = {});
 
 }  // namespace rosin::analysis

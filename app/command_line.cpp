@@ -10,6 +10,7 @@
 
 #include "analysis/lab/experiment.hpp"
 #include "bench/bench.hpp"
+#include "core/console.hpp"
 #include "core/error.hpp"
 
 namespace rosin::app {
@@ -19,7 +20,7 @@ namespace {
 constexpr int wrong_usage = 2;
 
 int refuse(const std::string& text) {
-  fmt::print(stderr, "rosin: {}\n", text);
+  tell("rosin: {}\n", text);
   return wrong_usage;
 }
 
@@ -68,6 +69,8 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     command->allow_extras();
     const std::string name = verb.name;
     command->callback([&request, name] { request.verb = name; });
+    command->add_option("--time-limit", request.time_limit,
+                        "seconds after which the work ends in order, with status 1");
     if (name == "stress") {
       command->add_option("--seed", request.seed, "of the random scenes")->capture_default_str();
       command->add_option("--scenes", request.scenes, "number of scenes")->capture_default_str();
@@ -137,6 +140,7 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
   }
   try {
     if (request.tolerance) require(*request.tolerance, {1e-13, 0.1}, "--tolerance", "relative accuracy", "1");
+    if (request.time_limit) require(*request.time_limit, {1e-3, 1e9}, "--time-limit", "time for all work", "s");
     require(request.threads, {1, 4096}, "--threads", "number of threads", "1");
   } catch (const InputError& error) {
     return refuse(error.what());

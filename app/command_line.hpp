@@ -15,6 +15,7 @@ struct Request {
   std::string target;  ///< scene file; a law's name for "laws"; a folder or scene for "plot"; "cycle", … for "bench"
   std::vector<std::string> overrides;
   std::optional<double> tolerance;
+  std::optional<double> time_limit;  ///< s, for all that the verb does
   int threads = 1;
   std::uint64_t seed = 1;  ///< of "stress": its first random scenes, or one of them
   long scenes = 1000, only = -1;

@@ -9,6 +9,7 @@
 #include "app/job.hpp"
 #include "app/pictures.hpp"
 #include "app/progress.hpp"
+#include "app/stopping.hpp"
 
 namespace rosin::app {
 
@@ -138,15 +139,15 @@ Comparison compare_cycles(const Scene& scene) {
   return comparison;
 }
 
-Comparison compare_maps(const Scene& scene, const Request& request, const std::stop_token& stop) {
+Comparison compare_maps(const Scene& scene, const Request& request) {
   const auto& members = scene.compare.members;
   auto options = scene.map;
   options.threads = request.threads;
   Comparison comparison;
   Progress progress(request.quiet);
   for (std::size_t k = 0; k < members.size(); ++k) {
-    comparison.maps.push_back(analysis::compute_map(
-        members[k].model, options, {.known = {}, .finished = {}, .progress = progress.of_map(), .stop = stop}));
+    comparison.maps.push_back(
+        analysis::compute_map(members[k].model, options, {.known = {}, .finished = {}, .progress = progress.of_map()}));
     worsen(comparison.outcome, comparison.maps.back().outcome, members[k].name);
     if (comparison.outcome.ending == Ending::interrupted) return comparison;
   }
@@ -206,8 +207,8 @@ void take_slow_fraction(Job& job, const std::vector<std::string*>& metrics) {
                            two_kinds));
 }
 
-Status side_by_side(const Request& request, std::stop_token stop) {
-  Job job(request, Verb::compare);
+Status side_by_side(Job& job) {
+  const auto& request = job.request();
   auto& scene = job.scene();
   const auto& protocol = scene.compare.protocol;
   if (request.tolerance) scene.run.tolerance = scene.cycle.tolerance = scene.map.tolerance = *request.tolerance;
@@ -223,12 +224,9 @@ Status side_by_side(const Request& request, std::stop_token stop) {
   const Comparison comparison = protocol == "curve"       ? compare_curves(scene)
                                 : protocol == "stability" ? compare_stability(scene)
                                 : protocol == "run"       ? compare_runs(scene)
-                                : protocol == "map"       ? compare_maps(scene, request, stop)
+                                : protocol == "map"       ? compare_maps(scene, request)
                                                           : compare_cycles(scene);
-  if (comparison.outcome.ending == Ending::interrupted) {
-    fmt::print(stderr, "interrupted: nothing is written\n");
-    return interrupted;
-  }
+  if (comparison.outcome.ending == Ending::interrupted) return stopped_early(request, "nothing is written");
   say_members(job, scene.compare);
   Reached reached;
   std::string header(34, ' ');
@@ -247,12 +245,11 @@ Status side_by_side(const Request& request, std::stop_token stop) {
   manifest.cost = {{"seconds", seconds_since(begin)}};
   std::vector<std::string> files;
   if (!comparison.series.empty()) files = write_picture(job.folder(), scene, comparison);
-  return job.finish(to_json(scene, comparison), files, comparison.series.empty() ? "" : "compare.gp",
-                    comparison.outcome);
+  return job.finish(to_json(scene, comparison), files, comparison.outcome);
 }
 
-Status design(const Request& request, std::stop_token stop) {
-  Job job(request, Verb::design);
+Status design(Job& job) {
+  const auto& request = job.request();
   auto& scene = job.scene();
   auto& compare = scene.compare;
   std::vector<std::string*> metrics;
@@ -275,7 +272,7 @@ Status design(const Request& request, std::stop_token stop) {
   DesignResult result;
   {
     Progress progress(request.quiet);
-    const analysis::MapHooks hooks{.known = {}, .finished = {}, .progress = progress.of_map(), .stop = stop};
+    const analysis::MapHooks hooks{.known = {}, .finished = {}, .progress = progress.of_map()};
     std::vector<oscillators::Model> models;
     for (const auto& member : compare.members) models.push_back(member.model);
     result.design = of_parameter ? analysis::inform(scene.model, compare.parameter, options, hooks)
@@ -283,10 +280,7 @@ Status design(const Request& request, std::stop_token stop) {
   }
   result.seconds = seconds_since(begin);
   const auto& plane = result.design;
-  if (plane.outcome.ending == Ending::interrupted) {
-    fmt::print(stderr, "interrupted: nothing is written\n");
-    return interrupted;
-  }
+  if (plane.outcome.ending == Ending::interrupted) return stopped_early(request, "nothing is written");
   if (!of_parameter) say_members(job, compare);
   const auto say_best = [&](const std::string& what, const analysis::Design::Best& best) {
     if (!(best.information > 0)) return job.say("{:<22} tells nothing anywhere", what);
@@ -304,13 +298,11 @@ Status design(const Request& request, std::stop_token stop) {
     for (std::size_t m = 0; m < measured.size(); ++m) say_best(measured[m], plane.best_by_metric[m]);
   job.manifest().tolerance_asked = options.tolerance;
   job.manifest().cost = {{"seconds", result.seconds}, {"points", double(plane.information.size())}};
-  return job.finish(to_json(scene, result), write_picture(job.folder(), scene, plane), "design.gp", plane.outcome);
+  return job.finish(to_json(scene, result), write_picture(job.folder(), scene, plane), plane.outcome);
 }
 
 }  // namespace
 
-Status compare(const Request& request, std::stop_token stop) {
-  return request.design ? design(request, std::move(stop)) : side_by_side(request, std::move(stop));
-}
+Status compare(Job& job) { return job.request().design ? design(job) : side_by_side(job); }
 
 }  // namespace rosin::app

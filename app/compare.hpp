@@ -1,11 +1,9 @@
 /// The verb `rosin compare`: laws and parameter sets side by side, and the design of measurements that tell them apart.
 #pragma once
-#include <stop_token>
-
-#include "app/verbs.hpp"
+#include "app/job.hpp"
 
 namespace rosin::app {
 
-Status compare(const Request&, std::stop_token);
+Status compare(Job&);
 
 }  // namespace rosin::app

@@ -1,44 +1,20 @@
-/// Writing to a temporary name and renaming, and tables as CSV.
+/// Writing tables as CSV.
 #include "app/files.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <stdexcept>
+#include "app/stopping.hpp"
 
 namespace rosin::app {
 
 namespace fs = std::filesystem;
-
-void write_whole(const fs::path& path, const std::function<void(const fs::path&)>& write) {
-  const fs::path temporary = path.parent_path() / fmt::format(".{}.{}", path.filename().string(), getpid());
-  try {
-    write(temporary);
-    fs::rename(temporary, path);
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw;
-  }
-}
-
-void write_whole(const fs::path& path, std::string_view content) {
-  write_whole(path, [&](const fs::path& temporary) {
-    std::ofstream file(temporary, std::ios::binary);
-    file.write(content.data(), static_cast<std::streamsize>(content.size()));
-    file.close();
-    if (!file) throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
-  });
-}
 
 std::string column_header(std::string_view name, std::string_view unit) {
   return unit == "1" ? std::string(name) : fmt::format("{} ({})", name, unit);
 }
 
 void write_csv(const fs::path& path, const std::vector<Column>& columns) {
+  results_are_due();
   fmt::memory_buffer text;
   const auto write_row = [&](auto cell) {
     for (std::size_t i = 0; i < columns.size(); ++i)

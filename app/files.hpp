@@ -1,18 +1,14 @@
-/// Files of a results folder: each appears under its name only when it is whole.
+/// Tables of a results folder.
 #pragma once
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace rosin::app {
+#include "core/files.hpp"
 
-/// Lets `write` make a file under a temporary name beside `path`, then renames it.
-/// \throws std::runtime_error if it cannot be written.
-void write_whole(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& write);
-void write_whole(const std::filesystem::path& path, std::string_view content);
+namespace rosin::app {
 
 /// One column of a table: "slip_rate (m/s)" and its values.
 struct Column {

@@ -108,13 +108,12 @@ std::vector<std::string> write_residuals(const fs::path& folder, const Scene& sc
 
 }  // namespace
 
-Status fit(const Request& request) {
-  Job job(request, Verb::fit);
+Status fit(Job& job) {
   const auto& scene = job.scene();
   const auto begin = std::chrono::steady_clock::now();
   std::vector<analysis::Fit> fits;
   {
-    Progress progress(request.quiet);
+    Progress progress(job.request().quiet);
     for (const auto& candidate : scene.fit.candidates) {
       auto options = scene.fit.options;
       options.parameters = candidate.parameters;
@@ -148,7 +147,7 @@ Status fit(const Request& request) {
               scene.fit.candidates[k].name, fits[k].aic - fits[order[0]].aic, fits[k].bic - fits[order[0]].bic,
               fits[k].cross_validation);
   auto files = write_residuals(job.folder(), scene, fits, order);
-  return job.finish(to_json(scene, fits, order), std::move(files), "fit.gp", fits.front().outcome);
+  return job.finish(to_json(scene, fits, order), std::move(files), fits.front().outcome);
 }
 
 }  // namespace rosin::app

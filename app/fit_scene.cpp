@@ -112,7 +112,7 @@ void read_fit(Table& table, Scene& scene, const fs::path& folder,
       {std::string(scene.model.law->card().name), scene.model,
        read_parameters(table.required("parameters", "paths, such as law.a"), "fit.parameters", scene.model)});
   if (const auto* candidates = table.find("candidates"))
-    for (const auto& element : list(*candidates, "fit.candidates", "tables")) {
+    for (const auto& element : list(*candidates, "fit.candidates", "tables", most_names)) {
       Table keys(element, "fit.candidates");
       keys.expect({"name", "law", "parameters"});
       FitTask::Candidate candidate{"", scene.model, {}};
@@ -132,13 +132,14 @@ void read_fit(Table& table, Scene& scene, const fs::path& folder,
       task.candidates.push_back(std::move(candidate));
     }
   const auto& data = table.required("data", "tables with type and file");
-  for (const auto& element : list(data, "fit.data", "tables")) task.data.push_back(read_data(element, scene, folder));
+  for (const auto& element : list(data, "fit.data", "tables", most_names))
+    task.data.push_back(read_data(element, scene, folder));
   if (task.data.empty()) fail(data.source(), "fit.data is empty");
-  table.read("starts", options.starts, 1, "starts of the least squares");
+  table.read("starts", options.starts, 1, 1000, "starts of the least squares");
   int seed = 1;
-  table.read("seed", seed, 0, "of the random starts");
+  table.read("seed", seed, 0, largest_seed, "of the random starts");
   options.seed = std::uint64_t(seed);
-  table.read("folds", options.folds, 0, "of cross-validation");
+  table.read("folds", options.folds, 0, 1000, "of cross-validation");
   table.read("confidence", options.confidence, {"", "1", {0.5, 0.9999}, "of intervals"});
   if (const auto* profiles = table.find("profiles")) {
     if (!profiles->is_boolean()) wrong_kind(*profiles, "fit.profiles", "true or false");

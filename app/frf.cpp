@@ -267,7 +267,7 @@ Status finish_measured(Job& job, const analysis::MeasuredFrf& measured, std::vec
     write_curve(job.folder() / files.back(), measured.frequency, predicted);
   }
   write_measured_script(job.folder(), scene, measured, !predicted.empty());
-  return job.finish(to_json(scene, measured, predicted), std::move(files), "frf.gp", {});
+  return job.finish(to_json(scene, measured, predicted), std::move(files), {});
 }
 
 Status extract(Job& job) {
@@ -306,7 +306,8 @@ Status simulate_noise(Job& job, std::optional<double> tolerance) {
   return finish_measured(job, noise.measured, {"frf-record.csv"});
 }
 
-Status simulate_sweep(Job& job, const Request& request) {
+Status simulate_sweep(Job& job) {
+  const auto& request = job.request();
   const auto& scene = job.scene();
   auto options = *scene.frf_sweep;
   options.tolerance = request.tolerance.value_or(options.tolerance);
@@ -367,23 +368,21 @@ Status simulate_sweep(Job& job, const Request& request) {
   write_curve(job.folder() / "frf.csv", options.frequencies, swept.tangential);
   write_curve(job.folder() / "frf-predicted.csv", options.frequencies, predicted);
   std::vector<std::string> files{"frf.csv", "frf-predicted.csv"};
-  const bool drawn = options.frequencies.size() > 1;
-  if (drawn) {
+  if (options.frequencies.size() > 1) {
     write_script(job.folder(), scene, {{"frf.csv", "simulated"}, {"frf-predicted.csv", "predicted"}});
     files.emplace_back("frf.gp");
   }
-  return job.finish(text(document), std::move(files), drawn ? "frf.gp" : "", {});
+  return job.finish(text(document), std::move(files), {});
 }
 
 }  // namespace
 
-Status frf(const Request& request) {
-  Job job(request, Verb::frf);
+Status frf(Job& job) {
   const auto& scene = job.scene();
   const auto& model = scene.model;
   if (scene.frf_record) return extract(job);
-  if (scene.frf_noise) return simulate_noise(job, request.tolerance);
-  if (scene.frf_sweep) return simulate_sweep(job, request);
+  if (scene.frf_noise) return simulate_noise(job, job.request().tolerance);
+  if (scene.frf_sweep) return simulate_sweep(job);
   job.explain_model();
   job.explain("the contact is linearised about steady sliding; {} frequencies, no integration",
               scene.frf.frequencies.size());
@@ -427,14 +426,13 @@ Status frf(const Request& request) {
                                                member.value, quantity.unit == "1" ? "" : " " + quantity.unit)});
   }
   if (lines.empty()) lines.push_back({"frf.csv", "predicted"});
-  const bool drawn = scene.frf.frequencies.size() > 1;  // one frequency is no line
-  if (drawn) {
+  if (scene.frf.frequencies.size() > 1) {  // one frequency is no line
     write_script(job.folder(), scene, lines);
     files.emplace_back("frf.gp");
   }
   auto document = document_of(scene, prediction);
   add_stability(job, document, files);
-  return job.finish(text(document), std::move(files), drawn ? "frf.gp" : "", {});
+  return job.finish(text(document), std::move(files), {});
 }
 
 }  // namespace rosin::app

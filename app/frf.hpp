@@ -1,9 +1,9 @@
 /// The verb `rosin frf`: the friction frequency response, predicted, simulated and measured.
 #pragma once
-#include "app/verbs.hpp"
+#include "app/job.hpp"
 
 namespace rosin::app {
 
-Status frf(const Request&);
+Status frf(Job&);
 
 }  // namespace rosin::app

@@ -23,11 +23,13 @@ void read_fields(Table& table, const Fields& fields, Object& object) {
   table.required(first.name, fmt::format("{}, {}", first.meaning, first.unit));
 }
 
+constexpr int most_frequencies = 100'000;
+
 /// A list in Hz, or { from, to, points, scale }.
 std::vector<double> read_frequencies(const toml::node& node, const std::string& path) {
   const Quantity hertz{path, "Hz", {1e-12, 1e12}, "frequency"};
   if (node.is_array()) {
-    auto list = numbers(node, hertz);
+    auto list = numbers(node, hertz, most_frequencies);
     if (list.empty()) fail(node.source(), "{} is empty", path);
     if (std::ranges::adjacent_find(list, std::greater_equal{}) != list.end())
       fail(node.source(), "{} must ascend", path);
@@ -41,7 +43,7 @@ std::vector<double> read_frequencies(const toml::node& node, const std::string& 
   table.required("to", "highest frequency, Hz");
   table.read("from", from, hertz);
   table.read("to", to, hertz);
-  table.read("points", points, 2, "number of frequencies");
+  table.read("points", points, 2, most_frequencies, "number of frequencies");
   const auto* scale = table.find("scale");
   const bool linear = scale && choice(*scale, table.path("scale"), {"log", "linear"}) == "linear";
   table.finish();
@@ -157,7 +159,7 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
     fail(table.source(), "frf.structure: give modes, or M, C and K, or receptance");
   if (modes) {
     std::vector<analysis::Mode> read;
-    for (const auto& element : list(*modes, table.path("modes"), "tables")) {
+    for (const auto& element : list(*modes, table.path("modes"), "tables", most_names)) {
       Table keys(element, table.path("modes"));
       analysis::Mode mode;
       read_fields(keys, analysis::mode_fields, mode);
@@ -173,7 +175,7 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
     structure.C =
         C ? read_matrix(*C, {table.path("C"), "N s/m", any, "damping"}, size) : std::vector<double>(size * size, 0.0);
     if (!contacts) fail(table.source(), "frf.structure.contacts is needed: tables with a tangential direction");
-    for (const auto& element : list(*contacts, table.path("contacts"), "tables")) {
+    for (const auto& element : list(*contacts, table.path("contacts"), "tables", most_names)) {
       Table keys(element, table.path("contacts"));
       keys.expect({"tangential", "normal"});
       analysis::Structure::Contact contact;
@@ -204,7 +206,7 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
     scan->required("to", quantity.meaning);
     scan->read("from", use.scan_from, quantity);
     scan->read("to", use.scan_to, quantity);
-    scan->read("points", use.scan_points, 1, "intervals that are searched");
+    scan->read("points", use.scan_points, 1, 10'000, "intervals that are searched");
     scan->finish();
     if (!(use.scan_from > 0) || !(use.scan_from < use.scan_to))
       fail(scan->source(), "frf.structure.scan: 0 < from < to is needed");
@@ -218,9 +220,9 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
       use.uncertain.push_back({path, number(value, {path, "1", {1e-9, 2}, "relative standard deviation"})});
     }
   }
-  table.read("samples", use.samples, 20, "of uncertain inputs");
+  table.read("samples", use.samples, 20, 1'000'000, "of uncertain inputs");
   int seed = 1;
-  table.read("seed", seed, 0, "of the random numbers");
+  table.read("seed", seed, 0, largest_seed, "of the random numbers");
   use.seed = std::uint64_t(seed);
   table.finish();
   return use;
@@ -245,9 +247,9 @@ void read_simulation(Table table, Scene& scene) {
     table.required("resolution", "width of a frequency bin, Hz");
     table.read("amplitude", noise.amplitude, amplitude);
     table.read("resolution", noise.resolution, {"", "Hz", {1e-9, 1e9}, "width of a frequency bin"});
-    table.read("averages", noise.averages, 8, "segments");
+    table.read("averages", noise.averages, 8, 100'000, "segments");
     int seed = 1;
-    table.read("seed", seed, 0, "of the random numbers");
+    table.read("seed", seed, 0, largest_seed, "of the random numbers");
     noise.seed = std::uint64_t(seed);
     table.read("overlap", noise.welch.overlap, {"", "1", {0, 0.9}, "overlap of neighbouring segments"});
     if (const auto* window = table.find("window"))
@@ -307,7 +309,7 @@ void read_frf(Table& table, Scene& scene, const toml::node* oscillator, const fs
     options.family = text(parameter, family->path("parameter"));
     auto quantity = located(parameter.source(), [&] { return scene.model.describe(options.family); });
     quantity.name = family->path("values");
-    options.family_values = numbers(family->required("values", quantity.meaning), quantity);
+    options.family_values = numbers(family->required("values", quantity.meaning), quantity, most_names);
     if (options.family_values.empty()) fail(family->source(), "frf.family.values is empty");
     family->finish();
   }

@@ -38,10 +38,7 @@ void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector
       "set xrange [{}:{}]\nplot 'loop.csv' using 1:4 with lines linewidth 1.7 linecolor '#00336F'\nunset multiplot\n",
       frequency.front(), frequency.back());
   write_whole(job.folder() / "loop.gp", script);
-  const auto drawn = draw(job.folder(), "loop.gp");
-  for (const auto& problem : drawn.problems) job.note(problem);
   files.insert(files.end(), {"loop.csv", "loop.gp"});
-  files.insert(files.end(), drawn.files.begin(), drawn.files.end());
 }
 
 void add_uncertainty(Job& job, ordered_json& stability, const analysis::Uncertainty& spread, const char* measure,

@@ -1,30 +1,29 @@
 /// Writing for gnuplot, and running it.
 #include "app/gnuplot.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <optional>
+#include <fstream>
 #include <stdexcept>
 
 #include "app/files.hpp"
-
-extern char** environ;
+#include "core/process.hpp"
 
 namespace rosin::app {
 
 namespace fs = std::filesystem;
 
 std::string single_quoted(std::string_view text) {
-  std::string out = "'";
-  for (const char c : text) {
+  const bool begins_quoted = text.starts_with('\'');  // three of them would end the text for gnuplot
+  if (begins_quoted) text.remove_prefix(1);
+  std::string out = begins_quoted ? "\"'\".'" : "'";
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
     if (static_cast<unsigned char>(c) < 0x20) continue;
     if (std::string_view("_^{}@&~\\").find(c) != std::string_view::npos) out += '\\';
     if (c == '\'') out += '\'';
+    if (c == '>' && text.substr(0, i).ends_with("]]")) out += "\u2060";  // joins words, unseen: "]]>" would end the SVG
     out += c;
   }
   return out + '\'';
@@ -84,62 +83,46 @@ std::string axis_scale(char axis, bool decades) {
 
 namespace {
 
-/// Runs gnuplot in the folder. \returns its exit status, or nothing if it cannot be started.
-std::optional<int> run_gnuplot(const fs::path& folder, const std::string& setting, const std::string& script) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  for (const int stream : {1, 2}) posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_WRONLY, 0);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none;
-  sigemptyset(&none);  // the command blocks signals, gnuplot must not
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-  std::string arguments[] = {"gnuplot", "-e", setting, script};
-  char* argv[] = {arguments[0].data(), arguments[1].data(), arguments[2].data(), arguments[3].data(), nullptr};
-  pid_t child;
-  const int problem = posix_spawnp(&child, "gnuplot", &actions, &attributes, argv, environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  if (problem != 0) return std::nullopt;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return std::nullopt;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+/// Gnuplot says nothing of a disk that filled up while it drew: a picture is whole if it ends as its format does.
+bool is_whole(const fs::path& picture, std::string_view format) {
+  const auto end = format == "svg" ? std::string_view("</svg>\n\n") : std::string_view("IEND\xae\x42\x60\x82");
+  std::ifstream file(picture, std::ios::binary | std::ios::ate);
+  const auto size = std::streamoff(file.tellg()), length = std::streamoff(end.size());
+  if (!file || size < length) return false;
+  std::string last(end.size(), ' ');
+  file.seekg(size - length);
+  return file.read(last.data(), length) && last == end;
 }
 
 }  // namespace
 
-Drawn draw(const fs::path& folder, const std::string& script) {
+Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts) {
   Drawn drawn;
-  std::vector<std::string> scripts;
-  if (!script.empty())
-    scripts.push_back(script);
-  else
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.path().extension() == ".gp") scripts.push_back(entry.path().filename().string());
-  std::ranges::sort(scripts);
-  for (const auto& name : scripts)
+  if (scripts.empty()) return drawn;
+  const auto gnuplot = find_program("gnuplot");  // before it enters the folder, which may hold a program of that name
+  if (!gnuplot) {
+    drawn.problems.push_back(
+        "no pictures: gnuplot is not there (install the package gnuplot-nox); 'rosin plot' draws them later");
+    return drawn;
+  }
+  for (const auto& script : scripts)
     for (const std::string format : {"svg", "png"}) {
-      const auto picture = fs::path(name).replace_extension(format);
-      std::optional<int> status;
+      const auto picture = fs::path(script).replace_extension(format);
       try {
         write_whole(folder / picture, [&](const fs::path& temporary) {
-          status =
-              run_gnuplot(folder, fmt::format("format='{}'; output='{}'", format, temporary.filename().string()), name);
-          if (status != 0) throw std::runtime_error("gnuplot failed");
+          const auto output = temporary.parent_path().filename() / temporary.filename();
+          const auto setting = fmt::format("format='{}'; output='{}'", format, output.string());
+          const auto ran = run_program({*gnuplot, {"-e", setting, script}, folder});
+          if (!ran || ran->status != 0)
+            throw std::runtime_error(fmt::format("gnuplot could not draw {}; run 'gnuplot {}' in {} to see why",
+                                                 picture.string(), script, folder.string()));
+          if (!is_whole(temporary, format))
+            throw std::runtime_error(
+                fmt::format("{}: gnuplot left it cut short; is the disk full?", (folder / picture).string()));
         });
         drawn.files.push_back(picture.string());
-      } catch (const std::exception&) {
-        if (!status) {
-          drawn.problems.push_back(
-              "no pictures: gnuplot is not there (install the package gnuplot-nox); "
-              "'rosin plot' draws them later");
-          return drawn;
-        }
-        drawn.problems.push_back(fmt::format("gnuplot could not draw {}; run 'gnuplot {}' in {} to see why",
-                                             picture.string(), name, folder.string()));
+      } catch (const std::runtime_error& problem) {
+        drawn.problems.emplace_back(problem.what());
       }
     }
   return drawn;

@@ -29,10 +29,10 @@ bool spans_decades(double low, double high);
 /// Makes an axis logarithmic, with decades as ticks, or linear.
 std::string axis_scale(char axis, bool decades);
 
-/// Draws one script of the folder as SVG and PNG, or all of them if `script` is empty.
+/// Draws scripts of the folder, each as SVG and PNG.
 struct Drawn {
   std::vector<std::string> files, problems;
 };
-Drawn draw(const std::filesystem::path& folder, const std::string& script = {});
+Drawn draw(const std::filesystem::path& folder, const std::vector<std::string>& scripts);
 
 }  // namespace rosin::app

@@ -3,8 +3,13 @@
 
 #include <fmt/ranges.h>
 
+#include <map>
+#include <set>
+
 #include "app/files.hpp"
 #include "app/gnuplot.hpp"
+#include "app/json.hpp"
+#include "app/stopping.hpp"
 
 namespace rosin::app {
 
@@ -23,14 +28,17 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-fs::path results_folder(const Request& request, const std::string& scene_name) {
-  return request.out.empty() ? fs::path("out") / scene_name : fs::path(request.out);
+fs::path results_folder(const Request& request) {
+  if (!request.out.empty()) return request.out;
+  const fs::path scene = request.target;
+  const auto stem = scene.stem();
+  return "out" / (stem == "." || stem == ".." ? scene.filename() : stem);  // "...toml" would be the folder above
 }
 
 Job::Job(const Request& request, Verb verb)
     : request_(request),
       scene_(read_scene(request.target, request.overrides, verb, request.experiment)),
-      folder_(results_folder(request, scene_.name)) {
+      folder_(results_folder(request)) {
   std::error_code problem;
   fs::create_directories(folder_, problem);
   if (problem) throw InputError(fmt::format("--out {}: cannot be made: {}", folder_.string(), problem.message()));
@@ -40,7 +48,7 @@ Job::Job(const Request& request, Verb verb)
 }
 
 void Job::note(std::string_view text) const {
-  if (!request_.quiet) fmt::print(stderr, "note: {}\n", text);
+  if (!request_.quiet) tell("note: {}\n", text);
 }
 
 void Job::explain_model() const {
@@ -69,24 +77,100 @@ void Job::explain_model() const {
   if (model.slider.mass == 0) explain("slider without mass: inertia is left out");
 }
 
-Status Job::finish(const std::string& document, std::vector<std::string> files, const std::string& script,
-                   const Outcome& outcome) {
-  if (!script.empty()) {
-    auto drawn = draw(folder_, script);
-    for (const auto& problem : drawn.problems) note(problem);
-    files.insert(files.end(), drawn.files.begin(), drawn.files.end());
+namespace {
+
+constexpr std::uintmax_t largest_manifest = 100'000'000, largest_script = 10'000'000;  // bytes
+
+std::string checksum_of(const fs::path& script) {
+  return fmt::format("{:016x}", checksum(read_whole(script, largest_script)));
+}
+
+/// A manifest that is there and can be read; else an empty document.
+ordered_json read_manifest(const fs::path& path) {
+  std::error_code problem;
+  if (!fs::is_regular_file(path, problem)) return ordered_json::object();
+  try {
+    auto document = ordered_json::parse(read_whole(path, largest_manifest), nullptr, false);
+    if (document.is_object()) return document;
+  } catch (const InputError&) {  // nothing is known of what stands there
   }
-  files.push_back("result.json");
+  return ordered_json::object();
+}
+
+}  // namespace
+
+void Job::say_what_is_replaced(const std::string& label) const {
+  const auto old = read_manifest(folder_ / (label + ".manifest.json"));
+  if (old.empty()) return;
+  const auto now = ordered_json::parse(to_json(scene_, manifest_));
+  const auto of = [](const ordered_json& manifest, const char* key) { return manifest.value(key, ordered_json()); };
+  const auto tolerance = [&](const ordered_json& manifest) {
+    const auto both = of(manifest, "tolerance");
+    return both.is_object() ? of(both, "asked") : ordered_json();
+  };
+  const auto differs = [&](const char* key) { return of(old, key) != of(now, key); };
+  std::string how;
+  if (differs("overrides")) {
+    how += of(old, "overrides").empty() ? " without --set" : " with";
+    for (const auto& given : of(old, "overrides")) how += fmt::format(" --set {}", given.dump());
+  }
+  if (differs("experiment")) how += fmt::format(" of experiment {}", of(old, "experiment").dump());
+  if (tolerance(old) != tolerance(now)) how += fmt::format(" to tolerance {}", tolerance(old).dump());
+  if (how.empty() && differs("scene_resolved"))
+    how = differs("scene") ? fmt::format(" of {}", of(old, "scene").dump()) : " of another text of the scene";
+  if (how.empty()) return;
+  note(fmt::format("{} replaces a result{}; --out keeps results apart", (folder_ / (label + ".json")).string(), how));
+}
+
+Status Job::finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome) {
+  results_are_due();
+  std::vector<std::string> scripts;
+  for (const auto& file : files)
+    if (fs::path(file).extension() == ".gp") {
+      scripts.push_back(file);
+      manifest_.scripts[file] = checksum_of(folder_ / file);
+    }
+  const auto drawn = draw(folder_, scripts);
+  for (const auto& problem : drawn.problems) note(problem);
+  files.insert(files.end(), drawn.files.begin(), drawn.files.end());
+  const std::string label = request_.design ? "design" : request_.verb;
+  files.push_back(label + ".json");
   manifest_.files = std::move(files);
   manifest_.outcome = outcome;
-  write_whole(folder_ / "manifest.json", to_json(scene_, manifest_));
-  write_whole(folder_ / "result.json", document);
-  if (request_.json) std::fwrite(document.data(), 1, document.size(), stdout);
+  say_what_is_replaced(label);
+  const auto manifest = to_json(scene_, manifest_);
+  for (const auto& [name, content] : {std::pair{label + ".manifest.json", &manifest},
+                                      {"manifest.json", &manifest},
+                                      {label + ".json", &document},
+                                      {"result.json", &document}})
+    write_whole(folder_ / name, *content);
+  if (request_.json) write_output(document);
   if (!outcome.complete() && !request_.quiet)
-    fmt::print(stderr, "{}: {}{}{}\n", scene_.path, name(outcome.ending), outcome.detail.empty() ? "" : ": ",
-               outcome.detail);
+    tell("{}: {}{}{}\n", scene_.path, name(outcome.ending), outcome.detail.empty() ? "" : ": ", outcome.detail);
   say("Results: {}", (folder_ / "").string());
-  return outcome.complete() ? done : ended_short;
+  return status_of(outcome);
+}
+
+Scripts scripts_of(const fs::path& folder) {
+  std::map<std::string, std::set<std::string>> known;
+  std::vector<std::string> there;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const auto name = entry.path().filename().string();
+    if (name.ends_with(".gp")) there.push_back(name);
+    if (!name.ends_with("manifest.json")) continue;
+    const auto manifest = read_manifest(entry.path());
+    if (const auto scripts = manifest.find("scripts"); scripts != manifest.end() && scripts->is_object())
+      for (const auto& [script, sum] : scripts->items())
+        if (sum.is_string()) known[script].insert(sum.get<std::string>());
+  }
+  std::ranges::sort(there);
+  Scripts scripts;
+  for (const auto& script : there) {
+    const bool regular = fs::is_regular_file(folder / script);
+    (regular && known[script].contains(checksum_of(folder / script)) ? scripts.ours : scripts.foreign)
+        .push_back(script);
+  }
+  return scripts;
 }
 
 }  // namespace rosin::app

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -13,6 +12,7 @@
 
 #include "app/results.hpp"
 #include "app/verbs.hpp"
+#include "core/console.hpp"
 
 namespace rosin::app {
 
@@ -35,13 +35,14 @@ class Reached {
 };
 
 /// The folder that is asked for, or out/<scene>.
-std::filesystem::path results_folder(const Request&, const std::string& scene_name);
+std::filesystem::path results_folder(const Request&);
 
 class Job {
  public:
   /// Reads the scene and makes the folder. \throws InputError
   Job(const Request&, Verb);
 
+  const Request& request() const { return request_; }
   Scene& scene() { return scene_; }
   const std::filesystem::path& folder() const { return folder_; }
   Manifest& manifest() { return manifest_; }
@@ -50,29 +51,34 @@ class Job {
   template <class... Args>
   void say(fmt::format_string<Args...> text, Args&&... args) const {
     if (request_.json || request_.quiet) return;
-    fmt::print(text, std::forward<Args>(args)...);
-    std::fputc('\n', stdout);
+    print("{}\n", fmt::format(text, std::forward<Args>(args)...));
   }
   void note(std::string_view text) const;
   template <class... Args>
   void explain(fmt::format_string<Args...> text, Args&&... args) const {
     if (!request_.explain) return;
-    fmt::print(stderr, "plan: ");
-    fmt::print(stderr, text, std::forward<Args>(args)...);
-    std::fputc('\n', stderr);
+    tell("plan: {}\n", fmt::format(text, std::forward<Args>(args)...));
   }
   /// What all plans have in common: the unknowns that are kept.
   void explain_model() const;
 
-  /// Writes result.json, the manifest and the pictures; prints the document if asked. Call last.
-  Status finish(const std::string& document, std::vector<std::string> files, const std::string& script,
-                const Outcome& outcome);
+  /// Draws the scripts (*.gp) among the files, writes the document and the manifest, each under the verb's name and as
+  /// the folder's latest; prints the document if asked. Call last.
+  Status finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome);
 
  private:
+  void say_what_is_replaced(const std::string& label) const;
+
   const Request& request_;
   Scene scene_;
   std::filesystem::path folder_;
   Manifest manifest_;
 };
+
+/// Scripts of a results folder that are as some verb's manifest has them, and the others.
+struct Scripts {
+  std::vector<std::string> ours, foreign;
+};
+Scripts scripts_of(const std::filesystem::path& folder);
 
 }  // namespace rosin::app

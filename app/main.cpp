@@ -1,58 +1,61 @@
-/// The `rosin` command: signals, exit statuses, and nothing else.
-#include <fmt/format.h>
-#include <pthread.h>
+/// The `rosin` command: its streams and signals, exit statuses, and nothing else.
+#include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
 
-#include <cstdio>
+#include <cerrno>
+#include <cstring>
 #include <new>
-#include <stdexcept>
-#include <stop_token>
-#include <thread>
 
+#include "app/stopping.hpp"
 #include "app/verbs.hpp"
+#include "core/console.hpp"
 #include "core/error.hpp"
+#include "core/stop.hpp"
 
 namespace {
 
-/// Takes SIGINT and SIGTERM in a thread of its own: the first asks for an orderly end, a second ends at once.
-void watch_signals(std::stop_source stop, bool orderly) {
-  sigset_t watched;
-  sigemptyset(&watched);
-  sigaddset(&watched, SIGINT);
-  sigaddset(&watched, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &watched, nullptr);  // before any other thread starts, which inherits it
-  std::thread([watched, stop, orderly]() mutable {
-    int received = 0;
-    sigwait(&watched, &received);
-    if (orderly) {
-      stop.request_stop();
-      sigwait(&watched, &received);
-    }
-    _exit(rosin::app::interrupted);
-  }).detach();
+/// A stream that the caller has closed is held open by a file that takes nothing, lest a results file gets its number;
+/// a reader that went away and a file that grew too large are errors of a write, not the end of the process.
+void keep_streams_apart() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) _exit(rosin::app::ended_short);
+  for (const int harmless : {SIGPIPE, SIGXFSZ}) signal(harmless, SIG_IGN);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int perform(int argc, char** argv) {
+  using namespace rosin;
   using namespace rosin::app;
   try {
     const auto parsed = parse_command_line(argc, argv);
     if (const int* status = std::get_if<int>(&parsed)) return *status;
     const auto& request = std::get<Request>(parsed);
-    const std::stop_source stop;
-    watch_signals(stop, can_stop(request));
-    const Status status = execute(request, stop.get_token());
-    if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
-    return status;
-  } catch (const rosin::InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    const Listening listening(watch_for_stop(request.time_limit));
+    try {
+      return execute(request);
+    } catch (const Stopped&) {
+      return stopped_early(request, "nothing is kept");
+    }
+  } catch (const InputError& error) {
+    tell("{}\n", error.what());
     return wrong_input;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "rosin: out of memory\n");
+    tell("rosin: out of memory\n");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "rosin: {}\n", error.what());
+    tell("rosin: {}\n", error.what());
   }
   return ended_short;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  keep_streams_apart();
+  const int status = perform(argc, argv);
+  if (const int problem = rosin::output_problem()) {
+    if (problem != EPIPE)  // else whoever read it has seen enough
+      rosin::tell("rosin: standard output cannot be written: {}\n", std::strerror(problem));
+    if (status == rosin::app::done) return rosin::app::ended_short;
+  }
+  return status;
 }

@@ -4,15 +4,16 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 #include <type_traits>
 
 #include "core/error.hpp"
+#include "core/files.hpp"
 
 namespace rosin::app {
 
@@ -31,67 +32,81 @@ static_assert(std::is_trivially_copyable_v<Record>);
 
 constexpr std::uint32_t longest_reason = 1000;
 
-std::uint64_t checksum(std::string_view bytes) {  // FNV-1a
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
-  return hash;
-}
-
 /// The checksummed part of a record.
 std::string_view body(std::string_view bytes) { return bytes.substr(sizeof(Record::checksum)); }
 
-std::string header(const std::string& key) { return fmt::format("rosin map, {} bytes of key\n{}\n", key.size(), key); }
-
-void write_all(int file, std::string_view bytes, const std::filesystem::path& path) {
-  while (!bytes.empty()) {
-    const auto written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0)
-      throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
+constexpr std::string_view first_words = "rosin map, ";
+std::string header(const std::string& key) {
+  return fmt::format("{}{} bytes of key\n{}\n", first_words, key.size(), key);
 }
 
 }  // namespace
 
 Partial::Partial(std::filesystem::path path, const std::string& key, std::size_t points,
                  const std::vector<std::string>& metrics)
-    : path_(std::move(path)), file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+    : path_(std::move(path)),
+      file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666)) {
   for (const auto& name : metrics) kept_.push_back(analysis::find_metric(name).member);
-  if (file_ < 0) throw InputError(fmt::format("{}: cannot be opened: {}", path_.string(), std::strerror(errno)));
-  if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
-    ::close(file_);
-    throw InputError(
-        fmt::format("{}: another rosin computes this map; wait for it or use another --out", path_.string()));
+  const auto refuse = [&](std::string_view why) {
+    if (file_ >= 0) ::close(file_);
+    throw InputError(fmt::format("{}: {}", path_.string(), why));
+  };
+  if (file_ < 0)
+    refuse(errno == ELOOP ? "is a link; no journal of a map is written through one"
+                          : fmt::format("cannot be opened: {}", std::strerror(errno)));
+  struct stat status {};
+  if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) refuse("is no regular file");
+  if (::flock(file_, LOCK_EX | LOCK_NB) != 0)
+    refuse("another rosin computes this map; wait for it or use another --out");
+  std::string content(static_cast<std::size_t>(status.st_size), '\0');
+  for (std::size_t read = 0; read < content.size();) {
+    const auto got = ::pread(file_, content.data() + read, content.size() - read, static_cast<off_t>(read));
+    if (got <= 0) content.resize(read);
+    if (got > 0) read += static_cast<std::size_t>(got);
   }
-  std::ostringstream text;
-  text << std::ifstream(path_, std::ios::binary).rdbuf();
-  const std::string content = std::move(text).str(), expected = header(key);
+  if (!content.empty() && !content.starts_with(first_words.substr(0, content.size())))
+    refuse("is not the journal of a map, and is left as it is; move it away or use another --out");
+  const std::string expected = header(key);
   std::size_t valid = 0;
   if (content.starts_with(expected)) {
     valid = expected.size();
-    while (content.size() - valid >= sizeof(Record)) {
-      Record record;
-      std::memcpy(&record, content.data() + valid, sizeof record);
-      const std::size_t numbers = 2 * sizeof(double) * kept_.size(),
-                        length = sizeof record + numbers + record.reason_length;
-      if (record.reason_length > longest_reason || content.size() - valid < length || record.index >= points) break;
-      const std::string_view bytes(content.data() + valid, length);
-      if (checksum(body(bytes)) != record.checksum) break;
-      MapPoint& point = known_.insert_or_assign(record.index, analysis::undecided_point()).first->second;
-      point.done = true;
-      point.regime = static_cast<analysis::Regime>(record.regime);
-      point.origin = static_cast<analysis::Origin>(record.origin);
-      const char* at = bytes.data() + sizeof record;
-      for (auto* numbers : {&point.metrics, &point.error})
-        for (const auto member : kept_) std::memcpy(&(numbers->*member), at, sizeof(double)), at += sizeof(double);
-      point.why = std::string(bytes.substr(length - record.reason_length));
-      valid += length;
-    }
+    while (const auto length = take(std::string_view(content).substr(valid), points)) valid += length;
+    if (valid < content.size())
+      lost_ = fmt::format("{}: damaged after {} whole records; what follows is computed again", path_.string(),
+                          known_.size());
+  } else if (content.size() > 0) {
+    lost_ = fmt::format("{}: began another map, with other settings or by another version; it is begun afresh",
+                        path_.string());
   }
   if (::ftruncate(file_, static_cast<off_t>(valid)) != 0 || ::lseek(file_, 0, SEEK_END) < 0)
     throw std::runtime_error(fmt::format("{}: {}", path_.string(), std::strerror(errno)));
   if (valid == 0) write_all(file_, expected, path_);
+}
+
+/// Takes over the record that `bytes` begin with. \returns its length; 0 if it is none that such a map writes.
+std::size_t Partial::take(std::string_view bytes, std::size_t points) {
+  Record record;
+  if (bytes.size() < sizeof record) return 0;
+  std::memcpy(&record, bytes.data(), sizeof record);
+  const std::size_t length = sizeof record + 2 * sizeof(double) * kept_.size() + record.reason_length;
+  if (record.reason_length > longest_reason || bytes.size() < length || record.index >= points) return 0;
+  if (record.regime > static_cast<int>(analysis::Regime::failed) ||
+      record.origin > static_cast<int>(analysis::Origin::interpolated))
+    return 0;
+  bytes = bytes.substr(0, length);
+  if (checksum(body(bytes)) != record.checksum) return 0;
+  MapPoint point = analysis::undecided_point();
+  point.done = true;
+  point.regime = static_cast<analysis::Regime>(record.regime);
+  point.origin = static_cast<analysis::Origin>(record.origin);
+  const char* at = bytes.data() + sizeof record;
+  for (auto* numbers : {&point.metrics, &point.error})
+    for (const auto member : kept_) std::memcpy(&(numbers->*member), at, sizeof(double)), at += sizeof(double);
+  for (const auto member : kept_)
+    if (std::isinf(point.metrics.*member) || point.error.*member < 0) return 0;
+  point.why = std::string(bytes.substr(length - record.reason_length));
+  known_.insert_or_assign(record.index, std::move(point));
+  return length;
 }
 
 Partial::~Partial() { ::close(file_); }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -14,7 +15,8 @@ namespace rosin::app {
 class Partial {
  public:
   /// Takes over the records of an earlier run with the same key, up to the first damaged one; else starts afresh.
-  /// `metrics`: names of those that are kept. \throws InputError if another process is computing into the same file.
+  /// `metrics`: names of those that are kept. \throws InputError if another process is computing into the same file,
+  /// and if what stands there is no journal, which is left as it is.
   Partial(std::filesystem::path path, const std::string& key, std::size_t points,
           const std::vector<std::string>& metrics);
   ~Partial();
@@ -23,16 +25,21 @@ class Partial {
   /// The point as an earlier run left it, or nullptr.
   const analysis::MapPoint* known(std::size_t index) const;
   std::size_t known_count() const { return known_.size(); }
+  /// What is not taken over of the journal that was there, and why; empty if nothing is lost.
+  const std::string& lost() const { return lost_; }
   /// Appends some of the points; they survive the end of the process from here on.
   void append(std::span<const std::size_t> indices, const std::vector<analysis::MapPoint>& points);
   /// The map is written elsewhere: the journal is not needed any more.
   void remove();
 
  private:
+  std::size_t take(std::string_view bytes, std::size_t points);
+
   std::filesystem::path path_;
   int file_;
   std::vector<double analysis::Metrics::*> kept_;
   std::unordered_map<std::size_t, analysis::MapPoint> known_;
+  std::string lost_;
 };
 
 }  // namespace rosin::app

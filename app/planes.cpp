@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 #include <netcdf.h>
+#include <netcdf_mem.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 
 #include "app/files.hpp"
@@ -17,17 +19,21 @@ void check(int status) {
   if (status != NC_NOERR) throw std::runtime_error(fmt::format("map.nc: {}", nc_strerror(status)));
 }
 
-/// A file being written: definitions and values in any order (NetCDF-4 needs no define mode).
+/// A file being written in memory, because the HDF5 library does not survive a disk that fills up: definitions and
+/// values in any order (NetCDF-4 needs no define mode).
 class Plane {
  public:
-  explicit Plane(const std::filesystem::path& path) { check(nc_create(path.c_str(), NC_NETCDF4 | NC_CLOBBER, &file_)); }
+  Plane() { check(nc_create_mem("map.nc", NC_NETCDF4, 1 << 16, &file_)); }
   ~Plane() {
     if (open_) nc_abort(file_);
+    std::free(image_.memory);
   }
   Plane(const Plane&) = delete;
-  void close() {
+  /// The bytes of the file; they live as long as this object.
+  std::string_view close() {
     open_ = false;
-    check(nc_close(file_));
+    check(nc_close_memio(file_, &image_));
+    return {static_cast<const char*>(image_.memory), image_.size};
   }
 
   int dimension(const std::string& name, std::size_t length) const {
@@ -62,6 +68,7 @@ class Plane {
  private:
   int file_ = 0;
   bool open_ = true;
+  NC_memio image_{};
 };
 
 std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
@@ -89,68 +96,66 @@ int write_axis(const Plane& plane, const std::string& name, const analysis::Axis
 }  // namespace
 
 void write_plane(const std::filesystem::path& path, const Scene& scene, const analysis::Map& map) {
-  write_whole(path, [&](const std::filesystem::path& temporary) {
-    Plane plane(temporary);
-    plane.attribute(NC_GLOBAL, "title", scene.title);
-    plane.attribute(NC_GLOBAL, "version", std::string("rosin ") + ROSIN_VERSION);
-    plane.attribute(NC_GLOBAL, "scene", scene.resolved);
-    plane.attribute(NC_GLOBAL, "tolerance", scene.map.tolerance);
-    plane.attribute(NC_GLOBAL, "stick_threshold", scene.map.stick_threshold);
+  Plane plane;
+  plane.attribute(NC_GLOBAL, "title", scene.title);
+  plane.attribute(NC_GLOBAL, "version", std::string("rosin ") + ROSIN_VERSION);
+  plane.attribute(NC_GLOBAL, "scene", scene.resolved);
+  plane.attribute(NC_GLOBAL, "tolerance", scene.map.tolerance);
+  plane.attribute(NC_GLOBAL, "stick_threshold", scene.map.stick_threshold);
 
-    auto x_name = last_part(map.x.parameter), y_name = last_part(map.y.parameter);
-    if (x_name == y_name) x_name = whole_path(map.x.parameter), y_name = whole_path(map.y.parameter);
-    const int x = write_axis(plane, x_name, map.x, scene.model), y = write_axis(plane, y_name, map.y, scene.model);
+  auto x_name = last_part(map.x.parameter), y_name = last_part(map.y.parameter);
+  if (x_name == y_name) x_name = whole_path(map.x.parameter), y_name = whole_path(map.y.parameter);
+  const int x = write_axis(plane, x_name, map.x, scene.model), y = write_axis(plane, y_name, map.y, scene.model);
 
-    std::vector<signed char> regimes;
-    for (const auto& point : map.points) regimes.push_back(static_cast<signed char>(point.regime));
-    const int regime = plane.variable("regime", NC_BYTE, {y, x});
-    plane.attribute(regime, "long_name", "what the slider settles on");
-    plane.attribute(regime, "flag_values", std::vector<signed char>{0, 1, 2, 3});
-    plane.attribute(regime, "flag_meanings", "stable cycle bistable failed");
-    plane.values(regime, regimes);
+  std::vector<signed char> regimes;
+  for (const auto& point : map.points) regimes.push_back(static_cast<signed char>(point.regime));
+  const int regime = plane.variable("regime", NC_BYTE, {y, x});
+  plane.attribute(regime, "long_name", "what the slider settles on");
+  plane.attribute(regime, "flag_values", std::vector<signed char>{0, 1, 2, 3});
+  plane.attribute(regime, "flag_meanings", "stable cycle bistable failed");
+  plane.values(regime, regimes);
 
-    std::vector<double> column(map.points.size());
-    const auto write_metric = [&](const std::string& name, const analysis::MetricName& metric,
-                                  analysis::Metrics analysis::MapPoint::*part, const std::string& meaning) {
-      for (std::size_t i = 0; i < column.size(); ++i) column[i] = map.points[i].*part.*metric.member;
-      const int variable = plane.variable(name, NC_DOUBLE, {y, x});
-      plane.attribute(variable, "units", std::string(metric.unit));
-      plane.attribute(variable, "long_name", meaning);
-      plane.values(variable, column);
-    };
-    for (const auto& wanted : scene.map.metrics) {
-      const auto& metric = analysis::find_metric(wanted);
-      write_metric(wanted, metric, &analysis::MapPoint::metrics, metric.meaning);
-      write_metric(wanted + "_error", metric, &analysis::MapPoint::error, "absolute error of " + wanted);
+  std::vector<double> column(map.points.size());
+  const auto write_metric = [&](const std::string& name, const analysis::MetricName& metric,
+                                analysis::Metrics analysis::MapPoint::*part, const std::string& meaning) {
+    for (std::size_t i = 0; i < column.size(); ++i) column[i] = map.points[i].*part.*metric.member;
+    const int variable = plane.variable(name, NC_DOUBLE, {y, x});
+    plane.attribute(variable, "units", std::string(metric.unit));
+    plane.attribute(variable, "long_name", meaning);
+    plane.values(variable, column);
+  };
+  for (const auto& wanted : scene.map.metrics) {
+    const auto& metric = analysis::find_metric(wanted);
+    write_metric(wanted, metric, &analysis::MapPoint::metrics, metric.meaning);
+    write_metric(wanted + "_error", metric, &analysis::MapPoint::error, "absolute error of " + wanted);
+  }
+
+  const auto write_line = [&](const std::string& name, const std::string& dimension, const analysis::Polyline& line,
+                              const std::string& meaning) {
+    const bool any = !line.x.empty();  // a dimension of length zero would mean an unlimited one
+    const std::vector<double> none = {std::nan("")};
+    const int vertices = plane.dimension(dimension, any ? line.x.size() : 1);
+    for (const auto& [suffix, axis, coordinates] :
+         {std::tuple{"_x", &map.x, any ? &line.x : &none}, std::tuple{"_y", &map.y, any ? &line.y : &none}}) {
+      const int variable = plane.variable(name + suffix, NC_DOUBLE, {vertices});
+      plane.attribute(variable, "path", axis->parameter);
+      plane.attribute(variable, "units", scene.model.describe(axis->parameter).unit);
+      plane.attribute(variable, "long_name", meaning + "; NaN between separate lines");
+      plane.values(variable, *coordinates);
     }
+  };
+  write_line("threshold", "vertex", map.threshold, "threshold of steady sliding");
+  write_line("fold", "fold_vertex", map.fold, "fold of cycles below a subcritical threshold");
+  plane.attribute(NC_GLOBAL, "fold_error_decades", map.fold_error);
 
-    const auto write_line = [&](const std::string& name, const std::string& dimension, const analysis::Polyline& line,
-                                const std::string& meaning) {
-      const bool any = !line.x.empty();  // a dimension of length zero would mean an unlimited one
-      const std::vector<double> none = {std::nan("")};
-      const int vertices = plane.dimension(dimension, any ? line.x.size() : 1);
-      for (const auto& [suffix, axis, coordinates] :
-           {std::tuple{"_x", &map.x, any ? &line.x : &none}, std::tuple{"_y", &map.y, any ? &line.y : &none}}) {
-        const int variable = plane.variable(name + suffix, NC_DOUBLE, {vertices});
-        plane.attribute(variable, "path", axis->parameter);
-        plane.attribute(variable, "units", scene.model.describe(axis->parameter).unit);
-        plane.attribute(variable, "long_name", meaning + "; NaN between separate lines");
-        plane.values(variable, *coordinates);
-      }
-    };
-    write_line("threshold", "vertex", map.threshold, "threshold of steady sliding");
-    write_line("fold", "fold_vertex", map.fold, "fold of cycles below a subcritical threshold");
-    plane.attribute(NC_GLOBAL, "fold_error_decades", map.fold_error);
-
-    std::vector<signed char> origins;
-    for (const auto& point : map.points) origins.push_back(static_cast<signed char>(point.origin));
-    const int origin = plane.variable("origin", NC_BYTE, {y, x});
-    plane.attribute(origin, "long_name", "where the numbers come from");
-    plane.attribute(origin, "flag_values", std::vector<signed char>{0, 1, 2});
-    plane.attribute(origin, "flag_meanings", "decided computed interpolated");
-    plane.values(origin, origins);
-    plane.close();
-  });
+  std::vector<signed char> origins;
+  for (const auto& point : map.points) origins.push_back(static_cast<signed char>(point.origin));
+  const int origin = plane.variable("origin", NC_BYTE, {y, x});
+  plane.attribute(origin, "long_name", "where the numbers come from");
+  plane.attribute(origin, "flag_values", std::vector<signed char>{0, 1, 2});
+  plane.attribute(origin, "flag_meanings", "decided computed interpolated");
+  plane.values(origin, origins);
+  write_whole(path, plane.close());
 }
 
 }  // namespace rosin::app

@@ -4,15 +4,16 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <string>
+
+#include "core/console.hpp"
 
 namespace rosin::app {
 
 Progress::Progress(bool quiet) : visible_(!quiet && isatty(STDERR_FILENO)) {}
 
 Progress::~Progress() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) write_message("\r\033[K");
 }
 
 void Progress::show(std::size_t done, std::size_t total, double work) {
@@ -29,9 +30,8 @@ void Progress::show(std::size_t done, std::size_t total, double work) {
     const double spent = std::chrono::duration<double>(now - begin_).count();
     left = fmt::format(", {:.0f} s left", spent * (1 - work) / work);
   }
-  fmt::print(stderr, "\r\033[K[{}{}] {:3.0f} %, {} of {} points{}", std::string(filled, '='),
-             std::string(width - filled, ' '), 100 * work, done, total, left);
-  std::fflush(stderr);
+  write_message(fmt::format("\r\033[K[{}{}] {:3.0f} %, {} of {} points{}", std::string(filled, '='),
+                            std::string(width - filled, ' '), 100 * work, done, total, left));
 }
 
 std::function<void(const analysis::MapProgress&)> Progress::of_map() {

@@ -1,19 +1,35 @@
 /// Reading records: text by blocks of a mebibyte, NetCDF by hyperslabs, and the check that time runs evenly.
 #include "app/record.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <netcdf.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <system_error>
 
 #include "app/header.hpp"
 #include "core/error.hpp"
+#include "core/files.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::app {
 
@@ -22,12 +38,22 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t block_length = 1 << 16;
 
+/// The first line of a file that is no record may be anything, a secret too: only what reads as a name is shown.
+bool reads_as_name(const std::string& name) {
+  constexpr std::size_t longest = 60;
+  return !name.empty() && name.size() <= longest && std::ranges::all_of(name, [](unsigned char c) {
+    return std::isalnum(c) || c >= 0x80 || std::string_view("_- .'").find(char(c)) != std::string_view::npos;
+  });
+}
+
 /// `header`: the line that was taken for it, of a text.
-[[noreturn]] void no_column(const RecordSource& source, const std::string& name, const std::vector<std::string>& known,
+[[noreturn]] void no_column(const RecordSource& source, const std::string& name, std::vector<std::string> known,
                             long header = 0) {
+  std::erase_if(known, std::not_fn(reads_as_name));
   const auto near = nearest_name(name, known);
-  const auto hint =
-      near.empty() ? fmt::format("; it has {}", fmt::join(known, ", ")) : fmt::format("; did you mean '{}'?", near);
+  const auto hint = !near.empty()   ? fmt::format("; did you mean '{}'?", near)
+                    : known.empty() ? std::string("; its first line holds no names of columns")
+                                    : fmt::format("; it has {}", fmt::join(known, ", "));
   const auto cure =
       header > 0 && near.empty()
           ? fmt::format(
@@ -227,16 +253,12 @@ class NetcdfRows final : public Rows {
         throw InputError(fmt::format("{}: '{}' has {} samples, '{}' has {}", path_, column.name, length,
                                      variables_.front().name, length_));
       length_ = length;
-      std::string unit;
-      std::size_t size = 0;
-      if (nc_inq_attlen(file_.id, variable.id, "units", &size) == NC_NOERR) {
-        unit.resize(size);
-        check(nc_get_att_text(file_.id, variable.id, "units", unit.data()));
-        unit.resize(std::strlen(unit.c_str()));
-      }
-      nc_get_att_double(file_.id, variable.id, "_FillValue", &variable.fill);
+      nc_type type = NC_NAT;
+      check(nc_inq_vartype(file_.id, variable.id, &type));
+      if (!holds_numbers(type)) throw InputError(fmt::format("{}: '{}' holds no numbers", path_, column.name));
+      variable.fill = fill_value(variable);
       HeaderCell cell = header_cell(column.name);
-      if (!unit.empty()) cell = {column.name, column.name, unit};
+      if (const auto unit = unit_of(variable); !unit.empty()) cell = {column.name, column.name, unit};
       variable.factor = factor(source, column, cell);
       variables_.push_back(variable);
     }
@@ -271,6 +293,46 @@ class NetcdfRows final : public Rows {
     double factor, fill;
     std::string name;
   };
+
+  static bool holds_numbers(nc_type type) { return type >= NC_BYTE && type <= NC_UINT64 && type != NC_CHAR; }
+  /// Type and length of an attribute, or nothing; what the library hands over is as long as the file says.
+  std::optional<std::pair<nc_type, std::size_t>> attribute(const Variable& variable, const char* name) const {
+    nc_type type = NC_NAT;
+    std::size_t length = 0;
+    const int status = nc_inq_att(file_.id, variable.id, name, &type, &length);
+    if (status == NC_ENOTATT) return std::nullopt;
+    check(status);
+    return std::pair{type, length};
+  }
+  double fill_value(const Variable& variable) const {
+    double fill = std::nan("");
+    const auto found = attribute(variable, "_FillValue");
+    if (!found) return fill;
+    if (!holds_numbers(found->first) || found->second != 1)
+      throw InputError(fmt::format("{}: '{}': its _FillValue must be one number, not {} values", path_, variable.name,
+                                   found->second));
+    check(nc_get_att_double(file_.id, variable.id, "_FillValue", &fill));
+    return fill;
+  }
+  std::string unit_of(const Variable& variable) const {
+    constexpr std::size_t longest = 1000;
+    const auto found = attribute(variable, "units");
+    if (!found) return "";
+    std::string unit;
+    if (found->first == NC_CHAR && found->second <= longest) {
+      unit.resize(found->second);
+      check(nc_get_att_text(file_.id, variable.id, "units", unit.data()));
+    } else if (found->first == NC_STRING && found->second == 1) {
+      char* given = nullptr;
+      check(nc_get_att_string(file_.id, variable.id, "units", &given));
+      unit = given ? std::string(given).substr(0, longest) : "";
+      nc_free_string(1, &given);
+    } else {
+      throw InputError(
+          fmt::format("{}: '{}': its units must be a text of at most {} characters", path_, variable.name, longest));
+    }
+    return unit.substr(0, unit.find('\0'));
+  }
   void check(int status) const {
     if (status != NC_NOERR) throw InputError(fmt::format("{}: {}", path_, nc_strerror(status)));
   }
@@ -284,6 +346,111 @@ class NetcdfRows final : public Rows {
   Handle file_;
   std::size_t length_ = 0, at_ = 0;
   std::vector<Variable> variables_;
+};
+
+/// Rows that another process reads: a damaged NetCDF file may crash or hang the HDF5 library, which must cost neither
+/// the command nor what it has computed.
+class RowsOfChild final : public Rows {
+ public:
+  /// `open`: makes the rows within the child.
+  RowsOfChild(std::string path, std::size_t columns, const std::function<std::unique_ptr<Rows>()>& open)
+      : path_(std::move(path)), columns_(columns) {
+    std::array<int, 2> pipe{};
+    if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+    child_ = ::fork();
+    if (child_ == 0) hand_over(pipe[1], open);
+    ::close(pipe[1]);
+    from_child_ = pipe[0];
+    if (child_ < 0) throw std::system_error(errno, std::generic_category(), "fork");
+  }
+  ~RowsOfChild() override {
+    ::close(from_child_);
+    if (child_ <= 0) return;
+    ::kill(child_, SIGKILL);
+    ::waitpid(child_, nullptr, 0);
+  }
+  RowsOfChild(const RowsOfChild&) = delete;
+
+  bool read(std::vector<std::vector<double>>& block) override {
+    Head head{};
+    receive(&head, sizeof head);
+    if (head.kind == Kind::end) return false;
+    if (head.kind == Kind::refusal) {
+      std::string text(std::min(head.length, longest_text), ' ');
+      receive(text.data(), text.size());
+      throw InputError(text);
+    }
+    if (head.kind != Kind::rows || head.length > block_length) damaged();
+    for (auto& column : block) {
+      const auto before = column.size();
+      column.resize(before + head.length);
+      receive(column.data() + before, head.length * sizeof(double));
+    }
+    return true;
+  }
+  std::string place(long sample) const override { return fmt::format("{}: sample {}", path_, sample); }
+
+ private:
+  enum class Kind : std::uint64_t { rows = 1, refusal, end };
+  struct Head {
+    Kind kind;
+    std::uint64_t length;  ///< rows, or characters
+  };
+  static constexpr std::uint64_t longest_text = 10'000;
+
+  [[noreturn]] void hand_over(int pipe, const std::function<std::unique_ptr<Rows>()>& open) const {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    const rlimit none{0, 0};
+    ::setrlimit(RLIMIT_CORE, &none);
+    for (const int crash : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) ::signal(crash, SIG_DFL);
+    if (const int silence = ::open("/dev/null", O_WRONLY); silence >= 0) ::dup2(silence, STDERR_FILENO);
+    const auto send = [&](const void* bytes, std::size_t length) {
+      write_all(pipe, {static_cast<const char*>(bytes), length}, path_);
+    };
+    try {
+      std::string refusal;
+      try {
+        const auto rows = open();
+        std::vector<std::vector<double>> block(columns_);
+        while (rows->read(block)) {
+          const Head head{Kind::rows, block.front().size()};
+          send(&head, sizeof head);
+          for (auto& column : block) {
+            send(column.data(), column.size() * sizeof(double));
+            column.clear();
+          }
+        }
+      } catch (const InputError& error) {
+        refusal = std::string(error.what()).substr(0, longest_text);
+      }
+      const Head head{refusal.empty() ? Kind::end : Kind::refusal, refusal.size()};
+      send(&head, sizeof head);
+      send(refusal.data(), refusal.size());
+    } catch (...) {  // the parent misses the end
+    }
+    ::_exit(0);
+  }
+
+  void receive(void* bytes, std::size_t length) const {
+    auto* at = static_cast<char*>(bytes);
+    while (length > 0) {
+      constexpr int moment = 100;  // ms
+      pollfd waiting{from_child_, POLLIN, 0};
+      while (::poll(&waiting, 1, moment) <= 0) end_if_stopped();
+      const auto got = ::read(from_child_, at, length);
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) damaged();
+      at += got, length -= std::size_t(got);
+    }
+  }
+  [[noreturn]] void damaged() const {
+    throw InputError(fmt::format("{}: is damaged: the library that reads NetCDF crashed on it", path_));
+  }
+
+  std::string path_;
+  std::size_t columns_;
+  pid_t child_ = -1;
+  int from_child_ = -1;
 };
 
 // ---------------------------------------------------------------- even time
@@ -344,13 +511,16 @@ class Clock {
 
 RecordEnd read_record(const RecordSource& source,
                       const std::function<void(double, std::span<const std::span<const double>>)>& use) {
-  if (!fs::is_regular_file(source.file)) throw InputError(fmt::format("{}: no such file", source.file.string()));
+  if (!fs::is_regular_file(source.file))
+    throw InputError(fmt::format("{}: {}", source.file.string(),
+                                 fs::exists(source.file) ? "is not a regular file" : "no such file"));
   auto wanted = source.columns;
   if (source.time) wanted.push_back(*source.time);
   const auto ending = source.file.extension();
   std::unique_ptr<Rows> rows;
   if (ending == ".nc" || ending == ".nc4" || ending == ".cdf")
-    rows = std::make_unique<NetcdfRows>(source, wanted);
+    rows = std::make_unique<RowsOfChild>(source.file.string(), wanted.size(),
+                                         [&] { return std::make_unique<NetcdfRows>(source, wanted); });
   else
     rows = std::make_unique<TextRows>(source, wanted);
 

@@ -349,6 +349,7 @@ std::string to_json(const Scene& scene, const Manifest& manifest) {
   auto document = begin(scene, manifest.verb.c_str(), manifest.outcome);
   document["date"] = utc_now();
   document["scene"] = scene.path;
+  if (scene.experiment) document["experiment"] = scene.experiment->name;
   document["overrides"] = manifest.overrides;
   document["scene_resolved"] = scene.resolved;
   auto& parameters = document["parameters"] = ordered_json::object();
@@ -358,8 +359,16 @@ std::string to_json(const Scene& scene, const Manifest& manifest) {
   document["tolerance"] = {{"asked", manifest.tolerance_asked}, {"reached", manifest.tolerance_reached}};
   document["cost"] = manifest.cost;
   document["files"] = manifest.files;
+  document["scripts"] = manifest.scripts;
   document["notes"] = scene.notes;
   return text(document);
+}
+
+std::string to_json(const std::string& verb, const Outcome& outcome) {
+  return text({{"verb", verb},
+               {"version", ROSIN_VERSION},
+               {"outcome", name(outcome.ending)},
+               {"outcome_detail", outcome.detail}});
 }
 
 }  // namespace rosin::app

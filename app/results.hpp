@@ -59,6 +59,7 @@ struct Manifest {
   std::map<std::string, double> cost;
   Outcome outcome;
   std::vector<std::string> overrides, files;
+  std::map<std::string, std::string> scripts;  ///< for gnuplot, and the checksums by which they are known as ours
 };
 
 // Numbers are printed so that they read back the same; what is absent or not finite is null.
@@ -72,5 +73,7 @@ std::string to_json(const Scene&, const Comparison&);
 std::string to_json(const Scene&, const DesignResult&);
 std::string to_json(const Scene&, const analysis::lab::Result&);
 std::string to_json(const Scene&, const Manifest&);
+/// Of work that ended before there was a result.
+std::string to_json(const std::string& verb, const Outcome&);
 
 }  // namespace rosin::app

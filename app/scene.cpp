@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <utility>
 
@@ -18,6 +18,7 @@
 #include "app/header.hpp"
 #include "app/scene_table.hpp"
 #include "core/error.hpp"
+#include "core/files.hpp"
 #include "laws/catalogue.hpp"
 #include "laws/formula.hpp"
 #include "laws/heating.hpp"
@@ -30,22 +31,43 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t largest_scene = 10'000'000, largest_record = 200'000'000;  // bytes
 
-std::string read_file(const fs::path& path, std::uintmax_t largest) {
-  std::error_code problem;
-  const auto status = fs::status(path, problem);
-  const auto shown = path.string();
-  if (!fs::exists(status)) throw InputError(fmt::format("{}: no such file", shown));
-  if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder, not a file", shown));
-  if (!fs::is_regular_file(status)) throw InputError(fmt::format("{}: is not a regular file", shown));
-  const auto size = fs::file_size(path, problem);
-  if (!problem && size > largest)
-    throw InputError(
-        fmt::format("{}: has {:.1f} MB, more than the {} MB that are read", shown, size / 1e6, largest / 1'000'000));
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw InputError(fmt::format("{}: cannot be read", shown));
-  return std::move(text).str();
+constexpr int deepest = 100;  // levels: parsing and every walk over a scene goes as deep into the stack
+
+/// Brackets within brackets and keys with dots, counted without parsing them. \throws InputError with the line.
+void check_depth(std::string_view text, std::string_view origin) {
+  std::vector<int> dots = {0};  // of the key at hand, and of those that it lies within
+  int line = 1, levels = 0;
+  const auto skip_string = [&](std::size_t begin) {  // returns the index of its last character
+    const char quote = text[begin];
+    const bool multi = text.substr(begin, 3) == std::string(3, quote);
+    const auto end = multi ? text.substr(begin, 3) : text.substr(begin, 1);
+    std::size_t i = begin + end.size();
+    for (; i < text.size() && text.substr(i, end.size()) != end; ++i) {
+      if (text[i] == '\n' && !multi) return i - 1;
+      line += text[i] == '\n';
+      if (quote == '"' && text[i] == '\\') ++i;
+    }
+    return i + end.size() - 1;
+  };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      i = skip_string(i);
+    } else if (c == '#') {
+      i = std::min(text.find('\n', i), text.size()) - 1;
+    } else if (c == '[' || c == '{') {
+      dots.push_back(0), ++levels;
+    } else if ((c == ']' || c == '}') && dots.size() > 1) {
+      levels -= 1 + dots.back(), dots.pop_back();
+    } else if (c == '.') {
+      ++dots.back(), ++levels;
+    } else if (c == ',' || (c == '\n' && dots.size() == 1)) {
+      levels -= std::exchange(dots.back(), 0);
+    }
+    line += c == '\n';
+    if (levels > deepest)
+      throw InputError(fmt::format("{}:{}: tables or lists lie more than {} levels deep", origin, line, deepest));
+  }
 }
 
 // ---------------------------------------------------------------- overrides
@@ -57,11 +79,13 @@ void place_at(toml::table& table, std::string_view key, toml::node& node) {
 
 /// Parses "path=value" and puts the value into the scene.
 void apply_override(toml::table& scene, const std::string& given) {
-  const std::string origin = std::string(override_mark) + given;
+  constexpr std::size_t shown = 200;
+  const std::string origin = std::string(override_mark) + (given.size() > shown ? given.substr(0, shown) + "…" : given);
   const auto equals = given.find('=');
   if (equals == std::string::npos || equals == 0)
     throw InputError(fmt::format("{}: must read path=value, such as --set drive.speed=1e-5", origin));
   const std::string path = given.substr(0, equals), value = given.substr(equals + 1);
+  check_depth(path + " = " + value, origin);
 
   toml::table parsed;
   try {
@@ -98,7 +122,7 @@ void apply_override(toml::table& scene, const std::string& given) {
 /// header with other units. \throws InputError with the line.
 Signal::Table read_signal(const fs::path& path, const std::string& unit) {
   Signal::Table record;
-  std::istringstream lines(read_file(path, largest_record));
+  std::istringstream lines(read_whole(path, largest_record));
   std::string line;
   double time_factor = 1, value_factor = 1;
   bool begun = false;
@@ -210,14 +234,14 @@ Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::p
       if (band.size() != 2) fail(noise->source(), "{} needs two frequencies", keys.path("band"));
       form.band.low = band[0], form.band.high = band[1];
       int seed = 1;
-      keys.read("seed", seed, 0, "of the random numbers");
+      keys.read("seed", seed, 0, largest_seed, "of the random numbers");
       form.band.seed = std::uint64_t(seed);
       keys.finish();
       return Signal(form);
     }
     Signal::Harmonics form{0, {}};
     if (mean) form.mean = number(*mean, unbounded);
-    for (const auto& element : list(*harmonics, quantity.name + ".harmonics", "tables")) {
+    for (const auto& element : list(*harmonics, quantity.name + ".harmonics", "tables", most_names)) {
       Table keys(element, quantity.name + ".harmonics");
       Signal::Harmonic term{0, 0, 0};
       keys.required("amplitude", quantity.unit);
@@ -562,7 +586,7 @@ void read_run(Table table, analysis::RunOptions& run, const FrictionLaw& law, an
   table.read("duration", run.duration, {"", "s", {1e-15, 1e15}, "time that is computed"});
   if (times && run.times.back() > run.duration)
     fail(times->source(), "run.times ends at {} s, after run.duration = {} s", run.times.back(), run.duration);
-  table.read("samples", run.samples, 1, "equal intervals of the record");
+  table.read("samples", run.samples, 1, most_points, "equal intervals of the record");
   if (const auto* start = table.find("start")) {
     if (plane)
       read_plane_start(*start, table.path("start"), *plane);
@@ -596,7 +620,7 @@ analysis::Axis read_axis(Table table, const oscillators::Model& model) {
   int points = 0;
   table.read("from", from, quantity);
   table.read("to", to, quantity);
-  table.read("points", points, 2, "number of values");
+  table.read("points", points, 2, most_points, "number of values");
   bool logarithmic = true;
   if (const auto* scale = table.find("scale"))
     logarithmic = choice(*scale, table.path("scale"), {"log", "linear"}) == "log";
@@ -646,7 +670,7 @@ void read_curve(Table table, CurveOptions& curve) {
   table.read("to", curve.to, speed);
   if (!(curve.from < curve.to))
     fail(table.source(), "curve.from = {} must be below curve.to = {}", curve.from, curve.to);
-  table.read("points", curve.points, 2, "number of slip rates");
+  table.read("points", curve.points, 2, 1'000'000, "number of slip rates");
   table.read("normal_load", curve.normal_load, mechanical("drive.normal_load"));
   table.finish();
 }
@@ -700,13 +724,13 @@ void read_solver(Table table, analysis::RunOptions& run) {
 
 void read_study(Table table, analysis::StudyOptions& study) {
   if (const auto* dimensions = table.find("dimensions")) {
-    study.dimensions = count(*dimensions, table.path("dimensions"), 1, "1 or 2");
+    study.dimensions = count(*dimensions, table.path("dimensions"), 1, 2, "1 or 2");
     if (study.dimensions > 2) fail(dimensions->source(), "study.dimensions = {} is outside 1 … 2", study.dimensions);
     if (study.dimensions == 2) study.window_threshold = 0.2751;
   }
-  table.read("cases", study.cases, 1, "random oscillators");
+  table.read("cases", study.cases, 1, 1'000'000, "random oscillators");
   int seed = 1;
-  table.read("seed", seed, 0, "of the random oscillators");
+  table.read("seed", seed, 0, largest_seed, "of the random oscillators");
   study.seed = static_cast<std::uint64_t>(seed);
   if (const auto* names = table.find("algorithms")) {
     study.algorithms = texts(*names, table.path("algorithms"));
@@ -714,12 +738,12 @@ void read_study(Table table, analysis::StudyOptions& study) {
   }
   table.read("start_factor", study.start_factor, {"", "1", {1.000001, 1e6}, "start over where stick could hold"});
   table.read("duration_factor", study.duration_factor, {"", "1", {1e-3, 1e3}, "time in four decay times"});
-  table.read("steps_per_period", study.steps_per_period, 600, "steps of the shortest period");
-  table.read("most_sticks", study.most_sticks, 1, "sticks with which a motion ends");
+  table.read("steps_per_period", study.steps_per_period, 600, 1'000'000, "steps of the shortest period");
+  table.read("most_sticks", study.most_sticks, 1, 1'000'000, "sticks with which a motion ends");
   table.read("window_share", study.window_share, {"", "1", {1e-9, 1}, "window of o-fbfm over the average speed"});
   table.read("window_threshold", study.window_threshold,
              {"", "1", {1e-6, 1e6}, "threshold of the distribution of o-fbfm's errors"});
-  table.read("show", study.show, 0, "case whose motions are drawn");
+  table.read("show", study.show, 0, 1'000'000, "case whose motions are drawn");
   table.finish();
 }
 
@@ -741,7 +765,7 @@ std::vector<analysis::Property> read_properties(const toml::node& node, const st
       keys.required("to", "highest slip rate, m/s");
       keys.read("from", from, speed);
       keys.read("to", to, speed);
-      keys.read("points", points, 2, "slip rates along the curve");
+      keys.read("points", points, 2, 1'000'000, "slip rates along the curve");
       if (!(from < to)) fail(element.source(), "{}: from = {} must be below to = {}", path, from, to);
       const auto curve = analysis::steady_curve(from, to, points);
       properties.insert(properties.end(), curve.begin(), curve.end());
@@ -809,7 +833,7 @@ void read_compare(Table table, Scene& scene, Verb verb) {
   }
   const bool of_parameter = verb == Verb::design && !compare.parameter.empty();
   if (const auto* members = table.find("members"))
-    for (const auto& element : list(*members, "compare.members", "tables"))
+    for (const auto& element : list(*members, "compare.members", "tables", most_names))
       compare.members.push_back(read_member(element, scene.model));
   if (!of_parameter && compare.members.size() < 2)
     fail(table.source(), "compare.members needs two members or more, each a table with a name and what it changes");
@@ -866,7 +890,7 @@ analysis::lab::Sensor read_sensor(Table table, const std::vector<std::string>& c
   table.read("sample_rate", sensor.sample_rate, {"", "Hz", {1e-15, 1e15}, "samples per second"});
   table.read("low_pass", sensor.low_pass, {"", "Hz", {1e-15, 1e15}, "corner frequency of the pole before sampling"});
   int seed = 1;
-  table.read("seed", seed, 0, "of the noise");
+  table.read("seed", seed, 0, largest_seed, "of the noise");
   sensor.seed = static_cast<std::uint64_t>(seed);
   if (auto noise = table.table("noise")) sensor.noise = read_columns(*noise, columns, "rms of white noise, SI");
   if (auto step = table.table("resolution"))
@@ -888,8 +912,9 @@ void read_lab(Table table, Scene& scene, const fs::path& folder) {
       if (quantity.is_list)
         task.settings.set(name, numbers(*node, quantity));
       else if (setting.whole)
-        task.settings.set(name,
-                          double(count(*node, quantity.name, static_cast<int>(quantity.range.low), quantity.meaning)));
+        task.settings.set(name, double(count(*node, quantity.name, static_cast<int>(quantity.range.low),
+                                             static_cast<int>(std::min<double>(quantity.range.high, most_points)),
+                                             quantity.meaning)));
       else
         task.settings.set(name, number(*node, quantity));
     });
@@ -947,6 +972,7 @@ void write_table(std::string& out, const toml::table& table, std::string_view na
 }
 
 toml::table parse(const std::string& path, std::string_view content) {
+  check_depth(content, path);
   try {
     return toml::parse(content, path);
   } catch (const toml::parse_error& error) {
@@ -954,20 +980,17 @@ toml::table parse(const std::string& path, std::string_view content) {
   }
 }
 
-}  // namespace
+/// Where each key stands, by its path.
+void note_places(const toml::node& node, const std::string& path, std::map<std::string, std::string>& places) {
+  if (!path.empty()) places[path] = place(node.source());
+  if (const auto* table = node.as_table())
+    for (const auto& [key, inner] : *table)
+      note_places(inner, path.empty() ? std::string(key.str()) : fmt::format("{}.{}", path, key.str()), places);
+}
 
-Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb verb,
-                 std::string_view experiment) {
-  const auto* chosen = verb == Verb::lab ? &analysis::lab::find_experiment(experiment) : nullptr;
-  const auto content = read_file(path, largest_scene);
-  if (content.find_first_not_of(" \t\r\n") == std::string::npos)
-    throw InputError(fmt::format("{}:1:1: the file is empty; a scene needs at least [law] with a type", path));
-  toml::table document = parse(path, content);
-  for (const auto& override : overrides) apply_override(document, override);
-
-  Scene scene;
-  scene.path = path;
-  scene.name = fs::path(path).stem().string();
+/// Reads what the verb asks of the scene; `chosen`: the experiment of the verb lab.
+void read_tables(const toml::table& document, Verb verb, const analysis::lab::Experiment* chosen, Scene& scene) {
+  const fs::path folder = fs::path(scene.path).parent_path();
   Table root(document, "");
   for (const char* table : {"sweep", "branch", "lyapunov"}) root.refuse(table);
   root.expect({"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "compare", "fit",
@@ -977,9 +1000,8 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     read_study(Table(root.required("study", "cases, seed and algorithms"), "study"), scene.study);
     root.finish();
     write_table(scene.resolved, document, "");
-    return scene;
+    return;
   }
-  const fs::path folder = fs::path(path).parent_path();
   const auto* response = document.at_path("frf.record").node();  // a measured one needs neither law nor drive
   if (verb == Verb::frf && response && !document.contains("law") && !document.contains("drive")) {
     scene.frf_predicts = false;
@@ -987,7 +1009,7 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     read_frf(*table, scene, nullptr, folder);
     root.finish();
     write_table(scene.resolved, document, "");
-    return scene;
+    return;
   }
   read_law(Table(root.required("law", "the friction law"), "law"), scene.model);
 
@@ -1014,7 +1036,7 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     if (auto table = root.table("solver")) read_solver(*table, scene.run);
     root.finish();
     write_table(scene.resolved, document, "");
-    return scene;
+    return;
   }
   if (oscillator) read_oscillator(Table(*oscillator, "oscillator"), scene.model.slider, complete);
   const toml::node* drive = root.find("drive");
@@ -1080,7 +1102,50 @@ Scene read_scene(const std::string& path, std::span<const std::string> overrides
     }
 
   write_table(scene.resolved, document, "");
+}
+
+}  // namespace
+
+Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb verb,
+                 std::string_view experiment) {
+  const auto* chosen = verb == Verb::lab ? &analysis::lab::find_experiment(experiment) : nullptr;
+  const auto content = read_whole(path, largest_scene);
+  if (content.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw InputError(fmt::format("{}:1:1: the file is empty; a scene needs at least [law] with a type", path));
+  toml::table document = parse(path, content);
+  for (const auto& override : overrides) apply_override(document, override);
+
+  Scene scene;
+  scene.path = path;
+  note_places(document, "", scene.places);
+  try {
+    read_tables(document, verb, chosen, scene);
+  } catch (const PlacedError&) {
+    throw;
+  } catch (const InputError& error) {
+    throw InputError(scene.placed(error.what()));
+  }
   return scene;
+}
+
+std::string Scene::placed(const std::string& text) const {
+  if (text.starts_with(path) || text.starts_with(override_mark)) return text;
+  const auto is_part = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.';
+  };
+  std::string above;  // the place of a table that a key would stand in
+  for (auto begin = text.begin(); begin != text.end();) {
+    begin = std::find_if(begin, text.end(), is_part);
+    const auto end = std::find_if_not(begin, text.end(), is_part);
+    std::string word(begin, end);
+    begin = end;
+    while (word.ends_with('.')) word.pop_back();
+    if (word.find('.') == std::string::npos) continue;
+    if (const auto place = places.find(word); place != places.end()) return fmt::format("{}: {}", place->second, text);
+    if (const auto place = places.find(word.substr(0, word.rfind('.'))); place != places.end() && above.empty())
+      above = place->second;
+  }
+  return fmt::format("{}: {}", above.empty() ? path : above, text);
 }
 
 }  // namespace rosin::app

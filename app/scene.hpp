@@ -1,5 +1,6 @@
 /// Scenes: what a user asks of a model, read from a TOML file and `--set` overrides, and checked before any work.
 #pragma once
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -90,7 +91,6 @@ struct FitTask {
 
 struct Scene {
   std::string path;  ///< as the user gave it
-  std::string name;  ///< the file's name without its ending: results go to out/<name>
   std::string title;
   oscillators::Model model;
   std::optional<analysis::PlaneModel> plane;  ///< a slider in the plane, in place of the model's; for the verb run
@@ -110,13 +110,17 @@ struct Scene {
   FitTask fit;
   const analysis::lab::Experiment* experiment = nullptr;  ///< only of the verb lab
   std::optional<analysis::lab::Task> lab;
-  std::string resolved;            ///< the scene as TOML, overrides included
-  std::vector<std::string> notes;  ///< what was read but has no effect
+  std::string resolved;                       ///< the scene as TOML, overrides included
+  std::vector<std::string> notes;             ///< what was read but has no effect
+  std::map<std::string, std::string> places;  ///< of keys by their paths: "scene.toml:7:5"
+
+  /// A refusal with the place of the first key that it names in front, or that of the key's table, or the file.
+  std::string placed(const std::string& refusal) const;
 };
 
 /// \param overrides texts "path=value" of `--set`: the value is TOML, bare words are strings.
 /// \param experiment of the verb lab: decides which keys [lab] has, and the slider and drive that may be left out.
-/// \throws InputError that begins with file:line:column (or with the override) for anything that cannot be used.
+/// \throws InputError that begins with file:line:column, the file, or the override, for anything that cannot be used.
 Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb,
                  std::string_view experiment = {});
 

@@ -18,7 +18,9 @@
 
 namespace rosin::app {
 
-inline constexpr int most_points = 10'000'000;
+inline constexpr int most_points = 10'000'000;  ///< of a record or a plane
+inline constexpr int largest_seed = 10'000'000;
+inline constexpr std::size_t most_names = 1000;  ///< in a list of texts, tables, or terms
 inline constexpr std::string_view override_mark = "--set ";
 
 /// "scene.toml:7:5", or the override that a value came from.
@@ -89,16 +91,20 @@ inline double number(const toml::node& node, const Quantity& quantity) {
   return value;
 }
 
-inline int count(const toml::node& node, std::string_view path, int low, std::string_view meaning) {
+/// A whole number; work and memory grow with it, so that each has a bound of its own.
+inline int count(const toml::node& node, std::string_view path, int low, int high, std::string_view meaning) {
   if (!node.is_integer()) wrong_kind(node, path, fmt::format("a whole number ({})", meaning));
   const auto value = *node.value<std::int64_t>();
-  if (value < low || value > most_points)
-    fail(node.source(), "{} = {} is outside {} … {} ({})", path, value, low, most_points, meaning);
+  if (value < low || value > high)
+    fail(node.source(), "{} = {} is outside {} … {} ({})", path, value, low, high, meaning);
   return static_cast<int>(value);
 }
 
 inline std::string text(const toml::node& node, std::string_view path) {
-  if (const auto* value = node.as_string()) return value->get();
+  if (const auto* value = node.as_string()) {
+    if (value->get().find('\0') != std::string::npos) fail(node.source(), "{} holds a zero byte", path);
+    return value->get();
+  }
   wrong_kind(node, path, "a text");
 }
 
@@ -109,20 +115,25 @@ inline std::string choice(const toml::node& node, std::string_view path, const s
   return value;
 }
 
-inline const toml::array& list(const toml::node& node, std::string_view path, std::string_view of) {
-  if (const auto* array = node.as_array()) return *array;
-  wrong_kind(node, path, fmt::format("a list of {}", of));
+inline const toml::array& list(const toml::node& node, std::string_view path, std::string_view of,
+                               std::size_t longest = most_points) {
+  const auto* array = node.as_array();
+  if (!array) wrong_kind(node, path, fmt::format("a list of {}", of));
+  if (array->size() > longest)
+    fail(node.source(), "{} has {} entries, more than {} ({})", path, array->size(), longest, of);
+  return *array;
 }
 
-inline std::vector<double> numbers(const toml::node& node, const Quantity& quantity) {
+inline std::vector<double> numbers(const toml::node& node, const Quantity& quantity,
+                                   std::size_t longest = most_points) {
   std::vector<double> values;
-  for (const auto& element : list(node, quantity.name, "numbers")) values.push_back(number(element, quantity));
+  for (const auto& element : list(node, quantity.name, "numbers", longest)) values.push_back(number(element, quantity));
   return values;
 }
 
 inline std::vector<std::string> texts(const toml::node& node, std::string_view path) {
   std::vector<std::string> values;
-  for (const auto& element : list(node, path, "texts")) values.push_back(text(element, path));
+  for (const auto& element : list(node, path, "texts", most_names)) values.push_back(text(element, path));
   return values;
 }
 
@@ -164,8 +175,8 @@ class Table {
     quantity.name = path(key);
     if (const auto* node = find(key)) target = number(*node, quantity);
   }
-  void read(std::string_view key, int& target, int low, std::string_view meaning) {
-    if (const auto* node = find(key)) target = count(*node, path(key), low, meaning);
+  void read(std::string_view key, int& target, int low, int high, std::string_view meaning) {
+    if (const auto* node = find(key)) target = count(*node, path(key), low, high, meaning);
   }
   void refuse(std::string_view key) {
     if (const auto* node = table_->get(key)) fail(node->source(), "{} is not available in this version", path(key));

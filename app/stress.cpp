@@ -12,6 +12,8 @@
 #include "analysis/stress.hpp"
 #include "app/files.hpp"
 #include "app/progress.hpp"
+#include "app/stopping.hpp"
+#include "core/console.hpp"
 #include "laws/catalogue.hpp"
 
 namespace rosin::app {
@@ -107,30 +109,30 @@ ordered_json to_json(const StressReport& report, std::uint64_t seed) {
 }
 
 void say(const StressReport& report) {
-  fmt::print(
+  print(
       "{} scenes in {:.3g} s: {} certified, {} less exactly than asked, {} where none exists, {} refused, "
       "{} failures ({:.2f} %)\n",
       report.scenes, report.seconds, report.certified, StressReport::sum(report.less_exact), report.none_exists,
       report.refusals(), report.failed(), 100 * report.failure_share());
-  fmt::print("wrong numbers {}, not finite {}, crashes {}\n", report.wrong, report.not_finite, report.crashed);
-  fmt::print("stated errors cover {:.2f} % of {} compared results; worst ratio among the certified {:.2f}\n",
-             100 * report.coverage(), report.compared, report.worst_error_ratio);
+  print("wrong numbers {}, not finite {}, crashes {}\n", report.wrong, report.not_finite, report.crashed);
+  print("stated errors cover {:.2f} % of {} compared results; worst ratio among the certified {:.2f}\n",
+        100 * report.coverage(), report.compared, report.worst_error_ratio);
   const auto list = [](const char* title, const std::map<std::string, Tally>& table) {
     if (table.empty()) return;
-    fmt::print("{}\n", title);
-    for (const auto& [kind, tally] : table) fmt::print("  {:6}  {} (such as {})\n", tally.count, kind, tally.example);
+    print("{}\n", title);
+    for (const auto& [kind, tally] : table) print("  {:6}  {} (such as {})\n", tally.count, kind, tally.example);
   };
   list("Certified, less exactly than asked", report.less_exact);
   list("Refused", report.refused);
   list("Failures", report.failures);
   list("Alarms", report.alarms);
   if (!report.slowest.empty())
-    fmt::print("slowest: scene {} with {:.3g} s\n", report.slowest.front().second, report.slowest.front().first);
+    print("slowest: scene {} with {:.3g} s\n", report.slowest.front().second, report.slowest.front().first);
 }
 
 }  // namespace
 
-Status stress(const Request& request, std::stop_token stop) {
+Status stress(const Request& request) {
   const fs::path folder =
       request.out.empty() ? fs::path("out") / fmt::format("stress-{}", request.seed) : fs::path(request.out);
   std::error_code problem;
@@ -147,37 +149,41 @@ Status stress(const Request& request, std::stop_token stop) {
   StressReport report;
   {
     Progress progress(request.quiet);
-    report = analysis::stress(
-        {.laws = laws::catalogue(),
-         .seed = request.seed,
-         .first = single ? request.only : 0,
-         .scenes = long(count),
-         .threads = request.threads},
-        {.finished =
-             [&](const StressScene& scene, const Judgement& judgement) {
-               progress.show(++judged, count);
-               const bool fails = judgement.verdict > Verdict::refused;  // from there on they must not be
-               if (!fails && !single) return;
-               const auto path = keep(scene, judgement);
-               if (!request.quiet && !progress.visible())
-                 fmt::print(stderr, "{}: {}: {}\n", path, name(judgement.verdict), judgement.reason);
-             },
-         .hung =
-             [&](const StressScene& scene) {
-               const auto path = keep(scene, {Verdict::failed, "hung: no answer in time"});
-               fmt::print(stderr, "{}: hung; the suite cannot go on\n", path);
-               _exit(ended_short);
-             },
-         .stop = stop});
+    report = analysis::stress({.laws = laws::catalogue(),
+                               .seed = request.seed,
+                               .first = single ? request.only : 0,
+                               .scenes = long(count),
+                               .threads = request.threads},
+                              {.finished =
+                                   [&](const StressScene& scene, const Judgement& judgement) {
+                                     progress.show(++judged, count);
+                                     const bool fails =
+                                         judgement.verdict > Verdict::refused;  // from there on they must not be
+                                     if (!fails && !single) return;
+                                     const auto path = keep(scene, judgement);
+                                     if (!request.quiet && !progress.visible())
+                                       tell("{}: {}: {}\n", path, name(judgement.verdict), judgement.reason);
+                                   },
+                               .hung =
+                                   [&](const StressScene& scene) {
+                                     const auto path = keep(scene, {Verdict::failed, "hung: no answer in time"});
+                                     tell("{}: hung; the suite cannot go on\n", path);
+                                     _exit(ended_short);
+                                   }});
   }
   const auto document =
       to_json(report, request.seed).dump(1, ' ', false, ordered_json::error_handler_t::replace) + '\n';
   write_whole(folder / "result.json", document);
   if (request.json)
-    std::fwrite(document.data(), 1, document.size(), stdout);
+    write_output(document);
   else if (!request.quiet)
     say(report);
-  if (!report.complete) return interrupted;
+  if (!report.complete) {
+    const Outcome stopped =
+        why_stopped({Ending::interrupted, fmt::format("{} of {} scenes are judged", judged, count)});
+    tell("{}: {}\n", name(stopped.ending), stopped.detail);
+    return status_of(stopped);
+  }
   return report.passed() ? done : ended_short;
 }
 

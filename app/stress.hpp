@@ -1,11 +1,9 @@
 /// The verb `rosin stress`: random scenes judged, counted and reported; failing ones are written as scene files.
 #pragma once
-#include <stop_token>
-
 #include "app/verbs.hpp"
 
 namespace rosin::app {
 
-Status stress(const Request&, std::stop_token);
+Status stress(const Request&);
 
 }  // namespace rosin::app

@@ -8,13 +8,12 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "app/files.hpp"
 #include "app/gnuplot.hpp"
-#include "app/job.hpp"
+#include "app/json.hpp"
 #include "app/progress.hpp"
-#include "app/scene.hpp"
+#include "app/stopping.hpp"
 
 namespace rosin::app {
 
@@ -25,7 +24,6 @@ using analysis::AlgorithmStatistics;
 using analysis::StudyResult;
 using analysis::Summary;
 using analysis::Weibull;
-using nlohmann::ordered_json;
 
 // ---------------------------------------------------------------- JSON and tables
 
@@ -288,79 +286,51 @@ std::vector<std::string> write_case(const fs::path& folder, const Scene& scene, 
 // ---------------------------------------------------------------- summary
 
 void say(const StudyResult& result, double seconds) {
-  fmt::print("{} cases in {:.3g} s; exact motions stick in {}, all algorithms in {}\n", result.cases.size(), seconds,
-             result.exact_sticking_cases, result.common);
-  fmt::print("{:<10} {:>8} {:>6} {:>6} {:>8} {:>6} | error e: {:>9} {:>9} {:>9} | {}\n", "", "sticking", "alone",
-             "missed", "invented", "false", "mean", "median", "95 %", "Weibull shape, characteristic (likelihood)");
+  print("{} cases in {:.3g} s; exact motions stick in {}, all algorithms in {}\n", result.cases.size(), seconds,
+        result.exact_sticking_cases, result.common);
+  print("{:<10} {:>8} {:>6} {:>6} {:>8} {:>6} | error e: {:>9} {:>9} {:>9} | {}\n", "", "sticking", "alone", "missed",
+        "invented", "false", "mean", "median", "95 %", "Weibull shape, characteristic (likelihood)");
   for (const auto& a : result.algorithms) {
     const auto& e = a.smallest_error;
-    fmt::print("{:<10} {:>8} {:>6} {:>6} {:>8} {:>6} |          {:>9.3g} {:>9.3g} {:>9.3g} | ", a.name,
-               a.sticking_cases, a.alone, a.missed, a.invented, a.false_starts, e.mean, e.median, e.q95);
+    print("{:<10} {:>8} {:>6} {:>6} {:>8} {:>6} |          {:>9.3g} {:>9.3g} {:>9.3g} | ", a.name, a.sticking_cases,
+          a.alone, a.missed, a.invented, a.false_starts, e.mean, e.median, e.q95);
     if (a.weibull) {
       const auto& fit = a.weibull->likelihood;
-      fmt::print("{:.3g} ({:.3g} … {:.3g}), {:.3g}", fit.fit.shape, fit.shape_interval[0], fit.shape_interval[1],
-                 fit.fit.characteristic);
+      print("{:.3g} ({:.3g} … {:.3g}), {:.3g}", fit.fit.shape, fit.shape_interval[0], fit.shape_interval[1],
+            fit.fit.characteristic);
     }
-    fmt::print("\n");
+    print("\n");
   }
 }
 
 }  // namespace
 
-Status study(const Request& request, std::stop_token stop) {
-  auto scene = read_scene(request.target, request.overrides, Verb::study);
+Status study(Job& job) {
+  const auto& request = job.request();
+  auto& scene = job.scene();
+  const auto& folder = job.folder();
   scene.study.threads = request.threads;
-  const auto folder = results_folder(request, scene.name);
-  std::error_code problem;
-  fs::create_directories(folder, problem);
-  if (problem) throw InputError(fmt::format("--out {}: cannot be made: {}", folder.string(), problem.message()));
-  if (request.explain)
-    fmt::print(stderr,
-               "plan: {} random oscillators by seed {}, each exactly and by {}, steps of 1/{} of the shortest period\n",
-               scene.study.cases, scene.study.seed, fmt::join(scene.study.algorithms, ", "),
-               scene.study.steps_per_period);
+  job.explain("{} random oscillators by seed {}, each exactly and by {}, steps of 1/{} of the shortest period",
+              scene.study.cases, scene.study.seed, fmt::join(scene.study.algorithms, ", "),
+              scene.study.steps_per_period);
   const auto begin = std::chrono::steady_clock::now();
   StudyResult result;
   {
     Progress progress(request.quiet);
     const auto total = static_cast<std::size_t>(scene.study.cases);
-    result = analysis::study(
-        scene.study, [&](int done) { progress.show(static_cast<std::size_t>(done), total); }, stop);
+    result = analysis::study(scene.study, [&](int done) { progress.show(static_cast<std::size_t>(done), total); });
   }
-  if (result.outcome.ending == Ending::interrupted) {
-    fmt::print(stderr, "interrupted: {}\n", result.outcome.detail);
-    return interrupted;
-  }
+  if (result.outcome.ending == Ending::interrupted)
+    return stopped_early(request, "nothing is written after " + result.outcome.detail);
   const double seconds = seconds_since(begin);
   write_cases(folder / "study.csv", scene, result);
   auto files = write_statistics(folder, scene, result);
   const auto shown = write_case(folder, scene, result);
   files.insert(files.end(), shown.begin(), shown.end());
-  for (const auto& script : {"study.gp", "study-case.gp", "study-path.gp"}) {
-    if (!fs::exists(folder / script)) continue;
-    const auto drawn = draw(folder, script);
-    if (!request.quiet)
-      for (const auto& text : drawn.problems) fmt::print(stderr, "note: {}\n", text);
-    files.insert(files.end(), drawn.files.begin(), drawn.files.end());
-  }
-  files.emplace_back("study.csv"), files.emplace_back("result.json");
-  const auto document = to_json(scene, result, seconds).dump(1) + '\n';
-  const ordered_json manifest{{"verb", "study"},
-                              {"version", ROSIN_VERSION},
-                              {"scene", scene.path},
-                              {"overrides", request.overrides},
-                              {"scene_resolved", scene.resolved},
-                              {"cost", {{"seconds", seconds}, {"threads", request.threads}}},
-                              {"files", files}};
-  write_whole(folder / "manifest.json", manifest.dump(1, ' ', false, ordered_json::error_handler_t::replace) + '\n');
-  write_whole(folder / "result.json", document);
-  if (request.json)
-    std::fwrite(document.data(), 1, document.size(), stdout);
-  else if (!request.quiet) {
-    say(result, seconds);
-    fmt::print("Results: {}\n", (folder / "").string());
-  }
-  return done;
+  files.emplace_back("study.csv");
+  job.manifest().cost = {{"seconds", seconds}, {"threads", double(request.threads)}};
+  if (!request.json && !request.quiet) say(result, seconds);
+  return job.finish(text(to_json(scene, result, seconds)), std::move(files), {});
 }
 
 }  // namespace rosin::app

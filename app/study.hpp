@@ -1,12 +1,9 @@
 /// The verb study.
 #pragma once
-#include <stop_token>
-
-#include "app/command_line.hpp"
-#include "app/verbs.hpp"
+#include "app/job.hpp"
 
 namespace rosin::app {
 
-Status study(const Request&, std::stop_token);
+Status study(Job&);
 
 }  // namespace rosin::app

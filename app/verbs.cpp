@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 #include "app/compare.hpp"
@@ -22,9 +21,11 @@
 #include "app/progress.hpp"
 #include "app/results.hpp"
 #include "app/scene.hpp"
+#include "app/stopping.hpp"
 #include "app/stress.hpp"
 #include "app/study.hpp"
 #include "bench/bench.hpp"
+#include "core/console.hpp"
 #include "laws/catalogue.hpp"
 
 namespace rosin::app {
@@ -38,27 +39,25 @@ using analysis::Regime;
 
 void print_law(const FrictionLaw& law) {
   const auto& card = law.card();
-  fmt::print("{}: {}\n  {}\n  source: {}\n  limits: {}\n", card.name, card.title, card.formula, card.source,
-             card.limits);
-  if (!card.approximation.empty()) fmt::print("  approximation: {}\n", card.approximation);
+  print("{}: {}\n  {}\n  source: {}\n  limits: {}\n", card.name, card.title, card.formula, card.source, card.limits);
+  if (!card.approximation.empty()) print("  approximation: {}\n", card.approximation);
   if (!card.option.of.empty())
-    fmt::print("  also: type = \"{}\", {} = \"{}\"\n", card.option.of, card.option.key, card.option.word);
+    print("  also: type = \"{}\", {} = \"{}\"\n", card.option.of, card.option.key, card.option.word);
   for (std::size_t i = 0; i < law.parameters().size(); ++i) {
     const auto& p = law.parameters()[i];
     const auto value = std::visit([](const auto& v) { return fmt::format("{}", v); }, law.values()[i]);
-    fmt::print("  {:<12} {:<22} {} … {}  {}\n", p.name, column_header(value, p.unit), p.range.low, p.range.high,
-               p.meaning);
+    print("  {:<12} {:<22} {} … {}  {}\n", p.name, column_header(value, p.unit), p.range.low, p.range.high, p.meaning);
   }
-  for (const auto& s : law.states()) fmt::print("  state {:<6} {}  {}\n", s.name, readable_unit(s.unit), s.meaning);
-  for (const auto& p : law.presets()) fmt::print("  preset \"{}\": {}\n", p.name, p.source);
-  fmt::print("\n");
+  for (const auto& s : law.states()) print("  state {:<6} {}  {}\n", s.name, readable_unit(s.unit), s.meaning);
+  for (const auto& p : law.presets()) print("  preset \"{}\": {}\n", p.name, p.source);
+  print("\n");
 }
 
 Status list_laws(const Request& request) {
   std::vector<std::shared_ptr<const FrictionLaw>> laws = laws::catalogue();
   if (!request.target.empty()) laws = {laws::find_law(request.target)};
   if (request.json)
-    fmt::print("{}", to_json(laws));
+    write_output(to_json(laws));
   else
     for (const auto& law : laws) print_law(*law);
   return done;
@@ -66,8 +65,7 @@ Status list_laws(const Request& request) {
 
 // ---------------------------------------------------------------- curve, stability
 
-Status curve(const Request& request) {
-  Job job(request, Verb::curve);
+Status curve(Job& job) {
   const auto& scene = job.scene();
   const auto& options = scene.curve;
   const auto& law = *scene.model.law;
@@ -95,11 +93,10 @@ Status curve(const Request& request) {
             {{"slip_rate (m/s)", curve.slip_rate}, {"friction_coefficient", curve.friction_coefficient}});
   auto files = write_picture(job.folder(), scene, curve);
   files.push_back("curve.csv");
-  return job.finish(to_json(scene, curve), std::move(files), "curve.gp", {});
+  return job.finish(to_json(scene, curve), std::move(files), {});
 }
 
-Status stability(const Request& request) {
-  Job job(request, Verb::stability);
+Status stability(Job& job) {
   const auto& scene = job.scene();
   const auto& model = scene.model;
   std::vector<std::string> paths = {"drive.normal_load", "oscillator.stiffness", "drive.speed"};
@@ -132,19 +129,19 @@ Status stability(const Request& request) {
     result.hopf.insert(result.hopf.end(), points.begin(), points.end());
   }
   job.manifest().tolerance_reached = reached.value();
-  return job.finish(to_json(scene, result), {}, "", {});
+  return job.finish(to_json(scene, result), {}, {});
 }
 
 // ---------------------------------------------------------------- run, cycle
 
-Status run(const Request& request) {
-  Job job(request, Verb::run);
+Status run(Job& job) {
   auto& scene = job.scene();
-  scene.run.tolerance = request.tolerance.value_or(scene.run.tolerance);
+  scene.run.tolerance = job.request().tolerance.value_or(scene.run.tolerance);
   job.explain_model();
   job.explain("solver: {}; tolerance {}; every column comes with its error", scene.run.solver, scene.run.tolerance);
   const auto begin = std::chrono::steady_clock::now();
-  const auto run = scene.plane ? analysis::run_plane(*scene.plane, scene.run) : analysis::run(scene.model, scene.run);
+  auto run = scene.plane ? analysis::run_plane(*scene.plane, scene.run) : analysis::run(scene.model, scene.run);
+  run.outcome = why_stopped(run.outcome);
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
   if (!run.remark.empty()) job.note(run.remark);
 
@@ -170,19 +167,15 @@ Status run(const Request& request) {
           "  {:<22} ends at {}", run.column_names[c],
           justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
   write_csv(job.folder() / "run.csv", table);
-  auto files = write_picture(job.folder(), scene, run);
-  files.push_back("run.csv");
-  if (scene.plane) {
-    auto path = draw(job.folder(), "run-path.gp");
-    files.insert(files.end(), path.files.begin(), path.files.end());
-  }
-  return job.finish(to_json(scene, run), std::move(files), "run.gp", run.outcome);
+  std::vector<std::string> files = {"run.csv"};
+  if (run.time.size() < 2) return job.finish(to_json(scene, run), std::move(files), run.outcome);
+  for (auto& file : write_picture(job.folder(), scene, run)) files.push_back(std::move(file));
+  return job.finish(to_json(scene, run), std::move(files), run.outcome);
 }
 
-Status cycle(const Request& request) {
-  Job job(request, Verb::cycle);
+Status cycle(Job& job) {
   auto& scene = job.scene();
-  scene.cycle.tolerance = request.tolerance.value_or(scene.cycle.tolerance);
+  scene.cycle.tolerance = job.request().tolerance.value_or(scene.cycle.tolerance);
   job.explain_model();
   job.explain("the cycle that is reached from stick, tolerance {} of every metric, at most {} cycles of transient",
               scene.cycle.tolerance, scene.cycle.max_cycles);
@@ -194,7 +187,7 @@ Status cycle(const Request& request) {
                    {"steps", double(cycle.cost.steps)},
                    {"evaluations", double(cycle.cost.evaluations)},
                    {"cycles", double(cycle.cost.cycles)}};
-  if (!(cycle.metrics.period > 0)) return job.finish(to_json(scene, cycle), {}, "", cycle.outcome);
+  if (!(cycle.metrics.period > 0)) return job.finish(to_json(scene, cycle), {}, cycle.outcome);
 
   Reached reached;
   for (const auto& metric : analysis::metric_names()) {
@@ -232,7 +225,7 @@ Status cycle(const Request& request) {
   write_csv(job.folder() / "cycle.csv", table);
   auto files = write_picture(job.folder(), scene, cycle);
   files.push_back("cycle.csv");
-  return job.finish(to_json(scene, cycle), std::move(files), "cycle.gp", cycle.outcome);
+  return job.finish(to_json(scene, cycle), std::move(files), cycle.outcome);
 }
 
 // ---------------------------------------------------------------- map
@@ -246,8 +239,8 @@ std::string map_key(const Scene& scene) {
   return key + scene.resolved;
 }
 
-Status map(const Request& request, std::stop_token stop) {
-  Job job(request, Verb::map);
+Status map(Job& job) {
+  const auto& request = job.request();
   auto& scene = job.scene();
   auto& options = scene.map;
   options.tolerance = request.tolerance.value_or(options.tolerance);
@@ -264,6 +257,7 @@ Status map(const Request& request, std::stop_token stop) {
                                     : "every point is computed: interpolation would gain nothing here");
 
   Partial partial(job.folder() / "map.partial", map_key(scene), total, options.metrics);
+  if (!partial.lost().empty()) job.note(partial.lost());
   if (const auto known = partial.known_count()) job.note(fmt::format("going on from {} finished points", known));
   const auto begin = std::chrono::steady_clock::now();
   MapResult result;
@@ -274,16 +268,13 @@ Status map(const Request& request, std::stop_token stop) {
         {.known = [&](std::size_t i) { return partial.known(i); },
          .finished = [&](std::span<const std::size_t> indices,
                          const std::vector<analysis::MapPoint>& points) { partial.append(indices, points); },
-         .progress = progress.of_map(),
-         .stop = stop});
+         .progress = progress.of_map()});
   }
   auto& map = result.map;
   result.seconds = seconds_since(begin);
-  if (map.outcome.ending == Ending::interrupted) {
-    fmt::print(stderr, "interrupted: {} of {} points are kept; the same command goes on from there\n",
-               std::ranges::count_if(map.points, [](const auto& point) { return point.done; }), total);
-    return interrupted;
-  }
+  if (map.outcome.ending == Ending::interrupted)
+    return stopped_early(request, fmt::format("{} of {} points are kept; the same command goes on from there",
+                                              std::ranges::count_if(map.points, &analysis::MapPoint::done), total));
   for (const auto& text : map.notes) job.explain("{}", text);
   job.explain("{} points integrated, {} interpolated, {} decided without integration", map.integrated, map.interpolated,
               map.skipped);
@@ -321,21 +312,21 @@ Status map(const Request& request, std::stop_token stop) {
   write_plane(job.folder() / "map.nc", scene, map);
   auto files = write_picture(job.folder(), scene, map);
   files.push_back("map.nc");
-  const auto status = job.finish(to_json(scene, result), std::move(files), "map.gp", map.outcome);
+  const auto status = job.finish(to_json(scene, result), std::move(files), map.outcome);
   partial.remove();
   return status;
 }
 
 // ---------------------------------------------------------------- lab
 
-Status lab(const Request& request) {
-  Job job(request, Verb::lab);
+Status lab(Job& job) {
   auto& scene = job.scene();
   auto& task = *scene.lab;
-  task.tolerance = request.tolerance.value_or(task.tolerance);
+  task.tolerance = job.request().tolerance.value_or(task.tolerance);
   job.explain_model();
   const auto begin = std::chrono::steady_clock::now();
-  const auto result = scene.experiment->perform(task);
+  auto result = scene.experiment->perform(task);
+  result.outcome = why_stopped(result.outcome);
   for (const auto& line : result.plan) job.explain("{}", line);
   for (const auto& warning : result.warnings) job.note(warning);
 
@@ -360,13 +351,11 @@ Status lab(const Request& request) {
     files.push_back(fmt::format("lab-{}.csv", rows.name));
     write_csv(job.folder() / files.back(), columns);
   }
-  std::string script;
   if (!result.panels.empty()) {
-    const auto drawn = write_picture(job.folder(), scene, result.panels);
-    files.insert(files.end(), drawn.begin(), drawn.end());
-    script = "lab.gp";
+    const auto written = write_picture(job.folder(), scene, result.panels);
+    files.insert(files.end(), written.begin(), written.end());
   }
-  return job.finish(to_json(scene, result), std::move(files), script, result.outcome);
+  return job.finish(to_json(scene, result), std::move(files), result.outcome);
 }
 
 // ---------------------------------------------------------------- bench, plot
@@ -385,39 +374,53 @@ Status bench(const Request& request) {
 Status plot(const Request& request) {
   const fs::path path = request.target;
   if (!fs::exists(path)) throw InputError(fmt::format("{}: no such file or folder", path.string()));
-  const fs::path folder = fs::is_directory(path) ? path : results_folder(request, path.stem().string());
+  const fs::path folder = fs::is_directory(path) ? path : results_folder(request);
   if (!fs::exists(folder / "result.json"))
     throw InputError(fmt::format("{}: holds no results; compute them first, such as with 'rosin map {}'",
                                  (folder / "").string(), path.string()));
-  const auto drawn = draw(folder);
+  const auto scripts = scripts_of(folder);
+  auto drawn = draw(folder, scripts.ours);
+  for (const auto& script : scripts.foreign)  // a script may run any program
+    drawn.problems.push_back(
+        fmt::format("{} is not as rosin wrote it, and is left alone; if you trust it, draw it by 'gnuplot {}' in {}",
+                    (folder / script).string(), script, (folder / "").string()));
+  if (drawn.files.empty() && drawn.problems.empty())
+    drawn.problems.push_back(fmt::format("{} holds no pictures", (folder / "").string()));
   if (!request.quiet) {
-    for (const auto& problem : drawn.problems) fmt::print(stderr, "note: {}\n", problem);
-    if (drawn.files.empty() && drawn.problems.empty())
-      fmt::print(stderr, "note: {} holds no pictures\n", (folder / "").string());
-    for (const auto& file : drawn.files) fmt::print("{}\n", (folder / file).string());
+    for (const auto& problem : drawn.problems) tell("note: {}\n", problem);
+    for (const auto& file : drawn.files) print("{}\n", (folder / file).string());
   }
-  return done;
+  return drawn.problems.empty() ? done : ended_short;
 }
+
+/// Verbs that read a scene, and what they ask of it.
+struct SceneVerb {
+  const char* name;
+  Verb reads;
+  Status (*perform)(Job&);
+};
+constexpr SceneVerb scene_verbs[] = {
+    {"curve", Verb::curve, curve}, {"stability", Verb::stability, stability},
+    {"run", Verb::run, run},       {"cycle", Verb::cycle, cycle},
+    {"map", Verb::map, map},       {"compare", Verb::compare, compare},
+    {"frf", Verb::frf, frf},       {"fit", Verb::fit, fit},
+    {"lab", Verb::lab, lab},       {"study", Verb::study, study},
+};
 
 }  // namespace
 
-bool can_stop(const Request& request) {
-  return request.verb == "map" || request.verb == "compare" || request.verb == "stress" || request.verb == "study";
-}
-
-Status execute(const Request& request, std::stop_token stop) {
+Status execute(const Request& request) {
+  for (const auto& verb : scene_verbs) {
+    if (request.verb != verb.name) continue;
+    Job job(request, request.design ? Verb::design : verb.reads);
+    try {
+      return verb.perform(job);
+    } catch (const InputError& error) {  // what the scene asks turned out to be none
+      throw InputError(job.scene().placed(error.what()));
+    }
+  }
   if (request.verb == "laws") return list_laws(request);
-  if (request.verb == "curve") return curve(request);
-  if (request.verb == "stability") return stability(request);
-  if (request.verb == "run") return run(request);
-  if (request.verb == "cycle") return cycle(request);
-  if (request.verb == "map") return map(request, std::move(stop));
-  if (request.verb == "compare") return compare(request, std::move(stop));
-  if (request.verb == "frf") return frf(request);
-  if (request.verb == "fit") return fit(request);
-  if (request.verb == "lab") return lab(request);
-  if (request.verb == "stress") return stress(request, std::move(stop));
-  if (request.verb == "study") return study(request, std::move(stop));
+  if (request.verb == "stress") return stress(request);
   if (request.verb == "bench") return bench(request);
   return plot(request);
 }

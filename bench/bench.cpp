@@ -3,11 +3,13 @@
 
 #include <fmt/chrono.h>
 
-#include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <sstream>
 
 #include "bench/rows.hpp"
+#include "core/files.hpp"
+#include "core/process.hpp"
 
 namespace bench {
 namespace {
@@ -69,7 +71,7 @@ std::string style(const std::string& solver) {
 bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
   const auto base = stem.filename().string();
   const auto script = stem.string() + ".gp";
-  std::ofstream out(script);
+  std::ostringstream out;
   out << fmt::format("# Run time against true error: gnuplot {0}.gp, in this folder, writes {0}.svg and {0}.png.\n",
                      base);
   const int width = panels.size() > 1 ? 1500 : 900;
@@ -110,8 +112,10 @@ bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
     out << fmt::format("  plot {}\n", fmt::join(curves, ", \\\n       "));
   }
   out << "  unset multiplot\n  unset output\n  reset\n}\n";
-  out.close();
-  return std::system(fmt::format("cd '{}' && gnuplot '{}.gp'", stem.parent_path().string(), base).c_str()) == 0;
+  rosin::write_whole(script, out.str());
+  const auto gnuplot = rosin::find_program("gnuplot");
+  const auto ran = gnuplot ? rosin::run_program({*gnuplot, {base + ".gp"}, stem.parent_path()}) : std::nullopt;
+  return ran && ran->status == 0;
 }
 
 }  // namespace
@@ -170,13 +174,13 @@ bool run(const Settings& settings) {
   }
   document[settings.what] = record.content;
   document["findings"] = record.findings;
-  for (const auto& finding : record.findings) fmt::print(stderr, "FINDING: {}\n", finding);
-  std::ofstream(stem.string() + ".json") << document.dump(1) << '\n';
-  if (!draw(stem, panels)) fmt::print(stderr, "note: the picture could not be drawn\n");
+  for (const auto& finding : record.findings) rosin::tell("FINDING: {}\n", finding);
+  rosin::write_whole(stem.string() + ".json", document.dump(1) + '\n');
+  if (!draw(stem, panels)) rosin::tell("note: the picture could not be drawn\n");
   if (settings.json)
-    fmt::print("{}\n", document.dump(1));
+    rosin::print("{}\n", document.dump(1));
   else
-    fmt::print("\nResults: {}\n", (folder / "").string());
+    rosin::print("\nResults: {}\n", (folder / "").string());
   return record.findings.empty();
 }
 

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <bench_scripts.hpp>
 #include <cmath>
-#include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <sstream>
+
+#include "core/files.hpp"
+#include "core/process.hpp"
 
 namespace bench {
 
@@ -19,7 +22,7 @@ double now() {
 }
 
 void progress(const Settings& settings, const std::string& text) {
-  if (!settings.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "{}\n", text);
+  if (!settings.quiet && isatty(STDERR_FILENO)) rosin::tell("{}\n", text);
 }
 
 int Row::failed() const {
@@ -129,7 +132,6 @@ void print(const Settings& settings, const std::vector<Row>& rows, const std::ve
     for (const auto& [why, n] : r.failures) say(settings, "{:<34}   {} x {}\n", "", n, why);
     if (r.understated > 0) say(settings, "{:<34}   {} outside the error that it states\n", "", r.understated);
   }
-  std::fflush(stdout);
 }
 
 json times_to_reach(const Settings& settings, const std::vector<Row>& rows, const std::string& what) {
@@ -204,32 +206,24 @@ json as_json(const std::vector<Row>& rows, const std::vector<std::string>& quant
 }
 
 void write_curves(const std::filesystem::path& file, const std::vector<Row>& rows) {
-  std::ofstream out(file);
+  std::ostringstream out;
   for (const auto& solver : solvers_of(rows)) {
     out << "\n\n# " << solver << ";\n";
     for (const auto& r : rows)
       if (r.solver == solver && r.counts())
         out << fmt::format("{:.4e} {:.4e} {:.0e}\n", r.error(), 1e-6 * r.microseconds(), r.tolerance);
   }
+  rosin::write_whole(file, out.str());
 }
 
 // ---------------------------------------------------------------- SciPy
 
-namespace {
-std::string run_and_read(const std::string& command) {
-  std::string text;
-  if (FILE* pipe = popen(command.c_str(), "r")) {
-    char buffer[256];
-    while (fgets(buffer, sizeof buffer, pipe)) text += buffer;
-    if (pclose(pipe) != 0) text.clear();
-  }
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text;
-}
-}  // namespace
-
 SciPy::SciPy(const Settings& settings) : settings_(settings) {
-  version_ = run_and_read(fmt::format("'{}' -c 'import scipy; print(scipy.__version__)' 2>/dev/null", settings.python));
+  const auto python = rosin::find_program(settings.python);
+  if (!python) return;
+  python_ = *python;
+  const auto ran = rosin::run_program({python_, {"-c", "import scipy; print(scipy.__version__)"}});
+  if (ran && ran->status == 0) version_ = ran->output.substr(0, ran->output.find('\n'));
 }
 
 std::vector<Row> SciPy::sweep(const std::string& kind, const std::string& method, const json& problems,
@@ -238,19 +232,20 @@ std::vector<Row> SciPy::sweep(const std::string& kind, const std::string& method
   namespace fs = std::filesystem;
   std::vector<Row> rows;
   if (!found()) return rows;
-  const auto stem = (fs::temp_directory_path() / fmt::format("rosin-bench-{}", getpid())).string();
-  const auto script = stem + ".py", job = stem + ".json", answer = stem + ".out";
-  std::ofstream(script) << scipy_script;
-  std::ofstream(job) << json{{"kind", kind},
-                             {"method", method},
-                             {"tolerances", tolerances},
-                             {"limit", settings_.limit},
-                             {"repetitions", repetitions},
-                             {"problems", problems}};
+  const rosin::TemporaryFolder folder(fs::temp_directory_path());
+  const auto script = folder.path() / "rivals.py", job = folder.path() / "job.json", answer = folder.path() / "answer";
+  rosin::write_whole(script, scipy_script);
+  const json asked{{"kind", kind},
+                   {"method", method},
+                   {"tolerances", tolerances},
+                   {"limit", settings_.limit},
+                   {"repetitions", repetitions},
+                   {"problems", problems}};
+  rosin::write_whole(job, asked.dump());
   progress(settings_, fmt::format("SciPy {}, {} problems", method, problems.size()));
-  const auto command = fmt::format("OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 '{}' '{}' '{}' '{}' >/dev/null 2>&1",
-                                   settings_.python, script, job, answer);
-  if (std::system(command.c_str()) == 0) {
+  const auto ran = rosin::run_program(
+      {python_, {script.string(), job.string(), answer.string()}, {}, {"OMP_NUM_THREADS=1", "OPENBLAS_NUM_THREADS=1"}});
+  if (ran && ran->status == 0) {
     const json result = json::parse(std::ifstream(answer));
     for (const auto& r : result["rows"]) {
       Row row{.solver = "SciPy " + method, .tolerance = r["tolerance"]};
@@ -265,7 +260,6 @@ std::vector<Row> SciPy::sweep(const std::string& kind, const std::string& method
       rows.push_back(row);
     }
   }
-  for (const auto& file : {script, job, answer}) fs::remove(file);
   return rows;
 }
 

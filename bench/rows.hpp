@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/bench.hpp"
+#include "core/console.hpp"
 
 namespace bench {
 
@@ -71,7 +72,7 @@ void write_curves(const std::filesystem::path&, const std::vector<Row>&);
 /// A line of the terminal's tables, unless the record goes there.
 template <class... Args>
 void say(const Settings& settings, fmt::format_string<Args...> text, Args&&... args) {
-  if (!settings.json) fmt::print(text, std::forward<Args>(args)...);
+  if (!settings.json) rosin::print(text, std::forward<Args>(args)...);
 }
 /// What is being computed, on standard error if that is a terminal.
 void progress(const Settings&, const std::string& text);
@@ -89,6 +90,7 @@ class SciPy {
 
  private:
   const Settings& settings_;
+  std::filesystem::path python_;
   std::string version_;
 };
 

@@ -51,7 +51,7 @@ class SliderLanes final : public LaneSystem {
   bool rigid_, switches_, forgives_;
   int contact_slip_rate_;  ///< its index among the unknowns, or −1
   std::unique_ptr<Contact<Lanes>> contact_;
-  Lanes mass_, stiffness_, damping_, speed_, load_, force_, direction_ = 1.0, none_ = 0.0;
+  Lanes mass_{}, stiffness_{}, damping_{}, speed_{}, load_{}, force_{}, direction_ = 1.0, none_ = 0.0;
   std::vector<Lanes> scale_;
   Lanes loading_time_ = 0.0;  ///< in which the drive loads the contact by its direct effect, s
 };

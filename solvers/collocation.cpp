@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/stop.hpp"
 #include "solvers/lu.hpp"
 
 namespace rosin::solvers {
@@ -309,6 +310,7 @@ double Collocation::first_step(double t_limit) {
 }
 
 Outcome Collocation::step(double t_limit) {
+  end_if_stopped();
   const int n = n_;
   last_moment_ = std::nextafter(t_limit, t_);
   system_.mass(t_, mass_.data());

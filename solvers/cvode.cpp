@@ -11,6 +11,8 @@
 #include <cstdlib>
 #include <memory>
 
+#include "core/stop.hpp"
+
 namespace rosin::solvers {
 
 struct Cvode::Core {
@@ -117,6 +119,7 @@ void Cvode::start(double t, std::span<const double> y) {
 void Cvode::bound_step(double longest) { core_->bound = longest; }
 
 Outcome Cvode::step(double t_limit) {
+  end_if_stopped();
   Core& c = *core_;
   CVodeSetStopTime(c.memory, t_limit);
   if (c.fresh) {

@@ -22,6 +22,8 @@ Ensemble::Ensemble(const LaneSystem& system) : system_(system), size_(system.siz
   if (size_ > capacity || size_ < 1)
     throw InputError(fmt::format("the ensemble solver takes 1 to {} unknowns, got {}", capacity, size_));
   for (auto* lanes : {&y_, &before_, &tried_, &stage_, &f_, &mass_, &scale_}) lanes->fill(0.0);
+  factors_.fill(0.0);
+  for (auto& stage : U_) stage.fill(0.0);
   h_ = length_ = tolerance_ = 1.0;
   longest_ = infinity;
   time_ = time_before_ = accepted_error_ = accepted_length_ = 0.0;

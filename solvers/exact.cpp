@@ -7,6 +7,8 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
+#include "core/stop.hpp"
+
 namespace rosin::solvers {
 
 void DryOscillator::check() const {
@@ -102,6 +104,7 @@ void Exact<Real>::build() {
 
 template <class Real>
 Switch Exact<Real>::advance(Real limit) {
+  end_if_stopped();
   constexpr Real eps = std::numeric_limits<Real>::epsilon();
   if (fresh_) {
     mode_ = next_, origin_ = t1_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/instruction_set.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::solvers {
 
@@ -165,6 +166,7 @@ void Explicit::set_clock(Clock clock) {
 }
 
 Outcome Explicit::step(double t_limit) {
+  end_if_stopped();
   last_moment_ = std::nextafter(t_limit, t_);
   y_[n_] = 0;  // time is counted from the start of the step
   if (start_dt_ == 0) {

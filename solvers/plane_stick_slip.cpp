@@ -8,6 +8,7 @@
 
 #include "core/dual.hpp"
 #include "core/error.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::solvers {
 
@@ -234,6 +235,7 @@ double PlaneStickSlip::release(double from, double to) const {
 }
 
 Outcome PlaneStickSlip::advance(double limit, Switch& switched) {
+  end_if_stopped();
   switched = Switch::none;
   const auto& V = mass_.surface_velocity;
   t0_ = t1_;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/stop.hpp"
+
 namespace rosin::analysis::lab {
 
 Model block(const Task& task, double slope, double rate) {
@@ -42,8 +44,9 @@ Start rested(const Task& task) {
   options.start = start;
   options.tolerance = task.tolerance;
   const auto held = analysis::run(level, options);
+  end_if_stopped();
   // Nothing moves, so that the tolerance, which asks also for the speed of what does not, says nothing.
-  if (!held.outcome.complete() && held.outcome.ending != Ending::tolerance_not_met)
+  if (held.time.empty() || (!held.outcome.complete() && held.outcome.ending != Ending::tolerance_not_met))
     throw InputError("lab.rest_time: the rest could not be computed: " + held.outcome.detail);
   put([&](std::size_t i) { return held.columns[5 + i].back(); });
   return start;

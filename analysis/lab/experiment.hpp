@@ -81,7 +81,10 @@ struct Result {
   const Reading& reading(std::string_view name) const;
 };
 
-struct Experiment;
+/// Thrown out of a protocol whose run ended before there was anything to read off.
+struct NothingRecorded {
+  Result result;
+};
 
 /// All that an experiment needs.
 struct Task {
@@ -100,7 +103,10 @@ struct Experiment {
   std::vector<std::string> extra_columns;  ///< of the record, beside those of a run
   std::vector<std::string> prescribed;     ///< paths of the model that the protocol sets, such as "drive.speed"
   bool takes_motion = false;
-  Result (*perform)(const Task&);
+  Result (*protocol)(const Task&);  ///< may throw NothingRecorded
+
+  /// \throws InputError; a record that nothing can be read off is a result whose outcome says why.
+  Result perform(const Task&) const;
 };
 
 const std::vector<Experiment>& experiments();

@@ -123,7 +123,7 @@ Experiment frequency_response() {
           .drive = {.speed = 1e-4, .normal_load = 1.0, .force = 0.0},
           .extra_columns = {},
           .prescribed = {"drive.force", "oscillator.mass", "oscillator.stiffness", "oscillator.damping"},
-          .perform = perform};
+          .protocol = perform};
 }
 
 }  // namespace rosin::analysis::lab

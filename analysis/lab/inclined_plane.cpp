@@ -179,7 +179,7 @@ Experiment inclined_plane() {
       .drive = {.speed = 0.0, .normal_load = 1.0, .force = 0.0},
       .extra_columns = {"slope", "slid"},
       .prescribed = {"drive.speed", "drive.normal_load", "drive.force", "oscillator.stiffness", "oscillator.damping"},
-      .perform = perform};
+      .protocol = perform};
 }
 
 }  // namespace rosin::analysis::lab

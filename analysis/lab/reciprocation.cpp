@@ -123,7 +123,7 @@ Experiment reciprocation() {
       .drive = {.speed = 0.0, .normal_load = 1.0, .force = 0.0},
       .extra_columns = {"stroke"},
       .prescribed = {"drive.speed", "drive.force"},
-      .perform = perform};
+      .protocol = perform};
 }
 
 }  // namespace rosin::analysis::lab

@@ -213,7 +213,7 @@ Experiment slide_hold_slide() {
           .drive = {.speed = 0.0, .normal_load = 1.0, .force = 0.0},
           .extra_columns = {"load_point"},
           .prescribed = {"drive.speed", "drive.force"},
-          .perform = perform};
+          .protocol = perform};
 }
 
 }  // namespace rosin::analysis::lab

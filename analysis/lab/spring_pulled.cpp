@@ -76,7 +76,8 @@ Result perform(const Task& task) {
   Task picture{task};
   picture.tolerance = std::max(task.tolerance, 1e-6);  // of many periods, whose phase gathers errors
   record_run(result, picture, model, rest, times);
-  if (result.outcome.ending == Ending::tolerance_not_met) {  // period and drop are the cycle's
+  if (result.outcome.ending == Ending::tolerance_not_met && result.record.time.size() == times.size()) {
+    // Period and drop are the cycle's.
     result.warnings.push_back("the record itself is less accurate than its readings: " + result.outcome.detail);
     result.outcome = {};
   }
@@ -151,7 +152,7 @@ Experiment spring_pulled() {
           .drive = {.speed = 1e-5, .normal_load = 1.0, .force = 0.0},
           .extra_columns = {},
           .prescribed = {},
-          .perform = perform};
+          .protocol = perform};
 }
 
 }  // namespace rosin::analysis::lab

@@ -99,6 +99,7 @@ void record_run(Result& result, const Task& task, const Model& model, const Star
     result.plan.push_back(fmt::format("solver {}, {} steps; {}", run.solver, run.cost.steps, run.why));
   };
   record();
+  if (result.record.time.size() < 2) throw NothingRecorded{std::move(result)};
   const bool all = result.record.time.size() == times.size();
   const auto closer = all && task.sensor.ideal() ? closer_times(result.record, extremes) : std::vector<double>();
   if (!closer.empty()) {

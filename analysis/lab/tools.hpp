@@ -17,6 +17,7 @@ struct Sought {
 /// Runs the model over the times and makes the result's record of it, with outcome and events. A run that ends short
 /// leaves what it reached; one whose error exceeds the tolerance is taken with that error, and a warning. Extremes that
 /// are sought may fall between samples: without a sensor the run is repeated with samples closer to them.
+/// \throws NothingRecorded where that is less than two samples, of which nothing can be read.
 void record_run(Result&, const Task&, const Model&, const Start&, const std::vector<double>& times,
                 const std::vector<Sought>& = {});
 

@@ -167,7 +167,7 @@ Experiment velocity_step() {
       .drive = {.speed = 0.0, .normal_load = 1.0, .force = 0.0},
       .extra_columns = {"slip"},
       .prescribed = {"drive.speed", "drive.force"},
-      .perform = perform};
+      .protocol = perform};
 }
 
 }  // namespace rosin::analysis::lab

@@ -570,3 +570,14 @@ TEST_CASE("experiments refuse what is not theirs", "[lab]") {
   CHECK_THROWS_WITH(task.settings.set("angle_rate", -1.0), Catch::Contains("is outside"));
   CHECK_THROWS_AS(task.settings.set("angle_rate", std::vector<double>{1}), InputError);
 }
+
+TEST_CASE("a record that ends before its first sample is a result that says why, and nothing is read off it", "[lab]") {
+  auto task = task_of("inverse", "prz");
+  task.model = task.model.with("law.mu0", 0).with("law.a", 1e-4);
+  task.tolerance = 1e-3;
+  const auto result = find_experiment("inverse").perform(task);
+  CHECK_FALSE(result.outcome.complete());
+  CHECK_FALSE(result.outcome.detail.empty());
+  CHECK(result.record.time.size() < 2);
+  CHECK(result.readings.empty());
+}

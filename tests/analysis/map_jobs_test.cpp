@@ -49,7 +49,7 @@ TEST_CASE("every job is done once, in groups of like work", "[map-jobs]") {
   std::vector<double> of_groups;
   double told = 0;
   work_in_groups(
-      jobs, 3, 2, 1.0, {},
+      jobs, 3, 2, 1.0,
       [&](FinishedPoints&, double part) {
         const std::scoped_lock lock(mutex);
         told = std::max(told, part);

@@ -7,6 +7,7 @@
 
 #include "analysis/coexistence.hpp"
 #include "analysis/stability.hpp"
+#include "core/stop.hpp"
 #include "laws/catalogue.hpp"
 #include "tests/bristol_board.hpp"
 
@@ -194,7 +195,7 @@ TEST_CASE("a stop is obeyed and said", "[map]") {
   std::stop_source stop;
   MapHooks hooks;
   hooks.finished = [&](auto, const auto&) { stop.request_stop(); };
-  hooks.stop = stop.get_token();
+  const Listening listening(stop.get_token());
   CHECK(compute_map(bristol_board(1e-4, 10), small_plane(4), hooks).outcome.ending == Ending::interrupted);
 }
 
@@ -270,4 +271,24 @@ TEST_CASE("axes that cannot be are refused", "[map]") {
   auto options = small_plane(3);
   options.x = make_axis("law.a", 0.01, 3, 3, true, {});
   CHECK_THROWS_WITH(compute_map(bristol_board(1e-4, 10), options), Catch::Contains("law.a = 3"));
+}
+
+TEST_CASE("a search beside a neighbour's cycle that dies out goes on from stick", "[map][long]") {
+  // Slip at 10⁹ times what friction does in a turn: the neighbour's motion is a swing whose start is its own.
+  Model model;
+  model.law = laws::find_law("two-state-ageing");
+  model.slider = {.mass = 1, .stiffness = 1e9, .damping = 0};
+  model.drive = {.speed = 2e-4, .normal_load = 9.81, .force = 0.0};
+  for (const auto& [path, value] : {std::pair{"law.a", 0.018}, {"law.L1", 2.5e-8}, {"law.b2", 0.5}, {"law.L2", 9e-5}})
+    model = model.with(path, value);
+  MapOptions options;
+  options.x = {"drive.normal_load", {9.81}, 1};
+  options.y = {"law.lambda", {1e-4, 1.0001e-4}, 2};
+  options.tolerance = 1e-2;
+  options.metrics = {"stick_fraction"};
+  const Map map = compute_map(model, options);
+  for (const auto& point : map.points) {
+    INFO(point.why);
+    CHECK(point.regime != Regime::failed);
+  }
 }

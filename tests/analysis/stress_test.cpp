@@ -51,8 +51,7 @@ TEST_CASE("a small seed set has no NaN, crash or wrong number, and stated errors
                                              if (judgement.verdict == Verdict::failed)
                                                WARN("scene " << scene.index << ": " << judgement.reason);
                                            },
-                                       .hung = {},
-                                       .stop = {}});
+                                       .hung = {}});
   CHECK(report.wrong == 0);
   CHECK(report.not_finite == 0);
   CHECK(report.crashed == 0);

@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -24,6 +25,8 @@ extern char** environ;
 namespace {
 
 namespace fs = std::filesystem;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
 using nlohmann::json;
 using rosin::tests::content;
 using rosin::tests::Folder;
@@ -66,6 +69,13 @@ struct Answer {
 Answer run_rosin(const Folder& folder, const Arguments& arguments) {
   const int status = wait(start(folder.path, arguments));
   return {status, content(folder.path / "stdout.txt"), content(folder.path / "stderr.txt")};
+}
+
+/// A line of the shell in which $ROSIN is the command: for streams that are closed or full. \returns its exit status.
+int shell(const Folder& folder, const std::string& line) {
+  const auto text = "cd '" + folder.path.string() + "' && ROSIN='" ROSIN_COMMAND "' && " + line;
+  const int status = std::system(text.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 
 std::string example(const std::string& name) { return ROSIN_SOURCE_DIR "/examples/" + name + ".toml"; }
@@ -416,7 +426,6 @@ TEST_CASE("every example of the laboratory runs; wrong ones are refused with sta
     CHECK(answer.status == 2);
     return answer.error;
   };
-  using Catch::Matchers::Contains;
   const auto plane = example("lab-inclined-plane");
   CHECK_THAT(refused({"lab", "inclined", plane}), Contains("did you mean 'inclined-plane'?") || Contains("known:"));
   CHECK_THAT(refused({"lab", "inclined-plane"}), Contains("SCENE"));
@@ -433,4 +442,134 @@ TEST_CASE("every example of the laboratory runs; wrong ones are refused with sta
   CHECK_THAT(refused({"lab", "inverse", example("lab-inverse"), "--set",
                       "lab.record=" + (folder.path / "short.csv").string()}),
              Contains("64 or more"));
+}
+
+TEST_CASE("a run that ends before its first sample is a result without samples", "[app]") {
+  const Folder folder;
+  std::ofstream(folder.path / "stiff.toml") << "[law]\ntype = 'ageing'\n[oscillator]\nmass = 0\nstiffness = inf\n"
+                                               "damping = 1\n[drive]\nspeed = { steps = [[0, 1e-6], [20, 1e-5]] }\n"
+                                               "normal_load = 5\n[run]\nduration = 100\n";
+  const auto answer = run_rosin(folder, {"run", "stiff.toml", "--json"});
+  CHECK(answer.status == 1);
+  CHECK_THAT(answer.error, Contains("stiff.toml: not finite"));
+  const auto document = json::parse(answer.out);
+  CHECK(document["time"].empty());
+  CHECK(document["outcome"] == "not finite");
+}
+
+TEST_CASE("what lies too deep is refused before anything walks down there", "[app]") {
+  const Folder folder;
+  constexpr int deep = 100'000;
+  const auto repeated = [](const std::string& text) {
+    std::string all;
+    for (int i = 0; i < deep; ++i) all += text;
+    return all;
+  };
+  for (const auto& text :
+       {"a = " + repeated("[") + repeated("]"), repeated("a.") + "b = 1", "[" + repeated("a.") + "b]",
+        "a = " + repeated("{a=") + "1" + repeated("}"), "\n\na = " + repeated("[")}) {
+    std::ofstream(folder.path / "deep.toml") << text;
+    const auto answer = run_rosin(folder, {"curve", "deep.toml"});
+    CHECK(answer.status == 2);
+    CHECK_THAT(answer.error, Contains(text[0] == '\n' ? "deep.toml:3: tables" : "deep.toml:1: tables"));
+  }
+  const auto answer =
+      run_rosin(folder, {"curve", example("load-step"), "--set", repeated("a.").substr(0, 100'000) + "b=1"});
+  CHECK(answer.status == 2);
+  CHECK(answer.error.size() < 500);
+  CHECK_THAT(answer.error, Contains("100 levels deep"));
+  // Dots and brackets in texts, comments and long lists of numbers are no levels.
+  std::string flat =
+      "# " + repeated("[.") + "\ntitle = '" + repeated("[.") + "'\n[law]\ntype = 'tabulated'\nfriction = [";
+  std::string rates = "slip_rate = [";
+  for (int i = 1; i <= 300; ++i) flat += "0.5, ", rates += std::to_string(i) + ".5, ";
+  std::ofstream(folder.path / "flat.toml") << flat << "]\n" << rates << "]\n";
+  CHECK(run_rosin(folder, {"curve", "flat.toml", "--set", "curve.from=2", "--set", "curve.to=100"}).status == 0);
+}
+
+TEST_CASE("streams that are closed or full end neither the work nor the process", "[app]") {
+  const Folder folder;
+  const auto curve = "$ROSIN curve " + example("bristol-board-cycle") + " --explain ";
+  CHECK(shell(folder, curve + ">out.txt 2>/dev/full") == 0);
+  CHECK(shell(folder, curve + ">out.txt 2>&-") == 0);
+  CHECK(content(folder.path / "out/bristol-board-cycle/result.json").find("plan:") == std::string::npos);
+  for (const std::string output : {">/dev/full", ">&-", "--json >/dev/full"}) {
+    INFO(output);
+    CHECK(shell(folder, curve + output + " 2>err.txt") == 1);
+    CHECK_THAT(content(folder.path / "err.txt"), Contains("rosin: standard output cannot be written: "));
+  }
+  CHECK(shell(folder, "$ROSIN laws --json >/dev/full 2>err.txt") == 1);
+  CHECK(shell(folder, "$ROSIN curve none.toml 2>/dev/full") == 2);
+  CHECK(shell(folder, "(ulimit -f 1; " + curve + "--out small >out.txt 2>/dev/null)") == 1);
+}
+
+TEST_CASE("a time limit ends the work in order and keeps what there is", "[app]") {
+  const Folder folder;
+  std::ofstream(folder.path / "long.toml")
+      << "[law]\ntype = 'spinodal'\npreset = 'bristol-board'\nlambda = 10\n[oscillator]\nmass = 1e9\n"
+         "stiffness = 1.09\n[drive]\nspeed = 1e-5\nnormal_load = 0.009\n[run]\nduration = 1e9\nsamples = 2000\n"
+         "start = { slip_rate = 1.1e-5 }\n[map]\n"
+         "x = { parameter = 'drive.normal_load', from = 9.81e-8, to = 9.81, points = 300, scale = 'log' }\n"
+         "y = { parameter = 'law.lambda', from = 1e-2, to = 1e2, points = 300, scale = 'log' }\n";
+  const auto run = run_rosin(folder, {"run", "long.toml", "--time-limit", "0.3", "--json"});
+  CHECK(run.status == 1);
+  const auto document = json::parse(run.out);
+  CHECK(document["outcome"] == "budget spent");
+  CHECK_THAT(document["outcome_detail"].get<std::string>(), Contains("the time limit of 0.3 s has passed"));
+  CHECK(document["time"].size() < 2001);
+  const auto map = run_rosin(folder, {"map", "long.toml", "--time-limit", "0.3", "--json"});
+  CHECK(map.status == 1);
+  CHECK_THAT(map.error, Contains("the time limit of 0.3 s has passed") && Contains("the same command goes on"));
+  CHECK(json::parse(map.out)["outcome"] == "budget spent");
+  CHECK(fs::exists(folder.path / "out/long/map.partial"));
+  CHECK(run_rosin(folder, {"run", "long.toml", "--time-limit", "0"}).status == 2);
+}
+
+TEST_CASE("each verb keeps its own result, and what is replaced by another is said", "[app]") {
+  const Folder folder;
+  const auto scene = example("bristol-board-cycle");
+  const auto results = folder.path / "out/bristol-board-cycle";
+  REQUIRE(run_rosin(folder, {"curve", scene}).error.empty());
+  REQUIRE(run_rosin(folder, {"stability", scene}).error.empty());
+  CHECK(json::parse(content(results / "curve.json"))["verb"] == "curve");
+  CHECK(json::parse(content(results / "stability.json"))["verb"] == "stability");
+  CHECK(content(results / "result.json") == content(results / "stability.json"));
+  CHECK(content(results / "manifest.json") == content(results / "stability.manifest.json"));
+  CHECK(run_rosin(folder, {"stability", scene}).error.empty());  // the same once more
+  CHECK_THAT(run_rosin(folder, {"stability", scene, "--set", "law.lambda=20"}).error,
+             Contains("stability.json replaces a result without --set"));
+  CHECK_THAT(run_rosin(folder, {"stability", scene}).error, Contains("replaces a result with --set \"law.lambda=20\""));
+  std::ofstream(folder.path / "...toml") << content(scene);
+  CHECK(run_rosin(folder, {"curve", "...toml"}).status == 0);
+  CHECK(fs::exists(folder.path / "out/...toml/curve.json"));
+}
+
+TEST_CASE("scripts are drawn again as rosin wrote them, others are left alone", "[app]") {
+  const Folder folder;
+  const auto scene = example("bristol-board-cycle");
+  REQUIRE(run_rosin(folder, {"curve", scene, "--out", "r"}).status == 0);
+  const auto again = run_rosin(folder, {"plot", "r"});
+  CHECK(again.status == 0);
+  CHECK_THAT(again.out, Contains("r/curve.svg"));
+  std::ofstream(folder.path / "r/curve.gp", std::ios::app) << "system 'touch restyled'\n";
+  std::ofstream(folder.path / "r/foreign.gp") << "system 'touch foreign'\n";
+  const auto refused = run_rosin(folder, {"plot", "r"});
+  CHECK(refused.status == 1);
+  CHECK(refused.out.empty());
+  for (const char* script : {"curve.gp", "foreign.gp"})
+    CHECK_THAT(refused.error, Contains(std::string(script) + " is not as rosin wrote it") &&
+                                  Contains(std::string("'gnuplot ") + script + "' in r/"));
+  CHECK_FALSE(fs::exists(folder.path / "r/restyled"));
+  CHECK_FALSE(fs::exists(folder.path / "r/foreign"));
+}
+
+TEST_CASE("what an analysis refuses names the place of the key in the scene", "[app]") {
+  const Folder folder;
+  const auto scene = example("bristol-board-plane");
+  const auto varied = run_rosin(folder, {"map", scene, "--set", "drive.speed={ steps = [[0, 1e-6], [20, 1e-5]] }"});
+  CHECK(varied.status == 2);
+  CHECK_THAT(varied.error, StartsWith("--set drive.speed="));
+  const auto twice = run_rosin(folder, {"map", scene, "--set", "map.y.parameter=drive.normal_load"});
+  CHECK(twice.status == 2);
+  CHECK_THAT(twice.error, StartsWith(scene + ":"));
 }

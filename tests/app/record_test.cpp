@@ -149,3 +149,49 @@ TEST_CASE("NetCDF records, with their units and their missing values", "[record]
   write(NC_FILL_DOUBLE);
   CHECK_THROWS_AS(all_of(source), InputError);
 }
+
+TEST_CASE("attributes of a NetCDF record are taken only where they are what they should be", "[record]") {
+  const Folder folder;
+  const auto path = folder.path / "r.nc";
+  const auto write = [&](auto add) {
+    int file, dimension, v;
+    REQUIRE(nc_create(path.c_str(), NC_NETCDF4 | NC_CLOBBER, &file) == NC_NOERR);
+    nc_def_dim(file, "sample", 4, &dimension);
+    nc_def_var(file, "v", NC_DOUBLE, 1, &dimension, &v);
+    add(file, v);
+    nc_enddef(file);
+    const double values[] = {1, 2, 3, 4};
+    nc_put_var_double(file, v, values);
+    nc_close(file);
+  };
+  const RecordSource source{path, {}, 1, {{"v", "", "m/s"}}};
+  const std::vector<double> many(1000, 1.0);
+  write([&](int file, int v) { nc_put_att_double(file, v, "units", NC_DOUBLE, many.size(), many.data()); });
+  CHECK_THROWS_WITH(all_of(source), Contains("'v': its units must be a text"));
+  const char* unit = "mm/s";
+  write([&](int file, int v) { nc_put_att_string(file, v, "units", 1, &unit); });
+  CHECK(all_of(source).columns[0][0] == 1e-3);
+  write([&](int file, int) {
+    int text;
+    nc_def_var(file, "text", NC_CHAR, 0, nullptr, &text);
+  });
+  auto other = source;
+  other.columns[0].name = "text";
+  CHECK_THROWS_AS(all_of(other), InputError);
+}
+
+TEST_CASE("a fill value is one number", "[record]") {
+  const RecordSource source{ROSIN_SOURCE_DIR "/tests/records/fill-values.nc", {}, 100, {{"time", "", "s"}}};
+  CHECK_THROWS_WITH(all_of(source), Contains("'time': its _FillValue must be one number, not 8 values"));
+}
+
+TEST_CASE("a file that crashes the library that reads it is damaged, and nothing else", "[record]") {
+  const RecordSource source{ROSIN_SOURCE_DIR "/tests/records/damaged.nc", {}, 100, {{"slip_rate", "", "m/s"}}};
+  CHECK_THROWS_WITH(all_of(source), Contains("damaged.nc: is damaged"));
+}
+
+TEST_CASE("the first line of a file that is no record is not shown", "[record]") {
+  CHECK_THROWS_WITH(text("root:$6$secret:19000:0:99999:7:::\n"),
+                    Contains("has no column 'v'; its first line holds no names of columns") && !Contains("secret"));
+  CHECK_THROWS_WITH(text("time,speed,force\n0,1,2\n"), Contains("has no column 'v'; it has time, speed, force"));
+}

@@ -88,7 +88,6 @@ metrics = ["stick_fraction", "loop_area"]
 )",
                            Verb::map);
   CHECK(scene.title == "Bristol board");
-  CHECK(scene.name == "scene");
   CHECK(scene.model.lambda == 10);
   CHECK(scene.model.get("law.b") == 0.045);
   CHECK(scene.model.get("law.a") == 0.0349);
@@ -384,7 +383,7 @@ TEST_CASE("files that are no scenes are refused before they are read") {
   };
   CHECK(refuse("no/such.toml") == "no/such.toml: no such file");
   CHECK(refuse("/") == "/: is a folder, not a file");
-  CHECK(refuse("/dev/zero") == "/dev/zero: is not a regular file");
+  CHECK(refuse("/dev/zero") == "/dev/zero: is not a regular file or a pipe");
   const auto large = fs::temp_directory_path() / ("rosin-large-" + std::to_string(getpid()));
   std::ofstream(large).put('x');
   fs::resize_file(large, 11'000'000);

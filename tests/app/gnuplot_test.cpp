@@ -1,0 +1,40 @@
+/// Texts for gnuplot, and pictures that are whole or not there.
+#include "app/gnuplot.hpp"
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+
+#include "tests/app/folder.hpp"
+
+using namespace rosin::app;
+using Catch::Matchers::Contains;
+using rosin::tests::Folder;
+
+namespace fs = std::filesystem;
+
+TEST_CASE("texts with apostrophes and the end of an SVG's text stay texts", "[gnuplot]") {
+  CHECK(single_quoted("a 'b'") == "'a ''b'''");
+  CHECK(single_quoted("'t Hooft's slider") == "\"'\".'t Hooft''s slider'");
+  CHECK(single_quoted("a]]>b") == "'a]]\u2060>b'");
+  CHECK(single_quoted("a > b") == "'a > b'");
+}
+
+TEST_CASE("a picture that gnuplot left cut short does not get its name", "[gnuplot]") {
+  const Folder folder;
+  const auto bin = folder.path / "bin";
+  fs::create_directories(bin);
+  const auto gnuplot = bin / "gnuplot";  // draws half a picture, and says that all is well
+  std::ofstream(gnuplot) << "#!/bin/sh\noutput=$(echo \"$2\" | sed \"s/.*output='//; s/'.*//\")\n"
+                            "case $output in *.svg) printf '<svg><g>' ;; *) printf 'PNG IEND' ;; esac > \"$output\"\n";
+  fs::permissions(gnuplot, fs::perms::owner_all);
+  std::ofstream(folder.path / "run.gp") << "plot x\n";
+  const std::string before = std::getenv("PATH");
+  setenv("PATH", (bin.string() + ":" + before).c_str(), 1);
+  const auto drawn = draw(folder.path, {"run.gp"});
+  setenv("PATH", before.c_str(), 1);
+  CHECK(drawn.files.empty());
+  REQUIRE(drawn.problems.size() == 2);
+  CHECK_THAT(drawn.problems[0], Contains("cut short"));
+  CHECK_FALSE(fs::exists(folder.path / "run.svg"));
+  CHECK_FALSE(fs::exists(folder.path / "run.png"));
+}

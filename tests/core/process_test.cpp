@@ -1,0 +1,45 @@
+/// Other programs: found as from here, and given their arguments as they are.
+#include "core/process.hpp"
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+
+#include "tests/app/folder.hpp"
+
+using namespace rosin;
+using rosin::tests::Folder;
+
+namespace fs = std::filesystem;
+
+TEST_CASE("arguments reach a program as they are, whatever a shell would make of them", "[process]") {
+  const Folder folder;
+  const std::vector<std::string> arguments = {
+      "-c", "printf '%s|' \"$@\" \"$GIVEN\"; pwd", "sh", "it's", "$(date)", "`date`; exit 3", "a b"};
+  const auto ran = run_program({"/bin/sh", arguments, folder.path, {"GIVEN=here"}});
+  REQUIRE(ran);
+  CHECK(ran->status == 0);
+  CHECK(ran->output == "it's|$(date)|`date`; exit 3|a b|here|" + fs::canonical(folder.path).string() + "\n");
+  CHECK(run_program({"/bin/sh", {"-c", "exit 3"}})->status == 3);
+  CHECK(run_program({"/bin/sh", {"-c", "kill -9 $$"}})->status == 128 + 9);
+  CHECK(run_program({"/bin/sh", {"-c", "head -c 1000000 /dev/zero"}})->output.size() == 65536);
+  CHECK_FALSE(run_program({folder.path / "none", {}}));
+}
+
+TEST_CASE("a program is looked for once, from where the command was given", "[process]") {
+  const Folder folder;
+  const auto tool = folder.path / "rosin-test-tool";
+  std::ofstream(tool) << "#!/bin/sh\n";
+  fs::permissions(tool, fs::perms::owner_all);
+  const std::string before = std::getenv("PATH");
+  const auto here = fs::current_path();
+  fs::current_path(folder.path);
+  setenv("PATH", ("/none:.:" + before).c_str(), 1);
+  const auto found = find_program("rosin-test-tool");
+  CHECK(find_program("sh"));
+  CHECK_FALSE(find_program("rosin-test-none"));
+  setenv("PATH", before.c_str(), 1);
+  fs::current_path(here);
+  REQUIRE(found);
+  CHECK(found->is_absolute());
+  CHECK(fs::equivalent(*found, tool));
+}
