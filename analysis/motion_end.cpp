@@ -97,6 +97,26 @@ std::optional<std::string> why_rest_lasts(const oscillators::SliderSystem& syste
   return std::nullopt;
 }
 
+namespace {
+constexpr double out_of_hand = 1e8;  // times the drive speed
+
+std::string reaches_infinite_speed(double t) {
+  return fmt::format(
+      "between friction and a spring is neither mass nor damping: slip reaches infinite speed at t = {:.9g} s; give "
+      "the slider mass or damping (of radiation), and leave out a contact stiffness as low as this",
+      t);
+}
+}  // namespace
+
+std::optional<std::string> why_slip_runs_away(const oscillators::SliderSystem& system, double t, const double* y) {
+  const auto& model = system.model();
+  if (system.mechanics() != oscillators::Mechanics::elastic || model.lambda == 0) return std::nullopt;
+  const double v = std::abs(system.contact_slip_rate(t, y));
+  if (!(v > out_of_hand * reference_speed(model))) return std::nullopt;
+  if (!(model.law->steady_friction({v, model.drive.normal_load.value(t)}).slope < 0)) return std::nullopt;
+  return reaches_infinite_speed(t);
+}
+
 std::optional<std::string> why_motion_ends(const oscillators::SliderSystem& system, double t, const double* y) {
   const auto& model = system.model();
   const auto& law = *model.law;
@@ -108,13 +128,8 @@ std::optional<std::string> why_motion_ends(const oscillators::SliderSystem& syst
         "of its springs",
         t, system.contact_slip_rate(t, y));
   const double N = model.drive.normal_load.value(t);
-  constexpr double out_of_hand = 1e8;  // times the drive speed
-  const double V = reference_speed(model);
-  if (!system.rigid() && std::abs(system.contact_slip_rate(t, y)) > out_of_hand * V)
-    return fmt::format(
-        "between friction and a spring is neither mass nor damping: slip reaches infinite speed at t = {:.9g} s; give "
-        "the slider mass or damping (of radiation), and leave out a contact stiffness as low as this",
-        t);
+  if (!system.rigid() && std::abs(system.contact_slip_rate(t, y)) > out_of_hand * reference_speed(model))
+    return reaches_infinite_speed(t);
   if (model.lambda != 0) return std::nullopt;
   if (!(system.rigid() && model.slider.mass > 0) && weakens_somewhere(law, N))
     return fmt::format(

@@ -410,6 +410,10 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
       passage.outcome = end ? Outcome{Ending::none_exists, *end} : outcome;
       break;
     }
+    if (const auto away = why_slip_runs_away(system_, solver.time(), solver.state().data())) {
+      passage.outcome = {Ending::none_exists, *away};
+      break;
+    }
     const double t0 = solver.time_before();
     double low = 0, low_value = section(t0, solver.state_before().data());
     bool passed = false;

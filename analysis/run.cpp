@@ -359,6 +359,14 @@ class Pass {
     const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
     return end ? Outcome{Ending::none_exists, *end} : outcome;
   }
+  /// A step, unless slip runs away in it.
+  template <class Solver>
+  Outcome taken(Solver& solver, double limit) {
+    const Outcome outcome = solver.step(limit);
+    if (!outcome.complete()) return explained(outcome, solver);
+    const auto away = why_slip_runs_away(system_, solver.time(), solver.state().data());
+    return away ? Outcome{Ending::none_exists, *away} : outcome;
+  }
   bool start(Collocation& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
   bool start(WhileNotStiff& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
   bool start(solvers::StickSlip& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
@@ -423,8 +431,8 @@ class Pass {
   Outcome while_not_stiff(const std::vector<double>& y, double tolerance) {
     WhileNotStiff solver(system_, tolerance, options_.solver == "auto");
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
-      const Outcome o = solver.step(limit);
-      if (!o.complete()) return explained(o, solver);
+      const Outcome o = taken(solver, limit);
+      if (!o.complete()) return o;
       if (solver.implicit())
         look_at(solver.implicit_steps(), true);
       else
@@ -447,8 +455,8 @@ class Pass {
     const LandingSteps landing(system_);
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       solver.bound_step(landing.time(solver));
-      const Outcome o = solver.step(limit);
-      if (!o.complete()) return explained(o, solver);
+      const Outcome o = taken(solver, limit);
+      if (!o.complete()) return o;
       look_at(solver, true);
       return o;
     });

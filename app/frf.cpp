@@ -125,7 +125,8 @@ std::vector<double> parts(const std::vector<Complex>& Z, double (*part)(const Co
   return values;
 }
 
-void write_curve(const fs::path& path, const std::vector<double>& frequency, const std::vector<Complex>& Z) {
+/// \returns true unless Z is 0 throughout, as of friction that does not answer.
+bool write_curve(const fs::path& path, const std::vector<double>& frequency, const std::vector<Complex>& Z) {
   const auto real = parts(Z, [](const Complex& z) { return z.real(); });
   const auto imaginary = parts(Z, [](const Complex& z) { return z.imag(); });
   const auto magnitude = parts(Z, [](const Complex& z) { return std::abs(z); });
@@ -135,6 +136,7 @@ void write_curve(const fs::path& path, const std::vector<double>& frequency, con
                    {"imaginary (N s/m)", imaginary},
                    {"magnitude (N s/m)", magnitude},
                    {"phase (degree)", angle}});
+  return std::ranges::any_of(magnitude, [](double size) { return size > 0; });
 }
 
 /// One line of a picture: a table of write_curve.
@@ -142,8 +144,9 @@ struct Line {
   std::string file, title;
 };
 
-/// Magnitude, phase, real and imaginary part, and the path in the complex plane.
-void write_script(const fs::path& folder, const Scene& scene, const std::vector<Line>& lines) {
+/// Magnitude, phase, real and imaginary part, and the path in the complex plane. `answers`: some magnitude is above 0,
+/// or a logarithmic axis has nothing to show.
+void write_script(const fs::path& folder, const Scene& scene, const std::vector<Line>& lines, bool answers) {
   constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3", "#C4A000", "#555555", "#D1495B"};
   constexpr const char* dashes[] = {"solid", "(8,4)", "(2,3)", "(12,3,2,3)", "(4,2)"};
   const auto& f = scene.frf.frequencies;
@@ -162,8 +165,11 @@ void write_script(const fs::path& folder, const Scene& scene, const std::vector<
                             dashes[i % std::size(dashes)], single_quoted(lines[i].title));
     script += '\n';
   };
-  panel("magnitude of Z (N s/m)", "1:($4 > 0 ? $4 : NaN)", "set logscale y\nset key off\n");
-  panel("phase of Z (degree)", "1:5", "unset logscale y\nset offsets 0, 0, graph 0.05, graph 0.05\n");
+  if (answers)
+    panel("magnitude of Z (N s/m)", "1:($4 > 0 ? $4 : NaN)", "set logscale y\nset key off\n");
+  else
+    panel("magnitude of Z (N s/m)", "1:4", "set key off\nset yrange [-1:1]\n");
+  panel("phase of Z (degree)", "1:5", "unset logscale y\nset yrange [*:*]\nset offsets 0, 0, graph 0.05, graph 0.05\n");
   panel("real part of Z (N s/m)", "1:2", "set xzeroaxis linecolor '#555555'\nset key top right\n");
   panel("imaginary part of Z (N s/m)", "2:3",
         "unset logscale x\nset xrange [*:*]\nset key off\nset xlabel 'real part of Z (N s/m)'\nset yzeroaxis linecolor "
@@ -365,11 +371,11 @@ Status simulate_sweep(Job& job) {
     document["predicted_matrix"] = entries(predicted_matrix);
   }
   document["warnings"] = swept.warnings;
-  write_curve(job.folder() / "frf.csv", options.frequencies, swept.tangential);
-  write_curve(job.folder() / "frf-predicted.csv", options.frequencies, predicted);
+  const bool answers = write_curve(job.folder() / "frf.csv", options.frequencies, swept.tangential) |
+                       write_curve(job.folder() / "frf-predicted.csv", options.frequencies, predicted);
   std::vector<std::string> files{"frf.csv", "frf-predicted.csv"};
   if (options.frequencies.size() > 1) {
-    write_script(job.folder(), scene, {{"frf.csv", "simulated"}, {"frf-predicted.csv", "predicted"}});
+    write_script(job.folder(), scene, {{"frf.csv", "simulated"}, {"frf-predicted.csv", "predicted"}}, answers);
     files.emplace_back("frf.gp");
   }
   return job.finish(text(document), std::move(files), {});
@@ -415,19 +421,19 @@ Status frf(Job& job) {
   }
 
   std::vector<std::string> files{"frf.csv"};
-  write_curve(job.folder() / "frf.csv", scene.frf.frequencies, curve.tangential);
+  bool answers = write_curve(job.folder() / "frf.csv", scene.frf.frequencies, curve.tangential);
   std::vector<Line> lines;
   for (std::size_t k = 0; k < prediction.family.size(); ++k) {
     const auto& member = prediction.family[k];
     files.push_back(fmt::format("frf-{}.csv", k + 1));
-    write_curve(job.folder() / files.back(), scene.frf.frequencies, member.tangential);
+    answers |= write_curve(job.folder() / files.back(), scene.frf.frequencies, member.tangential);
     const auto quantity = model.describe(scene.frf.family);
     lines.push_back({files.back(), fmt::format("{} = {:g}{}", quantity.meaning.substr(0, quantity.meaning.find(';')),
                                                member.value, quantity.unit == "1" ? "" : " " + quantity.unit)});
   }
   if (lines.empty()) lines.push_back({"frf.csv", "predicted"});
   if (scene.frf.frequencies.size() > 1) {  // one frequency is no line
-    write_script(job.folder(), scene, lines);
+    write_script(job.folder(), scene, lines, answers);
     files.emplace_back("frf.gp");
   }
   auto document = document_of(scene, prediction);

@@ -30,11 +30,14 @@ std::string single_quoted(std::string_view text) {
 }
 
 std::string preamble(const std::string& name, std::string_view what, int width, int height) {
-  return fmt::format(R"(# {what}. Redraw with: gnuplot {name}.gp   or   gnuplot -e "format='png'" {name}.gp
+  constexpr double pixels = 96;  // an inch
+  return fmt::format(R"(# {what}. Redraw with: gnuplot {name}.gp   or   gnuplot -e "format='png'" {name}.gp   or 'pdf'
 if (!exists("format")) format = 'svg'
 if (!exists("output")) output = '{name}.'.format
-if (format eq 'png') {{ set terminal pngcairo size {width},{height} font 'sans,11' background 'white'
-}} else {{ set terminal svg size {width},{height} font 'sans,13' background 'white' }}
+if (format eq 'png') {{ set terminal pngcairo size {width},{height} font 'sans,11' background 'white' }}
+if (format eq 'pdf') {{ set terminal pdfcairo size {inches_wide}in,{inches_high}in font 'sans,10' background 'white' }}
+if (format eq 'svg') {{ set terminal svg size {width},{height} font 'sans,13' background 'white' }}
+if (format ne 'png' && format ne 'pdf' && format ne 'svg') {{ exit message "format is 'svg', 'png' or 'pdf'" }}
 set output output
 set datafile separator ','
 set datafile missing 'nan'
@@ -50,7 +53,8 @@ set style line 4 linecolor '#3A8F5C' linewidth 1.6 dashtype (12,3,2,3)
 set style line 5 linecolor '#8A4FA3' linewidth 1.6 dashtype (4,2)
 )",
                      fmt::arg("what", what), fmt::arg("name", name), fmt::arg("width", width),
-                     fmt::arg("height", height));
+                     fmt::arg("height", height), fmt::arg("inches_wide", width / pixels),
+                     fmt::arg("inches_high", height / pixels));
 }
 
 std::string label(std::string_view meaning, std::string_view unit) {

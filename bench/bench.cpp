@@ -75,13 +75,12 @@ bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
   out << fmt::format("# Run time against true error: gnuplot {0}.gp, in this folder, writes {0}.svg and {0}.png.\n",
                      base);
   const int width = panels.size() > 1 ? 1500 : 900;
-  out << "do for [format in \"svg png\"] {\n"
+  out << "set encoding utf8\ndo for [format in \"svg png\"] {\n"
       << "  if (format eq \"svg\") {\n"
-      << fmt::format("    set terminal svg size {},560 font 'Helvetica,13' background rgb 'white'\n", width)
+      << fmt::format("    set terminal svg size {},560 font 'sans,13' background rgb 'white'\n", width)
       << "  } else {\n"
-      << fmt::format(
-             "    set terminal pngcairo size {},1120 font 'Helvetica,13' fontscale 1.5 pointscale 2 linewidth 2\n",
-             2 * width)
+      << fmt::format("    set terminal pngcairo size {},1120 font 'sans,13' fontscale 1.5 pointscale 2 linewidth 2\n",
+                     2 * width)
       << "  }\n"
       << fmt::format("  set output sprintf('{}.%s', format)\n", base)
       << "  set logscale xy\n  set format '10^{%T}'\n  set grid lc rgb '#dddddd' lw 0.6 dt 1\n  set border 3\n"
@@ -147,7 +146,7 @@ bool run(const Settings& settings) {
   std::vector<Panel> panels;
   if (settings.what == "cycle") {
     record = bench_cycle(settings, scipy, curves);
-    panels = {{curves, "One cycle: N = 10^{−4} m g, {/Symbol l} = 10",
+    panels = {{curves, "One cycle: N = 10^{−4} m g, λ = 10",
                "largest true error of period, stick fraction, loop area (relative)", "processor time (s)"}};
   } else if (settings.what == "history") {
     record = bench_history(settings, scipy, curves);
@@ -155,8 +154,8 @@ bool run(const Settings& settings) {
     stiff.replace_extension(".stiff.dat");
     panels = {
         {curves, "Fault patch, five earthquakes in 5000 s", "true error of ln v at the end", "processor time (s)"},
-        {stiff, "Board slider, stick and slip over 600 s",
-         "largest true error of x k/(N a), {/Symbol m}/a, ln {/Symbol y} at the end", "processor time (s)"}};
+        {stiff, "Board slider, stick and slip over 600 s", "largest true error of x k/(N a), μ/a, ln ψ at the end",
+         "processor time (s)"}};
   } else if (settings.what == "stick-slip") {
     record = bench_stick_slip(settings, curves);
     panels = {{curves, "Stick-slip: seven cases, two to eighteen sticks in 2 s",
@@ -168,7 +167,7 @@ bool run(const Settings& settings) {
                "true error of Z over |Z|, met by nine frequencies in ten", "processor time per frequency (s)"}};
   } else {
     record = bench_plane(settings, scipy, curves);
-    panels = {{curves, "Plane: N/(m g) = 10^{−8} … 1, {/Symbol l} = 10^{−4} … 10^2",
+    panels = {{curves, "Plane: N/(m g) = 10^{−8} … 1, λ = 10^{−4} … 10^2",
                "largest true error of period, stick fraction, loop area, met by nine cycles in ten",
                "processor time per cycle (s)"}};
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/cycle.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
@@ -351,4 +352,31 @@ TEST_CASE("a start that rings on a stiff film is followed, and its force is that
     CHECK(record.columns[3][i] == Approx(y[2]).epsilon(1e-5));
     CHECK(record.columns[3][i] == Approx(of("A") * record.columns[5][i]).epsilon(1e-12));
   }
+}
+
+TEST_CASE("a run that explicit steps cannot bring close enough goes on by collocation", "[run]") {
+  // Stick and slip of a contact damped by radiation, to 1e-8 of its peak of slip. An implicit integration to 1e-11 has
+  // 0.0264331 m/s there.
+  auto model =
+      slider_under("ageing", {0.6, 0.002, 0.003, 20e-6, 1e-6}, {.mass = 0, .stiffness = 20, .damping = 0.3}, 10e-6, 1);
+  RunOptions options;
+  options.duration = 600;
+  options.samples = 9999;
+  options.start.kind = Start::Kind::given;
+  options.start.slip_rate = 1e-6;
+  options.start.states["theta"] = 20;
+  const auto result = run(model, options);
+  CHECK(result.outcome.complete());
+  CHECK(result.solver == "collocation");
+  CHECK(result.metrics.at("slip_rate_max") == Approx(0.0264331).epsilon(1e-4));
+}
+
+TEST_CASE("slip that reaches infinite speed is told so, although a step may pass over that moment", "[run]") {
+  // Neither mass nor damping, 0.64 of the critical stiffness: slip diverges in finite time (Rice & Gu 1983).
+  const auto model = slider_under(
+      "ageing", {0.6482150458470213, 0.023946421924161236, 0.04128455196373481, 3.158949348528406e-06, 1e-06},
+      {.mass = 0, .stiffness = 1807.0719277213511}, 6.49967161604592e-05, 0.5117072649749906);
+  const auto cycle = find_cycle(model);
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+  CHECK(cycle.outcome.detail.find("infinite speed") != std::string::npos);
 }
