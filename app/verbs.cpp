@@ -144,7 +144,12 @@ Status run(const Request& request) {
   job.explain_model();
   job.explain("solver: {}; tolerance {}; every column comes with its error", scene.run.solver, scene.run.tolerance);
   const auto begin = std::chrono::steady_clock::now();
-  const auto run = scene.plane ? analysis::run_plane(*scene.plane, scene.run) : analysis::run(scene.model, scene.run);
+  const auto run = [&] {
+    Progress progress(request.quiet);
+    auto how = scene.run;
+    if (progress.visible()) how.progress = [&](double part) { progress.show_pass(part); };
+    return scene.plane ? analysis::run_plane(*scene.plane, how) : analysis::run(scene.model, how);
+  }();
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
   if (!run.remark.empty()) job.note(run.remark);
 

@@ -352,3 +352,26 @@ TEST_CASE("a start that rings on a stiff film is followed, and its force is that
     CHECK(record.columns[3][i] == Approx(of("A") * record.columns[5][i]).epsilon(1e-12));
   }
 }
+
+TEST_CASE("a run tells how far each of its passes has come", "[run]") {
+  for (const char* solver : {"collocation", "explicit", "cvode"}) {
+    Model model = slider_under("ageing", {0.6, 0.01, 0.015, 1e-5, 1e-6}, {1, 100, 0.1}, 1e-4, 2);
+    RunOptions how;
+    how.start = {.kind = Start::Kind::given, .slip_rate = 5e-5};
+    how.duration = 3;
+    how.solver = solver;
+    if (how.solver == "explicit") model.slider.mass = 0;
+    std::vector<double> parts;
+    how.progress = [&](double part) { parts.push_back(part); };
+    const auto record = run(model, how);
+    INFO(solver << ": " << record.outcome.detail);
+    int passes = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      CHECK(parts[i] > 0);
+      if (i + 1 < parts.size() && parts[i + 1] > parts[i]) continue;
+      CHECK(parts[i] == 1);
+      ++passes;
+    }
+    CHECK(passes >= 2);
+  }
+}
