@@ -357,7 +357,8 @@ TEST_CASE("a run tells how far each of its passes has come", "[run]") {
   for (const char* solver : {"collocation", "explicit", "cvode"}) {
     Model model = slider_under("ageing", {0.6, 0.01, 0.015, 1e-5, 1e-6}, {1, 100, 0.1}, 1e-4, 2);
     RunOptions how;
-    how.start = {.kind = Start::Kind::given, .slip_rate = 5e-5};
+    how.start.kind = Start::Kind::given;
+    how.start.slip_rate = 5e-5;
     how.duration = 3;
     how.solver = solver;
     if (how.solver == "explicit") model.slider.mass = 0;
