@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "core/error.hpp"
 
@@ -25,23 +26,26 @@ double random_error(double unexplained, double inverse_input, double freedom) {
   return std::sqrt(std::max(0.0, unexplained) * inverse_input / (2 * std::max(freedom, 1.0)));
 }
 
-/// ½ m₂ H'' of the window's second moment m₂, H'' by a parabola through eleven bins (least squares).
-std::vector<double> bias_of_width(const std::vector<Complex>& H, double moment) {
+/// ½ m₂ H'' of the window's second moment m₂, and −iκ H'/(2π) of the share κ of power at its ends, by which what of an
+/// answer falls behind the end of a segment is lost; by a parabola through eleven bins (least squares).
+std::vector<double> bias_of_width(const std::vector<Complex>& H, double moment, double ends) {
   constexpr int reach = 5;
   const int n = int(H.size());
   std::vector<double> bias(H.size(), std::nan(""));
   for (int k = 0; k < n && n > 2 * reach; ++k) {
     const int centre = std::clamp(k, reach, n - 1 - reach);
     double sum_xx = 0, sum_x4 = 0;
-    Complex sum_y = 0, sum_xxy = 0;
+    Complex sum_y = 0, sum_xy = 0, sum_xxy = 0;
     for (int i = -reach; i <= reach; ++i) {
       const double xx = double(i) * i;
       sum_xx += xx, sum_x4 += xx * xx;
-      sum_y += H[std::size_t(centre + i)], sum_xxy += xx * H[std::size_t(centre + i)];
+      const Complex y = H[std::size_t(centre + i)];
+      sum_y += y, sum_xy += double(i) * y, sum_xxy += xx * y;
     }
     const double count = 2 * reach + 1;
     const Complex curvature = 2.0 * (sum_xxy - sum_xx / count * sum_y) / (sum_x4 - sum_xx * sum_xx / count);
-    bias[std::size_t(k)] = std::abs(0.5 * moment * curvature);
+    const Complex slope = sum_xy / sum_xx + curvature * double(k - centre);
+    bias[std::size_t(k)] = std::abs(0.5 * moment * curvature - Complex(0, ends / (2 * std::numbers::pi)) * slope);
   }
   return bias;
 }
@@ -204,7 +208,7 @@ MeasuredFrf extract_frf(const CrossSpectra& spectra, const Channels& channels, d
   if (result.frequency.empty())
     throw InputError(fmt::format("no frequency of the record lies between {} and {} Hz: it has {:.4g} … {:.4g} Hz",
                                  options.from, options.to, 2 * result.resolution, sample_rate / 2));
-  result.bias_error = bias_of_width(result.tangential, spectra.window_moment());
+  result.bias_error = bias_of_width(result.tangential, spectra.window_moment(), spectra.window_ends());
 
   double peak = 0, outside = 0, all = 0;
   for (int k = 2; k < bins; ++k) peak = std::max(peak, spectra.spectrum(slip, slip, k).real());

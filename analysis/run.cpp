@@ -340,6 +340,7 @@ class Pass {
                                                     turns_until(system_.model(), end))};
         }
         if (const Outcome outcome = advance(limit); !outcome.complete()) return outcome;
+        if (options_.progress) options_.progress(solver.time() / end);
         if (system_.model().lambda == 0)
           if (const auto never = why_nothing_slips_again(system_, solver.time(), solver.state().data()))
             return {Ending::none_exists, *never};

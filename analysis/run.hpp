@@ -1,5 +1,6 @@
 /// Motion from a given start: an initial-value problem with its record, events and error estimate.
 #pragma once
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -19,6 +20,8 @@ struct RunOptions {
   long most_steps = 5'000'000;                   ///< of one pass
   std::string solver = "auto";                   ///< one of solver_names()
   solvers::force_algorithms::Options algorithm;  ///< of the force algorithms
+  /// Called after each step with the part of the motion, 0 … 1, that the present pass has followed.
+  std::function<void(double part)> progress = {};
 };
 
 struct RunEvent {

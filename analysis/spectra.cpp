@@ -177,12 +177,17 @@ std::complex<double> CrossSpectra::spectrum(int i, int j, int bin) const {
 double CrossSpectra::window_moment() const {
   const auto& w = work_->window;
   double change = 0;
-  for (std::size_t i = 0; i < w.size(); ++i) {
-    const double step = w[i] - w[i == 0 ? w.size() - 1 : i - 1];
+  for (std::size_t i = 1; i < w.size(); ++i) {  // jumps at the ends are window_ends()
+    const double step = w[i] - w[i - 1];
     change += step * step;
   }
   const double turns = double(w.size()) / (2 * std::numbers::pi);
   return change / work_->power * turns * turns;
+}
+
+double CrossSpectra::window_ends() const {
+  const auto& w = work_->window;
+  return 0.5 * (w.front() * w.front() + w.back() * w.back()) * double(w.size()) / work_->power;
 }
 
 const ClippingWatch& CrossSpectra::clipping(int channel) const { return work_->clipping[std::size_t(channel)]; }

@@ -39,6 +39,9 @@ class CrossSpectra {
   std::complex<double> spectrum(int i, int j, int bin) const;
   /// Second moment of the window's spectrum in bins²: curvature of a response across a bin biases it by half of this.
   double window_moment() const;
+  /// Power of the window at its ends, as a share of the mean: 1 of a rectangular one, 0 of one that begins and ends at
+  /// 0.
+  double window_ends() const;
 
   struct Level {
     double mean = 0, rms = 0, least = 0;  ///< rms about the segments' straight lines

@@ -140,7 +140,12 @@ Status run(Job& job) {
   job.explain_model();
   job.explain("solver: {}; tolerance {}; every column comes with its error", scene.run.solver, scene.run.tolerance);
   const auto begin = std::chrono::steady_clock::now();
-  auto run = scene.plane ? analysis::run_plane(*scene.plane, scene.run) : analysis::run(scene.model, scene.run);
+  auto run = [&] {
+    Progress progress(job.request().quiet);
+    auto how = scene.run;
+    if (progress.visible()) how.progress = [&](double part) { progress.show_pass(part); };
+    return scene.plane ? analysis::run_plane(*scene.plane, how) : analysis::run(scene.model, how);
+  }();
   run.outcome = why_stopped(run.outcome);
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
   if (!run.remark.empty()) job.note(run.remark);

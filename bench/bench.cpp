@@ -139,6 +139,7 @@ bool run(const Settings& settings) {
       ROSIN_BUILD_FLAGS, scipy.found() ? scipy.version() : "not found, left out");
   const fs::path folder = settings.folder;
   fs::create_directories(folder);
+  fs::remove(rows_file(settings));
   const fs::path stem = folder / settings.what;
   fs::path curves = stem;
   curves.replace_extension(".dat");

@@ -53,7 +53,9 @@ Record bench_plane(const Settings& settings, const SciPy& scipy, const std::file
   std::vector<std::size_t> index;
   int stable = 0, unchecked = 0, beyond = 0;
   double largest = 0;
+  Stage references(settings, "reference values, point by point", survey.points.size() / stride);
   for (std::size_t i = stride / 2; i < survey.points.size(); i += stride) {
+    references.done(i / stride);
     const double N = survey.x.values[i % points], lambda = survey.y.values[i / points];
     if (survey.points[i].regime == Regime::failed)
       findings(fmt::format("no regime at N = {:.4g}, lambda = {:.4g}: {}", N, lambda, survey.points[i].why));
@@ -98,6 +100,7 @@ Record bench_plane(const Settings& settings, const SciPy& scipy, const std::file
   std::vector<std::string> outside;
   double at_1e6 = 0;
   for (const double tolerance : tolerances(settings, 3, settings.quick ? 6 : 9)) {
+    progress(settings, fmt::format("{}, {:.0e}", whole_map, tolerance));
     Plane plane;
     rows.push_back(measure(
         whole_map, 1, tolerance, settings, [&](int, double t) { plane = compute_plane(points, t); }, [](int, Row&) {}));
@@ -124,6 +127,7 @@ Record bench_plane(const Settings& settings, const SciPy& scipy, const std::file
         outside.push_back(fmt::format("{:.0e}: N = {:.4g}, lambda = {:.4g}: true {:.1e}", tolerance, t.N, t.lambda,
                                       fmt::join(e, " ")));
     }
+    keep(settings, {row});
   }
   for (const auto& solver : rosin_solvers()) {
     const auto more = sweep(solver, cycles, tolerances(settings, 3, settings.quick ? 3 : 10), settings);

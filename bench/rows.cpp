@@ -1,8 +1,6 @@
 /// Timing, tables and times at equal error, the same for every bench.
 #include "bench/rows.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <bench_scripts.hpp>
 #include <cmath>
@@ -22,7 +20,33 @@ double now() {
 }
 
 void progress(const Settings& settings, const std::string& text) {
-  if (!settings.quiet && isatty(STDERR_FILENO)) rosin::tell("{}\n", text);
+  using Clock = std::chrono::steady_clock;
+  static const auto begin = Clock::now();
+  if (settings.quiet) return;
+  rosin::tell("[{:3.0f} s] {}\n", std::chrono::duration<double>(Clock::now() - begin).count(), text);
+}
+
+Stage::Stage(const Settings& settings, std::string what, std::size_t total)
+    : settings_(settings), what_(std::move(what)), total_(total) {
+  progress(settings_, fmt::format("{}: {}", what_, total_));
+}
+
+void Stage::done(std::size_t problems) {
+  const auto now = Clock::now();
+  if (problems == 0 || now - told_ < std::chrono::seconds(10)) return;
+  told_ = now;
+  const double spent = std::chrono::duration<double>(now - begin_).count();
+  progress(settings_, fmt::format("{}: {} of {} done, {:.0f} s left", what_, problems, total_,
+                                  spent * double(total_ - problems) / double(problems)));
+}
+
+std::filesystem::path rows_file(const Settings& settings) {
+  return std::filesystem::path(settings.folder) / (settings.what + ".rows.jsonl");
+}
+
+void keep(const Settings& settings, const std::vector<Row>& rows) {
+  std::ofstream file(rows_file(settings), std::ios::app);
+  for (const auto& row : as_json(rows, {})) file << row.dump() << '\n';
 }
 
 int Row::failed() const {
@@ -105,6 +129,7 @@ std::vector<Row> sweep(const std::string& solver, int problems, const std::vecto
       }
     }
     rows.push_back(measure(solver, problems, tolerance, settings, solve, judge));
+    keep(settings, {rows.back()});
     if (rows.back().counts()) spent += rows.back().seconds;
   }
   return rows;
@@ -259,6 +284,7 @@ std::vector<Row> SciPy::sweep(const std::string& kind, const std::string& method
       if (row.tried < row.asked) row.note = fmt::format("time limit: {} of {}", row.tried, row.asked);
       rows.push_back(row);
     }
+    keep(settings_, rows);
   }
   return rows;
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -74,8 +75,25 @@ template <class... Args>
 void say(const Settings& settings, fmt::format_string<Args...> text, Args&&... args) {
   if (!settings.json) rosin::print(text, std::forward<Args>(args)...);
 }
-/// What is being computed, on standard error if that is a terminal.
+/// What is being computed, and since how many seconds the bench runs, a line on standard error.
 void progress(const Settings&, const std::string& text);
+/// How many of a stage's problems are done, and the time left, every ten seconds.
+class Stage {
+ public:
+  Stage(const Settings& settings, std::string what, std::size_t total);
+  void done(std::size_t problems);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const Settings& settings_;
+  std::string what_;
+  std::size_t total_;
+  Clock::time_point begin_ = Clock::now(), told_ = begin_;
+};
+/// The rows that are finished, a line of JSON each, in a bench's folder: what is left of one that is stopped.
+std::filesystem::path rows_file(const Settings&);
+/// Adds rows to that file.
+void keep(const Settings&, const std::vector<Row>&);
 
 /// SciPy's solvers, in one Python process for each sweep.
 class SciPy {

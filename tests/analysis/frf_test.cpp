@@ -263,3 +263,47 @@ TEST_CASE("every law responds with finite numbers at ten thousand frequencies", 
     CHECK(finite == 10000);
   }
 }
+
+TEST_CASE("a response tends to its limits, bare, heated and behind springs with and without dampers", "[frf]") {
+  int stiff = 0, direct = 0;
+  for (const auto& model : tests::surrounded_laws()) {
+    const FrictionResponse response(model);
+    const auto limits = response.limits();
+    INFO(model.law->card().name << ", damped " << model.contact_stiffness.damped() << ", high " << limits.high
+                                << ", stiffness " << limits.stiffness);
+    double fastest = 1;
+    for (const auto& pole : response.poles()) fastest = std::max(fastest, std::abs(pole.value));
+    for (const auto& zero : response.zeros()) fastest = std::max(fastest, std::abs(zero.value));
+    const Complex s(0, 1e5 * fastest), Z = response.tangential(s);
+    if (limits.high != 0) {
+      ++direct;
+      CHECK(limits.stiffness == 0);
+      check_close(Z, limits.high, 1e-4);
+    } else if (limits.stiffness != 0) {
+      ++stiff;
+      check_close(s * Z, limits.stiffness, 1e-4);
+    }
+  }
+  CHECK(direct > 20);
+  CHECK(stiff > 20);
+}
+
+TEST_CASE("behind a damped spring a bristle's stiffness is what is left, and of a direct effect the dampers in series",
+          "[frf]") {
+  const double N = 5, V = 1e-3, a = 0.01, c = 30, sigma0 = 1e4, sigma1 = 3;
+  auto ageing = slider_under("ageing", {0.6, a, 0.015, 1e-5, 1e-6}, any_slider, V, N);
+  ageing.contact_stiffness = {.tangential = 2e4, .damping = c};
+  CHECK(FrictionResponse(ageing).limits().high == Approx(1 / (V / (N * a) + 1 / c)).epsilon(1e-12));
+  CHECK(FrictionResponse(ageing).limits().stiffness == 0);
+  // A bristle's ż = v − σ₀|v|z/g(v) has δz = (V g'/g) δv/s at high frequency. Behind a damper, 1/(1/Z + 1/c) does not
+  // know the damper where Z falls as 1/s.
+  const double fallen = 0.1 * std::exp(-1), follows = -2 * fallen / (0.3 + fallen);  // V g'/g at V = v_s
+  auto bristle = slider_under("lugre", {sigma0, 0.0, 0.0, 0.4, 0.3, 1e-3}, any_slider, V, N);
+  CHECK(FrictionResponse(bristle).limits().stiffness == Approx(sigma0 * N * follows).epsilon(1e-12));
+  bristle.contact_stiffness = {.tangential = 2e4, .damping = c};
+  CHECK(FrictionResponse(bristle).limits().high == 0);
+  CHECK(FrictionResponse(bristle).limits().stiffness == Approx(sigma0 * N * follows).epsilon(1e-12));
+  auto damped = slider_under("lugre", {sigma0, sigma1, 0.0, 0.4, 0.3, 1e-3}, any_slider, V, N);
+  damped.contact_stiffness = bristle.contact_stiffness;
+  CHECK(FrictionResponse(damped).limits().high == Approx(1 / (1 / (sigma1 * N * follows) + 1 / c)).epsilon(1e-12));
+}

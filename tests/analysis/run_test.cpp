@@ -380,3 +380,27 @@ TEST_CASE("slip that reaches infinite speed is told so, although a step may pass
   CHECK(cycle.outcome.ending == Ending::none_exists);
   CHECK(cycle.outcome.detail.find("infinite speed") != std::string::npos);
 }
+
+TEST_CASE("a run tells how far each of its passes has come", "[run]") {
+  for (const char* solver : {"collocation", "explicit", "cvode"}) {
+    Model model = slider_under("ageing", {0.6, 0.01, 0.015, 1e-5, 1e-6}, {1, 100, 0.1}, 1e-4, 2);
+    RunOptions how;
+    how.start.kind = Start::Kind::given;
+    how.start.slip_rate = 5e-5;
+    how.duration = 3;
+    how.solver = solver;
+    if (how.solver == "explicit") model.slider.mass = 0;
+    std::vector<double> parts;
+    how.progress = [&](double part) { parts.push_back(part); };
+    const auto record = run(model, how);
+    INFO(solver << ": " << record.outcome.detail);
+    int passes = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      CHECK(parts[i] > 0);
+      if (i + 1 < parts.size() && parts[i + 1] > parts[i]) continue;
+      CHECK(parts[i] == 1);
+      ++passes;
+    }
+    CHECK(passes >= 2);
+  }
+}

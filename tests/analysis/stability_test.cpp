@@ -166,3 +166,45 @@ TEST_CASE("an eigenvalue beside one that rounding hides is known no better than 
   REQUIRE(found.eigenvalues.size() == 3);
   for (int i = 0; i < 3; ++i) CHECK(std::abs(found.eigenvalues[i] - exact[i]) <= found.eigenvalue_errors[i]);
 }
+
+TEST_CASE("the closed critical load of a slider with mass is where Hurwitz' determinant vanishes", "[stability]") {
+  // (m s² + k)[(s + g) + s A (s + g r)/k_t] + s A (s + g r) = 0 with A = N a/V, g = V/(λL), r = (a − b)/a: a quartic.
+  const double a = 0.01, b = 0.015, L = 1e-5, V = 1e-3, k = 4e3;
+  struct Case {
+    double mass, lambda;
+    oscillators::ContactStiffness spring;
+  };
+  for (const auto& [m, lambda, spring] :
+       {Case{0.2, 1, {}}, {0.2, 1, {.tangential = 9e3}}, {0.3, 1, {.per_load = 6e3}}, {2, 3, {.tangential = 2e3}}}) {
+    auto model = slider_under("ageing", {0.6, a, b, L, 1e-6}, {m, k, 0}, V, 1);
+    model.lambda = lambda;
+    model.contact_stiffness = spring;
+    const double g = V / (lambda * L), r = (a - b) / a;
+    struct Coefficients {
+      double c4, c3, c2, c1, c0;
+    };
+    const auto quartic = [&](double N) {
+      const double A = N * a / V, q = A / (std::isfinite(spring.per_load) ? spring.per_load * N : spring.tangential);
+      return Coefficients{m * q, m * (1 + q * g * r), m * g + k * q + A, k * (1 + q * g * r) + A * g * r, k * g};
+    };
+    const auto determinant = [&](double N) {  // 0 at N = 0 too, by its factor N
+      const auto [c4, c3, c2, c1, c0] = quartic(N);
+      return (c1 * (c2 * c3 - c1 * c4) - c0 * c3 * c3) / N;
+    };
+    double low = 1e-3, high = 1e-3;
+    for (const double sign = determinant(low); determinant(high) * sign > 0; high *= 1.01) low = high;
+    for (int i = 0; i < 100; ++i) {
+      const double middle = 0.5 * (low + high);
+      (determinant(middle) * determinant(high) > 0 ? high : low) = middle;
+    }
+    const auto closed = critical_load(model);
+    INFO("mass " << m << ", spring " << spring.tangential << ", per load " << spring.per_load);
+    REQUIRE(closed);
+    CHECK(closed->normal_load == Approx(low).epsilon(1e-10));
+    const auto there = quartic(low);
+    CHECK(closed->angular_frequency == Approx(std::sqrt(there.c1 / there.c3)).epsilon(1e-8));
+  }
+  // No spring holds a mass whose inertia outweighs it at the frequency of the contact, ω² = g² (b − a)/a.
+  CHECK_FALSE(critical_load(slider_under("ageing", {0.6, a, b, L, 1e-6}, {0.81, k, 0}, V, 1)));
+  CHECK(critical_load(slider_under("ageing", {0.6, a, b, L, 1e-6}, {0.79, k, 0}, V, 1)));
+}

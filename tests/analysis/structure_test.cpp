@@ -425,3 +425,39 @@ TEST_CASE("parameters of the structure move stability as those of the model do",
   const SlidingStructure matrices{Structure{{1}, {0}, {1.09}, {{{1}, {}}}}, model, {}};
   CHECK(matrices.with("structure.K", 2.0).structure().K[0] == Approx(2.18));
 }
+
+TEST_CASE("contacts that remember the load and press themselves: eigenvalues balance the structure by hand",
+          "[structure]") {
+  // δF = Z δv + Y δN with Z = (N/V)(a − b/(1 + s L/V)) (Rice & Ruina 1983) and Y = μ − α s/(s + V/L) (Linker &
+  // Dieterich 1992, about steady sliding); δv = −s tᵀx, δN = (k_n + c_n s) nᵀx − lift s tᵀx; t δF − n δN on the
+  // structure.
+  const double mu0 = 0.6, a = 0.01, b = 0.015, L = 1e-5, V = 1e-4, v0 = 1e-6, N = 5, alpha = 0.3;
+  auto model = slider_under("ageing", {mu0, a, b, L, v0}, any_slider, V, N);
+  model.load_memory = alpha;
+  const double mu = mu0 + (a - b) * std::log(V / v0);
+  const Structure s{{2, 0.3, 0.3, 1}, {4, 0, 0, 3}, {9e3, -2e3, -2e3, 5e3}, {{{1, 0.4}, {-0.3, 1}}}};
+  const NormalContact normal{.stiffness = 7e3, .damping = 11, .lift = -2};
+  const auto loop = close_loop(s, model, normal);
+  CHECK(loop.eigenvalues.size() == 5);
+  CHECK(loop.unstable_by_nyquist == loop.unstable_by_eigenvalues);
+  const double t[] = {1, 0.4}, n[] = {-0.3, 1};
+  for (const Complex at : loop.eigenvalues) {
+    const Complex Z = N / V * (a - b / (1.0 + at * L / V)), Y = mu - alpha * at / (at + V / L);
+    Complex D[2][2];
+    double size = 0;
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j) {
+        const auto k = std::size_t(2 * i + j);
+        const Complex load = (normal.stiffness + normal.damping * at) * n[j] - normal.lift * at * t[j];
+        D[i][j] = at * at * s.M[k] + at * s.C[k] + s.K[k] + t[i] * (Z * at * t[j] - Y * load) + n[i] * load;
+        size = std::max(size, std::abs(D[i][j]));
+      }
+    INFO(at);
+    CHECK(std::abs(D[0][0] * D[1][1] - D[0][1] * D[1][0]) < 1e-10 * size * size);
+  }
+  const FrictionResponse response(model);
+  for (const double omega : {0.3, 10.0, 1e3}) {
+    const Complex at(0, omega), Y = mu - alpha * at / (at + V / L);
+    CHECK(std::abs(response.normal(at) - Y) < 1e-12 * std::abs(Y));
+  }
+}

@@ -59,6 +59,29 @@ TEST_CASE("intervals of the likelihood hold the truth in about 95 of 100 samples
   CHECK(characteristic_held == Approx(950).margin(25));
 }
 
+TEST_CASE("intervals are as wide as the tabulated variances of the estimates say", "[weibull]") {
+  // n var(b̂)/b² → 0.6079 and n b² var(ln θ̂) → 1.1087: Lawless (1982), Statistical Models and Methods for Lifetime
+  // Data, section 4.1 (its σ = 1/b).
+  const std::vector<double> samples = {0.4, 0.9, 1.1, 1.6, 1.9, 2.4, 2.6, 3.3, 4.1};
+  const double n = double(samples.size()), normal = 1.959964;
+  const auto above = weibull_by_likelihood(samples, 0);
+  const auto width = [](const double(&interval)[2], double from) {
+    return 0.5 * std::log(std::abs((interval[1] - from) / (interval[0] - from)));
+  };
+  CHECK(width(above.shape_interval, 0) == Approx(normal * std::sqrt(0.6079 / n)).epsilon(1e-4));
+  CHECK(width(above.characteristic_interval, 0) ==
+        Approx(normal * std::sqrt(1.1087 / n) / above.fit.shape).epsilon(1e-4));
+  CHECK(above.characteristic_interval[0] * above.characteristic_interval[1] ==
+        Approx(std::pow(above.fit.characteristic, 2)).epsilon(1e-12));
+  // Below a threshold x₀ the inverse distance is what is distributed.
+  std::vector<double> mirrored;
+  for (const double y : samples) mirrored.push_back(7 - 1 / y);
+  const auto below = weibull_by_likelihood(mirrored, 7);
+  CHECK(below.fit.shape == Approx(-above.fit.shape).epsilon(1e-10));
+  CHECK(7 - 1 / above.characteristic_interval[0] == Approx(below.characteristic_interval[0]).epsilon(1e-10));
+  CHECK(7 - 1 / above.characteristic_interval[1] == Approx(below.characteristic_interval[1]).epsilon(1e-10));
+}
+
 TEST_CASE("a summary is what a box plot shows", "[weibull]") {
   const std::vector<double> samples = {4, 1, 3, 2, 5};
   const auto summary = summarise(samples);

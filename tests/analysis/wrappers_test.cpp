@@ -2,6 +2,8 @@
 /// analysis that a law without wrappers serves.
 #include <catch2/catch.hpp>
 #include <complex>
+#include <set>
+#include <string_view>
 
 #include "analysis/cycle.hpp"
 #include "analysis/cycle_lanes.hpp"
@@ -412,4 +414,83 @@ TEST_CASE("a rise of the load that no state can carry is refused by that name", 
     CHECK_THROWS_WITH(contact->change_load(1e-4, 1, changed, z),
                       Catch::Contains("the state carries") && Catch::Contains("law.load_memory.alpha"));
   CHECK_NOTHROW(contact->change_load(1e-4, 1, std::pow(most, 0.9), z));
+}
+
+TEST_CASE(
+    "a ramp of the load adds up to its sudden change where states do nothing else, and its slopes are those of it",
+    "[wrappers]") {
+  // The law's own rate is taken off: what is left of ż at the load rate R is −(α R/N) s/|s|², s = ∂μ/∂z.
+  constexpr double v = 1e-4, N = 1, changed = 0.6, R = -0.3, alpha = 0.05, lambda = 1.7;
+  const ContactSetup setup{.lambda = lambda, .unknowns = Unknowns::states, .load_memory = alpha};
+  auto all = laws::catalogue();
+  all.push_back(laws::heated(laws::find_law("spinodal"), {.resistance = 2e4, .time = 0.02, .softening = 30}));
+  std::set<std::string_view> asked;
+  for (const auto& law : all) {
+    if (law->set_valued() || std::ranges::none_of(law->states(), [](auto& s) { return s.scale == Scale::log; }))
+      continue;
+    INFO(law->card().name << " with " << law->states().size() << " states");
+    asked.insert(law->card().name);
+    const auto contact = law->contact(setup);
+    const int n = contact->unknowns();
+    double z[16], weight[16], sudden[16], F;
+    contact->steady(0, v, N, z, weight);
+    for (int i = 0; i < n; ++i) z[i] += 0.1 * weight[i] * (i % 2 ? -1 : 1);  // beside steady sliding
+    std::copy(z, z + n, sudden);
+    contact->change_load(v, N, changed, sudden);
+    const auto slope = [&](double load, const double* at, double* by_load) {
+      double ramped[16], held[16];
+      contact->evaluate({v, load, R, 1}, at, ramped, F);
+      contact->evaluate({v, load, 0, 1}, at, held, F);
+      for (int i = 0; i < n; ++i) by_load[i] = (ramped[i] - held[i]) / (lambda * R);
+    };
+    constexpr int steps = 500;
+    constexpr double h = (changed - N) / steps;
+    double k[4][16] = {}, at[16];
+    for (int step = 0; step < steps; ++step) {
+      constexpr double node[] = {0, 0.5, 0.5, 1};
+      for (int stage = 0; stage < 4; ++stage) {
+        for (int i = 0; i < n; ++i) at[i] = z[i] + (stage == 0 ? 0 : node[stage] * h * k[stage - 1][i]);
+        slope(N + h * (step + node[stage]), at, k[stage]);
+      }
+      for (int i = 0; i < n; ++i) z[i] += h / 6 * (k[0][i] + 2 * k[1][i] + 2 * k[2][i] + k[3][i]);
+    }
+    for (int i = 0; i < n; ++i) CHECK(z[i] == Approx(sudden[i]).epsilon(1e-9).margin(1e-10));
+
+    for (const auto unknowns : {Unknowns::states, Unknowns::friction}) {
+      if (unknowns == Unknowns::friction && !law->has_slip_rate()) continue;
+      const auto remembering =
+          law->contact({.lambda = lambda, .compliance = 1e-6, .unknowns = unknowns, .load_memory = alpha});
+      const int m = remembering->unknowns();
+      double g[16];
+      remembering->steady(0, v, N, z, weight);
+      for (int i = 0; i < m; ++i) z[i] += 0.1 * weight[i] * (i % 2 ? -1 : 1);
+      // A load rate at which what it adds is no less than the rates themselves.
+      const ContactInput<double> in{v, N, 2e3, 1};
+      Slopes<double> slopes;
+      remembering->linearise(in, z, g, F, slopes);
+      for (int direction = 0; direction < m + 2; ++direction) {
+        const double size = direction < m ? 0.1 * weight[direction] : direction == m ? v : N, step = 1e-3 * size;
+        const auto moved = [&](double by) {
+          std::vector<double> there(z, z + m), answer(std::size_t(m) + 1);
+          there.resize(std::size_t(m) + 1);
+          auto input = in;
+          (direction < m ? there[std::size_t(direction)] : direction == m ? input.slip_rate : input.normal_load) += by;
+          remembering->evaluate(input, there.data(), answer.data(), F);
+          return answer;
+        };
+        const auto a = moved(step), b = moved(-step), c = moved(2 * step), d = moved(-2 * step);
+        for (int i = 0; i < m; ++i) {
+          const auto row = std::size_t(i);
+          const double expected = (8 * (a[row] - b[row]) - (c[row] - d[row])) / (12 * step);
+          const double given = direction < m    ? slopes.g_z[i * m + direction]
+                               : direction == m ? slopes.g_u[i]
+                                                : slopes.g_N[i];
+          CAPTURE(int(unknowns), direction, i, given, expected);
+          CHECK(std::abs(given - expected) * size <= 1e-8 * (std::abs(g[i]) + std::abs(expected) * size));
+        }
+      }
+    }
+  }
+  for (const char* name : {"ageing", "spinodal", "prz", "kato-tullis", "nagata", "two-state-slip"})
+    CHECK(asked.contains(name));
 }

@@ -573,3 +573,24 @@ TEST_CASE("what an analysis refuses names the place of the key in the scene", "[
   CHECK(twice.status == 2);
   CHECK_THAT(twice.error, StartsWith(scene + ":"));
 }
+
+TEST_CASE("a bench keeps each row as it is finished, and tells what it computes unless it is to be quiet") {
+  const Folder folder;
+  const Arguments bench = {"bench", "response", "--quick", "--out", "b"};
+  const auto told = run_rosin(folder, bench);
+  CHECK(told.status == 0);
+  CHECK_THAT(told.error, Catch::Contains(" s] "));
+  const auto rows = json::parse(content(folder.path / "b" / "response.json"))["response"]["rows"];
+  std::istringstream kept(content(folder.path / "b" / "response.rows.jsonl"));
+  std::size_t count = 0;
+  for (std::string line; std::getline(kept, line); ++count) {
+    REQUIRE(count < rows.size());
+    const auto row = json::parse(line);
+    CHECK(row["solver"] == rows[count]["solver"]);
+    CHECK(row["seconds"] == rows[count]["seconds"]);
+  }
+  CHECK(count == rows.size());
+  auto quietly = bench;
+  quietly.push_back("--quiet");
+  CHECK(run_rosin(folder, quietly).error.empty());
+}

@@ -350,6 +350,51 @@ TEST_CASE("every law of the catalogue keeps the promises of a friction law", "[l
       }
     }
 
+    DYNAMIC_SECTION(label << " flows at the rates of its contact, with their slopes") {
+      if (!law.has_slip_rate() || law.set_valued()) continue;
+      std::mt19937 random(13);
+      const auto flow = law.flow();
+      const auto contact = law.contact({.unknowns = Unknowns::friction});
+      const int n = flow->unknowns();
+      REQUIRE(n == contact->unknowns());
+      const auto size = std::size_t(n);
+      for (const double v : speeds) {
+        const Point p = point_near_steady(*contact, v, random);
+        const auto flown = [&](const std::vector<double>& z) {  // v, then the rates
+          std::vector<Pack> at(z.begin(), z.end()), g(size), v_z(size), g_z(size * size);
+          Pack slip;
+          flow->slip(load, at.data(), slip, g.data(), v_z.data(), g_z.data());
+          std::vector<double> answer{slip.block[0]};
+          for (std::size_t i = 0; i + 1 < size; ++i) answer.push_back(g[i].block[0]);
+          return answer;
+        };
+        std::vector<Pack> at(p.z.begin(), p.z.end()), g(size), v_z(size), g_z(size * size);
+        Pack slip;
+        flow->slip(load, at.data(), slip, g.data(), v_z.data(), g_z.data());
+        const auto here = flown(p.z);
+        std::vector<double> of_contact(size + 1);
+        double F;
+        contact->evaluate({v, load, 0, 1}, p.z.data(), of_contact.data(), F);
+        of_contact[0] = v - of_contact[0];
+        for (std::size_t row = 0; row < size; ++row) {
+          double terms = std::abs(here[row]);  // a row may cancel
+          const auto slope = [&](std::size_t k) { return (row == 0 ? v_z[k] : g_z[(row - 1) * size + k]).block[0]; };
+          for (std::size_t k = 0; k < size; ++k) terms = std::max(terms, std::abs(slope(k)) * p.weight[k]);
+          CAPTURE(v, row, terms);
+          CHECK(near(here[row], of_contact[row], 1e-11, terms));
+          for (std::size_t k = 0; k < size; ++k) {
+            const auto moved = [&](double by) {
+              auto z = p.z;
+              z[k] += by;
+              return flown(z)[row];
+            };
+            CAPTURE(k);
+            CHECK(near(slope(k), difference(moved, 0, 0.03 * p.weight[k]), 1e-8, terms / p.weight[k]));
+          }
+        }
+      }
+    }
+
     DYNAMIC_SECTION(label << " answers for 32 different lanes as for each alone") {
       std::mt19937 random(11);
       std::uniform_real_distribution<double> uniform(-1, 1);

@@ -158,3 +158,50 @@ TEST_CASE("stiffness is found where convergence holds the steps, and only there"
     CHECK(std::abs(solver.state()[0] - std::cos(solver.time())) < 1e-6);
   }
 }
+
+namespace {
+/// ẏ = A/(1 + 25 x²), x = 2t − 1, times x where odd: seen from the middle of the first step from 0 to 1, Legendre
+/// coefficients of every other degree vanish.
+struct Bump final : System {
+  static constexpr double height = 0.3;
+  bool odd;
+  explicit Bump(bool is_odd) : odd(is_odd) {}
+  double slope(double t) const { return height * (odd ? 2 * t - 1 : 1) / (1 + 25 * (2 * t - 1) * (2 * t - 1)); }
+  double integral(double t) const {
+    const double x = 2 * t - 1;
+    if (odd) return height / 100 * std::log((1 + 25 * x * x) / 26);
+    return height / 10 * (std::atan(5 * x) + std::atan(5.0));
+  }
+  int size() const override { return 1; }
+  void mass(double, double* m) const override { m[0] = 1; }
+  void evaluate(double t, const double*, double* f) const override { f[0] = slope(t); }
+  void linearise(double t, const double* y, double* f, double* J) const override { evaluate(t, y, f), J[0] = 0; }
+  void scale(const double*, double* s) const override { s[0] = 1; }
+  std::string unknown(int) const override { return "y"; }
+  bool has_flow() const override { return true; }
+  void flow(const Pack& t, const Pack*, Pack* rate, Pack& pace) const override {
+    for (int i = 0; i < pack_width; ++i) rate[0].block[i] = slope(t.block[i]);
+    pace = 1.0;
+  }
+};
+}  // namespace
+
+TEST_CASE("a step in which the highest coefficient, or the one below it, vanishes by symmetry is not trusted",
+          "[explicit]") {
+  for (const bool odd : {false, true}) {
+    const Bump system(odd);
+    constexpr double tolerance = 1e-8, whole = 10;
+    Explicit solver(system, tolerance);
+    const double start[] = {0};
+    solver.start(0, start);
+    REQUIRE(solver.step(whole).complete());
+    INFO("odd " << odd << ": to " << solver.time() << " s, off by "
+                << solver.state()[0] - system.integral(solver.time()));
+    // A first step of a tenth of the whole is tried, in which the slope's poles at ±i/10 s bar any such tolerance.
+    CHECK(solver.count().rejected > 0);
+    CHECK(solver.time() < 0.5);
+    CHECK(std::abs(solver.state()[0] - system.integral(solver.time())) < tolerance);
+    while (solver.time() < whole) REQUIRE(solver.step(whole).complete());
+    CHECK(std::abs(solver.state()[0] - system.integral(whole)) < 1e-7);
+  }
+}
