@@ -234,10 +234,9 @@ class Workshop {
     const int pixel = batch.places[i].row * piece.width() + batch.places[i].column;
     const bool beside = piece.patch.class_of(pixel) == beside_steady;
     auto point = point_of(cycle, beside);
-    if (!point)
-      point = compute_point(model, batch.tolerance, options_.stick_threshold, options_.metrics, beside, cycle.near);
+    if (!point) point = compute_point(model, batch.tolerance, options_.stick_threshold, beside, cycle.near);
     if (point->regime == Regime::failed)  // too much was asked
-      point = compute_point(model, options_.tolerance, options_.stick_threshold, options_.metrics, beside, cycle.near);
+      point = compute_point(model, options_.tolerance, options_.stick_threshold, beside, cycle.near);
     set(piece, pixel, model, *point);
   }
 

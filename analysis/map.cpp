@@ -206,7 +206,7 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
                        finish(finished, 0);  // by itself a point takes long
                        finished.emplace_back(indices[k],
                                              compute_point(models[k], options.tolerance, options.stick_threshold,
-                                                           options.metrics, attracted[k], cycles[k].near));
+                                                           attracted[k], cycles[k].near));
                      }
                    }
                    return finished;

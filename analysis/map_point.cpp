@@ -50,30 +50,15 @@ std::optional<MapPoint> point_of(const LaneCycle& cycle, bool attracts) {
   return point;
 }
 
-namespace {
-/// Which of the metrics is not known at all, and to how much of its size; empty: all are.
-std::string unknown_metric(const Cycle& cycle, const std::vector<std::string>& metrics, double V) {
-  for (const auto& name : metrics) {
-    const auto& metric = find_metric(name);
-    const double part = cycle.error.*metric.member / size_of(metric, cycle.metrics, V);
-    if (part > 1) return fmt::format("{} is known to {:.1e} of its size only", name, part);
-  }
-  return {};
-}
-}  // namespace
-
-MapPoint compute_point(const Model& model, double tolerance, double stick_threshold,
-                       const std::vector<std::string>& metrics, bool attracts, const std::vector<double>& near) {
+MapPoint compute_point(const Model& model, double tolerance, double stick_threshold, bool attracts,
+                       const std::vector<double>& near) {
   MapPoint point = stable_point();
   point.origin = Origin::computed;
   point.regime = Regime::failed;
   try {
     const Cycle cycle = find_cycle(
         model, {.tolerance = tolerance, .stick_threshold = stick_threshold, .multipliers = false, .near = near});
-    const auto unknown = cycle.metrics.period > 0 ? unknown_metric(cycle, metrics, model.drive.speed.level()) : "";
-    if (!unknown.empty()) {
-      point.why = unknown;
-    } else if (cycle.metrics.period > 0 && cycle.stable) {
+    if (cycle.metrics.period > 0 && cycle.stable) {
       point.regime = attracts ? Regime::bistable : Regime::cycle;
       point.metrics = cycle.metrics;
       point.error = cycle.error;

@@ -18,7 +18,7 @@ MapPoint failed_point(std::string why);
 /// What lanes say of a point, or nothing where it is to be looked at by itself. `attracts`: steady sliding is stable.
 std::optional<MapPoint> point_of(const LaneCycle&, bool attracts);
 /// A point by itself, at the full order of the collocation. `near`: as in CycleOptions.
-MapPoint compute_point(const Model&, double tolerance, double stick_threshold, const std::vector<std::string>& metrics,
-                       bool attracts, const std::vector<double>& near);
+MapPoint compute_point(const Model&, double tolerance, double stick_threshold, bool attracts,
+                       const std::vector<double>& near);
 
 }  // namespace rosin::analysis
