@@ -22,9 +22,9 @@ std::optional<std::string> why_nothing_slips_again(const oscillators::SliderSyst
 /// That, or why they do not get away from rest under λ = 0 and a curve that jumps there.
 std::optional<std::string> why_rest_lasts(const oscillators::SliderSystem&, double t, const double* y);
 
-/// Why slip in the unknowns y at time t has run away, if it has under a constant drive: neither mass nor damping between
-/// friction and a spring, and slip against the drive, 10⁸ times as fast. A step may pass over the moment at which slip is
-/// infinite, to slip of any speed and direction.
+/// Why slip in the unknowns y at time t has run away, if it has under a constant drive: neither mass nor damping
+/// between friction and a spring, and slip against the drive, 10⁸ times as fast. A step may pass over the moment at
+/// which slip is infinite, to slip of any speed and direction.
 std::optional<std::string> why_slip_runs_away(const oscillators::SliderSystem&, double t, const double* y);
 
 /// Why no integration gets beyond the unknowns y at time t, or nothing where the equations give no reason:
