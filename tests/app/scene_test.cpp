@@ -29,7 +29,8 @@ Scene read(const std::string& text, Verb verb, const std::vector<std::string>& o
   std::ofstream("record.csv") << "time,load\n0,1\n2.5,4\n";
   std::ofstream("torn.csv") << "0,1\n2.5\n";
   std::ofstream("units.csv") << "# of the rig\ntime (ms), load [kN]\n0,1\n2500,4\n";
-  std::ofstream("units-in-comment.csv") << "# taken (twice), again\n# rig (new), run (last)\n# time (ms), load (kN)\n0,1\n2500,4\n";
+  std::ofstream("units-in-comment.csv")
+      << "# taken (twice), again\n# rig (new), run (last)\n# time (ms), load (kN)\n0,1\n2500,4\n";
   std::ofstream("units-below.csv") << "time,load\nms,kN\n0,1\n2500,4\n";
   std::ofstream("motion.csv") << "time (ms),displacement (mm)\n0,1\n2500,4\n";
   std::ofstream("curve.csv") << "Speed [mm/s],mu [-]\n1,0.4\n10,0.3\n100,0.2\n";
