@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <thread>
 
@@ -27,9 +28,16 @@ bool wait_for(const sigset_t& watched, std::optional<double> seconds) {
     int received = 0;
     return sigwait(&watched, &received) == 0;
   }
-  const double whole = std::floor(*seconds);
-  const timespec time{static_cast<time_t>(whole), static_cast<long>(1e9 * (*seconds - whole))};
-  return sigtimedwait(&watched, nullptr, &time) > 0;
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  for (double left = *seconds; left > 0;
+       left = *seconds - std::chrono::duration<double>(Clock::now() - begin).count()) {
+    const double whole = std::floor(left);
+    const timespec time{static_cast<time_t>(whole), static_cast<long>(1e9 * (left - whole))};
+    if (sigtimedwait(&watched, nullptr, &time) > 0) return true;
+    if (errno != EINTR) return false;  // a debugger or a checker of leaks has stopped the thread for a moment
+  }
+  return false;
 }
 
 }  // namespace
