@@ -44,6 +44,7 @@ constexpr VerbHelp verbs[] = {
     {"fit", "SCENE", "parameters of laws from responses, velocity steps, steady curves and holds; laws ranked"},
     {"lab", "SCENE", "an experiment as it is done in the laboratory: its record and what is read off it"},
     {"study", "SCENE", "the published force algorithms against exact stick-slip over random oscillators"},
+    {"verify", "CASE", "numbers that others have printed or computed, asked of rosin again"},
     {"stress", "", "random scenes over ten decades, each certified by a second method or refused with a reason"},
     {"bench", "WHAT", "run time against true error beside other solvers"},
     {"plot", "PATH", "draw the pictures of a results folder, or of a scene's results, again"},
@@ -81,6 +82,17 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
       command->add_flag("--quiet", request.quiet, "say nothing but errors");
       continue;
     }
+    if (name == "verify") {
+      command->add_option("CASE", request.cases, "cases or groups by name, or files; all if left out");
+      command->add_flag("--quick", request.quick, "only cases that take less than half a second");
+      command->add_option("--cases", request.dossier, "folder of cases; default the dossier of this installation");
+      command->add_option("--threads", request.threads, "cases at a time; results do not depend on it")
+          ->capture_default_str();
+      command->add_option("--out", request.out, "results folder; default out/verify/");
+      command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
+      command->add_flag("--quiet", request.quiet, "say nothing but errors");
+      continue;
+    }
     if (name == "lab") {
       std::vector<std::string_view> experiments;
       for (const auto& experiment : analysis::lab::experiments()) experiments.push_back(experiment.name);
@@ -110,6 +122,8 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     command->add_option("--tolerance", request.tolerance, "relative accuracy of every result");
     command->add_option("--threads", request.threads, "threads of a map; results do not depend on it")
         ->capture_default_str();
+    command->add_flag("--no-pictures", request.no_pictures,
+                      "write no pictures, only what 'rosin plot' draws them from");
     if (name == "compare")
       command->add_flag("--design", request.design, "where, and by how many repeats, measurements tell members apart");
     if (name == "map") command->add_flag("--exact", request.exact, "compute every point of a map, interpolate none");

@@ -13,6 +13,8 @@ struct Request {
   std::string verb;        ///< "laws", "curve", …
   std::string experiment;  ///< of "lab"
   std::string target;  ///< scene file; a law's name for "laws"; a folder or scene for "plot"; "cycle", … for "bench"
+  std::vector<std::string> cases;  ///< of "verify": names of cases or groups, or files; empty: all
+  std::string dossier;             ///< verify: the folder of cases; empty: that of this installation
   std::vector<std::string> overrides;
   std::optional<double> tolerance;
   std::optional<double> time_limit;  ///< s, for all that the verb does
@@ -21,9 +23,10 @@ struct Request {
   long scenes = 1000, only = -1;
   std::string out;
   bool json = false, explain = false, quiet = false;
+  bool no_pictures = false;  ///< scripts are written, not drawn
   bool design = false;  ///< compare: where measurements would tell members apart
   bool exact = false;   ///< map: compute every point
-  bool quick = false;   ///< bench: only check that everything works
+  bool quick = false;   ///< bench: only check that everything works; verify: leave slow cases out
   std::string python;   ///< bench: the Python that has SciPy
   double limit = 60;    ///< bench: seconds for all tolerances of one solver
 };

@@ -122,28 +122,38 @@ void Job::say_what_is_replaced(const std::string& label) const {
   note(fmt::format("{} replaces a result{}; --out keeps results apart", (folder_ / (label + ".json")).string(), how));
 }
 
-Status Job::finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome) {
-  results_are_due();
+void draw_pictures(const Request& request, const fs::path& folder, Manifest& manifest) {
   std::vector<std::string> scripts;
-  for (const auto& file : files)
+  for (const auto& file : manifest.files)
     if (fs::path(file).extension() == ".gp") {
       scripts.push_back(file);
-      manifest_.scripts[file] = checksum_of(folder_ / file);
+      manifest.scripts[file] = checksum_of(folder / file);
     }
-  const auto drawn = draw(folder_, scripts);
-  for (const auto& problem : drawn.problems) note(problem);
-  files.insert(files.end(), drawn.files.begin(), drawn.files.end());
-  const std::string label = request_.design ? "design" : request_.verb;
-  files.push_back(label + ".json");
-  manifest_.files = std::move(files);
-  manifest_.outcome = outcome;
-  say_what_is_replaced(label);
-  const auto manifest = to_json(scene_, manifest_);
+  if (request.no_pictures) return;
+  const auto drawn = draw(folder, scripts);
+  if (!request.quiet)
+    for (const auto& problem : drawn.problems) tell("note: {}\n", problem);
+  manifest.files.insert(manifest.files.end(), drawn.files.begin(), drawn.files.end());
+}
+
+void write_results(const fs::path& folder, const std::string& label, const std::string& document,
+                   const std::string& manifest) {
   for (const auto& [name, content] : {std::pair{label + ".manifest.json", &manifest},
                                       {"manifest.json", &manifest},
                                       {label + ".json", &document},
                                       {"result.json", &document}})
-    write_whole(folder_ / name, *content);
+    write_whole(folder / name, *content);
+}
+
+Status Job::finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome) {
+  results_are_due();
+  manifest_.files = std::move(files);
+  draw_pictures(request_, folder_, manifest_);
+  const std::string label = request_.design ? "design" : request_.verb;
+  manifest_.files.push_back(label + ".json");
+  manifest_.outcome = outcome;
+  say_what_is_replaced(label);
+  write_results(folder_, label, document, to_json(scene_, manifest_));
   if (request_.json) write_output(document);
   if (!outcome.complete() && !request_.quiet)
     tell("{}: {}{}{}\n", scene_.path, name(outcome.ending), outcome.detail.empty() ? "" : ": ", outcome.detail);

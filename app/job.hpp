@@ -75,6 +75,13 @@ class Job {
   Manifest manifest_;
 };
 
+/// Draws the scripts (*.gp) among the manifest's files, unless no pictures are wanted; the manifest then knows the
+/// pictures and, by their checksums, the scripts.
+void draw_pictures(const Request&, const std::filesystem::path& folder, Manifest&);
+/// Writes a document and its manifest, each under the label's name and as the folder's latest.
+void write_results(const std::filesystem::path& folder, const std::string& label, const std::string& document,
+                   const std::string& manifest);
+
 /// Scripts of a results folder that are as some verb's manifest has them, and the others.
 struct Scripts {
   std::vector<std::string> ours, foreign;

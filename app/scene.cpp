@@ -971,15 +971,6 @@ void write_table(std::string& out, const toml::table& table, std::string_view na
     if (name.empty() && value.is_table()) write_table(out, *value.as_table(), key.str());
 }
 
-toml::table parse(const std::string& path, std::string_view content) {
-  check_depth(content, path);
-  try {
-    return toml::parse(content, path);
-  } catch (const toml::parse_error& error) {
-    fail(error.source(), "not valid TOML: {}", error.description());
-  }
-}
-
 /// Where each key stands, by its path.
 void note_places(const toml::node& node, const std::string& path, std::map<std::string, std::string>& places) {
   if (!path.empty()) places[path] = place(node.source());
@@ -994,7 +985,7 @@ void read_tables(const toml::table& document, Verb verb, const analysis::lab::Ex
   Table root(document, "");
   for (const char* table : {"sweep", "branch", "lyapunov"}) root.refuse(table);
   root.expect({"title", "law", "oscillator", "drive", "curve", "stability", "run", "cycle", "map", "compare", "fit",
-               "frf", "lab", "solver", "study"});
+               "frf", "lab", "solver", "study", "verify"});
   if (const auto* title = root.find("title")) scene.title = text(*title, "title");
   if (verb == Verb::study) {  // draws its own models
     read_study(Table(root.required("study", "cases, seed and algorithms"), "study"), scene.study);
@@ -1106,13 +1097,22 @@ void read_tables(const toml::table& document, Verb verb, const analysis::lab::Ex
 
 }  // namespace
 
-Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb verb,
-                 std::string_view experiment) {
-  const auto* chosen = verb == Verb::lab ? &analysis::lab::find_experiment(experiment) : nullptr;
+toml::table read_toml(const std::string& path) {
   const auto content = read_whole(path, largest_scene);
   if (content.find_first_not_of(" \t\r\n") == std::string::npos)
     throw InputError(fmt::format("{}:1:1: the file is empty; a scene needs at least [law] with a type", path));
-  toml::table document = parse(path, content);
+  check_depth(content, path);
+  try {
+    return toml::parse(content, path);
+  } catch (const toml::parse_error& error) {
+    fail(error.source(), "not valid TOML: {}", error.description());
+  }
+}
+
+Scene read_scene(const std::string& path, std::span<const std::string> overrides, Verb verb,
+                 std::string_view experiment) {
+  const auto* chosen = verb == Verb::lab ? &analysis::lab::find_experiment(experiment) : nullptr;
+  toml::table document = read_toml(path);
   for (const auto& override : overrides) apply_override(document, override);
 
   Scene scene;

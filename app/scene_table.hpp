@@ -23,6 +23,9 @@ inline constexpr int largest_seed = 10'000'000;
 inline constexpr std::size_t most_names = 1000;  ///< in a list of texts, tables, or terms
 inline constexpr std::string_view override_mark = "--set ";
 
+/// A scene's file as it stands there. \throws InputError with the line where it is empty, too large or no TOML.
+toml::table read_toml(const std::string& path);
+
 /// "scene.toml:7:5", or the override that a value came from.
 inline std::string place(const toml::source_region& source) {
   const std::string path = source.path ? *source.path : "scene";

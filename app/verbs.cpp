@@ -24,6 +24,7 @@
 #include "app/stopping.hpp"
 #include "app/stress.hpp"
 #include "app/study.hpp"
+#include "app/verify/verify.hpp"
 #include "bench/bench.hpp"
 #include "core/console.hpp"
 #include "laws/catalogue.hpp"
@@ -414,6 +415,18 @@ constexpr SceneVerb scene_verbs[] = {
 
 }  // namespace
 
+Verb scene_verb(std::string_view name) {
+  std::vector<std::string> known;
+  for (const auto& verb : scene_verbs) {
+    if (name == verb.name) return verb.reads;
+    known.emplace_back(verb.name);
+  }
+  const auto near = nearest_name(name, known);
+  throw InputError(fmt::format(
+      "'{}' is no verb that reads a scene; {}", name,
+      near.empty() ? fmt::format("those are {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near)));
+}
+
 Status execute(const Request& request) {
   for (const auto& verb : scene_verbs) {
     if (request.verb != verb.name) continue;
@@ -426,6 +439,7 @@ Status execute(const Request& request) {
   }
   if (request.verb == "laws") return list_laws(request);
   if (request.verb == "stress") return stress(request);
+  if (request.verb == "verify") return verify::verify(request);
   if (request.verb == "bench") return bench(request);
   return plot(request);
 }

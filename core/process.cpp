@@ -2,6 +2,7 @@
 #include "core/process.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -12,12 +13,43 @@
 #include <cerrno>
 #include <cstdlib>
 #include <string_view>
+#include <utility>
+
+#include "core/stop.hpp"
 
 extern char** environ;
 
 namespace rosin {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Two ends of a pipe, closed with this object.
+struct Pipe {
+  std::array<int, 2> ends{-1, -1};
+  Pipe() {
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) ends = {-1, -1};
+  }
+  ~Pipe() {
+    for (const int end : ends)
+      if (end >= 0) ::close(end);
+  }
+  Pipe(const Pipe&) = delete;
+  void close_writing() { ::close(std::exchange(ends[1], -1)); }
+};
+
+/// Reads what waits there and keeps the first 64 KiB of all. \returns false at the end.
+bool take(int file, std::string& kept) {
+  constexpr std::size_t most = 1 << 16;
+  std::array<char, 4096> buffer;
+  const ssize_t got = ::read(file, buffer.data(), buffer.size());
+  if (got < 0) return errno == EINTR;
+  kept.append(buffer.data(), std::min(static_cast<std::size_t>(got), most - kept.size()));
+  return got > 0;
+}
+
+}  // namespace
 
 std::optional<fs::path> find_program(const std::string& name) {
   const auto runs = [](const fs::path& path) {
@@ -40,14 +72,14 @@ std::optional<fs::path> find_program(const std::string& name) {
 }
 
 std::optional<Ran> run_program(const Command& command) {
-  std::array<int, 2> pipe{};
-  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return std::nullopt;
+  Pipe output, messages;
+  if (output.ends[0] < 0 || messages.ends[0] < 0) return std::nullopt;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   if (!command.folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, command.folder.c_str());
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, output.ends[1], STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, messages.ends[1], STDERR_FILENO);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none, ignored_here;
@@ -70,19 +102,24 @@ std::optional<Ran> run_program(const Command& command) {
   const int problem = posix_spawn(&child, program.c_str(), &actions, &attributes, argv.data(), environment.data());
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
-  ::close(pipe[1]);
-  Ran ran{};
-  if (problem == 0) {
-    constexpr std::size_t kept = 1 << 16;
-    std::array<char, 4096> buffer;
-    for (ssize_t got; (got = ::read(pipe[0], buffer.data(), buffer.size())) > 0 || (got < 0 && errno == EINTR);)
-      if (got > 0) ran.output.append(buffer.data(), std::min<std::size_t>(std::size_t(got), kept - ran.output.size()));
-  }
-  ::close(pipe[0]);
   if (problem != 0) return std::nullopt;
+  for (auto* pipe : {&output, &messages}) pipe->close_writing();
+  Ran ran{};
+  bool stopped = false;
+  std::array<pollfd, 2> open = {{{output.ends[0], POLLIN, 0}, {messages.ends[0], POLLIN, 0}}};
+  while (open[0].fd >= 0 || open[1].fd >= 0) {
+    constexpr int glance = 50;  // ms, between two looks at the stop request
+    if (command.stops_with_us && !stopped && Listening::stop_asked()) stopped = ::kill(child, SIGTERM) == 0;
+    for (auto& file : open) file.revents = 0;
+    if (::poll(open.data(), open.size(), command.stops_with_us ? glance : -1) < 0 && errno != EINTR) break;
+    for (auto& file : open)
+      if (file.revents != 0 && !take(file.fd, file.fd == output.ends[0] ? ran.output : ran.messages))
+        file.fd = -1;  // which poll passes over
+  }
   int status = 0;
   while (waitpid(child, &status, 0) < 0)
     if (errno != EINTR) return std::nullopt;
+  if (stopped) throw Stopped{};
   ran.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return ran;
 }

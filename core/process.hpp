@@ -16,14 +16,16 @@ struct Command {
   std::vector<std::string> arguments;
   std::filesystem::path folder = {};          ///< in which it runs; empty: the present one
   std::vector<std::string> environment = {};  ///< "NAME=value", besides what is there
+  bool stops_with_us = false;                 ///< is ended where this thread is asked to stop
 };
 
 struct Ran {
-  int status;          ///< of its exit; 128 and the signal that ended it
-  std::string output;  ///< the first 64 KiB of its standard output
+  int status;                    ///< of its exit; 128 and the signal that ended it
+  std::string output, messages;  ///< the first 64 KiB of its standard output and of its standard error
 };
 
-/// Runs a program to its end, with nothing to read and its messages dropped. Nothing if it cannot be started.
+/// Runs a program to its end, with nothing to read. Nothing if it cannot be started.
+/// \throws Stopped where the thread was asked to stop and the program was ended for it.
 std::optional<Ran> run_program(const Command&);
 
 }  // namespace rosin

@@ -3,7 +3,9 @@
 
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <thread>
 
+#include "core/stop.hpp"
 #include "tests/app/folder.hpp"
 
 using namespace rosin;
@@ -22,7 +24,22 @@ TEST_CASE("arguments reach a program as they are, whatever a shell would make of
   CHECK(run_program({"/bin/sh", {"-c", "exit 3"}})->status == 3);
   CHECK(run_program({"/bin/sh", {"-c", "kill -9 $$"}})->status == 128 + 9);
   CHECK(run_program({"/bin/sh", {"-c", "head -c 1000000 /dev/zero"}})->output.size() == 65536);
+  const auto both = run_program({"/bin/sh", {"-c", "head -c 1000000 /dev/zero >&2; echo done; echo why >&2"}});
+  CHECK(both->output == "done\n");
+  CHECK(both->messages.size() == 65536);
   CHECK_FALSE(run_program({folder.path / "none", {}}));
+}
+
+TEST_CASE("a program that stops with its caller is ended", "[process]") {
+  std::stop_source stop;
+  const Listening listening(stop.get_token());
+  Command sleep{"/bin/sh", {"-c", "exec sleep 100"}};
+  sleep.stops_with_us = true;
+  std::jthread asks([&] { stop.request_stop(); });
+  CHECK_THROWS_AS(run_program(sleep), Stopped);
+  sleep.arguments[1] = "exit 4";
+  sleep.stops_with_us = false;  // as pictures of work that was stopped are still drawn
+  CHECK(run_program(sleep)->status == 4);
 }
 
 TEST_CASE("a program is looked for once, from where the command was given", "[process]") {
