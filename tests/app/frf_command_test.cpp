@@ -1,15 +1,11 @@
 /// The verbs frf and fit as a user runs them: the fields that callers rely on, and refusals with their place.
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "tests/app/folder.hpp"
+#include "tests/app/command.hpp"
 
 namespace {
 
@@ -18,18 +14,7 @@ using Catch::Matchers::Contains;
 using nlohmann::json;
 using rosin::tests::content;
 using rosin::tests::Folder;
-
-struct Answer {
-  int status;
-  std::string out, error;
-};
-Answer run_rosin(const Folder& folder, const std::string& arguments) {
-  const auto line =
-      "cd '" + folder.path.string() + "' && '" ROSIN_COMMAND "' " + arguments + " >out.txt 2>error.txt </dev/null";
-  const int status = std::system(line.c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content(folder.path / "out.txt"),
-          content(folder.path / "error.txt")};
-}
+using rosin::tests::run_rosin;
 
 const std::string examples = ROSIN_SOURCE_DIR "/examples/";
 
