@@ -76,6 +76,7 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
       command->add_option("--seed", request.seed, "of the random scenes")->capture_default_str();
       command->add_option("--scenes", request.scenes, "number of scenes")->capture_default_str();
       command->add_option("--only", request.only, "one scene by its number");
+      command->add_flag("--draw", request.draw, "write the scenes as files, judge none");
       command->add_option("--threads", request.threads, "threads; results do not depend on it")->capture_default_str();
       command->add_option("--out", request.out, "results folder; default out/stress-SEED/");
       command->add_flag("--json", request.json, "print the result as JSON, and nothing else");

@@ -21,6 +21,7 @@ struct Request {
   int threads = 1;
   std::uint64_t seed = 1;  ///< of "stress": its first random scenes, or one of them
   long scenes = 1000, only = -1;
+  bool draw = false;  ///< stress: write the scenes, judge none
   std::string out;
   bool json = false, explain = false, quiet = false;
   bool no_pictures = false;  ///< scripts are written, not drawn

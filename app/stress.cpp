@@ -14,6 +14,7 @@
 #include "app/progress.hpp"
 #include "app/stopping.hpp"
 #include "core/console.hpp"
+#include "core/stop.hpp"
 #include "laws/catalogue.hpp"
 
 namespace rosin::app {
@@ -42,10 +43,13 @@ std::string toml(const Value& value) {
   return fmt::format("[{}]", fmt::join(numbers, ", "));
 }
 
-/// The scene as a file that the ordinary verbs read.
-std::string toml(const StressScene& scene, const Judgement& judgement) {
-  std::string text = fmt::format("# rosin {} FILE: {}{}{}\n", name(scene.question), name(judgement.verdict),
-                                 judgement.reason.empty() ? "" : ": ", judgement.reason);
+std::string in_words(const Judgement& judgement) {
+  return fmt::format("{}{}{}", name(judgement.verdict), judgement.reason.empty() ? "" : ": ", judgement.reason);
+}
+
+/// The scene as a file that the ordinary verbs read; `judgement` in words, or "drawn".
+std::string toml(const StressScene& scene, const std::string& judgement) {
+  std::string text = fmt::format("# rosin {} FILE: {}\n", name(scene.question), judgement);
   text += fmt::format("# Drawn by: rosin stress --seed {} --only {}\ntitle = \"stress {} of seed {}\"\n", scene.seed,
                       scene.index, scene.index, scene.seed);
   std::string table = "law";
@@ -138,20 +142,30 @@ Status stress(const Request& request) {
   std::error_code problem;
   fs::create_directories(folder, problem);
   if (problem) throw InputError(fmt::format("--out {}: cannot be made: {}", folder.string(), problem.message()));
-  const auto keep = [&](const StressScene& scene, const Judgement& judgement) {
+  const auto keep = [&](const StressScene& scene, const std::string& judgement) {
     const auto path = folder / fmt::format("scene-{}.toml", scene.index);
     write_whole(path, toml(scene, judgement));
     return path.string();
   };
   const bool single = request.only >= 0;
+  const long first = single ? request.only : 0;
   const auto count = std::size_t(single ? 1 : request.scenes);
+  if (request.draw) {
+    const analysis::Laws laws = laws::catalogue();
+    for (long i = first; i < first + long(count); ++i) {
+      end_if_stopped();
+      keep(analysis::draw_scene(laws, request.seed, i), "drawn");
+    }
+    if (!request.quiet) print("{} scenes in {}\n", count, (folder / "").string());
+    return done;
+  }
   std::size_t judged = 0;
   StressReport report;
   {
     Progress progress(request.quiet);
     report = analysis::stress({.laws = laws::catalogue(),
                                .seed = request.seed,
-                               .first = single ? request.only : 0,
+                               .first = first,
                                .scenes = long(count),
                                .threads = request.threads},
                               {.finished =
@@ -160,13 +174,13 @@ Status stress(const Request& request) {
                                      const bool fails =
                                          judgement.verdict > Verdict::refused;  // from there on they must not be
                                      if (!fails && !single) return;
-                                     const auto path = keep(scene, judgement);
+                                     const auto path = keep(scene, in_words(judgement));
                                      if (!request.quiet && !progress.visible())
                                        tell("{}: {}: {}\n", path, name(judgement.verdict), judgement.reason);
                                    },
                                .hung =
                                    [&](const StressScene& scene) {
-                                     const auto path = keep(scene, {Verdict::failed, "hung: no answer in time"});
+                                     const auto path = keep(scene, "hung: no answer in time");
                                      tell("{}: hung; the suite cannot go on\n", path);
                                      _exit(ended_short);
                                    }});
