@@ -7,9 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <thread>
+#include <type_traits>
 
-#include "analysis/lab/experiment.hpp"
-#include "bench/bench.hpp"
+#include "app/verbs/verb.hpp"
 #include "core/console.hpp"
 #include "core/error.hpp"
 
@@ -29,108 +29,85 @@ std::string did_you_mean(std::string_view name, const std::vector<std::string>& 
   return near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near);
 }
 
-struct VerbHelp {
-  const char *name, *target, *help;
-};
-constexpr VerbHelp verbs[] = {
-    {"laws", "LAW", "list friction laws with parameters, units, ranges and sources"},
-    {"curve", "SCENE", "steady friction curve and its extrema"},
-    {"stability", "SCENE", "steady sliding, its eigenvalues and Hopf points"},
-    {"run", "SCENE", "motion from a given start"},
-    {"cycle", "SCENE", "periodic motion, its multipliers and metrics"},
-    {"map", "SCENE", "regimes and metrics over a parameter plane"},
-    {"compare", "SCENE", "several laws or parameter sets side by side; --design: which measurement tells them apart"},
-    {"frf", "SCENE", "friction frequency response: how friction answers small changes of slip rate and load"},
-    {"fit", "SCENE", "parameters of laws from responses, velocity steps, steady curves and holds; laws ranked"},
-    {"lab", "SCENE", "an experiment as it is done in the laboratory: its record and what is read off it"},
-    {"study", "SCENE", "the published force algorithms against exact stick-slip over random oscillators"},
-    {"verify", "CASE", "numbers that others have printed or computed, asked of rosin again"},
-    {"stress", "", "random scenes over ten decades, each certified by a second method or refused with a reason"},
-    {"bench", "WHAT", "run time against true error beside other solvers"},
-    {"plot", "PATH", "draw the pictures of a results folder, or of a scene's results, again"},
-};
+/// Defaults of numbers are shown where they are more than "none".
+template <class T>
+void add(CLI::App& command, const Option& option, T& target) {
+  if constexpr (std::is_same_v<T, bool>)
+    command.add_flag(option.name, target, option.help);
+  else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>)
+    command.add_option(option.name, target, option.help)->capture_default_str();
+  else
+    command.add_option(option.name, target, option.help)->allow_extra_args(false);
+}
 
-}  // namespace
+/// "one SCENE", "one EXPERIMENT and one SCENE".
+std::string operands_of(const Verb& verb) {
+  std::vector<std::string> words;
+  for (const auto& operand : verb.operands) words.push_back(fmt::format("one {}", operand.name));
+  return words.empty() ? "no scene" : fmt::format("{}", fmt::join(words, " and "));
+}
 
-std::variant<Request, int> parse_command_line(int argc, char** argv) {
-  std::vector<std::string> names;
-  for (const auto& verb : verbs) names.emplace_back(verb.name);
-  if (argc > 1 && argv[1][0] != '-' && std::ranges::find(names, argv[1]) == names.end())
-    return refuse(fmt::format("unknown command '{}'{}\nCommands: {}", argv[1], did_you_mean(argv[1], names),
-                              fmt::join(names, ", ")));
+/// What help says below the options.
+std::string footer(const Verb& verb) {
+  std::string text;
+  if (!verb.needs.empty()) text += "Tables of the scene:\n";
+  for (const auto& need : verb.needs)
+    text +=
+        fmt::format("  {:<14} {}{}\n", fmt::format("[{}]", need.table), need.what, need.optional ? " (optional)" : "");
+  return text + fmt::format("Example:\n  {}", verb.example);
+}
 
-  Request request;
-  request.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  CLI::App app("rosin: dynamic friction on the command line", "rosin");
+/// The parser of all verbs, which writes into the request.
+void describe(CLI::App& app, Request& request) {
   app.set_version_flag("--version", fmt::format("rosin {}", ROSIN_VERSION));
   app.require_subcommand(1);
   app.allow_extras();
-  for (const auto& verb : verbs) {
+  app.footer("'rosin help VERB' tells what a verb needs, its options and an example.");
+  for (const auto& verb : verbs()) {
     auto* command = app.add_subcommand(verb.name, verb.help);
     command->allow_extras();
-    const std::string name = verb.name;
-    command->callback([&request, name] { request.verb = name; });
-    command->add_option("--time-limit", request.time_limit,
-                        "seconds after which the work ends in order, with status 1");
-    if (name == "stress") {
-      command->add_option("--seed", request.seed, "of the random scenes")->capture_default_str();
-      command->add_option("--scenes", request.scenes, "number of scenes")->capture_default_str();
-      command->add_option("--only", request.only, "one scene by its number");
-      command->add_flag("--draw", request.draw, "write the scenes as files, judge none");
-      command->add_option("--threads", request.threads, "threads; results do not depend on it")->capture_default_str();
-      command->add_option("--out", request.out, "results folder; default out/stress-SEED/");
-      command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
-      command->add_flag("--quiet", request.quiet, "say nothing but errors");
-      continue;
+    command->footer(footer(verb));
+    command->callback([&request, name = std::string(verb.name)] { request.verb = name; });
+    for (const auto& operand : verb.operands) {
+      auto* added = std::visit(
+          [&](auto member) -> CLI::Option* {
+            using T = std::remove_reference_t<decltype(request.*member)>;
+            if constexpr (std::is_same_v<T, bool>)
+              return nullptr;
+            else
+              return command->add_option(operand.name, request.*member, operand.help);
+          },
+          operand.target);
+      added->required(operand.required);
+      if (!operand.choices.empty()) added->check(CLI::IsMember(operand.choices));
     }
-    if (name == "verify") {
-      command->add_option("CASE", request.cases, "cases or groups by name, or files; all if left out");
-      command->add_flag("--quick", request.quick, "only cases that take less than half a second");
-      command->add_option("--cases", request.dossier, "folder of cases; default the dossier of this installation");
-      command->add_option("--threads", request.threads, "cases at a time; results do not depend on it")
-          ->capture_default_str();
-      command->add_option("--out", request.out, "results folder; default out/verify/");
-      command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
-      command->add_flag("--quiet", request.quiet, "say nothing but errors");
-      continue;
-    }
-    if (name == "lab") {
-      std::vector<std::string_view> experiments;
-      for (const auto& experiment : analysis::lab::experiments()) experiments.push_back(experiment.name);
-      command->add_option("EXPERIMENT", request.experiment)
-          ->required()
-          ->description(fmt::format("{}", fmt::join(experiments, ", ")));
-    }
-    auto* target = command->add_option(verb.target, request.target);
-    if (name == "laws") {
-      target->description("one law; all if left out");
-    } else {
-      target->required()->description(name == "plot" ? "results folder or scene" : "scene file (TOML)");
-      command->add_option("--out", request.out, "results folder; default out/<scene>/");
-      command->add_flag("--quiet", request.quiet, "say nothing but errors");
-    }
-    if (name != "plot") command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
-    if (name == "bench") {
-      target->description(fmt::format("{}", fmt::join(::bench::names(), ", ")))->check(CLI::IsMember(::bench::names()));
-      command->add_flag("--quick", request.quick, "few points and tolerances: checks in seconds that everything works");
-      command->add_option("--python", request.python, "Python with SciPy; without it SciPy is left out")
-          ->default_val("/usr/bin/python3");
-      command->add_option("--limit", request.limit, "seconds for all tolerances of one solver")->capture_default_str();
-    }
-    if (name == "laws" || name == "plot" || name == "bench") continue;
-    command->add_option("--set", request.overrides, "path=value: change the scene, such as drive.speed=1e-5")
-        ->allow_extra_args(false);
-    command->add_option("--tolerance", request.tolerance, "relative accuracy of every result");
-    command->add_option("--threads", request.threads, "threads of a map; results do not depend on it")
-        ->capture_default_str();
-    command->add_flag("--no-pictures", request.no_pictures,
-                      "write no pictures, only what 'rosin plot' draws them from");
-    if (name == "compare")
-      command->add_flag("--design", request.design, "where, and by how many repeats, measurements tell members apart");
-    if (name == "map") command->add_flag("--exact", request.exact, "compute every point of a map, interpolate none");
-    command->add_flag("--explain", request.explain, "say on standard error what is computed how, and what is skipped");
+    for (const auto& option : verb.options)
+      std::visit([&](auto member) { add(*command, option, request.*member); }, option.target);
+    if (verb.name != std::string_view("help"))
+      command->add_option("--time-limit", request.time_limit,
+                          "seconds after which the work ends in order, with status 1");
   }
+}
 
+}  // namespace
+
+std::string help_of(const std::string& verb) {
+  Request request;
+  CLI::App app("rosin: dynamic friction on the command line", "rosin");
+  describe(app, request);
+  return verb.empty() ? app.help() : app.get_subcommand(find_verb(verb).name)->help("rosin");
+}
+
+std::variant<Request, int> parse_command_line(int argc, char** argv) {
+  try {
+    if (argc > 1 && argv[1][0] != '-') find_verb(argv[1]);
+  } catch (const InputError& error) {
+    return refuse(error.what());
+  }
+  Request request;
+  request.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  CLI::App app("rosin: dynamic friction on the command line", "rosin");
+  describe(app, request);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
@@ -147,11 +124,7 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     return refuse(extra.starts_with('-')
                       ? fmt::format("'{}' has no option '{}'{}", request.verb, word, did_you_mean(word, options))
                       : fmt::format("'{}' takes {}, '{}' is too much", request.verb,
-                                    request.verb == "stress" ? "no scene"
-                                    : request.verb == "laws" ? "one law"
-                                    : request.verb == "lab"  ? "one experiment and one scene"
-                                                             : "one path",
-                                    extra));
+                                    operands_of(find_verb(request.verb)), extra));
   }
   try {
     if (request.tolerance) require(*request.tolerance, {1e-13, 0.1}, "--tolerance", "relative accuracy", "1");

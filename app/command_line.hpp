@@ -24,15 +24,18 @@ struct Request {
   bool draw = false;  ///< stress: write the scenes, judge none
   std::string out;
   bool json = false, explain = false, quiet = false;
-  bool no_pictures = false;  ///< scripts are written, not drawn
-  bool design = false;  ///< compare: where measurements would tell members apart
-  bool exact = false;   ///< map: compute every point
-  bool quick = false;   ///< bench: only check that everything works; verify: leave slow cases out
-  std::string python;   ///< bench: the Python that has SciPy
-  double limit = 60;    ///< bench: seconds for all tolerances of one solver
+  bool no_pictures = false;                 ///< scripts are written, not drawn
+  bool design = false;                      ///< compare: where measurements would tell members apart
+  bool exact = false;                       ///< map: compute every point
+  bool quick = false;                       ///< bench: only check that everything works; verify: leave slow cases out
+  std::string python = "/usr/bin/python3";  ///< bench: the Python that has SciPy
+  double limit = 60;                        ///< bench: seconds for all tolerances of one solver
 };
 
 /// The request, or the exit status where everything is said already (--help, --version, wrong usage).
 std::variant<Request, int> parse_command_line(int argc, char** argv);
+
+/// What 'rosin help' says of a verb, or of all. \throws InputError for a name that is none.
+std::string help_of(const std::string& verb);
 
 }  // namespace rosin::app

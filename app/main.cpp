@@ -7,8 +7,8 @@
 #include <cstring>
 #include <new>
 
-#include "app/stopping.hpp"
-#include "app/verbs.hpp"
+#include "app/verbs/stopping.hpp"
+#include "app/verbs/verbs.hpp"
 #include "core/console.hpp"
 #include "core/error.hpp"
 #include "core/stop.hpp"

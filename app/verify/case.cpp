@@ -6,9 +6,9 @@
 #include <set>
 #include <sstream>
 
-#include "app/scene.hpp"
-#include "app/scene_table.hpp"
-#include "app/verbs.hpp"
+#include "app/scene/scene_table.hpp"
+#include "app/scene/toml_document.hpp"
+#include "app/verbs/verbs.hpp"
 #include "core/units.hpp"
 
 namespace rosin::app::verify {
@@ -60,7 +60,9 @@ std::vector<std::string> read_verb(const toml::node& node, const std::string& pa
   const bool lab = words.size() == 2 && words[0] == "lab";
   if (words.empty() || (words.size() > 1 && !design && !lab) || (words.size() == 1 && words[0] == "lab"))
     fail(node.source(), "{} is one verb, such as \"cycle\", \"lab velocity-step\" or \"compare --design\"", path);
-  located(node.source(), [&] { scene_verb(words[0]); });
+  located(node.source(), [&] {
+    if (!find_verb(words[0]).read) throw InputError(fmt::format("'{}' takes no scene", words[0]));
+  });
   return words;
 }
 
@@ -115,9 +117,13 @@ Question read_question(Table table, const Case& owner) {
 
 /// Refuses what the verb would refuse, before anything is computed.
 void check_scene(const Case& one, const Question& question) {
-  const bool design = question.words.back() == "--design";
-  read_scene(one.path.string(), question.overrides, design ? Verb::design : scene_verb(question.words[0]),
-             question.words[0] == "lab" ? question.words[1] : "");
+  Request request;
+  request.verb = question.words[0];
+  request.experiment = request.verb == "lab" ? question.words[1] : "";
+  request.design = question.words.back() == "--design";
+  request.target = one.path.string();
+  request.overrides = question.overrides;
+  read_scene(request);
 }
 
 }  // namespace

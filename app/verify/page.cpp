@@ -9,8 +9,8 @@
 #include <map>
 #include <set>
 
-#include "app/files.hpp"
-#include "app/gnuplot.hpp"
+#include "app/output/files.hpp"
+#include "app/output/gnuplot.hpp"
 
 namespace rosin::app::verify {
 

@@ -1,6 +1,4 @@
 /// Each question is put to a process of its own, as its reader would put it: a crash is a verdict, not the end.
-#include "app/verify/verify.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -8,12 +6,13 @@
 #include <chrono>
 #include <mutex>
 
-#include "app/gnuplot.hpp"
-#include "app/job.hpp"
-#include "app/json.hpp"
-#include "app/progress.hpp"
-#include "app/results.hpp"
-#include "app/stopping.hpp"
+#include "app/output/gnuplot.hpp"
+#include "app/output/json.hpp"
+#include "app/output/results.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/progress.hpp"
+#include "app/verbs/stopping.hpp"
+#include "app/verbs/verb.hpp"
 #include "app/verify/page.hpp"
 #include "core/console.hpp"
 #include "core/files.hpp"
@@ -161,8 +160,6 @@ void say(const std::vector<Answer>& answers) {
   }
 }
 
-}  // namespace
-
 Status verify(const Request& request) {
   const auto program = fs::read_symlink("/proc/self/exe");
   auto cases = read_cases(request.dossier.empty() ? dossier(program) : fs::path(request.dossier), request.cases);
@@ -217,4 +214,24 @@ Status verify(const Request& request) {
   return sound ? done : ended_short;
 }
 
+}  // namespace
+
 }  // namespace rosin::app::verify
+
+namespace rosin::app {
+
+Verb verify_verb() {
+  return {.name = "verify",
+          .help = "numbers that others have printed or computed, asked of rosin again",
+          .example = "rosin verify --quick",
+          .operands = {{"CASE", &Request::cases, "cases or groups by name, or files; all if left out", false}},
+          .options = {{"--quick", &Request::quick, "only cases that take less than half a second"},
+                      {"--cases", &Request::dossier, "folder of cases; default the dossier of this installation"},
+                      threads_option("cases at a time; results do not depend on it"),
+                      out_option("out/verify/"),
+                      json_option,
+                      quiet_option},
+          .without_scene = verify::verify};
+}
+
+}  // namespace rosin::app

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/scene.hpp"
+#include "tests/app/scene_of.hpp"
 
 using namespace rosin;
 using namespace rosin::app;
@@ -13,6 +13,7 @@ using namespace rosin::app;
 namespace {
 
 namespace fs = std::filesystem;
+using rosin::tests::scene_of;
 
 const std::string slider = R"(
 [law]
@@ -25,17 +26,17 @@ speed = 1e-5
 normal_load = 5
 )";
 
-Scene read(const std::string& comparison, Verb verb = Verb::compare) {
+Scene read(const std::string& comparison, const std::string& verb = "compare") {
   const fs::path path = fs::temp_directory_path() / ("rosin-compare-" + std::to_string(getpid()) + ".toml");
   std::ofstream(path) << slider << comparison;
   struct Remove {
     fs::path path;
     ~Remove() { fs::remove(path); }
   } remove{path};
-  return read_scene(path.string(), {}, verb);
+  return scene_of(path.string(), {}, verb);
 }
 
-std::string refusal(const std::string& comparison, Verb verb = Verb::compare) {
+std::string refusal(const std::string& comparison, const std::string& verb = "compare") {
   try {
     read(comparison, verb);
   } catch (const InputError& error) {
@@ -100,15 +101,14 @@ TEST_CASE("wrong comparisons are refused with their place and a way out", "[app]
   const std::string plane =
       "[map]\nx = { parameter = 'drive.normal_load', from = 1, to = 10, points = 3 }\n"
       "y = { parameter = 'drive.speed', from = 1e-6, to = 1e-5, points = 3 }\n";
-  CHECK_THAT(refusal("[compare]\n" + two, Verb::design), Contains("no [map]"));
-  CHECK_THAT(refusal(plane + "[compare]\n" + two, Verb::design), Contains("compare.noise is needed"));
-  CHECK_THAT(refusal(plane + "[compare]\n" + two + "noise = { stick_fracton = { absolute = 1 } }", Verb::design),
+  CHECK_THAT(refusal("[compare]\n" + two, "design"), Contains("no [map]"));
+  CHECK_THAT(refusal(plane + "[compare]\n" + two, "design"), Contains("compare.noise is needed"));
+  CHECK_THAT(refusal(plane + "[compare]\n" + two + "noise = { stick_fracton = { absolute = 1 } }", "design"),
              Contains("stick_fraction"));
-  CHECK_THAT(refusal(plane + "[compare]\n" + two + "noise = { period = { relative = 0 } }", Verb::design),
+  CHECK_THAT(refusal(plane + "[compare]\n" + two + "noise = { period = { relative = 0 } }", "design"),
              Contains("above 0"));
-  CHECK_THAT(
-      refusal(plane + "[compare]\nparameter = 'law.lamda'\nnoise = { period = { relative = 0.1 } }", Verb::design),
-      Contains("law.lambda"));
-  CHECK(refusal(plane + "[compare]\nparameter = 'law.lambda'\nnoise = { period = { relative = 0.1 } }", Verb::design) ==
+  CHECK_THAT(refusal(plane + "[compare]\nparameter = 'law.lamda'\nnoise = { period = { relative = 0.1 } }", "design"),
+             Contains("law.lambda"));
+  CHECK(refusal(plane + "[compare]\nparameter = 'law.lambda'\nnoise = { period = { relative = 0.1 } }", "design") ==
         "accepted");
 }

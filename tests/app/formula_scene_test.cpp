@@ -6,14 +6,13 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/scene.hpp"
 #include "core/error.hpp"
 #include "laws/catalogue.hpp"
+#include "tests/app/scene_of.hpp"
 
 using namespace rosin;
-using app::read_scene;
 using app::Scene;
-using app::Verb;
+using rosin::tests::scene_of;
 
 namespace {
 
@@ -26,7 +25,7 @@ Scene read(const std::string& text, const std::vector<std::string>& overrides = 
     std::filesystem::path file;
     ~Remove() { std::filesystem::remove(file); }
   } on_exit{file};
-  return read_scene(file, overrides, Verb::curve);
+  return scene_of(file, overrides, "curve");
 }
 
 /// What is said from the line on.
@@ -51,7 +50,7 @@ const std::string viscous =
 
 TEST_CASE("a cycle under a law from text is that under the compiled law", "[formula]") {
   const std::vector<std::string> none;
-  auto scene = read_scene(example, none, Verb::cycle);
+  auto scene = scene_of(example, none, "cycle");
   auto model = scene.model;
   const auto text = analysis::find_cycle(model, scene.cycle);
   model.law = laws::find_law("spinodal");
@@ -63,7 +62,7 @@ TEST_CASE("a cycle under a law from text is that under the compiled law", "[form
 
 TEST_CASE("a plane under a law from text, through lanes, is that under the compiled law", "[formula]") {
   const std::vector<std::string> coarse = {"map.x.points=6", "map.y.points=5", "law.mu0=0.4"};
-  auto scene = read_scene(example, coarse, Verb::map);
+  auto scene = scene_of(example, coarse, "map");
   const auto text = analysis::compute_map(scene.model, scene.map);
   auto model = scene.model;
   model.law = laws::find_law("spinodal")->with("mu0", 0.4);

@@ -1,5 +1,5 @@
 /// Texts for gnuplot, and pictures that are whole or not there.
-#include "app/gnuplot.hpp"
+#include "app/output/gnuplot.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstdlib>

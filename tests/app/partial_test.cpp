@@ -1,5 +1,5 @@
 /// The journal of a map: what it takes over, and what it leaves alone or says that it loses.
-#include "app/partial.hpp"
+#include "app/verbs/partial.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstring>

@@ -1,5 +1,5 @@
 /// Measured records as files: what is read, and what is refused rather than interpolated.
-#include "app/record.hpp"
+#include "app/scene/record.hpp"
 
 #include <netcdf.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "app/header.hpp"
+#include "app/scene/header.hpp"
 #include "core/error.hpp"
 #include "tests/app/folder.hpp"
 

@@ -1,5 +1,5 @@
 /// Scenes: what is read, and that every wrong scene is refused with its place, the value and what to try.
-#include "app/scene.hpp"
+#include "app/scene/scene.hpp"
 
 #include <unistd.h>
 
@@ -10,15 +10,15 @@
 #include <fstream>
 
 #include "core/error.hpp"
+#include "tests/app/scene_of.hpp"
 
-using rosin::app::read_scene;
 using rosin::app::Scene;
-using rosin::app::Verb;
+using rosin::tests::scene_of;
 
 namespace {
 
 /// A scene in a file "scene.toml" of a folder of its own, read with that folder as the working directory.
-Scene read(const std::string& text, Verb verb, const std::vector<std::string>& overrides = {},
+Scene read(const std::string& text, const std::string& verb, const std::vector<std::string>& overrides = {},
            std::string_view experiment = {}) {
   namespace fs = std::filesystem;
   const auto before = fs::current_path();
@@ -38,10 +38,10 @@ Scene read(const std::string& text, Verb verb, const std::vector<std::string>& o
     fs::path to;
     ~Return() { fs::current_path(to); }
   } on_exit{before};
-  return read_scene("scene.toml", overrides, verb, experiment);
+  return scene_of("scene.toml", overrides, verb, experiment);
 }
 
-std::string refusal(const std::string& text, Verb verb, const std::vector<std::string>& overrides = {}) {
+std::string refusal(const std::string& text, const std::string& verb, const std::vector<std::string>& overrides = {}) {
   try {
     read(text, verb, overrides);
   } catch (const rosin::InputError& error) {
@@ -87,7 +87,7 @@ x = { parameter = "drive.normal_load", from = "1 uN", to = "1 N", points = 7, sc
 y = { parameter = "law.lambda", from = 1e-4, to = 1e2, points = 4, extra = [0] }
 metrics = ["stick_fraction", "loop_area"]
 )",
-                           Verb::map);
+                           "map");
   CHECK(scene.title == "Bristol board");
   CHECK(scene.model.lambda == 10);
   CHECK(scene.model.get("law.b") == 0.045);
@@ -108,13 +108,13 @@ metrics = ["stick_fraction", "loop_area"]
 }
 
 TEST_CASE("a law alone is enough for its curve") {
-  CHECK(read("[law]\ntype = 'coulomb'", Verb::curve).model.law->card().name == "coulomb");
-  CHECK(read("[law]\ntype = 'tabulated'\nslip_rate = [0, '1 mm/s']\nfriction = [0.4, 0.3]", Verb::curve)
+  CHECK(read("[law]\ntype = 'coulomb'", "curve").model.law->card().name == "coulomb");
+  CHECK(read("[law]\ntype = 'tabulated'\nslip_rate = [0, '1 mm/s']\nfriction = [0.4, 0.3]", "curve")
             .model.law->friction({5e-4, 1}, {}) < 0.4);
 }
 
 TEST_CASE("an option of a law takes the law that stands for it, with its own units") {
-  const auto law = [](const std::string& text) { return read("[law]\n" + text, Verb::curve).model.law; };
+  const auto law = [](const std::string& text) { return read("[law]\n" + text, "curve").model.law; };
   const auto free = law("type = 'lugre'\nload_scaling = 'none'\nsigma0 = '20 N/mm'");
   CHECK(free->card().name == "lugre-unscaled");
   CHECK(free->parameter("sigma0") == 2e4);
@@ -125,16 +125,16 @@ TEST_CASE("an option of a law takes the law that stands for it, with its own uni
       law("type = 'coulomb'\n[law.heating]\nresistance = 3\ntime = 0.1\nsoftening = 9\nconduction = 'disc'");
   CHECK(heated->states().size() == 10);
   CHECK(heated->states()[0].name == "temperature_rise");
-  CHECK_THAT(refusal("[law]\ntype = 'lugre'\nload_scaling = 'some'\n", Verb::curve),
+  CHECK_THAT(refusal("[law]\ntype = 'lugre'\nload_scaling = 'some'\n", "curve"),
              Catch::Contains("scene.toml:3:16: law.load_scaling = 'some' is not known"));
-  CHECK_THAT(refusal("[law]\ntype = 'dahl'\nload_scaling = 'none'\n", Verb::curve),
+  CHECK_THAT(refusal("[law]\ntype = 'dahl'\nload_scaling = 'none'\n", "curve"),
              Catch::Contains("unknown key 'load_scaling' in [law]"));
 }
 
 TEST_CASE("drive signals are read in every form") {
   const auto drive = [](const std::string& load) {
     return read(spinodal + "[oscillator]\nmass = 1\nstiffness = 1\n[drive]\nspeed = 1\nnormal_load = " + load,
-                Verb::stability)
+                "stability")
         .model.drive.normal_load;
   };
   CHECK(drive("'2 kN'").level() == 2000);
@@ -147,16 +147,15 @@ TEST_CASE("drive signals are read in every form") {
 
 TEST_CASE("units in the headers of tables count for drives, motions and measurements alike") {
   const std::string pulled = spinodal + "[oscillator]\nmass = 1\nstiffness = 1\n[drive]\nspeed = 1\nnormal_load = ";
-  CHECK(read(pulled + "{ table = 'units.csv' }", Verb::stability).model.drive.normal_load.value(1.25) == 2500);
-  CHECK(read(pulled + "{ table = 'units-in-comment.csv' }", Verb::stability).model.drive.normal_load.value(1.25) ==
-        2500);
-  CHECK_THAT(refusal(pulled + "{ table = 'motion.csv' }", Verb::stability),
+  CHECK(read(pulled + "{ table = 'units.csv' }", "stability").model.drive.normal_load.value(1.25) == 2500);
+  CHECK(read(pulled + "{ table = 'units-in-comment.csv' }", "stability").model.drive.normal_load.value(1.25) == 2500);
+  CHECK_THAT(refusal(pulled + "{ table = 'motion.csv' }", "stability"),
              Catch::Contains("motion.csv:1") && Catch::Contains("'1 mm' is in mm, but needed is N"));
-  CHECK_THAT(refusal(pulled + "{ table = 'units-below.csv' }", Verb::stability),
+  CHECK_THAT(refusal(pulled + "{ table = 'units-below.csv' }", "stability"),
              Catch::Contains("units-below.csv:2") && Catch::Contains("into the header"));
 
   const std::string lab = spinodal + slider + "[lab]\nrecord = 'motion.csv'\n";
-  const auto scene = read(lab, Verb::lab, {}, "inverse");
+  const auto scene = read(lab, "lab", {}, "inverse");
   CHECK(scene.lab->motion->time.back() == 2.5);
   CHECK(scene.lab->motion->value.back() == 4e-3);
 
@@ -165,7 +164,7 @@ TEST_CASE("units in the headers of tables count for drives, motions and measurem
   for (const char* columns : {"{ slip_rate = 'Speed [mm/s]', friction_coefficient = 'mu [-]' }",
                               "{ slip_rate = 'Speed', friction_coefficient = 'mu' }",
                               "{ slip_rate = { column = 'Speed', unit = 'mm/s' }, friction_coefficient = 'mu' }"})
-    CHECK(read(fit + data + columns + " } ]", Verb::fit).fit.data[0].x == std::vector<double>{1e-3, 1e-2, 0.1});
+    CHECK(read(fit + data + columns + " } ]", "fit").fit.data[0].x == std::vector<double>{1e-3, 1e-2, 0.1});
 }
 
 TEST_CASE("what a verb does not ask for is said to have no effect") {
@@ -175,22 +174,21 @@ TEST_CASE("what a verb does not ask for is said to have no effect") {
   const std::string fit = spinodal + slider + "force = 1\n[fit]\nparameters = ['law.a']\n" +
                           "data = [ { type = 'steady-curve', file = 'curve.csv', standard_error = 1e-3, columns = "
                           "{ slip_rate = 'Speed', friction_coefficient = 'mu' } } ]\n";
-  const auto fitted = read(fit, Verb::fit);
+  const auto fitted = read(fit, "fit");
   CHECK(said(fitted, "oscillator has no effect"));
   CHECK(said(fitted, "drive.force has no effect"));
   const std::string coulomb = "[law]\ntype = 'coulomb'\n" + slider +
                               "[map]\nstick_threshold = 0.2\nx = { parameter = 'drive.normal_load', from = 1, to = 2, "
                               "points = 2 }\ny = { parameter = 'drive.speed', from = 1, to = 2, points = 2 }\n";
-  CHECK(said(read(coulomb, Verb::map), "map.stick_threshold has no effect"));
-  CHECK_FALSE(said(read(coulomb + "metrics = ['slow_fraction']", Verb::map), "stick_threshold"));
+  CHECK(said(read(coulomb, "map"), "map.stick_threshold has no effect"));
+  CHECK_FALSE(said(read(coulomb + "metrics = ['slow_fraction']", "map"), "stick_threshold"));
   const std::string lab = "[law]\ntype = 'ageing'\n[drive]\nspeed = 1\n[lab]\nspeed = 1e-5\n";
-  CHECK(
-      said(read(lab, Verb::lab, {}, "slide-hold-slide"), "drive.speed has no effect: slide-hold-slide sets it itself"));
+  CHECK(said(read(lab, "lab", {}, "slide-hold-slide"), "drive.speed has no effect: slide-hold-slide sets it itself"));
 }
 
 TEST_CASE("starts are read in every form") {
   const auto start = [](const std::string& text) {
-    return read(spinodal + slider + "[run]\nduration = 1\nstart = " + text, Verb::run).run.start;
+    return read(spinodal + slider + "[run]\nduration = 1\nstart = " + text, "run").run.start;
   };
   using Kind = rosin::analysis::Start::Kind;
   CHECK(start("'steady'").kind == Kind::steady);
@@ -201,7 +199,7 @@ TEST_CASE("starts are read in every form") {
 }
 
 TEST_CASE("overrides replace values and may be bare words") {
-  const Scene scene = read(spinodal + slider + "[run]\nduration = 1", Verb::run,
+  const Scene scene = read(spinodal + slider + "[run]\nduration = 1", "run",
                            {"law.a=0.03", "drive.speed=2 mm/s", "run.start=rest", "cycle.stick_threshold=0.5",
                             "oscillator.mass=\"3 g\"", "drive.force={ steps = [[0, 1], [1, 2]] }"});
   CHECK(scene.model.get("law.a") == 0.03);
@@ -215,8 +213,8 @@ TEST_CASE("overrides replace values and may be bare words") {
 
 TEST_CASE("the resolved scene is a scene with the same content") {
   const std::vector<std::string> changes = {"law.a=0.03", "run.start={ displacement = '1 mm' }"};
-  const Scene scene = read(spinodal + slider + "[run]\nduration = 1\n" + plane, Verb::map, changes);
-  const Scene again = read(scene.resolved, Verb::map);
+  const Scene scene = read(spinodal + slider + "[run]\nduration = 1\n" + plane, "map", changes);
+  const Scene again = read(scene.resolved, "map");
   CHECK(again.resolved == scene.resolved);
   CHECK(again.model.get("law.a") == 0.03);
   CHECK(again.map.x.values == scene.map.x.values);
@@ -224,7 +222,7 @@ TEST_CASE("the resolved scene is a scene with the same content") {
 
 TEST_CASE("a wrong scene is refused with its place and what to try") {
   struct Case {
-    Verb verb;
+    std::string verb;
     std::string text, message;
   };
   const auto law = [](const std::string& line) { return spinodal + line; };
@@ -235,135 +233,126 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
   };
   const std::vector<Case> cases = {
       // keys and tables
-      {Verb::stability, law("[oscillator]\nmass = 1\n  stifness = 1"),
+      {"stability", law("[oscillator]\nmass = 1\n  stifness = 1"),
        "scene.toml:5:3: unknown key 'stifness' in [oscillator]; did you mean 'stiffness'?"},
-      {Verb::stability, law("[oscillator]\nmass = 1\nstiffness = 1\n  dampin = 1\n[drive]\nspeed=1\nnormal_load=1"),
+      {"stability", law("[oscillator]\nmass = 1\nstiffness = 1\n  dampin = 1\n[drive]\nspeed=1\nnormal_load=1"),
        "scene.toml:6:3: unknown key 'dampin' in [oscillator]; did you mean 'damping'?"},
-      {Verb::stability, law("[oscillator]\nmass = 1"), "scene.toml:3:1: [oscillator] has no 'stiffness' (N/m)"},
-      {Verb::curve, law("aa = 3"), "scene.toml:3:1: unknown key 'aa' in [law]; did you mean 'a'?"},
-      {Verb::curve, law("[mapp]\nx = 1"), "scene.toml:3:2: unknown table 'mapp'; did you mean 'map'?"},
-      {Verb::curve, "titel = 'x'\n" + spinodal, "scene.toml:1:1: unknown key 'titel'; did you mean 'title'?"},
-      {Verb::curve, law("[branch]\nvalues = [1]"), "scene.toml:3:1: branch is not available in this version"},
-      {Verb::curve, "[oscillator]\nmass = 1", "the scene has no [law]"},
-      {Verb::curve, "law = 3", "scene.toml:1:7: law is a number, but a table is needed"},
-      {Verb::curve, "[law]\na = 0.1", "scene.toml:1:1: [law] has no 'type'"},
-      {Verb::run, spinodal, "the scene has no [oscillator]"},
-      {Verb::run, law("[oscillator]\nmass = 1\nstiffness = 1\n"), "the scene has no [drive]"},
-      {Verb::run, run(""), "the scene has no [run]"},
-      {Verb::map, run(""), "the scene has no [map]"},
-      {Verb::run, run("[run]\nsamples = 3"), "scene.toml:9:1: [run] has no 'duration' (s)"},
+      {"stability", law("[oscillator]\nmass = 1"), "scene.toml:3:1: [oscillator] has no 'stiffness' (N/m)"},
+      {"curve", law("aa = 3"), "scene.toml:3:1: unknown key 'aa' in [law]; did you mean 'a'?"},
+      {"curve", law("[mapp]\nx = 1"), "scene.toml:3:2: unknown table 'mapp'; did you mean 'map'?"},
+      {"curve", "titel = 'x'\n" + spinodal, "scene.toml:1:1: unknown key 'titel'; did you mean 'title'?"},
+      {"curve", law("[branch]\nvalues = [1]"), "scene.toml:3:1: branch is not available in this version"},
+      {"curve", "[oscillator]\nmass = 1", "the scene has no [law]"},
+      {"curve", "law = 3", "scene.toml:1:7: law is a number, but a table is needed"},
+      {"curve", "[law]\na = 0.1", "scene.toml:1:1: [law] has no 'type'"},
+      {"run", spinodal, "the scene has no [oscillator]"},
+      {"run", law("[oscillator]\nmass = 1\nstiffness = 1\n"), "the scene has no [drive]"},
+      {"run", run(""), "the scene has no [run]"},
+      {"map", run(""), "the scene has no [map]"},
+      {"run", run("[run]\nsamples = 3"), "scene.toml:9:1: [run] has no 'duration' (s)"},
       // the law
-      {Verb::curve, "[law]\ntype = 'spinodl'",
-       "scene.toml:2:8: unknown friction law 'spinodl'; did you mean 'spinodal'?"},
-      {Verb::curve, "[law]\ntype = 3", "scene.toml:2:8: law.type is a number, but a text is needed"},
-      {Verb::curve, law("preset = 'bristolboard'"), "did you mean 'bristol-board'?"},
-      {Verb::curve, law("a = 3"), "scene.toml:3:5: law.a = 3 is outside 0.0001 … 0.5 (direct effect, dimensionless)"},
-      {Verb::curve, law("a = nan"), "scene.toml:3:5: law.a is not a number (NaN)"},
-      {Verb::curve, law("a = inf"), "scene.toml:3:5: law.a = inf is outside"},
-      {Verb::curve, law("a = true"), "scene.toml:3:5: law.a is a truth value, but a number (direct effect, "},
-      {Verb::curve, law("a = [1]"), "scene.toml:3:5: law.a is a list, but a number"},
-      {Verb::curve, law("a = 1979-05-27"), "scene.toml:3:5: law.a is a date or time, but a number"},
-      {Verb::curve, law("L = '5 MPa'"), "scene.toml:3:5: law.L: '5 MPa' is in MPa, but needed is m"},
-      {Verb::curve, law("L = 'long'"), "scene.toml:3:5: law.L: 'long' is not a number with a unit"},
-      {Verb::curve, law("L = '3 parsnip'"), "scene.toml:3:5: law.L: 'parsnip' is not a known unit"},
-      {Verb::curve, "[law]\ntype = 'coulomb'\nmu_s = 0.1", "scene.toml:1:1: law.mu_s = 0.1 is below law.mu_d"},
-      {Verb::curve, "[law]\ntype = 'coulomb'\nlambda = 2", "scene.toml:3:10: law.lambda has no meaning"},
-      {Verb::curve, "[law]\ntype = 'tabulated'\nslip_rate = 3",
-       "scene.toml:3:13: law.slip_rate is a number, but a list"},
-      {Verb::curve, "[law]\ntype = 'tabulated'\nfriction = [1, 99]", "scene.toml:3:16: law.friction = 99 is outside"},
-      {Verb::curve, law("[law.contact_stiffness]\ntangential = 1\ndamping = -1"),
+      {"curve", "[law]\ntype = 'spinodl'", "scene.toml:2:8: unknown friction law 'spinodl'; did you mean 'spinodal'?"},
+      {"curve", "[law]\ntype = 3", "scene.toml:2:8: law.type is a number, but a text is needed"},
+      {"curve", law("preset = 'bristolboard'"), "did you mean 'bristol-board'?"},
+      {"curve", law("a = 3"), "scene.toml:3:5: law.a = 3 is outside 0.0001 … 0.5 (direct effect, dimensionless)"},
+      {"curve", law("a = nan"), "scene.toml:3:5: law.a is not a number (NaN)"},
+      {"curve", law("a = inf"), "scene.toml:3:5: law.a = inf is outside"},
+      {"curve", law("a = true"), "scene.toml:3:5: law.a is a truth value, but a number (direct effect, "},
+      {"curve", law("a = [1]"), "scene.toml:3:5: law.a is a list, but a number"},
+      {"curve", law("a = 1979-05-27"), "scene.toml:3:5: law.a is a date or time, but a number"},
+      {"curve", law("L = '5 MPa'"), "scene.toml:3:5: law.L: '5 MPa' is in MPa, but needed is m"},
+      {"curve", law("L = 'long'"), "scene.toml:3:5: law.L: 'long' is not a number with a unit"},
+      {"curve", law("L = '3 parsnip'"), "scene.toml:3:5: law.L: 'parsnip' is not a known unit"},
+      {"curve", "[law]\ntype = 'coulomb'\nmu_s = 0.1", "scene.toml:1:1: law.mu_s = 0.1 is below law.mu_d"},
+      {"curve", "[law]\ntype = 'coulomb'\nlambda = 2", "scene.toml:3:10: law.lambda has no meaning"},
+      {"curve", "[law]\ntype = 'tabulated'\nslip_rate = 3", "scene.toml:3:13: law.slip_rate is a number, but a list"},
+      {"curve", "[law]\ntype = 'tabulated'\nfriction = [1, 99]", "scene.toml:3:16: law.friction = 99 is outside"},
+      {"curve", law("[law.contact_stiffness]\ntangential = 1\ndamping = -1"),
        "scene.toml:5:11: law.contact_stiffness.damping = -1 is outside 0 … 1"},
-      {Verb::curve, law("load_memory = { alpha = 2 }"), "law.load_memory.alpha = 2 is outside 0 … 1"},
-      {Verb::curve, law("[law.contact_stiffness]\ntangental = 1"), "did you mean 'tangential'?"},
+      {"curve", law("load_memory = { alpha = 2 }"), "law.load_memory.alpha = 2 is outside 0 … 1"},
+      {"curve", law("[law.contact_stiffness]\ntangental = 1"), "did you mean 'tangential'?"},
       // slider and drive
-      {Verb::stability, law("[oscillator]\ntype = 'modal'"),
-       "scene.toml:4:8: oscillator.type = 'modal' is not available"},
-      {Verb::stability, law("[oscillator]\ntype = 'slyder'"), "did you mean 'slider'?"},
-      {Verb::stability,
+      {"stability", law("[oscillator]\ntype = 'modal'"), "scene.toml:4:8: oscillator.type = 'modal' is not available"},
+      {"stability", law("[oscillator]\ntype = 'slyder'"), "did you mean 'slider'?"},
+      {"stability",
        "[law]\ntype = 'coulomb'\n[oscillator]\nmass = 0\nstiffness = 1\n[drive]\nspeed = 1\nnormal_load = 1",
        "scene.toml:3:1: oscillator.mass = 0 does not go with law 'coulomb'"},
-      {Verb::run, run("force = { noise = { rms = 1 } }"), "[drive.force.noise] has no 'band'"},
-      {Verb::run, run("force = { noise = { rms = 1, band = [2, 1] } }"), "must be 0 <= low < high"},
-      {Verb::run, run("force = { steps = [[0, 1], [0, 2]] }"), "scene.toml:9:9: times must ascend"},
-      {Verb::run, run("force = { steps = [[0, '1 m']] }"),
-       "scene.toml:9:24: drive.force: '1 m' is in m, but needed is N"},
-      {Verb::run, run("force = { steps = [[0]] }"),
+      {"run", run("force = { noise = { rms = 1 } }"), "[drive.force.noise] has no 'band'"},
+      {"run", run("force = { noise = { rms = 1, band = [2, 1] } }"), "must be 0 <= low < high"},
+      {"run", run("force = { steps = [[0, 1], [0, 2]] }"), "scene.toml:9:9: times must ascend"},
+      {"run", run("force = { steps = [[0, '1 m']] }"), "scene.toml:9:24: drive.force: '1 m' is in m, but needed is N"},
+      {"run", run("force = { steps = [[0]] }"),
        "scene.toml:9:20: drive.force.steps is a list, but [time, value] is needed"},
-      {Verb::run, run("force = {}"), "scene.toml:9:9: drive.force needs one of steps, ramp, table, or harmonics"},
-      {Verb::run, run("force = { table = 'none.csv' }"), "scene.toml:9:19: none.csv: no such file"},
-      {Verb::run, run("force = { table = 'torn.csv' }"), "scene.toml:9:19: torn.csv:2: two numbers are needed"},
-      {Verb::run, run("force = { mean = 1, harmonics = [{ amplitude = 1, angular_frequency = '3 Hz' }] }"),
+      {"run", run("force = {}"), "scene.toml:9:9: drive.force needs one of steps, ramp, table, or harmonics"},
+      {"run", run("force = { table = 'none.csv' }"), "scene.toml:9:19: none.csv: no such file"},
+      {"run", run("force = { table = 'torn.csv' }"), "scene.toml:9:19: torn.csv:2: two numbers are needed"},
+      {"run", run("force = { mean = 1, harmonics = [{ amplitude = 1, angular_frequency = '3 Hz' }] }"),
        "angular frequency"},
-      {Verb::run,
+      {"run",
        law("[oscillator]\nmass = 1\nstiffness = 1\n[drive]\nspeed = 1\n"
            "normal_load = { mean = 1, harmonics = [{ amplitude = 5, angular_frequency = 3 }] }"),
        "scene.toml:8:15: drive.normal_load leaves 0 … 1"},
-      {Verb::run,
+      {"run",
        law("[oscillator]\nmass = 1\nstiffness = 1\n[drive]\nspeed = 1\n"
            "normal_load = { ramp = { from = 5, rate = -1 } }\n[run]\nduration = 6"),
        "scene.toml:8:15: drive.normal_load leaves"},
       // runs
-      {Verb::run, run("[run]\nduration = 0"), "scene.toml:10:12: run.duration = 0 is outside"},
-      {Verb::run, run("[run]\nduration = 1\nsamples = 2.5"),
+      {"run", run("[run]\nduration = 0"), "scene.toml:10:12: run.duration = 0 is outside"},
+      {"run", run("[run]\nduration = 1\nsamples = 2.5"),
        "scene.toml:11:11: run.samples is a number, but a whole number"},
-      {Verb::run, run("[run]\nduration = 1\nsamples = 0"), "scene.toml:11:11: run.samples = 0 is outside 1 …"},
-      {Verb::run, run("[run]\ntimes = [0, 2, 1]"), "scene.toml:10:9: run.times must ascend"},
-      {Verb::run, run("[run]\nduration = 1\nstart = 'stedy'"),
-       "run.start = 'stedy' is not known; did you mean 'steady'?"},
-      {Verb::run, run("[run]\nduration = 1\nstart = { velocity = 1, slip_rate = 1 }"),
-       "velocity or slip_rate, not both"},
-      {Verb::run, run("[run]\nduration = 1\nstart = { psi = 2 }"), "scene.toml:11:17: run.start.psi = 2 is outside"},
-      {Verb::run, run("[run]\nduration = 1\nstart = { state = 2 }"),
-       "scene.toml:11:19: run.start.state = 2 is outside"},
-      {Verb::run, run("[run]\nduration = 1\nstart = { theta = 2 }"), "unknown key 'theta' in [run.start]"},
-      {Verb::run, run("[run]\nduration = 1\n[solver]\ntype = 'cvod'"), "did you mean 'cvode'?"},
-      {Verb::run, run("[run]\nduration = 1\n[solver]\ntype = 'lanes'"), "is that of maps"},
-      {Verb::run, run("[run]\nduration = 1\n[solver]\ntype = 'cfm'\nwindow = 1"), "only for o-fbfm"},
-      {Verb::run, run("[run]\nduration = 1\n[solver]\nstep = 1"), "no meaning for solver 'auto'"},
-      {Verb::cycle, "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nspeed = 0\nnormal_load = 1",
+      {"run", run("[run]\nduration = 1\nsamples = 0"), "scene.toml:11:11: run.samples = 0 is outside 1 …"},
+      {"run", run("[run]\ntimes = [0, 2, 1]"), "scene.toml:10:9: run.times must ascend"},
+      {"run", run("[run]\nduration = 1\nstart = 'stedy'"), "run.start = 'stedy' is not known; did you mean 'steady'?"},
+      {"run", run("[run]\nduration = 1\nstart = { velocity = 1, slip_rate = 1 }"), "velocity or slip_rate, not both"},
+      {"run", run("[run]\nduration = 1\nstart = { psi = 2 }"), "scene.toml:11:17: run.start.psi = 2 is outside"},
+      {"run", run("[run]\nduration = 1\nstart = { state = 2 }"), "scene.toml:11:19: run.start.state = 2 is outside"},
+      {"run", run("[run]\nduration = 1\nstart = { theta = 2 }"), "unknown key 'theta' in [run.start]"},
+      {"run", run("[run]\nduration = 1\n[solver]\ntype = 'cvod'"), "did you mean 'cvode'?"},
+      {"run", run("[run]\nduration = 1\n[solver]\ntype = 'lanes'"), "is that of maps"},
+      {"run", run("[run]\nduration = 1\n[solver]\ntype = 'cfm'\nwindow = 1"), "only for o-fbfm"},
+      {"run", run("[run]\nduration = 1\n[solver]\nstep = 1"), "no meaning for solver 'auto'"},
+      {"cycle", "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nspeed = 0\nnormal_load = 1",
        "scene.toml:4:8: oscillator.type = 'plane-slider' serves 'run' only"},
-      {Verb::run,
+      {"run",
        "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\nmass = 1\nstiffness = [1]\ndamping = [0, 0]\n"
        "[drive]\nnormal_load = 1\nforce = [0, 0]\n[run]\nduration = 1",
        "scene.toml:6:13: oscillator.stiffness has 1 entries, but 2 are needed"},
-      {Verb::run,
+      {"run",
        "[law]\ntype = 'hyperbolic'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nnormal_load = 1\n[run]\nduration = 1",
        "is for Coulomb friction"},
-      {Verb::study, "[study]\ndimensions = 3", "scene.toml:2:14: study.dimensions = 3 is outside 1"},
-      {Verb::study, "[study]\ncases = 0", "scene.toml:2:9: study.cases = 0 is outside 1"},
-      {Verb::study, "[study]\nstepps_per_period = 1000", "did you mean 'steps_per_period'?"},
-      {Verb::study, "title = 'x'", "the scene has no [study]"},
+      {"study", "[study]\ndimensions = 3", "scene.toml:2:14: study.dimensions = 3 is outside 1"},
+      {"study", "[study]\ncases = 0", "scene.toml:2:9: study.cases = 0 is outside 1"},
+      {"study", "[study]\nstepps_per_period = 1000", "did you mean 'steps_per_period'?"},
+      {"study", "title = 'x'", "the scene has no [study]"},
       // maps
-      {Verb::map, map("{ parameter = 'drive.normal', from = 1, to = 2, points = 3 }"),
+      {"map", map("{ parameter = 'drive.normal', from = 1, to = 2, points = 3 }"),
        "scene.toml:10:19: unknown parameter 'drive.normal'"},
-      {Verb::map, map("{ parameter = 'drive.normal_loud', from = 1, to = 2, points = 3 }"),
+      {"map", map("{ parameter = 'drive.normal_loud', from = 1, to = 2, points = 3 }"),
        "did you mean 'drive.normal_load'?"},
-      {Verb::map, map("{ parameter = 'law.a', from = 1e-9, to = 0.1, points = 3 }"),
+      {"map", map("{ parameter = 'law.a', from = 1e-9, to = 0.1, points = 3 }"),
        "scene.toml:10:35: map.x.from = 1e-09 is outside 0.0001 … 0.5 (law.a, direct effect, dimensionless)"},
-      {Verb::map, map("{ parameter = 'law.a', from = 1e-3, to = 2, points = 3 }"),
+      {"map", map("{ parameter = 'law.a', from = 1e-3, to = 2, points = 3 }"),
        "scene.toml:10:46: map.x.to = 2 is outside"},
-      {Verb::map, map("{ parameter = 'law.a', from = 1e-3, to = 0.1, points = 1 }"), "map.x.points = 1 is outside 2 …"},
-      {Verb::map, map("{ parameter = 'law.b', from = 0, to = 0.1, points = 3 }"), "scene.toml:10:5: "},
-      {Verb::map, map("{ parameter = 'law.a', from = 0.1, to = 0.1, points = 3 }"), "scene.toml:10:5: "},
-      {Verb::map, map("{ parameter = 'law.lambda', from = 1, to = 9, points = 3 }"), "are the same parameter"},
-      {Verb::map, map("{ parameter = 'law.a', from = 1e-3, to = 0.1, points = 3, scale = 'lin' }"),
-       "map.x.scale = 'lin'"},
-      {Verb::map, map("{ parameter = 'law.a', from = 1e-3, to = 0.1, points = 3, extra = [9] }"),
+      {"map", map("{ parameter = 'law.a', from = 1e-3, to = 0.1, points = 1 }"), "map.x.points = 1 is outside 2 …"},
+      {"map", map("{ parameter = 'law.b', from = 0, to = 0.1, points = 3 }"), "scene.toml:10:5: "},
+      {"map", map("{ parameter = 'law.a', from = 0.1, to = 0.1, points = 3 }"), "scene.toml:10:5: "},
+      {"map", map("{ parameter = 'law.lambda', from = 1, to = 9, points = 3 }"), "are the same parameter"},
+      {"map", map("{ parameter = 'law.a', from = 1e-3, to = 0.1, points = 3, scale = 'lin' }"), "map.x.scale = 'lin'"},
+      {"map", map("{ parameter = 'law.a', from = 1e-3, to = 0.1, points = 3, extra = [9] }"),
        "map.x.extra = 9 is outside"},
-      {Verb::map, run(plane + "metrics = ['stick_fractoin']"), "scene.toml:12:12: unknown metric 'stick_fractoin'"},
-      {Verb::map, run(plane + "metrics = ['period', 'period']"), "names 'period' twice"},
-      {Verb::map, run("[map]\nx = 3\ny = 4"), "scene.toml:10:5: map.x is a number, but a table is needed"},
-      {Verb::stability, run("[stability]\nparameters = ['law.c', 'law.q']"),
-       "scene.toml:10:24: unknown parameter 'law.q'"},
-      {Verb::curve, law("[curve]\nfrom = 1\nto = 0.1"), "scene.toml:3:1: curve.from = 1 must be below curve.to = 0.1"},
+      {"map", run(plane + "metrics = ['stick_fractoin']"), "scene.toml:12:12: unknown metric 'stick_fractoin'"},
+      {"map", run(plane + "metrics = ['period', 'period']"), "names 'period' twice"},
+      {"map", run("[map]\nx = 3\ny = 4"), "scene.toml:10:5: map.x is a number, but a table is needed"},
+      {"stability", run("[stability]\nparameters = ['law.c', 'law.q']"), "scene.toml:10:24: unknown parameter 'law.q'"},
+      {"curve", law("[curve]\nfrom = 1\nto = 0.1"), "scene.toml:3:1: curve.from = 1 must be below curve.to = 0.1"},
       // files
-      {Verb::curve, "", "scene.toml:1:1: the file is empty"},
-      {Verb::curve, " \n\t", "scene.toml:1:1: the file is empty"},
-      {Verb::curve, "[law\ntype = 3", "scene.toml:1:5: not valid TOML"},
-      {Verb::curve, "[law]\ntype = 'spinodal'\ntype = 'slip'", "scene.toml:3:"},
-      {Verb::curve, "[law]\ntype = '\xff\xfe'", "scene.toml:2:"},
-      {Verb::curve, std::string(5000, '['), "scene.toml:1:"},
-      {Verb::curve, "[law]\ntype = 'spinodal'\na = 1e", "scene.toml:3:"},
+      {"curve", "", "scene.toml:1:1: the file is empty"},
+      {"curve", " \n\t", "scene.toml:1:1: the file is empty"},
+      {"curve", "[law\ntype = 3", "scene.toml:1:5: not valid TOML"},
+      {"curve", "[law]\ntype = 'spinodal'\ntype = 'slip'", "scene.toml:3:"},
+      {"curve", "[law]\ntype = '\xff\xfe'", "scene.toml:2:"},
+      {"curve", std::string(5000, '['), "scene.toml:1:"},
+      {"curve", "[law]\ntype = 'spinodal'\na = 1e", "scene.toml:3:"},
   };
   for (const auto& c : cases) {
     CAPTURE(c.text);
@@ -376,7 +365,7 @@ TEST_CASE("files that are no scenes are refused before they are read") {
   namespace fs = std::filesystem;
   const auto refuse = [](const std::string& path) {
     try {
-      read_scene(path, {}, Verb::curve);
+      scene_of(path, {}, "curve");
     } catch (const rosin::InputError& error) {
       return std::string(error.what());
     }
@@ -394,7 +383,7 @@ TEST_CASE("files that are no scenes are refused before they are read") {
 
 TEST_CASE("wrong overrides are refused with the override as their place") {
   const auto refuse = [](const std::string& override) {
-    return refusal(spinodal + slider + "[run]\nduration = 1", Verb::run, {override});
+    return refusal(spinodal + slider + "[run]\nduration = 1", "run", {override});
   };
   CHECK(refuse("law.a=3") == "--set law.a=3: law.a = 3 is outside 0.0001 … 0.5 (direct effect, dimensionless)");
   CHECK(refuse("law.aa=3") == "--set law.aa=3: unknown key 'aa' in [law]; did you mean 'a'?");

@@ -1,0 +1,135 @@
+/// Writing for gnuplot, and running it.
+#include "app/output/gnuplot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <stdexcept>
+
+#include "app/output/files.hpp"
+#include "core/process.hpp"
+
+namespace rosin::app {
+
+namespace fs = std::filesystem;
+
+std::string single_quoted(std::string_view text) {
+  const bool begins_quoted = text.starts_with('\'');  // three of them would end the text for gnuplot
+  if (begins_quoted) text.remove_prefix(1);
+  std::string out = begins_quoted ? "\"'\".'" : "'";
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (static_cast<unsigned char>(c) < 0x20) continue;
+    if (std::string_view("_^{}@&~\\").find(c) != std::string_view::npos) out += '\\';
+    if (c == '\'') out += '\'';
+    if (c == '>' && text.substr(0, i).ends_with("]]")) out += "\u2060";  // joins words, unseen: "]]>" would end the SVG
+    out += c;
+  }
+  return out + '\'';
+}
+
+std::string preamble(const std::string& name, std::string_view what, int width, int height) {
+  constexpr double pixels = 96;  // an inch
+  return fmt::format(R"(# {what}. Redraw with: gnuplot {name}.gp   or   gnuplot -e "format='png'" {name}.gp   or 'pdf'
+if (!exists("format")) format = 'svg'
+if (!exists("output")) output = '{name}.'.format
+if (format eq 'png') {{ set terminal pngcairo size {width},{height} font 'sans,11' background 'white' }}
+if (format eq 'pdf') {{ set terminal pdfcairo size {inches_wide}in,{inches_high}in font 'sans,10' background 'white' }}
+if (format eq 'svg') {{ set terminal svg size {width},{height} font 'sans,13' background 'white' }}
+if (format ne 'png' && format ne 'pdf' && format ne 'svg') {{ exit message "format is 'svg', 'png' or 'pdf'" }}
+set output output
+set datafile separator ','
+set datafile missing 'nan'
+set encoding utf8
+set border linewidth 0.8
+set tics nomirror out
+set key samplen 2.5 spacing 1.1
+# Lines differ in dash as well as in colour: readable in grey and by the colour-blind.
+set style line 1 linecolor '#00336F' linewidth 1.8 dashtype solid
+set style line 2 linecolor '#B0560F' linewidth 1.6 dashtype (8,4)
+set style line 3 linecolor '#555555' linewidth 1.2 dashtype (2,3)
+set style line 4 linecolor '#3A8F5C' linewidth 1.6 dashtype (12,3,2,3)
+set style line 5 linecolor '#8A4FA3' linewidth 1.6 dashtype (4,2)
+)",
+                     fmt::arg("what", what), fmt::arg("name", name), fmt::arg("width", width),
+                     fmt::arg("height", height), fmt::arg("inches_wide", width / pixels),
+                     fmt::arg("inches_high", height / pixels));
+}
+
+std::string label(std::string_view meaning, std::string_view unit) {
+  return single_quoted(column_header(meaning.substr(0, meaning.find(';')), unit));
+}
+
+Scaled scaled(const std::string& unit, double largest) {
+  struct Prefix {
+    double size;
+    const char* name;
+  };
+  const bool prefixable = unit == "m" || unit == "m/s" || unit == "s" || unit == "N";
+  if (prefixable && largest < 1e5)
+    for (const auto& [size, name] : {Prefix{1, ""}, Prefix{1e-3, "m"}, Prefix{1e-6, "µ"}, Prefix{1e-9, "n"}})
+      if (largest >= size) return {1 / size, name + unit};
+  return {1, unit};
+}
+
+std::string readable(std::string name) {
+  std::ranges::replace(name, '_', ' ');
+  return name;
+}
+
+bool spans_decades(double low, double high) { return low > 0 && high / low > 50; }
+
+std::string axis_scale(char axis, bool decades) {
+  return fmt::format("{0} logscale {1}\nset format {1} '{2}'", decades ? "set" : "unset", axis,
+                     decades ? "10^{%T}" : "%g");
+}
+
+namespace {
+
+/// Gnuplot says nothing of a disk that filled up while it drew: a picture is whole if it ends as its format does.
+bool is_whole(const fs::path& picture, std::string_view format) {
+  const auto end = format == "svg" ? std::string_view("</svg>\n\n") : std::string_view("IEND\xae\x42\x60\x82");
+  std::ifstream file(picture, std::ios::binary | std::ios::ate);
+  const auto size = std::streamoff(file.tellg()), length = std::streamoff(end.size());
+  if (!file || size < length) return false;
+  std::string last(end.size(), ' ');
+  file.seekg(size - length);
+  return file.read(last.data(), length) && last == end;
+}
+
+}  // namespace
+
+Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts) {
+  Drawn drawn;
+  if (scripts.empty()) return drawn;
+  const auto gnuplot = find_program("gnuplot");  // before it enters the folder, which may hold a program of that name
+  if (!gnuplot) {
+    drawn.problems.push_back(
+        "no pictures: gnuplot is not there (install the package gnuplot-nox); 'rosin plot' draws them later");
+    return drawn;
+  }
+  for (const auto& script : scripts)
+    for (const std::string format : {"svg", "png"}) {
+      const auto picture = fs::path(script).replace_extension(format);
+      try {
+        write_whole(folder / picture, [&](const fs::path& temporary) {
+          const auto output = temporary.parent_path().filename() / temporary.filename();
+          const auto setting = fmt::format("format='{}'; output='{}'", format, output.string());
+          const auto ran = run_program({*gnuplot, {"-e", setting, script}, folder});
+          if (!ran || ran->status != 0)
+            throw std::runtime_error(fmt::format("gnuplot could not draw {}; run 'gnuplot {}' in {} to see why",
+                                                 picture.string(), script, folder.string()));
+          if (!is_whole(temporary, format))
+            throw std::runtime_error(
+                fmt::format("{}: gnuplot left it cut short; is the disk full?", (folder / picture).string()));
+        });
+        drawn.files.push_back(picture.string());
+      } catch (const std::runtime_error& problem) {
+        drawn.problems.emplace_back(problem.what());
+      }
+    }
+  return drawn;
+}
+
+}  // namespace rosin::app

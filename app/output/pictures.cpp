@@ -1,0 +1,329 @@
+/// Pictures of curves, motions, cycles, experiments and comparisons.
+#include "app/output/pictures.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/output/files.hpp"
+#include "app/output/gnuplot.hpp"
+
+namespace rosin::app {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const Curve& curve) {
+  std::string script = preamble("curve", "The steady friction curve with its extrema", 720, 480);
+  script += fmt::format("set title {}\n", single_quoted(scene.title));
+  script += "set logscale x\nset format x '10^{%T}'\nset xlabel 'slip rate (m/s)'\n";
+  script += "set ylabel 'steady friction coefficient'\nset grid linecolor '#CCCCCC' linewidth 0.6\n";
+  std::string marks;
+  for (const auto& e : curve.extrema)
+    marks += fmt::format("{},{},{},{:.3g} m/s\n", e.slip_rate, e.friction_coefficient, e.maximum ? 1 : 2, e.slip_rate);
+  if (!marks.empty()) script += "$extrema << EOD\n" + marks + "EOD\n";
+  script += "set offsets graph 0, 0, 0.12, 0.12\nplot 'curve.csv' using 1:2 with lines linestyle 1 notitle";
+  // Only kinds that occur: gnuplot 5.4 crashes on labels without a point.
+  for (const bool maximum : {true, false}) {
+    const auto is_kind = [&](const analysis::Extremum& e) { return e.maximum == maximum; };
+    if (std::none_of(curve.extrema.begin(), curve.extrema.end(), is_kind)) continue;
+    const auto chosen = fmt::format("$extrema using 1:($3=={} ? $2 : NaN)", maximum ? 1 : 2);
+    script += fmt::format(", \\\n     {} with points pointtype {} pointsize 1.4 linecolor '#B0560F' title '{}'", chosen,
+                          maximum ? 9 : 11, maximum ? "maximum" : "minimum");
+    script += fmt::format(", \\\n     {}:4 with labels offset 0,{} notitle", chosen, maximum ? 1.1 : -1.2);
+  }
+  script += '\n';
+  write_whole(folder / "curve.gp", script);
+  return {"curve.gp"};
+}
+
+constexpr int run_panel = 170, run_margin = 110;  // pixels: height of a panel, and of the texts around them all
+
+/// A step between ticks that leaves about four: 1, 2 or 5 times a power of ten.
+double tick_step(double low, double high) {
+  const double step = (high - low) / 4;
+  if (!(step > 0)) return 1;
+  const double decade = std::pow(10, std::floor(std::log10(step)));
+  return decade * (step < 1.5 * decade ? 1 : step < 3.5 * decade ? 2 : step < 7.5 * decade ? 5 : 10);
+}
+
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Run& run) {
+  std::vector<std::size_t> shown;
+  for (std::size_t c = 0; c < run.columns.size(); ++c)
+    if (run.column_names[c] != "velocity" && run.column_names[c] != "friction_force") shown.push_back(c);
+  std::string events;
+  for (const auto& event : run.events) events += fmt::format("{},{}\n", event.time, event.kind);
+  write_whole(folder / "run-events.csv", "time (s),kind\n" + events);
+
+  const bool strip = run.metrics.contains("stick_time") && run.time.size() > 1;
+  if (strip) {  // stick or slip over time; what the motion began with follows from its first event
+    std::string steps = "time (s),stick\n";
+    const auto first = std::ranges::find_if(run.events, [](const auto& event) { return event.kind != "reversal"; });
+    const double stuck = run.metrics.at("stick_time");
+    bool stick = first == run.events.end() ? stuck > 0 : first->kind == "slip";
+    steps += fmt::format("{},{}\n", run.time.front(), stick ? 1 : 0);
+    for (const auto& event : run.events)
+      if (event.kind != "reversal") {
+        stick = event.kind == "stick";
+        steps += fmt::format("{},{}\n", event.time, stick ? 1 : 0);
+      }
+    steps += fmt::format("{},{}\n", run.time.back(), stick ? 1 : 0);
+    write_whole(folder / "run-strip.csv", steps);
+  }
+  const int panels = static_cast<int>(shown.size()) + (strip ? 1 : 0);
+  std::string script =
+      preamble("run", "Every column of a run against time, with its events", 820, run_margin + run_panel * panels);
+  const int height = run_margin + run_panel * panels;
+  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n", panels,
+                        single_quoted(scene.title), 65.0 / height, 1 - 45.0 / height);
+  script += "set grid x linecolor '#CCCCCC' linewidth 0.6\nset key outside top right horizontal\n";
+  if (run.time.size() > 1) script += fmt::format("set xrange [{}:{}]\n", run.time.front(), run.time.back());
+  constexpr std::size_t most_lines = 200;  // more would hide the curve
+  struct Kind {
+    const char *name, *dash, *colour;
+  };
+  std::vector<Kind> kinds = {
+      {"stick", "solid", "#888888"}, {"slip", "(6,4)", "#B0560F"}, {"reversal", "(2,3)", "#000000"}};
+  std::erase_if(kinds, [&](const Kind& kind) {
+    return run.events.size() > most_lines ||
+           std::ranges::none_of(run.events, [&](const auto& event) { return event.kind == kind.name; });
+  });
+  for (const auto c : shown) {
+    const auto [low, high] = std::ranges::minmax(run.columns[c]);
+    const bool decades = spans_decades(low, high);
+    const auto [factor, unit] =
+        decades ? Scaled{1, run.column_units[c]} : scaled(run.column_units[c], std::max(std::abs(low), std::abs(high)));
+    script +=
+        fmt::format("\n{}\nset ylabel {}\n", axis_scale('y', decades), label(readable(run.column_names[c]), unit));
+    script +=
+        decades ? "set ytics autofreq\n" : fmt::format("set ytics {:g}\n", tick_step(low * factor, high * factor));
+    script += c == shown.back() && !strip ? "set xlabel 'time (s)'\nset format x '%g'\n" : "set format x ''\n";
+    script += fmt::format("plot 'run.csv' using 1:(${}*{}) with lines linestyle 1 notitle", c + 2, factor);
+    for (const auto& kind : kinds)  // a line over the height of the curve
+      script += fmt::format(
+          ", \\\n     'run-events.csv' using 1:(strcol(2) eq '{}' ? {} : NaN):(0):({}) with vectors nohead "
+          "linecolor '{}' linewidth 0.8 dashtype {} {}",
+          kind.name, low * factor, (high - low) * factor, kind.colour, kind.dash,
+          c == shown.front() ? fmt::format("title '{}'", kind.name) : "notitle");
+    script += '\n';
+  }
+  if (strip)
+    script +=
+        "\nunset logscale y\nset ylabel ''\nset yrange [-0.2:1.2]\nset ytics ('slip' 0, 'stick' 1)\n"
+        "set xlabel 'time (s)'\nset format x '%g'\n"
+        "plot 'run-strip.csv' using 1:2 with steps linestyle 1 notitle\n";
+  write_whole(folder / "run.gp", script + "unset multiplot\n");
+  std::vector<std::string> files = {"run-events.csv", "run.gp"};
+  if (scene.plane) {
+    std::string stops = "x (m),y (m)\n";
+    for (const auto& event : run.events)
+      if (event.kind == "stick") stops += fmt::format("{},{}\n", event.displacement, event.displacement_y);
+    write_whole(folder / "run-stops.csv", stops);
+    double largest = 0;
+    for (const int c : {0, 1})
+      for (const double x : run.columns[static_cast<std::size_t>(c)]) largest = std::max(largest, std::abs(x));
+    const auto [factor, unit] = scaled("m", largest);
+    std::string path = preamble("run-path", "The path in the plane, with its stops", 640, 600);
+    path += fmt::format(
+        "set title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\nset xlabel 'x ({})'\nset ylabel 'y ({})'\n",
+        single_quoted(scene.title), unit, unit);
+    path += fmt::format(
+        "plot 'run.csv' using ($2*{0}):($3*{0}) with lines linestyle 1 notitle, \\\n     'run-stops.csv' "
+        "using ($1*{0}):($2*{0}) with points linestyle 2 pointtype 7 pointsize 0.8 title 'stick'\n",
+        factor);
+    write_whole(folder / "run-path.gp", path);
+    files.insert(files.end(), {"run-path.gp", "run-stops.csv"});
+  }
+  if (strip) files.emplace_back("run-strip.csv");
+  return files;
+}
+
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Cycle& cycle) {
+  const double low = cycle.metrics.slip_rate_min, high = cycle.metrics.slip_rate_max, period = cycle.metrics.period;
+  const double speed = scene.model.drive.speed.level(), load = scene.model.drive.normal_load.level();
+  // the steady curve over the slip rates of the cycle, for comparison
+  constexpr int points = 400;
+  const double sign = speed < 0 ? -1 : 1, fastest = sign > 0 ? high : -low;
+  const double slowest = std::max(sign > 0 ? low : -high, 1e-6 * fastest);
+  std::vector<double> rates(points), steady(points);
+  for (int i = 0; i < points; ++i)
+    rates[static_cast<std::size_t>(i)] = slowest * std::pow(fastest / slowest, double(i) / (points - 1));
+  scene.model.law->steady_friction(rates, load, steady);
+  for (auto& v : rates) v *= sign;
+  for (auto& mu : steady) mu *= sign;
+  write_csv(folder / "cycle-steady.csv", {{"slip_rate (m/s)", rates}, {"friction_coefficient", steady}});
+
+  double farthest = 0;
+  for (const auto& point : cycle.orbit) farthest = std::max(farthest, std::abs(point.displacement));
+  const auto time = scaled("s", 2 * period), way = scaled("m", farthest);
+  const auto rate = scaled("m/s", std::max(std::abs(low), std::abs(high)));
+  // a logarithmic axis keeps SI units
+  const bool decades = spans_decades(low, high);
+  const auto decade_rate = decades ? Scaled{1, "m/s"} : rate;
+
+  // A law with memory moves in three dimensions: a panel more.
+  const bool space = scene.model.law->has_states() && scene.model.lambda > 0;
+  std::string script = preamble("cycle", "One periodic motion: in time, against slip rate, and in the phase plane",
+                                space ? 1400 : 940, 760);
+  script += fmt::format("period = {}\nspeed = {}\n# from SI to the units of the axes\nT = {}\nX = {}\n", period, speed,
+                        time.factor, way.factor);
+  script += fmt::format("set multiplot layout 2,2 title {} margins {},{},0.09,0.90 spacing {},0.16\n",
+                        single_quoted(scene.title), space ? 0.067 : 0.10, space ? 0.65 : 0.97, space ? 0.09 : 0.13);
+  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at graph 1,1.02 right bottom horizontal\n";
+
+  script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'slip rate ({})'\n", time.unit, decade_rate.unit);
+  script += fmt::format("V = {}\n{}\n", decade_rate.factor, axis_scale('y', decades));
+  script += R"(set xrange [0:2*period*T]
+plot 'cycle.csv' using ($1*T):($3*V) with lines linestyle 1 notitle, \
+     'cycle.csv' using (($1+period)*T):($3*V) with lines linestyle 1 notitle, \
+     speed*V with lines linestyle 3 title 'drive'
+set autoscale x
+)";
+  script += fmt::format("\nset xlabel 'slip rate ({})'\nV = {}\n{}\n", rate.unit, rate.factor, axis_scale('y', false));
+  script += R"(set ylabel 'friction coefficient'
+plot 'cycle.csv' using ($3*V):4 with lines linestyle 1 title 'cycle', \
+     'cycle-steady.csv' using ($1*V):2 with lines linestyle 2 title 'steady sliding'
+)";
+  const std::string plane = fmt::format("\nset xlabel 'displacement ({})'\nset ylabel 'slip rate ({})'\nV = {}\n{}\n",
+                                        way.unit, decade_rate.unit, decade_rate.factor, axis_scale('y', decades));
+  script += plane;
+  script += R"(plot 'cycle.csv' using ($2*X):($3*V) with lines linestyle 1 title 'cycle', \
+     speed*V with lines linestyle 3 title 'drive'
+)";
+  script += fmt::format("\n{}\n{}\n", axis_scale('y', false), axis_scale('x', true));
+  script += R"(set xlabel '|slip rate| (m/s)'
+set ylabel 'friction coefficient'
+plot 'cycle.csv' using (abs($3)):4 with lines linestyle 1 title 'cycle', \
+     'cycle-steady.csv' using (abs($1)):2 with lines linestyle 2 title 'steady sliding'
+)";
+  if (space) {
+    const auto& state = scene.model.law->states().front();
+    script += fmt::format("\n{}", axis_scale('x', false)) + plane;
+    script += fmt::format("set zlabel '{} ({})' rotate by 90 offset -2,0\n", state.name, readable_unit(state.unit));
+    script += R"(set origin 0.655,0.12
+set size 0.345,0.78
+set lmargin 8
+set rmargin 3
+set tmargin 0
+set bmargin 3
+set view 62,35
+set xyplane 0
+set xtics offset -1,-0.5
+set xlabel offset -1,-1.5
+set ylabel offset 2,-1.5
+unset key
+splot 'cycle.csv' using ($2*X):($3*V):5 with lines linestyle 1
+)";
+  }
+  script += "unset multiplot\n";
+  write_whole(folder / "cycle.gp", script);
+  return {"cycle-steady.csv", "cycle.gp"};
+}
+
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene,
+                                       const std::vector<analysis::lab::Panel>& panels) {
+  const int count = static_cast<int>(panels.size());
+  const auto title = scene.title.empty() ? std::string(scene.experiment->title) : scene.title;
+  std::string script =
+      preamble("lab", "What an experiment shows, a panel each", count == 1 ? 720 : 60 + 520 * count, 480);
+  script += fmt::format("set multiplot layout 1,{} title {} margins {},0.97,0.14,0.86 spacing {},0.1\n", count,
+                        single_quoted(title), 0.13 / count + 0.01, 0.2 / count);
+  script += "set grid linecolor '#CCCCCC' linewidth 0.5\n";
+  std::vector<std::string> files;
+  for (const auto& panel : panels) {
+    double far = 0, high = 0;
+    for (const auto& curve : panel.curves)
+      for (std::size_t i = 0; i < curve.x.size(); ++i) {
+        if (std::isfinite(curve.x[i])) far = std::max(far, std::abs(curve.x[i]));
+        if (std::isfinite(curve.y[i])) high = std::max(high, std::abs(curve.y[i]));
+      }
+    const auto x = panel.x_decades ? Scaled{1, panel.x_unit} : scaled(panel.x_unit, far);
+    const auto y = panel.y_decades ? Scaled{1, panel.y_unit} : scaled(panel.y_unit, high);
+    script += fmt::format("\n{}\n{}\nset xlabel {}\nset ylabel {}\n", axis_scale('x', panel.x_decades),
+                          axis_scale('y', panel.y_decades), label(panel.x_label, x.unit), label(panel.y_label, y.unit));
+    script += panel.y_decades ? "unset offsets\n" : "set offsets 0, 0, graph 0.06, graph 0.06\n";
+    script += panel.curves.size() > 3 ? "set key inside top right vertical\n"
+                                      : "set key at graph 1,1.02 right bottom horizontal\n";
+    std::vector<std::string> curves;
+    for (const auto& curve : panel.curves) {
+      const auto file =
+          fmt::format("lab-panel-{}-{}.csv", &panel - panels.data() + 1, &curve - panel.curves.data() + 1);
+      std::vector<Column> table = {{column_header(panel.x_label, panel.x_unit), curve.x},
+                                   {column_header(panel.y_label, panel.y_unit), curve.y}};
+      if (!curve.low.empty()) {
+        table.push_back({"low", curve.low});
+        table.push_back({"high", curve.high});
+        curves.push_back(fmt::format("'{}' using ($1*{}):($3*{}):($4*{}) with filledcurves linecolor '#B8CBE0' notitle",
+                                     file, x.factor, y.factor, y.factor));
+      }
+      write_csv(folder / file, table);
+      files.push_back(file);
+      const auto title = curve.label.empty() ? std::string("notitle") : "title " + single_quoted(curve.label);
+      const int style = static_cast<int>(&curve - panel.curves.data()) % 3 + 1;
+      curves.push_back(fmt::format("'{}' using ($1*{}):($2*{}) with {} {} {}", file, x.factor, y.factor,
+                                   curve.points ? "points pointtype 7 pointsize 0.9 linecolor" : "lines linestyle",
+                                   curve.points ? "'#00336F'" : fmt::format("{}", style), title));
+    }
+    script += fmt::format("plot {}\n", fmt::join(curves, ", \\\n     "));
+  }
+  write_whole(folder / "lab.gp", script + "unset multiplot\n");
+  files.push_back("lab.gp");
+  return files;
+}
+
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const Comparison& comparison) {
+  std::vector<std::string> files;
+  for (std::size_t k = 0; k < comparison.series.size(); ++k) {
+    const auto& series = comparison.series[k];
+    std::vector<Column> table{{column_header(comparison.x_name, comparison.x_unit), series.x}};
+    for (std::size_t c = 0; c < series.columns.size(); ++c)
+      table.push_back({column_header(comparison.column_names[c], comparison.column_units[c]), series.columns[c]});
+    files.push_back(fmt::format("compare-{}.csv", k + 1));
+    write_csv(folder / files.back(), table);
+  }
+  // Columns that never change have nothing to show.
+  std::vector<std::size_t> shown;
+  for (std::size_t c = 0; c < comparison.column_names.size(); ++c)
+    if (std::ranges::any_of(comparison.series, [&](const auto& series) {
+          return !series.columns[c].empty() &&
+                 std::ranges::min(series.columns[c]) < std::ranges::max(series.columns[c]);
+        }))
+      shown.push_back(c);
+  if (shown.empty()) shown.push_back(0);
+  const int panels = static_cast<int>(shown.size());
+  const int height = run_margin + (panels == 1 ? 380 : run_panel * panels);
+  std::string script = preamble("compare", "Members of a comparison, one over the other", 820, height);
+  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n", panels,
+                        single_quoted(scene.title), 65.0 / height, 1 - 75.0 / height);
+  script += "set grid linecolor '#CCCCCC' linewidth 0.6\n";
+  script += fmt::format("set key at screen 0.97,{:.4f} right top horizontal\n", 1 - 35.0 / height);
+  if (comparison.x_name == "slip_rate") script += axis_scale('x', true) + '\n';
+  for (int panel = 0; panel < panels; ++panel) {
+    const std::size_t c = shown[std::size_t(panel)];
+    const auto &name = comparison.column_names[c], &unit = comparison.column_units[c];
+    double largest = 0;
+    for (const auto& series : comparison.series)
+      for (const double value : series.columns[c]) largest = std::max(largest, std::abs(value));
+    const auto [factor, prefixed] = scaled(unit, largest);
+    const bool last = panel + 1 == panels;
+    script += fmt::format("set ylabel {}\n", label(readable(name), prefixed));
+    if (last)
+      script += fmt::format("set xlabel {}\n", label(readable(comparison.x_name), comparison.x_unit));
+    else
+      script += "unset xlabel\n";
+    if (!last) script += "set format x ''\n";
+    if (last && panels > 1) script += "set format x '%g'\n";
+    if (panel == 1) script += "unset key\n";
+    script += "plot ";
+    for (std::size_t k = 0; k < comparison.series.size(); ++k)
+      script += fmt::format("{}'{}' using 1:(${}*{}) with lines linestyle {} title {}", k > 0 ? ", \\\n     " : "",
+                            files[k], c + 2, factor, k + 1, single_quoted(scene.compare.members[k].name));
+    script += '\n';
+  }
+  write_whole(folder / "compare.gp", script + "unset multiplot\n");
+  files.push_back("compare.gp");
+  return files;
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,21 @@
+/// Pictures: gnuplot scripts beside the data of a results folder. The scripts stay, so that a user can restyle them.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/output/results.hpp"
+
+namespace rosin::app {
+
+// Each writes a script and the data that only it needs into the folder, and returns the names of the files.
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const Curve&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::Run&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::Cycle&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::Map&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const Comparison&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::Design&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&,
+                                       const std::vector<analysis::lab::Panel>&);
+
+}  // namespace rosin::app

@@ -1,0 +1,161 @@
+/// Writing a map with the NetCDF C interface. Nothing in the file depends on when or where it was written.
+#include "app/output/planes.hpp"
+
+#include <fmt/format.h>
+#include <netcdf.h>
+#include <netcdf_mem.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+
+#include "app/output/files.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+void check(int status) {
+  if (status != NC_NOERR) throw std::runtime_error(fmt::format("map.nc: {}", nc_strerror(status)));
+}
+
+/// A file being written in memory, because the HDF5 library does not survive a disk that fills up: definitions and
+/// values in any order (NetCDF-4 needs no define mode).
+class Plane {
+ public:
+  Plane() { check(nc_create_mem("map.nc", NC_NETCDF4, 1 << 16, &file_)); }
+  ~Plane() {
+    if (open_) nc_abort(file_);
+    std::free(image_.memory);
+  }
+  Plane(const Plane&) = delete;
+  /// The bytes of the file; they live as long as this object.
+  std::string_view close() {
+    open_ = false;
+    check(nc_close_memio(file_, &image_));
+    return {static_cast<const char*>(image_.memory), image_.size};
+  }
+
+  int dimension(const std::string& name, std::size_t length) const {
+    int id;
+    check(nc_def_dim(file_, name.c_str(), length, &id));
+    return id;
+  }
+  int variable(const std::string& name, nc_type type, const std::vector<int>& dimensions) const {
+    int id;
+    check(nc_def_var(file_, name.c_str(), type, static_cast<int>(dimensions.size()), dimensions.data(), &id));
+    return id;
+  }
+  void attribute(int variable, const char* name, const std::string& value) const {
+    check(nc_put_att_text(file_, variable, name, value.size(), value.c_str()));
+  }
+  void attribute(int variable, const char* name, const std::vector<signed char>& values) const {
+    check(nc_put_att_schar(file_, variable, name, NC_BYTE, values.size(), values.data()));
+  }
+  void attribute(int variable, const char* name, int value) const {
+    check(nc_put_att_int(file_, variable, name, NC_INT, 1, &value));
+  }
+  void attribute(int variable, const char* name, double value) const {
+    check(nc_put_att_double(file_, variable, name, NC_DOUBLE, 1, &value));
+  }
+  void values(int variable, const std::vector<double>& list) const {
+    check(nc_put_var_double(file_, variable, list.data()));
+  }
+  void values(int variable, const std::vector<signed char>& list) const {
+    check(nc_put_var_schar(file_, variable, list.data()));
+  }
+
+ private:
+  int file_ = 0;
+  bool open_ = true;
+  NC_memio image_{};
+};
+
+std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
+
+std::string whole_path(std::string path) {
+  for (char& c : path)
+    if (c == '.') c = '_';
+  return path;
+}
+
+int write_axis(const Plane& plane, const std::string& name, const analysis::Axis& axis,
+               const oscillators::Model& model) {
+  const int dimension = plane.dimension(name, axis.values.size());
+  const int variable = plane.variable(name, NC_DOUBLE, {dimension});
+  const auto quantity = model.describe(axis.parameter);
+  plane.attribute(variable, "path", axis.parameter);
+  plane.attribute(variable, "units", quantity.unit);
+  plane.attribute(variable, "long_name", quantity.meaning);
+  plane.attribute(variable, "scale", axis.logarithmic ? "log" : "linear");
+  plane.attribute(variable, "regular_values", axis.regular);  // the ones behind them stand outside the scale
+  plane.values(variable, axis.values);
+  return dimension;
+}
+
+}  // namespace
+
+void write_plane(const std::filesystem::path& path, const Scene& scene, const analysis::Map& map) {
+  Plane plane;
+  plane.attribute(NC_GLOBAL, "title", scene.title);
+  plane.attribute(NC_GLOBAL, "version", std::string("rosin ") + ROSIN_VERSION);
+  plane.attribute(NC_GLOBAL, "scene", scene.resolved);
+  plane.attribute(NC_GLOBAL, "tolerance", scene.map.tolerance);
+  plane.attribute(NC_GLOBAL, "stick_threshold", scene.map.stick_threshold);
+
+  auto x_name = last_part(map.x.parameter), y_name = last_part(map.y.parameter);
+  if (x_name == y_name) x_name = whole_path(map.x.parameter), y_name = whole_path(map.y.parameter);
+  const int x = write_axis(plane, x_name, map.x, scene.model), y = write_axis(plane, y_name, map.y, scene.model);
+
+  std::vector<signed char> regimes;
+  for (const auto& point : map.points) regimes.push_back(static_cast<signed char>(point.regime));
+  const int regime = plane.variable("regime", NC_BYTE, {y, x});
+  plane.attribute(regime, "long_name", "what the slider settles on");
+  plane.attribute(regime, "flag_values", std::vector<signed char>{0, 1, 2, 3});
+  plane.attribute(regime, "flag_meanings", "stable cycle bistable failed");
+  plane.values(regime, regimes);
+
+  std::vector<double> column(map.points.size());
+  const auto write_metric = [&](const std::string& name, const analysis::MetricName& metric,
+                                analysis::Metrics analysis::MapPoint::*part, const std::string& meaning) {
+    for (std::size_t i = 0; i < column.size(); ++i) column[i] = map.points[i].*part.*metric.member;
+    const int variable = plane.variable(name, NC_DOUBLE, {y, x});
+    plane.attribute(variable, "units", std::string(metric.unit));
+    plane.attribute(variable, "long_name", meaning);
+    plane.values(variable, column);
+  };
+  for (const auto& wanted : scene.map.metrics) {
+    const auto& metric = analysis::find_metric(wanted);
+    write_metric(wanted, metric, &analysis::MapPoint::metrics, metric.meaning);
+    write_metric(wanted + "_error", metric, &analysis::MapPoint::error, "absolute error of " + wanted);
+  }
+
+  const auto write_line = [&](const std::string& name, const std::string& dimension, const analysis::Polyline& line,
+                              const std::string& meaning) {
+    const bool any = !line.x.empty();  // a dimension of length zero would mean an unlimited one
+    const std::vector<double> none = {std::nan("")};
+    const int vertices = plane.dimension(dimension, any ? line.x.size() : 1);
+    for (const auto& [suffix, axis, coordinates] :
+         {std::tuple{"_x", &map.x, any ? &line.x : &none}, std::tuple{"_y", &map.y, any ? &line.y : &none}}) {
+      const int variable = plane.variable(name + suffix, NC_DOUBLE, {vertices});
+      plane.attribute(variable, "path", axis->parameter);
+      plane.attribute(variable, "units", scene.model.describe(axis->parameter).unit);
+      plane.attribute(variable, "long_name", meaning + "; NaN between separate lines");
+      plane.values(variable, *coordinates);
+    }
+  };
+  write_line("threshold", "vertex", map.threshold, "threshold of steady sliding");
+  write_line("fold", "fold_vertex", map.fold, "fold of cycles below a subcritical threshold");
+  plane.attribute(NC_GLOBAL, "fold_error_decades", map.fold_error);
+
+  std::vector<signed char> origins;
+  for (const auto& point : map.points) origins.push_back(static_cast<signed char>(point.origin));
+  const int origin = plane.variable("origin", NC_BYTE, {y, x});
+  plane.attribute(origin, "long_name", "where the numbers come from");
+  plane.attribute(origin, "flag_values", std::vector<signed char>{0, 1, 2});
+  plane.attribute(origin, "flag_meanings", "decided computed interpolated");
+  plane.values(origin, origins);
+  write_whole(path, plane.close());
+}
+
+}  // namespace rosin::app

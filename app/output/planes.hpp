@@ -1,0 +1,13 @@
+/// Parameter planes as NetCDF-4 files that xarray opens with coordinates, units and flags.
+#pragma once
+#include <filesystem>
+
+#include "analysis/map.hpp"
+#include "app/scene/scene.hpp"
+
+namespace rosin::app {
+
+/// \throws std::runtime_error if the file cannot be written.
+void write_plane(const std::filesystem::path& path, const Scene&, const analysis::Map&);
+
+}  // namespace rosin::app

@@ -1,0 +1,75 @@
+/// Manifests, and what documents have in common.
+#include "app/output/results.hpp"
+
+#include <ctime>
+
+#include "app/output/json.hpp"
+
+namespace rosin::app {
+
+ordered_json values(const std::vector<Quantity>& names, const std::vector<Value>& list) {
+  auto object = ordered_json::object();
+  for (std::size_t i = 0; i < names.size(); ++i)
+    std::visit([&](const auto& value) { object[names[i].name] = value; }, list[i]);
+  return object;
+}
+
+ordered_json states(const FrictionLaw& law, std::span<const double> state) {
+  auto object = ordered_json::object();
+  for (std::size_t i = 0; i < state.size(); ++i) object[law.states()[i].name] = state[i];
+  return object;
+}
+
+ordered_json metrics(const analysis::Metrics& values) {
+  auto object = ordered_json::object();
+  for (const auto& metric : analysis::metric_names()) object[metric.name] = values.*metric.member;
+  return object;
+}
+
+ordered_json axis(const analysis::Axis& axis, const oscillators::Model& model) {
+  return {{"parameter", axis.parameter},
+          {"unit", model.describe(axis.parameter).unit},
+          {"scale", axis.logarithmic ? "log" : "linear"},
+          {"values", axis.values}};
+}
+
+namespace {
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char buffer[32];
+  std::strftime(buffer, sizeof buffer, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return buffer;
+}
+
+}  // namespace
+
+std::string to_json(const Scene& scene, const Manifest& manifest) {
+  auto document = begin(scene, manifest.verb.c_str(), manifest.outcome);
+  document["date"] = utc_now();
+  document["scene"] = scene.path;
+  if (scene.experiment) document["experiment"] = scene.experiment->name;
+  document["overrides"] = manifest.overrides;
+  document["scene_resolved"] = scene.resolved;
+  auto& parameters = document["parameters"] = ordered_json::object();
+  if (scene.model.law)
+    for (const auto& quantity : scene.model.parameters())
+      parameters[quantity.name] = {{"value", scene.model.get(quantity.name)}, {"unit", quantity.unit}};
+  document["tolerance"] = {{"asked", manifest.tolerance_asked}, {"reached", manifest.tolerance_reached}};
+  document["cost"] = manifest.cost;
+  document["files"] = manifest.files;
+  document["scripts"] = manifest.scripts;
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
+std::string to_json(const std::string& verb, const Outcome& outcome) {
+  return text({{"verb", verb},
+               {"version", ROSIN_VERSION},
+               {"outcome", name(outcome.ending)},
+               {"outcome_detail", outcome.detail}});
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,193 @@
+/// Laws by name or as formulas, and what surrounds them.
+#include "app/scene/law.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "app/scene/oscillator.hpp"
+#include "laws/catalogue.hpp"
+#include "laws/formula.hpp"
+#include "laws/heating.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+/// Calls `f`; an error in an expression gets the place of its token in the file, as far as that is known.
+template <class F>
+auto located_in_formula(const toml::node& formula, F f) {
+  try {
+    return f();
+  } catch (const laws::ExpressionError& error) {
+    const toml::node* node = &formula;  // or the innermost of the path that is there
+    std::istringstream path(error.expression);
+    for (std::string key; std::getline(path, key, '.') && node->is_table();)
+      if (const auto* inner = node->as_table()->get(key)) node = inner;
+    const auto* expression = node->as_string();
+    if (!expression || error.offset == error.whole) fail(node->source(), "{}", error.what());
+    auto source = node->source();
+    const auto length = [](std::string_view text) {  // in characters, as columns are counted
+      return std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; });
+    };
+    const auto before = length(std::string_view(expression->get()).substr(0, error.offset));
+    const bool as_written = source.begin.line == source.end.line &&
+                            source.end.column - source.begin.column == length(expression->get()) + 2;
+    if (!as_written || place(source).starts_with(override_mark))
+      fail(source, "{} (character {} of the text)", error.what(), before + 1);
+    source.begin.column += toml::source_index(before + 1);
+    fail(source, "{}", error.what());
+  }
+}
+
+/// What a law from text says of a parameter or a state.
+Quantity read_quantity(Table& table, const std::string& name, Range range) {
+  Quantity quantity{name, "1", range, name};
+  if (const auto* unit = table.find("unit")) quantity.unit = text(*unit, table.path("unit"));
+  if (const auto* meaning = table.find("meaning")) quantity.meaning = text(*meaning, table.path("meaning"));
+  const Quantity bound{"", quantity.unit, range, "bound of " + name};
+  table.read("minimum", quantity.range.low, bound);
+  table.read("maximum", quantity.range.high, bound);
+  if (!(quantity.range.low <= quantity.range.high))
+    fail(table.source(), "{} is above {}", table.path("minimum"), table.path("maximum"));
+  return quantity;
+}
+
+std::shared_ptr<const FrictionLaw> read_formula(const toml::node& node) {
+  Table table(node, "law.formula");
+  table.expect({"title", "parameters", "states", "define", "friction", "rate", "steady", "slip_rate", "static_limit",
+                "rest", "after_stop", "kink", "size"});
+  laws::FormulaDescription law;
+  if (const auto* title = table.find("title")) law.title = text(*title, table.path("title"));
+
+  constexpr Range finite{-1e300, 1e300}, positive{1e-300, 1e300};
+  const auto named = [&](std::string_view key) {
+    const auto* inner = table.find(key);
+    return inner ? Table(*inner, table.path(key)).named_tables() : std::vector<std::pair<std::string, Table>>();
+  };
+  const auto refuse_reserved = [&](const Table& entry, const std::string& name, std::vector<std::string> reserved) {
+    if (std::ranges::find(reserved, name) != reserved.end())
+      fail(entry.source(), "law.formula: '{}' has another meaning in scenes; take another name", name);
+  };
+  for (auto& [name, entry] : named("parameters")) {
+    refuse_reserved(entry, name,
+                    {"type", "preset", "lambda", "formula", "contact_stiffness", "load_memory", "heating"});
+    entry.expect({"default", "unit", "minimum", "maximum", "meaning"});
+    laws::FormulaDescription::Parameter parameter{read_quantity(entry, name, finite), 0};
+    auto quantity = parameter.quantity;
+    quantity.name = entry.path("default");
+    parameter.value = number(entry.required("default", "its value unless [law] sets another"), quantity);
+    entry.finish();
+    law.parameters.push_back(std::move(parameter));
+  }
+  for (auto& [name, entry] : named("states")) {
+    refuse_reserved(entry, name, {"displacement", "velocity", "slip_rate", "state", "time", "friction_force"});
+    entry.expect({"unit", "scale", "minimum", "maximum", "meaning"});
+    const auto* scale = entry.find("scale");
+    const bool logarithmic = scale && choice(*scale, entry.path("scale"), {"log", "linear"}) == "log";
+    auto state = read_quantity(entry, name, logarithmic ? positive : finite);
+    state.scale = logarithmic ? Scale::log : Scale::linear;
+    entry.finish();
+    law.states.push_back(std::move(state));
+  }
+  const auto expression = [&](std::string_view key) {
+    const auto* given = table.find(key);
+    return given ? text(*given, table.path(key)) : std::string();
+  };
+  const auto of_states = [&](std::string_view key) {
+    std::vector<std::string> expressions(law.states.size());
+    auto given = table.table(key);
+    for (std::size_t k = 0; given && k < law.states.size(); ++k)
+      if (const auto* rate = given->find(law.states[k].name))
+        expressions[k] = text(*rate, given->path(law.states[k].name));
+    if (given) given->finish();
+    return expressions;
+  };
+  if (const auto* define = table.find("define")) {
+    Table definitions(*define, table.path("define"));
+    for (const auto& [key, value] : *define->as_table())
+      law.define.emplace_back(key.str(), text(value, definitions.path(key.str())));
+  }
+  law.friction = text(table.required("friction", "coefficient of friction, a formula"), table.path("friction"));
+  law.rate = of_states("rate");
+  law.steady = of_states("steady");
+  law.rest = of_states("rest");
+  law.after_stop = of_states("after_stop");
+  law.size = of_states("size");
+  law.slip_rate = expression("slip_rate");
+  law.static_limit = expression("static_limit");
+  law.kink = expression("kink");
+  table.finish();
+  return located_in_formula(node, [&] { return laws::make_formula(law); });
+}
+
+}  // namespace
+
+void read_law(Table law, oscillators::Model& model) {
+  const auto& type =
+      law.required("type", "name of a friction law; 'rosin laws' lists them, 'formula' is one from text");
+  const auto type_name = text(type, law.path("type"));
+  const auto* formula = type_name == "formula" ? &law.required("formula", "the law as text") : nullptr;
+  auto prototype = formula ? read_formula(*formula) : located(type.source(), [&] { return laws::find_law(type_name); });
+  for (const auto& other : laws::catalogue()) {
+    const auto& option = other->card().option;
+    const auto* word = option.of == type_name ? law.find(option.key) : nullptr;
+    if (word &&
+        choice(*word, law.path(option.key), {std::string(option.usual), std::string(option.word)}) == option.word)
+      prototype = other;
+  }
+  if (const auto* name = law.find("preset"))
+    prototype = located(name->source(), [&] { return laws::preset(*prototype, text(*name, law.path("preset"))); });
+  auto values = prototype->values();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    auto quantity = prototype->parameters()[i];
+    const auto* node = law.find(quantity.name);
+    if (!node) continue;
+    quantity.name = law.path(quantity.name);
+    if (quantity.is_list)
+      values[i] = numbers(*node, quantity);
+    else
+      values[i] = number(*node, quantity);
+  }
+  model.law = located(law.source(), [&] { return prototype->with(std::move(values)); });
+  if (formula) located_in_formula(*formula, [&] { laws::check_formula(*model.law); });
+
+  if (auto heat = law.table("heating")) {
+    laws::Heating heating;
+    double* const values[] = {&heating.resistance, &heating.time, &heating.softening};
+    for (std::size_t i = 0; i < laws::heating_parameters().size(); ++i) {
+      auto quantity = laws::heating_parameters()[i];
+      const auto& node = heat->required(quantity.name, quantity.meaning + ", " + quantity.unit);
+      quantity.name = heat->path(quantity.name);
+      *values[i] = number(node, quantity);
+    }
+    if (const auto* word = heat->find("conduction"))
+      heating.kernel = choice(*word, heat->path("conduction"), {"lumped", "disc"}) == "disc"
+                           ? std::span<const laws::HeatMode>(laws::disc)
+                           : laws::lump;
+    model.law = located(heat->source(), [&] { return laws::heated(model.law, heating); });
+    heat->finish();
+  }
+  if (const auto* node = law.find("lambda")) {
+    if (!model.law->has_states())
+      fail(node->source(), "law.lambda has no meaning for law '{}', which has no states; leave it out",
+           model.law->card().name);
+    model.lambda = number(*node, mechanical("law.lambda"));
+  }
+  if (auto spring = law.table("contact_stiffness")) {
+    spring->read("tangential", model.contact_stiffness.tangential, mechanical("law.contact_stiffness.tangential"));
+    spring->read("per_load", model.contact_stiffness.per_load, mechanical("law.contact_stiffness.per_load"));
+    spring->read("damping", model.contact_stiffness.damping, mechanical("law.contact_stiffness.damping"));
+    spring->read("damping_per_load", model.contact_stiffness.damping_per_load,
+                 mechanical("law.contact_stiffness.damping_per_load"));
+    spring->finish();
+  }
+  if (auto memory = law.table("load_memory")) {
+    memory->read("alpha", model.load_memory, mechanical("law.load_memory.alpha"));
+    memory->finish();
+  }
+  law.finish();
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,11 @@
+/// The table [law] of a scene, or of a member of a comparison or a candidate of a fit.
+#pragma once
+#include "app/scene/scene_table.hpp"
+#include "oscillators/model.hpp"
+
+namespace rosin::app {
+
+/// Sets law, lambda, contact stiffness and load memory of the model. \throws InputError with its place.
+void read_law(Table, oscillators::Model&);
+
+}  // namespace rosin::app

@@ -1,0 +1,40 @@
+/// The list of oscillators.
+#include "app/scene/oscillator.hpp"
+
+#include <stdexcept>
+
+#include "app/scene/reader.hpp"
+
+namespace rosin::app {
+
+const std::vector<OscillatorType>& oscillator_types() {
+  static const std::vector<OscillatorType> list = {
+      slider_type(),
+      plane_slider_type(),
+  };
+  return list;
+}
+
+const OscillatorType& oscillator_type(SceneReader& reader, const toml::node& oscillator) {
+  const auto& types = oscillator_types();
+  Table table(oscillator, "oscillator");
+  const auto* type = table.find("type");
+  if (!type) return types.front();
+  std::vector<std::string> known = {"two-mass-belt", "mode-coupling", "modal"};  // reserved
+  for (const auto& one : types) known.emplace_back(one.name);
+  const auto name = choice(*type, table.path("type"), known);
+  const auto found = std::ranges::find(types, name, &OscillatorType::name);
+  if (found == types.end())
+    fail(type->source(), "oscillator.type = '{}' is not available in this version; use 'slider'", name);
+  if (!found->verb.empty() && found->verb != reader.request.verb)
+    fail(type->source(), "oscillator.type = '{}' serves '{}' only", name, found->verb);
+  return *found;
+}
+
+Quantity mechanical(std::string_view path) {
+  for (const auto& quantity : oscillators::mechanical_parameters())
+    if (quantity.name == path) return quantity;
+  throw std::logic_error("no mechanical parameter " + std::string(path));
+}
+
+}  // namespace rosin::app

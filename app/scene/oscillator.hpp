@@ -1,0 +1,31 @@
+/// Types of oscillators: what [oscillator] and [drive] hold for each, one file a type and one line in the list.
+#pragma once
+#include <string_view>
+#include <vector>
+
+#include "app/scene/scene_table.hpp"
+
+namespace rosin::app {
+
+struct SceneReader;
+
+struct OscillatorType {
+  std::string_view name;
+  std::string_view verb;  ///< the only one that it serves; empty: it serves all
+  /// \param complete whether the keys that a motion needs must be there
+  void (*read)(SceneReader&, Table oscillator, bool complete);
+  void (*read_drive)(SceneReader&, Table drive, bool complete);
+};
+
+const std::vector<OscillatorType>& oscillator_types();
+/// That of the scene; the slider where it names none. \throws InputError for a name that is none, or not of the verb.
+const OscillatorType& oscillator_type(SceneReader&, const toml::node& oscillator);
+
+// The types, each in a file of its name.
+OscillatorType slider_type();
+OscillatorType plane_slider_type();
+
+/// A parameter of slider, drive or contact by its path. \throws std::logic_error if there is none.
+Quantity mechanical(std::string_view path);
+
+}  // namespace rosin::app

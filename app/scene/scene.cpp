@@ -1,0 +1,58 @@
+/// What verbs ask of a scene in common, and the places of its keys.
+#include "app/scene/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "app/scene/law.hpp"
+#include "app/scene/oscillator.hpp"
+#include "app/scene/reader.hpp"
+#include "core/error.hpp"
+
+namespace rosin::app {
+
+void SceneReader::law() { read_law(Table(need("law", "the friction law"), "law"), scene.model); }
+
+void SceneReader::oscillator() {
+  const auto& node = need("oscillator", "mass, stiffness and damping of the slider");
+  const auto& type = oscillator_type(*this, node);
+  type.read(*this, Table(node, "oscillator"), true);
+  type.read_drive(*this, Table(need("drive", "speed and normal load"), "drive"), true);
+  if (!scene.plane) located(node.source(), [&] { scene.model.check(); });
+}
+
+void SceneReader::oscillator_if_there(bool complete) {
+  const auto *oscillator = root.find("oscillator"), *drive = root.find("drive");
+  const auto& type = oscillator ? oscillator_type(*this, *oscillator) : oscillator_types().front();
+  if (oscillator) type.read(*this, Table(*oscillator, "oscillator"), complete);
+  if (drive) type.read_drive(*this, Table(*drive, "drive"), complete);
+}
+
+void SceneReader::note_unread(std::initializer_list<std::string_view> paths, std::string_view why) {
+  for (const auto path : paths)
+    if (document.at_path(path)) scene.notes.push_back(fmt::format("{} has no effect: {}", path, why));
+}
+
+std::string Scene::placed(const std::string& text) const {
+  if (text.starts_with(path) || text.starts_with(override_mark)) return text;
+  const auto is_part = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.';
+  };
+  std::string above;  // the place of a table that a key would stand in
+  for (auto begin = text.begin(); begin != text.end();) {
+    begin = std::find_if(begin, text.end(), is_part);
+    const auto end = std::find_if_not(begin, text.end(), is_part);
+    std::string word(begin, end);
+    begin = end;
+    while (word.ends_with('.')) word.pop_back();
+    if (word.find('.') == std::string::npos) continue;
+    if (const auto place = places.find(word); place != places.end()) return fmt::format("{}: {}", place->second, text);
+    if (const auto place = places.find(word.substr(0, word.rfind('.'))); place != places.end() && above.empty())
+      above = place->second;
+  }
+  return fmt::format("{}: {}", above.empty() ? path : above, text);
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,118 @@
+/// Scenes: what a user asks of a model, read from a TOML file and `--set` overrides, and checked before any work.
+#pragma once
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/cycle.hpp"
+#include "analysis/discrimination.hpp"
+#include "analysis/equalise.hpp"
+#include "analysis/extraction.hpp"
+#include "analysis/fit.hpp"
+#include "analysis/frf.hpp"
+#include "analysis/frf_simulation.hpp"
+#include "analysis/lab/experiment.hpp"
+#include "analysis/map.hpp"
+#include "analysis/plane_run.hpp"
+#include "analysis/run.hpp"
+#include "analysis/structure.hpp"
+#include "analysis/study.hpp"
+#include "app/scene/record.hpp"
+#include "oscillators/model.hpp"
+
+namespace rosin::app {
+
+/// The slip rates at which a steady curve is drawn, logarithmically spaced.
+struct CurveOptions {
+  double from = 1e-9, to = 1;  ///< m/s
+  int points = 541;            ///< 60 a decade
+  double normal_load = 1;      ///< N; the drive's, where the scene has one
+};
+
+/// Models side by side, and what is made equal in them beforehand.
+struct CompareOptions {
+  struct Member {
+    std::string name;
+    oscillators::Model model;
+    std::vector<double> adjusted;  ///< values of the parameters that were adjusted
+    double difference = 0;         ///< that is left of the properties made equal, relative
+  };
+  std::vector<Member> members;  ///< the first is the one that the others are compared with
+  std::string protocol = "cycle";
+  std::vector<std::string> adjust;  ///< paths of parameters
+  std::vector<analysis::Noise> noise;
+  double confidence = 0.95;
+  std::string parameter;  ///< of which a design asks; empty: it tells members apart
+};
+
+/// A measured record, and how a response is taken out of it.
+struct FrfRecord {
+  RecordSource source;  ///< columns in the order of the channels
+  analysis::Channels channels;
+  double resolution = 0;  ///< Hz
+  analysis::WelchOptions welch;
+  analysis::ExtractionOptions extraction;
+};
+
+/// A structure that a friction response is used on, and what is asked of both.
+struct FrfUse {
+  analysis::SlidingStructure sliding;
+  /// Measured: at the same frequencies (Hz) where both are. Errors are of real and imaginary part each, or none.
+  struct Measured {
+    std::vector<double> frequency;
+    std::vector<std::complex<double>> value;
+    std::vector<double> error;
+  };
+  Measured friction, receptance;  ///< N s/m, m/N
+  std::string scan;               ///< path of a parameter, or empty
+  double scan_from = 0, scan_to = 0;
+  int scan_points = 60;
+  std::vector<analysis::Uncertain> uncertain;
+  int samples = 400;
+  std::uint64_t seed = 1;
+};
+
+/// Data, and the laws that are fitted to them.
+struct FitTask {
+  struct Candidate {
+    std::string name;
+    oscillators::Model model;
+    std::vector<std::string> parameters;
+  };
+  std::vector<Candidate> candidates;  ///< the scene's own law first
+  std::vector<analysis::Measurement> data;
+  analysis::FitOptions options;
+};
+
+struct Scene {
+  std::string path;  ///< as the user gave it
+  std::string title;
+  oscillators::Model model;
+  std::optional<analysis::PlaneModel> plane;  ///< a slider in the plane, in place of the model's; for the verb run
+  CurveOptions curve;
+  std::vector<std::string> hopf_parameters;  ///< paths asked for besides the usual ones
+  analysis::RunOptions run;
+  analysis::CycleOptions cycle;
+  analysis::MapOptions map;
+  CompareOptions compare;
+  analysis::StudyOptions study;  ///< of the verb study, whose scenes have no model
+  analysis::FrfOptions frf;
+  bool frf_predicts = true;  ///< the scene has a drive to predict at
+  std::optional<FrfRecord> frf_record;
+  std::optional<FrfUse> frf_use;
+  std::optional<analysis::SweepOptions> frf_sweep;
+  std::optional<analysis::NoiseOptions> frf_noise;
+  FitTask fit;
+  const analysis::lab::Experiment* experiment = nullptr;  ///< only of the verb lab
+  std::optional<analysis::lab::Task> lab;
+  std::string resolved;                       ///< the scene as TOML, overrides included
+  std::vector<std::string> notes;             ///< what was read but has no effect
+  std::map<std::string, std::string> places;  ///< of keys by their paths: "scene.toml:7:5"
+
+  /// A refusal with the place of the first key that it names in front, or that of the key's table, or the file.
+  std::string placed(const std::string& refusal) const;
+};
+
+}  // namespace rosin::app

@@ -1,0 +1,247 @@
+/// Tables of a scene as they are read: every value is taken together with its place in the file, so that each refusal
+/// can name it.
+#pragma once
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/scene/record.hpp"
+#include "core/error.hpp"
+#include "core/parameters.hpp"
+#include "core/units.hpp"
+
+namespace rosin::app {
+
+inline constexpr int most_points = 10'000'000;  ///< of a record or a plane
+inline constexpr int largest_seed = 10'000'000;
+inline constexpr std::size_t most_names = 1000;  ///< in a list of texts, tables, or terms
+inline constexpr std::string_view override_mark = "--set ";
+
+/// "scene.toml:7:5", or the override that a value came from.
+inline std::string place(const toml::source_region& source) {
+  const std::string path = source.path ? *source.path : "scene";
+  if (path.starts_with(override_mark)) return path;
+  return fmt::format("{}:{}:{}", path, std::max(1u, source.begin.line), std::max(1u, source.begin.column));
+}
+
+/// An InputError that already begins with its place.
+class PlacedError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+template <class... Args>
+[[noreturn]] void fail(const toml::source_region& source, fmt::format_string<Args...> text, Args&&... args) {
+  throw PlacedError(place(source) + ": " + fmt::format(text, std::forward<Args>(args)...));
+}
+
+/// Calls `f`; an InputError from below gets the place in front, unless it names a more exact one already.
+template <class F>
+auto located(const toml::source_region& source, F f) {
+  try {
+    return f();
+  } catch (const PlacedError&) {
+    throw;
+  } catch (const InputError& error) {
+    throw PlacedError(place(source) + ": " + error.what());
+  }
+}
+
+inline std::string suggestion(std::string_view name, const std::vector<std::string>& known) {
+  const auto near = nearest_name(name, known);
+  return near.empty() ? fmt::format("; known here: {}", fmt::join(known, ", "))
+                      : fmt::format("; did you mean '{}'?", near);
+}
+
+inline std::string_view kind(const toml::node& node) {
+  if (node.is_string()) return "a text";
+  if (node.is_boolean()) return "a truth value";
+  if (node.is_array()) return "a list";
+  if (node.is_table()) return "a table";
+  if (node.is_number()) return "a number";
+  return "a date or time";
+}
+
+[[noreturn]] inline void wrong_kind(const toml::node& node, std::string_view path, std::string_view wanted) {
+  fail(node.source(), "{} is {}, but {} is needed", path, kind(node), wanted);
+}
+
+/// A number in SI units: plain, or a text with a unit.
+inline double number(const toml::node& node, const Quantity& quantity) {
+  double value = 0;
+  if (const auto* text = node.as_string())
+    value = located(node.source(), [&] {
+      try {
+        return to_si(text->get(), quantity.unit);
+      } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", quantity.name, error.what()));
+      }
+    });
+  else if (node.is_number())
+    value = *node.value<double>();
+  else
+    wrong_kind(node, quantity.name, fmt::format("a number ({}, {})", quantity.meaning, readable_unit(quantity.unit)));
+  located(node.source(), [&] { require(value, quantity.range, quantity.name, quantity.meaning, quantity.unit); });
+  return value;
+}
+
+/// A whole number; work and memory grow with it, so that each has a bound of its own.
+inline int count(const toml::node& node, std::string_view path, int low, int high, std::string_view meaning) {
+  if (!node.is_integer()) wrong_kind(node, path, fmt::format("a whole number ({})", meaning));
+  const auto value = *node.value<std::int64_t>();
+  if (value < low || value > high)
+    fail(node.source(), "{} = {} is outside {} … {} ({})", path, value, low, high, meaning);
+  return static_cast<int>(value);
+}
+
+inline std::string text(const toml::node& node, std::string_view path) {
+  if (const auto* value = node.as_string()) {
+    if (value->get().find('\0') != std::string::npos) fail(node.source(), "{} holds a zero byte", path);
+    return value->get();
+  }
+  wrong_kind(node, path, "a text");
+}
+
+inline std::string choice(const toml::node& node, std::string_view path, const std::vector<std::string>& known) {
+  auto value = text(node, path);
+  if (std::ranges::find(known, value) == known.end())
+    fail(node.source(), "{} = '{}' is not known{}", path, value, suggestion(value, known));
+  return value;
+}
+
+inline const toml::array& list(const toml::node& node, std::string_view path, std::string_view of,
+                               std::size_t longest = most_points) {
+  const auto* array = node.as_array();
+  if (!array) wrong_kind(node, path, fmt::format("a list of {}", of));
+  if (array->size() > longest)
+    fail(node.source(), "{} has {} entries, more than {} ({})", path, array->size(), longest, of);
+  return *array;
+}
+
+inline std::vector<double> numbers(const toml::node& node, const Quantity& quantity,
+                                   std::size_t longest = most_points) {
+  std::vector<double> values;
+  for (const auto& element : list(node, quantity.name, "numbers", longest)) values.push_back(number(element, quantity));
+  return values;
+}
+
+inline std::vector<std::string> texts(const toml::node& node, std::string_view path) {
+  std::vector<std::string> values;
+  for (const auto& element : list(node, path, "texts", most_names)) values.push_back(text(element, path));
+  return values;
+}
+
+/// One table of a scene. Every key that is asked for becomes known; `finish` refuses the rest.
+class Table {
+ public:
+  Table(const toml::node& node, std::string path) : path_(std::move(path)) {
+    if (!node.is_table()) wrong_kind(node, path_, "a table");
+    table_ = node.as_table();
+  }
+
+  std::string path(std::string_view key) const {
+    return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+  }
+  const toml::source_region& source() const { return table_->source(); }
+
+  /// Makes keys known ahead, so that a misspelt key is reported before the one that it leaves missing.
+  Table& expect(std::initializer_list<std::string_view> keys) {
+    known_.assign(keys.begin(), keys.end());
+    expected_ = true;
+    return *this;
+  }
+  const toml::node* find(std::string_view key) {
+    if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
+    return table_->get(key);
+  }
+  const toml::node& required(std::string_view key, std::string_view meaning) {
+    if (const auto* node = find(key)) return *node;
+    if (expected_) finish();
+    if (path_.empty()) fail(source(), "the scene has no [{}] ({})", key, meaning);
+    fail(source(), "[{}] has no '{}' ({})", path_, key, meaning);
+  }
+  /// Reads a number into `target` if the key is there.
+  void read(std::string_view key, double& target, Quantity quantity) {
+    quantity.name = path(key);
+    if (const auto* node = find(key)) target = number(*node, quantity);
+  }
+  void read(std::string_view key, std::optional<double>& target, Quantity quantity) {
+    quantity.name = path(key);
+    if (const auto* node = find(key)) target = number(*node, quantity);
+  }
+  void read(std::string_view key, int& target, int low, int high, std::string_view meaning) {
+    if (const auto* node = find(key)) target = count(*node, path(key), low, high, meaning);
+  }
+  void refuse(std::string_view key) {
+    if (const auto* node = table_->get(key)) fail(node->source(), "{} is not available in this version", path(key));
+  }
+  /// The tables in this one, in the order of the file: their keys are names that the user chose.
+  std::vector<std::pair<std::string, Table>> named_tables() const {
+    std::vector<std::pair<const toml::key*, const toml::node*>> entries;
+    for (const auto& [key, node] : *table_) entries.emplace_back(&key, &node);
+    const auto position = [](const auto& entry) {
+      const auto& begin = entry.first->source().begin;
+      return std::pair{begin.line, begin.column};
+    };
+    std::ranges::stable_sort(entries, {}, position);
+    std::vector<std::pair<std::string, Table>> tables;
+    for (const auto& [key, node] : entries) tables.emplace_back(key->str(), Table(*node, path(key->str())));
+    return tables;
+  }
+  std::optional<Table> table(std::string_view key) {
+    if (const auto* node = find(key)) return Table(*node, path(key));
+    return std::nullopt;
+  }
+  void finish() const {
+    for (const auto& [key, node] : *table_) {
+      if (std::ranges::find(known_, key.str()) != known_.end()) continue;
+      // an override's key has no place of its own, its value has
+      const auto& source = key.source().path ? key.source() : node.source();
+      fail(source, "unknown {} '{}'{}{}", node.is_table() ? "table" : "key", key.str(),
+           path_.empty() ? std::string() : fmt::format(" in [{}]", path_), suggestion(key.str(), known_));
+    }
+  }
+
+ private:
+  const toml::table* table_ = nullptr;
+  std::string path_;
+  std::vector<std::string> known_;
+  bool expected_ = false;
+};
+
+/// Two of what `read` makes of the elements of a list.
+template <class Read>
+auto both(const toml::node& node, const std::string& path, Read read) {
+  const auto& pair = list(node, path, "two, along x and y");
+  if (pair.size() != 2) fail(node.source(), "{} has {} entries, but 2 are needed, along x and y", path, pair.size());
+  return std::array{read(*pair.get(0)), read(*pair.get(1))};
+}
+/// Two numbers, which must be there.
+inline std::array<double, 2> both(Table& table, std::string_view key, Quantity quantity) {
+  quantity.name = table.path(key);
+  return both(table.required(key, quantity.meaning + ", along x and y"), quantity.name,
+              [&](const toml::node& node) { return number(node, quantity); });
+}
+
+/// A column of a record by name, or { column, unit }.
+inline RecordColumn read_column(const toml::node& node, const std::string& path, const std::string& si) {
+  if (node.is_string()) return {text(node, path), "", si};
+  Table table(node, path);
+  table.expect({"column", "unit"});
+  RecordColumn column{text(table.required("column", "its name in the file"), table.path("column")), "", si};
+  if (const auto* unit = table.find("unit")) {
+    column.unit = text(*unit, table.path("unit"));
+    located(unit->source(), [&] { to_si("1 " + column.unit, si); });
+  }
+  table.finish();
+  return column;
+}
+
+}  // namespace rosin::app

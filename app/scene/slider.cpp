@@ -1,0 +1,43 @@
+/// The slider on a spring and a damper.
+#include "app/scene/oscillator.hpp"
+#include "app/scene/reader.hpp"
+#include "app/scene/signal.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+/// \param complete false where the verb has a slider of its own, of which the scene changes what it names
+void read(SceneReader& reader, Table table, bool complete) {
+  auto& slider = reader.scene.model.slider;
+  table.expect({"type", "mass", "stiffness", "damping"});
+  table.find("type");
+  if (complete) {
+    table.required("mass", "kg; 0: quasi-static");
+    table.required("stiffness", "N/m");
+  }
+  table.read("mass", slider.mass, mechanical("oscillator.mass"));
+  table.read("stiffness", slider.stiffness, mechanical("oscillator.stiffness"));
+  table.read("damping", slider.damping, mechanical("oscillator.damping"));
+  table.finish();
+}
+
+void read_drive(SceneReader& reader, Table table, bool complete) {
+  auto& drive = reader.scene.model.drive;
+  table.expect({"speed", "normal_load", "force"});
+  if (complete) {
+    table.required("speed", "m/s");
+    table.required("normal_load", "N");
+  }
+  for (const auto& [key, signal] : {std::pair{"speed", &drive.speed}, std::pair{"normal_load", &drive.normal_load},
+                                    std::pair{"force", &drive.force}})
+    if (const auto* node = table.find(key)) *signal = read_signal(*node, mechanical(table.path(key)), reader.folder);
+  table.finish();
+  reader.scene.curve.normal_load = drive.normal_load.level();
+}
+
+}  // namespace
+
+OscillatorType slider_type() { return {"slider", "", read, read_drive}; }
+
+}  // namespace rosin::app

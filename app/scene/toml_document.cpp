@@ -1,0 +1,154 @@
+/// Reading TOML with care, changing it by overrides, and writing it.
+#include "app/scene/toml_document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "app/scene/scene_table.hpp"
+#include "core/files.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+constexpr std::uintmax_t largest_scene = 10'000'000;  // bytes
+
+constexpr int deepest = 100;  // levels: parsing and every walk over a scene goes as deep into the stack
+
+/// Brackets within brackets and keys with dots, counted without parsing them. \throws InputError with the line.
+void check_depth(std::string_view text, std::string_view origin) {
+  std::vector<int> dots = {0};  // of the key at hand, and of those that it lies within
+  int line = 1, levels = 0;
+  const auto skip_string = [&](std::size_t begin) {  // returns the index of its last character
+    const char quote = text[begin];
+    const bool multi = text.substr(begin, 3) == std::string(3, quote);
+    const auto end = multi ? text.substr(begin, 3) : text.substr(begin, 1);
+    std::size_t i = begin + end.size();
+    for (; i < text.size() && text.substr(i, end.size()) != end; ++i) {
+      if (text[i] == '\n' && !multi) return i - 1;
+      line += text[i] == '\n';
+      if (quote == '"' && text[i] == '\\') ++i;
+    }
+    return i + end.size() - 1;
+  };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      i = skip_string(i);
+    } else if (c == '#') {
+      i = std::min(text.find('\n', i), text.size()) - 1;
+    } else if (c == '[' || c == '{') {
+      dots.push_back(0), ++levels;
+    } else if ((c == ']' || c == '}') && dots.size() > 1) {
+      levels -= 1 + dots.back(), dots.pop_back();
+    } else if (c == '.') {
+      ++dots.back(), ++levels;
+    } else if (c == ',' || (c == '\n' && dots.size() == 1)) {
+      levels -= std::exchange(dots.back(), 0);
+    }
+    line += c == '\n';
+    if (levels > deepest)
+      throw InputError(fmt::format("{}:{}: tables or lists lie more than {} levels deep", origin, line, deepest));
+  }
+}
+
+/// Moves `node` to `key`; unlike a copy, a move keeps the place that the value came from.
+void place_at(toml::table& table, std::string_view key, toml::node& node) {
+  node.visit([&](auto& value) { table.insert_or_assign(key, std::move(value)); });
+}
+
+/// A value on one line. Numbers are the shortest that read back the same (the library prints seventeen digits).
+void write_value(std::string& out, const toml::node& node) {
+  if (node.is_number()) {
+    out += fmt::format("{}", *node.value<double>());
+  } else if (const auto* list = node.as_array()) {
+    out += '[';
+    for (const auto& element : *list) {
+      if (&element != &list->front()) out += ", ";
+      write_value(out, element);
+    }
+    out += ']';
+  } else if (const auto* table = node.as_table()) {
+    const char* separator = "{ ";
+    for (const auto& [key, value] : *table) {
+      out += std::exchange(separator, ", ");
+      out += fmt::format("{} = ", key.str());
+      write_value(out, value);
+    }
+    out += table->empty() ? "{}" : " }";
+  } else {
+    std::ostringstream text;
+    node.visit([&](const auto& value) { text << toml::toml_formatter(value); });
+    out += text.str();
+  }
+}
+
+}  // namespace
+
+toml::table read_toml(const std::string& path) {
+  const auto content = read_whole(path, largest_scene);
+  if (content.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw InputError(fmt::format("{}:1:1: the file is empty; a scene needs at least [law] with a type", path));
+  check_depth(content, path);
+  try {
+    return toml::parse(content, path);
+  } catch (const toml::parse_error& error) {
+    fail(error.source(), "not valid TOML: {}", error.description());
+  }
+}
+
+void apply_override(toml::table& scene, const std::string& given) {
+  constexpr std::size_t shown = 200;
+  const std::string origin = std::string(override_mark) + (given.size() > shown ? given.substr(0, shown) + "…" : given);
+  const auto equals = given.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw InputError(fmt::format("{}: must read path=value, such as --set drive.speed=1e-5", origin));
+  const std::string path = given.substr(0, equals), value = given.substr(equals + 1);
+  check_depth(path + " = " + value, origin);
+
+  toml::table parsed;
+  try {
+    parsed = toml::parse("value = " + value, origin);
+    if (parsed.size() != 1) throw InputError(fmt::format("{}: holds more than one value", origin));
+  } catch (const toml::parse_error& error) {
+    if (value.empty() || value.find_first_of("[]{}\"'\n") != std::string::npos)
+      throw InputError(fmt::format("{}: the value is not valid TOML: {}", origin, error.description()));
+    parsed = toml::parse("value = ''", origin);  // a bare word: a text that keeps the override as its place
+    parsed["value"].as_string()->get() = value;
+  }
+
+  toml::table* table = &scene;
+  std::size_t begin = 0;
+  for (std::size_t dot; (dot = path.find('.', begin)) != std::string::npos; begin = dot + 1) {
+    const auto key = path.substr(begin, dot - begin);
+    if (!table->contains(key)) {
+      auto empty = toml::parse("value = {}", origin);
+      place_at(*table, key, *empty.get("value"));
+      table->get(key)->as_table()->is_inline(false);
+    }
+    auto* next = table->get_as<toml::table>(key);
+    if (!next)
+      throw InputError(fmt::format("{}: {} is {}, not a table", origin, path.substr(0, dot), kind(*table->get(key))));
+    table = next;
+  }
+  if (begin == path.size()) throw InputError(fmt::format("{}: the path ends with a dot", origin));
+  place_at(*table, path.substr(begin), *parsed.get("value"));
+}
+
+void write_table(std::string& out, const toml::table& table, std::string_view name) {
+  if (!name.empty()) out += fmt::format("\n[{}]\n", name);
+  for (const auto& [key, value] : table) {
+    if (name.empty() && value.is_table()) continue;
+    out += fmt::format("{} = ", key.str());
+    write_value(out, value);
+    out += '\n';
+  }
+  for (const auto& [key, value] : table)
+    if (name.empty() && value.is_table()) write_table(out, *value.as_table(), key.str());
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,19 @@
+/// A scene as a TOML document: read from its file, changed by `--set`, written as resolved.
+#pragma once
+#include <toml++/toml.h>
+
+#include <string>
+#include <string_view>
+
+namespace rosin::app {
+
+/// A scene's file as it stands there. \throws InputError with the line where it is empty, too large or no TOML.
+toml::table read_toml(const std::string& path);
+
+/// Parses "path=value" and puts the value into the scene. \throws InputError with the override as its place.
+void apply_override(toml::table& scene, const std::string& given);
+
+/// Values first, then a section for each table of the first level, whose own tables stand on one line.
+void write_table(std::string& out, const toml::table& table, std::string_view name);
+
+}  // namespace rosin::app

@@ -1,0 +1,96 @@
+/// The verb curve: the steady friction curve and its extrema.
+#include "analysis/curve.hpp"
+
+#include <cmath>
+
+#include "app/output/files.hpp"
+#include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/scene/oscillator.hpp"
+#include "app/scene/reader.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/verb.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+void read_table(Table table, SceneReader& reader) {
+  auto& curve = reader.scene.curve;
+  const Quantity speed{"", "m/s", {1e-15, 1e4}, "slip rate"};
+  table.read("from", curve.from, speed);
+  table.read("to", curve.to, speed);
+  if (!(curve.from < curve.to))
+    fail(table.source(), "curve.from = {} must be below curve.to = {}", curve.from, curve.to);
+  table.read("points", curve.points, 2, 1'000'000, "number of slip rates");
+  table.read("normal_load", curve.normal_load, mechanical("drive.normal_load"));
+  table.finish();
+}
+
+void read(SceneReader& reader) {
+  reader.law();
+  reader.oscillator_if_there();
+  read_tables_of_models(reader);
+}
+
+std::string document_of(const Scene& scene, const Curve& curve) {
+  auto document = begin(scene, "curve");
+  document["normal_load"] = scene.curve.normal_load;
+  document["slip_rate"] = curve.slip_rate;
+  document["friction_coefficient"] = curve.friction_coefficient;
+  auto& extrema = document["extrema"] = ordered_json::array();
+  for (const auto& e : curve.extrema)
+    extrema.push_back({{"kind", e.maximum ? "maximum" : "minimum"},
+                       {"slip_rate", e.slip_rate},
+                       {"friction_coefficient", e.friction_coefficient},
+                       {"error", {{"slip_rate", e.slip_rate_error}}}});
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
+Status perform(Job& job) {
+  const auto& scene = job.scene();
+  const auto& options = scene.curve;
+  const auto& law = *scene.model.law;
+  job.explain("steady curve of '{}' at {} slip rates from {} to {} m/s under {} N; no states, no integration",
+              law.card().name, options.points, options.from, options.to, options.normal_load);
+  Curve curve;
+  curve.slip_rate.resize(static_cast<std::size_t>(options.points));
+  curve.friction_coefficient.resize(curve.slip_rate.size());
+  for (int i = 0; i < options.points; ++i)
+    curve.slip_rate[static_cast<std::size_t>(i)] =
+        options.from * std::pow(options.to / options.from, double(i) / (options.points - 1));
+  curve.slip_rate.back() = options.to;
+  law.steady_friction(curve.slip_rate, options.normal_load, curve.friction_coefficient);
+  curve.extrema = analysis::steady_extrema(law, options.from, options.to, options.normal_load);
+
+  Reached reached;
+  for (const auto& e : curve.extrema) {
+    reached.add(e.slip_rate, e.slip_rate_error);
+    job.say("{} at {}, friction coefficient {:.10g}", e.maximum ? "maximum" : "minimum",
+            justified(e.slip_rate, e.slip_rate_error, "m/s"), e.friction_coefficient);
+  }
+  if (curve.extrema.empty()) job.say("no extrema between {} and {} m/s", options.from, options.to);
+  job.manifest().tolerance_reached = reached.value();
+  write_csv(job.folder() / "curve.csv",
+            {{"slip_rate (m/s)", curve.slip_rate}, {"friction_coefficient", curve.friction_coefficient}});
+  auto files = write_picture(job.folder(), scene, curve);
+  files.push_back("curve.csv");
+  return job.finish(document_of(scene, curve), std::move(files), {});
+}
+
+}  // namespace
+
+Verb curve_verb() {
+  return {.name = "curve",
+          .help = "steady friction curve and its extrema",
+          .example = "rosin curve examples/bristol-board-cycle.toml",
+          .operands = {scene_operand},
+          .needs = {{"law", "the friction law"}, {"curve", "slip rates and normal load", true}},
+          .options = scene_options(),
+          .tables = {{"curve", read_table}},
+          .read = read,
+          .perform = perform};
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,10 @@
+/// The table [fit] of a scene.
+#pragma once
+#include "app/scene/reader.hpp"
+
+namespace rosin::app {
+
+/// Reads what is to be fitted, and the files of data. \throws InputError with the place of what cannot be used.
+void read_fit(Table, SceneReader&);
+
+}  // namespace rosin::app

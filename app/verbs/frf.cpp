@@ -1,0 +1,475 @@
+/// The verb frf: the friction frequency response, predicted, simulated and measured.
+
+#include <numbers>
+#include <optional>
+
+#include "app/output/files.hpp"
+#include "app/output/gnuplot.hpp"
+#include "app/output/json.hpp"
+#include "app/scene/reader.hpp"
+#include "app/scene/record.hpp"
+#include "app/verbs/frf_scene.hpp"
+#include "app/verbs/frf_use.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/verb.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Complex = std::complex<double>;
+using analysis::FrfCurve;
+
+ordered_json roots(const std::vector<analysis::FrictionResponse::Root>& list) {
+  auto array = ordered_json::array();
+  for (const auto& root : list) array.push_back(pair(root.value));
+  return array;
+}
+
+using analysis::ResponseMatrix;
+
+/// An array of pairs for each entry; of errors, which are real numbers, an array of numbers.
+ordered_json entries(const std::vector<ResponseMatrix>& matrices, bool errors = false) {
+  ordered_json object;
+  for (const auto& [name, entry] : {std::pair{"tt", &ResponseMatrix::tt}, std::pair{"tn", &ResponseMatrix::tn},
+                                    std::pair{"nt", &ResponseMatrix::nt}, std::pair{"nn", &ResponseMatrix::nn}}) {
+    auto& list = object[name] = ordered_json::array();
+    for (const auto& matrix : matrices)
+      list.push_back(errors ? ordered_json((matrix.*entry).real()) : pair(matrix.*entry));
+  }
+  return object;
+}
+
+const char* second_input(const Scene& scene) { return scene.frf.rig.normal ? "approach_rate" : "normal_load"; }
+
+void describe(ordered_json& object, const FrfCurve& curve) {
+  object["slip_rate"] = curve.slip_rate;
+  object["normal_load"] = curve.normal_load;
+  object["friction_coefficient"] = curve.friction_coefficient;
+  object["tangential"] = pairs(curve.tangential);
+  object["low_frequency_limit"] = curve.limits.low;
+  object["high_frequency_limit"] = curve.limits.high;
+  if (curve.limits.stiffness != 0) object["high_frequency_stiffness"] = curve.limits.stiffness;
+  object["poles"] = roots(curve.poles);
+  object["zeros"] = roots(curve.zeros);
+  auto pole_error = ordered_json::array(), zero_error = ordered_json::array();
+  for (const auto& root : curve.poles) pole_error.push_back(root.error);
+  for (const auto& root : curve.zeros) zero_error.push_back(root.error);
+  object["error"] = {{"poles", pole_error}, {"zeros", zero_error}};
+  object["linear_amplitude"] = curve.linear_amplitude;
+  if (!curve.matrix.empty()) object["matrix"] = entries(curve.matrix);
+}
+
+ordered_json document_of(const Scene& scene, const analysis::FrfPrediction& prediction) {
+  auto document = begin(scene, "frf");
+  document["frequency"] = scene.frf.frequencies;
+  describe(document, prediction.curve);
+  if (scene.frf.rig.matrix) document["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
+  for (const auto& s : prediction.sensitivities)
+    document["sensitivities"][s.parameter] = {{"unit", s.unit}, {"slope", pairs(s.slope)}, {"error", s.error}};
+  if (!prediction.family.empty()) {
+    auto& family = document["family"];
+    family = {{"parameter", scene.frf.family}, {"unit", scene.model.describe(scene.frf.family).unit}};
+    family["members"] = ordered_json::array();
+    for (const auto& member : prediction.family) {
+      ordered_json one{{"value", member.value}};
+      describe(one, member);
+      family["members"].push_back(std::move(one));
+    }
+    if (!prediction.load_exponent.empty()) family["load_exponent"] = prediction.load_exponent;
+  }
+  return document;
+}
+
+std::string to_json(const Scene& scene, const analysis::MeasuredFrf& measured, const std::vector<Complex>& predicted) {
+  auto document = begin(scene, "frf");
+  document["frequency"] = measured.frequency;
+  document["tangential"] = pairs(measured.tangential);
+  document["coherence"] = measured.coherence;
+  document["standard_error"] = measured.standard_error;
+  document["bias_error"] = measured.bias_error;
+  if (!measured.h1.empty()) {
+    document["h1"] = pairs(measured.h1);
+    document["h2"] = pairs(measured.h2);
+    document["hv"] = pairs(measured.hv);
+  }
+  if (!measured.matrix.empty()) {
+    document["matrix"] = entries(measured.matrix);
+    document["matrix_standard_error"] = entries(measured.matrix_error, true);
+    document["conditioning"] = measured.conditioning;
+    if (!measured.load_coherence.empty()) document["load_coherence"] = measured.load_coherence;
+  }
+  document["averages"] = measured.averages;
+  document["resolution"] = measured.resolution;
+  document["mean"] = {{"slip_rate", measured.slip_rate}, {"force", measured.force}};
+  document["rms"] = {{"slip_rate", measured.slip_rate_rms}, {"force", measured.force_rms}};
+  document["outside_band"] = measured.outside_band;
+  document["warnings"] = measured.warnings;
+  if (!predicted.empty()) document["predicted"] = pairs(predicted);
+  return text(document);
+}
+
+/// Continuous along the curve, in degrees.
+std::vector<double> phase(const std::vector<Complex>& Z) {
+  std::vector<double> degrees;
+  for (const auto& z : Z) {
+    double now = std::arg(z) * 180 / std::numbers::pi;
+    if (!degrees.empty()) now -= 360 * std::round((now - degrees.back()) / 360);
+    degrees.push_back(now);
+  }
+  return degrees;
+}
+
+std::vector<double> parts(const std::vector<Complex>& Z, double (*part)(const Complex&)) {
+  std::vector<double> values;
+  for (const auto& z : Z) values.push_back(part(z));
+  return values;
+}
+
+/// \returns true unless Z is 0 throughout, as of friction that does not answer.
+bool write_curve(const fs::path& path, const std::vector<double>& frequency, const std::vector<Complex>& Z) {
+  const auto real = parts(Z, [](const Complex& z) { return z.real(); });
+  const auto imaginary = parts(Z, [](const Complex& z) { return z.imag(); });
+  const auto magnitude = parts(Z, [](const Complex& z) { return std::abs(z); });
+  const auto angle = phase(Z);
+  write_csv(path, {{"frequency (Hz)", frequency},
+                   {"real (N s/m)", real},
+                   {"imaginary (N s/m)", imaginary},
+                   {"magnitude (N s/m)", magnitude},
+                   {"phase (degree)", angle}});
+  return std::ranges::any_of(magnitude, [](double size) { return size > 0; });
+}
+
+/// One line of a picture: a table of write_curve.
+struct Line {
+  std::string file, title;
+};
+
+/// Magnitude, phase, real and imaginary part, and the path in the complex plane. `answers`: some magnitude is above 0,
+/// or a logarithmic axis has nothing to show.
+void write_script(const fs::path& folder, const Scene& scene, const std::vector<Line>& lines, bool answers) {
+  constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3", "#C4A000", "#555555", "#D1495B"};
+  constexpr const char* dashes[] = {"solid", "(8,4)", "(2,3)", "(12,3,2,3)", "(4,2)"};
+  const auto& f = scene.frf.frequencies;
+  const bool decades = f.back() / f.front() > 20;
+  std::string script =
+      preamble("frf", "Friction frequency response: magnitude, phase, parts, and the complex plane", 1000, 760);
+  script += fmt::format("set multiplot layout 2,2 title {}\n", single_quoted(scene.title));
+  script += "set grid linecolor '#CCCCCC' linewidth 0.6\nset xlabel 'frequency (Hz)'\n";
+  if (decades) script += "set logscale x\n";
+  script += fmt::format("set xrange [{}:{}]\n", f.front(), f.back());
+  const auto panel = [&](std::string_view y_label, const char* columns, std::string_view settings) {
+    script += fmt::format("{}set ylabel '{}'\nplot ", settings, y_label);
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      script += fmt::format("{}'{}' using {} with lines linewidth 1.7 linecolor '{}' dashtype {} title {}",
+                            i > 0 ? ", \\\n     " : "", lines[i].file, columns, colours[i % std::size(colours)],
+                            dashes[i % std::size(dashes)], single_quoted(lines[i].title));
+    script += '\n';
+  };
+  if (answers)
+    panel("magnitude of Z (N s/m)", "1:($4 > 0 ? $4 : NaN)", "set logscale y\nset key off\n");
+  else
+    panel("magnitude of Z (N s/m)", "1:4", "set key off\nset yrange [-1:1]\n");
+  panel("phase of Z (degree)", "1:5", "unset logscale y\nset yrange [*:*]\nset offsets 0, 0, graph 0.05, graph 0.05\n");
+  panel("real part of Z (N s/m)", "1:2", "set xzeroaxis linecolor '#555555'\nset key top right\n");
+  panel("imaginary part of Z (N s/m)", "2:3",
+        "unset logscale x\nset xrange [*:*]\nset key off\nset xlabel 'real part of Z (N s/m)'\nset yzeroaxis linecolor "
+        "'#555555'\n"
+        "set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n");
+  write_whole(folder / "frf.gp", script + "unset multiplot\n");
+}
+
+/// Measured points with bands of two standard errors, the prediction as a line, and the coherence.
+void write_measured_script(const fs::path& folder, const Scene& scene, const analysis::MeasuredFrf& measured,
+                           bool predicted) {
+  const auto& f = measured.frequency;
+  std::string script = preamble("frf",
+                                "Friction frequency response as measured, with bands of two standard errors, "
+                                "and as predicted",
+                                1000, 1000);
+  script += fmt::format("set multiplot layout 3,2 title {}\n", single_quoted(scene.title));
+  script += fmt::format(
+      "set grid linecolor '#CCCCCC' linewidth 0.6\nset xlabel 'frequency (Hz)'\n"
+      "set xrange [{}:{}]\nset style fill solid 0.3 noborder\n",
+      f.front(), f.back());
+  if (f.back() / f.front() > 20) script += "set logscale x\n";
+  const auto panel = [&](std::string_view y_label, const char* value, const char* error, const char* column,
+                         std::string_view settings) {
+    script += fmt::format(
+        "{}set ylabel '{}'\nplot 'frf.csv' using 1:({}-2*{}):({}+2*{}) with filledcurves linecolor "
+        "'#7FA3D1' title '95 % band', \\\n     '' using 1:{} with lines linewidth 1 linecolor "
+        "'#00336F' title 'measured'",
+        settings, y_label, value, error, value, error, column);
+    if (predicted)
+      script += fmt::format(
+          ", \\\n     'frf-predicted.csv' using 1:{} with lines linewidth 2 linecolor '#B0560F' "
+          "dashtype (8,4) title 'predicted'",
+          column);
+    script += '\n';
+  };
+  const char* angle = "($6/$4*57.3)";
+  panel("magnitude of Z (N s/m)", "$4", "$6", "4", "set key bottom right\n");
+  panel("phase of Z (degree)", "$5", angle, "5", "set key off\n");
+  panel("real part of Z (N s/m)", "$2", "$6", "2", "set xzeroaxis linecolor '#555555'\n");
+  panel("imaginary part of Z (N s/m)", "$3", "$6", "3", "");
+  script +=
+      "unset logscale x\nset xrange [*:*]\nset xlabel 'real part of Z (N s/m)'\nset yzeroaxis linecolor "
+      "'#555555'\nset ylabel 'imaginary part of Z (N s/m)'\nplot 'frf.csv' using 2:3 with points pointtype 7 "
+      "pointsize 0.3 linecolor '#00336F' title 'measured'";
+  if (predicted)
+    script +=
+        ", 'frf-predicted.csv' using 2:3 with lines linewidth 2 linecolor '#B0560F' dashtype (8,4) title 'predicted'";
+  script += fmt::format(
+      "\nset xlabel 'frequency (Hz)'\nset ylabel 'coherence'\nset xrange [{}:{}]\nset yrange "
+      "[0:1.02]\n{}plot 'frf.csv' using 1:7 with lines linewidth 1.2 linecolor '#00336F' notitle\n",
+      f.front(), f.back(), f.back() / f.front() > 20 ? "set logscale x\n" : "");
+  write_whole(folder / "frf.gp", script + "unset multiplot\n");
+}
+
+/// Writes what was measured, by whatever means, beside what is predicted.
+Status finish_measured(Job& job, const analysis::MeasuredFrf& measured, std::vector<std::string> files = {}) {
+  auto& scene = job.scene();
+  for (const auto& warning : measured.warnings) job.note(warning);
+  std::vector<Complex> predicted;
+  if (scene.frf_predicts) {
+    const analysis::FrictionResponse response(scene.model);
+    for (const double f : measured.frequency) {
+      const Complex s(0, 2 * std::numbers::pi * f);
+      predicted.push_back(response.tangential(s, scene.frf.rig));
+    }
+  }
+  job.say("{} frequencies from {:.6g} to {:.6g} Hz, {:.4g} independent averages, resolution {:.4g} Hz",
+          measured.frequency.size(), measured.frequency.front(), measured.frequency.back(), measured.averages,
+          measured.resolution);
+  job.say("slip rate {:.6g} m/s, rms {:.3g} m/s; force {:.6g} N, rms {:.3g} N", measured.slip_rate,
+          measured.slip_rate_rms, measured.force, measured.force_rms);
+  double least = 1;
+  for (const double c : measured.coherence) least = std::min(least, c);
+  job.say("coherence at least {:.4g}", least);
+  Reached reached;
+  std::size_t near = 0;
+  for (std::size_t k = 0; k < measured.frequency.size(); ++k) {
+    reached.add(std::abs(measured.tangential[k]), measured.standard_error[k]);
+    if (!predicted.empty()) near += std::abs(measured.tangential[k] - predicted[k]) <= 3 * measured.standard_error[k];
+  }
+  job.manifest().tolerance_reached = reached.value();
+  if (!predicted.empty())
+    job.say("within three standard errors of the prediction at {:.3g} % of the frequencies",
+            100.0 * double(near) / double(predicted.size()));
+
+  const auto real = parts(measured.tangential, [](const Complex& z) { return z.real(); });
+  const auto imaginary = parts(measured.tangential, [](const Complex& z) { return z.imag(); });
+  const auto magnitude = parts(measured.tangential, [](const Complex& z) { return std::abs(z); });
+  const auto angle = phase(measured.tangential);
+  write_csv(job.folder() / "frf.csv", {{"frequency (Hz)", measured.frequency},
+                                       {"real (N s/m)", real},
+                                       {"imaginary (N s/m)", imaginary},
+                                       {"magnitude (N s/m)", magnitude},
+                                       {"phase (degree)", angle},
+                                       {"standard_error (N s/m)", measured.standard_error},
+                                       {"coherence", measured.coherence}});
+  files.insert(files.end(), {"frf.csv", "frf.gp"});
+  if (!predicted.empty()) {
+    files.emplace_back("frf-predicted.csv");
+    write_curve(job.folder() / files.back(), measured.frequency, predicted);
+  }
+  write_measured_script(job.folder(), scene, measured, !predicted.empty());
+  return job.finish(to_json(scene, measured, predicted), std::move(files), {});
+}
+
+Status extract(Job& job) {
+  const auto& record = *job.scene().frf_record;
+  job.explain("segments of {} Hz resolution, window {}, overlap {}; the record is read in blocks", record.resolution,
+              record.welch.window, record.welch.overlap);
+  const auto begin = std::chrono::steady_clock::now();
+  std::optional<analysis::CrossSpectra> spectra;
+  const auto end = read_record(record.source, [&](double rate, std::span<const std::span<const double>> block) {
+    if (!spectra) {
+      auto welch = record.welch;
+      welch.segment = analysis::segment_for(record.resolution, rate);
+      spectra.emplace(record.channels.count(), welch);
+    }
+    spectra->add(block);
+  });
+  const auto measured = analysis::extract_frf(*spectra, record.channels, end.sample_rate, record.extraction);
+  job.manifest().cost = {{"seconds", seconds_since(begin)}, {"samples", double(end.samples)}};
+  return finish_measured(job, measured);
+}
+
+Status simulate_noise(Job& job, std::optional<double> tolerance) {
+  auto options = *job.scene().frf_noise;
+  options.tolerance = tolerance.value_or(options.tolerance);
+  job.explain(
+      "the contact is run at an imposed slip rate: {} m/s and noise of {} times that (rms), {} to {} Hz; then "
+      "the response is extracted from the record",
+      job.scene().model.drive.speed.level(), options.amplitude, options.low, options.high);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto noise = analysis::simulate_noise(job.scene().model, options);
+  job.manifest().cost = {{"seconds", seconds_since(begin)}, {"samples", double(noise.time.size())}};
+  std::vector<Column> columns = {
+      {"time (s)", noise.time}, {"slip_rate (m/s)", noise.slip_rate}, {"friction_force (N)", noise.force}};
+  if (!noise.normal_load.empty()) columns.push_back({"normal_load (N)", noise.normal_load});
+  write_csv(job.folder() / "frf-record.csv", columns);
+  return finish_measured(job, noise.measured, {"frf-record.csv"});
+}
+
+Status simulate_sweep(Job& job) {
+  const auto& request = job.request();
+  const auto& scene = job.scene();
+  auto options = *scene.frf_sweep;
+  options.tolerance = request.tolerance.value_or(options.tolerance);
+  options.threads = request.threads;
+  job.explain(
+      "the slip rate is imposed, with a sine of {} and {} of its mean: at each frequency one period of the steady "
+      "motion, "
+      "found by Newton's method; no transient is waited for",
+      options.amplitude, options.amplitude / 2);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto swept = analysis::simulate_sweep(scene.model, options);
+  job.manifest().cost = {{"seconds", seconds_since(begin)}};
+  const analysis::FrictionResponse response(scene.model);
+  std::vector<Complex> predicted;
+  std::vector<ResponseMatrix> predicted_matrix;
+  Reached reached;
+  double worst = 0, dependence = 0;
+  const auto relative = [](const Complex& difference, double size) {
+    return difference == 0.0 ? 0.0 : std::abs(difference) / size;
+  };
+  for (std::size_t k = 0; k < options.frequencies.size(); ++k) {
+    const Complex s(0, 2 * std::numbers::pi * options.frequencies[k]);
+    predicted.push_back(response.tangential(s, options.rig));
+    const double size = std::abs(predicted.back());
+    reached.add(size, swept.error[k]);
+    worst = std::max(worst, relative(swept.tangential[k] - predicted.back(), size));
+    dependence = std::max(dependence, relative(swept.at_amplitude[k] - swept.tangential[k], size));
+    if (!options.rig.matrix) continue;
+    predicted_matrix.push_back(response.matrix(s, options.rig));
+    const auto& matrix = predicted_matrix.back();
+    reached.add(std::abs(matrix.tn), swept.matrix_error[k].tn.real());
+    worst = std::max(worst, relative(swept.matrix[k].tn - matrix.tn, std::abs(matrix.tn)));
+  }
+  job.manifest().tolerance_reached = reached.value();
+  for (const auto& warning : swept.warnings) job.note(warning);
+  job.say("{} frequencies{}: at most {:.2g} from the prediction, stated error at most {:.2g}", predicted.size(),
+          options.rig.matrix ? ", slip rate and load moved in turn" : "", worst, reached.value());
+  job.say(
+      "an amplitude of {:g} of the mean changes the response by {:.2g} at most; second harmonic up to {:.2g}, third "
+      "up to {:.2g} of the first",
+      options.amplitude, dependence, std::ranges::max(swept.second_harmonic), std::ranges::max(swept.third_harmonic));
+  auto document = app::begin(scene, "frf");
+  document["frequency"] = options.frequencies;
+  document["tangential"] = pairs(swept.tangential);
+  document["standard_error"] = swept.error;
+  document["coherence"] = swept.coherence;
+  document["at_amplitude"] = pairs(swept.at_amplitude);
+  document["second_harmonic"] = swept.second_harmonic;
+  document["third_harmonic"] = swept.third_harmonic;
+  document["predicted"] = pairs(predicted);
+  if (options.rig.matrix) {
+    document["matrix"] = entries(swept.matrix);
+    document["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
+    document["matrix_standard_error"] = entries(swept.matrix_error, true);
+    document["predicted_matrix"] = entries(predicted_matrix);
+  }
+  document["warnings"] = swept.warnings;
+  const bool answers = write_curve(job.folder() / "frf.csv", options.frequencies, swept.tangential) |
+                       write_curve(job.folder() / "frf-predicted.csv", options.frequencies, predicted);
+  std::vector<std::string> files{"frf.csv", "frf-predicted.csv"};
+  if (options.frequencies.size() > 1) {
+    write_script(job.folder(), scene, {{"frf.csv", "simulated"}, {"frf-predicted.csv", "predicted"}}, answers);
+    files.emplace_back("frf.gp");
+  }
+  return job.finish(text(document), std::move(files), {});
+}
+
+Status perform(Job& job) {
+  const auto& scene = job.scene();
+  const auto& model = scene.model;
+  if (scene.frf_record) return extract(job);
+  if (scene.frf_noise) return simulate_noise(job, job.request().tolerance);
+  if (scene.frf_sweep) return simulate_sweep(job);
+  job.explain_model();
+  job.explain("the contact is linearised about steady sliding; {} frequencies, no integration",
+              scene.frf.frequencies.size());
+  if (!model.drive.constant()) job.note("the drive varies: the response is that about its mean, or about its start");
+
+  const auto begin = std::chrono::steady_clock::now();
+  const auto prediction = analysis::predict_frf(model, scene.frf);
+  job.manifest().cost = {{"seconds", seconds_since(begin)}};
+  const auto& curve = prediction.curve;
+  job.say("about steady sliding at {} m/s under {} N, friction coefficient {:.10g}", curve.slip_rate, curve.normal_load,
+          curve.friction_coefficient);
+  job.say("low-frequency limit  {:.10g} N s/m, the slope of the steady curve", curve.limits.low);
+  if (curve.limits.stiffness != 0)
+    job.say("high-frequency limit that of a spring of {:.10g} N/m", curve.limits.stiffness);
+  else
+    job.say("high-frequency limit {:.10g} N s/m", curve.limits.high);
+  for (const auto& root : curve.poles) job.say("  pole {:.8g} {:+.8g} i 1/s", root.value.real(), root.value.imag());
+  for (const auto& root : curve.zeros) job.say("  zero {:.8g} {:+.8g} i 1/s", root.value.real(), root.value.imag());
+  const auto least = std::ranges::min(curve.linear_amplitude);
+  if (std::isfinite(least))
+    job.say("linear within 1 % of second harmonic up to {:.3g} m/s of slip rate amplitude, {:.2g} of the mean", least,
+            least / std::abs(curve.slip_rate));
+  if (const auto& exponent = prediction.load_exponent; !exponent.empty()) {
+    job.say("over load, |Z| grows as N^{:.3g} at {:.4g} Hz and as N^{:.3g} at {:.4g} Hz", exponent.front(),
+            scene.frf.frequencies.front(), exponent.back(), scene.frf.frequencies.back());
+    if (exponent.back() < 0.5 && curve.limits.stiffness != 0)
+      job.say(
+          "friction itself scales with load, but a contact spring in series does not: at high frequency only it is "
+          "seen");
+  }
+
+  std::vector<std::string> files{"frf.csv"};
+  bool answers = write_curve(job.folder() / "frf.csv", scene.frf.frequencies, curve.tangential);
+  std::vector<Line> lines;
+  for (std::size_t k = 0; k < prediction.family.size(); ++k) {
+    const auto& member = prediction.family[k];
+    files.push_back(fmt::format("frf-{}.csv", k + 1));
+    answers |= write_curve(job.folder() / files.back(), scene.frf.frequencies, member.tangential);
+    const auto quantity = model.describe(scene.frf.family);
+    lines.push_back({files.back(), fmt::format("{} = {:g}{}", quantity.meaning.substr(0, quantity.meaning.find(';')),
+                                               member.value, quantity.unit == "1" ? "" : " " + quantity.unit)});
+  }
+  if (lines.empty()) lines.push_back({"frf.csv", "predicted"});
+  if (scene.frf.frequencies.size() > 1) {  // one frequency is no line
+    write_script(job.folder(), scene, lines, answers);
+    files.emplace_back("frf.gp");
+  }
+  auto document = document_of(scene, prediction);
+  add_stability(job, document, files);
+  return job.finish(text(document), std::move(files), {});
+}
+
+void read(SceneReader& reader) {
+  auto& scene = reader.scene;
+  const auto& document = reader.document;
+  const bool measured = document.at_path("frf.record").node();  // which needs neither law nor drive
+  const bool record_alone = measured && !document.contains("law") && !document.contains("drive");
+  scene.frf_predicts = document.contains("drive");
+  if (!record_alone) {
+    reader.law();
+    reader.oscillator_if_there();
+    if (!measured) reader.need("drive", "speed and normal load");
+    read_tables_of_models(reader);
+  }
+  read_frf(Table(reader.need("frf", "frequencies"), "frf"), reader,
+           record_alone ? nullptr : reader.root.find("oscillator"));
+}
+
+}  // namespace
+
+Verb frf_verb() {
+  return {.name = "frf",
+          .help = "friction frequency response: how friction answers small changes of slip rate and load",
+          .example = "rosin frf examples/frf-load-family.toml",
+          .operands = {scene_operand},
+          .needs = {{"law", "the friction law"},
+                    {"drive", "speed and normal load"},
+                    {"frf", "frequencies, and what is asked of them; a measured record needs neither law nor drive"}},
+          .options = scene_options(),
+          .read = read,
+          .perform = perform};
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,204 @@
+/// Stability of a structure with friction contacts: summary, loop picture, JSON.
+#include "app/verbs/frf_use.hpp"
+
+#include <numbers>
+
+#include "analysis/lab/sensor.hpp"
+#include "app/output/files.hpp"
+#include "app/output/gnuplot.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Complex = std::complex<double>;
+
+/// The loop iω Z H in the complex plane and the distance to −1 along frequency.
+void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector<Complex>& loop,
+               std::vector<std::string>& files) {
+  std::vector<double> real, imaginary, distance;
+  for (const auto& L : loop) {
+    real.push_back(L.real()), imaginary.push_back(L.imag());
+    distance.push_back(std::abs(1.0 + L));
+  }
+  write_csv(job.folder() / "loop.csv",
+            {{"frequency (Hz)", frequency}, {"real", real}, {"imaginary", imaginary}, {"distance", distance}});
+  if (frequency.size() < 2) return;  // no line
+  std::string script = preamble("loop", "Nyquist's plot of the loop of friction and structure", 1000, 460);
+  script += fmt::format("set multiplot layout 1,2 title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\n",
+                        single_quoted(job.scene().title));
+  script +=
+      "set xlabel 'real part of loop'\nset ylabel 'imaginary part of loop'\nset xzeroaxis\nset yzeroaxis\n"
+      "plot 'loop.csv' using 2:3 with lines linewidth 1.7 linecolor '#00336F' notitle, '+' using (-1):(0) every "
+      "::0::0 with points pointtype 7 pointsize 1.2 linecolor '#B0560F' title 'critical point'\n"
+      "set xlabel 'frequency (Hz)'\nset ylabel 'distance to the critical point'\nset logscale y\nunset key\n";
+  if (frequency.back() > 20 * frequency.front()) script += "set logscale x\n";
+  script += fmt::format(
+      "set xrange [{}:{}]\nplot 'loop.csv' using 1:4 with lines linewidth 1.7 linecolor '#00336F'\nunset multiplot\n",
+      frequency.front(), frequency.back());
+  write_whole(job.folder() / "loop.gp", script);
+  files.insert(files.end(), {"loop.csv", "loop.gp"});
+}
+
+void add_uncertainty(Job& job, ordered_json& stability, const analysis::Uncertainty& spread, const char* measure,
+                     const char* unit) {
+  const auto& inputs = job.scene().frf_use->uncertain;
+  job.say("with uncertain inputs: unstable in {:.3g} ± {:.1g} % of {} samples, {} {:.4g} … {:.4g}{} (5 to 95 %)",
+          100 * spread.probability, 100 * spread.standard_error, spread.samples, measure, spread.low, spread.high,
+          std::string_view(unit).empty() ? "" : fmt::format(" {}", unit));
+  auto& uncertainty = stability["uncertainty"];
+  uncertainty = {{"samples", spread.samples},
+                 {"probability_unstable", spread.probability},
+                 {"standard_error", spread.standard_error},
+                 {measure, {spread.low, spread.median, spread.high}}};
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    uncertainty["influence"][inputs[i].parameter] = spread.influence[i];
+    job.say("  {:<32} rank correlation with {} {:+.3f}", inputs[i].parameter, measure, spread.influence[i]);
+  }
+}
+
+/// Friction and receptance at the frequencies of the tables, as measured or as the sliding structure gives them.
+std::pair<std::vector<Complex>, std::vector<Complex>> table_sides(const FrfUse& use,
+                                                                  const analysis::SlidingStructure& sliding,
+                                                                  const std::vector<double>& frequency) {
+  auto friction = use.friction.value, receptance = use.receptance.value;
+  if (friction.empty()) {
+    const analysis::FrictionResponse response(sliding.model);
+    for (const double f : frequency) friction.push_back(response.tangential({0, 2 * std::numbers::pi * f}));
+  }
+  if (receptance.empty()) {
+    const auto structure = sliding.structure();
+    for (const double f : frequency)
+      receptance.push_back(analysis::receptance(structure, {0, 2 * std::numbers::pi * f}));
+  }
+  return {std::move(friction), std::move(receptance)};
+}
+
+/// Adds to each value what its standard error lets expect.
+void disturb(std::vector<Complex>& values, const std::vector<double>& error, std::uint64_t seed) {
+  const auto noise = analysis::lab::white_noise(2 * error.size(), seed);
+  for (std::size_t k = 0; k < error.size(); ++k) values[k] += error[k] * Complex(noise[2 * k], noise[2 * k + 1]);
+}
+
+void table_stability(Job& job, ordered_json& stability, std::vector<std::string>& files) {
+  const auto& use = *job.scene().frf_use;
+  const auto& table = use.friction.frequency.empty() ? use.receptance : use.friction;
+  if (!use.friction.frequency.empty() && !use.receptance.frequency.empty() &&
+      use.friction.frequency != use.receptance.frequency)
+    throw InputError(
+        "frf.structure: friction and receptance must be measured at the same frequencies; nothing is "
+        "interpolated");
+  const auto [friction, receptance] = table_sides(use, use.sliding, table.frequency);
+  const auto loop = analysis::close_table(table.frequency, friction, receptance);
+  stability["stable"] = loop.unstable == 0;
+  stability["unstable_by_nyquist"] = loop.unstable;
+  stability["turns"] = loop.turns;
+  stability["resolved"] = loop.resolved;
+  stability["margin"] = loop.margin;
+  stability["margin_frequency"] = loop.margin_frequency;
+  job.say("structure and friction, by tables: {}, {} roots in the right half-plane; margin {:.4g} at {:.5g} Hz",
+          loop.unstable == 0 ? "stable" : "unstable", loop.unstable, loop.margin, loop.margin_frequency);
+  if (!loop.resolved)
+    job.note(
+        "the loop turns by more than a quarter between neighbouring frequencies: the count is not to be relied on");
+  if (!use.uncertain.empty() || !use.friction.error.empty() || !use.receptance.error.empty()) {
+    const auto spread = analysis::propagate(
+        use.sliding, use.uncertain, use.samples, use.seed, [&](const analysis::SlidingStructure& changed, int sample) {
+          auto [friction, receptance] = table_sides(use, changed, table.frequency);
+          disturb(friction, use.friction.error, use.seed + 2 * std::uint64_t(sample) + 1);
+          disturb(receptance, use.receptance.error, use.seed + 2 * std::uint64_t(sample) + 2);
+          const auto drawn = analysis::close_table(table.frequency, friction, receptance);
+          return analysis::Drawn{drawn.unstable > 0, drawn.margin};
+        });
+    add_uncertainty(job, stability, spread, "margin", "");
+  }
+  draw_loop(job, table.frequency, loop.loop, files);
+}
+
+}  // namespace
+
+void add_stability(Job& job, ordered_json& document, std::vector<std::string>& files) {
+  const auto& scene = job.scene();
+  if (!scene.frf_use) return;
+  const auto& use = *scene.frf_use;
+  auto& stability = document["stability"];
+  if (!use.friction.frequency.empty() || !use.receptance.frequency.empty()) {
+    table_stability(job, stability, files);
+    return;
+  }
+  const auto structure = use.sliding.structure();
+  const auto loop = analysis::close_loop(structure, scene.model, use.sliding.normal);
+  stability["stable"] = loop.stable;
+  stability["marginal"] = loop.marginal;
+  stability["eigenvalues"] = pairs(loop.eigenvalues);
+  stability["unstable_by_eigenvalues"] = loop.unstable_by_eigenvalues;
+  stability["unstable_by_nyquist"] = loop.unstable_by_nyquist;
+  stability["margin"] = loop.margin;
+  stability["margin_frequency"] = loop.margin_frequency / (2 * std::numbers::pi);
+  const auto& leading = loop.eigenvalues.front();
+  job.say("structure and friction: {}; largest growth {:.6g} 1/s at {:.6g} Hz",
+          loop.marginal ? "marginal"
+          : loop.stable ? "stable"
+                        : "unstable",
+          leading.real(), std::abs(leading.imag()) / (2 * std::numbers::pi));
+  if (loop.marginal)
+    job.say(
+        "an eigenvalue lies on the imaginary axis within rounding, and none beyond it: Nyquist does not count there");
+  else
+    job.say("roots in the right half-plane: {} by eigenvalues, {} by Nyquist", loop.unstable_by_eigenvalues,
+            loop.unstable_by_nyquist);
+  if (!loop.marginal && loop.unstable_by_nyquist != loop.unstable_by_eigenvalues)
+    job.note("eigenvalues and Nyquist do not agree: an eigenvalue is too near the imaginary axis to be told from it");
+  if (std::isfinite(loop.margin))
+    job.say("margin {:.4g} at {:.6g} Hz: the least distance of the loop to -1", loop.margin,
+            loop.margin_frequency / (2 * std::numbers::pi));
+
+  if (!use.scan.empty()) {
+    stability["critical"] = ordered_json::array();
+    const auto unit = use.sliding.describe(use.scan).unit;
+    const auto values = analysis::critical_values(use.sliding, use.scan, use.scan_from, use.scan_to, use.scan_points);
+    for (const auto& critical : values) {
+      job.say("critical {} = {}, at {:.6g} Hz", use.scan, justified(critical.value, critical.error, unit),
+              critical.angular_frequency / (2 * std::numbers::pi));
+      stability["critical"].push_back({{"parameter", use.scan},
+                                       {"value", critical.value},
+                                       {"angular_frequency", critical.angular_frequency},
+                                       {"error", critical.error}});
+    }
+    if (values.empty()) job.say("no critical value of {} from {} to {}", use.scan, use.scan_from, use.scan_to);
+  }
+  if (!use.uncertain.empty()) {
+    const auto spread = analysis::propagate(use.sliding, use.uncertain, use.samples, use.seed);
+    add_uncertainty(job, stability, spread, "growth", "1/s");
+  }
+  if (structure.contacts.size() == 1 && structure.contacts.front().normal.empty()) {
+    const analysis::FrictionResponse response(scene.model);
+    const auto loop_at = [&](double f) {
+      const Complex s(0, 2 * std::numbers::pi * f);
+      return s * response.tangential(s) * analysis::receptance(structure, s);
+    };
+    // Resonances are narrow: frequencies are added until the line is smooth.
+    std::vector<double> frequency = scene.frf.frequencies;
+    std::vector<Complex> values;
+    for (const double f : frequency) values.push_back(loop_at(f));
+    double size = 0;
+    for (const auto& L : values) size = std::max(size, std::abs(L));
+    for (int pass = 0; pass < 8; ++pass) {
+      std::vector<double> finer;
+      std::vector<Complex> finer_values;
+      for (std::size_t k = 0; k < frequency.size(); ++k) {
+        if (k > 0 && std::abs(values[k] - values[k - 1]) > 0.03 * size) {
+          finer.push_back(0.5 * (frequency[k - 1] + frequency[k]));
+          finer_values.push_back(loop_at(finer.back()));
+        }
+        finer.push_back(frequency[k]);
+        finer_values.push_back(values[k]);
+      }
+      frequency = std::move(finer), values = std::move(finer_values);
+    }
+    draw_loop(job, frequency, values, files);
+  }
+}
+
+}  // namespace rosin::app

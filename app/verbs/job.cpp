@@ -1,0 +1,183 @@
+/// The scene of a verb, its summary, and its results folder.
+#include "app/verbs/job.hpp"
+
+#include <fmt/ranges.h>
+
+#include <map>
+#include <set>
+
+#include "app/output/files.hpp"
+#include "app/output/gnuplot.hpp"
+#include "app/output/json.hpp"
+#include "app/verbs/stopping.hpp"
+
+namespace rosin::app {
+
+namespace fs = std::filesystem;
+
+std::string justified(double value, double error, std::string_view unit) {
+  const auto suffix = unit == "1" ? std::string() : fmt::format(" {}", unit);
+  if (!std::isfinite(value)) return "none";
+  if (std::isinf(error)) return fmt::format("{:.6g}{}, of unknown error", value, suffix);
+  if (!(error > 0) || value == 0) return fmt::format("{:.10g}{}", value, suffix);
+  const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(error)) + 1;
+  return fmt::format("{:.{}g} ± {:.0e}{}", value, static_cast<int>(std::clamp(digits, 1.0, 16.0)), error, suffix);
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+fs::path results_folder(const Request& request) {
+  if (!request.out.empty()) return request.out;
+  const fs::path scene = request.target;
+  const auto stem = scene.stem();
+  return "out" / (stem == "." || stem == ".." ? scene.filename() : stem);  // "...toml" would be the folder above
+}
+
+Job::Job(const Request& request) : request_(request), scene_(read_scene(request)), folder_(results_folder(request)) {
+  std::error_code problem;
+  fs::create_directories(folder_, problem);
+  if (problem) throw InputError(fmt::format("--out {}: cannot be made: {}", folder_.string(), problem.message()));
+  for (const auto& text : scene_.notes) note(text);
+  manifest_.verb = request.verb;
+  manifest_.overrides = request.overrides;
+}
+
+void Job::note(std::string_view text) const {
+  if (!request_.quiet) tell("note: {}\n", text);
+}
+
+void Job::explain_model() const {
+  if (!request_.explain) return;
+  const auto& model = scene_.model;
+  const auto& law = *model.law;
+  std::vector<std::string> states;
+  for (const auto& state : law.states())
+    states.push_back(state.name + (state.scale == Scale::log ? " (as its logarithm)" : ""));
+  explain("law '{}': {}", law.card().name,
+          states.empty()      ? std::string("no states")
+          : model.lambda == 0 ? std::string("lambda = 0, so its states are in equilibrium: a friction curve")
+                              : fmt::format("states {}", fmt::join(states, ", ")));
+  if (!law.approximation().empty()) explain("approximation: {}", law.approximation());
+  explain("contact: {}", law.has_slip_rate()
+                             ? "the friction coefficient is an unknown, because the slip rate is explicit"
+                         : law.set_valued() ? "sticks exactly; switches between stick and slip are located events"
+                                            : "friction follows from slip rate and states");
+  explain("contact stiffness: {}", !model.contact_stiffness.present() ? "none, the contact is rigid"
+                                   : model.contact_stiffness.damped() ? "a spring and a damper in series with the law"
+                                                                      : "a spring in series with the law");
+  if (model.load_memory > 0)
+    explain("load memory: {}", model.drive.normal_load.constant()
+                                   ? "without effect, because the normal load is constant"
+                                   : "the states answer to the rate of the normal load");
+  if (model.slider.mass == 0) explain("slider without mass: inertia is left out");
+}
+
+namespace {
+
+constexpr std::uintmax_t largest_manifest = 100'000'000, largest_script = 10'000'000;  // bytes
+
+std::string checksum_of(const fs::path& script) {
+  return fmt::format("{:016x}", checksum(read_whole(script, largest_script)));
+}
+
+/// A manifest that is there and can be read; else an empty document.
+ordered_json read_manifest(const fs::path& path) {
+  std::error_code problem;
+  if (!fs::is_regular_file(path, problem)) return ordered_json::object();
+  try {
+    auto document = ordered_json::parse(read_whole(path, largest_manifest), nullptr, false);
+    if (document.is_object()) return document;
+  } catch (const InputError&) {  // nothing is known of what stands there
+  }
+  return ordered_json::object();
+}
+
+}  // namespace
+
+void Job::say_what_is_replaced(const std::string& label) const {
+  const auto old = read_manifest(folder_ / (label + ".manifest.json"));
+  if (old.empty()) return;
+  const auto now = ordered_json::parse(to_json(scene_, manifest_));
+  const auto of = [](const ordered_json& manifest, const char* key) { return manifest.value(key, ordered_json()); };
+  const auto tolerance = [&](const ordered_json& manifest) {
+    const auto both = of(manifest, "tolerance");
+    return both.is_object() ? of(both, "asked") : ordered_json();
+  };
+  const auto differs = [&](const char* key) { return of(old, key) != of(now, key); };
+  std::string how;
+  if (differs("overrides")) {
+    how += of(old, "overrides").empty() ? " without --set" : " with";
+    for (const auto& given : of(old, "overrides")) how += fmt::format(" --set {}", given.dump());
+  }
+  if (differs("experiment")) how += fmt::format(" of experiment {}", of(old, "experiment").dump());
+  if (tolerance(old) != tolerance(now)) how += fmt::format(" to tolerance {}", tolerance(old).dump());
+  if (how.empty() && differs("scene_resolved"))
+    how = differs("scene") ? fmt::format(" of {}", of(old, "scene").dump()) : " of another text of the scene";
+  if (how.empty()) return;
+  note(fmt::format("{} replaces a result{}; --out keeps results apart", (folder_ / (label + ".json")).string(), how));
+}
+
+void draw_pictures(const Request& request, const fs::path& folder, Manifest& manifest) {
+  std::vector<std::string> scripts;
+  for (const auto& file : manifest.files)
+    if (fs::path(file).extension() == ".gp") {
+      scripts.push_back(file);
+      manifest.scripts[file] = checksum_of(folder / file);
+    }
+  if (request.no_pictures) return;
+  const auto drawn = draw(folder, scripts);
+  if (!request.quiet)
+    for (const auto& problem : drawn.problems) tell("note: {}\n", problem);
+  manifest.files.insert(manifest.files.end(), drawn.files.begin(), drawn.files.end());
+}
+
+void write_results(const fs::path& folder, const std::string& label, const std::string& document,
+                   const std::string& manifest) {
+  for (const auto& [name, content] : {std::pair{label + ".manifest.json", &manifest},
+                                      {"manifest.json", &manifest},
+                                      {label + ".json", &document},
+                                      {"result.json", &document}})
+    write_whole(folder / name, *content);
+}
+
+Status Job::finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome) {
+  results_are_due();
+  manifest_.files = std::move(files);
+  draw_pictures(request_, folder_, manifest_);
+  const std::string label = request_.design ? "design" : request_.verb;
+  manifest_.files.push_back(label + ".json");
+  manifest_.outcome = outcome;
+  say_what_is_replaced(label);
+  write_results(folder_, label, document, to_json(scene_, manifest_));
+  if (request_.json) write_output(document);
+  if (!outcome.complete() && !request_.quiet)
+    tell("{}: {}{}{}\n", scene_.path, name(outcome.ending), outcome.detail.empty() ? "" : ": ", outcome.detail);
+  say("Results: {}", (folder_ / "").string());
+  return status_of(outcome);
+}
+
+Scripts scripts_of(const fs::path& folder) {
+  std::map<std::string, std::set<std::string>> known;
+  std::vector<std::string> there;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const auto name = entry.path().filename().string();
+    if (name.ends_with(".gp")) there.push_back(name);
+    if (!name.ends_with("manifest.json")) continue;
+    const auto manifest = read_manifest(entry.path());
+    if (const auto scripts = manifest.find("scripts"); scripts != manifest.end() && scripts->is_object())
+      for (const auto& [script, sum] : scripts->items())
+        if (sum.is_string()) known[script].insert(sum.get<std::string>());
+  }
+  std::ranges::sort(there);
+  Scripts scripts;
+  for (const auto& script : there) {
+    const bool regular = fs::is_regular_file(folder / script);
+    (regular && known[script].contains(checksum_of(folder / script)) ? scripts.ours : scripts.foreign)
+        .push_back(script);
+  }
+  return scripts;
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,91 @@
+/// One verb at work on one scene: where its results go and who is told.
+#pragma once
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/output/results.hpp"
+#include "app/verbs/verbs.hpp"
+#include "core/console.hpp"
+
+namespace rosin::app {
+
+/// A value with the digits that its error leaves meaningful: "22.58705580 ± 3e-08".
+std::string justified(double value, double error, std::string_view unit);
+
+double seconds_since(std::chrono::steady_clock::time_point begin);
+
+/// The largest of |error/value| where both are known.
+class Reached {
+ public:
+  void add(double value, double error) {
+    if (std::isfinite(value) && std::isfinite(error) && value != 0)
+      largest_ = std::max(largest_, std::abs(error / value));
+  }
+  double value() const { return largest_; }
+
+ private:
+  double largest_ = 0;
+};
+
+/// The folder that is asked for, or out/<scene>.
+std::filesystem::path results_folder(const Request&);
+
+class Job {
+ public:
+  /// Reads the scene and makes the folder. \throws InputError
+  explicit Job(const Request&);
+
+  const Request& request() const { return request_; }
+  Scene& scene() { return scene_; }
+  const std::filesystem::path& folder() const { return folder_; }
+  Manifest& manifest() { return manifest_; }
+
+  /// A line of the summary.
+  template <class... Args>
+  void say(fmt::format_string<Args...> text, Args&&... args) const {
+    if (request_.json || request_.quiet) return;
+    print("{}\n", fmt::format(text, std::forward<Args>(args)...));
+  }
+  void note(std::string_view text) const;
+  template <class... Args>
+  void explain(fmt::format_string<Args...> text, Args&&... args) const {
+    if (!request_.explain) return;
+    tell("plan: {}\n", fmt::format(text, std::forward<Args>(args)...));
+  }
+  /// What all plans have in common: the unknowns that are kept.
+  void explain_model() const;
+
+  /// Draws the scripts (*.gp) among the files, writes the document and the manifest, each under the verb's name and as
+  /// the folder's latest; prints the document if asked. Call last.
+  Status finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome);
+
+ private:
+  void say_what_is_replaced(const std::string& label) const;
+
+  const Request& request_;
+  Scene scene_;
+  std::filesystem::path folder_;
+  Manifest manifest_;
+};
+
+/// Draws the scripts (*.gp) among the manifest's files, unless no pictures are wanted; the manifest then knows the
+/// pictures and, by their checksums, the scripts.
+void draw_pictures(const Request&, const std::filesystem::path& folder, Manifest&);
+/// Writes a document and its manifest, each under the label's name and as the folder's latest.
+void write_results(const std::filesystem::path& folder, const std::string& label, const std::string& document,
+                   const std::string& manifest);
+
+/// Scripts of a results folder that are as some verb's manifest has them, and the others.
+struct Scripts {
+  std::vector<std::string> ours, foreign;
+};
+Scripts scripts_of(const std::filesystem::path& folder);
+
+}  // namespace rosin::app

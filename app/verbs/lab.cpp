@@ -1,0 +1,185 @@
+/// The verb lab: an experiment as it is done in the laboratory.
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "analysis/lab/experiment.hpp"
+#include "app/output/files.hpp"
+#include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/scene/reader.hpp"
+#include "app/scene/signal.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/stopping.hpp"
+#include "app/verbs/verb.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+/// Numbers by name of a column of the experiment's record.
+std::map<std::string, double> read_columns(Table table, const std::vector<std::string>& columns,
+                                           std::string_view meaning) {
+  std::map<std::string, double> values;
+  for (const auto& column : columns) {
+    std::optional<double> value;
+    table.read(column, value, {"", "1", {0, 1e300}, std::string(meaning)});
+    if (value) values[column] = *value;
+  }
+  table.finish();
+  return values;
+}
+
+analysis::lab::Sensor read_sensor(Table table, const std::vector<std::string>& columns) {
+  analysis::lab::Sensor sensor;
+  table.read("sample_rate", sensor.sample_rate, {"", "Hz", {1e-15, 1e15}, "samples per second"});
+  table.read("low_pass", sensor.low_pass, {"", "Hz", {1e-15, 1e15}, "corner frequency of the pole before sampling"});
+  int seed = 1;
+  table.read("seed", seed, 0, largest_seed, "of the noise");
+  sensor.seed = static_cast<std::uint64_t>(seed);
+  if (auto noise = table.table("noise")) sensor.noise = read_columns(*noise, columns, "rms of white noise, SI");
+  if (auto step = table.table("resolution"))
+    sensor.resolution = read_columns(*step, columns, "step of the converter, SI");
+  if (auto range = table.table("range")) sensor.range = read_columns(*range, columns, "largest reading, SI");
+  table.finish();
+  return sensor;
+}
+
+void read_settings(Table table, SceneReader& reader) {
+  auto& scene = reader.scene;
+  const auto& experiment = *scene.experiment;
+  auto& task = *scene.lab;
+  for (const auto& setting : experiment.settings) {
+    auto quantity = setting.quantity;
+    const auto name = std::exchange(quantity.name, table.path(setting.quantity.name));
+    const auto* node = table.find(name);
+    if (!node) continue;
+    located(node->source(), [&] {
+      if (quantity.is_list)
+        task.settings.set(name, numbers(*node, quantity));
+      else if (setting.whole)
+        task.settings.set(name, double(count(*node, quantity.name, static_cast<int>(quantity.range.low),
+                                             static_cast<int>(std::min<double>(quantity.range.high, most_points)),
+                                             quantity.meaning)));
+      else
+        task.settings.set(name, number(*node, quantity));
+    });
+  }
+  if (experiment.takes_motion)
+    if (const auto* record = table.find("record"))
+      located(record->source(), [&] {
+        task.motion = read_signal(reader.folder / text(*record, table.path("record")), "m");
+        Signal{*task.motion};  // refuses empty records and times that do not ascend
+      });
+  if (auto sensor = table.table("sensor"))
+    task.sensor = read_sensor(*sensor, analysis::lab::column_names(experiment, *scene.model.law));
+  table.finish();
+}
+
+void read(SceneReader& reader) {
+  auto& scene = reader.scene;
+  scene.experiment = &analysis::lab::find_experiment(reader.request.experiment);
+  reader.law();
+  scene.lab = analysis::lab::task_for(*scene.experiment, scene.model.law);
+  scene.model.slider = scene.experiment->slider;
+  scene.model.drive = scene.experiment->drive;
+  reader.oscillator_if_there(false);
+  read_tables_of_models(reader);
+  if (auto table = reader.root.table("lab")) read_settings(*table, reader);
+  scene.lab->model = scene.model;
+  for (const auto& path : scene.experiment->prescribed)
+    reader.note_unread({path}, fmt::format("{} sets it itself", scene.experiment->name));
+}
+
+std::string document_of(const Scene& scene, const analysis::lab::Result& result) {
+  auto document = begin(scene, "lab", result.outcome);
+  document["experiment"] = scene.experiment->name;
+  auto object = [] { return ordered_json::object(); };
+  auto readings = object(), error = object(), meaning = object(), units = object(), columns = object(),
+       tables = object();
+  for (const auto& reading : result.readings) {
+    readings[reading.name] = reading.value;
+    error[reading.name] = reading.error;
+    units[reading.name] = reading.unit;
+    meaning[reading.name] = reading.meaning;
+  }
+  for (const auto& table : result.tables)
+    for (std::size_t c = 0; c < table.columns.size(); ++c) tables[table.name][table.columns[c]] = table.values[c];
+  for (std::size_t c = 0; c < result.record.names.size(); ++c) {
+    columns[result.record.names[c]] = result.record.columns[c];
+    units[result.record.names[c]] = result.record.units[c];
+  }
+  document["readings"] = std::move(readings);
+  document["error"] = std::move(error);
+  document["meaning"] = std::move(meaning);
+  document["tables"] = std::move(tables);
+  document["time"] = result.record.time;
+  document["columns"] = std::move(columns);
+  document["units"] = std::move(units);
+  auto& events = document["events"] = ordered_json::array();
+  for (const auto& event : result.events) events.push_back({{"time", event.time}, {"kind", event.kind}});
+  document["warnings"] = result.warnings;
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
+Status perform(Job& job) {
+  auto& scene = job.scene();
+  auto& task = *scene.lab;
+  task.tolerance = job.request().tolerance.value_or(task.tolerance);
+  job.explain_model();
+  const auto begin = std::chrono::steady_clock::now();
+  auto result = scene.experiment->perform(task);
+  result.outcome = why_stopped(result.outcome);
+  for (const auto& line : result.plan) job.explain("{}", line);
+  for (const auto& warning : result.warnings) job.note(warning);
+
+  Reached reached;
+  for (const auto& reading : result.readings) {
+    reached.add(reading.value, reading.error);
+    job.say("{:<24} {}", reading.name, justified(reading.value, reading.error, reading.unit));
+  }
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = task.tolerance;
+  manifest.tolerance_reached = reached.value();
+  manifest.cost = {{"seconds", seconds_since(begin)}, {"samples", double(result.record.time.size())}};
+  std::vector<Column> table{{"time (s)", result.record.time}};
+  for (std::size_t c = 0; c < result.record.columns.size(); ++c)
+    table.push_back({column_header(result.record.names[c], result.record.units[c]), result.record.columns[c]});
+  write_csv(job.folder() / "lab.csv", table);
+  std::vector<std::string> files = {"lab.csv"};
+  for (const auto& rows : result.tables) {
+    std::vector<Column> columns;
+    for (std::size_t c = 0; c < rows.columns.size(); ++c)
+      columns.push_back({column_header(rows.columns[c], rows.units[c]), rows.values[c]});
+    files.push_back(fmt::format("lab-{}.csv", rows.name));
+    write_csv(job.folder() / files.back(), columns);
+  }
+  if (!result.panels.empty()) {
+    const auto written = write_picture(job.folder(), scene, result.panels);
+    files.insert(files.end(), written.begin(), written.end());
+  }
+  return job.finish(document_of(scene, result), std::move(files), result.outcome);
+}
+
+}  // namespace
+
+Verb lab_verb() {
+  std::vector<std::string> experiments;
+  for (const auto& experiment : analysis::lab::experiments()) experiments.emplace_back(experiment.name);
+  return {.name = "lab",
+          .help = "an experiment as it is done in the laboratory: its record and what is read off it",
+          .example = "rosin lab velocity-step examples/lab-velocity-step.toml",
+          .operands = {{"EXPERIMENT", &Request::experiment, fmt::format("{}", fmt::join(experiments, ", "))},
+                       scene_operand},
+          .needs = {{"law", "the friction law"},
+                    {"lab", "the protocol and its sensor", true},
+                    {"oscillator", "the machine, in place of the experiment's", true},
+                    {"drive", "what the protocol does not set", true}},
+          .options = scene_options(),
+          .read = read,
+          .perform = perform};
+}
+
+}  // namespace rosin::app

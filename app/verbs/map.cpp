@@ -1,0 +1,226 @@
+/// The verb map: regimes and metrics over a parameter plane.
+#include "analysis/map.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include "app/output/files.hpp"
+#include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/output/planes.hpp"
+#include "app/scene/reader.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/partial.hpp"
+#include "app/verbs/progress.hpp"
+#include "app/verbs/stopping.hpp"
+#include "app/verbs/verb.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+analysis::Axis read_axis(Table table, const oscillators::Model& model) {
+  table.expect({"parameter", "from", "to", "points", "scale", "extra"});
+  const auto& parameter = table.required("parameter", "path, such as drive.normal_load");
+  const auto path = text(parameter, table.path("parameter"));
+  auto quantity = located(parameter.source(), [&] { return model.describe(path); });
+  quantity.meaning = path + ", " + quantity.meaning;
+  table.required("from", quantity.meaning);
+  table.required("to", quantity.meaning);
+  table.required("points", "number of values");
+  double from = 0, to = 0;
+  int points = 0;
+  table.read("from", from, quantity);
+  table.read("to", to, quantity);
+  table.read("points", points, 2, most_points, "number of values");
+  bool logarithmic = true;
+  if (const auto* scale = table.find("scale"))
+    logarithmic = choice(*scale, table.path("scale"), {"log", "linear"}) == "log";
+  std::vector<double> extra;
+  if (const auto* node = table.find("extra")) {
+    quantity.name = table.path("extra");
+    extra = numbers(*node, quantity);
+  }
+  table.finish();
+  return located(table.source(), [&] { return analysis::make_axis(path, from, to, points, logarithmic, extra); });
+}
+
+void read_table(Table table, SceneReader& reader) {
+  auto& scene = reader.scene;
+  auto& map = scene.map;
+  table.expect({"x", "y", "metrics", "stick_threshold"});
+  const auto &x = table.required("x", "first axis"), &y = table.required("y", "second axis");
+  map.x = read_axis(Table(x, table.path("x")), scene.model);
+  map.y = read_axis(Table(y, table.path("y")), scene.model);
+  if (map.x.parameter == map.y.parameter)
+    fail(y.source(), "map.x and map.y are the same parameter, {}", map.y.parameter);
+  if (map.x.values.size() > most_points / map.y.values.size())
+    fail(table.source(), "map has {} x {} points, more than {}", map.x.values.size(), map.y.values.size(), most_points);
+  map.metrics = {"stick_fraction", "loop_area_normalised"};
+  if (const auto* metrics = table.find("metrics")) {
+    map.metrics = texts(*metrics, table.path("metrics"));
+    for (std::size_t i = 0; i < map.metrics.size(); ++i)
+      located(metrics->as_array()->get(i)->source(), [&] { analysis::find_metric(map.metrics[i]); });
+    for (auto name = map.metrics.begin(); name != map.metrics.end(); ++name)
+      if (std::find(map.metrics.begin(), name, *name) != name)
+        fail(metrics->source(), "map.metrics names '{}' twice", *name);
+    if (map.metrics.empty()) fail(metrics->source(), "map.metrics is empty");
+  }
+  map.stick_threshold = scene.cycle.stick_threshold;
+  table.read("stick_threshold", map.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
+  const bool hangs_on_it = std::ranges::find(map.metrics, "slow_fraction") != map.metrics.end();
+  if (table.find("stick_threshold") && scene.model.law->set_valued() && !hangs_on_it)
+    scene.notes.push_back(
+        "map.stick_threshold has no effect on stick_fraction under a set-valued law, whose stick is exact rest; ask "
+        "for "
+        "slow_fraction");
+  table.finish();
+}
+
+void read(SceneReader& reader) {
+  reader.law();
+  reader.oscillator();
+  reader.need("map", "the two axes and the metrics");
+  read_tables_of_models(reader);
+}
+
+std::string document_of(const Scene& scene, const MapResult& result) {
+  const auto& map = result.map;
+  auto document = begin(scene, "map", map.outcome);
+  document["x"] = axis(map.x, scene.model);
+  document["y"] = axis(map.y, scene.model);
+  document["regime"] = rows(map, [](const auto& point) { return name(point.regime); });
+  auto values = ordered_json::object(), error = values;
+  for (const auto& wanted : scene.map.metrics) {
+    const auto member = analysis::find_metric(wanted).member;
+    values[wanted] = rows(map, [=](const auto& point) { return point.metrics.*member; });
+    error[wanted] = rows(map, [=](const auto& point) { return point.error.*member; });
+  }
+  document["metrics"] = std::move(values);
+  document["error"] = std::move(error);
+  document["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
+  document["fold"] = {{"x", map.fold.x}, {"y", map.fold.y}, {"error_decades", map.fold_error}};
+  auto& failures = document["failures"] = ordered_json::array();
+  for (std::size_t i = 0; i < map.points.size(); ++i)
+    if (map.points[i].regime == analysis::Regime::failed)
+      failures.push_back(
+          {{"ix", i % map.x.values.size()}, {"iy", i / map.x.values.size()}, {"why", map.points[i].why}});
+  document["stick_threshold"] = scene.map.stick_threshold;
+  document["tolerance"] = scene.map.tolerance;
+  document["cost"] = {{"seconds", result.seconds},
+                      {"points", map.points.size()},
+                      {"integrated", map.integrated},
+                      {"interpolated", map.interpolated},
+                      {"skipped", map.skipped}};
+  auto notes = scene.notes;
+  notes.insert(notes.end(), map.notes.begin(), map.notes.end());
+  document["notes"] = notes;
+  return text(document);
+}
+
+/// Everything that determines a map: two runs with the same key have the same points.
+std::string map_key(const Scene& scene) {
+  std::string key = fmt::format("rosin {}\ntolerance {}\n{}\n", ROSIN_VERSION, scene.map.tolerance,
+                                scene.map.exact ? "exact" : "adaptive");
+  for (const auto& quantity : scene.model.parameters())
+    key += fmt::format("{} = {}\n", quantity.name, scene.model.get(quantity.name));
+  return key + scene.resolved;
+}
+
+Status perform(Job& job) {
+  const auto& request = job.request();
+  auto& scene = job.scene();
+  auto& options = scene.map;
+  options.tolerance = request.tolerance.value_or(options.tolerance);
+  options.threads = request.threads;
+  options.exact = request.exact;
+  const auto nx = options.x.values.size(), ny = options.y.values.size(), total = nx * ny;
+  job.explain_model();
+  job.explain("{} x {} points of {} and {}, tolerance {} of {}", nx, ny, options.x.parameter, options.y.parameter,
+              options.tolerance, fmt::join(options.metrics, ", "));
+  job.explain("where steady sliding is stable and no cycle can exist beside it, nothing is integrated");
+  job.explain("{}", analysis::interpolates(options)
+                        ? "points are computed where they are needed, and the others interpolated to the tolerance"
+                    : options.exact ? "every point is computed, as asked"
+                                    : "every point is computed: interpolation would gain nothing here");
+
+  Partial partial(job.folder() / "map.partial", map_key(scene), total, options.metrics);
+  if (!partial.lost().empty()) job.note(partial.lost());
+  if (const auto known = partial.known_count()) job.note(fmt::format("going on from {} finished points", known));
+  const auto begin = std::chrono::steady_clock::now();
+  MapResult result;
+  {
+    Progress progress(request.quiet);
+    result.map = analysis::compute_map(
+        scene.model, options,
+        {.known = [&](std::size_t i) { return partial.known(i); },
+         .finished = [&](std::span<const std::size_t> indices,
+                         const std::vector<analysis::MapPoint>& points) { partial.append(indices, points); },
+         .progress = progress.of_map()});
+  }
+  auto& map = result.map;
+  result.seconds = seconds_since(begin);
+  if (map.outcome.ending == Ending::interrupted)
+    return stopped_early(request, fmt::format("{} of {} points are kept; the same command goes on from there",
+                                              std::ranges::count_if(map.points, &analysis::MapPoint::done), total));
+  for (const auto& text : map.notes) job.explain("{}", text);
+  job.explain("{} points integrated, {} interpolated, {} decided without integration", map.integrated, map.interpolated,
+              map.skipped);
+
+  std::array<std::size_t, 4> regimes{};
+  for (const auto& point : map.points) ++regimes[static_cast<std::size_t>(point.regime)];
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = options.tolerance;
+  manifest.cost = {{"seconds", result.seconds},
+                   {"points", double(total)},
+                   {"integrated", double(map.integrated)},
+                   {"interpolated", double(map.interpolated)},
+                   {"skipped", double(map.skipped)},
+                   {"threads", double(options.threads)}};
+  const auto between = map.interpolated > 0 ? fmt::format("{} interpolated, ", map.interpolated) : std::string();
+  job.say("{} x {} points in {:.3g} s: {} integrated, {}{} decided without", nx, ny, result.seconds, map.integrated,
+          between, map.skipped);
+  for (const Regime regime : {Regime::stable, Regime::cycle, Regime::bistable, Regime::failed})
+    if (const auto count = regimes[static_cast<std::size_t>(regime)]) job.say("  {:<9} {}", name(regime), count);
+  for (const auto& wanted : options.metrics) {
+    const auto& metric = analysis::find_metric(wanted);
+    const bool fraction = analysis::is_stick(metric);
+    std::vector<double> errors;
+    for (const auto& point : map.points) {
+      const double value = fraction ? 1 : std::abs(point.metrics.*metric.member), error = point.error.*metric.member;
+      if (std::isfinite(error) && value > 0) errors.push_back(error / value);
+    }
+    if (errors.empty()) continue;
+    std::ranges::sort(errors);
+    manifest.tolerance_reached = std::max(manifest.tolerance_reached, errors.back());
+    job.say("  {:<22} {} at most {:.1e}, at nine points in ten at most {:.1e}", wanted,
+            fraction ? "error" : "relative error", errors.back(), errors[errors.size() * 9 / 10]);
+  }
+
+  write_plane(job.folder() / "map.nc", scene, map);
+  auto files = write_picture(job.folder(), scene, map);
+  files.push_back("map.nc");
+  const auto status = job.finish(document_of(scene, result), std::move(files), map.outcome);
+  partial.remove();
+  return status;
+}
+
+}  // namespace
+
+Verb map_verb() {
+  return {.name = "map",
+          .help = "regimes and metrics over a parameter plane",
+          .example = "rosin map examples/bristol-board-plane.toml --set map.x.points=12 --set map.y.points=12",
+          .operands = {scene_operand},
+          .needs = model_tables({{"map", "the two axes and the metrics"}}),
+          .options = scene_options({{"--exact", &Request::exact, "compute every point of a map, interpolate none"}}),
+          .tables = {{"map", read_table}},
+          .read = read,
+          .perform = perform};
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,204 @@
+/// The verb run: the motion from a start.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "app/output/files.hpp"
+#include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/scene/oscillator.hpp"
+#include "app/scene/reader.hpp"
+#include "app/scene/start.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/progress.hpp"
+#include "app/verbs/stopping.hpp"
+#include "app/verbs/verb.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+/// A ramp has no end of its own: it must stay in range for as long as the run lasts.
+void check_ramps(SceneReader& reader) {
+  const auto& drive = reader.scene.model.drive;
+  for (const auto& [signal, name] : {std::pair{&drive.speed, "speed"}, std::pair{&drive.normal_load, "normal_load"},
+                                     std::pair{&drive.force, "force"}}) {
+    const auto quantity = mechanical(std::string("drive.") + name);
+    if (!quantity.range.contains(signal->value(reader.scene.run.duration)))
+      fail(reader.document.at_path(quantity.name).node()->source(), "{} leaves {} ({}, {}) before run.duration",
+           quantity.name, text(quantity.range), quantity.meaning, quantity.unit);
+  }
+}
+
+void read_table(Table table, SceneReader& reader) {
+  auto& run = reader.scene.run;
+  auto& plane = reader.scene.plane;
+  table.expect({"duration", "times", "samples", "start"});
+  const Quantity time{table.path("times"), "s", {0, 1e15}, "time of a sample"};
+  const auto* times = table.find("times");
+  if (times) {
+    run.times = numbers(*times, time);
+    if (run.times.empty()) fail(times->source(), "run.times is empty");
+    if (std::ranges::adjacent_find(run.times, std::greater_equal{}) != run.times.end())
+      fail(times->source(), "run.times must ascend");
+    run.duration = run.times.back();
+  } else if (reader.needs("run")) {
+    table.required("duration", "s");
+  }
+  table.read("duration", run.duration, {"", "s", {1e-15, 1e15}, "time that is computed"});
+  if (times && run.times.back() > run.duration)
+    fail(times->source(), "run.times ends at {} s, after run.duration = {} s", run.times.back(), run.duration);
+  table.read("samples", run.samples, 1, most_points, "equal intervals of the record");
+  if (const auto* start = table.find("start")) {
+    if (plane)
+      read_plane_start(*start, table.path("start"), *plane);
+    else
+      run.start = read_start(*start, table.path("start"), *reader.scene.model.law);
+  }
+  table.finish();
+  if (reader.needs("run") && !plane) check_ramps(reader);
+}
+
+void read_solver(Table table, SceneReader& reader) {
+  auto& run = reader.scene.run;
+  const auto* type = table.find("type");
+  if (type) {
+    auto known = analysis::solver_names();
+    known.emplace_back("lanes");
+    run.solver = choice(*type, table.path("type"), known);
+    if (run.solver == "lanes")
+      fail(type->source(), "solver.type = 'lanes' is that of maps and not to be chosen; use one of {}",
+           fmt::join(analysis::solver_names(), ", "));
+  }
+  // Keys of the force algorithms, and the algorithms that each means something to.
+  auto& algorithm = run.algorithm;
+  const auto meant = [&](std::string_view key, std::string_view for_these) {
+    const auto* node = table.find(key);
+    if (node && (" " + std::string(for_these) + " ").find(" " + run.solver + " ") == std::string::npos)
+      fail(node->source(), "{} has no meaning for solver '{}', only for {}", table.path(key), run.solver, for_these);
+    return node;
+  };
+  const auto flag = [&](std::string_view key, bool& target, std::string_view for_these) {
+    if (const auto* node = meant(key, for_these)) {
+      if (!node->is_boolean()) wrong_kind(*node, table.path(key), "true or false");
+      target = *node->value<bool>();
+    }
+  };
+  const auto value = [&](std::string_view key, double& target, Quantity quantity, std::string_view for_these) {
+    if (meant(key, for_these)) table.read(key, target, std::move(quantity));
+  };
+  constexpr std::string_view sticking = "o-fbfm r-fbfm aabg-sdfm tr-sdfm", sprung = "aabg-sdfm tr-sdfm";
+  value("step", algorithm.step, {"", "s", {1e-15, 1e15}, "step of time"},
+        "cfm o-fbfm r-fbfm aabg-sdfm tr-sdfm vlfm svlfm meijaard");
+  if (const auto* node = meant("stepping", "cfm o-fbfm r-fbfm aabg-sdfm tr-sdfm"))
+    algorithm.closed_form = choice(*node, table.path("stepping"), {"runge-kutta", "closed-form"}) == "closed-form";
+  flag("micro_slip", algorithm.micro_slip, sticking);
+  value("window", algorithm.window, {"", "m/s", {1e-15, 1e4}, "speed of slip below which the mass counts as at rest"},
+        "o-fbfm");
+  value("adherence_stiffness", algorithm.adherence_stiffness, {"", "N/m", {1e-12, 1e18}, "spring of stick"}, sprung);
+  value("adherence_damping", algorithm.adherence_damping, {"", "1", {1e-3, 1e6}, "damping ratio of stick"}, sprung);
+  flag("original", algorithm.original, "aabg-sdfm");
+  flag("refusal", algorithm.refusal, "tr-sdfm");
+  if (const auto* node = meant("restart", "tr-sdfm"))
+    algorithm.restart_before = choice(*node, table.path("restart"), {"before", "at"}) == "before";
+  value("transition_speed", algorithm.transition_speed,
+        {"", "m/s", {1e-15, 1e4}, "speed of slip below which friction falls to zero"}, "vlfm svlfm");
+  table.refuse("smoothing");
+  table.finish();
+}
+
+void read(SceneReader& reader) {
+  reader.law();
+  reader.oscillator();
+  if (!reader.scene.plane) {
+    reader.need("run", "duration and start");
+    return read_tables_of_models(reader);
+  }
+  read_table(Table(reader.need("run", "duration and start"), "run"), reader);
+  if (auto solver = reader.root.table("solver")) read_solver(*solver, reader);
+}
+
+std::string document_of(const Scene& scene, const analysis::Run& run) {
+  auto document = begin(scene, "run", run.outcome);
+  document["time"] = run.time;
+  auto columns = ordered_json::object(), units = columns, error = columns;
+  for (std::size_t i = 0; i < run.column_names.size(); ++i) {
+    columns[run.column_names[i]] = run.columns[i];
+    units[run.column_names[i]] = run.column_units[i];
+    if (i < run.column_error.size()) error[run.column_names[i]] = run.column_error[i];
+  }
+  document["columns"] = std::move(columns);
+  document["units"] = std::move(units);
+  document["error"] = std::move(error);
+  auto& events = document["events"] = ordered_json::array();
+  for (const auto& event : run.events)
+    events.push_back({{"time", event.time},
+                      {"kind", event.kind},
+                      {"displacement", scene.plane ? ordered_json{event.displacement, event.displacement_y}
+                                                   : ordered_json(event.displacement)}});
+  document["metrics"] = run.metrics;
+  document["solver"] = run.solver;
+  document["cost"] = {{"steps", run.cost.steps}, {"evaluations", run.cost.evaluations}};
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
+Status perform(Job& job) {
+  auto& scene = job.scene();
+  scene.run.tolerance = job.request().tolerance.value_or(scene.run.tolerance);
+  job.explain_model();
+  job.explain("solver: {}; tolerance {}; every column comes with its error", scene.run.solver, scene.run.tolerance);
+  const auto begin = std::chrono::steady_clock::now();
+  auto run = [&] {
+    Progress progress(job.request().quiet);
+    auto how = scene.run;
+    if (progress.visible()) how.progress = [&](double part) { progress.show_pass(part); };
+    return scene.plane ? analysis::run_plane(*scene.plane, how) : analysis::run(scene.model, how);
+  }();
+  run.outcome = why_stopped(run.outcome);
+  job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
+  if (!run.remark.empty()) job.note(run.remark);
+
+  std::vector<Column> table{{"time (s)", run.time}};
+  Reached reached;
+  for (std::size_t c = 0; c < run.columns.size(); ++c) {
+    table.push_back({column_header(run.column_names[c], run.column_units[c]), run.columns[c]});
+    double largest = 0;
+    for (const double value : run.columns[c]) largest = std::max(largest, std::abs(value));
+    if (c < run.column_error.size()) reached.add(largest, run.column_error[c]);
+  }
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = scene.run.tolerance;
+  manifest.tolerance_reached = reached.value();
+  manifest.cost = {{"seconds", seconds_since(begin)},
+                   {"steps", double(run.cost.steps)},
+                   {"evaluations", double(run.cost.evaluations)}};
+  job.say("{} samples over {:.6g} s, {} events, solver {}", run.time.size(), run.time.empty() ? 0 : run.time.back(),
+          run.events.size(), run.solver);
+  for (std::size_t c = 0; c < run.columns.size(); ++c)
+    if (!run.columns[c].empty())
+      job.say(
+          "  {:<22} ends at {}", run.column_names[c],
+          justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
+  write_csv(job.folder() / "run.csv", table);
+  std::vector<std::string> files = {"run.csv"};
+  if (run.time.size() < 2) return job.finish(document_of(scene, run), std::move(files), run.outcome);
+  for (auto& file : write_picture(job.folder(), scene, run)) files.push_back(std::move(file));
+  return job.finish(document_of(scene, run), std::move(files), run.outcome);
+}
+
+}  // namespace
+
+Verb run_verb() {
+  return {.name = "run",
+          .help = "motion from a given start",
+          .example = "rosin run examples/slide-hold-slide.toml --tolerance 1e-6",
+          .operands = {scene_operand},
+          .needs = model_tables({{"run", "duration and start"}, {"solver", "a solver by name", true}}),
+          .options = scene_options(),
+          .tables = {{"run", read_table}, {"solver", read_solver}},
+          .read = read,
+          .perform = perform};
+}
+
+}  // namespace rosin::app

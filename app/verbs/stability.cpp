@@ -1,0 +1,103 @@
+/// The verb stability: steady sliding, its eigenvalues and Hopf points.
+#include "analysis/stability.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "app/output/files.hpp"
+#include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/scene/reader.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/verb.hpp"
+
+namespace rosin::app {
+
+namespace {
+
+void read_table(Table table, SceneReader& reader) {
+  auto& scene = reader.scene;
+  if (const auto* parameters = table.find("parameters")) {
+    scene.hopf_parameters = texts(*parameters, "stability.parameters");
+    for (std::size_t i = 0; i < scene.hopf_parameters.size(); ++i)
+      located(parameters->as_array()->get(i)->source(), [&] { scene.model.describe(scene.hopf_parameters[i]); });
+  }
+  table.finish();
+}
+
+std::string document_of(const Scene& scene, const StabilityResult& result) {
+  auto document = begin(scene, "stability");
+  const auto& steady = result.stability.steady;
+  document["steady"] = {{"slip_rate", steady.slip_rate},
+                        {"friction_coefficient", steady.friction_coefficient},
+                        {"friction_force", steady.friction_force},
+                        {"displacement", steady.displacement},
+                        {"state", states(*scene.model.law, steady.state)}};
+  document["eigenvalues"] = pairs(result.stability.eigenvalues);
+  document["stable"] = result.stability.stable;
+  document["marginal"] = result.stability.marginal;
+  auto& hopf = document["hopf"] = ordered_json::array();
+  for (const auto& point : result.hopf)
+    hopf.push_back({{"parameter", point.parameter},
+                    {"value", point.value},
+                    {"angular_frequency", point.angular_frequency},
+                    {"criticality", name(point.criticality)},
+                    {"first_lyapunov_coefficient", point.first_lyapunov_coefficient},
+                    {"closed_form", point.closed_form},
+                    {"error", {{"value", point.value_error}}}});
+  document["notes"] = scene.notes;
+  return text(document);
+}
+
+Status perform(Job& job) {
+  const auto& scene = job.scene();
+  const auto& model = scene.model;
+  std::vector<std::string> paths = {"drive.normal_load", "oscillator.stiffness", "drive.speed"};
+  if (model.law->has_states()) paths.push_back("law.lambda");
+  for (const auto& path : scene.hopf_parameters)
+    if (std::ranges::find(paths, path) == paths.end()) paths.push_back(path);
+  job.explain_model();
+  job.explain("eigenvalues of the linearised slider; Hopf points in {}; no integration", fmt::join(paths, ", "));
+  if (!model.drive.constant()) job.note("the drive varies: stability is that of its mean, or of its start");
+
+  StabilityResult result;
+  result.stability = analysis::stability(model);
+  const auto& steady = result.stability.steady;
+  job.say("steady sliding at {} m/s: friction coefficient {:.10g}, force {:.10g} N", steady.slip_rate,
+          steady.friction_coefficient, steady.friction_force);
+  job.say("{}", result.stability.marginal ? "marginal: small disturbances neither grow nor decay"
+                : result.stability.stable ? "stable"
+                                          : "unstable");
+  for (const auto& z : result.stability.eigenvalues) job.say("  eigenvalue {:.8g} {:+.8g} i 1/s", z.real(), z.imag());
+  Reached reached;
+  for (const auto& path : paths) {
+    const auto points = analysis::hopf_points(model, path);
+    for (const auto& point : points) {
+      reached.add(point.value, point.value_error);
+      job.say("Hopf point at {} = {}, {:.8g} rad/s, {}", path,
+              justified(point.value, point.value_error, model.describe(path).unit), point.angular_frequency,
+              name(point.criticality));
+    }
+    if (points.empty()) job.say("no Hopf point in {}", path);
+    result.hopf.insert(result.hopf.end(), points.begin(), points.end());
+  }
+  job.manifest().tolerance_reached = reached.value();
+  return job.finish(document_of(scene, result), {}, {});
+}
+
+}  // namespace
+
+Verb stability_verb() {
+  return {.name = "stability",
+          .help = "steady sliding, its eigenvalues and Hopf points",
+          .example = "rosin stability examples/bristol-board-cycle.toml --set law.lambda=30",
+          .operands = {scene_operand},
+          .needs = model_tables({{"stability", "further parameters for Hopf points", true}}),
+          .options = scene_options(),
+          .tables = {{"stability", read_table}},
+          .read = read_model,
+          .perform = perform};
+}
+
+}  // namespace rosin::app

@@ -1,0 +1,103 @@
+/// A verb of the command: one file that defines one `Verb`, and one line in the list of verbs.cpp. Parsing, help,
+/// manual and completions follow from it.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "app/command_line.hpp"
+
+namespace rosin::app {
+
+class Job;
+class Table;
+struct SceneReader;
+
+/// Exit statuses of the command.
+enum Status { done = 0, ended_short = 1, wrong_input = 2, interrupted = 130 };
+
+/// Where an option or operand goes; flags are bool.
+using Target =
+    std::variant<bool Request::*, int Request::*, long Request::*, std::uint64_t Request::*, double Request::*,
+                 std::optional<double> Request::*, std::string Request::*, std::vector<std::string> Request::*>;
+
+struct Option {
+  const char* name;  ///< "--tolerance"
+  Target target;
+  std::string help;
+};
+
+struct Operand {
+  const char* name;  ///< "SCENE"
+  Target target;
+  std::string help;
+  bool required = true;
+  std::vector<std::string> choices = {};  ///< empty: anything
+};
+
+/// A table of a scene.
+struct Need {
+  const char *table, *what;
+  bool optional = false;
+};
+
+/// A table that is read in each scene with a model, whatever the verb, so that a wrong key is found at once.
+struct TableOfModels {
+  const char* name;
+  void (*read)(Table, SceneReader&);
+};
+
+struct Verb {
+  const char *name, *help, *example;
+  std::vector<Operand> operands = {};
+  std::vector<Need> needs = {};  ///< of a scene
+  std::vector<Option> options = {};
+  std::vector<TableOfModels> tables = {};
+  /// Of verbs that take a scene: reads what they need of it, and does the work.
+  void (*read)(SceneReader&) = nullptr;
+  Status (*perform)(Job&) = nullptr;
+  /// Of the others: does the work.
+  Status (*without_scene)(const Request&) = nullptr;
+};
+
+/// All verbs, in the order of the help.
+const std::vector<Verb>& verbs();
+/// \throws InputError for a name that is none, with the nearest.
+const Verb& find_verb(std::string_view name);
+
+// What several verbs have in common.
+extern const Operand scene_operand;
+extern const Option json_option, quiet_option;
+Option out_option(std::string_view usual);
+Option threads_option(std::string help);
+/// Those of every verb that takes a scene, and its own.
+std::vector<Option> scene_options(std::vector<Option> own = {});
+/// [law], [oscillator] and [drive], and the verb's own.
+std::vector<Need> model_tables(std::vector<Need> own);
+/// Reads law, oscillator and drive, and the tables that all verbs look at.
+void read_model(SceneReader&);
+void read_tables_of_models(SceneReader&);
+
+// The verbs, each in a file of its name.
+Verb laws_verb();
+Verb curve_verb();
+Verb stability_verb();
+Verb run_verb();
+Verb cycle_verb();
+Verb map_verb();
+Verb compare_verb();
+Verb frf_verb();
+Verb fit_verb();
+Verb lab_verb();
+Verb study_verb();
+Verb verify_verb();
+Verb stress_verb();
+Verb bench_verb();
+Verb plot_verb();
+Verb help_verb();
+
+}  // namespace rosin::app

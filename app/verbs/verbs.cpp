@@ -1,0 +1,138 @@
+/// The list of verbs, and what those that take a scene have in common.
+#include "app/verbs/verbs.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+
+#include "app/scene/reader.hpp"
+#include "app/scene/toml_document.hpp"
+#include "app/verbs/job.hpp"
+#include "core/error.hpp"
+
+namespace rosin::app {
+
+const std::vector<Verb>& verbs() {
+  static const std::vector<Verb> list = {
+      laws_verb(),    curve_verb(), stability_verb(), run_verb(),  cycle_verb(), map_verb(),
+      compare_verb(), frf_verb(),   fit_verb(),       lab_verb(),  study_verb(), verify_verb(),
+      stress_verb(),  bench_verb(), plot_verb(),      help_verb(),
+  };
+  return list;
+}
+
+const Verb& find_verb(std::string_view name) {
+  std::vector<std::string> known;
+  for (const auto& verb : verbs()) {
+    if (name == verb.name) return verb;
+    known.emplace_back(verb.name);
+  }
+  const auto near = nearest_name(name, known);
+  throw InputError(fmt::format("unknown command '{}'{}\nCommands: {}", name,
+                               near.empty() ? "" : fmt::format("; did you mean '{}'?", near), fmt::join(known, ", ")));
+}
+
+// ---------------------------------------------------------------- what verbs have in common
+
+const Operand scene_operand{"SCENE", &Request::target, "scene file (TOML)"};
+const Option json_option{"--json", &Request::json, "print the result as JSON, and nothing else"};
+const Option quiet_option{"--quiet", &Request::quiet, "say nothing but errors"};
+
+Option out_option(std::string_view usual) {
+  return {"--out", &Request::out, fmt::format("results folder; default {}", usual)};
+}
+
+Option threads_option(std::string help) { return {"--threads", &Request::threads, std::move(help)}; }
+
+std::vector<Option> scene_options(std::vector<Option> own) {
+  std::vector<Option> options = {
+      {"--set", &Request::overrides, "path=value: change the scene, such as drive.speed=1e-5"},
+      {"--tolerance", &Request::tolerance, "relative accuracy of every result"},
+      threads_option("threads of a map; results do not depend on it"),
+      out_option("out/<scene>/"),
+      json_option,
+      quiet_option,
+      {"--no-pictures", &Request::no_pictures, "write no pictures, only what 'rosin plot' draws them from"},
+      {"--explain", &Request::explain, "say on standard error what is computed how, and what is skipped"},
+  };
+  options.insert(options.end(), own.begin(), own.end());
+  return options;
+}
+
+std::vector<Need> model_tables(std::vector<Need> own) {
+  std::vector<Need> needs = {{"law", "the friction law"},
+                             {"oscillator", "mass, stiffness and damping of the slider"},
+                             {"drive", "speed and normal load"}};
+  needs.insert(needs.end(), own.begin(), own.end());
+  return needs;
+}
+
+void read_tables_of_models(SceneReader& reader) {
+  for (const auto& verb : verbs())
+    for (const auto& [name, read] : verb.tables)
+      if (auto table = reader.root.table(name)) read(*table, reader);
+}
+
+void read_model(SceneReader& reader) {
+  reader.law();
+  reader.oscillator();
+  read_tables_of_models(reader);
+}
+
+// ---------------------------------------------------------------- scenes
+
+namespace {
+
+/// Where each key stands, by its path.
+void note_places(const toml::node& node, const std::string& path, std::map<std::string, std::string>& places) {
+  if (!path.empty()) places[path] = place(node.source());
+  if (const auto* table = node.as_table())
+    for (const auto& [key, inner] : *table)
+      note_places(inner, path.empty() ? std::string(key.str()) : fmt::format("{}.{}", path, key.str()), places);
+}
+
+}  // namespace
+
+Scene read_scene(const Request& request) {
+  const auto& verb = find_verb(request.verb);
+  if (!verb.read) throw InputError(fmt::format("'{}' is a verb that takes no scene", verb.name));
+  toml::table document = read_toml(request.target);
+  for (const auto& override : request.overrides) apply_override(document, override);
+
+  Scene scene;
+  scene.path = request.target;
+  note_places(document, "", scene.places);
+  try {
+    SceneReader reader{request, document, Table(document, ""), scene, std::filesystem::path(scene.path).parent_path(),
+                       {}};
+    for (const char* table : {"sweep", "branch", "lyapunov"}) reader.root.refuse(table);
+    for (const char* key : {"title", "law", "oscillator", "drive", "verify"}) reader.root.find(key);
+    for (const auto& other : verbs()) {
+      for (const auto& need : other.needs) reader.root.find(need.table);
+    }
+    if (const auto* title = reader.root.find("title")) scene.title = text(*title, "title");
+    verb.read(reader);
+    reader.root.finish();
+  } catch (const PlacedError&) {
+    throw;
+  } catch (const InputError& error) {
+    throw InputError(scene.placed(error.what()));
+  }
+  write_table(scene.resolved, document, "");
+  return scene;
+}
+
+Status execute(const Request& request) {
+  const auto& verb = find_verb(request.verb);
+  if (verb.without_scene) return verb.without_scene(request);
+  Job job(request);
+  try {
+    return verb.perform(job);
+  } catch (const InputError& error) {  // what the scene asks turned out to be none
+    throw InputError(job.scene().placed(error.what()));
+  }
+}
+
+}  // namespace rosin::app
