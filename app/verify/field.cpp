@@ -142,10 +142,13 @@ Field::Field(const std::string& text) : text_(text) {
       if (path.front() != '.') refuse("names are joined by dots");
       path.remove_prefix(1);
     }
-    const auto end = std::min(path.find_first_of(".["), path.size());
+    const bool quoted = path.starts_with('"');
+    if (quoted) path.remove_prefix(1);
+    const auto end = quoted ? path.find('"') : std::min(path.find_first_of(".["), path.size());
+    if (end == std::string_view::npos) refuse("a quotation mark is not closed");
     if (end == 0) refuse("a name is empty");
     steps_.emplace_back(Name{std::string(path.substr(0, end))});
-    path.remove_prefix(end);
+    path.remove_prefix(end + (quoted ? 1 : 0));
   }
   if (steps_.empty()) refuse("it is empty");
 }
@@ -187,10 +190,15 @@ ordered_json Field::follow(const ordered_json& here, const Step& step) {
   return list;
 }
 
+ordered_json Field::of_path(const ordered_json& document) const {
+  auto value = document;
+  for (const auto& step : steps_) value = follow(value, step);
+  return value;
+}
+
 ordered_json Field::of(const ordered_json& document) const {
   try {
-    auto value = document;
-    for (const auto& step : steps_) value = follow(value, step);
+    const auto value = of_path(document);
     return function_.empty() ? value : function_named(function_)->of(value);
   } catch (const InputError& error) {
     throw InputError(fmt::format("'{}' leads nowhere: {}", text_, error.what()));
@@ -202,17 +210,18 @@ ordered_json Field::error_of(const ordered_json& document) const {
       std::find_if(steps_.rbegin(), steps_.rend(), [](const Step& step) { return std::holds_alternative<Name>(step); });
   if (last == steps_.rend()) return nullptr;
   const auto named = static_cast<std::size_t>(steps_.rend() - last) - 1;  // its place in the path
-  for (std::size_t above = named + 1; above-- > 0;) {
+  const bool is_value = std::get<Name>(steps_[named]).key == "value";
+  for (const std::size_t above : {named, std::size_t(0)}) {  // beside it, or that of the whole document
     try {
       auto error = document;
       for (std::size_t i = 0; i < above; ++i) error = follow(error, steps_[i]);
-      error = follow(follow(error, Name{"error"}), steps_[named]);
+      error = follow(error, Name{"error"});
+      const bool alone = is_value && above == named && numbers_in(error).size() == numbers_in(of_path(document)).size();
+      if (!alone) error = follow(error, steps_[named]);
       for (std::size_t i = named + 1; i < steps_.size() && error.is_array(); ++i) error = follow(error, steps_[i]);
       if (function_.empty() || error.is_null()) return error;
       const auto& function = *function_named(function_);
-      auto value = document;
-      for (const auto& step : steps_) value = follow(value, step);
-      return function.error(error, function.of == logarithm ? value : ordered_json());
+      return function.error(error, function.of == logarithm ? of_path(document) : ordered_json());
     } catch (const InputError&) {  // none stated here: perhaps further up
     }
   }

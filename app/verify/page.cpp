@@ -39,6 +39,13 @@ std::string shortened(const std::string& text, int most) {
   return cut.substr(0, cut.find_last_of(' ')) + " …";
 }
 
+/// A text for gnuplot that is a format, in which % means something.
+std::string tic_label(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '%' ? std::string("%%") : std::string(1, c);
+  return single_quoted(out);
+}
+
 /// A text as a sentence within a paragraph.
 std::string sentence(const std::string& text) { return text.ends_with('.') ? text : text + '.'; }
 
@@ -68,7 +75,7 @@ std::string picture(const std::string& group, const std::vector<const Answer*>& 
   for (int i = 0; i < count; ++i) {
     const auto& answer = *answers[static_cast<std::size_t>(i)];
     tics += fmt::format("{}{} {}", i ? ", " : "",
-                        single_quoted(shortened(fmt::format("{}: {}", answer.name, answer.question->what), 66)), i);
+                        tic_label(shortened(fmt::format("{}: {}", answer.name, answer.question->what), 66)), i);
   }
   const auto agreeing = rows_of(answers, false), explained = rows_of(answers, true);
   script += fmt::format(R"($agreeing << EOD
