@@ -54,11 +54,12 @@ std::string footer(const Verb& verb) {
   for (const auto& need : verb.needs)
     text +=
         fmt::format("  {:<14} {}{}\n", fmt::format("[{}]", need.table), need.what, need.optional ? " (optional)" : "");
-  return text + fmt::format("Example:\n  {}", verb.example);
+  return text + fmt::format("Example:\n  {}\n", verb.example);
 }
 
 /// The parser of all verbs, which writes into the request.
 void describe(CLI::App& app, Request& request) {
+  request.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   app.set_version_flag("--version", fmt::format("rosin {}", ROSIN_VERSION));
   app.require_subcommand(1);
   app.allow_extras();
@@ -105,7 +106,6 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     return refuse(error.what());
   }
   Request request;
-  request.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   CLI::App app("rosin: dynamic friction on the command line", "rosin");
   describe(app, request);
   try {

@@ -7,10 +7,15 @@
 
 namespace rosin::app {
 
+#define ROSIN_OSCILLATOR(name) OscillatorType name##_type();
+#include "app/scene/oscillators.def"
+#undef ROSIN_OSCILLATOR
+
 const std::vector<OscillatorType>& oscillator_types() {
   static const std::vector<OscillatorType> list = {
-      slider_type(),
-      plane_slider_type(),
+#define ROSIN_OSCILLATOR(name) name##_type(),
+#include "app/scene/oscillators.def"
+#undef ROSIN_OSCILLATOR
   };
   return list;
 }

@@ -21,10 +21,6 @@ const std::vector<OscillatorType>& oscillator_types();
 /// That of the scene; the slider where it names none. \throws InputError for a name that is none, or not of the verb.
 const OscillatorType& oscillator_type(SceneReader&, const toml::node& oscillator);
 
-// The types, each in a file of its name.
-OscillatorType slider_type();
-OscillatorType plane_slider_type();
-
 /// A parameter of slider, drive or contact by its path. \throws std::logic_error if there is none.
 Quantity mechanical(std::string_view path);
 

@@ -1,7 +1,7 @@
 /// Reading [fit]: parameters, candidates, and tables of data.
-#include "app/scene/law.hpp"
 #include "app/verbs/fit_scene.hpp"
 
+#include "app/scene/law.hpp"
 #include "app/scene/scene_table.hpp"
 
 namespace rosin::app {

@@ -1,5 +1,6 @@
 /// The verb laws: cards of friction laws.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"

@@ -23,6 +23,8 @@ namespace rosin::app {
 
 namespace {
 
+using analysis::Regime;
+
 analysis::Axis read_axis(Table table, const oscillators::Model& model) {
   table.expect({"parameter", "from", "to", "points", "scale", "extra"});
   const auto& parameter = table.required("parameter", "path, such as drive.normal_load");

@@ -12,6 +12,8 @@ namespace rosin::app {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 Status plot(const Request& request) {
   const fs::path path = request.target;
   if (!fs::exists(path)) throw InputError(fmt::format("{}: no such file or folder", path.string()));

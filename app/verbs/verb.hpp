@@ -1,4 +1,4 @@
-/// A verb of the command: one file that defines one `Verb`, and one line in the list of verbs.cpp. Parsing, help,
+/// A verb of the command: one file that defines one `Verb`, and one line in list.def. Parsing, help,
 /// manual and completions follow from it.
 #pragma once
 #include <cstdint>
@@ -81,23 +81,5 @@ std::vector<Need> model_tables(std::vector<Need> own);
 /// Reads law, oscillator and drive, and the tables that all verbs look at.
 void read_model(SceneReader&);
 void read_tables_of_models(SceneReader&);
-
-// The verbs, each in a file of its name.
-Verb laws_verb();
-Verb curve_verb();
-Verb stability_verb();
-Verb run_verb();
-Verb cycle_verb();
-Verb map_verb();
-Verb compare_verb();
-Verb frf_verb();
-Verb fit_verb();
-Verb lab_verb();
-Verb study_verb();
-Verb verify_verb();
-Verb stress_verb();
-Verb bench_verb();
-Verb plot_verb();
-Verb help_verb();
 
 }  // namespace rosin::app

@@ -14,11 +14,15 @@
 
 namespace rosin::app {
 
+#define ROSIN_VERB(name) Verb name##_verb();
+#include "app/verbs/list.def"
+#undef ROSIN_VERB
+
 const std::vector<Verb>& verbs() {
   static const std::vector<Verb> list = {
-      laws_verb(),    curve_verb(), stability_verb(), run_verb(),  cycle_verb(), map_verb(),
-      compare_verb(), frf_verb(),   fit_verb(),       lab_verb(),  study_verb(), verify_verb(),
-      stress_verb(),  bench_verb(), plot_verb(),      help_verb(),
+#define ROSIN_VERB(name) name##_verb(),
+#include "app/verbs/list.def"
+#undef ROSIN_VERB
   };
   return list;
 }
@@ -30,8 +34,9 @@ const Verb& find_verb(std::string_view name) {
     known.emplace_back(verb.name);
   }
   const auto near = nearest_name(name, known);
-  throw InputError(fmt::format("unknown command '{}'{}\nCommands: {}", name,
-                               near.empty() ? "" : fmt::format("; did you mean '{}'?", near), fmt::join(known, ", ")));
+  throw InputError(fmt::format("unknown command '{}'{}", name,
+                               near.empty() ? fmt::format("; known are {}", fmt::join(known, ", "))
+                                            : fmt::format("; did you mean '{}'?", near)));
 }
 
 // ---------------------------------------------------------------- what verbs have in common
@@ -49,7 +54,7 @@ Option threads_option(std::string help) { return {"--threads", &Request::threads
 std::vector<Option> scene_options(std::vector<Option> own) {
   std::vector<Option> options = {
       {"--set", &Request::overrides, "path=value: change the scene, such as drive.speed=1e-5"},
-      {"--tolerance", &Request::tolerance, "relative accuracy of every result"},
+      {"--tolerance", &Request::tolerance, "relative accuracy of every result; default 1e-8, of planes 1e-6"},
       threads_option("threads of a map; results do not depend on it"),
       out_option("out/<scene>/"),
       json_option,

@@ -165,7 +165,7 @@ TEST_CASE("a case that cannot be asked is refused with file and line before anyt
   refused(question(right), scene + "dampin = 1\n", "unknown key 'dampin'");
   auto wrong_verb = question(right);
   wrong_verb.replace(wrong_verb.find("\"cycle\""), 7, "\"cicle\"");
-  refused(wrong_verb, scene, "swing.toml:6:8: 'cicle' is no verb that reads a scene; did you mean 'cycle'?");
+  refused(wrong_verb, scene, "swing.toml:6:8: unknown command 'cicle'; did you mean 'cycle'?");
   write_case(folder, "swing", question(right));
   const auto unknown = run_rosin(folder, "verify --cases cases swimg");
   CHECK(unknown.status == 2);

@@ -1,0 +1,43 @@
+/// The registry of verbs: each tells what it needs and shows a command that works.
+#include "app/verbs/verbs.hpp"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <set>
+
+#include "core/error.hpp"
+#include "tests/app/command.hpp"
+
+namespace fs = std::filesystem;
+using namespace rosin::app;
+using Catch::Matchers::Contains;
+
+TEST_CASE("the help of each verb names its tables, options with their defaults, and an example", "[app]") {
+  std::set<std::string> names;
+  for (const auto& verb : verbs()) {
+    INFO(verb.name);
+    CHECK(names.insert(verb.name).second);
+    const auto help = help_of(verb.name);
+    CHECK_THAT(help, Contains(verb.help));
+    CHECK_THAT(help, Contains(std::string("Example:\n  rosin ") + verb.name));
+    for (const auto& option : verb.options) CHECK_THAT(help, Contains(option.name));
+    for (const auto& need : verb.needs) CHECK_THAT(help, Contains(std::string("[") + need.table + "] "));
+    CHECK((verb.read != nullptr) == (verb.perform != nullptr));
+    CHECK((verb.read == nullptr) == (verb.without_scene != nullptr));
+    CHECK_THAT(help_of(""), Contains(verb.help));
+  }
+  CHECK_THAT(help_of("stress"), Contains("--scenes INT=1000"));
+  CHECK_THAT(help_of("run"), Contains("[run]          duration and start") && Contains("[solver]"));
+  CHECK_THROWS_AS(help_of("cicle"), rosin::InputError);
+}
+
+TEST_CASE("the example of each verb works", "[app][long]") {
+  const rosin::tests::Folder folder;
+  fs::create_directory_symlink(ROSIN_SOURCE_DIR "/examples", folder.path / "examples");
+  for (const auto& verb : verbs()) {  // a plot draws what the map before it has left
+    INFO(verb.example);
+    const auto answer = run_rosin(folder, std::string(verb.example).substr(6));
+    CHECK(answer.error == "");
+    CHECK(answer.status == 0);
+  }
+}
