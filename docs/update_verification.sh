@@ -2,11 +2,7 @@
 # Renews docs/verification: the page and pictures of all cases, as `rosin verify` writes them.
 # Usage, from the repository: docs/update_verification.sh build/release/rosin
 set -eu
-rosin=$(realpath "$1")
-root=$(dirname "$(realpath "$0")")/..
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-"$rosin" verify --cases "$root/cases" --out "$work" || [ $? -eq 1 ] # what disagrees is shown too
-rm -rf "$root/docs/verification"
-mkdir "$root/docs/verification"
-cp "$work"/verify.md "$work"/verify-*.svg "$root/docs/verification/"
+cd "$(dirname "$(realpath "$0")")/.."
+"$1" verify --cases cases --out docs/verification || [ $? -eq 1 ] # what disagrees is shown too
+cd docs/verification
+find . -mindepth 1 -maxdepth 1 ! -name verify.md ! -name 'verify-*.svg' -exec rm -r {} +

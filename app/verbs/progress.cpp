@@ -39,7 +39,7 @@ void Progress::draw(double work, const std::string& what) {
 }
 
 void Progress::show(std::size_t done, std::size_t total, double work) {
-  if (due(work)) draw(work, fmt::format(", {} of {} points", done, total));
+  if (due(work)) draw(work, fmt::format(", {} of {}", done, total));
 }
 
 void Progress::show_pass(double part) {

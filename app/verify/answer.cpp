@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -26,25 +27,18 @@ std::vector<double> numbers_of(const ordered_json& value) {
   return numbers;
 }
 
-/// What differs from what was wanted, in words; empty: nothing.
-std::string compare_texts(Answer& answer, const ordered_json& got) {
-  const auto& wanted = answer.question->wanted;
+Verdict compare_texts(Answer& answer, const Wanted& wanted, const ordered_json& got) {
   answer.text = got.is_string() ? got.get<std::string>() : got.dump();
-  if (const auto* truth = std::get_if<bool>(&wanted)) return got == ordered_json(*truth) ? "" : "another truth value";
-  return got.is_string() && answer.text == std::get<std::string>(wanted) ? "" : "another text";
+  const bool same = std::holds_alternative<bool>(wanted)
+                        ? got == ordered_json(std::get<bool>(wanted))
+                        : got.is_string() && answer.text == std::get<std::string>(wanted);
+  return same ? Verdict::agrees : Verdict::disagrees;
 }
 
-void compare_numbers(Answer& answer, const ordered_json& got, const ordered_json& stated) {
-  const auto wanted = answer.wanted();
-  answer.got = numbers_of(got);
-  if (answer.got.size() != wanted.size() || got.is_array() != answer.question->list)
-    throw InputError(fmt::format("{} numbers are wanted, {} came out", wanted.size(), answer.got.size()));
-  answer.error = numbers_of(stated);
-  answer.error.resize(wanted.size(), answer.error.size() == 1 ? answer.error.front() : std::nan(""));
+Verdict compare_numbers(Answer& answer, const std::vector<double>& wanted) {
   double furthest = -1;
   bool resolved = true;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (!std::isfinite(answer.got[i])) throw InputError("no number came out");
     const double accuracy = answer.question->accuracy[i];
     const double error = std::isnan(answer.error[i]) ? 0 : answer.error[i];
     const double share = std::abs(answer.got[i] - wanted[i]) / (accuracy + error);
@@ -52,9 +46,35 @@ void compare_numbers(Answer& answer, const ordered_json& got, const ordered_json
     if (share > furthest) furthest = share, answer.worst = i;
     if (std::isinf(error)) answer.worst = i;
   }
-  answer.verdict = furthest > 1 ? Verdict::disagrees : resolved ? Verdict::agrees : Verdict::undecided;
-  if (answer.verdict == Verdict::disagrees) answer.reason = "further apart than accuracy and error allow";
-  if (answer.verdict == Verdict::undecided) answer.reason = "the stated error is larger than the source's accuracy";
+  return furthest > 1 ? Verdict::disagrees : resolved ? Verdict::agrees : Verdict::undecided;
+}
+
+void take_numbers(Answer& answer, const ordered_json& got, const ordered_json& stated) {
+  const auto size = answer.wanted().size();
+  if (got.is_array() != answer.question->list)
+    throw InputError(got.is_array() ? "a list came out where one number is wanted"
+                                    : "one value came out where a list is wanted");
+  answer.got = numbers_of(got);
+  if (answer.got.size() != size)
+    throw InputError(fmt::format("{} numbers are wanted, {} came out", size, answer.got.size()));
+  if (!std::ranges::all_of(answer.got, [](double x) { return std::isfinite(x); }))
+    throw InputError(fmt::format("'{}' holds no number", answer.question->field->text()));
+  answer.error = numbers_of(stated);
+  answer.error.resize(size, answer.error.size() == 1 ? answer.error.front() : std::nan(""));
+  if (answer.question->error && std::ranges::any_of(answer.error, [](double x) { return std::isnan(x); }))
+    throw InputError(fmt::format("'{}' holds no error of it", answer.question->error->text()));
+}
+
+/// Against the number wanted, or the one that rosin is known to give in place of it.
+Verdict compare(Answer& answer, const Wanted& wanted, const ordered_json& got) {
+  const auto* numbers = std::get_if<std::vector<double>>(&wanted);
+  return numbers ? compare_numbers(answer, *numbers) : compare_texts(answer, wanted, got);
+}
+
+std::string reason_of(Verdict verdict) {
+  return verdict == Verdict::undecided   ? "the stated error is larger than the source's accuracy"
+         : verdict == Verdict::disagrees ? "further apart than accuracy and error allow"
+                                         : "";
 }
 
 }  // namespace
@@ -75,6 +95,8 @@ const char* name(Verdict verdict) {
       return "no longer differs";
     case Verdict::failed:
       return "failed";
+    case Verdict::not_answered:
+      return "not answered";
   }
   return "";
 }
@@ -88,11 +110,19 @@ void judge(Answer& answer, const ordered_json& document) {
   const auto& question = *answer.question;
   try {
     const auto got = question.field->of(document);
-    if (!answer.wanted().empty()) {
-      compare_numbers(answer, got, question.error ? question.error->of(document) : question.field->error_of(document));
-    } else {
-      answer.reason = compare_texts(answer, got);
-      answer.verdict = answer.reason.empty() ? Verdict::agrees : Verdict::disagrees;
+    if (!answer.wanted().empty())
+      take_numbers(answer, got, question.error ? question.error->of(document) : question.field->error_of(document));
+    if (!question.differs.empty() && compare(answer, question.instead, got) == Verdict::agrees) {
+      compare(answer, question.wanted, got);  // what the table shows
+      answer.verdict = Verdict::differs;
+      answer.reason = question.differs;
+      return;
+    }
+    answer.verdict = compare(answer, question.wanted, got);
+    answer.reason = reason_of(answer.verdict);
+    if (!question.differs.empty() && answer.verdict == Verdict::agrees) {
+      answer.verdict = Verdict::no_longer_differs;
+      answer.reason = "the case says why it would differ: " + question.differs;
     }
   } catch (const InputError& error) {
     answer.got.clear();
@@ -100,12 +130,7 @@ void judge(Answer& answer, const ordered_json& document) {
     answer.reason = error.what();
     if (const auto detail = document.find("outcome_detail"); detail != document.end() && detail->is_string())
       answer.reason += fmt::format(" ({})", detail->get<std::string>());
-    return;
   }
-  if (question.differs.empty()) return;
-  const bool agrees = answer.verdict == Verdict::agrees;
-  answer.reason = agrees ? "the case says that it differs: " + question.differs : question.differs;
-  answer.verdict = agrees ? Verdict::no_longer_differs : Verdict::differs;
 }
 
 }  // namespace rosin::app::verify

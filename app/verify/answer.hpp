@@ -19,6 +19,7 @@ enum class Verdict {
   undecided,          ///< the stated error is larger than the source's accuracy
   no_longer_differs,  ///< it agrees, though the case says why it would not
   failed,             ///< no number came out
+  not_answered,       ///< the work was stopped before
 };
 const char* name(Verdict);
 /// Whether nothing is left to explain.
@@ -29,7 +30,7 @@ struct Answer {
   const Case* of = nullptr;
   const Question* question = nullptr;
   std::string command;  ///< that gives the answer
-  Verdict verdict = Verdict::failed;
+  Verdict verdict = Verdict::not_answered;
   std::string reason;              ///< of everything but agreement
   std::vector<double> got, error;  ///< SI; one for each number wanted; errors are NaN where none is stated
   std::string text;                ///< of an answer that is no number

@@ -17,24 +17,32 @@ struct SourceUnit {
   std::string si = "1";
 };
 
-/// Numbers are SI here, whatever unit the case gives them in.
+/// How somebody else came to the numbers.
+enum class Origin { printed, stored, closed_form, computed };
+const char* name(Origin);
+
+/// What is to come out: numbers in SI, whatever unit the case gives them in, a text, or a truth value.
+using Wanted = std::variant<std::vector<double>, std::string, bool>;
+
 struct Question {
   std::string what;                    ///< the number in words: "mean recurrence"
   std::vector<std::string> words;      ///< of the command: "lab", "velocity-step"; none where rosin cannot be asked
   std::vector<std::string> overrides;  ///< as of --set
   std::optional<Field> field, error;
-  std::variant<std::vector<double>, std::string, bool> wanted;
+  Wanted wanted;
   bool list = false;             ///< the wanted numbers are a list, if of one
   std::vector<double> accuracy;  ///< of each number, as its source resolves it
   SourceUnit unit;
+  Origin origin = Origin::printed;
   std::string differs;  ///< why the numbers are known not to agree; empty: they must
+  Wanted instead;       ///< where they differ: what rosin is known to give instead
 };
 
 struct Case {
   std::filesystem::path path;
-  std::string shown;        ///< the path as a page shows it, whatever machine the dossier lies on
   std::string group, name;  ///< of its folder and its file
   std::string title, source, note;
+  Origin origin = Origin::printed;
   std::string not_reproduced;  ///< why rosin cannot be asked; empty: it can
   bool slow = false;           ///< not for the quick form
   std::optional<double> tolerance;

@@ -46,8 +46,13 @@ std::string tic_label(const std::string& text) {
   return single_quoted(out);
 }
 
-/// A text as a sentence within a paragraph.
-std::string sentence(const std::string& text) { return text.ends_with('.') ? text : text + '.'; }
+/// A text as a sentence within a paragraph, in which nothing is markup.
+std::string sentence(const std::string& text) {
+  std::string out;
+  for (const char c : text.substr(0, text.find_last_not_of(" .") + 1))
+    out += std::string_view("*_|<>`[]").find(c) == std::string_view::npos ? std::string(1, c) : std::string("\\") + c;
+  return out + '.';
+}
 
 std::string picture_name(const std::string& group) { return "verify-" + group; }
 
@@ -67,7 +72,7 @@ std::string rows_of(const std::vector<const Answer*>& answers, bool explained) {
 }
 
 std::string picture(const std::string& group, const std::vector<const Answer*>& answers) {
-  constexpr int row = 19, head = 120;  // pixels
+  constexpr int row = 19, head = 145;  // pixels
   const auto count = static_cast<int>(answers.size());
   std::string script =
       preamble(picture_name(group), "How far rosin is from the numbers of others", 1060, head + row * count);
@@ -92,9 +97,10 @@ set ytics ({}) font ',11'
 set grid x linecolor '#DDDDDD'
 set lmargin 60
 set key outside top center horizontal
+set title {} font ',13'
 set xlabel 'difference over the number wanted (dimensionless)'
 )",
-                        agreeing, explained, count - 1, tics);
+                        agreeing, explained, count - 1, tics, single_quoted(heading(group)));
   std::string plots;
   const auto add = [&](const std::string& plot) { plots += (plots.empty() ? "plot " : ", \\\n     ") + plot; };
   const auto bars = [&](const char* data, const char* title) {
@@ -117,38 +123,51 @@ set xlabel 'difference over the number wanted (dimensionless)'
   return script + plots + "\n";
 }
 
+std::string unit_of(const Answer& answer) {
+  const auto& unit = answer.question->unit.name;
+  return unit.empty() ? unit : " " + unit;
+}
+
 std::string number_cells(const Answer& answer) {
-  const auto& question = *answer.question;
-  const auto* text = std::get_if<std::string>(&question.wanted);
-  const auto* truth = std::get_if<bool>(&question.wanted);
-  if (text || truth)
-    return fmt::format("{} | {} | – | –",
-                       text     ? *text
-                       : *truth ? "true"
-                                : "false",
-                       answer.text.empty() ? "–" : answer.text);
-  const auto wanted = answer.wanted();
-  const auto unit = question.unit.name.empty() ? std::string() : " " + question.unit.name;
-  const auto shown = [&](double value) {
-    return readable_number(value, question.accuracy[answer.worst], question.unit) + unit;
-  };
-  const double accuracy = question.accuracy[answer.worst] / question.unit.factor;
-  const auto given =
-      fmt::format("{} ± {:.1g}", readable_number(wanted[answer.worst], question.accuracy[answer.worst], question.unit),
-                  accuracy) +
-      unit;
-  if (!answer.has_number()) return fmt::format("{} | – | – | –", given);
-  return fmt::format("{} | {} | {} | {}", given, shown(answer.got[answer.worst]), readable_ratio(answer.over_error()),
-                     readable_ratio(answer.over_accuracy()));
+  auto wanted = wanted_text(answer);
+  if (!answer.wanted().empty())
+    wanted += fmt::format(" ± {:.2g}", answer.question->accuracy[answer.worst] / answer.question->unit.factor);
+  return fmt::format("{} | {} | {} | {}", cell(wanted), cell(got_text(answer)),
+                     answer.has_number() ? readable_ratio(answer.over_error()) : "–",
+                     answer.has_number() ? readable_ratio(answer.over_accuracy()) : "–");
+}
+
+/// How many numbers came about how.
+std::string origins(const std::vector<Answer>& answers) {
+  std::map<Origin, int> counts;
+  for (const auto& answer : answers) ++counts[answer.question->origin];
+  const std::map<Origin, const char*> words = {
+      {Origin::printed, "printed in a table, a figure or a text"},
+      {Origin::stored, "stored with another program"},
+      {Origin::closed_form, "in closed form from equations that a source prints"},
+      {Origin::computed, "computed from such equations by an integrator or a root finder that is not rosin's"}};
+  std::string text;
+  for (const auto& [origin, count] : counts) text += fmt::format("- {} {}\n", count, words.at(origin));
+  return text;
 }
 
 }  // namespace
 
-std::string readable_number(double si, double accuracy, const SourceUnit& unit) {
-  const double value = si / unit.factor, step = accuracy / unit.factor;
-  if (value == 0) return "0";
-  const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(step)) + 2;
-  return fmt::format("{:.{}g}", value, static_cast<int>(std::clamp(digits, 2.0, 16.0)));
+std::string wanted_text(const Answer& answer) {
+  const auto& question = *answer.question;
+  if (const auto* text = std::get_if<std::string>(&question.wanted)) return *text;
+  if (const auto* truth = std::get_if<bool>(&question.wanted)) return *truth ? "true" : "false";
+  return fmt::format("{:.14g}", answer.wanted()[answer.worst] / question.unit.factor) + unit_of(answer);
+}
+
+std::string got_text(const Answer& answer) {
+  const auto& question = *answer.question;
+  if (!answer.has_number()) return answer.text.empty() ? "–" : answer.text;
+  const double got = answer.got[answer.worst] / question.unit.factor;
+  const double accuracy = question.accuracy[answer.worst] / question.unit.factor;
+  if (got == 0) return "0" + unit_of(answer);
+  const double digits = std::floor(std::log10(std::abs(got))) - std::floor(std::log10(accuracy)) + 2;
+  return fmt::format("{:.{}g}", got, static_cast<int>(std::clamp(digits, 2.0, 16.0))) + unit_of(answer);
 }
 
 std::string readable_ratio(double ratio) {
@@ -174,17 +193,24 @@ std::vector<std::string> write_page(const fs::path& folder, const std::vector<An
   }
   std::string page = fmt::format(R"(# Numbers of others, asked of rosin again
 
-This page is written by `rosin verify`. It asks rosin {} questions of {} cases; each number was printed, stored or
-derived by somebody else, and each case is one file that holds the scene, the question, the number and its source.
+This page is written by `rosin verify`. It asks rosin {} questions of {} cases; each case is one file that holds the scene,
+the question, the number, its accuracy and its source. Of the numbers are
+
+{}
 Verdicts: {}.
 
 A number *agrees* where the error that rosin states is no larger than the accuracy of the source, and the difference no
-larger than both together. Where a source is known to differ, or rosin cannot be asked, the case says why. Of a list of
+larger than both together; where rosin states no error (–), where the difference is within the source's accuracy. Where a
+source is known to differ, the case says why and what rosin gives instead; where rosin cannot be asked, why. Of a list of
 numbers the table shows the one that is furthest off. In the pictures a difference within the grey bar is within the
-source's accuracy.
+source's accuracy, a triangle is the error that rosin states, and differences below 10⁻¹⁶ stand at the left edge.
 
 )",
-                                 answers.size(), cases.size(), counted(answers));
+                                 answers.size(), cases.size(), origins(answers), counted(answers));
+  std::vector<fs::path> old;  // pictures of another time
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().filename().string().starts_with("verify-")) old.push_back(entry.path());
+  for (const auto& path : old) fs::remove(path);
   for (const auto& group : groups) {
     page += fmt::format("## {}\n\n", heading(group));
     std::vector<const Answer*> here, drawn;
@@ -204,16 +230,19 @@ source's accuracy.
         "|---|---|---|---|---|---|---|\n";
     for (const auto* answer : here) {
       const auto size = answer->wanted().size();
-      page += fmt::format("| {} | {}{} | {} | {} |\n", answer->name, cell(answer->question->what),
-                          answer->question->list ? fmt::format(" ({} of {} numbers)", answer->worst + 1, size) : "",
-                          number_cells(*answer), name(answer->verdict));
+      page +=
+          fmt::format("| {} | {}{} | {} | {} |\n", answer->name, cell(answer->question->what),
+                      answer->question->list ? fmt::format(" ({} numbers, here the {}.)", size, answer->worst + 1) : "",
+                      number_cells(*answer), name(answer->verdict));
     }
     page += '\n';
     const Case* told = nullptr;
     for (const auto* answer : here) {
       if (const auto& one = *answer->of; &one != told) {
-        page += fmt::format("- **{}**: {} {}{}\n", one.name, sentence(one.title), sentence(one.source),
-                            one.note.empty() ? "" : " *" + one.note + "*");
+        std::error_code problem;
+        const auto link = fs::relative(one.path, folder, problem).generic_string();
+        page += fmt::format("- **[{}]({})**: {} *{}:* {}{}\n", one.name, link, sentence(one.title), name(one.origin),
+                            sentence(one.source), one.note.empty() ? "" : " " + sentence(one.note));
         told = &one;
         if (!answer->command.empty()) page += fmt::format("  `{}`\n", answer->command);
       }

@@ -8,8 +8,9 @@
 
 namespace rosin::app::verify {
 
-/// A number in the unit of its source, with the digits that its accuracy lets one read, and one more.
-std::string readable_number(double si, double accuracy, const SourceUnit&);
+/// The number wanted (of a list the one that is furthest off) in the unit of its source, and what came out.
+std::string wanted_text(const Answer&);
+std::string got_text(const Answer&);
 /// A ratio in three characters or so; "–" where it is none.
 std::string readable_ratio(double);
 /// "agrees: 41, disagrees: 1"

@@ -42,6 +42,17 @@ struct Inquiry {
   std::vector<Answer*> answers;
 };
 
+/// A word as a shell takes it.
+std::string shell_word(const std::string& word) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) || std::string_view("-_./,:=+").find(char(c)) != std::string_view::npos;
+  };
+  if (!word.empty() && std::ranges::all_of(word, plain)) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 std::vector<Answer> answers_wanted(const std::vector<Case>& cases) {
   std::vector<Answer> answers;
   for (const auto& one : cases)
@@ -55,8 +66,11 @@ std::vector<Answer> answers_wanted(const std::vector<Case>& cases) {
         answer.verdict = Verdict::not_reproduced;
         answer.reason = one.not_reproduced;
       } else {
-        answer.command = fmt::format("rosin {} {}", fmt::join(question.words, " "), one.shown);
-        for (const auto& set : question.overrides) answer.command += fmt::format(" --set '{}'", set);
+        auto words = question.words;
+        words.insert(words.begin() + (words[0] == "lab" ? 2 : 1), one.path.string());
+        for (const auto& set : question.overrides) words.insert(words.end(), {"--set", set});
+        answer.command = "rosin";
+        for (const auto& word : words) answer.command += " " + shell_word(word);
         if (one.tolerance) answer.command += fmt::format(" --tolerance {}", *one.tolerance);
       }
       answers.push_back(std::move(answer));
@@ -108,16 +122,22 @@ void ask(const Inquiry& inquiry, const fs::path& program) {
     for (auto* answer : inquiry.answers) judge(*answer, document);
     return;
   }
-  for (auto* answer : inquiry.answers) answer->reason = why;
+  for (auto* answer : inquiry.answers) answer->verdict = Verdict::failed, answer->reason = why;
 }
 
 ordered_json to_json(const Answer& answer) {
   const auto numbers = [&](const auto& list) {
     return answer.question->list ? ordered_json(list) : ordered_json(list[0]);
   };
-  ordered_json entry{{"name", answer.name},         {"group", answer.of->group},       {"title", answer.of->title},
-                     {"source", answer.of->source}, {"note", answer.of->note},         {"what", answer.question->what},
-                     {"command", answer.command},   {"unit", answer.question->unit.si}};
+  ordered_json entry{{"name", answer.name},
+                     {"group", answer.of->group},
+                     {"title", answer.of->title},
+                     {"source", answer.of->source},
+                     {"origin", name(answer.question->origin)},
+                     {"note", answer.of->note},
+                     {"what", answer.question->what},
+                     {"command", answer.command},
+                     {"unit", answer.question->unit.si}};
   const auto wanted = answer.wanted();
   if (wanted.empty())
     std::visit([&](const auto& value) { entry["wanted"] = value; }, answer.question->wanted);
@@ -137,26 +157,14 @@ ordered_json to_json(const Answer& answer) {
 
 void say(const std::vector<Answer>& answers) {
   const auto line = [](const auto&... cells) {
-    print("{:<38.38} {:<36.36} {:>16.16} {:>16.16} {:>8} {:>8}  {}\n", cells...);
+    print("{:<38.38} {:<36.36} {:>22.22} {:>24.24} {:>8} {:>9}  {}\n", cells...);
   };
   line("case", "number", "wanted", "got", "/error", "/accuracy", "verdict");
   for (const auto& answer : answers) {
-    const auto& question = *answer.question;
-    const auto number = [&](double si) {
-      return readable_number(si, question.accuracy[answer.worst], question.unit) +
-             (question.unit.name.empty() ? "" : " " + question.unit.name);
-    };
-    std::string wanted, got = answer.text;
-    if (!answer.wanted().empty())
-      wanted = number(answer.wanted()[answer.worst]);
-    else if (const auto* text = std::get_if<std::string>(&question.wanted))
-      wanted = *text;
-    else
-      wanted = std::get<bool>(question.wanted) ? "true" : "false";
-    if (answer.has_number()) got = number(answer.got[answer.worst]);
-    line(answer.name, question.what, wanted, got, answer.has_number() ? readable_ratio(answer.over_error()) : "–",
+    line(presentable(answer.name), presentable(answer.question->what), presentable(wanted_text(answer)),
+         presentable(got_text(answer)), answer.has_number() ? readable_ratio(answer.over_error()) : "–",
          answer.has_number() ? readable_ratio(answer.over_accuracy()) : "–", name(answer.verdict));
-    if (!accounted_for(answer.verdict)) print("  {}\n  {}\n", answer.reason, answer.command);
+    if (!accounted_for(answer.verdict)) print("  {}\n  {}\n", presentable(answer.reason), answer.command);
   }
 }
 
@@ -174,6 +182,7 @@ Status verify(const Request& request) {
   auto answers = answers_wanted(cases);
   const auto all = inquiries(answers, folder);
   std::size_t answered = 0;
+  bool complete = true;
   try {
     Progress progress(request.quiet);
     std::mutex showing;
@@ -183,19 +192,25 @@ Status verify(const Request& request) {
       progress.show(++answered, all.size());
     });
   } catch (const Stopped&) {
-    return stopped_early(request, fmt::format("{} of {} commands have answered", answered, all.size()));
+    complete = false;
   }
 
   results_are_due();
   const bool sound = std::ranges::all_of(answers, [](const Answer& answer) { return accounted_for(answer.verdict); });
   Manifest manifest;
   manifest.verb = "verify";
+  const Outcome outcome =
+      complete
+          ? Outcome{}
+          : why_stopped({Ending::interrupted, fmt::format("{} of {} commands have answered", answered, all.size())});
+  manifest.outcome = outcome;
   manifest.files = write_page(folder, answers);
 
   auto list = ordered_json::array();
   for (const auto& answer : answers) list.push_back(to_json(answer));
   const auto document = text({{"verb", "verify"},
                               {"version", ROSIN_VERSION},
+                              {"outcome", name(outcome.ending)},
                               {"passed", sound},
                               {"summary", counted(answers)},
                               {"seconds", seconds_since(begin)},
@@ -210,6 +225,10 @@ Status verify(const Request& request) {
     say(answers);
     print("{} cases in {:.3g} s: {}\nResults: {}\n", cases.size(), seconds_since(begin), counted(answers),
           (folder / "").string());
+  }
+  if (!complete) {
+    tell("{}: {}\n", name(outcome.ending), outcome.detail);
+    return status_of(outcome);
   }
   return sound ? done : ended_short;
 }

@@ -35,9 +35,9 @@ TEST_CASE("the example of each verb works", "[app][long]") {
   const rosin::tests::Folder folder;
   fs::create_directory_symlink(ROSIN_SOURCE_DIR "/examples", folder.path / "examples");
   for (const auto& verb : verbs()) {  // a plot draws what the map before it has left
-    INFO(verb.example);
+    CAPTURE(verb.example);
     const auto answer = run_rosin(folder, std::string(verb.example).substr(6));
-    CHECK(answer.error == "");
+    INFO(answer.error);
     CHECK(answer.status == 0);
   }
 }

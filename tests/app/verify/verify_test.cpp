@@ -39,7 +39,8 @@ void write_case(const Folder& folder, const std::string& name, const std::string
 }
 
 std::string question(const std::string& value, const std::string& more = "accuracy = 1e-9") {
-  return "source = \"closed form\"\n[[verify.questions]]\nwhat = \"period\"\nverb = \"cycle\"\n"
+  return "source = \"Den Hartog (1956)\"\norigin = \"closed form\"\n[[verify.questions]]\nwhat = \"period\"\nverb = "
+         "\"cycle\"\n"
          "field = \"period\"\nvalue = " +
          value + "\n" + more + "\n";
 }
@@ -65,7 +66,8 @@ TEST_CASE("a number agrees within the source's accuracy and the stated error, an
   const auto& row = good["cases"][0];
   CHECK(row["name"] == "swing");
   CHECK(row["group"] == "block");
-  CHECK(row["source"] == "closed form");
+  CHECK(row["source"] == "Den Hartog (1956)");
+  CHECK(row["origin"] == "closed form");
   CHECK(row["command"] == "rosin cycle cases/block/swing.toml");
   CHECK(row["wanted"] == 4.0344439358);
   CHECK(row["accuracy"] == 1e-9);
@@ -74,7 +76,8 @@ TEST_CASE("a number agrees within the source's accuracy and the stated error, an
   CHECK(row["verdict"] == "agrees");
   for (const char* file : {"verify.json", "result.json", "verify.md", "verify-block.svg", "swing/1/cycle.json"})
     CHECK(fs::exists(folder.path / "out/verify" / file));
-  CHECK_THAT(content(folder.path / "out/verify/verify.md"), Contains("verify-block.svg") && Contains("closed form"));
+  CHECK_THAT(content(folder.path / "out/verify/verify.md"),
+             Contains("verify-block.svg") && Contains("*closed form:* Den Hartog (1956)."));
 
   write_case(folder, "swing", question(last_digit_wrong));
   const auto wrong = verify(folder, "", 1);
@@ -117,20 +120,24 @@ unit = "s"
   CHECK(document["cases"][0]["unit"] == "s");
   CHECK(document["cases"][0]["wanted"].get<double>() == Approx(4.0344439358).epsilon(1e-15));
   CHECK(document["cases"][1]["command"] ==
-        "rosin cycle cases/block/swing.toml --set 'law.mu_s=0.3' --set 'oscillator.damping=1'");
+        "rosin cycle cases/block/swing.toml --set law.mu_s=0.3 --set oscillator.damping=1");
   CHECK(document["cases"][3]["got"].size() == 1);
 }
 
 TEST_CASE("what is known to differ stays in the dossier with its reason, and no longer", "[verify]") {
   const Folder folder;
-  write_case(folder, "swing", question("0.3", "accuracy = 1e-3\ndiffers = \"misprint\""));
+  write_case(folder, "swing", question("4.3", "accuracy = 1e-3\ndiffers = \"misprint\"\ninstead = 4.0344"));
   const auto differs = verify(folder, "", 0)["cases"][0];
   CHECK(differs["verdict"] == "differs, as known");
   CHECK(differs["reason"] == "misprint");
-  write_case(folder, "swing", question(right, "accuracy = 1e-9\ndiffers = \"misprint\""));
+  // a difference that is not the known one is no excuse
+  write_case(folder, "swing", question("4.3", "accuracy = 1e-3\ndiffers = \"misprint\"\ninstead = 4.1"));
+  CHECK(verify(folder, "", 1)["cases"][0]["verdict"] == "disagrees");
+  write_case(folder, "swing", question(right, "accuracy = 1e-9\ndiffers = \"misprint\"\ninstead = 4.3"));
   CHECK(verify(folder, "", 1)["cases"][0]["verdict"] == "no longer differs");
   write_case(folder, "swing",
-             "source = \"a figure\"\nnot_reproduced = \"two masses\"\n[[verify.questions]]\nwhat = \"period\"\n"
+             "source = \"a figure\"\norigin = \"printed\"\nnot_reproduced = \"two masses\"\n[[verify.questions]]\nwhat "
+             "= \"period\"\n"
              "value = 12\naccuracy = 1\nunit = \"s\"\n",
              "");
   const auto missing = verify(folder, "", 0)["cases"][0];
@@ -156,16 +163,26 @@ TEST_CASE("a case that cannot be asked is refused with file and line before anyt
     CHECK_FALSE(fs::exists(folder.path / "out/verify/verify.json"));
   };
   refused("sourse = \"x\"\n" + question(right), scene, "swing.toml:3:1: unknown key 'sourse'");
-  refused(question(right, "acuracy = 1"), scene, "swing.toml:9:1: unknown key 'acuracy'");
+  refused(question(right, "acuracy = 1"), scene, "swing.toml:10:1: unknown key 'acuracy'");
   refused(question(right, ""), scene, "no 'accuracy'");
-  refused(question(right, "accuracy = -1"), scene, "swing.toml:9:12: verify.questions.accuracy = -1 is outside");
-  refused(question(right, "accuracy = 1\nunit = \"bananas\""), scene, "swing.toml:10:8: verify.questions.unit");
-  refused(question("\"stable\"", "accuracy = 1"), scene, "swing.toml:9:12: verify.questions.accuracy has no effect");
+  refused(question(right, "accuracy = -1"), scene, "swing.toml:10:12: verify.questions.accuracy = -1 is outside");
+  refused(question(right, "accuracy = [1, 2]"), scene, "2 entries, but there are 1 values");
+  refused(question(right, "accuracy = 1\nunit = \"bananas\""), scene, "swing.toml:11:8: verify.questions.unit");
+  refused(question("\"stable\"", "accuracy = 1"), scene, "swing.toml:10:12: verify.questions.accuracy has no effect");
+  refused(question(right, "accuracy = 1\ndiffers = \"x\""), scene, "no 'instead'");
+  refused(question(right, "accuracy = 1\ninstead = 3"), scene, "goes with 'differs'");
+  refused(question(right, "accuracy = 1\nset = [\"drive.sped=1\"]"), scene, "swing.toml:5:");
   refused(question(right, "accuracy = 1\nset = [\"drive.sped=1\"]"), scene, "did you mean 'speed'?");
-  refused(question(right), scene + "dampin = 1\n", "unknown key 'dampin'");
-  auto wrong_verb = question(right);
-  wrong_verb.replace(wrong_verb.find("\"cycle\""), 7, "\"cicle\"");
-  refused(wrong_verb, scene, "swing.toml:6:8: unknown command 'cicle'; did you mean 'cycle'?");
+  refused(question(right), scene + "dampin = 1\n", "swing.toml:22:1: unknown key 'dampin'");
+  refused(question(right), scene + "[lab]\nfoo = 1\n", "swing.toml:22:2: [lab] has no effect");
+  refused("source = \" \"\n", scene, "verify.source is empty");
+  const auto of_verb = [&](const std::string& verb) {
+    auto text = question(right);
+    return text.replace(text.find("\"cycle\""), 7, "\"" + verb + "\"");
+  };
+  refused(of_verb("cicle"), scene, "swing.toml:7:8: unknown command 'cicle'; did you mean 'cycle'?");
+  refused(of_verb("laws"), scene, "swing.toml:7:8: 'laws' takes no scene");
+  refused(of_verb("lab velocity-stepp"), scene, "swing.toml:7:8: unknown experiment 'velocity-stepp'");
   write_case(folder, "swing", question(right));
   const auto unknown = run_rosin(folder, "verify --cases cases swimg");
   CHECK(unknown.status == 2);
@@ -177,15 +194,18 @@ TEST_CASE("a case that cannot be asked is refused with file and line before anyt
 TEST_CASE("work on the dossier ends in order when its time has passed", "[verify]") {
   const Folder folder;
   write_case(folder, "long", question(right) + "set = [\"drive.speed=1e-5\"]\n");
-  write_case(
-      folder, "longer",
-      "source = \"none\"\n[[verify.questions]]\nwhat = \"end\"\nverb = \"run\"\nfield = \"time[-1]\"\nvalue = 1\n"
-      "accuracy = 1\n",
-      "[law]\ntype = \"ageing\"\n[oscillator]\nmass = 1\nstiffness = 1e6\n[drive]\nspeed = 0.1\nnormal_load = "
-      "2\n[run]\nduration = 1e7\nstart = \"rest\"\n[solver]\ntype = \"collocation\"\n");
+  write_case(folder, "longer",
+             "source = \"none\"\norigin = \"printed\"\n[[verify.questions]]\nwhat = \"end\"\nverb = \"run\"\nfield = "
+             "\"time[-1]\"\nvalue = 1\n"
+             "accuracy = 1\n",
+             "[law]\ntype = \"ageing\"\n[oscillator]\nmass = 1\nstiffness = 1e6\n[drive]\nspeed = 0.1\nnormal_load = "
+             "2\n[run]\nduration = 1e7\nstart = \"rest\"\n[solver]\ntype = \"collocation\"\n");
   const auto answer = run_rosin(folder, "verify --cases cases --time-limit 0.5");
   CHECK(answer.status == 1);
   CHECK_THAT(answer.error, Contains("of 2 commands have answered"));
+  const auto kept = json::parse(content(folder.path / "out/verify/verify.json"));
+  CHECK(kept["passed"] == false);
+  CHECK(kept["cases"][1]["verdict"] == "not answered");
 }
 
 TEST_CASE("the quick dossier holds, is as large as it claims, and its page lists every case", "[verify]") {
@@ -202,7 +222,7 @@ TEST_CASE("the quick dossier holds, is as large as it claims, and its page lists
     if (entry.path().extension() != ".toml") continue;
     ++cases;
     INFO(entry.path().string());
-    CHECK_THAT(page, Contains("- **" + entry.path().stem().string() + "**: "));
+    CHECK_THAT(page, Contains("- **[" + entry.path().stem().string() + "]("));
   }
   for (const auto& row : document["cases"]) {
     const auto source = row["source"].get<std::string>();
