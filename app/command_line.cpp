@@ -12,6 +12,7 @@
 #include "bench/bench.hpp"
 #include "core/console.hpp"
 #include "core/error.hpp"
+#include "laws/catalogue.hpp"
 
 namespace rosin::app {
 
@@ -50,18 +51,19 @@ constexpr VerbHelp verbs[] = {
     {"plot", "PATH", "draw the pictures of a results folder, or of a scene's results, again"},
 };
 
-}  // namespace
-
-std::variant<Request, int> parse_command_line(int argc, char** argv) {
+/// The names that an argument is one of; none for files.
+std::vector<std::string> names_for(std::string_view argument) {
   std::vector<std::string> names;
-  for (const auto& verb : verbs) names.emplace_back(verb.name);
-  if (argc > 1 && argv[1][0] != '-' && std::ranges::find(names, argv[1]) == names.end())
-    return refuse(fmt::format("unknown command '{}'{}\nCommands: {}", argv[1], did_you_mean(argv[1], names),
-                              fmt::join(names, ", ")));
+  if (argument == "LAW")
+    for (const auto& law : laws::catalogue()) names.emplace_back(law->card().name);
+  if (argument == "EXPERIMENT")
+    for (const auto& experiment : analysis::lab::experiments()) names.emplace_back(experiment.name);
+  if (argument == "WHAT") names = ::bench::names();
+  return names;
+}
 
-  Request request;
-  request.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  CLI::App app("rosin: dynamic friction on the command line", "rosin");
+/// Verbs with their arguments and options, which parsing writes into `request`.
+void add_verbs(CLI::App& app, Request& request) {
   app.set_version_flag("--version", fmt::format("rosin {}", ROSIN_VERSION));
   app.require_subcommand(1);
   app.allow_extras();
@@ -77,7 +79,8 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
       command->add_option("--scenes", request.scenes, "number of scenes")->capture_default_str();
       command->add_option("--only", request.only, "one scene by its number");
       command->add_flag("--draw", request.draw, "write the scenes as files, judge none");
-      command->add_option("--threads", request.threads, "threads; results do not depend on it")->capture_default_str();
+      command->add_option("--threads", request.threads, "threads; results do not depend on it")
+          ->default_str("all cores");
       command->add_option("--out", request.out, "results folder; default out/stress-SEED/");
       command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
       command->add_flag("--quiet", request.quiet, "say nothing but errors");
@@ -88,19 +91,16 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
       command->add_flag("--quick", request.quick, "only cases that take less than half a second");
       command->add_option("--cases", request.dossier, "folder of cases; default the dossier of this installation");
       command->add_option("--threads", request.threads, "cases at a time; results do not depend on it")
-          ->capture_default_str();
+          ->default_str("all cores");
       command->add_option("--out", request.out, "results folder; default out/verify/");
       command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
       command->add_flag("--quiet", request.quiet, "say nothing but errors");
       continue;
     }
-    if (name == "lab") {
-      std::vector<std::string_view> experiments;
-      for (const auto& experiment : analysis::lab::experiments()) experiments.push_back(experiment.name);
+    if (name == "lab")
       command->add_option("EXPERIMENT", request.experiment)
           ->required()
-          ->description(fmt::format("{}", fmt::join(experiments, ", ")));
-    }
+          ->description(fmt::format("{}", fmt::join(names_for("EXPERIMENT"), ", ")));
     auto* target = command->add_option(verb.target, request.target);
     if (name == "laws") {
       target->description("one law; all if left out");
@@ -111,7 +111,8 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     }
     if (name != "plot") command->add_flag("--json", request.json, "print the result as JSON, and nothing else");
     if (name == "bench") {
-      target->description(fmt::format("{}", fmt::join(::bench::names(), ", ")))->check(CLI::IsMember(::bench::names()));
+      const auto benches = names_for("WHAT");
+      target->description(fmt::format("{}", fmt::join(benches, ", ")))->check(CLI::IsMember(benches));
       command->add_flag("--quick", request.quick, "few points and tolerances: checks in seconds that everything works");
       command->add_option("--python", request.python, "Python with SciPy; without it SciPy is left out")
           ->default_val("/usr/bin/python3");
@@ -122,7 +123,7 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
         ->allow_extra_args(false);
     command->add_option("--tolerance", request.tolerance, "relative accuracy of every result");
     command->add_option("--threads", request.threads, "threads of a map; results do not depend on it")
-        ->capture_default_str();
+        ->default_str("all cores");
     command->add_flag("--no-pictures", request.no_pictures,
                       "write no pictures, only what 'rosin plot' draws them from");
     if (name == "compare")
@@ -130,6 +131,42 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     if (name == "map") command->add_flag("--exact", request.exact, "compute every point of a map, interpolate none");
     command->add_flag("--explain", request.explain, "say on standard error what is computed how, and what is skipped");
   }
+}
+
+}  // namespace
+
+std::vector<VerbUsage> verb_usages() {
+  Request request;
+  CLI::App app;
+  add_verbs(app, request);
+  std::vector<VerbUsage> usages;
+  for (const auto* command : app.get_subcommands({})) {
+    usages.push_back({command->get_name(), command->get_description(), {}, {}});
+    for (const auto* option : command->get_options()) {
+      const auto value = option->get_items_expected_max() > 0 ? option->get_type_name() : std::string();
+      auto help = option->get_description();
+      if (const auto standard = option->get_default_str(); !standard.empty()) help += "; default " + standard;
+      if (option->get_positional())
+        usages.back().arguments.push_back(
+            {option->get_name(true), value, help, option->get_required(), names_for(option->get_name(true))});
+      else
+        usages.back().options.push_back({"--" + option->get_lnames().front(), value, help, false, {}});
+    }
+  }
+  return usages;
+}
+
+std::variant<Request, int> parse_command_line(int argc, char** argv) {
+  std::vector<std::string> names;
+  for (const auto& verb : verbs) names.emplace_back(verb.name);
+  if (argc > 1 && argv[1][0] != '-' && std::ranges::find(names, argv[1]) == names.end())
+    return refuse(fmt::format("unknown command '{}'{}\nCommands: {}", argv[1], did_you_mean(argv[1], names),
+                              fmt::join(names, ", ")));
+
+  Request request;
+  request.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  CLI::App app("rosin: dynamic friction on the command line", "rosin");
+  add_verbs(app, request);
 
   try {
     app.parse(argc, argv);
