@@ -190,11 +190,11 @@ class Workshop {
   Patch::Class classify(const Frame& frame, int x, int y) const {
     try {
       switch (judge(model_at(frame.x0 + x, frame.y0 + y), coexistence_)) {
-        case Verdict::stable:
+        case PointVerdict::stable:
           return settled;
-        case Verdict::look_for_cycle:
+        case PointVerdict::look_for_cycle:
           return unstable;
-        case Verdict::look_beside_steady:
+        case PointVerdict::look_beside_steady:
           return beside_steady;
       }
     } catch (const InputError&) {

@@ -20,7 +20,7 @@ Forecast::Forecast(const Model& model, const MapOptions& options, double toleran
         const int ix = place(options.x, i), iy = place(options.y, j);
         Model here =
             model.with(options.x.parameter, options.x.values[ix]).with(options.y.parameter, options.y.values[iy]);
-        if (judge(here, coexistence) == Verdict::stable) continue;
+        if (judge(here, coexistence) == PointVerdict::stable) continue;
         models.push_back(std::move(here));
         samples_.push_back({ix, iy, 0});
       } catch (const InputError&) {  // the plane itself will say it

@@ -152,7 +152,7 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
         if (column % every != 0 || row % every != 0) return;
         open[k].expected += Forecast::judging;
         try {
-          if (judge(model_at(i), coexistence) != Verdict::stable)
+          if (judge(model_at(i), coexistence) != PointVerdict::stable)
             open[k].expected += forecast.attempts_at(int(i % nx), int(i / nx));
         } catch (const InputError&) {  // it will be said of the point
         }
@@ -181,12 +181,12 @@ void compute_every_point(const Model& model, const MapOptions& options, Coexiste
                      tiles.for_each(job->what, [&](std::size_t i, int column, int row) {
                        try {
                          Model here = model_at(i);
-                         const Verdict verdict = judge(here, coexistence);
-                         if (verdict == Verdict::stable) return void(finished.emplace_back(i, stable_point()));
+                         const PointVerdict verdict = judge(here, coexistence);
+                         if (verdict == PointVerdict::stable) return void(finished.emplace_back(i, stable_point()));
                          models.push_back(std::move(here));
                          places.push_back({&tile, column, row, phase_at(column, row)});
                          indices.push_back(i);
-                         attracted.push_back(verdict == Verdict::look_beside_steady);
+                         attracted.push_back(verdict == PointVerdict::look_beside_steady);
                        } catch (const InputError& e) {
                          finished.emplace_back(i, failed_point(e.what()));
                        }

@@ -9,14 +9,15 @@
 
 namespace rosin::analysis {
 
-Verdict judge(const Model& model, CoexistenceSearch& coexistence) {
+PointVerdict judge(const Model& model, CoexistenceSearch& coexistence) {
   const auto unstable = [&] {
     if (const auto stable = surely_stable(model)) return !*stable;
     const Stability sliding = stability(model);
     return !sliding.stable && !sliding.marginal;
   };
-  if (unstable()) return Verdict::look_for_cycle;
-  return coexistence.ask(model).answer == Coexistence::Answer::none ? Verdict::stable : Verdict::look_beside_steady;
+  if (unstable()) return PointVerdict::look_for_cycle;
+  return coexistence.ask(model).answer == Coexistence::Answer::none ? PointVerdict::stable
+                                                                    : PointVerdict::look_beside_steady;
 }
 
 MapPoint undecided_point() {

@@ -9,9 +9,9 @@
 namespace rosin::analysis {
 
 /// What linear stability and the folds of cycles say of a point before any integration.
-enum class Verdict : std::uint8_t { stable, look_for_cycle, look_beside_steady };
+enum class PointVerdict : std::uint8_t { stable, look_for_cycle, look_beside_steady };
 /// \throws InputError where steady sliding cannot be found or linearised.
-Verdict judge(const Model&, CoexistenceSearch&);
+PointVerdict judge(const Model&, CoexistenceSearch&);
 
 MapPoint stable_point();
 MapPoint failed_point(std::string why);

@@ -80,7 +80,7 @@ void describe(CLI::App& app, Request& request) {
           },
           operand.target);
       added->required(operand.required);
-      if (!operand.choices.empty()) added->check(CLI::IsMember(operand.choices));
+      if (operand.checked) added->check(CLI::IsMember(operand.choices));
     }
     for (const auto& option : verb.options)
       std::visit([&](auto member) { add(*command, option, request.*member); }, option.target);
@@ -91,6 +91,30 @@ void describe(CLI::App& app, Request& request) {
 }
 
 }  // namespace
+
+std::vector<VerbUsage> verb_usages() {
+  Request request;
+  CLI::App app;
+  describe(app, request);
+  std::vector<VerbUsage> usages;
+  for (const auto* command : app.get_subcommands({})) {
+    usages.push_back({command->get_name(), command->get_description(), {}, {}});
+    const auto& operands = find_verb(command->get_name()).operands;
+    for (const auto* option : command->get_options()) {
+      const auto value = option->get_items_expected_max() > 0 ? option->get_type_name() : std::string();
+      auto help = option->get_description();
+      if (const auto standard = option->get_default_str(); !standard.empty()) help += "; default " + standard;
+      if (!option->get_positional()) {
+        usages.back().options.push_back({"--" + option->get_lnames().front(), value, help, false, {}});
+        continue;
+      }
+      const auto name = option->get_name(true);
+      const auto operand = std::ranges::find(operands, name, [](const Operand& one) { return std::string(one.name); });
+      usages.back().arguments.push_back({name, value, help, option->get_required(), operand->choices});
+    }
+  }
+  return usages;
+}
 
 std::string help_of(const std::string& verb) {
   Request request;

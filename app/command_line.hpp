@@ -32,6 +32,21 @@ struct Request {
   double limit = 60;                        ///< bench: seconds for all tolerances of one solver
 };
 
+/// An argument or option of a verb, as pages and completions show it.
+struct ArgumentUsage {
+  std::string name;   ///< "SCENE", "--set"
+  std::string value;  ///< kind of its value, "TEXT"; empty for a flag
+  std::string help;
+  bool required;
+  std::vector<std::string> choices;  ///< the names it is one of; empty: anything
+};
+struct VerbUsage {
+  std::string name, help;
+  std::vector<ArgumentUsage> arguments, options;
+};
+/// Every verb, as the command line is parsed.
+std::vector<VerbUsage> verb_usages();
+
 /// The request, or the exit status where everything is said already (--help, --version, wrong usage).
 std::variant<Request, int> parse_command_line(int argc, char** argv);
 

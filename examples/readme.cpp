@@ -1,9 +1,9 @@
 /// The example of README.md: where does board start to squeal, and what motion follows?
 #include <fmt/core.h>
 
-#include "analysis/cycle.hpp"
-#include "analysis/stability.hpp"
-#include "laws/catalogue.hpp"
+#include <rosin/analysis/cycle.hpp>
+#include <rosin/analysis/stability.hpp>
+#include <rosin/laws/catalogue.hpp>
 
 int main() {
   using namespace rosin;

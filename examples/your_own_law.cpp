@@ -5,9 +5,9 @@
 ///   μ = (mu + d·ψ)·v/(|v| + 1e-9 m/s),   λ ψ' = (1 − ψ)/t_heal − |v| ψ/L
 #include <fmt/core.h>
 
-#include "analysis/cycle.hpp"
-#include "analysis/stability.hpp"
-#include "laws/adapter.hpp"
+#include <rosin/analysis/cycle.hpp>
+#include <rosin/analysis/stability.hpp>
+#include <rosin/laws/adapter.hpp>
 
 using namespace rosin;
 

@@ -29,7 +29,7 @@ Verb bench_verb() {
       .help = "run time against true error beside other solvers",
       .example = "rosin bench cycle --quick",
       .operands = {{"WHAT", &Request::target, fmt::format("{}", fmt::join(::bench::names(), ", ")), true,
-                    ::bench::names()}},
+                    ::bench::names(), true}},
       .options = {out_option("out/bench-<WHAT>/"),
                   quiet_option,
                   json_option,

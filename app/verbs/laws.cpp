@@ -74,10 +74,12 @@ Status list_laws(const Request& request) {
 }  // namespace
 
 Verb laws_verb() {
+  std::vector<std::string> names;
+  for (const auto& law : laws::catalogue()) names.emplace_back(law->card().name);
   return {.name = "laws",
           .help = "list friction laws with parameters, units, ranges and sources",
           .example = "rosin laws spinodal",
-          .operands = {{"LAW", &Request::target, "one law; all if left out", false}},
+          .operands = {{"LAW", &Request::target, "one law; all if left out", false, names}},
           .options = {json_option},
           .without_scene = list_laws};
 }

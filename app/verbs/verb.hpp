@@ -36,7 +36,8 @@ struct Operand {
   Target target;
   std::string help;
   bool required = true;
-  std::vector<std::string> choices = {};  ///< empty: anything
+  std::vector<std::string> choices = {};  ///< names that it is one of, for completions; empty: anything
+  bool checked = false;                   ///< whether others are refused when the line is parsed, before the verb
 };
 
 /// A table of a scene.

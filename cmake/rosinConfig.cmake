@@ -1,0 +1,11 @@
+# find_package(rosin): the target rosin::rosin, and the libraries that a static one is linked with.
+include(CMakeFindDependencyMacro)
+find_dependency(Threads)
+find_dependency(Eigen3 3.4)
+find_dependency(fmt 9)
+find_dependency(SUNDIALS 6.4)
+find_dependency(PkgConfig)
+pkg_check_modules(UDUNITS REQUIRED QUIET IMPORTED_TARGET udunits)
+pkg_check_modules(FFTW REQUIRED QUIET IMPORTED_TARGET fftw3)
+pkg_check_modules(GSL REQUIRED QUIET IMPORTED_TARGET gsl)
+include(${CMAKE_CURRENT_LIST_DIR}/rosinTargets.cmake)
