@@ -58,12 +58,10 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME rosin)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS gnuplot-nox)
-set(CPACK_COMPONENT_COMMAND_DESCRIPTION "dynamic friction on the command line
- Friction laws, sliders, stability of steady sliding, stick-slip and parameter planes, each number with an error.")
+set(CPACK_COMPONENT_COMMAND_DESCRIPTION "The command rosin with its examples, and cases to verify it by.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME librosin-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libeigen3-dev, libfmt-dev, libsundials-dev, libudunits2-dev, libfftw3-dev, libgsl-dev, pkgconf")
-set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "dynamic friction from C++
- Headers and the static library of rosin, for CMake and pkg-config.")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Headers and the static library of rosin, for CMake and pkg-config.")
 include(CPack)
