@@ -14,6 +14,7 @@
 
 #include "analysis/curve.hpp"
 #include "analysis/return_map.hpp"
+#include "core/linear_solve.hpp"
 
 namespace rosin::analysis {
 
@@ -38,7 +39,7 @@ class LoadOfCycle {
     for (int i = 0; i < most; ++i) {
       // What far steps have taught may lead nowhere.
       if (i > 0 && i % patience == 0 && !measure_jacobian(size, residual)) return std::nullopt;
-      Eigen::VectorXd step = -jacobian_.partialPivLu().solve(residual);
+      Eigen::VectorXd step = -solve_linear(jacobian_, residual);
       const double length = step.norm();
       if (!std::isfinite(length)) return std::nullopt;
       if (length > 0.1) step *= 0.1 / length;

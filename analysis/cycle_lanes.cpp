@@ -1,7 +1,6 @@
 /// A small state machine for each slider: settle at a loose tolerance, settle at a tight one, compare.
 #include "analysis/cycle_lanes.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -13,6 +12,7 @@
 #include "analysis/loop_area.hpp"
 #include "analysis/return_map.hpp"
 #include "core/eigenpairs.hpp"
+#include "core/linear_solve.hpp"
 
 namespace rosin::analysis {
 
@@ -211,7 +211,7 @@ struct Search {
     const VectorXd change = visit.image - visit.start;
     if (change.size() == 0) return change;
     const MatrixXd A = MatrixXd::Identity(change.size(), change.size()) - derivative;
-    VectorXd step = A.partialPivLu().solve(change);
+    VectorXd step = solve_linear(A, change);
     // Backwards: towards a fixed point that repels. Ahead, then.
     if (!step.allFinite() || step.dot(change) < 0) step = 4 * change;
     const double longest = 0.3 * size_at(visit.start) + change.norm();

@@ -12,6 +12,7 @@
 #include "analysis/irregular_motion.hpp"
 #include "analysis/multipliers.hpp"
 #include "analysis/stick_slip_period.hpp"
+#include "core/linear_solve.hpp"
 
 namespace rosin::analysis {
 
@@ -71,8 +72,7 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
     }
     halvings = 0;
     const MatrixXd A = scale.cwiseInverse().asDiagonal() * (I - passage.derivative) * scale.asDiagonal();
-    step =
-        scale.asDiagonal() * A.partialPivLu().solve(scale.cwiseInverse().asDiagonal() * map.difference(passage.end, y));
+    step = scale.asDiagonal() * solve_linear(A, scale.cwiseInverse().asDiagonal() * map.difference(passage.end, y));
     if (!step.allFinite()) return std::nullopt;
     const double length = map.length(step) / std::max(size, 1e-12);
     // What weak attraction leaves of rounding in a passage is not small.

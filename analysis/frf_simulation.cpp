@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 
 #include "analysis/run.hpp"
 #include "core/error.hpp"
+#include "core/linear_solve.hpp"
 #include "core/workers.hpp"
 #include "oscillators/slider_system.hpp"
 #include "solvers/collocation.hpp"
@@ -96,7 +96,7 @@ std::vector<double> periodic_force(const Model& model, double period, int sample
       for (Eigen::Index k = 0; k < m; ++k)
         matrix(i, k) = (i == k ? 1 : 0) - S[std::size_t(row * n + moving[std::size_t(k)])];
     }
-    const Eigen::VectorXd change = matrix.partialPivLu().solve(defect);
+    const Eigen::VectorXd change = solve_linear(matrix, defect);
     system.scale(y.data(), scale.data());
     double size = 0;
     for (Eigen::Index i = 0; i < m; ++i) {

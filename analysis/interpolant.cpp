@@ -1,10 +1,11 @@
 /// Polynomials through evenly spaced nodes, and what becomes of them in each form.
 #include "analysis/interpolant.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "core/linear_solve.hpp"
 
 namespace rosin::analysis {
 
@@ -50,7 +51,7 @@ bool continue_smoothly(const std::vector<int>& x, const std::vector<int>& y, con
       A.row(k) = least_left / left[k] * basis(k);
       b[k] = least_left / left[k] * numbers.value[k];
     }
-  const Eigen::VectorXd coefficients = A.colPivHouseholderQr().solve(b);
+  const Eigen::VectorXd coefficients = least_squares(A, b);
   for (int k = 0; k < nodes; ++k)
     if (!known(k)) {
       numbers.value[k] = basis(k).dot(coefficients);

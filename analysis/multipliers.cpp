@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "core/eigenpairs.hpp"
+#include "core/linear_solve.hpp"
 
 namespace rosin::analysis {
 
@@ -87,9 +87,8 @@ std::optional<MatrixXd> derivative_at_fixed_point(ReturnMap& map, std::vector<do
     if (length < noise * tolerance * std::min(1.0, amplitude)) break;
     const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
     const VectorXd step =
-        scale.asDiagonal() * MatrixXd(scale.cwiseInverse().asDiagonal() * (I - *derivative) * scale.asDiagonal())
-                                 .partialPivLu()
-                                 .solve(scale.cwiseInverse().asDiagonal() * change);
+        scale.asDiagonal() * solve_linear(scale.cwiseInverse().asDiagonal() * (I - *derivative) * scale.asDiagonal(),
+                                          scale.cwiseInverse().asDiagonal() * change);
     if (!step.allFinite()) break;
     y = map.moved(y, step, 1);
   }

@@ -1,6 +1,6 @@
 /// What neighbours in a tile of a parameter plane know of their cycles, brought to the place of another.
 #pragma once
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <array>
 #include <deque>
 #include <map>

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "analysis/multipliers.hpp"
+#include "core/linear_solve.hpp"
 
 namespace rosin::analysis {
 
@@ -155,7 +156,7 @@ class OnsetMap::Search {
       moved.col(i) = (onsets_[at] - onsets_[at - 1]).cwiseQuotient(sizes);
       differed.col(i) = (changes_[at] - changes_[at - 1]).cwiseQuotient(sizes);
     }
-    const VectorXd share = differed.colPivHouseholderQr().solve(step.cwiseQuotient(sizes));
+    const VectorXd share = least_squares(differed, step.cwiseQuotient(sizes));
     VectorXd onward = step - ((moved + differed) * share).cwiseProduct(sizes);
     if (!onward.allFinite()) return step;
     const auto farthest = [&](const VectorXd& way) { return way.cwiseQuotient(sizes).cwiseAbs().maxCoeff(); };
@@ -339,7 +340,7 @@ std::optional<VectorXd> OnsetMap::newton_step(const VectorXd& z, const VectorXd&
   const VectorXd sizes = sizes_at(z);
   const MatrixXd D = sizes.cwiseInverse().asDiagonal() * derivative(z) * sizes.asDiagonal();
   if (!D.allFinite()) return std::nullopt;
-  VectorXd onward = (MatrixXd::Identity(z.size(), z.size()) - D).partialPivLu().solve(step.cwiseQuotient(sizes));
+  VectorXd onward = solve_linear(MatrixXd::Identity(z.size(), z.size()) - D, step.cwiseQuotient(sizes));
   if (!onward.allFinite()) return std::nullopt;
   constexpr double most = 0.5;
   onward = onward.cwiseMax(-most);

@@ -1,6 +1,6 @@
 /// The map of a contact's states from onset to onset of slip, and its fixed point.
 #pragma once
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <complex>
 #include <optional>
 #include <vector>

@@ -1,6 +1,6 @@
 /// The map from one passage through v = V (v rising) to the next, with its derivative and a recorder of metrics.
 #pragma once
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <vector>
 

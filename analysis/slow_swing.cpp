@@ -5,6 +5,8 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 
+#include "core/linear_solve.hpp"
+
 namespace rosin::analysis {
 
 using oscillators::Mechanics;
@@ -121,7 +123,7 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
       const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(states, states);
       const Eigen::MatrixXd A = scale.cwiseInverse().asDiagonal() * (I - swing.state_derivative) * scale.asDiagonal();
       change.tail(states) =
-          scale.asDiagonal() * A.partialPivLu().solve(scale.cwiseInverse().asDiagonal() * change.tail(states));
+          scale.asDiagonal() * solve_linear(A, scale.cwiseInverse().asDiagonal() * change.tail(states));
     }
     change.head(mechanical).setZero();
     swing.y = map.moved(swing.y, change, 1);

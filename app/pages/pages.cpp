@@ -32,7 +32,7 @@ std::string escaped(std::string_view text, std::string_view special, std::string
 /// For troff, where a hyphen would be printed as one, which no shell takes for a minus.
 std::string troff(std::string_view text) { return escaped(text, "-", "\\"); }
 /// Between single quotes of a shell.
-std::string quoted(std::string_view text) { return "'" + escaped(text, "'", "'\\'") + "'"; }
+std::string in_quotes(std::string_view text) { return "'" + escaped(text, "'", "'\\'") + "'"; }
 /// The help of an option within `_arguments` of zsh, which reads brackets and colons.
 std::string zsh(std::string_view text) { return escaped(text, "[]:\\", "\\"); }
 
@@ -144,7 +144,7 @@ std::string zsh_completion() {
       "#compdef rosin\n"
       "# Completion of rosin for zsh. Generated from the command's own tables.\n"
       "local -a verbs=(\n";
-  for (const auto& verb : verbs) text += fmt::format("  {}\n", quoted(verb.name + ":" + zsh(verb.help)));
+  for (const auto& verb : verbs) text += fmt::format("  {}\n", in_quotes(verb.name + ":" + zsh(verb.help)));
   text +=
       ")\n"
       "if (( CURRENT == 2 )); then\n"
@@ -159,12 +159,12 @@ std::string zsh_completion() {
   for (const auto& verb : verbs) {
     text += fmt::format("  {})\n    _arguments", verb.name);
     for (const auto& option : verb.options)
-      text += fmt::format(" \\\n      {}", quoted(fmt::format("{}[{}]{}", option.name, zsh(option.help),
-                                                              option.value.empty() ? "" : ":value:_files")));
+      text += fmt::format(" \\\n      {}", in_quotes(fmt::format("{}[{}]{}", option.name, zsh(option.help),
+                                                                 option.value.empty() ? "" : ":value:_files")));
     for (const auto& argument : verb.arguments) {
       const auto names = argument.choices.empty() ? "_files" : fmt::format("({})", fmt::join(argument.choices, " "));
       text += fmt::format(" \\\n      {}",
-                          quoted(fmt::format("{}:{}:{}", argument.required ? "" : ":", argument.name, names)));
+                          in_quotes(fmt::format("{}:{}:{}", argument.required ? "" : ":", argument.name, names)));
     }
     text += " ;;\n";
   }
@@ -178,11 +178,11 @@ std::string fish_completion() {
       "complete -c rosin -n __fish_use_subcommand -l help\n"
       "complete -c rosin -n __fish_use_subcommand -l version\n";
   for (const auto& verb : verbs) {
-    text += fmt::format("complete -c rosin -f -n __fish_use_subcommand -a {} -d {}\n", verb.name, quoted(verb.help));
+    text += fmt::format("complete -c rosin -f -n __fish_use_subcommand -a {} -d {}\n", verb.name, in_quotes(verb.help));
     const auto here = fmt::format("complete -c rosin -n '__fish_seen_subcommand_from {}'", verb.name);
     for (const auto& option : verb.options)
       text += fmt::format("{} -l {}{} -d {}\n", here, option.name.substr(2), option.value.empty() ? "" : " -r",
-                          quoted(option.help));
+                          in_quotes(option.help));
     if (const auto choices = choices_of(verb); !choices.empty())
       text += fmt::format("{} -a '{}'\n", here, fmt::join(choices, " "));
   }

@@ -1,0 +1,14 @@
+/// Systems of linear equations, whose factorisations by Eigen, slow to compile, are compiled once for all who solve
+/// one.
+#pragma once
+#include <Eigen/Core>
+
+namespace rosin {
+
+/// x of A·x = b with a square A, by LU with row pivoting. Not finite where A is singular.
+Eigen::VectorXd solve_linear(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+
+/// x that makes |A·x − b| least, by QR with column pivoting.
+Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+
+}  // namespace rosin
