@@ -103,7 +103,9 @@ toml::table read_toml(const std::string& path) {
 
 void apply_override(toml::table& scene, const std::string& given) {
   constexpr std::size_t shown = 200;
-  const std::string origin = std::string(override_mark) + (given.size() > shown ? given.substr(0, shown) + "…" : given);
+  std::string origin(override_mark);
+  origin += given.substr(0, shown);
+  if (given.size() > shown) origin += "…";
   const auto equals = given.find('=');
   if (equals == std::string::npos || equals == 0)
     throw InputError(fmt::format("{}: must read path=value, such as --set drive.speed=1e-5", origin));
