@@ -46,7 +46,7 @@ TEST_CASE("man page and completions name every verb and option of the command", 
                in_fish = part(fish, "__fish_seen_subcommand_from " + verb + "'", "-n __fish_use_subcommand");
     const auto usage = rosin::tests::run_rosin(folder, verb + " --help").out;
     const auto options = found(usage, "^  (?:-h,)?--([a-z-]+)");
-    CHECK(options.size() > 2);
+    CHECK(options.size() > (verb == "help" ? 0 : 2));
     for (const auto& option : options) {
       INFO(verb << " --" << option);
       CHECK_THAT(in_man, Contains("fB--" + option + "fR"));
