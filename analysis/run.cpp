@@ -331,7 +331,7 @@ class Pass {
     sample_until(t, false, [&](double) { return y.data(); });
     while (true) {
       start(solver, t, y);
-      const double limit = std::min(end, system_.next_break(t));
+      const double next = system_.next_break(t), limit = std::min(end, next);
       while (solver.time() < limit) {
         if (++steps_ > options_.most_steps) {
           if (const auto end = why_rest_lasts(system_, solver.time(), solver.state().data()))
@@ -347,11 +347,11 @@ class Pass {
       }
       y = solver.state();
       t = limit;
+      if (t == next) system_.cross_break(t, y.data());
       if (t >= end) {
         sample_until(end, true, [&](double) { return y.data(); });
         return {};
       }
-      system_.cross_break(t, y.data());
     }
   }
   /// A step that failed, with the reason if that lies in the motion.

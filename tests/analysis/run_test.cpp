@@ -57,6 +57,20 @@ TEST_CASE("velocity steps are exact for ageing, slip and spinodal laws", "[run]"
         {0.25732355502907, 0.28964440243281, 0.33391676336368, 0.36415700064572, 0.36899655579644});
 }
 
+TEST_CASE("a sample at a step of the drive has the friction after it, the last one too", "[run]") {
+  // Under an imposed slip rate friction jumps by a ln 10 = 0.0230258509299 where the rate rises tenfold.
+  auto model = slider_under("ageing", {0.6, 0.010, 0.015, 1e-5, 1e-6}, {0, infinity, 0}, 1e-6, 1);
+  model.drive.speed = Signal(Signal::Steps{{{0, 1e-6}, {1, 1e-5}}});
+  RunOptions options;
+  options.solver = GENERATE("auto", "collocation");
+  options.times = GENERATE(std::vector<double>{0.5, 1}, std::vector<double>{1}, std::vector<double>{0.5, 1, 2});
+  options.duration = options.times.back();
+  const Run result = run(model, options);
+  REQUIRE(result.outcome.complete());
+  const auto at_step = std::ranges::find(result.time, 1.0) - result.time.begin();
+  CHECK(result.columns[friction_column][at_step] == Approx(0.6230258509299).epsilon(1e-11));
+}
+
 TEST_CASE("rsfmodel's published velocity step through a loading spring", "[run]") {
   // Leeman, May & Marone (2016): a 0.005, b 0.01, Dc 10 µm, k/N = 1e-3 per µm, 1 to 10 µm/s at t = 10 s.
   auto model = slider_under("ageing", {0.6, 0.005, 0.01, 1e-5, 1e-6}, {0, 1e3, 0}, 1e-6, 1);
