@@ -1,5 +1,5 @@
-/// Verbs, options and choices stand in command_line.cpp alone; here is what each reader of them wants them to look
-/// like.
+/// Verbs, options and choices stand in the files of the verbs alone; here is what each reader of them wants them to
+/// look like.
 #include "app/pages/pages.hpp"
 
 #include <fmt/format.h>

@@ -5,9 +5,7 @@
 
 #include <algorithm>
 
-#include "app/output/files.hpp"
 #include "app/output/json.hpp"
-#include "app/output/pictures.hpp"
 #include "app/scene/reader.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/verb.hpp"

@@ -2,9 +2,7 @@
 #include "app/verbs/verbs.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
 #include <map>
 
 #include "app/scene/reader.hpp"
@@ -33,10 +31,7 @@ const Verb& find_verb(std::string_view name) {
     if (name == verb.name) return verb;
     known.emplace_back(verb.name);
   }
-  const auto near = nearest_name(name, known);
-  throw InputError(fmt::format("unknown command '{}'{}", name,
-                               near.empty() ? fmt::format("; known are {}", fmt::join(known, ", "))
-                                            : fmt::format("; did you mean '{}'?", near)));
+  throw InputError(fmt::format("unknown command '{}'{}", name, suggestion(name, known)));
 }
 
 // ---------------------------------------------------------------- what verbs have in common
@@ -114,9 +109,8 @@ Scene read_scene(const Request& request) {
                        {}};
     for (const char* table : {"sweep", "branch", "lyapunov"}) reader.root.refuse(table);
     for (const char* key : {"title", "law", "oscillator", "drive", "verify"}) reader.root.find(key);
-    for (const auto& other : verbs()) {
+    for (const auto& other : verbs())
       for (const auto& need : other.needs) reader.root.find(need.table);
-    }
     if (const auto* title = reader.root.find("title")) scene.title = text(*title, "title");
     verb.read(reader);
     reader.root.finish();

@@ -181,9 +181,10 @@ Question read_question(Table table, const Case& owner) {
 /// Tables that no verb of the case looks at could hold anything.
 void refuse_unread(const toml::table& document, const Case& one) {
   std::vector<std::string> read = {"title", "verify"};
-  for (const auto& question : one.questions) {
-    if (question.words.empty()) continue;
-    for (const auto& need : find_verb(question.words[0]).needs) read.emplace_back(need.table);
+  for (const auto& question : one.questions)
+    if (!question.words.empty())
+      for (const auto& need : find_verb(question.words[0]).needs) read.emplace_back(need.table);
+  if (one.not_reproduced.empty()) {
     read.insert(read.end(), {"law", "oscillator", "drive"});
     for (const auto& verb : verbs())
       for (const auto& table : verb.tables) read.emplace_back(table.name);

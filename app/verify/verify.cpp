@@ -2,11 +2,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <atomic>
 #include <chrono>
 #include <mutex>
 
-#include "app/output/gnuplot.hpp"
 #include "app/output/json.hpp"
 #include "app/output/results.hpp"
 #include "app/verbs/job.hpp"
@@ -53,6 +51,15 @@ std::string shell_word(const std::string& word) {
   return quoted + "'";
 }
 
+/// What behind `rosin` gives the answer to a question.
+std::vector<std::string> arguments_of(const Case& one, const Question& question) {
+  auto arguments = question.words;
+  arguments.insert(arguments.begin() + (arguments[0] == "lab" ? 2 : 1), one.path.string());
+  for (const auto& set : question.overrides) arguments.insert(arguments.end(), {"--set", set});
+  if (one.tolerance) arguments.insert(arguments.end(), {"--tolerance", fmt::format("{}", *one.tolerance)});
+  return arguments;
+}
+
 std::vector<Answer> answers_wanted(const std::vector<Case>& cases) {
   std::vector<Answer> answers;
   for (const auto& one : cases)
@@ -66,12 +73,8 @@ std::vector<Answer> answers_wanted(const std::vector<Case>& cases) {
         answer.verdict = Verdict::not_reproduced;
         answer.reason = one.not_reproduced;
       } else {
-        auto words = question.words;
-        words.insert(words.begin() + (words[0] == "lab" ? 2 : 1), one.path.string());
-        for (const auto& set : question.overrides) words.insert(words.end(), {"--set", set});
         answer.command = "rosin";
-        for (const auto& word : words) answer.command += " " + shell_word(word);
-        if (one.tolerance) answer.command += fmt::format(" --tolerance {}", *one.tolerance);
+        for (const auto& word : arguments_of(one, question)) answer.command += " " + shell_word(word);
       }
       answers.push_back(std::move(answer));
     }
@@ -88,10 +91,7 @@ std::vector<Inquiry> inquiries(std::vector<Answer>& answers, const fs::path& fol
     const auto& one = *answer.of;
     if (all.empty() || all.back().answers.front()->of != &one) of_case = 0;
     if (all.empty() || answer.command != last) {
-      auto arguments = answer.question->words;
-      arguments.insert(arguments.begin() + (arguments[0] == "lab" ? 2 : 1), one.path.string());
-      for (const auto& set : answer.question->overrides) arguments.insert(arguments.end(), {"--set", set});
-      if (one.tolerance) arguments.insert(arguments.end(), {"--tolerance", fmt::format("{}", *one.tolerance)});
+      auto arguments = arguments_of(one, *answer.question);
       const auto own = folder / one.name / fmt::format("{}", ++of_case);
       arguments.insert(arguments.end(), {"--quiet", "--no-pictures", "--threads", "1", "--time-limit",
                                          fmt::format("{}", longest), "--out", fs::absolute(own).string()});
