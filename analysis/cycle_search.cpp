@@ -13,6 +13,7 @@
 #include "analysis/multipliers.hpp"
 #include "analysis/stick_slip_period.hpp"
 #include "core/linear_solve.hpp"
+#include "oscillators/time_scales.hpp"
 
 namespace rosin::analysis {
 
@@ -511,7 +512,7 @@ class Search {
     const auto end = follow_slow_swing(map_, *swing, closely);
     constexpr double leaves_alone = 1e-12;  // so that metrics to 1e-6 hold for a million turns
     // What a contact that remembers does in a turn is known to the last digits of the swing.
-    const bool tells = swing->turnover > leaves_alone || !remembers(map_.system().model());
+    const bool tells = swing->turnover > leaves_alone || !oscillators::remembers(map_.system().model());
     if (end.balance && tells) return accept_swing(end);
     if (steady_is_stable()) return end.last->amplitude < dead ? Attempt::ends : Attempt::goes_on;
     if (std::abs(swing->growth) < leaves_alone) {

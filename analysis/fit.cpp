@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "analysis/clipping.hpp"
-#include "analysis/lab/sensor.hpp"
+#include "core/random.hpp"
 
 namespace rosin::analysis {
 
@@ -254,7 +254,7 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
     if (options.progress) options.progress(++done, total);
   };
   const auto own = problem.q;
-  const auto random = lab::white_noise(p * std::size_t(starts), options.seed);
+  const auto random = white_noise(p * std::size_t(starts), options.seed);
   Minimum best;
   for (int s = 0; s < starts; ++s) {
     problem.q = own;

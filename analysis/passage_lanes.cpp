@@ -9,6 +9,7 @@
 #include "analysis/stick_slip_period.hpp"
 #include "core/instruction_set.hpp"
 #include "core/stop.hpp"
+#include "oscillators/time_scales.hpp"
 
 namespace rosin::analysis {
 
@@ -148,7 +149,7 @@ bool PassageLanes::take(int lane, PassageQueue& queue) {
   below_.set(lane, !passage.from_section && v < floor_[lane]);
   armed_.set(lane, 0);
   if (switches_) {
-    swing_.set(lane, 0.1 * swing_time(passage.slider->model()));
+    swing_.set(lane, 0.1 * oscillators::swing_time(passage.slider->model()));
     landing_floor_.set(lane, 0.1 * passage.tolerance * at.V);
   }
   if (passage.record) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/stated_error.hpp"
 #include "solvers/collocation.hpp"
 
 namespace rosin::analysis {
@@ -46,11 +47,6 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
     if (ratio > largest) largest = ratio, worst = metric.name;
   }
   return largest;
-}
-
-double with_caution(double error, double size, double asked) {
-  constexpr double times = 3;
-  return std::max(error, std::min(times * error, asked * size));
 }
 
 void state_with_caution(Metrics& error, const Metrics& metrics, double asked, double V) {

@@ -12,9 +12,7 @@ namespace rosin::analysis {
 double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolerance, double closure, double V,
                        bool stick_is_ill_conditioned, Metrics& error, std::string& worst, double caution = 1);
 
-/// What the estimate of a metric of this size falls short of now and then: states up to three times as much, where that
-/// stays within what was `asked` for.
-double with_caution(double error, double size, double asked);
+/// States the errors of all metrics with_caution.
 void state_with_caution(Metrics& error, const Metrics&, double asked, double V);
 
 /// The tolerances of the refinements of a cycle, each finer than the one before, until the error asked for is met.

@@ -16,12 +16,12 @@
 #include "analysis/exact_run.hpp"
 #include "analysis/landing.hpp"
 #include "analysis/motion_end.hpp"
-#include "analysis/refinement.hpp"
 #include "analysis/stability.hpp"
-#include "analysis/stick_slip_period.hpp"
+#include "analysis/stated_error.hpp"
 #include "core/eigenpairs.hpp"
 #include "core/stop.hpp"
 #include "oscillators/slider_system.hpp"
+#include "oscillators/time_scales.hpp"
 #include "solvers/collocation.hpp"
 #include "solvers/cvode.hpp"
 #include "solvers/explicit.hpp"
@@ -470,7 +470,7 @@ class Pass {
   /// `rest_in_doubt` differ by what hangs on it.
   Outcome with_events(const std::vector<double>& y, double tolerance, bool rest_in_doubt) {
     solvers::StickSlip solver(system_, tolerance);
-    if (rest_in_doubt) solver.rest_in_doubt(remembers(system_.model()));
+    if (rest_in_doubt) solver.rest_in_doubt(oscillators::remembers(system_.model()));
     double stuck_since = 0, stuck = 0;
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       const bool sticking_before = system_.direction() == 0;

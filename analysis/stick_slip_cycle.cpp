@@ -18,6 +18,7 @@
 #include "analysis/refinement.hpp"
 #include "analysis/return_map.hpp"
 #include "analysis/stability.hpp"
+#include "oscillators/time_scales.hpp"
 
 namespace rosin::analysis {
 
@@ -31,7 +32,7 @@ bool never_weakens(const Model& model) {
   const auto& law = *model.law;
   const double N = model.drive.normal_load.level();
   double limit = static_limit_of_curve(model);
-  if (remembers(model)) {
+  if (oscillators::remembers(model)) {
     // What slip has taken comes back at a stop or at rest, or never.
     const auto spent = law.after_stop(law.steady({model.drive.speed.level(), N}));
     for (const double rate : law.rate({0, N}, spent))
@@ -111,7 +112,7 @@ StickSlipPeriod StickSlipSearch::period_from_stick(double tolerance) const {
   constexpr double grazing = 1e-3, surely = 1e-6, sharp = 1e-14;
   const bool missed = !period.found && period.outcome.complete() && period.closest < grazing;
   // Where friction is weak, steps that follow the motion take little notice of it, nor of a short rest.
-  const bool passed_over = missed && !period.reversed.empty() && !remembers(model_) && friction_felt_ < 1;
+  const bool passed_over = missed && !period.reversed.empty() && !oscillators::remembers(model_) && friction_felt_ < 1;
   const double closely = passed_over ? std::max(friction_felt_ * std::min(tolerance, surely), sharp)
                          : period.grazes || (missed && period.reversed.empty()) ? sharp
                                                                                 : tolerance;
@@ -207,7 +208,8 @@ bool StickSlipSearch::attracts_reversals() {
 Outcome StickSlipSearch::why_none(const StickSlipPeriod& period) const {
   constexpr double rounding = 1e-13, by_a_hair = 1e-5;
   if (kind_ != Kind::without_stick && period.closest < rounding) return comes_to_rest_or_not(period.closest);
-  if (remembers(model_) && !period.settles && (period.closest < by_a_hair || !(sliding_.stable || sliding_.marginal)))
+  if (oscillators::remembers(model_) && !period.settles &&
+      (period.closest < by_a_hair || !(sliding_.stable || sliding_.marginal)))
     return {Ending::budget_spent,
             "slip started from stick has come neither to rest again nor to steady sliding, nor back to where it began"};
   return {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
@@ -288,7 +290,7 @@ void StickSlipSearch::conclude() {
     } else {
       cycle_.multipliers = std::move(fine);
     }
-    if (remembers(model_)) cycle_.section_state = SliderSystem(model_).observe(0, onset_.data()).state;
+    if (oscillators::remembers(model_)) cycle_.section_state = SliderSystem(model_).observe(0, onset_.data()).state;
   }
   if (cycle_.multipliers.empty()) return;
   const double largest = std::abs(cycle_.multipliers.front());
@@ -304,11 +306,11 @@ void StickSlipSearch::conclude() {
 Cycle StickSlipSearch::find() {
   coarse_ = period_now();
   const auto dies_out = [&] { return !coarse_.found && coarse_.outcome.complete(); };
-  if (dies_out() && remembers(model_) && !coarse_.reversed.empty() && !attracts_reversals()) {
+  if (dies_out() && oscillators::remembers(model_) && !coarse_.reversed.empty() && !attracts_reversals()) {
     cycle_.outcome = {Ending::none_exists, "friction changes swings in which slip reverses by no more than rounding"};
     return cycle_;
   }
-  if (dies_out() && !remembers(model_) && !sliding_.stable && !sliding_.marginal) {
+  if (dies_out() && !oscillators::remembers(model_) && !sliding_.stable && !sliding_.marginal) {
     kind_ = Kind::without_stick;
     coarse_ = period_now();
     if (coarse_.found) {

@@ -10,29 +10,12 @@
 
 #include "analysis/return_map.hpp"
 #include "analysis/stability.hpp"
+#include "oscillators/time_scales.hpp"
 #include "solvers/stick_slip.hpp"
 
 namespace rosin::analysis {
 
 using oscillators::SliderSystem;
-
-namespace {
-/// Damping of the slider and of steady friction that rises with the slip rate together, N s/m.
-double resistance(const Model& model) {
-  const double N = model.drive.normal_load.level(), V = model.drive.speed.level();
-  return model.slider.damping + N * std::max(model.law->steady_friction({V, N}).slope, 0.0);
-}
-bool overdamped(const Model& model) {
-  return resistance(model) > 2 * std::sqrt(model.slider.mass * model.slider.stiffness);
-}
-}  // namespace
-
-double swing_time(const Model& model) {
-  const auto& s = model.slider;
-  return overdamped(model) ? resistance(model) / s.stiffness : 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness);
-}
-
-bool remembers(const Model& model) { return model.law->has_states() && model.lambda > 0; }
 
 Outcome comes_to_rest_or_not(double share) {
   return {Ending::tolerance_not_met,
@@ -109,13 +92,13 @@ class PeriodSearch {
   const oscillators::Slider& s_ = model_.slider;
   const double V_ = model_.drive.speed.level();
   const Stability sliding_ = stability(model_);
-  const double frequency_ = std::sqrt(s_.stiffness / s_.mass), swing_ = swing_time(model_);
-  const double resists_ = std::max(resistance(model_), std::sqrt(s_.stiffness* s_.mass));
+  const double frequency_ = std::sqrt(s_.stiffness / s_.mass), swing_ = oscillators::swing_time(model_);
+  const double resists_ = std::max(oscillators::resistance(model_), std::sqrt(s_.stiffness* s_.mass));
   double longest_slip_ = 0;  ///< s
   double noise_ = 0;         ///< slip rate that last digits of the spring's force make
   /// In the plane of displacement and slip rate paths do not cross: what has made a turn without coming to rest stays
   /// within it.
-  const bool plane_ = system_.rigid() && !remembers(model_);
+  const bool plane_ = system_.rigid() && !oscillators::remembers(model_);
 
   solvers::Switch switched_ = solvers::Switch::none;  ///< at the end of the last step
   double u_ = 0, u_before_ = 0;                       ///< slip rates at the ends of the last two
@@ -244,7 +227,7 @@ bool PeriodSearch::needs_no_more() {
   swings_ = slips_on ? swings_ + solver_.stepper().length() / swing_in_step_ : 0;
   result_.settles = sliding_.stable && (away < settled * V_ + noise_ || quiet_ > quiet_enough * swing_);
   // Without memory slip that has gone on for so long has found its own cycle.
-  return result_.settles || (swings_ > many && !remembers(model_));
+  return result_.settles || (swings_ > many && !oscillators::remembers(model_));
 }
 
 /// Slip that comes to rest, or misses that: how closely, and how well the time is known at which it does.
@@ -259,7 +242,7 @@ void PeriodSearch::look_for_bottom() {
   }
   // The time at which slip comes to rest hangs on the last digits of the slip rate.
   if (bottom->deceleration > 0) result_.landing += std::max(tolerance_, 1e-15) * bottom->highest / bottom->deceleration;
-  if (overdamped(model_)) return;
+  if (oscillators::overdamped(model_)) return;
   // What the highest slip rate and the spring's force have lost in rounding, unless damping made slip forget it, is
   // missing where it just comes to rest, and makes the moment at which it does doubtful: by the time in which the
   // spring makes up for it. States that change at rest keep that.
@@ -342,7 +325,7 @@ StickSlipPeriod PeriodSearch::from(const std::vector<double>* onset) {
   // turn that is not held begins another as wide, or does not, which decides between cycle and none.
   constexpr double touch = 10, of_digits = 0.1, most = 3e-13;
   solver_.rest_below(touch * std::max(tolerance_, 1e-15) * V_ + std::min(of_digits * noise_, most * V_),
-                     remembers(model_));
+                     oscillators::remembers(model_));
   while (slipped_ < longest_slip_ && step() && !needs_no_more()) {
     look_for_bottom();
     if (!onset_is_known()) break;

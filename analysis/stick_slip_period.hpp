@@ -6,13 +6,6 @@
 
 namespace rosin::analysis {
 
-/// Time (s) of a free swing about steady sliding, or in which it relaxes where damping, that of friction which grows
-/// with the slip rate included, leaves no swing. Slip is followed in steps that are a part of it.
-double swing_time(const oscillators::Model&);
-
-/// True where the contact carries states of its own.
-bool remembers(const oscillators::Model&);
-
 /// `share`: slip rate over its highest.
 Outcome comes_to_rest_or_not(double share);
 

@@ -12,10 +12,10 @@
 #include <numbers>
 #include <numeric>
 
-#include "analysis/lab/sensor.hpp"
 #include "core/characteristic.hpp"
 #include "core/eigenpairs.hpp"
 #include "core/error.hpp"
+#include "core/random.hpp"
 
 namespace rosin::analysis {
 
@@ -485,7 +485,7 @@ Uncertainty propagate(const SlidingStructure& sliding, const std::vector<Uncerta
   Uncertainty result;
   std::vector<double> measure;
   std::vector<std::vector<double>> drawn(inputs.size());
-  const auto random = lab::white_noise(inputs.size() * std::size_t(samples), seed);
+  const auto random = white_noise(inputs.size() * std::size_t(samples), seed);
   for (int s = 0; s < samples; ++s) {
     auto changed = sliding;
     for (std::size_t i = 0; i < inputs.size(); ++i) {

@@ -1,6 +1,8 @@
 /// Random numbers that are the same on every machine: SplitMix64 (Steele, Lea & Flood 2014), a counter well mixed.
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace rosin {
 
@@ -16,5 +18,8 @@ inline std::uint64_t splitmix(std::uint64_t x) {
 
 /// The upper 53 bits as a number in (0, 1).
 inline double open_unit(std::uint64_t bits) { return (double(bits >> 11) + 0.5) * 0x1p-53; }
+
+/// Independent standard normal numbers: the same for the same seed on every machine.
+std::vector<double> white_noise(std::size_t count, std::uint64_t seed);
 
 }  // namespace rosin

@@ -14,9 +14,6 @@ namespace rosin::analysis::lab {
 
 namespace {
 
-std::uint64_t mix(std::uint64_t x) { return splitmix(x + splitmix_step); }
-double uniform(std::uint64_t x) { return open_unit(mix(x)); }
-
 /// ẏ = ω (x − y) for x linear between samples, from rest on the first.
 std::vector<double> low_passed(const std::vector<double>& t, const std::vector<double>& x, double corner) {
   const double omega = 2 * std::numbers::pi * corner;
@@ -81,15 +78,6 @@ bool Sensor::ideal() const {
   return low_pass == 0 && sample_rate == 0 && noise.empty() && resolution.empty() && range.empty();
 }
 
-std::vector<double> white_noise(std::size_t count, std::uint64_t seed) {
-  std::vector<double> values(count);
-  for (std::size_t i = 0; i < count; ++i) {  // Box & Muller, Ann. Math. Stat. 29, 610-611, 1958
-    const std::uint64_t at = mix(seed) + 2 * i;
-    values[i] = std::sqrt(-2 * std::log(uniform(at))) * std::cos(2 * std::numbers::pi * uniform(at + 1));
-  }
-  return values;
-}
-
 Record measure(const Record& truth, const Sensor& sensor, std::vector<std::string>& warnings) {
   require(sensor.low_pass, positive, "lab.sensor.low_pass", "corner frequency, 0 for none", "Hz");
   require(sensor.sample_rate, positive, "lab.sensor.sample_rate", "samples per second, 0 for the record's own", "Hz");
@@ -135,7 +123,7 @@ Record measure(const Record& truth, const Sensor& sensor, std::vector<std::strin
     }
     auto& column = measured.columns.back();
     if (const auto rms = sensor.noise.find(name); rms != sensor.noise.end()) {
-      const auto noise = white_noise(column.size(), mix(sensor.seed) + c);
+      const auto noise = white_noise(column.size(), splitmix(sensor.seed + splitmix_step) + c);
       for (std::size_t i = 0; i < column.size(); ++i) column[i] += rms->second * noise[i];
     }
     if (const auto step = sensor.resolution.find(name); step != sensor.resolution.end() && step->second > 0)

@@ -39,7 +39,4 @@ struct Sensor {
 /// \throws InputError for columns that the record has not, values out of range, and sample rates of no use.
 Record measure(const Record&, const Sensor&, std::vector<std::string>& warnings);
 
-/// Independent standard normal numbers: the same for the same seed on every machine.
-std::vector<double> white_noise(std::size_t count, std::uint64_t seed);
-
 }  // namespace rosin::analysis::lab

@@ -3,9 +3,9 @@
 
 #include <numbers>
 
-#include "analysis/lab/sensor.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
+#include "core/random.hpp"
 
 namespace rosin::app {
 
@@ -77,7 +77,7 @@ std::pair<std::vector<Complex>, std::vector<Complex>> table_sides(const FrfUse& 
 
 /// Adds to each value what its standard error lets expect.
 void disturb(std::vector<Complex>& values, const std::vector<double>& error, std::uint64_t seed) {
-  const auto noise = analysis::lab::white_noise(2 * error.size(), seed);
+  const auto noise = white_noise(2 * error.size(), seed);
   for (std::size_t k = 0; k < error.size(); ++k) values[k] += error[k] * Complex(noise[2 * k], noise[2 * k + 1]);
 }
 

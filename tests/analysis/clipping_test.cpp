@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/lab/sensor.hpp"
+#include "core/random.hpp"
 
 using namespace rosin::analysis;
 
@@ -13,7 +13,7 @@ namespace {
 
 /// Noise below a thirtieth of the sample rate, of rms about 1.
 std::vector<double> slow_noise(std::size_t count) {
-  auto x = lab::white_noise(count, 11);
+  auto x = rosin::white_noise(count, 11);
   for (int pass = 0; pass < 2; ++pass)
     for (std::size_t i = 1; i < x.size(); ++i) x[i] = 0.9 * x[i - 1] + 0.3 * x[i];
   return x;

@@ -10,12 +10,11 @@
 #include <string>
 #include <tuple>
 
-#include "analysis/lab/sensor.hpp"
 #include "core/error.hpp"
+#include "core/random.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis;
-using analysis::lab::white_noise;
 using Complex = std::complex<double>;
 using Second = Channels::Second;
 using Catch::Matchers::Contains;

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "analysis/frf.hpp"
-#include "analysis/lab/sensor.hpp"
+#include "core/random.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
@@ -38,7 +38,7 @@ Measurement step() {
 Measurement noisy(const Model& truth, Measurement m, double error, std::uint64_t seed) {
   m.y = predict(truth, m).y;
   m.error.assign(m.y.size(), error);
-  const auto noise = lab::white_noise(m.y.size(), seed);
+  const auto noise = white_noise(m.y.size(), seed);
   for (std::size_t i = 0; i < m.y.size(); ++i) m.y[i] += error * noise[i];
   return m;
 }
