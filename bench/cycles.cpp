@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-#include "analysis/return_map.hpp"
+#include "analysis/cycles/return_map.hpp"
 
 namespace bench {
 
-using rosin::analysis::find_cycle;
+using rosin::analysis::cycles::find_cycle;
 
 rosin::oscillators::Model bristol_board(double N, double lambda) {
   rosin::oscillators::Model model;
@@ -32,7 +32,7 @@ void take(Row& row, const Reading& r, const Truth& truth) {
 
 namespace {
 
-Reading reading_of(const rosin::analysis::Metrics& m) {
+Reading reading_of(const rosin::analysis::cycles::Metrics& m) {
   Reading r;
   r.period = m.period, r.stick_fraction = m.stick_fraction, r.loop_area = m.loop_area;
   return r;
@@ -49,7 +49,7 @@ Reading rosin_cycle(const Truth& at, double tolerance) {
 
 /// rosin's integrator without Newton's method: passages until two successive ones agree, as the rivals do.
 Reading rosin_transient(const Truth& at, double tolerance) {
-  rosin::analysis::ReturnMap map(bristol_board(at.N, at.lambda));
+  rosin::analysis::cycles::ReturnMap map(bristol_board(at.N, at.lambda));
   auto y = map.stick(map.drive_speed());
   Reading r;
   const Problem problem = at.problem();
@@ -71,8 +71,8 @@ Reading rosin_transient(const Truth& at, double tolerance) {
     }
     last = current;
   }
-  rosin::analysis::Recorder recorder(map.system(), tolerance, 0.1, false);
-  const auto passage = map.follow(y, tolerance, 1, true, rosin::analysis::Derivative::none, &recorder);
+  rosin::analysis::cycles::Recorder recorder(map.system(), tolerance, 0.1, false);
+  const auto passage = map.follow(y, tolerance, 1, true, rosin::analysis::cycles::Derivative::none, &recorder);
   const int passages = r.passages + 1;
   r = reading_of(recorder.finish(passage.duration));
   r.passages = passages;

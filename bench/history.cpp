@@ -3,12 +3,12 @@
 #include <cmath>
 #include <optional>
 
-#include "analysis/run.hpp"
+#include "analysis/motion/run.hpp"
 #include "bench/cycles.hpp"
 #include "bench/history_rivals.hpp"
 #include "oscillators/slider_system.hpp"
-#include "solvers/collocation.hpp"
-#include "solvers/explicit.hpp"
+#include "solvers/steps/collocation.hpp"
+#include "solvers/steps/explicit.hpp"
 
 namespace bench {
 namespace {
@@ -19,7 +19,7 @@ using rosin::oscillators::SliderSystem;
 /// A history: how rosin is told of it, and how errors are read off.
 struct History {
   Model model;
-  rosin::analysis::RunOptions options;  ///< start and duration
+  rosin::analysis::motion::RunOptions options;  ///< start and duration
 };
 
 /// What is measured at the end, or why there is none.
@@ -32,8 +32,9 @@ template <class Solver>
 End follow(const History& history, double tolerance) {
   const SliderSystem system(history.model);
   Solver solver(system, tolerance);
-  rosin::solvers::Collocation consistent(system, tolerance);
-  if (!consistent.start(0, rosin::analysis::starting_point(system, history.options.start))) return {{}, "no start"};
+  rosin::solvers::steps::Collocation consistent(system, tolerance);
+  if (!consistent.start(0, rosin::analysis::motion::starting_point(system, history.options.start)))
+    return {{}, "no start"};
   solver.start(0, consistent.state());
   while (solver.time() < history.options.duration)
     if (const auto outcome = solver.step(history.options.duration); !outcome.complete())
@@ -46,7 +47,7 @@ End run_whole(const History& history, double tolerance) {
   auto options = history.options;
   options.tolerance = tolerance;
   options.samples = 1;
-  const auto run = rosin::analysis::run(history.model, options);
+  const auto run = rosin::analysis::motion::run(history.model, options);
   if (run.columns[0].size() < 2) return {{}, name(run.outcome.ending)};
   // Short of its tolerance or not: the true error counts.
   return {{run.columns[0].back(), run.columns[2].back(), run.columns[4].back(), run.columns[5].back()}};
@@ -110,13 +111,13 @@ json bench_fault(const Settings& settings, const SciPy& scipy, Record& record, s
   history.model.slider = {.mass = 0, .stiffness = p.k, .damping = p.c};
   history.model.drive = {.speed = p.V, .normal_load = p.N, .force = 0.0};
   history.options.duration = p.duration;
-  history.options.start.kind = rosin::analysis::Start::Kind::given;
+  history.options.start.kind = rosin::analysis::motion::Start::Kind::given;
   history.options.start.slip_rate = p.first_slip_rate;
   history.options.start.states["theta"] = p.first_age;
 
   // Reference: explicit order 8 in extended precision; collocation, which shares nothing with it, has to agree.
   const double reference = fault_reference(p, settings.quick ? 1e-16 : 1e-19);
-  const double other = std::log(follow<rosin::solvers::Collocation>(history, 1e-15).values[1]);
+  const double other = std::log(follow<rosin::solvers::steps::Collocation>(history, 1e-15).values[1]);
   const double allowed = settings.quick ? 1e-8 : 1e-10;
   say(settings,
       "History of a fault patch (QDYN's stick-slip case): ln v after {} s is {:.12f}; collocation differs by {:.1e}\n",
@@ -134,9 +135,11 @@ json bench_fault(const Settings& settings, const SciPy& scipy, Record& record, s
       "rosin, whole run", tolerances(settings, 4, settings.quick ? 7 : 10),
       [&](double t) { return run_whole(history, t); }, ours);
   table.add(
-      "rosin, explicit steps", list, [&](double t) { return follow<rosin::solvers::Explicit>(history, t); }, ours);
+      "rosin, explicit steps", list, [&](double t) { return follow<rosin::solvers::steps::Explicit>(history, t); },
+      ours);
   table.add(
-      "rosin, collocation", list, [&](double t) { return follow<rosin::solvers::Collocation>(history, t); }, ours);
+      "rosin, collocation", list, [&](double t) { return follow<rosin::solvers::steps::Collocation>(history, t); },
+      ours);
   const auto good = LogarithmicFault::start<double>(p);
   const auto plain = NaturalFault::start<double>(p);
   table.add<NaturalFault>("CVODE", list, follow_cvode<NaturalFault>, p, plain, p.duration, natural);
@@ -190,11 +193,11 @@ json bench_slider(const Settings& settings, Record& record, std::vector<Row>& ro
   history.model = bristol_board(p.N, p.lambda);
   history.options.duration = duration;
   auto& given = history.options.start;
-  given.kind = rosin::analysis::Start::Kind::given;
+  given.kind = rosin::analysis::motion::Start::Kind::given;
   given.displacement = start.x, given.slip_rate = start.v, given.states["psi"] = start.psi;
 
   // At the end: x in units of N a/k, μ in units of a, ln ψ. By collocation; ARKODE has to agree within its accuracy.
-  const auto truth = follow<rosin::solvers::Collocation>(history, 1e-16).values;
+  const auto truth = follow<rosin::solvers::steps::Collocation>(history, 1e-16).values;
   const auto compare = [p](double x, double mu, double psi, const std::vector<double>& to) {
     return Errors{std::abs(x - to[0]) * p.k / (p.N * p.a), std::abs(mu - to[2]) / p.a, std::abs(std::log(psi / to[3]))};
   };
@@ -222,7 +225,8 @@ json bench_slider(const Settings& settings, Record& record, std::vector<Row>& ro
       "rosin, whole run", tolerances(settings, 4, settings.quick ? 7 : 10),
       [&](double t) { return run_whole(history, t); }, ours);
   table.add(
-      "rosin, collocation", list, [&](double t) { return follow<rosin::solvers::Collocation>(history, t); }, ours);
+      "rosin, collocation", list, [&](double t) { return follow<rosin::solvers::steps::Collocation>(history, t); },
+      ours);
   table.add<Natural>("CVODE", list, follow_cvode<Natural>, p, from_natural, duration, natural);
   table.add<Good>("CVODE, good variables", list, follow_cvode<Good>, p, from_good, duration, good);
   table.add<Good>("ARKODE, good variables", list, follow_arkode<Good>, p, from_good, duration, good);

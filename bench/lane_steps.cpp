@@ -6,7 +6,7 @@
 #include "laws/adapter.hpp"
 #include "laws/catalogue.hpp"
 #include "oscillators/slider_lanes.hpp"
-#include "solvers/ensemble.hpp"
+#include "solvers/lanes/ensemble.hpp"
 
 namespace bench {
 
@@ -62,7 +62,7 @@ json lane_steps(const Settings& settings) {
     if (c.contact_stiffness > 0) model.contact_stiffness.tangential = c.contact_stiffness;
     const oscillators::SliderSystem slider(model);
     oscillators::SliderLanes lanes(slider);
-    solvers::Ensemble ensemble(lanes);
+    solvers::lanes::Ensemble ensemble(lanes);
     auto y = slider.steady(0);
     y[0] *= 1.05;
     double least = 1e300;

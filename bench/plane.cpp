@@ -2,37 +2,39 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/map.hpp"
+#include "analysis/planes/map.hpp"
 #include "bench/cycles.hpp"
 
 namespace bench {
 namespace {
 
-using rosin::analysis::Regime;
+using rosin::analysis::planes::Regime;
 
 constexpr const char* whole_map = "rosin, whole map";
 
 /// rosin's plane as a user asks for it, on one thread.
 struct Plane {
-  rosin::analysis::Map map;
+  rosin::analysis::planes::Map map;
   double seconds = 0;
 };
 Plane compute_plane(int points, double tolerance) {
   Plane plane;
-  rosin::analysis::MapOptions options;
-  options.x = rosin::analysis::make_axis("drive.normal_load", 1e-8 * weight, weight, points, true, {});
-  options.y = rosin::analysis::make_axis("law.lambda", 1e-4, 1e2, points, true, {});
+  rosin::analysis::planes::MapOptions options;
+  options.x = rosin::analysis::planes::make_axis("drive.normal_load", 1e-8 * weight, weight, points, true, {});
+  options.y = rosin::analysis::planes::make_axis("law.lambda", 1e-4, 1e2, points, true, {});
   options.metrics = {"stick_fraction", "loop_area"};
   options.tolerance = tolerance;
   options.threads = 1;
   const double begin = now();
-  plane.map = rosin::analysis::compute_map(bristol_board(weight, 1), options, {});
+  plane.map = rosin::analysis::planes::compute_map(bristol_board(weight, 1), options, {});
   plane.seconds = now() - begin;
   return plane;
 }
 
-bool has_cycle(const rosin::analysis::MapPoint& p) { return p.regime == Regime::cycle || p.regime == Regime::bistable; }
-int count_cycles(const rosin::analysis::Map& map) {
+bool has_cycle(const rosin::analysis::planes::MapPoint& p) {
+  return p.regime == Regime::cycle || p.regime == Regime::bistable;
+}
+int count_cycles(const rosin::analysis::planes::Map& map) {
   return int(std::count_if(map.points.begin(), map.points.end(), has_cycle));
 }
 

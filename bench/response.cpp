@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/extraction.hpp"
-#include "analysis/frf_simulation.hpp"
+#include "analysis/response/extraction.hpp"
+#include "analysis/response/frf_simulation.hpp"
 #include "bench/response_rivals.hpp"
 #include "bench/rows.hpp"
 #include "core/random.hpp"
@@ -43,7 +43,7 @@ json every_law(const Settings& settings) {
     model.law = law;
     model.drive = {1e-4, 5.0, 0.0};
     const double begin = now();
-    const analysis::FrictionResponse response(model);
+    const analysis::response::FrictionResponse response(model);
     Complex sum = 0;
     for (const double f : frequency) sum += response.tangential({0, 2 * std::numbers::pi * f});
     const double seconds = now() - begin;
@@ -65,10 +65,10 @@ json long_record(const Settings& settings) {
     slip_rate[i] = open_unit(splitmix(state += splitmix_step)),
     force[i] = slip_rate[i] + 0.1 * open_unit(splitmix(state += splitmix_step));
   const std::vector<std::span<const double>> channels = {slip_rate, force};
-  analysis::CrossSpectra spectra(2, {.segment = 2000});
+  analysis::response::CrossSpectra spectra(2, {.segment = 2000});
   const double begin = now();
   for (long done = 0; done < samples; done += long(block)) spectra.add(channels);
-  const auto measured = analysis::extract_frf(spectra, {}, 1e4, {});
+  const auto measured = analysis::response::extract_frf(spectra, {}, 1e4, {});
   const double seconds = now() - begin;
   say(settings, "a record of {} samples: {} bins in {:.3g} s\n", spectra.samples(), measured.frequency.size(), seconds);
   return {{"samples", spectra.samples()}, {"segment", 2000}, {"seconds", seconds}};
@@ -103,11 +103,12 @@ Record bench_response(const Settings& settings, const std::filesystem::path& cur
     rows.insert(rows.end(), more.begin(), more.end());
   };
   add("rosin, prediction", {1e-15}, [&](double f, double) {
-    return SweptSine{analysis::FrictionResponse(model).tangential({0, 2 * std::numbers::pi * f})};
+    return SweptSine{analysis::response::FrictionResponse(model).tangential({0, 2 * std::numbers::pi * f})};
   });
   const auto list = tolerances(settings, 4, 10);
   add("rosin, swept sine", list, [&](double f, double tolerance) {
-    return SweptSine{analysis::simulate_sweep(model, {.frequencies = {f}, .tolerance = tolerance}).tangential[0]};
+    return SweptSine{
+        analysis::response::simulate_sweep(model, {.frequencies = {f}, .tolerance = tolerance}).tangential[0]};
   });
   add("CVODE, swept sine", list, [](double f, double tolerance) { return swept_by_cvode(contact, f, tolerance); });
   for (const auto& row : rows)

@@ -1,14 +1,13 @@
 /// `rosin bench stick-slip`: closed form, event-driven integrators and the published force algorithms at equal error.
-#include "solvers/stick_slip.hpp"
-
 #include <cmath>
 
-#include "analysis/run.hpp"
+#include "analysis/motion/run.hpp"
 #include "bench/rows.hpp"
 #include "bench/stick_slip_rivals.hpp"
 #include "laws/catalogue.hpp"
-#include "solvers/exact.hpp"
 #include "solvers/force_algorithms/force_algorithms.hpp"
+#include "solvers/stick_slip/exact.hpp"
+#include "solvers/stick_slip/stick_slip_solver.hpp"
 
 namespace bench {
 namespace {
@@ -29,7 +28,7 @@ Signal force_of(const StickSlip& p) { return Signal(Signal::Harmonics{0, {{p.P, 
 
 template <class Real>
 Displacements exactly(const StickSlip& p) {
-  solvers::Exact<Real> exact({p.m, p.k, p.c, p.mus, p.muk, 0, 0.0, load_of(p), force_of(p)});
+  solvers::stick_slip::Exact<Real> exact({p.m, p.k, p.c, p.mus, p.muk, 0, 0.0, load_of(p), force_of(p)});
   exact.start(0, p.x0, 0);
   Displacements found;
   for (int i = 0; i < sample_count; ++i) {
@@ -47,15 +46,15 @@ Displacements by_events(const StickSlip& p, double tolerance) {
   model.slider = {p.m, p.k, p.c};
   model.drive = {0.0, load_of(p), force_of(p)};
   oscillators::SliderSystem system(model);
-  solvers::StickSlip solver(system, tolerance);
-  analysis::Start start;
-  start.kind = analysis::Start::Kind::given;
+  solvers::stick_slip::StickSlip solver(system, tolerance);
+  analysis::motion::Start start;
+  start.kind = analysis::motion::Start::Kind::given;
   start.displacement = p.x0, start.velocity = 0.0;
-  solver.start(0, analysis::starting_point(system, start));
+  solver.start(0, analysis::motion::starting_point(system, start));
   Displacements found;
   for (int i = 0; i < sample_count; ++i) {
     while (solver.time() < sample_interval * (i + 1)) {
-      solvers::Switch switched;
+      solvers::stick_slip::Switch switched;
       const auto outcome = solver.step(sample_interval * (i + 1), switched);
       if (!outcome.complete()) return {{}, name(outcome.ending)};
     }

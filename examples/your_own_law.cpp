@@ -5,8 +5,8 @@
 ///   μ = (mu + d·ψ)·v/(|v| + 1e-9 m/s),   λ ψ' = (1 − ψ)/t_heal − |v| ψ/L
 #include <fmt/core.h>
 
-#include <rosin/analysis/cycle.hpp>
-#include <rosin/analysis/stability.hpp>
+#include <rosin/analysis/cycles/cycles.hpp>
+#include <rosin/analysis/steady/steady.hpp>
 #include <rosin/laws/adapter.hpp>
 
 using namespace rosin;
@@ -50,11 +50,11 @@ int main() {
   // 4. Everything else follows: the load at which sliding on a spring loses stability, and the cycle beyond it.
   oscillators::Model machine{
       .law = law, .slider = {.mass = 1, .stiffness = 1e3}, .drive = {.speed = 1e-5, .normal_load = 1.0, .force = 0.0}};
-  const auto hopf = analysis::hopf_points(machine, "drive.normal_load");
+  const auto hopf = analysis::steady::hopf_points(machine, "drive.normal_load");
   if (hopf.empty()) return 1;
   fmt::print("\nsliding at 10 um/s is unstable above {:.6g} N, {} ({:.4g} rad/s)\n", hopf[0].value,
              name(hopf[0].criticality), hopf[0].angular_frequency);
-  const auto cycle = analysis::find_cycle(machine.with("drive.normal_load", 2 * hopf[0].value));
+  const auto cycle = analysis::cycles::find_cycle(machine.with("drive.normal_load", 2 * hopf[0].value));
   if (!cycle.outcome.complete()) return 1;
   fmt::print("at twice that load it sticks and slips every {:.8g} ± {:.0e} s, up to {:.4g} m/s\n", cycle.metrics.period,
              cycle.error.period, cycle.metrics.slip_rate_max);

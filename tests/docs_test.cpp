@@ -178,3 +178,28 @@ TEST_CASE("links within the docs lead to files") {
     }
   }
 }
+
+TEST_CASE("the sources that the docs name exist") {
+  const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-/.*";
+  int named = 0;
+  for (const auto& page : pages()) {
+    for (const auto& line : lines_of(content(page))) {
+      if (line.rfind('+', 0) == 0) continue;  // what a reader is to add
+      for (std::size_t end, at = line.find_first_of(letters); at != std::string::npos;
+           at = line.find_first_of(letters, end)) {
+        end = std::min(line.find_first_not_of(letters, at), line.size());
+        fs::path path = line.substr(at, end - at);
+        if (path.begin()->string() == "rosin") path = path.lexically_relative("rosin");  // <rosin/core/dual.hpp>
+        const auto folder = path.begin()->string(), ending = path.extension().string();
+        if (ending != ".hpp" && ending != ".cpp" && ending != ".*") continue;
+        if (path.filename() == path || path.stem().string().rfind("my_", 0) == 0 || !fs::exists(root / folder))
+          continue;
+        if (ending == ".*") path.replace_extension(".cpp");
+        INFO(fs::relative(page, root).string() << " names " << path.string());
+        CHECK(fs::exists(root / path));
+        ++named;
+      }
+    }
+  }
+  CHECK(named > 50);
+}

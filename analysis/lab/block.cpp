@@ -24,10 +24,10 @@ Model block(const Task& task, double slope, double rate) {
   return model;
 }
 
-Start rested(const Task& task) {
+motion::Start rested(const Task& task) {
   const auto& law = *task.model.law;
   const Model level = block(task, 0);
-  Start start{Start::Kind::given, {}, {}, 0.0, {}};
+  motion::Start start{motion::Start::Kind::given, {}, {}, 0.0, {}};
   const double N = level.drive.normal_load.level(), rest = task.settings.number("rest_time");
   if (memoryless(task.model)) return start;
   auto states = law.steady({task.settings.number("prior_speed"), N});
@@ -38,12 +38,12 @@ Start rested(const Task& task) {
   };
   put([&](std::size_t i) { return states[i]; });
   if (rest == 0) return start;
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = rest;
   options.times = {rest};
   options.start = start;
   options.tolerance = task.tolerance;
-  const auto held = analysis::run(level, options);
+  const auto held = analysis::motion::run(level, options);
   end_if_stopped();
   // Nothing moves, so that the tolerance, which asks also for the speed of what does not, says nothing.
   if (held.time.empty() || (!held.outcome.complete() && held.outcome.ending != Ending::tolerance_not_met))
@@ -52,7 +52,7 @@ Start rested(const Task& task) {
   return start;
 }
 
-std::vector<double> states_of(const FrictionLaw& law, const Start& start) {
+std::vector<double> states_of(const FrictionLaw& law, const motion::Start& start) {
   std::vector<double> states;
   for (const auto& s : law.states())
     if (start.states.contains(s.name)) states.push_back(start.states.at(s.name));

@@ -8,9 +8,9 @@ namespace rosin::analysis::lab {
 Model block(const Task&, double slope, double rate = 0);
 
 /// The states of contacts made by sliding at `prior_speed` that then rested for `rest_time` on the level table.
-Start rested(const Task&);
+motion::Start rested(const Task&);
 /// The states in a start, in the law's order; none if it gives none.
-std::vector<double> states_of(const FrictionLaw&, const Start&);
+std::vector<double> states_of(const FrictionLaw&, const motion::Start&);
 
 /// α with tan α = μ(m g cos α): the slope at which a coefficient that may depend on load balances weight.
 double balance_slope(const Task&, const std::function<double(double)>& coefficient_at_load);

@@ -9,10 +9,12 @@
 #include <vector>
 
 #include "analysis/lab/sensor.hpp"
-#include "analysis/run.hpp"
+#include "analysis/motion/run.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::analysis::lab {
+
+using oscillators::Model;
 
 /// A key of an experiment's protocol. Without `value` the experiment chooses one that suits the law.
 struct Setting {
@@ -71,7 +73,7 @@ struct Panel {
 struct Result {
   Outcome outcome;
   Record record;  ///< as measured
-  std::vector<RunEvent> events;
+  std::vector<motion::RunEvent> events;
   std::vector<Reading> readings;
   std::vector<Table> tables;
   std::vector<Panel> panels;

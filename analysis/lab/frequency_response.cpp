@@ -2,22 +2,22 @@
 /// what was measured.
 ///
 /// Cabboi, Putelat & Woodhouse (2016). The excitation, the extraction and their errors are those of
-/// analysis/frf_simulation.hpp and analysis/extraction.hpp.
+/// analysis/response/frf_simulation.hpp and analysis/response/extraction.hpp.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "analysis/frf_simulation.hpp"
 #include "analysis/lab/tools.hpp"
+#include "analysis/response/frf_simulation.hpp"
 
 namespace rosin::analysis::lab {
 
 namespace {
 
 /// The band asked for, or a decade around the slowest decay of the contact at the imposed slip rate.
-std::pair<double, double> band_of(const Task& task, const FrictionResponse& response) {
+std::pair<double, double> band_of(const Task& task, const response::FrictionResponse& response) {
   double slowest = infinity;
   for (const auto& pole : response.poles()) slowest = std::min(slowest, std::abs(pole.value));
   const double turns = std::isfinite(slowest) ? slowest / (2 * std::numbers::pi) : 1;
@@ -26,17 +26,17 @@ std::pair<double, double> band_of(const Task& task, const FrictionResponse& resp
   return {from, to};
 }
 
-MeasuredFrf extract(const Record& seen, double resolution, double from, double to) {
+response::MeasuredFrf extract(const Record& seen, double resolution, double from, double to) {
   const double rate = double(seen.time.size() - 1) / (seen.time.back() - seen.time.front());
-  CrossSpectra spectra(2, {.segment = segment_for(resolution, rate)});
+  response::CrossSpectra spectra(2, {.segment = response::segment_for(resolution, rate)});
   const std::vector<std::span<const double>> block = {seen.column("slip_rate"), seen.column("friction_force")};
   spectra.add(block);
-  return extract_frf(spectra, {}, rate, {.from = from, .to = std::min(to, 0.45 * rate), .estimator = "h1"});
+  return response::extract_frf(spectra, {}, rate, {.from = from, .to = std::min(to, 0.45 * rate), .estimator = "h1"});
 }
 
 /// Where the real part passes zero from below: slower, friction weakens with speed. NaN if it does not, or if that is
 /// noise.
-double crossing(const MeasuredFrf& m) {
+double crossing(const response::MeasuredFrf& m) {
   for (std::size_t k = 1; k < m.frequency.size(); ++k) {
     const double a = m.tangential[k - 1].real(), b = m.tangential[k].real();
     if (a < 0 && b >= 0 && std::min(m.coherence[k - 1], m.coherence[k]) > 0.5)
@@ -47,20 +47,20 @@ double crossing(const MeasuredFrf& m) {
 
 Result perform(const Task& task) {
   const auto& settings = task.settings;
-  const FrictionResponse response(task.model);
+  const response::FrictionResponse response(task.model);
   const auto [from, to] = band_of(task, response);
-  NoiseOptions options;
+  response::NoiseOptions options;
   options.amplitude = settings.number("amplitude");
   options.low = from, options.high = to;
   options.resolution = settings.number_or("resolution", 0.5 * from);
   options.averages = settings.count("averages");
   options.seed = std::uint64_t(settings.count("seed"));
-  const auto plan = plan_noise(task.model, options);
+  const auto plan = response::plan_noise(task.model, options);
 
   Result result;
   Task run = task;
   run.tolerance = std::max(task.tolerance, options.tolerance);
-  record_run(result, run, plan.model, Start{}, plan.times);
+  record_run(result, run, plan.model, motion::Start{}, plan.times);
   // Bins within the window's reach of the band's ends are driven by leakage only.
   const double margin = plan.margin, low = from + margin, high = to - margin;
   const auto measured_in = [&](const Record& seen) { return extract(seen, options.resolution, low, high); };

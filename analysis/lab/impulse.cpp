@@ -41,8 +41,8 @@ class Slope {
   const Model& model() const { return model_; }
   double tangent() const { return tangent_; }
   std::optional<double> turning_speed() const { return turning_; }
-  Start pushed(double v0) const {
-    Start start = start_;
+  motion::Start pushed(double v0) const {
+    motion::Start start = start_;
     start.slip_rate = v0;
     start.displacement = 0;
     return start;
@@ -71,7 +71,7 @@ class Slope {
  private:
   const Task& task_;
   Model model_;
-  Start start_;
+  motion::Start start_;
   double tangent_;
   std::optional<double> turning_;
 };

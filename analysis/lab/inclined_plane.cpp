@@ -83,7 +83,7 @@ Result perform(const Task& task) {
                travel = settings.number("travel");
   const double threshold = settings.number("slip_threshold");
   const Model model = block(task, 0, rate);
-  const Start start = rested(task);
+  const motion::Start start = rested(task);
 
   // Where to look for slip: the static limit, or friction of the rested contacts at the speed that counts as slip.
   const auto states = states_of(law, start);
@@ -129,7 +129,7 @@ Result perform(const Task& task) {
   read_off(result, task.sensor, [&](const Record& seen) { return read_record(seen, gravity, rate, threshold); });
 
   // A set-valued law slips at a located event, which tells more than samples do.
-  const auto slips = std::ranges::find(result.events, "slip", &RunEvent::kind);
+  const auto slips = std::ranges::find(result.events, "slip", &motion::RunEvent::kind);
   if (law.set_valued() && task.sensor.ideal() && slips != result.events.end()) {
     result.readings[0].value = rate * slips->time;
     result.readings[1].value = std::tan(rate * slips->time);

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/cycle.hpp"
+#include "analysis/cycles/cycle.hpp"
 #include "analysis/lab/tools.hpp"
 
 namespace rosin::analysis::lab {
@@ -171,7 +171,7 @@ void simulate(Result& result, const Task& task) {
   const auto& settings = task.settings;
   double duration = settings.number_or("duration", 0), skip = settings.number_or("skip", 0);
   if (duration == 0 || !settings.given("skip")) {
-    const auto cycle = find_cycle(task.model, {.tolerance = 1e-6, .multipliers = false});
+    const auto cycle = cycles::find_cycle(task.model, {.tolerance = 1e-6, .multipliers = false});
     constexpr double cycles = 4;
     const double free_period = 2 * std::numbers::pi * std::sqrt(task.model.slider.mass / task.model.slider.stiffness);
     const double period = cycle.metrics.period > 0 ? cycle.metrics.period : 3 * free_period;
@@ -181,8 +181,8 @@ void simulate(Result& result, const Task& task) {
   std::vector<double> times;
   const int samples = settings.count("samples");
   for (int i = 0; i <= samples; ++i) times.push_back(skip + duration * i / samples);
-  Start rest;
-  rest.kind = Start::Kind::rest;
+  motion::Start rest;
+  rest.kind = motion::Start::Kind::rest;
   Task fine{task};
   fine.tolerance = std::min(task.tolerance, 1e-10);  // second derivatives ask for more than a picture does
   record_run(result, fine, task.model, rest, times);

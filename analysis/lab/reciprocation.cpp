@@ -66,7 +66,7 @@ Result perform(const Task& task) {
     }
     record_curve(result, model, times, rates);
   } else {
-    record_run(result, task, model, Start{}, times, {{begin, past_end, true}, {begin, past_end, false}});
+    record_run(result, task, model, motion::Start{}, times, {{begin, past_end, true}, {begin, past_end, false}});
   }
   if (!result.outcome.complete()) return result;
   std::vector<double> stroke;

@@ -138,7 +138,7 @@ Result perform(const Task& task) {
   if (memoryless(model) && rigid_machine(model))
     hold_without_memory(result, model, times, holds, speed);
   else
-    record_run(result, task, model, Start{}, times, extremes);
+    record_run(result, task, model, motion::Start{}, times, extremes);
   result.record.add("load_point", "m", driven_way(result.record.time, model.drive.speed));
   for (const auto& hold : holds) result.record.breaks.insert(result.record.breaks.end(), {hold.begin, hold.resume});
   if (!result.outcome.complete()) return result;

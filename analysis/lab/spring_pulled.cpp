@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/cycle.hpp"
+#include "analysis/cycles/cycle.hpp"
 #include "analysis/lab/tools.hpp"
-#include "analysis/stability.hpp"
+#include "analysis/steady/stability.hpp"
 
 namespace rosin::analysis::lab {
 
@@ -55,9 +55,9 @@ Result perform(const Task& task) {
     throw InputError(fmt::format("oscillator.stiffness = {} must be a spring's (above 0, finite, N/m)", k));
 
   // Regime and thresholds need no record: linear stability, and the cycle reached from stick.
-  const auto steady = stability(model);
+  const auto steady = steady::stability(model);
   result.plan.push_back("stability of steady sliding and its thresholds: eigenvalues, no integration");
-  const auto cycle = find_cycle(model, {.tolerance = task.tolerance});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = task.tolerance});
   const bool oscillates = cycle.metrics.period > 0;
   if (!oscillates)
     result.plan.push_back("no cycle is reached from stick: " +
@@ -71,8 +71,8 @@ Result perform(const Task& task) {
   std::vector<double> times;
   const int samples = settings.count("samples");
   for (int i = 0; i <= samples; ++i) times.push_back(duration * i / samples);
-  Start rest;
-  rest.kind = Start::Kind::rest;
+  motion::Start rest;
+  rest.kind = motion::Start::Kind::rest;
   Task picture{task};
   picture.tolerance = std::max(task.tolerance, 1e-6);  // of many periods, whose phase gathers errors
   record_run(result, picture, model, rest, times);
@@ -109,7 +109,7 @@ Result perform(const Task& task) {
                              oscillates ? cycle.metrics.stick_fraction : none, cycle.error.stick_fraction});
   for (const auto& [path, reading, unit] : {std::tuple{"oscillator.stiffness", "critical_stiffness", "N/m"},
                                             std::tuple{"drive.normal_load", "critical_load", "N"}}) {
-    const auto points = hopf_points(model, path);
+    const auto points = steady::hopf_points(model, path);
     result.readings.push_back({reading, unit, fmt::format("nearest threshold of steady sliding in {}", path),
                                points.empty() ? none : points.front().value,
                                points.empty() ? 0 : points.front().value_error});

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/curve.hpp"
-#include "analysis/stability.hpp"
+#include "analysis/steady/curve.hpp"
+#include "analysis/steady/stability.hpp"
 #include "core/random.hpp"
 
 namespace rosin::analysis::lab {
@@ -76,15 +76,15 @@ std::vector<double> closer_times(const Record& record, const std::vector<Sought>
 
 }  // namespace
 
-void record_run(Result& result, const Task& task, const Model& model, const Start& start,
+void record_run(Result& result, const Task& task, const Model& model, const motion::Start& start,
                 const std::vector<double>& times, const std::vector<Sought>& extremes) {
-  RunOptions options;
+  motion::RunOptions options;
   options.times = times;
   options.duration = times.back();
   options.start = start;
   options.tolerance = task.tolerance;
   const auto record = [&] {
-    auto run = analysis::run(model, options);
+    auto run = analysis::motion::run(model, options);
     result.outcome = run.outcome;
     result.events = std::move(run.events);
     result.record = {std::move(run.time),
@@ -160,7 +160,7 @@ double settling_time(Model model, double V) {
   if (memoryless(model) && rigid_machine(model)) return 0;
   model.drive.speed = V;
   model.drive.force = 0.0;
-  const auto found = stability(model);
+  const auto found = steady::stability(model);
   if (found.eigenvalues.empty()) return 0;
   return found.eigenvalues.front().real() < 0 ? -1 / found.eigenvalues.front().real() : infinity;
 }
@@ -185,7 +185,7 @@ std::vector<double> driven_way(const std::vector<double>& time, const Signal& sp
 SteadyRange steady_range(const FrictionLaw& law, double normal_load, double low, double high) {
   const auto at = [&](double v) { return law.steady_friction({v, normal_load}).friction; };
   SteadyRange range{std::min(at(low), at(high)), std::max(at(low), at(high)), std::nullopt, std::nullopt, 0};
-  for (const auto& e : steady_extrema(law, low, high, normal_load)) {
+  for (const auto& e : steady::steady_extrema(law, low, high, normal_load)) {
     auto& inner = e.maximum ? range.maximum : range.minimum;
     const double mu = e.friction_coefficient;
     if (inner && (e.maximum ? mu <= *inner : mu >= *inner)) continue;

@@ -18,7 +18,7 @@ struct Sought {
 /// leaves what it reached; one whose error exceeds the tolerance is taken with that error, and a warning. Extremes that
 /// are sought may fall between samples: without a sensor the run is repeated with samples closer to them.
 /// \throws NothingRecorded where that is less than two samples, of which nothing can be read.
-void record_run(Result&, const Task&, const Model&, const Start&, const std::vector<double>& times,
+void record_run(Result&, const Task&, const Model&, const motion::Start&, const std::vector<double>& times,
                 const std::vector<Sought>& = {});
 
 /// The record of a memoryless law at an imposed slip rate (m/s, one for each time): nothing is integrated.

@@ -92,7 +92,7 @@ Result perform(const Task& task) {
     for (const double time : times) rates.push_back(model.drive.speed.value(time));
     record_curve(result, model, times, rates);
   } else {
-    Start steady;
+    motion::Start steady;
     record_run(result, task, model, steady, times, extremes);
   }
   auto& record = result.record;

@@ -28,8 +28,8 @@ inline ordered_json pairs(const std::vector<std::complex<double>>& list) {
 ordered_json values(const std::vector<Quantity>& names, const std::vector<Value>& list);
 /// States by name.
 ordered_json states(const FrictionLaw&, std::span<const double> state);
-ordered_json metrics(const analysis::Metrics&);
-ordered_json axis(const analysis::Axis&, const oscillators::Model&);
+ordered_json metrics(const analysis::cycles::Metrics&);
+ordered_json axis(const analysis::planes::Axis&, const oscillators::Model&);
 
 /// Row by row: [iy][ix] of f(index of the point).
 template <class Plane, class F>
@@ -45,7 +45,7 @@ ordered_json grid(const Plane& plane, F f) {
 }
 /// The same of f(point).
 template <class F>
-ordered_json rows(const analysis::Map& map, F f) {
+ordered_json rows(const analysis::planes::Map& map, F f) {
   return grid(map, [&](std::size_t i) { return f(map.points[i]); });
 }
 

@@ -26,7 +26,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   script += "set offsets graph 0, 0, 0.12, 0.12\nplot 'curve.csv' using 1:2 with lines linestyle 1 notitle";
   // Only kinds that occur: gnuplot 5.4 crashes on labels without a point.
   for (const bool maximum : {true, false}) {
-    const auto is_kind = [&](const analysis::Extremum& e) { return e.maximum == maximum; };
+    const auto is_kind = [&](const analysis::steady::Extremum& e) { return e.maximum == maximum; };
     if (std::none_of(curve.extrema.begin(), curve.extrema.end(), is_kind)) continue;
     const auto chosen = fmt::format("$extrema using 1:($3=={} ? $2 : NaN)", maximum ? 1 : 2);
     script += fmt::format(", \\\n     {} with points pointtype {} pointsize 1.4 linecolor '#B0560F' title '{}'", chosen,
@@ -48,7 +48,7 @@ double tick_step(double low, double high) {
   return decade * (step < 1.5 * decade ? 1 : step < 3.5 * decade ? 2 : step < 7.5 * decade ? 5 : 10);
 }
 
-std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Run& run) {
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::motion::Run& run) {
   std::vector<std::size_t> shown;
   for (std::size_t c = 0; c < run.columns.size(); ++c)
     if (run.column_names[c] != "velocity" && run.column_names[c] != "friction_force") shown.push_back(c);
@@ -139,7 +139,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   return files;
 }
 
-std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Cycle& cycle) {
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene,
+                                       const analysis::cycles::Cycle& cycle) {
   const double low = cycle.metrics.slip_rate_min, high = cycle.metrics.slip_rate_max, period = cycle.metrics.period;
   const double speed = scene.model.drive.speed.level(), load = scene.model.drive.normal_load.level();
   // the steady curve over the slip rates of the cycle, for comparison

@@ -10,11 +10,13 @@ namespace rosin::app {
 
 // Each writes a script and the data that only it needs into the folder, and returns the names of the files.
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const Curve&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::Run&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::Cycle&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::Map&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::motion::Run&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&,
+                                       const analysis::cycles::Cycle&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::planes::Map&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const Comparison&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::Design&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&,
+                                       const analysis::inference::Design&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&,
                                        const std::vector<analysis::lab::Panel>&);
 

@@ -28,7 +28,7 @@ set cblabel offset 1,0
 /// An axis as it is drawn: decades along a logarithmic scale; values outside the scale stand below it, after a gap.
 class DrawnAxis {
  public:
-  explicit DrawnAxis(const analysis::Axis& axis) : axis_(axis) {
+  explicit DrawnAxis(const analysis::planes::Axis& axis) : axis_(axis) {
     const auto regular = static_cast<std::size_t>(axis.regular);
     for (std::size_t i = 0; i < regular; ++i) centre_.push_back(coordinate(axis.values[i]));
     cell_ = (centre_.back() - centre_.front()) / double(regular - 1);
@@ -79,17 +79,17 @@ class DrawnAxis {
 
  private:
   double thickness() const { return std::max(std::abs(cell_), (high_ - low_) / 40); }
-  analysis::Axis axis_;
+  analysis::planes::Axis axis_;
   std::vector<double> centre_;
   double cell_ = 0, low_ = 0, high_ = 0;
 };
 
 /// Planes with more values a side are drawn as images: as boxes their cells would be smaller than a screen can show.
 constexpr int finest_boxes = 160;
-bool drawn_as_image(const analysis::Map& map) { return std::max(map.x.regular, map.y.regular) > finest_boxes; }
+bool drawn_as_image(const analysis::planes::Map& map) { return std::max(map.x.regular, map.y.regular) > finest_boxes; }
 
 /// Cells as boxes. Of a plane that is drawn as an image those outside its scales only.
-void write_cells(const fs::path& path, const Scene& scene, const analysis::Map& map, const DrawnAxis& x,
+void write_cells(const fs::path& path, const Scene& scene, const analysis::planes::Map& map, const DrawnAxis& x,
                  const DrawnAxis& y) {
   const auto width = map.x.values.size();
   const bool image = drawn_as_image(map);
@@ -108,7 +108,8 @@ void write_cells(const fs::path& path, const Scene& scene, const analysis::Map& 
                            y.centre(iy) + y.half_width(iy)};
     for (std::size_t c = 0; c < geometry; ++c) columns[c].push_back(cell[c]);
     for (std::size_t m = 0; m < scene.map.metrics.size(); ++m)
-      columns[geometry + m].push_back(map.points[i].metrics.*analysis::find_metric(scene.map.metrics[m]).member);
+      columns[geometry + m].push_back(map.points[i].metrics.*
+                                      analysis::cycles::find_metric(scene.map.metrics[m]).member);
   }
   std::vector<Column> table;
   for (std::size_t c = 0; c < columns.size(); ++c) table.push_back({names[c], columns[c]});
@@ -116,14 +117,14 @@ void write_cells(const fs::path& path, const Scene& scene, const analysis::Map& 
 }
 
 /// The metrics on the scales of both axes, one after the other, as doubles in rows from the lower left.
-void write_grid(const fs::path& path, const Scene& scene, const analysis::Map& map, const DrawnAxis& x,
+void write_grid(const fs::path& path, const Scene& scene, const analysis::planes::Map& map, const DrawnAxis& x,
                 const DrawnAxis& y) {
   std::string bytes;
   for (const auto& name : scene.map.metrics)
     for (int j = 0; j < map.y.regular; ++j)
       for (int i = 0; i < map.x.regular; ++i) {
         const auto& point = map.points[y.rising(j) * map.x.values.size() + x.rising(i)];
-        const double value = point.metrics.*analysis::find_metric(name).member;
+        const double value = point.metrics.*analysis::cycles::find_metric(name).member;
         bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
       }
   write_whole(path, bytes);
@@ -131,17 +132,17 @@ void write_grid(const fs::path& path, const Scene& scene, const analysis::Map& m
 
 /// Points that carry a mark: of those with a cycle so few that colours show between them, of the others so many that
 /// marks touch.
-void write_marks(const fs::path& path, const analysis::Map& map, const DrawnAxis& x, const DrawnAxis& y) {
+void write_marks(const fs::path& path, const analysis::planes::Map& map, const DrawnAxis& x, const DrawnAxis& y) {
   constexpr std::size_t most_cycles = 24, most_others = finest_boxes;  // a side
   const auto width = map.x.values.size(), height = map.y.values.size();
   const auto spacing = [](std::size_t n, std::size_t most) { return (n + most - 1) / most; };
   std::vector<std::vector<double>> columns(3);
-  std::set<std::tuple<analysis::Regime, std::size_t, std::size_t>> marked;
+  std::set<std::tuple<analysis::planes::Regime, std::size_t, std::size_t>> marked;
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     const auto regime = map.points[i].regime;
-    if (regime == analysis::Regime::stable) continue;
+    if (regime == analysis::planes::Regime::stable) continue;
     const auto ix = i % width, iy = i / width;
-    if (regime == analysis::Regime::cycle) {
+    if (regime == analysis::planes::Regime::cycle) {
       if (ix % spacing(width, most_cycles) != 0 || iy % spacing(height, most_cycles) != 0) continue;
     } else if (!marked.emplace(regime, ix / spacing(width, most_others), iy / spacing(height, most_others)).second) {
       continue;
@@ -153,7 +154,7 @@ void write_marks(const fs::path& path, const analysis::Map& map, const DrawnAxis
   write_csv(path, {{"regime", columns[0]}, {"x", columns[1]}, {"y", columns[2]}});
 }
 
-void write_line(const fs::path& path, const analysis::Polyline& line, const DrawnAxis& x, const DrawnAxis& y) {
+void write_line(const fs::path& path, const analysis::planes::Polyline& line, const DrawnAxis& x, const DrawnAxis& y) {
   std::string text = "x,y\n";
   for (std::size_t i = 0; i < line.x.size(); ++i) {
     if (std::isnan(line.x[i]))
@@ -165,7 +166,7 @@ void write_line(const fs::path& path, const analysis::Polyline& line, const Draw
 }
 
 /// The colour scale of a metric: from zero for fractions, decades where the values span some.
-std::string colour_scale(const analysis::Map& map, const analysis::MetricName& metric) {
+std::string colour_scale(const analysis::planes::Map& map, const analysis::cycles::MetricName& metric) {
   const bool fraction = std::string_view(metric.unit) == "1";
   double low = infinity, high = -infinity, least = infinity;
   for (const auto& point : map.points)
@@ -188,12 +189,12 @@ std::string colour_scale(const analysis::Map& map, const analysis::MetricName& m
 struct Marks {
   std::string curves, key;
 };
-Marks marks(const analysis::Map& map, double key_height) {
+Marks marks(const analysis::planes::Map& map, double key_height) {
   struct Mark {
-    analysis::Regime regime;
+    analysis::planes::Regime regime;
     const char *style, *title;
   };
-  using analysis::Regime;
+  using analysis::planes::Regime;
   // black on white, so that marks and lines show on every colour
   const Mark list[] = {{Regime::cycle, "pointtype 1 pointsize 0.65 linewidth 2.6 linecolor '#FFFFFF'", ""},
                        {Regime::cycle, "pointtype 1 pointsize 0.6 linewidth 0.9 linecolor '#000000'", "cycle"},
@@ -234,8 +235,8 @@ Marks marks(const analysis::Map& map, double key_height) {
 
 /// The beginning of a script that draws planes side by side, two across: axes, palette, and the size of it all.
 struct PlanePanels {
-  PlanePanels(const std::string& name, std::string_view what, const Scene& scene, const analysis::Axis& x_axis,
-              const analysis::Axis& y_axis, int count, double below, double above, double between)
+  PlanePanels(const std::string& name, std::string_view what, const Scene& scene, const analysis::planes::Axis& x_axis,
+              const analysis::planes::Axis& y_axis, int count, double below, double above, double between)
       : height(90 + 440 * ((count + 1) / 2)) {
     const DrawnAxis x(x_axis), y(y_axis);
     const int across = std::min(count, 2), down = (count + 1) / 2;
@@ -247,7 +248,7 @@ struct PlanePanels {
     const auto [y_low, y_high] = y.ends();
     script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
     script += fmt::format("set xtics {}\nset ytics {}\n", x.ticks(), y.ticks());
-    const auto axis_label = [&](const analysis::Axis& axis) {
+    const auto axis_label = [&](const analysis::planes::Axis& axis) {
       const auto quantity = scene.model.describe(axis.parameter);
       return label(quantity.meaning, quantity.unit);
     };
@@ -260,7 +261,7 @@ struct PlanePanels {
 
 }  // namespace
 
-std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Map& map) {
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::planes::Map& map) {
   const DrawnAxis x(map.x), y(map.y);
   const bool image = drawn_as_image(map), boxes = !image || x.has_outside() || y.has_outside();
   std::vector<std::string> files = {"map-marks.csv", "map-threshold.csv", "map-fold.csv", "map.gp"};
@@ -279,7 +280,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   const auto [curves, key] = marks(map, 24.0 / height);
   script += key;
   for (int m = 0; m < count; ++m) {
-    script += '\n' + colour_scale(map, analysis::find_metric(scene.map.metrics[static_cast<std::size_t>(m)]));
+    script += '\n' + colour_scale(map, analysis::cycles::find_metric(scene.map.metrics[static_cast<std::size_t>(m)]));
     std::vector<std::string> layers;
     if (image)
       layers.push_back(fmt::format(
@@ -295,7 +296,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   return files;
 }
 
-std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::Design& design) {
+std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene,
+                                       const analysis::inference::Design& design) {
   const DrawnAxis x(design.x), y(design.y);
   const auto width = design.x.values.size();
   const bool alone = design.by_metric.size() == 1;

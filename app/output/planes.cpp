@@ -79,7 +79,7 @@ std::string whole_path(std::string path) {
   return path;
 }
 
-int write_axis(const Plane& plane, const std::string& name, const analysis::Axis& axis,
+int write_axis(const Plane& plane, const std::string& name, const analysis::planes::Axis& axis,
                const oscillators::Model& model) {
   const int dimension = plane.dimension(name, axis.values.size());
   const int variable = plane.variable(name, NC_DOUBLE, {dimension});
@@ -95,7 +95,7 @@ int write_axis(const Plane& plane, const std::string& name, const analysis::Axis
 
 }  // namespace
 
-void write_plane(const std::filesystem::path& path, const Scene& scene, const analysis::Map& map) {
+void write_plane(const std::filesystem::path& path, const Scene& scene, const analysis::planes::Map& map) {
   Plane plane;
   plane.attribute(NC_GLOBAL, "title", scene.title);
   plane.attribute(NC_GLOBAL, "version", std::string("rosin ") + ROSIN_VERSION);
@@ -116,8 +116,9 @@ void write_plane(const std::filesystem::path& path, const Scene& scene, const an
   plane.values(regime, regimes);
 
   std::vector<double> column(map.points.size());
-  const auto write_metric = [&](const std::string& name, const analysis::MetricName& metric,
-                                analysis::Metrics analysis::MapPoint::*part, const std::string& meaning) {
+  const auto write_metric = [&](const std::string& name, const analysis::cycles::MetricName& metric,
+                                analysis::cycles::Metrics analysis::planes::MapPoint::*part,
+                                const std::string& meaning) {
     for (std::size_t i = 0; i < column.size(); ++i) column[i] = map.points[i].*part.*metric.member;
     const int variable = plane.variable(name, NC_DOUBLE, {y, x});
     plane.attribute(variable, "units", std::string(metric.unit));
@@ -125,13 +126,13 @@ void write_plane(const std::filesystem::path& path, const Scene& scene, const an
     plane.values(variable, column);
   };
   for (const auto& wanted : scene.map.metrics) {
-    const auto& metric = analysis::find_metric(wanted);
-    write_metric(wanted, metric, &analysis::MapPoint::metrics, metric.meaning);
-    write_metric(wanted + "_error", metric, &analysis::MapPoint::error, "absolute error of " + wanted);
+    const auto& metric = analysis::cycles::find_metric(wanted);
+    write_metric(wanted, metric, &analysis::planes::MapPoint::metrics, metric.meaning);
+    write_metric(wanted + "_error", metric, &analysis::planes::MapPoint::error, "absolute error of " + wanted);
   }
 
-  const auto write_line = [&](const std::string& name, const std::string& dimension, const analysis::Polyline& line,
-                              const std::string& meaning) {
+  const auto write_line = [&](const std::string& name, const std::string& dimension,
+                              const analysis::planes::Polyline& line, const std::string& meaning) {
     const bool any = !line.x.empty();  // a dimension of length zero would mean an unlimited one
     const std::vector<double> none = {std::nan("")};
     const int vertices = plane.dimension(dimension, any ? line.x.size() : 1);

@@ -2,12 +2,12 @@
 #pragma once
 #include <filesystem>
 
-#include "analysis/map.hpp"
+#include "analysis/planes/map.hpp"
 #include "app/scene/scene.hpp"
 
 namespace rosin::app {
 
 /// \throws std::runtime_error if the file cannot be written.
-void write_plane(const std::filesystem::path& path, const Scene&, const analysis::Map&);
+void write_plane(const std::filesystem::path& path, const Scene&, const analysis::planes::Map&);
 
 }  // namespace rosin::app

@@ -20,13 +20,13 @@ ordered_json states(const FrictionLaw& law, std::span<const double> state) {
   return object;
 }
 
-ordered_json metrics(const analysis::Metrics& values) {
+ordered_json metrics(const analysis::cycles::Metrics& values) {
   auto object = ordered_json::object();
-  for (const auto& metric : analysis::metric_names()) object[metric.name] = values.*metric.member;
+  for (const auto& metric : analysis::cycles::metric_names()) object[metric.name] = values.*metric.member;
   return object;
 }
 
-ordered_json axis(const analysis::Axis& axis, const oscillators::Model& model) {
+ordered_json axis(const analysis::planes::Axis& axis, const oscillators::Model& model) {
   return {{"parameter", axis.parameter},
           {"unit", model.describe(axis.parameter).unit},
           {"scale", axis.logarithmic ? "log" : "linear"},

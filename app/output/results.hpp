@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/curve.hpp"
-#include "analysis/stability.hpp"
+#include "analysis/steady/curve.hpp"
+#include "analysis/steady/stability.hpp"
 #include "app/scene/scene.hpp"
 
 namespace rosin::app {
@@ -15,16 +15,16 @@ namespace rosin::app {
 /// A steady curve as sampled.
 struct Curve {
   std::vector<double> slip_rate, friction_coefficient;
-  std::vector<analysis::Extremum> extrema;
+  std::vector<analysis::steady::Extremum> extrema;
 };
 
 struct StabilityResult {
-  analysis::Stability stability;
-  std::vector<analysis::HopfPoint> hopf;
+  analysis::steady::Stability stability;
+  std::vector<analysis::steady::HopfPoint> hopf;
 };
 
 struct MapResult {
-  analysis::Map map;
+  analysis::planes::Map map;
   double seconds = 0;
 };
 
@@ -43,12 +43,12 @@ struct Comparison {
   std::string x_name, x_unit;
   std::vector<std::string> column_names, column_units;
   std::vector<Series> series;
-  std::vector<analysis::Map> maps;  ///< of protocol "map"
+  std::vector<analysis::planes::Map> maps;  ///< of protocol "map"
   Outcome outcome;
 };
 
 struct DesignResult {
-  analysis::Design design;
+  analysis::inference::Design design;
   double seconds = 0;
 };
 

@@ -6,19 +6,19 @@
 #include <string>
 #include <vector>
 
-#include "analysis/cycle.hpp"
-#include "analysis/discrimination.hpp"
-#include "analysis/equalise.hpp"
-#include "analysis/extraction.hpp"
-#include "analysis/fit.hpp"
-#include "analysis/frf.hpp"
-#include "analysis/frf_simulation.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/inference/discrimination.hpp"
+#include "analysis/inference/equalise.hpp"
+#include "analysis/inference/fit.hpp"
 #include "analysis/lab/experiment.hpp"
-#include "analysis/map.hpp"
-#include "analysis/plane_run.hpp"
-#include "analysis/run.hpp"
-#include "analysis/structure.hpp"
-#include "analysis/study.hpp"
+#include "analysis/motion/plane_run.hpp"
+#include "analysis/motion/run.hpp"
+#include "analysis/planes/map.hpp"
+#include "analysis/response/extraction.hpp"
+#include "analysis/response/frf.hpp"
+#include "analysis/response/frf_simulation.hpp"
+#include "analysis/response/structure.hpp"
+#include "analysis/studies/study.hpp"
 #include "app/scene/record.hpp"
 #include "oscillators/model.hpp"
 
@@ -42,7 +42,7 @@ struct CompareOptions {
   std::vector<Member> members;  ///< the first is the one that the others are compared with
   std::string protocol = "cycle";
   std::vector<std::string> adjust;  ///< paths of parameters
-  std::vector<analysis::Noise> noise;
+  std::vector<analysis::inference::Noise> noise;
   double confidence = 0.95;
   std::string parameter;  ///< of which a design asks; empty: it tells members apart
 };
@@ -50,15 +50,15 @@ struct CompareOptions {
 /// A measured record, and how a response is taken out of it.
 struct FrfRecord {
   RecordSource source;  ///< columns in the order of the channels
-  analysis::Channels channels;
+  analysis::response::Channels channels;
   double resolution = 0;  ///< Hz
-  analysis::WelchOptions welch;
-  analysis::ExtractionOptions extraction;
+  analysis::response::WelchOptions welch;
+  analysis::response::ExtractionOptions extraction;
 };
 
 /// A structure that a friction response is used on, and what is asked of both.
 struct FrfUse {
-  analysis::SlidingStructure sliding;
+  analysis::response::SlidingStructure sliding;
   /// Measured: at the same frequencies (Hz) where both are. Errors are of real and imaginary part each, or none.
   struct Measured {
     std::vector<double> frequency;
@@ -69,7 +69,7 @@ struct FrfUse {
   std::string scan;               ///< path of a parameter, or empty
   double scan_from = 0, scan_to = 0;
   int scan_points = 60;
-  std::vector<analysis::Uncertain> uncertain;
+  std::vector<analysis::response::Uncertain> uncertain;
   int samples = 400;
   std::uint64_t seed = 1;
 };
@@ -82,28 +82,29 @@ struct FitTask {
     std::vector<std::string> parameters;
   };
   std::vector<Candidate> candidates;  ///< the scene's own law first
-  std::vector<analysis::Measurement> data;
-  analysis::FitOptions options;
+  std::vector<analysis::inference::Measurement> data;
+  analysis::inference::FitOptions options;
 };
 
 struct Scene {
   std::string path;  ///< as the user gave it
   std::string title;
   oscillators::Model model;
-  std::optional<analysis::PlaneModel> plane;  ///< a slider in the plane, in place of the model's; for the verb run
+  std::optional<analysis::motion::PlaneModel>
+      plane;  ///< a slider in the plane, in place of the model's; for the verb run
   CurveOptions curve;
   std::vector<std::string> hopf_parameters;  ///< paths asked for besides the usual ones
-  analysis::RunOptions run;
-  analysis::CycleOptions cycle;
-  analysis::MapOptions map;
+  analysis::motion::RunOptions run;
+  analysis::cycles::CycleOptions cycle;
+  analysis::planes::MapOptions map;
   CompareOptions compare;
-  analysis::StudyOptions study;  ///< of the verb study, whose scenes have no model
-  analysis::FrfOptions frf;
+  analysis::studies::StudyOptions study;  ///< of the verb study, whose scenes have no model
+  analysis::response::FrfOptions frf;
   bool frf_predicts = true;  ///< the scene has a drive to predict at
   std::optional<FrfRecord> frf_record;
   std::optional<FrfUse> frf_use;
-  std::optional<analysis::SweepOptions> frf_sweep;
-  std::optional<analysis::NoiseOptions> frf_noise;
+  std::optional<analysis::response::SweepOptions> frf_sweep;
+  std::optional<analysis::response::NoiseOptions> frf_noise;
   FitTask fit;
   const analysis::lab::Experiment* experiment = nullptr;  ///< only of the verb lab
   std::optional<analysis::lab::Task> lab;

@@ -11,12 +11,12 @@ constexpr Range any{-1e15, 1e15};
 
 }  // namespace
 
-analysis::Start read_start(const toml::node& node, const std::string& path, const FrictionLaw& law) {
-  using Kind = analysis::Start::Kind;
+analysis::motion::Start read_start(const toml::node& node, const std::string& path, const FrictionLaw& law) {
+  using Kind = analysis::motion::Start::Kind;
   if (node.is_string())
     return {choice(node, path, {"steady", "rest"}) == "rest" ? Kind::rest : Kind::steady, {}, {}, {}, {}};
   if (!node.is_table()) wrong_kind(node, path, "\"steady\", \"rest\" or a table");
-  analysis::Start start{Kind::given, {}, {}, {}, {}};
+  analysis::motion::Start start{Kind::given, {}, {}, {}, {}};
   Table table(node, path);
   table.read("displacement", start.displacement, {"", "m", any, "displacement of the slider"});
   table.read("velocity", start.velocity, {"", "m/s", any, "velocity of the slider"});
@@ -48,7 +48,7 @@ analysis::Start read_start(const toml::node& node, const std::string& path, cons
   return start;
 }
 
-void read_plane_start(const toml::node& node, const std::string& path, analysis::PlaneModel& plane) {
+void read_plane_start(const toml::node& node, const std::string& path, analysis::motion::PlaneModel& plane) {
   plane.velocity = plane.mass.surface_velocity;
   if (node.is_string()) {
     choice(node, path, {"rest"});

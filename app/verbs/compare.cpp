@@ -6,9 +6,9 @@
 #include <chrono>
 #include <cmath>
 
-#include "analysis/curve.hpp"
-#include "analysis/equalise.hpp"
-#include "analysis/stability.hpp"
+#include "analysis/inference/equalise.hpp"
+#include "analysis/steady/curve.hpp"
+#include "analysis/steady/stability.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
@@ -25,13 +25,13 @@ namespace {
 
 // ---------------------------------------------------------------- reading
 
-std::vector<analysis::Property> read_properties(const toml::node& node, const std::string& path) {
-  std::vector<analysis::Property> properties;
+std::vector<analysis::inference::Property> read_properties(const toml::node& node, const std::string& path) {
+  std::vector<analysis::inference::Property> properties;
   for (const auto& element : list(node, path, "tables")) {
     Table keys(element, path);
     keys.expect({"name", "slip_rate", "ratio", "hold", "from", "to", "points"});
     std::vector<std::string> known{"steady-curve"};
-    for (const auto& property : analysis::property_names()) known.emplace_back(property.name);
+    for (const auto& property : analysis::inference::property_names()) known.emplace_back(property.name);
     const auto property = choice(keys.required("name", "of the property"), keys.path("name"), known);
     const Quantity speed{"", "m/s", {1e-15, 1e4}, "slip rate"};
     if (property == "steady-curve") {
@@ -43,10 +43,10 @@ std::vector<analysis::Property> read_properties(const toml::node& node, const st
       keys.read("to", to, speed);
       keys.read("points", points, 2, 1'000'000, "slip rates along the curve");
       if (!(from < to)) fail(element.source(), "{}: from = {} must be below to = {}", path, from, to);
-      const auto curve = analysis::steady_curve(from, to, points);
+      const auto curve = analysis::inference::steady_curve(from, to, points);
       properties.insert(properties.end(), curve.begin(), curve.end());
     } else {
-      analysis::Property one{.name = property, .slip_rate = 0};
+      analysis::inference::Property one{.name = property, .slip_rate = 0};
       keys.required("slip_rate", "m/s");
       keys.read("slip_rate", one.slip_rate, speed);
       keys.read("ratio", one.ratio, {"", "1", {1e-6, 1e6}, "slip rate after the step over that before it"});
@@ -85,8 +85,8 @@ CompareOptions::Member read_member(const toml::node& node, const oscillators::Mo
 void read_noise(const toml::node& node, CompareOptions& compare) {
   if (!node.is_table()) wrong_kind(node, "compare.noise", "a table of metrics");
   for (const auto& [key, value] : *node.as_table()) {
-    analysis::Noise noise{std::string(key.str())};
-    const auto* metric = located(value.source(), [&] { return &analysis::find_metric(noise.metric); });
+    analysis::inference::Noise noise{std::string(key.str())};
+    const auto* metric = located(value.source(), [&] { return &analysis::cycles::find_metric(noise.metric); });
     Table keys(value, "compare.noise." + noise.metric);
     keys.read("absolute", noise.absolute, {"", std::string(metric->unit), {0, 1e300}, "standard deviation"});
     keys.read("relative", noise.relative, {"", "1", {0, 1e3}, "standard deviation over the value"});
@@ -131,7 +131,7 @@ void read_comparison(Table table, SceneReader& reader) {
       located(equal->source(), [&] {
         try {
           const auto equalised =
-              analysis::equalise(member.model, compare.members.front().model, wanted, compare.adjust);
+              analysis::inference::equalise(member.model, compare.members.front().model, wanted, compare.adjust);
           member.model = equalised.model;
           member.adjusted = equalised.values;
           member.difference = equalised.difference;
@@ -206,7 +206,7 @@ std::string document_of(const Scene& scene, const Comparison& comparison) {
       auto& plane = planes[scene.compare.members[k].name];
       plane["regime"] = rows(map, [](const auto& point) { return name(point.regime); });
       for (const auto& metric : scene.map.metrics) {
-        const auto member = analysis::find_metric(metric).member;
+        const auto member = analysis::cycles::find_metric(metric).member;
         plane["metrics"][metric] = rows(map, [=](const auto& point) { return point.metrics.*member; });
         plane["error"][metric] = rows(map, [=](const auto& point) { return point.error.*member; });
       }
@@ -241,7 +241,7 @@ std::string document_of(const Scene& scene, const DesignResult& result) {
   document["discriminability"] = plane(design.information);
   document["discriminability_error"] = plane(design.information_error);
   if (!design.repeats.empty()) document["repeats"] = plane(design.repeats);
-  const auto best = [&](const analysis::Design::Best& b) {
+  const auto best = [&](const analysis::inference::Design::Best& b) {
     return ordered_json{{"x", b.x}, {"y", b.y}, {"discriminability", b.information}, {"repeats", b.repeats}};
   };
   document["best"] = best(design.best);
@@ -314,7 +314,7 @@ Comparison compare_stability(const Scene& scene) {
   for (std::size_t k = 0; k < members.size(); ++k) {
     Entries entries(comparison, k, members.size());
     for (const char* path : {"drive.normal_load", "oscillator.stiffness", "drive.speed"}) {
-      const auto points = analysis::hopf_points(members[k].model, path);
+      const auto points = analysis::steady::hopf_points(members[k].model, path);
       if (points.empty()) continue;
       const auto& nearest = points.front();
       entries.add(fmt::format("hopf {}", path), scene.model.describe(path).unit, nearest.value, nearest.value_error);
@@ -339,7 +339,7 @@ Comparison compare_runs(const Scene& scene) {
   Comparison comparison = motions();
   constexpr std::size_t chosen[] = {0, 2, 4};
   for (std::size_t k = 0; k < members.size(); ++k) {
-    const auto run = analysis::run(members[k].model, scene.run);
+    const auto run = analysis::motion::run(members[k].model, scene.run);
     worsen(comparison.outcome, run.outcome, members[k].name);
     Comparison::Series series{run.time, {}};
     Entries entries(comparison, k, members.size());
@@ -361,11 +361,11 @@ Comparison compare_cycles(const Scene& scene) {
   const auto& members = scene.compare.members;
   Comparison comparison = motions();
   for (std::size_t k = 0; k < members.size(); ++k) {
-    const auto cycle = analysis::find_cycle(members[k].model, scene.cycle);
+    const auto cycle = analysis::cycles::find_cycle(members[k].model, scene.cycle);
     worsen(comparison.outcome, cycle.outcome, members[k].name);
     Entries entries(comparison, k, members.size());
     if (cycle.metrics.period > 0)
-      for (const auto& metric : analysis::metric_names())
+      for (const auto& metric : analysis::cycles::metric_names())
         entries.add(std::string(metric.name), std::string(metric.unit), cycle.metrics.*metric.member,
                     cycle.error.*metric.member);
     Comparison::Series series{{}, {{}, {}, {}}};
@@ -387,14 +387,14 @@ Comparison compare_maps(const Scene& scene, const Request& request) {
   Comparison comparison;
   Progress progress(request.quiet);
   for (std::size_t k = 0; k < members.size(); ++k) {
-    comparison.maps.push_back(
-        analysis::compute_map(members[k].model, options, {.known = {}, .finished = {}, .progress = progress.of_map()}));
+    comparison.maps.push_back(analysis::planes::compute_map(
+        members[k].model, options, {.known = {}, .finished = {}, .progress = progress.of_map()}));
     worsen(comparison.outcome, comparison.maps.back().outcome, members[k].name);
     if (comparison.outcome.ending == Ending::interrupted) return comparison;
   }
   // Of each metric the largest difference to the first member, where both have a cycle.
   for (const auto& name : options.metrics) {
-    const auto& metric = analysis::find_metric(name);
+    const auto& metric = analysis::cycles::find_metric(name);
     for (std::size_t k = 0; k < members.size(); ++k) {
       double largest = 0, its_error = 0;
       for (std::size_t i = 0; i < comparison.maps[0].points.size(); ++i) {
@@ -496,13 +496,13 @@ Status design(Job& job) {
   std::vector<std::string*> metrics;
   for (auto& noise : compare.noise) metrics.push_back(&noise.metric);
   take_slow_fraction(job, metrics);
-  analysis::DesignOptions options{.x = scene.map.x,
-                                  .y = scene.map.y,
-                                  .noise = compare.noise,
-                                  .tolerance = request.tolerance.value_or(scene.map.tolerance),
-                                  .stick_threshold = scene.map.stick_threshold,
-                                  .threads = request.threads,
-                                  .confidence = compare.confidence};
+  analysis::inference::DesignOptions options{.x = scene.map.x,
+                                             .y = scene.map.y,
+                                             .noise = compare.noise,
+                                             .tolerance = request.tolerance.value_or(scene.map.tolerance),
+                                             .stick_threshold = scene.map.stick_threshold,
+                                             .threads = request.threads,
+                                             .confidence = compare.confidence};
   std::vector<std::string> measured;
   for (const auto& noise : compare.noise) measured.push_back(noise.metric);
   const bool of_parameter = !compare.parameter.empty();
@@ -513,17 +513,17 @@ Status design(Job& job) {
   DesignResult result;
   {
     Progress progress(request.quiet);
-    const analysis::MapHooks hooks{.known = {}, .finished = {}, .progress = progress.of_map()};
+    const analysis::planes::MapHooks hooks{.known = {}, .finished = {}, .progress = progress.of_map()};
     std::vector<oscillators::Model> models;
     for (const auto& member : compare.members) models.push_back(member.model);
-    result.design = of_parameter ? analysis::inform(scene.model, compare.parameter, options, hooks)
-                                 : analysis::discriminate(models, options, hooks);
+    result.design = of_parameter ? analysis::inference::inform(scene.model, compare.parameter, options, hooks)
+                                 : analysis::inference::discriminate(models, options, hooks);
   }
   result.seconds = seconds_since(begin);
   const auto& plane = result.design;
   if (plane.outcome.ending == Ending::interrupted) return stopped_early(request, "nothing is written");
   if (!of_parameter) say_members(job, compare);
-  const auto say_best = [&](const std::string& what, const analysis::Design::Best& best) {
+  const auto say_best = [&](const std::string& what, const analysis::inference::Design::Best& best) {
     if (!(best.information > 0)) return job.say("{:<22} tells nothing anywhere", what);
     const auto place = fmt::format("at {} = {:.4g}, {} = {:.4g}", plane.x.parameter, best.x, plane.y.parameter, best.y);
     if (of_parameter)

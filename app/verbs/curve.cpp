@@ -1,5 +1,5 @@
 /// The verb curve: the steady friction curve and its extrema.
-#include "analysis/curve.hpp"
+#include "analysis/steady/curve.hpp"
 
 #include <cmath>
 
@@ -62,7 +62,7 @@ Status perform(Job& job) {
         options.from * std::pow(options.to / options.from, double(i) / (options.points - 1));
   curve.slip_rate.back() = options.to;
   law.steady_friction(curve.slip_rate, options.normal_load, curve.friction_coefficient);
-  curve.extrema = analysis::steady_extrema(law, options.from, options.to, options.normal_load);
+  curve.extrema = analysis::steady::steady_extrema(law, options.from, options.to, options.normal_load);
 
   Reached reached;
   for (const auto& e : curve.extrema) {

@@ -1,5 +1,5 @@
 /// The verb cycle: the periodic motion, its multipliers and metrics.
-#include "analysis/cycle.hpp"
+#include "analysis/cycles/cycle.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -28,12 +28,12 @@ void read_table(Table table, SceneReader& reader) {
   table.finish();
 }
 
-std::string document_of(const Scene& scene, const analysis::Cycle& cycle) {
+std::string document_of(const Scene& scene, const analysis::cycles::Cycle& cycle) {
   auto document = begin(scene, "cycle", cycle.outcome);
   const bool found = cycle.metrics.period > 0;  // known, if less accurately than asked
   const auto none = [] {
-    analysis::Metrics absent;
-    for (const auto& metric : analysis::metric_names()) absent.*metric.member = std::nan("");
+    analysis::cycles::Metrics absent;
+    for (const auto& metric : analysis::cycles::metric_names()) absent.*metric.member = std::nan("");
     return absent;
   };
   document.update(metrics(found ? cycle.metrics : none()));
@@ -61,7 +61,7 @@ Status perform(Job& job) {
   job.explain("the cycle that is reached from stick, tolerance {} of every metric, at most {} cycles of transient",
               scene.cycle.tolerance, scene.cycle.max_cycles);
   const auto begin = std::chrono::steady_clock::now();
-  const auto cycle = analysis::find_cycle(scene.model, scene.cycle);
+  const auto cycle = analysis::cycles::find_cycle(scene.model, scene.cycle);
   auto& manifest = job.manifest();
   manifest.tolerance_asked = scene.cycle.tolerance;
   manifest.cost = {{"seconds", seconds_since(begin)},
@@ -71,7 +71,7 @@ Status perform(Job& job) {
   if (!(cycle.metrics.period > 0)) return job.finish(document_of(scene, cycle), {}, cycle.outcome);
 
   Reached reached;
-  for (const auto& metric : analysis::metric_names()) {
+  for (const auto& metric : analysis::cycles::metric_names()) {
     const double value = cycle.metrics.*metric.member, error = cycle.error.*metric.member;
     reached.add(value, error);
     job.say("{:<22} {}", metric.name, justified(value, error, metric.unit));

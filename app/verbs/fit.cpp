@@ -16,7 +16,7 @@ namespace rosin::app {
 namespace {
 
 namespace fs = std::filesystem;
-using analysis::Measurement;
+using analysis::inference::Measurement;
 
 const char* abscissa(Measurement::Kind kind) {
   switch (kind) {
@@ -32,7 +32,7 @@ const char* abscissa(Measurement::Kind kind) {
   return "";
 }
 
-ordered_json parameters(const analysis::Fit& fit) {
+ordered_json parameters(const analysis::inference::Fit& fit) {
   auto object = ordered_json::object();
   for (const auto& p : fit.parameters)
     object[p.path] = {{"value", p.value},
@@ -44,7 +44,8 @@ ordered_json parameters(const analysis::Fit& fit) {
   return object;
 }
 
-std::string to_json(const Scene& scene, const std::vector<analysis::Fit>& fits, const std::vector<std::size_t>& order) {
+std::string to_json(const Scene& scene, const std::vector<analysis::inference::Fit>& fits,
+                    const std::vector<std::size_t>& order) {
   const auto& own = fits.front();
   auto document = app::begin(scene, "fit", own.outcome);
   document["parameters"] = parameters(own);
@@ -71,7 +72,7 @@ std::string to_json(const Scene& scene, const std::vector<analysis::Fit>& fits, 
 
 /// Standardised residuals of each measurement, of the scene's law and of the best of the others.
 std::vector<std::string> write_residuals(const fs::path& folder, const Scene& scene,
-                                         const std::vector<analysis::Fit>& fits,
+                                         const std::vector<analysis::inference::Fit>& fits,
                                          const std::vector<std::size_t>& order) {
   std::vector<std::string> files;
   const auto& data = scene.fit.data;
@@ -111,7 +112,7 @@ std::vector<std::string> write_residuals(const fs::path& folder, const Scene& sc
 Status perform(Job& job) {
   const auto& scene = job.scene();
   const auto begin = std::chrono::steady_clock::now();
-  std::vector<analysis::Fit> fits;
+  std::vector<analysis::inference::Fit> fits;
   {
     Progress progress(job.request().quiet);
     for (const auto& candidate : scene.fit.candidates) {
@@ -120,7 +121,7 @@ Status perform(Job& job) {
       options.progress = [&](int done, int total) { progress.show(std::size_t(done), std::size_t(total)); };
       job.explain("{}: {} parameters by least squares from {} starts", candidate.name, candidate.parameters.size(),
                   options.starts);
-      fits.push_back(analysis::fit(candidate.model, scene.fit.data, options));
+      fits.push_back(analysis::inference::fit(candidate.model, scene.fit.data, options));
     }
   }
   std::vector<std::size_t> order(fits.size());

@@ -9,7 +9,7 @@ namespace rosin::app {
 namespace {
 
 namespace fs = std::filesystem;
-using analysis::Measurement;
+using analysis::inference::Measurement;
 using Kind = Measurement::Kind;
 
 /// What a kind of measurement is read from: x, then y, in columns with these names unless the scene has others.
@@ -105,7 +105,7 @@ void read_fit(Table table, SceneReader& reader) {
   const auto read_parameters = [](const toml::node& node, const std::string& path, const oscillators::Model& model) {
     const auto paths = texts(node, path);
     for (std::size_t i = 0; i < paths.size(); ++i)
-      located(node.as_array()->get(i)->source(), [&] { analysis::require_fittable(model, paths[i]); });
+      located(node.as_array()->get(i)->source(), [&] { analysis::inference::require_fittable(model, paths[i]); });
     if (paths.empty()) fail(node.source(), "{} is empty", path);
     return paths;
   };

@@ -19,15 +19,15 @@ namespace {
 
 namespace fs = std::filesystem;
 using Complex = std::complex<double>;
-using analysis::FrfCurve;
+using analysis::response::FrfCurve;
 
-ordered_json roots(const std::vector<analysis::FrictionResponse::Root>& list) {
+ordered_json roots(const std::vector<analysis::response::FrictionResponse::Root>& list) {
   auto array = ordered_json::array();
   for (const auto& root : list) array.push_back(pair(root.value));
   return array;
 }
 
-using analysis::ResponseMatrix;
+using analysis::response::ResponseMatrix;
 
 /// An array of pairs for each entry; of errors, which are real numbers, an array of numbers.
 ordered_json entries(const std::vector<ResponseMatrix>& matrices, bool errors = false) {
@@ -61,7 +61,7 @@ void describe(ordered_json& object, const FrfCurve& curve) {
   if (!curve.matrix.empty()) object["matrix"] = entries(curve.matrix);
 }
 
-ordered_json document_of(const Scene& scene, const analysis::FrfPrediction& prediction) {
+ordered_json document_of(const Scene& scene, const analysis::response::FrfPrediction& prediction) {
   auto document = begin(scene, "frf");
   document["frequency"] = scene.frf.frequencies;
   describe(document, prediction.curve);
@@ -82,7 +82,8 @@ ordered_json document_of(const Scene& scene, const analysis::FrfPrediction& pred
   return document;
 }
 
-std::string to_json(const Scene& scene, const analysis::MeasuredFrf& measured, const std::vector<Complex>& predicted) {
+std::string to_json(const Scene& scene, const analysis::response::MeasuredFrf& measured,
+                    const std::vector<Complex>& predicted) {
   auto document = begin(scene, "frf");
   document["frequency"] = measured.frequency;
   document["tangential"] = pairs(measured.tangential);
@@ -181,7 +182,7 @@ void write_script(const fs::path& folder, const Scene& scene, const std::vector<
 }
 
 /// Measured points with bands of two standard errors, the prediction as a line, and the coherence.
-void write_measured_script(const fs::path& folder, const Scene& scene, const analysis::MeasuredFrf& measured,
+void write_measured_script(const fs::path& folder, const Scene& scene, const analysis::response::MeasuredFrf& measured,
                            bool predicted) {
   const auto& f = measured.frequency;
   std::string script = preamble("frf",
@@ -228,12 +229,12 @@ void write_measured_script(const fs::path& folder, const Scene& scene, const ana
 }
 
 /// Writes what was measured, by whatever means, beside what is predicted.
-Status finish_measured(Job& job, const analysis::MeasuredFrf& measured, std::vector<std::string> files = {}) {
+Status finish_measured(Job& job, const analysis::response::MeasuredFrf& measured, std::vector<std::string> files = {}) {
   auto& scene = job.scene();
   for (const auto& warning : measured.warnings) job.note(warning);
   std::vector<Complex> predicted;
   if (scene.frf_predicts) {
-    const analysis::FrictionResponse response(scene.model);
+    const analysis::response::FrictionResponse response(scene.model);
     for (const double f : measured.frequency) {
       const Complex s(0, 2 * std::numbers::pi * f);
       predicted.push_back(response.tangential(s, scene.frf.rig));
@@ -283,16 +284,16 @@ Status extract(Job& job) {
   job.explain("segments of {} Hz resolution, window {}, overlap {}; the record is read in blocks", record.resolution,
               record.welch.window, record.welch.overlap);
   const auto begin = std::chrono::steady_clock::now();
-  std::optional<analysis::CrossSpectra> spectra;
+  std::optional<analysis::response::CrossSpectra> spectra;
   const auto end = read_record(record.source, [&](double rate, std::span<const std::span<const double>> block) {
     if (!spectra) {
       auto welch = record.welch;
-      welch.segment = analysis::segment_for(record.resolution, rate);
+      welch.segment = analysis::response::segment_for(record.resolution, rate);
       spectra.emplace(record.channels.count(), welch);
     }
     spectra->add(block);
   });
-  const auto measured = analysis::extract_frf(*spectra, record.channels, end.sample_rate, record.extraction);
+  const auto measured = analysis::response::extract_frf(*spectra, record.channels, end.sample_rate, record.extraction);
   job.manifest().cost = {{"seconds", seconds_since(begin)}, {"samples", double(end.samples)}};
   return finish_measured(job, measured);
 }
@@ -305,7 +306,7 @@ Status simulate_noise(Job& job, std::optional<double> tolerance) {
       "the response is extracted from the record",
       job.scene().model.drive.speed.level(), options.amplitude, options.low, options.high);
   const auto begin = std::chrono::steady_clock::now();
-  const auto noise = analysis::simulate_noise(job.scene().model, options);
+  const auto noise = analysis::response::simulate_noise(job.scene().model, options);
   job.manifest().cost = {{"seconds", seconds_since(begin)}, {"samples", double(noise.time.size())}};
   std::vector<Column> columns = {
       {"time (s)", noise.time}, {"slip_rate (m/s)", noise.slip_rate}, {"friction_force (N)", noise.force}};
@@ -326,9 +327,9 @@ Status simulate_sweep(Job& job) {
       "found by Newton's method; no transient is waited for",
       options.amplitude, options.amplitude / 2);
   const auto begin = std::chrono::steady_clock::now();
-  const auto swept = analysis::simulate_sweep(scene.model, options);
+  const auto swept = analysis::response::simulate_sweep(scene.model, options);
   job.manifest().cost = {{"seconds", seconds_since(begin)}};
-  const analysis::FrictionResponse response(scene.model);
+  const analysis::response::FrictionResponse response(scene.model);
   std::vector<Complex> predicted;
   std::vector<ResponseMatrix> predicted_matrix;
   Reached reached;
@@ -395,7 +396,7 @@ Status perform(Job& job) {
   if (!model.drive.constant()) job.note("the drive varies: the response is that about its mean, or about its start");
 
   const auto begin = std::chrono::steady_clock::now();
-  const auto prediction = analysis::predict_frf(model, scene.frf);
+  const auto prediction = analysis::response::predict_frf(model, scene.frf);
   job.manifest().cost = {{"seconds", seconds_since(begin)}};
   const auto& curve = prediction.curve;
   job.say("about steady sliding at {} m/s under {} N, friction coefficient {:.10g}", curve.slip_rate, curve.normal_load,

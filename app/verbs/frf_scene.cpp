@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/contact_slopes.hpp"
+#include "analysis/response/contact_slopes.hpp"
 #include "app/scene/scene_table.hpp"
 
 namespace rosin::app {
@@ -58,7 +58,7 @@ std::vector<double> read_frequencies(const toml::node& node, const std::string& 
 }
 
 FrfRecord read_frf_record(Table table, const fs::path& folder) {
-  using Second = analysis::Channels::Second;
+  using Second = analysis::response::Channels::Second;
   FrfRecord record;
   table.expect({"file", "time", "sample_rate", "slip_rate", "force", "normal_load", "approach_rate", "reference",
                 "resolution", "overlap", "window", "estimator"});
@@ -91,9 +91,9 @@ FrfRecord read_frf_record(Table table, const fs::path& folder) {
   table.read("resolution", record.resolution, {"", "Hz", {1e-9, 1e9}, "width of a frequency bin"});
   table.read("overlap", record.welch.overlap, {"", "1", {0, 0.9}, "overlap of neighbouring segments"});
   if (const auto* window = table.find("window"))
-    record.welch.window = choice(*window, table.path("window"), analysis::window_names());
+    record.welch.window = choice(*window, table.path("window"), analysis::response::window_names());
   if (const auto* estimator = table.find("estimator"))
-    record.extraction.estimator = choice(*estimator, table.path("estimator"), analysis::estimator_names());
+    record.extraction.estimator = choice(*estimator, table.path("estimator"), analysis::response::estimator_names());
   table.finish();
   return record;
 }
@@ -158,18 +158,18 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
   if ((modes != nullptr) + (M != nullptr) + (receptance != nullptr) > 1)
     fail(table.source(), "frf.structure: give modes, or M, C and K, or receptance");
   if (modes) {
-    std::vector<analysis::Mode> read;
+    std::vector<analysis::response::Mode> read;
     for (const auto& element : list(*modes, table.path("modes"), "tables", most_names)) {
       Table keys(element, table.path("modes"));
-      analysis::Mode mode;
-      read_fields(keys, analysis::mode_fields, mode);
+      analysis::response::Mode mode;
+      read_fields(keys, analysis::response::mode_fields, mode);
       read.push_back(mode);
     }
     if (read.empty()) fail(modes->source(), "frf.structure.modes is empty");
     use.sliding.form = std::move(read);
   } else if (M) {
     std::size_t size = 0;
-    analysis::Structure structure;
+    analysis::response::Structure structure;
     structure.M = read_matrix(*M, {table.path("M"), "kg", any, "mass"}, size);
     structure.K = read_matrix(table.required("K", "stiffness, N/m"), {table.path("K"), "N/m", any, "stiffness"}, size);
     structure.C =
@@ -178,7 +178,7 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
     for (const auto& element : list(*contacts, table.path("contacts"), "tables", most_names)) {
       Table keys(element, table.path("contacts"));
       keys.expect({"tangential", "normal"});
-      analysis::Structure::Contact contact;
+      analysis::response::Structure::Contact contact;
       const Quantity entry{"", "1", any, "direction of a contact"};
       contact.tangential = numbers(keys.required("tangential", "direction of slip"),
                                    {keys.path("tangential"), "1", any, "direction of slip"});
@@ -253,7 +253,7 @@ void read_simulation(Table table, Scene& scene) {
     noise.seed = std::uint64_t(seed);
     table.read("overlap", noise.welch.overlap, {"", "1", {0, 0.9}, "overlap of neighbouring segments"});
     if (const auto* window = table.find("window"))
-      noise.welch.window = choice(*window, table.path("window"), analysis::window_names());
+      noise.welch.window = choice(*window, table.path("window"), analysis::response::window_names());
   }
   table.finish();
 }
@@ -282,7 +282,7 @@ void read_frf(Table table, SceneReader& reader, const toml::node* oscillator) {
     options.rig.matrix = *normal->value<bool>();
   }
   if (auto contact = table.table("normal_contact")) {
-    read_fields(*contact, analysis::normal_contact_fields, options.rig.normal.emplace());
+    read_fields(*contact, analysis::response::normal_contact_fields, options.rig.normal.emplace());
     options.rig.matrix = true;
   }
   const bool found = scene.frf_record || scene.frf_sweep || scene.frf_noise;
@@ -300,10 +300,10 @@ void read_frf(Table table, SceneReader& reader, const toml::node* oscillator) {
   if (scene.frf_noise) scene.frf_noise->rig = options.rig;
   if (const auto* list = table.find("sensitivities")) {
     options.sensitivities = texts(*list, table.path("sensitivities"));
-    const auto imposed = analysis::imposed_contact_setup(scene.model);
+    const auto imposed = analysis::response::imposed_contact_setup(scene.model);
     for (std::size_t i = 0; i < options.sensitivities.size(); ++i)
       located(list->as_array()->get(i)->source(),
-              [&] { analysis::ContactSlopes(scene.model, imposed, options.sensitivities[i]); });
+              [&] { analysis::response::ContactSlopes(scene.model, imposed, options.sensitivities[i]); });
   }
   if (auto family = table.table("family")) {
     family->expect({"parameter", "values"});

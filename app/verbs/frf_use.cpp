@@ -41,8 +41,8 @@ void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector
   files.insert(files.end(), {"loop.csv", "loop.gp"});
 }
 
-void add_uncertainty(Job& job, ordered_json& stability, const analysis::Uncertainty& spread, const char* measure,
-                     const char* unit) {
+void add_uncertainty(Job& job, ordered_json& stability, const analysis::response::Uncertainty& spread,
+                     const char* measure, const char* unit) {
   const auto& inputs = job.scene().frf_use->uncertain;
   job.say("with uncertain inputs: unstable in {:.3g} ± {:.1g} % of {} samples, {} {:.4g} … {:.4g}{} (5 to 95 %)",
           100 * spread.probability, 100 * spread.standard_error, spread.samples, measure, spread.low, spread.high,
@@ -60,17 +60,17 @@ void add_uncertainty(Job& job, ordered_json& stability, const analysis::Uncertai
 
 /// Friction and receptance at the frequencies of the tables, as measured or as the sliding structure gives them.
 std::pair<std::vector<Complex>, std::vector<Complex>> table_sides(const FrfUse& use,
-                                                                  const analysis::SlidingStructure& sliding,
+                                                                  const analysis::response::SlidingStructure& sliding,
                                                                   const std::vector<double>& frequency) {
   auto friction = use.friction.value, receptance = use.receptance.value;
   if (friction.empty()) {
-    const analysis::FrictionResponse response(sliding.model);
+    const analysis::response::FrictionResponse response(sliding.model);
     for (const double f : frequency) friction.push_back(response.tangential({0, 2 * std::numbers::pi * f}));
   }
   if (receptance.empty()) {
     const auto structure = sliding.structure();
     for (const double f : frequency)
-      receptance.push_back(analysis::receptance(structure, {0, 2 * std::numbers::pi * f}));
+      receptance.push_back(analysis::response::receptance(structure, {0, 2 * std::numbers::pi * f}));
   }
   return {std::move(friction), std::move(receptance)};
 }
@@ -90,7 +90,7 @@ void table_stability(Job& job, ordered_json& stability, std::vector<std::string>
         "frf.structure: friction and receptance must be measured at the same frequencies; nothing is "
         "interpolated");
   const auto [friction, receptance] = table_sides(use, use.sliding, table.frequency);
-  const auto loop = analysis::close_table(table.frequency, friction, receptance);
+  const auto loop = analysis::response::close_table(table.frequency, friction, receptance);
   stability["stable"] = loop.unstable == 0;
   stability["unstable_by_nyquist"] = loop.unstable;
   stability["turns"] = loop.turns;
@@ -103,13 +103,14 @@ void table_stability(Job& job, ordered_json& stability, std::vector<std::string>
     job.note(
         "the loop turns by more than a quarter between neighbouring frequencies: the count is not to be relied on");
   if (!use.uncertain.empty() || !use.friction.error.empty() || !use.receptance.error.empty()) {
-    const auto spread = analysis::propagate(
-        use.sliding, use.uncertain, use.samples, use.seed, [&](const analysis::SlidingStructure& changed, int sample) {
+    const auto spread = analysis::response::propagate(
+        use.sliding, use.uncertain, use.samples, use.seed,
+        [&](const analysis::response::SlidingStructure& changed, int sample) {
           auto [friction, receptance] = table_sides(use, changed, table.frequency);
           disturb(friction, use.friction.error, use.seed + 2 * std::uint64_t(sample) + 1);
           disturb(receptance, use.receptance.error, use.seed + 2 * std::uint64_t(sample) + 2);
-          const auto drawn = analysis::close_table(table.frequency, friction, receptance);
-          return analysis::Drawn{drawn.unstable > 0, drawn.margin};
+          const auto drawn = analysis::response::close_table(table.frequency, friction, receptance);
+          return analysis::response::Drawn{drawn.unstable > 0, drawn.margin};
         });
     add_uncertainty(job, stability, spread, "margin", "");
   }
@@ -128,7 +129,7 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
     return;
   }
   const auto structure = use.sliding.structure();
-  const auto loop = analysis::close_loop(structure, scene.model, use.sliding.normal);
+  const auto loop = analysis::response::close_loop(structure, scene.model, use.sliding.normal);
   stability["stable"] = loop.stable;
   stability["marginal"] = loop.marginal;
   stability["eigenvalues"] = pairs(loop.eigenvalues);
@@ -157,7 +158,8 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
   if (!use.scan.empty()) {
     stability["critical"] = ordered_json::array();
     const auto unit = use.sliding.describe(use.scan).unit;
-    const auto values = analysis::critical_values(use.sliding, use.scan, use.scan_from, use.scan_to, use.scan_points);
+    const auto values =
+        analysis::response::critical_values(use.sliding, use.scan, use.scan_from, use.scan_to, use.scan_points);
     for (const auto& critical : values) {
       job.say("critical {} = {}, at {:.6g} Hz", use.scan, justified(critical.value, critical.error, unit),
               critical.angular_frequency / (2 * std::numbers::pi));
@@ -169,14 +171,14 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
     if (values.empty()) job.say("no critical value of {} from {} to {}", use.scan, use.scan_from, use.scan_to);
   }
   if (!use.uncertain.empty()) {
-    const auto spread = analysis::propagate(use.sliding, use.uncertain, use.samples, use.seed);
+    const auto spread = analysis::response::propagate(use.sliding, use.uncertain, use.samples, use.seed);
     add_uncertainty(job, stability, spread, "growth", "1/s");
   }
   if (structure.contacts.size() == 1 && structure.contacts.front().normal.empty()) {
-    const analysis::FrictionResponse response(scene.model);
+    const analysis::response::FrictionResponse response(scene.model);
     const auto loop_at = [&](double f) {
       const Complex s(0, 2 * std::numbers::pi * f);
-      return s * response.tangential(s) * analysis::receptance(structure, s);
+      return s * response.tangential(s) * analysis::response::receptance(structure, s);
     };
     // Resonances are narrow: frequencies are added until the line is smooth.
     std::vector<double> frequency = scene.frf.frequencies;

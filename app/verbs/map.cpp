@@ -1,5 +1,5 @@
 /// The verb map: regimes and metrics over a parameter plane.
-#include "analysis/map.hpp"
+#include "analysis/planes/map.hpp"
 
 #include <fmt/ranges.h>
 
@@ -23,9 +23,9 @@ namespace rosin::app {
 
 namespace {
 
-using analysis::Regime;
+using analysis::planes::Regime;
 
-analysis::Axis read_axis(Table table, const oscillators::Model& model) {
+analysis::planes::Axis read_axis(Table table, const oscillators::Model& model) {
   table.expect({"parameter", "from", "to", "points", "scale", "extra"});
   const auto& parameter = table.required("parameter", "path, such as drive.normal_load");
   const auto path = text(parameter, table.path("parameter"));
@@ -48,7 +48,8 @@ analysis::Axis read_axis(Table table, const oscillators::Model& model) {
     extra = numbers(*node, quantity);
   }
   table.finish();
-  return located(table.source(), [&] { return analysis::make_axis(path, from, to, points, logarithmic, extra); });
+  return located(table.source(),
+                 [&] { return analysis::planes::make_axis(path, from, to, points, logarithmic, extra); });
 }
 
 void read_table(Table table, SceneReader& reader) {
@@ -66,7 +67,7 @@ void read_table(Table table, SceneReader& reader) {
   if (const auto* metrics = table.find("metrics")) {
     map.metrics = texts(*metrics, table.path("metrics"));
     for (std::size_t i = 0; i < map.metrics.size(); ++i)
-      located(metrics->as_array()->get(i)->source(), [&] { analysis::find_metric(map.metrics[i]); });
+      located(metrics->as_array()->get(i)->source(), [&] { analysis::cycles::find_metric(map.metrics[i]); });
     for (auto name = map.metrics.begin(); name != map.metrics.end(); ++name)
       if (std::find(map.metrics.begin(), name, *name) != name)
         fail(metrics->source(), "map.metrics names '{}' twice", *name);
@@ -98,7 +99,7 @@ std::string document_of(const Scene& scene, const MapResult& result) {
   document["regime"] = rows(map, [](const auto& point) { return name(point.regime); });
   auto values = ordered_json::object(), error = values;
   for (const auto& wanted : scene.map.metrics) {
-    const auto member = analysis::find_metric(wanted).member;
+    const auto member = analysis::cycles::find_metric(wanted).member;
     values[wanted] = rows(map, [=](const auto& point) { return point.metrics.*member; });
     error[wanted] = rows(map, [=](const auto& point) { return point.error.*member; });
   }
@@ -108,7 +109,7 @@ std::string document_of(const Scene& scene, const MapResult& result) {
   document["fold"] = {{"x", map.fold.x}, {"y", map.fold.y}, {"error_decades", map.fold_error}};
   auto& failures = document["failures"] = ordered_json::array();
   for (std::size_t i = 0; i < map.points.size(); ++i)
-    if (map.points[i].regime == analysis::Regime::failed)
+    if (map.points[i].regime == analysis::planes::Regime::failed)
       failures.push_back(
           {{"ix", i % map.x.values.size()}, {"iy", i / map.x.values.size()}, {"why", map.points[i].why}});
   document["stick_threshold"] = scene.map.stick_threshold;
@@ -145,7 +146,7 @@ Status perform(Job& job) {
   job.explain("{} x {} points of {} and {}, tolerance {} of {}", nx, ny, options.x.parameter, options.y.parameter,
               options.tolerance, fmt::join(options.metrics, ", "));
   job.explain("where steady sliding is stable and no cycle can exist beside it, nothing is integrated");
-  job.explain("{}", analysis::interpolates(options)
+  job.explain("{}", analysis::planes::interpolates(options)
                         ? "points are computed where they are needed, and the others interpolated to the tolerance"
                     : options.exact ? "every point is computed, as asked"
                                     : "every point is computed: interpolation would gain nothing here");
@@ -157,18 +158,19 @@ Status perform(Job& job) {
   MapResult result;
   {
     Progress progress(request.quiet);
-    result.map = analysis::compute_map(
+    result.map = analysis::planes::compute_map(
         scene.model, options,
         {.known = [&](std::size_t i) { return partial.known(i); },
          .finished = [&](std::span<const std::size_t> indices,
-                         const std::vector<analysis::MapPoint>& points) { partial.append(indices, points); },
+                         const std::vector<analysis::planes::MapPoint>& points) { partial.append(indices, points); },
          .progress = progress.of_map()});
   }
   auto& map = result.map;
   result.seconds = seconds_since(begin);
   if (map.outcome.ending == Ending::interrupted)
-    return stopped_early(request, fmt::format("{} of {} points are kept; the same command goes on from there",
-                                              std::ranges::count_if(map.points, &analysis::MapPoint::done), total));
+    return stopped_early(request,
+                         fmt::format("{} of {} points are kept; the same command goes on from there",
+                                     std::ranges::count_if(map.points, &analysis::planes::MapPoint::done), total));
   for (const auto& text : map.notes) job.explain("{}", text);
   job.explain("{} points integrated, {} interpolated, {} decided without integration", map.integrated, map.interpolated,
               map.skipped);
@@ -189,8 +191,8 @@ Status perform(Job& job) {
   for (const Regime regime : {Regime::stable, Regime::cycle, Regime::bistable, Regime::failed})
     if (const auto count = regimes[static_cast<std::size_t>(regime)]) job.say("  {:<9} {}", name(regime), count);
   for (const auto& wanted : options.metrics) {
-    const auto& metric = analysis::find_metric(wanted);
-    const bool fraction = analysis::is_stick(metric);
+    const auto& metric = analysis::cycles::find_metric(wanted);
+    const bool fraction = analysis::cycles::is_stick(metric);
     std::vector<double> errors;
     for (const auto& point : map.points) {
       const double value = fraction ? 1 : std::abs(point.metrics.*metric.member), error = point.error.*metric.member;

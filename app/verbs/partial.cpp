@@ -19,7 +19,7 @@ namespace rosin::app {
 
 namespace {
 
-using analysis::MapPoint;
+using analysis::planes::MapPoint;
 
 /// A record as it stands in the file; metrics, their errors and the reason of a failure follow it.
 struct Record {
@@ -46,7 +46,7 @@ Partial::Partial(std::filesystem::path path, const std::string& key, std::size_t
                  const std::vector<std::string>& metrics)
     : path_(std::move(path)),
       file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666)) {
-  for (const auto& name : metrics) kept_.push_back(analysis::find_metric(name).member);
+  for (const auto& name : metrics) kept_.push_back(analysis::cycles::find_metric(name).member);
   const auto refuse = [&](std::string_view why) {
     if (file_ >= 0) ::close(file_);
     throw InputError(fmt::format("{}: {}", path_.string(), why));
@@ -90,15 +90,15 @@ std::size_t Partial::take(std::string_view bytes, std::size_t points) {
   std::memcpy(&record, bytes.data(), sizeof record);
   const std::size_t length = sizeof record + 2 * sizeof(double) * kept_.size() + record.reason_length;
   if (record.reason_length > longest_reason || bytes.size() < length || record.index >= points) return 0;
-  if (record.regime > static_cast<int>(analysis::Regime::failed) ||
-      record.origin > static_cast<int>(analysis::Origin::interpolated))
+  if (record.regime > static_cast<int>(analysis::planes::Regime::failed) ||
+      record.origin > static_cast<int>(analysis::planes::Origin::interpolated))
     return 0;
   bytes = bytes.substr(0, length);
   if (checksum(body(bytes)) != record.checksum) return 0;
-  MapPoint point = analysis::undecided_point();
+  MapPoint point = analysis::planes::undecided_point();
   point.done = true;
-  point.regime = static_cast<analysis::Regime>(record.regime);
-  point.origin = static_cast<analysis::Origin>(record.origin);
+  point.regime = static_cast<analysis::planes::Regime>(record.regime);
+  point.origin = static_cast<analysis::planes::Origin>(record.origin);
   const char* at = bytes.data() + sizeof record;
   for (auto* numbers : {&point.metrics, &point.error})
     for (const auto member : kept_) std::memcpy(&(numbers->*member), at, sizeof(double)), at += sizeof(double);

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "analysis/map.hpp"
+#include "analysis/planes/map.hpp"
 
 namespace rosin::app {
 
@@ -23,12 +23,12 @@ class Partial {
   Partial(const Partial&) = delete;
 
   /// The point as an earlier run left it, or nullptr.
-  const analysis::MapPoint* known(std::size_t index) const;
+  const analysis::planes::MapPoint* known(std::size_t index) const;
   std::size_t known_count() const { return known_.size(); }
   /// What is not taken over of the journal that was there, and why; empty if nothing is lost.
   const std::string& lost() const { return lost_; }
   /// Appends some of the points; they survive the end of the process from here on.
-  void append(std::span<const std::size_t> indices, const std::vector<analysis::MapPoint>& points);
+  void append(std::span<const std::size_t> indices, const std::vector<analysis::planes::MapPoint>& points);
   /// The map is written elsewhere: the journal is not needed any more.
   void remove();
 
@@ -37,8 +37,8 @@ class Partial {
 
   std::filesystem::path path_;
   int file_;
-  std::vector<double analysis::Metrics::*> kept_;
-  std::unordered_map<std::size_t, analysis::MapPoint> known_;
+  std::vector<double analysis::cycles::Metrics::*> kept_;
+  std::unordered_map<std::size_t, analysis::planes::MapPoint> known_;
   std::string lost_;
 };
 

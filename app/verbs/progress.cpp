@@ -46,9 +46,9 @@ void Progress::show_pass(double part) {
   if (due(part)) draw(part, " of a pass over the motion");
 }
 
-std::function<void(const analysis::MapProgress&)> Progress::of_map() {
+std::function<void(const analysis::planes::MapProgress&)> Progress::of_map() {
   if (!visible_) return nullptr;
-  return [this](const analysis::MapProgress& now) { show(now.done, now.total, now.work); };
+  return [this](const analysis::planes::MapProgress& now) { show(now.done, now.total, now.work); };
 }
 
 }  // namespace rosin::app

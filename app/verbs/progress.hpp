@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "analysis/map.hpp"
+#include "analysis/planes/map.hpp"
 
 namespace rosin::app {
 
@@ -22,7 +22,7 @@ class Progress {
   /// The same where all take alike long.
   void show(std::size_t done, std::size_t total) { show(done, total, double(done) / double(total)); }
   /// What a map is to call, or nothing where nobody sees it: to foretell its time takes some itself.
-  std::function<void(const analysis::MapProgress&)> of_map();
+  std::function<void(const analysis::planes::MapProgress&)> of_map();
   bool visible() const { return visible_; }
 
  private:

@@ -63,12 +63,12 @@ void read_solver(Table table, SceneReader& reader) {
   auto& run = reader.scene.run;
   const auto* type = table.find("type");
   if (type) {
-    auto known = analysis::solver_names();
+    auto known = analysis::motion::solver_names();
     known.emplace_back("lanes");
     run.solver = choice(*type, table.path("type"), known);
     if (run.solver == "lanes")
       fail(type->source(), "solver.type = 'lanes' is that of maps and not to be chosen; use one of {}",
-           fmt::join(analysis::solver_names(), ", "));
+           fmt::join(analysis::motion::solver_names(), ", "));
   }
   // Keys of the force algorithms, and the algorithms that each means something to.
   auto& algorithm = run.algorithm;
@@ -118,7 +118,7 @@ void read(SceneReader& reader) {
   if (auto solver = reader.root.table("solver")) read_solver(*solver, reader);
 }
 
-std::string document_of(const Scene& scene, const analysis::Run& run) {
+std::string document_of(const Scene& scene, const analysis::motion::Run& run) {
   auto document = begin(scene, "run", run.outcome);
   document["time"] = run.time;
   auto columns = ordered_json::object(), units = columns, error = columns;
@@ -153,7 +153,7 @@ Status perform(Job& job) {
     Progress progress(job.request().quiet);
     auto how = scene.run;
     if (progress.visible()) how.progress = [&](double part) { progress.show_pass(part); };
-    return scene.plane ? analysis::run_plane(*scene.plane, how) : analysis::run(scene.model, how);
+    return scene.plane ? analysis::motion::run_plane(*scene.plane, how) : analysis::motion::run(scene.model, how);
   }();
   run.outcome = why_stopped(run.outcome);
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);

@@ -1,5 +1,5 @@
 /// The verb stability: steady sliding, its eigenvalues and Hopf points.
-#include "analysis/stability.hpp"
+#include "analysis/steady/stability.hpp"
 
 #include <fmt/ranges.h>
 
@@ -60,7 +60,7 @@ Status perform(Job& job) {
   if (!model.drive.constant()) job.note("the drive varies: stability is that of its mean, or of its start");
 
   StabilityResult result;
-  result.stability = analysis::stability(model);
+  result.stability = analysis::steady::stability(model);
   const auto& steady = result.stability.steady;
   job.say("steady sliding at {} m/s: friction coefficient {:.10g}, force {:.10g} N", steady.slip_rate,
           steady.friction_coefficient, steady.friction_force);
@@ -70,7 +70,7 @@ Status perform(Job& job) {
   for (const auto& z : result.stability.eigenvalues) job.say("  eigenvalue {:.8g} {:+.8g} i 1/s", z.real(), z.imag());
   Reached reached;
   for (const auto& path : paths) {
-    const auto points = analysis::hopf_points(model, path);
+    const auto points = analysis::steady::hopf_points(model, path);
     for (const auto& point : points) {
       reached.add(point.value, point.value_error);
       job.say("Hopf point at {} = {}, {:.8g} rad/s, {}", path,

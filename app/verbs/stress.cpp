@@ -1,5 +1,5 @@
 /// Report of the stress suite as text and JSON, and its scenes as TOML.
-#include "analysis/stress.hpp"
+#include "analysis/studies/stress.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -22,12 +22,12 @@ namespace rosin::app {
 namespace {
 
 namespace fs = std::filesystem;
-using analysis::Judgement;
-using analysis::Question;
-using analysis::StressReport;
-using analysis::StressScene;
-using analysis::Tally;
-using analysis::Verdict;
+using analysis::studies::Judgement;
+using analysis::studies::Question;
+using analysis::studies::StressReport;
+using analysis::studies::StressScene;
+using analysis::studies::Tally;
+using analysis::studies::Verdict;
 using nlohmann::ordered_json;
 
 std::string toml(double value) {
@@ -68,7 +68,7 @@ std::string toml(const StressScene& scene, const std::string& judgement) {
   if (scene.question == Question::run) {
     const auto& run = scene.run;
     text += fmt::format("\n[run]\nduration = {}\nsamples = {}\n", toml(run.duration), run.samples);
-    using Kind = analysis::Start::Kind;
+    using Kind = analysis::motion::Start::Kind;
     text += run.start.kind == Kind::steady ? std::string("start = \"steady\"\n")
             : run.start.kind == Kind::rest ? std::string("start = \"rest\"\n")
                                            : fmt::format("start = {{ slip_rate = {} }}\n", toml(*run.start.slip_rate));
@@ -149,10 +149,10 @@ Status stress(const Request& request) {
   const long first = single ? request.only : 0;
   const auto count = std::size_t(single ? 1 : request.scenes);
   if (request.draw) {
-    const analysis::Laws laws = laws::catalogue();
+    const analysis::studies::Laws laws = laws::catalogue();
     for (long i = first; i < first + long(count); ++i) {
       end_if_stopped();
-      keep(analysis::draw_scene(laws, request.seed, i), "drawn");
+      keep(analysis::studies::draw_scene(laws, request.seed, i), "drawn");
     }
     if (!request.quiet) print("{} scenes in {}\n", count, (folder / "").string());
     return done;
@@ -161,27 +161,27 @@ Status stress(const Request& request) {
   StressReport report;
   {
     Progress progress(request.quiet);
-    report = analysis::stress({.laws = laws::catalogue(),
-                               .seed = request.seed,
-                               .first = first,
-                               .scenes = long(count),
-                               .threads = request.threads},
-                              {.finished =
-                                   [&](const StressScene& scene, const Judgement& judgement) {
-                                     progress.show(++judged, count);
-                                     const bool fails =
-                                         judgement.verdict > Verdict::refused;  // from there on they must not be
-                                     if (!fails && !single) return;
-                                     const auto path = keep(scene, in_words(judgement));
-                                     if (!request.quiet && !progress.visible())
-                                       tell("{}: {}: {}\n", path, name(judgement.verdict), judgement.reason);
-                                   },
-                               .hung =
-                                   [&](const StressScene& scene) {
-                                     const auto path = keep(scene, "hung: no answer in time");
-                                     tell("{}: hung; the suite cannot go on\n", path);
-                                     _exit(ended_short);
-                                   }});
+    report = analysis::studies::stress({.laws = laws::catalogue(),
+                                        .seed = request.seed,
+                                        .first = first,
+                                        .scenes = long(count),
+                                        .threads = request.threads},
+                                       {.finished =
+                                            [&](const StressScene& scene, const Judgement& judgement) {
+                                              progress.show(++judged, count);
+                                              const bool fails = judgement.verdict >
+                                                                 Verdict::refused;  // from there on they must not be
+                                              if (!fails && !single) return;
+                                              const auto path = keep(scene, in_words(judgement));
+                                              if (!request.quiet && !progress.visible())
+                                                tell("{}: {}: {}\n", path, name(judgement.verdict), judgement.reason);
+                                            },
+                                        .hung =
+                                            [&](const StressScene& scene) {
+                                              const auto path = keep(scene, "hung: no answer in time");
+                                              tell("{}: hung; the suite cannot go on\n", path);
+                                              _exit(ended_short);
+                                            }});
   }
   const auto document =
       to_json(report, request.seed).dump(1, ' ', false, ordered_json::error_handler_t::replace) + '\n';

@@ -22,10 +22,10 @@ namespace rosin::app {
 namespace {
 
 namespace fs = std::filesystem;
-using analysis::AlgorithmStatistics;
-using analysis::StudyResult;
-using analysis::Summary;
-using analysis::Weibull;
+using analysis::studies::AlgorithmStatistics;
+using analysis::studies::StudyResult;
+using analysis::studies::Summary;
+using analysis::studies::Weibull;
 
 // ---------------------------------------------------------------- JSON and tables
 
@@ -123,10 +123,11 @@ void write_cases(const fs::path& path, const Scene& scene, const StudyResult& re
     column(name + "_false_starts", [&](const auto& c) { return of(c).false_starts; });
   };
   motion(
-      "exact", [](const auto& c) -> const analysis::Motion& { return c.exact; }, true);
+      "exact", [](const auto& c) -> const analysis::studies::Motion& { return c.exact; }, true);
   for (std::size_t a = 0; a < scene.study.algorithms.size(); ++a)
     motion(
-        scene.study.algorithms[a], [a](const auto& c) -> const analysis::Motion& { return c.motions[a]; }, false);
+        scene.study.algorithms[a], [a](const auto& c) -> const analysis::studies::Motion& { return c.motions[a]; },
+        false);
   std::vector<Column> table;
   for (std::size_t k = 0; k < headers.size(); ++k) table.push_back({headers[k], columns[k]});
   write_csv(path, table);
@@ -318,7 +319,8 @@ Status perform(Job& job) {
   {
     Progress progress(request.quiet);
     const auto total = static_cast<std::size_t>(scene.study.cases);
-    result = analysis::study(scene.study, [&](int done) { progress.show(static_cast<std::size_t>(done), total); });
+    result =
+        analysis::studies::study(scene.study, [&](int done) { progress.show(static_cast<std::size_t>(done), total); });
   }
   if (result.outcome.ending == Ending::interrupted)
     return stopped_early(request, "nothing is written after " + result.outcome.detail);
@@ -333,7 +335,7 @@ Status perform(Job& job) {
   return job.finish(text(to_json(scene, result, seconds)), std::move(files), {});
 }
 
-void read_table(Table table, analysis::StudyOptions& study) {
+void read_table(Table table, analysis::studies::StudyOptions& study) {
   if (const auto* dimensions = table.find("dimensions")) {
     study.dimensions = count(*dimensions, table.path("dimensions"), 1, 2, "1 or 2");
     if (study.dimensions > 2) fail(dimensions->source(), "study.dimensions = {} is outside 1 … 2", study.dimensions);

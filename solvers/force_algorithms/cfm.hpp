@@ -10,7 +10,10 @@ namespace rosin::solvers::force_algorithms {
 template <int D>
 struct Algorithm {
   static constexpr bool can_stick = true, holds_velocity = false, regularised = false;
-  Vector<D> friction(const SteppedMotion<D>&, double, const Vector<D>&, const Vector<D>&) const { return {}; }
+  stick_slip::Vector<D> friction(const SteppedMotion<D>&, double, const stick_slip::Vector<D>&,
+                                 const stick_slip::Vector<D>&) const {
+    return {};
+  }
   /// The spring and damper of stick, and the place that it is tied to (relative to the surface).
   struct Adherence {
     double stiffness, damping, anchor;
@@ -21,7 +24,7 @@ struct Algorithm {
 template <int D>
 struct Cfm : Algorithm<D> {
   static constexpr bool can_stick = false;
-  void begin_stick(SteppedMotion<D>&, std::size_t, const Vector<D>&) {}
+  void begin_stick(SteppedMotion<D>&, std::size_t, const stick_slip::Vector<D>&) {}
   void decide(SteppedMotion<D>& motion, std::size_t n) { motion.slide_along(n, motion.slip(n)); }
 };
 

@@ -35,7 +35,7 @@ bool is_algorithm(std::string_view name) {
 }
 
 template <int D>
-double step_of(const DryMass<D>& mass, const Options& options) {
+double step_of(const stick_slip::DryMass<D>& mass, const Options& options) {
   if (options.step > 0) return options.step;
   double fastest = 0;
   const auto look_at = [&](const Signal& signal) {
@@ -50,7 +50,7 @@ double step_of(const DryMass<D>& mass, const Options& options) {
 }
 
 template <int D>
-void check(std::string_view name, const DryMass<D>& mass, const Options& options) {
+void check(std::string_view name, const stick_slip::DryMass<D>& mass, const Options& options) {
   double most_load = std::abs(mass.load.level()), most_force = 0, slowest = infinity;
   for (const auto& term : mass.load.piece(0).terms) most_load += std::abs(term.amplitude);
   for (int d = 0; d < D; ++d) {
@@ -112,8 +112,8 @@ void check(std::string_view name, const DryMass<D>& mass, const Options& options
 }
 
 template <int D>
-Track<D> follow(std::string_view name, const DryMass<D>& mass, const Forcing<D>& forcing, const Options& options,
-                const Vector<D>& x, const Vector<D>& v) {
+Track<D> follow(std::string_view name, const stick_slip::DryMass<D>& mass, const Forcing<D>& forcing,
+                const Options& options, const stick_slip::Vector<D>& x, const stick_slip::Vector<D>& v) {
   Track<D> track;
   if (name == "meijaard") {
     if constexpr (D == 1)
@@ -135,13 +135,13 @@ Track<D> follow(std::string_view name, const DryMass<D>& mass, const Forcing<D>&
   return track;
 }
 
-template double step_of(const DryMass<1>&, const Options&);
-template double step_of(const DryMass<2>&, const Options&);
-template void check(std::string_view, const DryMass<1>&, const Options&);
-template void check(std::string_view, const DryMass<2>&, const Options&);
-template Track<1> follow<1>(std::string_view, const DryMass<1>&, const Forcing<1>&, const Options&, const Vector<1>&,
-                            const Vector<1>&);
-template Track<2> follow<2>(std::string_view, const DryMass<2>&, const Forcing<2>&, const Options&, const Vector<2>&,
-                            const Vector<2>&);
+template double step_of(const stick_slip::DryMass<1>&, const Options&);
+template double step_of(const stick_slip::DryMass<2>&, const Options&);
+template void check(std::string_view, const stick_slip::DryMass<1>&, const Options&);
+template void check(std::string_view, const stick_slip::DryMass<2>&, const Options&);
+template Track<1> follow<1>(std::string_view, const stick_slip::DryMass<1>&, const Forcing<1>&, const Options&,
+                            const stick_slip::Vector<1>&, const stick_slip::Vector<1>&);
+template Track<2> follow<2>(std::string_view, const stick_slip::DryMass<2>&, const Forcing<2>&, const Options&,
+                            const stick_slip::Vector<2>&, const stick_slip::Vector<2>&);
 
 }  // namespace rosin::solvers::force_algorithms

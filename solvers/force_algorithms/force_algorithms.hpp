@@ -23,18 +23,18 @@ struct Track {
 
 /// The step that is taken: the asked one, or a thousandth of the shortest period of spring, forces and load.
 template <int D>
-double step_of(const DryMass<D>&, const Options&);
+double step_of(const stick_slip::DryMass<D>&, const Options&);
 
 /// \throws InputError for a step too long for stability, an adherence that is not overdamped, a window or transition
 /// speed that is not between 0 and the speeds of the motion, and an algorithm that cannot serve the mass; each with the
 /// admissible range.
 template <int D>
-void check(std::string_view algorithm, const DryMass<D>&, const Options&);
+void check(std::string_view algorithm, const stick_slip::DryMass<D>&, const Options&);
 
 /// Motion from (x, v) at t = 0 under a forcing with steps of step_of(). The scheme after Meijaard takes its duration
 /// and step from it, and evaluates the drive itself.
 template <int D>
-Track<D> follow(std::string_view algorithm, const DryMass<D>&, const Forcing<D>&, const Options&, const Vector<D>& x,
-                const Vector<D>& v);
+Track<D> follow(std::string_view algorithm, const stick_slip::DryMass<D>&, const Forcing<D>&, const Options&,
+                const stick_slip::Vector<D>& x, const stick_slip::Vector<D>& v);
 
 }  // namespace rosin::solvers::force_algorithms

@@ -21,7 +21,7 @@ std::optional<int> turned(const SteppedMotion<D>& motion, std::size_t n) {
 template <int D>
 struct OriginalForceBalance : Algorithm<D> {
   static constexpr bool holds_velocity = true;
-  void begin_stick(SteppedMotion<D>& motion, std::size_t n, const Vector<D>&) { motion.stick(n); }
+  void begin_stick(SteppedMotion<D>& motion, std::size_t n, const stick_slip::Vector<D>&) { motion.stick(n); }
   void decide(SteppedMotion<D>& motion, std::size_t n) {
     if (length<D>(motion.slip(n)) > motion.options().window) return motion.slide_along(n, motion.slip(n));
     if (length<D>(motion.balance(n)) <= motion.static_limit(n))
@@ -36,7 +36,7 @@ struct OriginalForceBalance : Algorithm<D> {
 template <int D>
 struct RevisedForceBalance : Algorithm<D> {
   static constexpr bool holds_velocity = true;
-  void begin_stick(SteppedMotion<D>& motion, std::size_t n, const Vector<D>&) { motion.stick(n); }
+  void begin_stick(SteppedMotion<D>& motion, std::size_t n, const stick_slip::Vector<D>&) { motion.stick(n); }
   void decide(SteppedMotion<D>& motion, std::size_t n) {
     const bool holds = length<D>(motion.balance(n)) <= motion.static_limit(n);
     if (motion.state() == State::stick) return holds ? motion.keep(n) : motion.release(n);

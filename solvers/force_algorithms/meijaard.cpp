@@ -12,7 +12,7 @@ struct Motion {
 };
 
 /// One classical Runge–Kutta step of slip in direction `s`.
-Motion stepped(const DryMass<1>& m, const Motion& from, double h, double s) {
+Motion stepped(const stick_slip::DryMass<1>& m, const Motion& from, double h, double s) {
   const auto a = [&](double t, double x, double v) {
     return (m.force[0].value(t) - m.damping[0] * v - m.stiffness[0] * x - s * m.dynamic_friction * m.load.value(t)) /
            m.mass;
@@ -48,8 +48,8 @@ double zero(F f, double h) {
 
 }  // namespace
 
-void follow_meijaard(const DryMass<1>& m, double step, double duration, double x, double v, const Options& options,
-                     std::vector<SteppedMotion<1>::Point>& points, std::vector<Stick>& sticks) {
+void follow_meijaard(const stick_slip::DryMass<1>& m, double step, double duration, double x, double v,
+                     const Options& options, std::vector<SteppedMotion<1>::Point>& points, std::vector<Stick>& sticks) {
   const double V = m.surface_velocity[0];
   Motion now{0, x, v};
   const auto balance = [&](const Motion& at) {

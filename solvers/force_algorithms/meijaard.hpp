@@ -9,7 +9,7 @@
 namespace rosin::solvers::force_algorithms {
 
 /// Points of the motion in one direction, steps of `step` between events, and its sticks.
-void follow_meijaard(const DryMass<1>&, double step, double duration, double x, double v, const Options&,
+void follow_meijaard(const stick_slip::DryMass<1>&, double step, double duration, double x, double v, const Options&,
                      std::vector<SteppedMotion<1>::Point>& points, std::vector<Stick>& sticks);
 
 }  // namespace rosin::solvers::force_algorithms

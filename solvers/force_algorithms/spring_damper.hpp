@@ -10,7 +10,7 @@ namespace rosin::solvers::force_algorithms {
 /// The stiffness K_t, and C_t for its damping ratio.
 template <int D>
 struct Adhesion {
-  explicit Adhesion(const DryMass<D>& mass, const Options& options) {
+  explicit Adhesion(const stick_slip::DryMass<D>& mass, const Options& options) {
     stiffness = options.adherence_stiffness;
     if (stiffness == 0)
       for (const double k : mass.stiffness) stiffness = std::max(stiffness, 1e4 * k);
@@ -27,15 +27,16 @@ template <int D, bool back_steps>
 struct SpringDamper : Algorithm<D> {
   explicit SpringDamper(const Adhesion<D>& adhesion) : adhesion_(adhesion) {}
 
-  Vector<D> friction(const SteppedMotion<D>&, double, const Vector<D>& z, const Vector<D>& w) const {
-    Vector<D> F;
+  stick_slip::Vector<D> friction(const SteppedMotion<D>&, double, const stick_slip::Vector<D>& z,
+                                 const stick_slip::Vector<D>& w) const {
+    stick_slip::Vector<D> F;
     for (int d = 0; d < D; ++d) F[d] = -adhesion_.stiffness * (z[d] - anchor_[d]) - adhesion_.damping * w[d];
     return F;
   }
   typename Algorithm<D>::Adherence adherence(const SteppedMotion<D>&, int d) const {
     return {adhesion_.stiffness, adhesion_.damping, anchor_[d]};
   }
-  void begin_stick(SteppedMotion<D>& motion, std::size_t n, const Vector<D>& z) {
+  void begin_stick(SteppedMotion<D>& motion, std::size_t n, const stick_slip::Vector<D>& z) {
     anchor_ = z;
     motion.stick(n);
   }
@@ -76,7 +77,7 @@ struct SpringDamper : Algorithm<D> {
     return length<D>(friction(motion, 0, motion.relative(n), motion.slip(n)));
   }
   Adhesion<D> adhesion_;
-  Vector<D> anchor_{};
+  stick_slip::Vector<D> anchor_{};
 };
 
 }  // namespace rosin::solvers::force_algorithms

@@ -4,52 +4,29 @@
 /// slip are held over the step). Steps are classical Runge–Kutta ones of fourth order, or the closed form of the
 /// present state.
 #pragma once
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <vector>
 
-#include "core/signal.hpp"
-#include "solvers/closed_form.hpp"
 #include "solvers/force_algorithms/options.hpp"
+#include "solvers/stick_slip/closed_form.hpp"
+#include "solvers/stick_slip/dry_mass.hpp"
 
 namespace rosin::solvers::force_algorithms {
 
-template <int D>
-using Vector = std::array<double, D>;
-
-template <int D>
-double dot(const Vector<D>& a, const Vector<D>& b) {
-  double sum = 0;
-  for (int i = 0; i < D; ++i) sum += a[i] * b[i];
-  return sum;
-}
-template <int D>
-double length(const Vector<D>& a) {
-  if constexpr (D == 1) return std::abs(a[0]);
-  return std::sqrt(dot<D>(a, a));
-}
-
-/// m ẍᵢ + cᵢ ẋᵢ + kᵢ xᵢ = fᵢ(t) + Fᵢ on a surface of constant velocity; friction F opposes the slip, |F| = μd N in
-/// motion, |F| ≤ μs N at rest on the surface.
-template <int D>
-struct DryMass {
-  double mass = 1;                   ///< kg
-  Vector<D> stiffness{}, damping{};  ///< N/m, N s/m
-  double static_friction = 0.4, dynamic_friction = 0.3;
-  Vector<D> surface_velocity{};  ///< m/s
-  Signal load = 1.0;             ///< N
-  std::array<Signal, D> force;   ///< N
-};
+using stick_slip::dot;
+using stick_slip::DryMass;
+using stick_slip::length;
+using stick_slip::Vector;
 
 enum class State : std::uint8_t { slide, stick, micro_slip };
 
 /// Drive forces and loads at all steps and half steps: the same for every algorithm.
 template <int D>
 struct Forcing {
-  Forcing(const DryMass<D>& mass, double step, std::size_t steps) : half(step / 2) {
+  Forcing(const stick_slip::DryMass<D>& mass, double step, std::size_t steps) : half(step / 2) {
     force.resize(2 * steps + 1), load.resize(2 * steps + 1);
     for (std::size_t i = 0; i < load.size(); ++i) {
       load[i] = mass.load.value(half * i);
@@ -57,7 +34,7 @@ struct Forcing {
     }
   }
   double half;
-  std::vector<Vector<D>> force;
+  std::vector<stick_slip::Vector<D>> force;
   std::vector<double> load;
 };
 
@@ -75,16 +52,16 @@ class SteppedMotion {
  public:
   struct Point {
     double time;
-    Vector<D> x, v, friction;
+    stick_slip::Vector<D> x, v, friction;
     State state;
   };
 
-  SteppedMotion(const DryMass<D>& mass, const Forcing<D>& forcing, const Options& options)
+  SteppedMotion(const stick_slip::DryMass<D>& mass, const Forcing<D>& forcing, const Options& options)
       : mass_(mass), forcing_(forcing), options_(options), step_(2 * forcing.half) {}
 
   /// Follows the algorithm from (x, v) at t = 0 to the end of the forcing.
   template <class Algorithm>
-  void follow(Algorithm& algorithm, const Vector<D>& x, const Vector<D>& v) {
+  void follow(Algorithm& algorithm, const stick_slip::Vector<D>& x, const stick_slip::Vector<D>& v) {
     const std::size_t steps = forcing_.load.size() / 2;
     points_.clear();
     points_.reserve(steps + 1);
@@ -110,25 +87,25 @@ class SteppedMotion {
   const std::vector<Point>& points() const { return points_; }
   std::vector<Point> take_points() { return std::move(points_); }
   const std::vector<Stick>& sticks() const { return sticks_; }
-  const DryMass<D>& mass() const { return mass_; }
+  const stick_slip::DryMass<D>& mass() const { return mass_; }
   const Options& options() const { return options_; }
   double step() const { return step_; }
 
   // What algorithms ask, at the end of step n.
   State state() const { return state_; }
-  Vector<D> slip(std::size_t n) const {  ///< velocity relative to the surface
-    Vector<D> w = points_[n].v;
+  stick_slip::Vector<D> slip(std::size_t n) const {  ///< velocity relative to the surface
+    stick_slip::Vector<D> w = points_[n].v;
     for (int d = 0; d < D; ++d) w[d] -= mass_.surface_velocity[d];
     return w;
   }
-  Vector<D> relative(std::size_t n) const {  ///< displacement relative to the surface
-    Vector<D> z = points_[n].x;
+  stick_slip::Vector<D> relative(std::size_t n) const {  ///< displacement relative to the surface
+    stick_slip::Vector<D> z = points_[n].x;
     for (int d = 0; d < D; ++d) z[d] -= mass_.surface_velocity[d] * time(n);
     return z;
   }
   /// R = f − c ẋ − k x: what friction would have to balance.
-  Vector<D> balance(std::size_t n) const {
-    Vector<D> R = forcing_.force[2 * n];
+  stick_slip::Vector<D> balance(std::size_t n) const {
+    stick_slip::Vector<D> R = forcing_.force[2 * n];
     for (int d = 0; d < D; ++d) R[d] -= mass_.damping[d] * points_[n].v[d] + mass_.stiffness[d] * points_[n].x[d];
     return R;
   }
@@ -138,7 +115,7 @@ class SteppedMotion {
 
   // What algorithms do.
   /// Slip along the direction of a vector; along the last direction if it is zero.
-  void slide_along(std::size_t n, const Vector<D>& vector, State state = State::slide) {
+  void slide_along(std::size_t n, const stick_slip::Vector<D>& vector, State state = State::slide) {
     const double size = length<D>(vector);
     const auto before = direction_;
     if (size > 0)
@@ -191,10 +168,10 @@ class SteppedMotion {
   Point advanced(const Algorithm& algorithm, std::size_t n) {
     auto& from = points_[n];
     const double muk = mass_.dynamic_friction;
-    const auto friction = [&](std::size_t half, const Vector<D>& x, const Vector<D>& v) {
-      Vector<D> F;
+    const auto friction = [&](std::size_t half, const stick_slip::Vector<D>& x, const stick_slip::Vector<D>& v) {
+      stick_slip::Vector<D> F;
       if (state_ == State::stick || Algorithm::regularised) {
-        Vector<D> z = x, w = v;
+        stick_slip::Vector<D> z = x, w = v;
         for (int d = 0; d < D; ++d)
           z[d] -= mass_.surface_velocity[d] * forcing_.half * half, w[d] -= mass_.surface_velocity[d];
         F = algorithm.friction(*this, forcing_.load[half], z, w);
@@ -223,14 +200,14 @@ class SteppedMotion {
       return to;
     }
     const double h = step_;
-    const auto acceleration = [&](std::size_t half, const Vector<D>& x, const Vector<D>& v) {
+    const auto acceleration = [&](std::size_t half, const stick_slip::Vector<D>& x, const stick_slip::Vector<D>& v) {
       auto a = friction(half, x, v);
       for (int d = 0; d < D; ++d)
         a[d] = (a[d] + forcing_.force[half][d] - mass_.damping[d] * v[d] - mass_.stiffness[d] * x[d]) / mass_.mass;
       return a;
     };
-    const auto ahead = [](const Vector<D>& a, double h, const Vector<D>& b) {
-      Vector<D> sum;
+    const auto ahead = [](const stick_slip::Vector<D>& a, double h, const stick_slip::Vector<D>& b) {
+      stick_slip::Vector<D> sum;
       for (int d = 0; d < D; ++d) sum[d] = a[d] + h * b[d];
       return sum;
     };
@@ -252,7 +229,7 @@ class SteppedMotion {
   /// The closed form of the present state, with the clock restarted at its first step.
   template <class Algorithm>
   void build_forms(const Algorithm& algorithm) {
-    using Form = ClosedForm<double>;
+    using Form = stick_slip::ClosedForm<double>;
     const double t = time(origin_);
     for (int d = 0; d < D; ++d) {
       Form pull(mass_.force[d].piece(t), t);
@@ -270,16 +247,16 @@ class SteppedMotion {
     }
   }
 
-  const DryMass<D>& mass_;
+  const stick_slip::DryMass<D>& mass_;
   const Forcing<D>& forcing_;
   const Options& options_;
   double step_;
   std::vector<Point> points_;
   std::vector<Stick> sticks_;
   State state_ = State::slide;
-  Vector<D> direction_{};
+  stick_slip::Vector<D> direction_{};
   std::size_t origin_ = 0;  ///< step at which the present state began
-  std::vector<ClosedForm<double>> forms_;
+  std::vector<stick_slip::ClosedForm<double>> forms_;
 };
 
 }  // namespace rosin::solvers::force_algorithms

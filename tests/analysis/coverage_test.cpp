@@ -4,14 +4,15 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/cycle.hpp"
-#include "analysis/cycle_lanes.hpp"
-#include "analysis/stress.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/lanes/cycle_lanes.hpp"
+#include "analysis/studies/stress.hpp"
 #include "laws/catalogue.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis;
+using oscillators::Model;
 
 namespace {
 
@@ -21,13 +22,13 @@ struct Coverage {
   double worst = 0;      ///< largest ratio of difference to stated error
   std::string worst_at;  ///< which number of which law
 
-  void compare(const FrictionLaw& law, const Metrics& metrics, const Metrics& error, bool ill_conditioned_stick,
-               const Cycle& reference) {
+  void compare(const FrictionLaw& law, const cycles::Metrics& metrics, const cycles::Metrics& error,
+               bool ill_conditioned_stick, const cycles::Cycle& reference) {
     bool all = true;
-    for (const auto& metric : metric_names()) {
+    for (const auto& metric : cycles::metric_names()) {
       const auto m = metric.member;
       if (!std::isfinite(metrics.*m)) continue;  // not asked for
-      if (is_stick(metric) && (ill_conditioned_stick || reference.ill_conditioned_stick)) continue;
+      if (cycles::is_stick(metric) && (ill_conditioned_stick || reference.ill_conditioned_stick)) continue;
       const double difference = std::abs(metrics.*m - reference.metrics.*m);
       const double stated = error.*m + reference.error.*m;
       const bool holds = difference <= stated;
@@ -48,17 +49,17 @@ struct Coverage {
 /// Random sliders that settle on a cycle along the drive, with that cycle at 1e-10.
 struct Known {
   std::vector<Model> models;
-  std::vector<Cycle> cycles;
+  std::vector<cycles::Cycle> cycles;
 };
 Known random_cycles(std::size_t count) {
   Known known;
   for (long index = 0; known.models.size() < count; ++index) {
-    const auto scene = draw_scene(laws::catalogue(), 77, index);
-    if (scene.question != Question::cycle) continue;
+    const auto scene = studies::draw_scene(laws::catalogue(), 77, index);
+    if (scene.question != studies::Question::cycle) continue;
     try {
-      Model model = model_of(scene);
+      Model model = studies::model_of(scene);
       if (!(model.drive.speed.level() > 0)) continue;
-      auto cycle = find_cycle(model, {.tolerance = 1e-10});
+      auto cycle = cycles::find_cycle(model, {.tolerance = 1e-10});
       if (!(cycle.metrics.period > 0)) continue;
       known.models.push_back(std::move(model));
       known.cycles.push_back(std::move(cycle));
@@ -71,7 +72,7 @@ Known random_cycles(std::size_t count) {
 Coverage of_find_cycle(const Known& known) {
   Coverage coverage;
   for (std::size_t i = 0; i < known.models.size(); ++i) {
-    const auto cycle = find_cycle(known.models[i], {.tolerance = 1e-6});
+    const auto cycle = cycles::find_cycle(known.models[i], {.tolerance = 1e-6});
     if (cycle.outcome.complete())
       coverage.compare(*known.models[i].law, cycle.metrics, cycle.error, cycle.ill_conditioned_stick, known.cycles[i]);
   }
@@ -80,7 +81,7 @@ Coverage of_find_cycle(const Known& known) {
 
 /// Cycles that lanes find, but for those that settle on another cycle of the same slider.
 Coverage of_lanes(const Known& known) {
-  const auto found = find_cycles(known.models, every_metric());
+  const auto found = lanes::find_cycles(known.models, lanes::every_metric());
   Coverage coverage;
   for (std::size_t i = 0; i < found.size(); ++i)
     if (found[i].found && std::abs(found[i].metrics.period / known.cycles[i].metrics.period - 1) < 0.1)
@@ -96,7 +97,7 @@ Known plane_cycles(int side) {
     for (int j = 0; j < side; ++j) {
       const Model model =
           tests::bristol_board(std::pow(10.0, -6 + 5 * (i + 0.5) / side), std::pow(10.0, -4 + 6 * (j + 0.5) / side));
-      auto cycle = find_cycle(model, {.tolerance = 1e-10});
+      auto cycle = cycles::find_cycle(model, {.tolerance = 1e-10});
       if (!(cycle.metrics.period > 0)) continue;
       known.models.push_back(model);
       known.cycles.push_back(std::move(cycle));

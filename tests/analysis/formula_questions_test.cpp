@@ -2,10 +2,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/cycle.hpp"
-#include "analysis/discrimination.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/inference/discrimination.hpp"
 #include "analysis/lab/experiment.hpp"
-#include "analysis/run.hpp"
+#include "analysis/motion/run.hpp"
 #include "tests/bristol_board.hpp"
 #include "tests/laws/formula_texts.hpp"
 
@@ -13,6 +13,7 @@ using namespace rosin;
 using namespace rosin::analysis;
 using laws::find_law;
 using laws::make_formula;
+using oscillators::Model;
 
 namespace {
 
@@ -52,17 +53,17 @@ TEST_CASE("stick-slip of a set-valued law from text is that of the compiled law"
     Model model;
     model.slider = {1, 2000, 1};
     model.drive = {.speed = 1e-3, .normal_load = 5.0, .force = 0.0};
-    RunOptions how;
-    how.start.kind = Start::Kind::rest;
+    motion::RunOptions how;
+    how.start.kind = motion::Start::Kind::rest;
     how.duration = 6;
     how.samples = 61;
     how.tolerance = 1e-9;
     model.law = text;
-    const auto a = run(model, how);
-    const auto text_cycle = find_cycle(model, {});
+    const auto a = motion::run(model, how);
+    const auto text_cycle = cycles::find_cycle(model, {});
     model.law = compiled;
-    const auto b = run(model, how);
-    const auto cycle = find_cycle(model, {});
+    const auto b = motion::run(model, how);
+    const auto cycle = cycles::find_cycle(model, {});
     REQUIRE(a.outcome.complete());
     REQUIRE(a.events.size() == b.events.size());
     CHECK(a.events.size() > 4);
@@ -98,11 +99,11 @@ TEST_CASE("a design tells a law from text from others as it tells the compiled l
   auto compiled = tests::bristol_board(1e-4, 1), text = compiled, slow = compiled;
   text.law = make_formula(tests::text::spinodal())->with(compiled.law->values());
   slow.lambda = 2;
-  const DesignOptions options{.x = make_axis("drive.normal_load", 1e-3, 1e-2, 2, true, {}),
-                              .y = make_axis("drive.speed", 3e-6, 1e-5, 2, true, {}),
-                              .noise = {{"period", 0, 0.01}},
-                              .tolerance = 1e-4};
-  const auto told = [&](const Model& a, const Model& b) { return discriminate(std::vector{a, b}, options); };
+  const inference::DesignOptions options{.x = planes::make_axis("drive.normal_load", 1e-3, 1e-2, 2, true, {}),
+                                         .y = planes::make_axis("drive.speed", 3e-6, 1e-5, 2, true, {}),
+                                         .noise = {{"period", 0, 0.01}},
+                                         .tolerance = 1e-4};
+  const auto told = [&](const Model& a, const Model& b) { return inference::discriminate(std::vector{a, b}, options); };
   const auto alike = told(compiled, text), one = told(compiled, slow), other = told(text, slow);
   REQUIRE(one.information.size() == other.information.size());
   double largest = 0;

@@ -2,13 +2,14 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/cycle.hpp"
-#include "analysis/run.hpp"
-#include "analysis/stability.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/motion/run.hpp"
+#include "analysis/steady/stability.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis;
+using oscillators::Model;
 using rosin::tests::bristol_board;
 
 namespace {
@@ -28,11 +29,11 @@ Model quasi_static(const char* law, std::vector<Value> values, double lambda = 1
 
 /// Friction after a velocity step through a spring, at its most telling moments.
 std::vector<double> after_step(const Model& model) {
-  RunOptions options;
+  motion::RunOptions options;
   options.times = {5.5, 6, 7, 9, 30};
   options.duration = 30;
   options.tolerance = 1e-11;
-  return run(model, options).columns[4];
+  return motion::run(model, options).columns[4];
 }
 
 double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
@@ -74,12 +75,12 @@ TEST_CASE("a contact spring that stiffens becomes a rigid contact, in proportion
     model.contact_stiffness.tangential = k_t;
     return model;
   };
-  const auto critical = [](const Model& model) { return hopf_points(model, "drive.normal_load").at(0).value; };
+  const auto critical = [](const Model& model) { return steady::hopf_points(model, "drive.normal_load").at(0).value; };
   const double rigid_load = critical(rigid);
   CHECK(order(critical(with_spring(1e4)) - rigid_load, critical(with_spring(2e4)) - rigid_load) ==
         Approx(1).margin(0.01));
   // Softer springs ring in slip, and the period swings; from k_t of 1e5 N/m on it is monotone.
-  const auto period = [](const Model& model) { return find_cycle(model, {.tolerance = 1e-8}).metrics.period; };
+  const auto period = [](const Model& model) { return cycles::find_cycle(model, {.tolerance = 1e-8}).metrics.period; };
   const double rigid_period = period(rigid);
   CHECK(order(period(with_spring(5e5)) - rigid_period, period(with_spring(1e6)) - rigid_period) ==
         Approx(1).margin(0.05));
@@ -87,7 +88,7 @@ TEST_CASE("a contact spring that stiffens becomes a rigid contact, in proportion
 
 TEST_CASE("a fast state becomes a friction curve, in proportion to its clock", "[limits]") {
   const auto period = [](double lambda) {
-    return find_cycle(bristol_board(1e-4, lambda), {.tolerance = 1e-11}).metrics.period;
+    return cycles::find_cycle(bristol_board(1e-4, lambda), {.tolerance = 1e-11}).metrics.period;
   };
   const double curve = period(0);
   CHECK(std::abs(curve - 20.0875412888) < 1e-8);  // independent integration of the friction curve

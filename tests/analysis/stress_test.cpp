@@ -1,5 +1,5 @@
 /// The stress suite on a small set, its reproducibility, and scenes that once failed.
-#include "analysis/stress.hpp"
+#include "analysis/studies/stress.hpp"
 
 #include <fmt/format.h>
 
@@ -8,17 +8,22 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/cycle_lanes.hpp"
-#include "analysis/motion_end.hpp"
-#include "analysis/return_map.hpp"
-#include "analysis/run.hpp"
-#include "analysis/stability.hpp"
+#include "analysis/cycles/return_map.hpp"
+#include "analysis/lanes/cycle_lanes.hpp"
+#include "analysis/motion/motion_end.hpp"
+#include "analysis/motion/run.hpp"
+#include "analysis/steady/stability.hpp"
 #include "core/eigenpairs.hpp"
 #include "laws/catalogue.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis;
+using namespace rosin::analysis::cycles;
+using namespace rosin::analysis::lanes;
+using namespace rosin::analysis::motion;
+using namespace rosin::analysis::steady;
+using namespace rosin::analysis::studies;
 using rosin::tests::slider_under;
 
 TEST_CASE("a scene depends on its seed and number alone, and the report not on threads", "[stress][long]") {

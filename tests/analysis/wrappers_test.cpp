@@ -5,11 +5,11 @@
 #include <set>
 #include <string_view>
 
-#include "analysis/cycle.hpp"
-#include "analysis/cycle_lanes.hpp"
-#include "analysis/map.hpp"
-#include "analysis/run.hpp"
-#include "analysis/stability.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/lanes/cycle_lanes.hpp"
+#include "analysis/motion/run.hpp"
+#include "analysis/planes/map.hpp"
+#include "analysis/steady/stability.hpp"
 #include "laws/catalogue.hpp"
 #include "laws/formula.hpp"
 #include "laws/heating.hpp"
@@ -17,6 +17,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using oscillators::Model;
 using Complex = std::complex<double>;
 
 namespace {
@@ -41,7 +42,7 @@ double imbalance(const Model& model, Complex s, Complex Z) {
   return std::abs(terms[0] + terms[1] + terms[2]) / size;
 }
 
-const std::vector<double>& column(const Run& record, std::string_view name) {
+const std::vector<double>& column(const motion::Run& record, std::string_view name) {
   const auto at = std::find(record.column_names.begin(), record.column_names.end(), name);
   REQUIRE(at != record.column_names.end());
   return record.columns[at - record.column_names.begin()];
@@ -72,7 +73,7 @@ TEST_CASE("eigenvalues of a slider on a damped contact spring balance the impeda
     Model model = slider(laws::find_law("ageing")->with({0.6, a, b, L, 1e-6}), V, N);
     model.contact_stiffness = per_load ? oscillators::ContactStiffness{infinity, 400, 0, 7}
                                        : oscillators::ContactStiffness{800, infinity, 30};
-    const auto found = stability(model);
+    const auto found = steady::stability(model);
     CHECK(found.eigenvalues.size() == 4);
     for (const Complex s : found.eigenvalues) {
       const Complex Z = N * (a / V - b / V / (1.0 + s * L / V));  // Rice and Ruina (1983)
@@ -89,7 +90,7 @@ TEST_CASE("eigenvalues of a slider on a damped contact spring balance the impeda
     Model model = slider(law, V, N);
     model.contact_stiffness =
         per_load ? oscillators::ContactStiffness{infinity, 400} : oscillators::ContactStiffness{800, infinity, 30};
-    const auto found = stability(model);
+    const auto found = steady::stability(model);
     CHECK(found.eigenvalues.size() == 4);
     const double h = 1e-4 * V, g = law->steady_friction({V, 1}).friction - sigma2 * V;
     const double g_v =
@@ -109,15 +110,15 @@ TEST_CASE("a contact spring is the same whether friction or its deflection is th
   carried.contact_stiffness.tangential = 800;
   Model deflected = carried;
   deflected.law = ageing_without_inverse();
-  RunOptions how;
-  how.start.kind = Start::Kind::given;
+  motion::RunOptions how;
+  how.start.kind = motion::Start::Kind::given;
   how.start.slip_rate = 1e-6;
   how.duration = 20;
   how.samples = 41;
   how.tolerance = 1e-9;
   const auto mass = GENERATE(1.0, 0.0);
   for (Model* model : {&carried, &deflected}) model->slider = {mass, 1.3, mass == 0 ? 0.0 : 0.02};
-  const auto a = run(carried, how), b = run(deflected, how);
+  const auto a = motion::run(carried, how), b = motion::run(deflected, how);
   REQUIRE(a.outcome.complete());
   REQUIRE(b.outcome.complete());
   for (const char* name : {"slip_rate", "friction_force", "theta"}) {
@@ -137,7 +138,7 @@ TEST_CASE("a contact damper fades into the undamped spring, and a stiff one into
     Model changed = model;
     changed.contact_stiffness.tangential = k_t;
     changed.contact_stiffness.damping = c_t;
-    return hopf_points(changed, "drive.normal_load").at(0).value;
+    return steady::hopf_points(changed, "drive.normal_load").at(0).value;
   };
   const double undamped = critical(0.5, 0), rigid = critical(infinity, 0);
   CHECK(std::log2((critical(0.5, 2e-3) - undamped) / (critical(0.5, 1e-3) - undamped)) == Approx(1).margin(0.02));
@@ -150,15 +151,15 @@ TEST_CASE("a law that remembers the load answers a step and a ramp as Linker and
   model.law = laws::find_law("ageing")->with({mu0, a, b, L, v0});
   model.load_memory = alpha;
   model.slider = {0, infinity, 0};
-  RunOptions how;
-  how.start.kind = Start::Kind::steady;
+  motion::RunOptions how;
+  how.start.kind = motion::Start::Kind::steady;
   how.duration = 30;
   how.tolerance = 1e-11;
   const auto friction = [&](double theta) { return mu0 + a * std::log(V / v0) + b * std::log(theta * v0 / L); };
   SECTION("step") {
     model.drive = {V, Signal(Signal::Steps{{{0, 2}, {10, 3}}}), 0.0};
     how.times = {9, 10.001, 11, 14, 20, 30};
-    const auto record = run(model, how);
+    const auto record = motion::run(model, how);
     REQUIRE(record.outcome.complete());
     for (std::size_t i = 0; i < record.time.size(); ++i) {
       const double t = record.time[i];
@@ -171,7 +172,7 @@ TEST_CASE("a law that remembers the load answers a step and a ramp as Linker and
     const double N0 = 2, rate = 0.3, w = V / L;
     model.drive = {V, Signal(Signal::Ramp{N0, rate}), 0.0};
     how.times = {0.5, 2, 10, 30};
-    const auto record = run(model, how);
+    const auto record = motion::run(model, how);
     REQUIRE(record.outcome.complete());
     for (std::size_t i = 0; i < record.time.size(); ++i) {
       const double t = record.time[i], N = N0 + rate * t;
@@ -185,7 +186,7 @@ TEST_CASE("a law that remembers the load answers a step and a ramp as Linker and
     for (const char* name : {"lugre", "static-growth"}) {
       model.law = laws::find_law(name);
       model.slider = {1, 1, 0};
-      CHECK_THROWS_WITH(run(model, how), Catch::Contains("law.load_memory needs a state"));
+      CHECK_THROWS_WITH(motion::run(model, how), Catch::Contains("law.load_memory needs a state"));
     }
   }
 }
@@ -198,11 +199,11 @@ TEST_CASE("a heated contact warms as its equation says, and answers to slip with
     model.law = laws::heated(laws::find_law("ageing")->with({mu, a, 0.0, 1e-5, v0}), {R, time, soft});
     model.slider = {0, infinity, 0};
     model.drive = {Signal(Signal::Steps{{{0, V1}, {1, V2}}}), N, 0.0};
-    RunOptions how;
+    motion::RunOptions how;
     how.duration = 2;
     how.times = {1.0, 1.1, 1.4, 2.0};
     how.tolerance = 1e-11;
-    const auto record = run(model, how);
+    const auto record = motion::run(model, how);
     REQUIRE(record.outcome.complete());
     // The temperature alone, by many steps of the classical method.
     const double F = N * (mu + a * std::log(V2 / v0)), F1 = N * (mu + a * std::log(V1 / v0));
@@ -226,8 +227,8 @@ TEST_CASE("a heated contact warms as its equation says, and answers to slip with
     Model model =
         slider(laws::heated(laws::find_law("coulomb")->with(std::vector<Value>{mu, mu}), {R, time, soft}), V, N);
     const double h = 0.5 * (1 + std::sqrt(1 + 4 * R * N * mu * V / soft)), F = N * mu / h;
-    CHECK(stability(model).steady.friction_force == Approx(F).epsilon(1e-14));
-    const auto found = stability(model);
+    CHECK(steady::stability(model).steady.friction_force == Approx(F).epsilon(1e-14));
+    const auto found = steady::stability(model);
     CHECK(found.eigenvalues.size() == 3);
     for (const Complex s : found.eigenvalues) {
       const Complex Z = -F * F * R / (h * soft) / (time * s + 1.0 + R * V * F / (h * soft));
@@ -252,12 +253,12 @@ TEST_CASE("every law, bare and heated, has a cycle or a reason for none, and the
   for (const auto& law : all) {
     Model model = slider(law, 1e-4, 0.5);
     model.slider = {1, 20, 0.3};
-    const auto alone = find_cycle(model, {.tolerance = 1e-3, .multipliers = false});
+    const auto alone = cycles::find_cycle(model, {.tolerance = 1e-3, .multipliers = false});
     INFO(law->card().name << " with " << law->states().size() << " states: " << alone.outcome.detail);
     CHECK((alone.outcome.complete() || alone.outcome.ending == Ending::none_exists));
     if (!(alone.metrics.period > 0)) continue;
     ++cycles;
-    const auto lane = find_cycles(std::vector{model}, {.tolerance = 1e-4, .metrics = {"period"}}).front();
+    const auto lane = lanes::find_cycles(std::vector{model}, {.tolerance = 1e-4, .metrics = {"period"}}).front();
     if (!lane.found) continue;
     ++in_lanes;
     CHECK(lane.metrics.period == Approx(alone.metrics.period).epsilon(2e-3));
@@ -272,26 +273,26 @@ TEST_CASE("planes of every law in all its surroundings have a regime at each poi
   for (auto model : tests::surrounded_laws()) {
     model.slider = {1, 20, 0.3};
     model.drive = {1e-4, 0.5, 0.0};
-    MapOptions plane;
-    plane.x = make_axis("oscillator.mass", 0.5, 2, 2, true, {});
-    plane.y = make_axis("oscillator.stiffness", 20, 200, 2, true, {});
+    planes::MapOptions plane;
+    plane.x = planes::make_axis("oscillator.mass", 0.5, 2, 2, true, {});
+    plane.y = planes::make_axis("oscillator.stiffness", 20, 200, 2, true, {});
     plane.metrics = {"period", "loop_area"};
     plane.tolerance = 1e-3;
-    const auto map = compute_map(model, plane);
+    const auto map = planes::compute_map(model, plane);
     INFO(model.law->card().name << " with " << model.law->states().size() << " states, lambda " << model.lambda
                                 << ", spring " << model.contact_stiffness.tangential << ", "
                                 << model.contact_stiffness.per_load);
     for (const auto& point : map.points) {
       CAPTURE(name(point.regime), point.why);
-      stable += point.regime == Regime::stable;
+      stable += point.regime == planes::Regime::stable;
       const bool bristle = model.law->card().name.starts_with("lugre");
-      if (point.regime == Regime::failed) {
+      if (point.regime == planes::Regime::failed) {
         // A bristle gives energy back: behind a damped spring slip may jump, and beside one motion need not repeat.
         CHECK(bristle);
         CHECK((point.why.find("would have to jump") != std::string::npos ||
                point.why.find("no periodic motion") != std::string::npos ||
                point.why.find("no two periods are alike") != std::string::npos));
-      } else if (point.regime != Regime::stable) {
+      } else if (point.regime != planes::Regime::stable) {
         ++cycles;
         CHECK(point.metrics.period > 0);
         CHECK((point.error.period < 0.01 * point.metrics.period || (bristle && !point.why.empty())));
@@ -309,7 +310,8 @@ TEST_CASE("the loop's area is as accurate as the cycle where the slider rings on
   model.lambda = 3;
   model.slider = {1, 200, 0.3};
   model.contact_stiffness.tangential = 3e5;
-  const auto cycle = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             fine = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(cycle.outcome.complete());
   REQUIRE(fine.outcome.complete());
   CHECK(cycle.metrics.slip_rate_min < 0);
@@ -342,21 +344,21 @@ TEST_CASE("every law in every wrapper slides, oscillates and is judged", "[wrapp
         if (std::ranges::any_of(law->states(), [](const auto& state) { return state.scale == Scale::log; }))
           model.load_memory = 0.1;
         if (damped && mass == 0 && !law->has_slip_rate()) {
-          CHECK_THROWS_WITH(stability(model), Catch::Contains("goes with springs alone"));
+          CHECK_THROWS_WITH(steady::stability(model), Catch::Contains("goes with springs alone"));
           continue;
         }
         if (!damped && (law->card().name == "dahl" || law->card().name == "film")) {
-          CHECK_THROWS_WITH(stability(model), Catch::Contains("only by way of its states"));
+          CHECK_THROWS_WITH(steady::stability(model), Catch::Contains("only by way of its states"));
           continue;
         }
-        const auto judged = stability(model);
+        const auto judged = steady::stability(model);
         for (const Complex s : judged.eigenvalues) CHECK(std::isfinite(std::abs(s)));
-        RunOptions how;
-        how.start.kind = Start::Kind::given;
+        motion::RunOptions how;
+        how.start.kind = motion::Start::Kind::given;
         how.start.slip_rate = 0.5e-4;
         how.duration = 1;
         how.samples = 5;
-        const auto record = run(model, how);
+        const auto record = motion::run(model, how);
         CAPTURE(record.outcome.detail);
         CHECK((record.outcome.complete() || (law->card().name.starts_with("lugre") && !damped &&
                                              record.outcome.detail.find("would have to jump") != std::string::npos)));

@@ -52,30 +52,30 @@ TEST_CASE("a cycle under a law from text is that under the compiled law", "[form
   const std::vector<std::string> none;
   auto scene = scene_of(example, none, "cycle");
   auto model = scene.model;
-  const auto text = analysis::find_cycle(model, scene.cycle);
+  const auto text = analysis::cycles::find_cycle(model, scene.cycle);
   model.law = laws::find_law("spinodal");
-  const auto compiled = analysis::find_cycle(model, scene.cycle);
+  const auto compiled = analysis::cycles::find_cycle(model, scene.cycle);
   REQUIRE(text.outcome.complete());
-  for (const auto& metric : analysis::metric_names())
+  for (const auto& metric : analysis::cycles::metric_names())
     CHECK(text.metrics.*metric.member == Approx(compiled.metrics.*metric.member).epsilon(1e-9));
 }
 
 TEST_CASE("a plane under a law from text, through lanes, is that under the compiled law", "[formula]") {
   const std::vector<std::string> coarse = {"map.x.points=6", "map.y.points=5", "law.mu0=0.4"};
   auto scene = scene_of(example, coarse, "map");
-  const auto text = analysis::compute_map(scene.model, scene.map);
+  const auto text = analysis::planes::compute_map(scene.model, scene.map);
   auto model = scene.model;
   model.law = laws::find_law("spinodal")->with("mu0", 0.4);
-  const auto compiled = analysis::compute_map(model, scene.map);
+  const auto compiled = analysis::planes::compute_map(model, scene.map);
   REQUIRE(text.points.size() == compiled.points.size());
   CHECK(text.integrated > 10);
   CHECK(text.integrated == compiled.integrated);
   for (std::size_t i = 0; i < text.points.size(); ++i) {
     const auto &a = text.points[i], &b = compiled.points[i];
     CHECK(a.regime == b.regime);
-    if (a.regime != analysis::Regime::cycle) continue;
+    if (a.regime != analysis::planes::Regime::cycle) continue;
     for (const auto& name : scene.map.metrics) {
-      const auto member = analysis::find_metric(name).member;
+      const auto member = analysis::cycles::find_metric(name).member;
       CHECK(std::abs(a.metrics.*member - b.metrics.*member) <= a.error.*member + b.error.*member);
     }
   }

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 
-#include "analysis/map_point.hpp"
+#include "analysis/planes/map_point.hpp"
 #include "core/error.hpp"
 #include "core/files.hpp"
 #include "tests/app/folder.hpp"
@@ -23,10 +23,10 @@ const std::vector<std::string> metrics = {"period"};
 /// A journal with three of four points.
 fs::path journal(const Folder& folder) {
   const auto path = folder.path / "map.partial";
-  std::vector<analysis::MapPoint> points(4, analysis::undecided_point());
+  std::vector<analysis::planes::MapPoint> points(4, analysis::planes::undecided_point());
   for (std::size_t i = 0; i < 3; ++i) {
     points[i].done = true;
-    points[i].regime = analysis::Regime::cycle;
+    points[i].regime = analysis::planes::Regime::cycle;
     points[i].metrics.period = 1.0 + double(i), points[i].error.period = 1e-9;
   }
   Partial partial(path, "key", 4, metrics);

@@ -190,7 +190,7 @@ TEST_CASE("starts are read in every form") {
   const auto start = [](const std::string& text) {
     return read(spinodal + slider + "[run]\nduration = 1\nstart = " + text, "run").run.start;
   };
-  using Kind = rosin::analysis::Start::Kind;
+  using Kind = rosin::analysis::motion::Start::Kind;
   CHECK(start("'steady'").kind == Kind::steady);
   CHECK(start("'rest'").kind == Kind::rest);
   CHECK(start("{ state = 0.5 }").states.at("psi") == 0.5);
@@ -204,7 +204,7 @@ TEST_CASE("overrides replace values and may be bare words") {
                             "oscillator.mass=\"3 g\"", "drive.force={ steps = [[0, 1], [1, 2]] }"});
   CHECK(scene.model.get("law.a") == 0.03);
   CHECK(scene.model.drive.speed.level() == 2e-3);
-  CHECK(scene.run.start.kind == rosin::analysis::Start::Kind::rest);
+  CHECK(scene.run.start.kind == rosin::analysis::motion::Start::Kind::rest);
   CHECK(scene.cycle.stick_threshold == 0.5);
   CHECK(scene.model.slider.mass == 3e-3);
   CHECK(scene.model.drive.force.value(1) == 2);

@@ -7,8 +7,8 @@
 #include <complex>
 #include <numbers>
 
-#include "analysis/frf.hpp"
-#include "analysis/run.hpp"
+#include "analysis/motion/run.hpp"
+#include "analysis/response/frf.hpp"
 #include "laws/catalogue.hpp"
 #include "laws/heating.hpp"
 
@@ -112,7 +112,7 @@ TEST_CASE("thermal-disc: its frequency response is that of the closed kernel", "
     const double w = low, h = 1e-4 * w;
     const double mu_T = (mu(w + h) - mu(w - h)) / (dT(w + h) - dT(w - h));
     const Balance balance{mu(w), mu_T, dT(w), V, N, h0, h1, crowding};
-    const analysis::FrictionResponse found(model);
+    const analysis::response::FrictionResponse found(model);
     CHECK(found.friction_coefficient() == Approx(mu(w)).epsilon(1e-12));
     CHECK(found.limits().low == Approx(balance.Z(1).real()).epsilon(1e-6));
     for (double x = 1e-4; x < 1e3; x *= 3) {
@@ -132,11 +132,11 @@ TEST_CASE("heat spreads from a contact into depth as from a disc", "[laws][condu
   model.law = laws::heated(laws::find_law("ageing")->with({mu, 0.01, 0.0, 1e-5, 1e-3}), {R, t, soft, laws::disc});
   model.slider = {0, infinity, 0};
   model.drive = {Signal(Signal::Steps{{{0, V1}, {1, V2}}}), N, 0.0};
-  analysis::RunOptions how;
+  analysis::motion::RunOptions how;
   how.duration = 1e4;
   for (const double x : {1e-3, 1e-2, 0.1, 1.0, 10.0, 1e3}) how.times.push_back(1 + x * t);
   how.tolerance = 1e-10;
-  const auto record = analysis::run(model, how);
+  const auto record = analysis::motion::run(model, how);
   REQUIRE(record.outcome.complete());
   const auto at = std::ranges::find(record.column_names, "temperature_rise") - record.column_names.begin();
   const double before = R * N * V1 * (mu + 0.01 * std::log(V1 / 1e-3)),
@@ -153,7 +153,7 @@ TEST_CASE("Coulomb friction that conducts like a disc has the impedance of the c
   oscillators::Model model;
   model.law = laws::heated(laws::find_law("coulomb")->with(std::vector<Value>{mu, mu}), {R, t, soft, laws::disc});
   model.drive = {.speed = V, .normal_load = N, .force = 0.0};
-  const analysis::FrictionResponse found(model);
+  const analysis::response::FrictionResponse found(model);
   const double h = 0.5 * (1 + std::sqrt(1 + 4 * R * N * mu * V / soft)), F = N * mu / h;
   for (double x = 1e-3; x < 1e3; x *= 7) {
     const auto Z = [&](Complex H) { return -F * F * R * H / (h * soft) / (1.0 + R * V * F * H / (h * soft)); };

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/run.hpp"
+#include "analysis/motion/run.hpp"
 #include "laws/catalogue.hpp"
 
 using namespace rosin;
@@ -23,11 +23,11 @@ TEST_CASE("dahl: a slider pulled from rest follows the force-displacement curve"
   model.law = laws::find_law("dahl")->with("sigma0", 100.0);
   model.slider = {.mass = 0.01, .stiffness = 100, .damping = 10};  // overdamped: slip never reverses
   model.drive = {1e-3, 2.0, 0.0};
-  analysis::RunOptions options;
+  analysis::motion::RunOptions options;
   options.duration = 10;
   options.samples = 20;
-  options.start.kind = analysis::Start::Kind::rest;
-  const auto run = analysis::run(model, options);
+  options.start.kind = analysis::motion::Start::Kind::rest;
+  const auto run = analysis::motion::run(model, options);
   REQUIRE(run.outcome.complete());
   for (std::size_t i = 0; i < run.time.size(); ++i) {
     const double slipped = 1e-3 * run.time[i] - run.columns[0][i];

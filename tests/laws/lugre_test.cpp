@@ -3,8 +3,8 @@
 #include <cmath>
 #include <complex>
 
-#include "analysis/cycle.hpp"
-#include "analysis/stability.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/steady/stability.hpp"
 #include "laws/catalogue.hpp"
 
 using namespace rosin;
@@ -49,7 +49,7 @@ TEST_CASE("lugre: a slider's eigenvalues are roots of the characteristic polynom
   const double V = 1e-4, N = 10, g = 0.3 + 0.1 * std::exp(-0.01), g_v = -0.1 * 2 * V / 1e-6 * std::exp(-0.01);
   const double z_z = -1e5 * V / g, z_v = V * g_v / g;  // of dz/dt, at steady z = g/sigma0
   const double F_z = N * (1e5 + 100 * z_z), F_v = N * (100 * z_v + 0.4);
-  const auto found = analysis::stability(model).eigenvalues;
+  const auto found = analysis::steady::stability(model).eigenvalues;
   REQUIRE(found.size() == 3);
   for (const auto s : found) {
     const auto rest = (s * s + 0.1 * s + 1000.0) * (s - z_z) + s * (F_v * (s - z_z) + F_z * z_v);
@@ -77,9 +77,9 @@ TEST_CASE("lugre: a drive in the other direction has the mirrored cycle", "[laws
   model.law = laws::find_law("lugre");
   model.slider = {.mass = 1, .stiffness = 1000, .damping = 0.1};
   model.drive = {1e-4, 10.0, 0.0};
-  const auto forward = analysis::find_cycle(model, {.tolerance = 1e-6});
+  const auto forward = analysis::cycles::find_cycle(model, {.tolerance = 1e-6});
   model.drive.speed = -1e-4;
-  const auto backward = analysis::find_cycle(model, {.tolerance = 1e-6});
+  const auto backward = analysis::cycles::find_cycle(model, {.tolerance = 1e-6});
   REQUIRE(forward.outcome.complete());
   CHECK(backward.metrics.period == forward.metrics.period);
   REQUIRE(forward.section_state.size() == 1);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <complex>
 
-#include "analysis/frf.hpp"
+#include "analysis/response/frf.hpp"
 #include "laws/catalogue.hpp"
 
 using namespace rosin;
@@ -27,7 +27,7 @@ TEST_CASE("lugre-unscaled: force follows slip rate and load as linear bristles d
   oscillators::Model model;
   model.law = laws::find_law("lugre-unscaled")->with({s0, s1, s2, mu_s, mu_d, v_s});
   model.drive = {.speed = V, .normal_load = N, .force = 0.0};
-  const analysis::FrictionResponse found(model);
+  const analysis::response::FrictionResponse found(model);
   const double fall = (mu_s - mu_d) * std::exp(-(V / v_s) * (V / v_s)), g = N * (mu_d + fall),
                g_v = -2 * N * V / (v_s * v_s) * fall;
   for (const double omega : {0.1, 30.0, 1e4}) {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/cycle.hpp"
-#include "analysis/run.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/motion/run.hpp"
 #include "laws/catalogue.hpp"
 
 using namespace rosin;
@@ -21,14 +21,14 @@ TEST_CASE("slip-distance: a block on a slope stops or runs away, by the impulse 
   model.drive = {0.0, mass * g0 * std::cos(slope), -mass * g0 * std::sin(slope)};
   const double kappa = std::sqrt(g0 * std::cos(slope) * 0.1 / d_c), critical = 0.05 * d_c / 0.1 * kappa;
   CHECK(critical == Approx((0.4 - 0.35) * std::sqrt(g0 * std::cos(slope) * d_c / 0.1)).epsilon(1e-14));
-  analysis::RunOptions options;
+  analysis::motion::RunOptions options;
   options.duration = 0.2;
   options.samples = 4;
-  options.start.kind = analysis::Start::Kind::given;
+  options.start.kind = analysis::motion::Start::Kind::given;
   options.start.states = {{"s", 0.0}};
   for (const double part : {0.3, 0.999, 0.999999}) {
     options.start.slip_rate = part * critical;
-    const auto run = analysis::run(model, options);
+    const auto run = analysis::motion::run(model, options);
     REQUIRE(run.outcome.complete());
     REQUIRE(run.events.size() == 1);
     CHECK(run.events[0].kind == "stick");
@@ -37,7 +37,7 @@ TEST_CASE("slip-distance: a block on a slope stops or runs away, by the impulse 
     CHECK(run.columns[5].back() == 0);  // whole again
   }
   options.start.slip_rate = 1.000001 * critical;
-  const auto run = analysis::run(model, options);
+  const auto run = analysis::motion::run(model, options);
   REQUIRE(run.outcome.complete());
   CHECK(run.events.empty());
   CHECK(run.columns[2].back() > 10 * critical);
@@ -53,7 +53,7 @@ TEST_CASE("slip-distance: stick-slip in closed form, with Coulomb friction as it
   for (const double d_c : {1e-2, 1e-4, 1e-6}) {
     CAPTURE(d_c);
     model.law = laws::find_law("slip-distance")->with("d_c", d_c);
-    const auto cycle = analysis::find_cycle(model);
+    const auto cycle = analysis::cycles::find_cycle(model);
     REQUIRE(cycle.outcome.complete());
     const double c = std::sqrt((k * X0 / d_c - k) / m), pull = k * V / (m * c * c);
     std::uintmax_t iterations = 200;

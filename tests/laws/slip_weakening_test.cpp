@@ -1,8 +1,8 @@
 /// Slip weakening: one onset at the static coefficient, and dynamic friction for good after it.
 #include <catch2/catch.hpp>
 
-#include "analysis/cycle.hpp"
-#include "analysis/run.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/motion/run.hpp"
 #include "laws/catalogue.hpp"
 
 using namespace rosin;
@@ -12,11 +12,11 @@ TEST_CASE("slip-weakening: the first slip spends the strength", "[laws][slip-wea
   model.law = laws::find_law("slip-weakening")->with("d_c", 1e-3);
   model.slider = {.mass = 1, .stiffness = 1, .damping = 1};
   model.drive = {0.01, 2.0, 0.0};
-  analysis::RunOptions options;
+  analysis::motion::RunOptions options;
   options.duration = 200;
   options.samples = 20;
-  options.start.kind = analysis::Start::Kind::rest;
-  const auto run = analysis::run(model, options);
+  options.start.kind = analysis::motion::Start::Kind::rest;
+  const auto run = analysis::motion::run(model, options);
   REQUIRE(run.outcome.complete());
   REQUIRE(!run.events.empty());
   CHECK(run.events[0].kind == "slip");
@@ -25,7 +25,7 @@ TEST_CASE("slip-weakening: the first slip spends the strength", "[laws][slip-wea
   CHECK(run.columns[4].back() == Approx(0.3).epsilon(1e-9));
   CHECK(run.columns[5].back() == Approx(2e-3).epsilon(1e-6));
 
-  CHECK(analysis::find_cycle(model).outcome.ending == Ending::none_exists);
+  CHECK(analysis::cycles::find_cycle(model).outcome.ending == Ending::none_exists);
 
   // A contact that stopped within d_c holds what its slip has left of the strength, on either side.
   const auto& law = *model.law;

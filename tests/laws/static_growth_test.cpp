@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/cycle.hpp"
+#include "analysis/cycles/cycle.hpp"
 #include "laws/catalogue.hpp"
 
 using namespace rosin;
@@ -49,7 +49,7 @@ TEST_CASE("static friction that grows at rest: period and multiplier of stick-sl
                                           boost::math::tools::eps_tolerance<double>(52), iterations);
     const double t = 0.5 * (low + high), h = 1e-3 * t, X = onset(t);
     const double p = (8 * (onset(t + h / 2) - onset(t - h / 2)) - (onset(t + h) - onset(t - h))) / (6 * h);
-    const auto cycle = analysis::find_cycle(model);
+    const auto cycle = analysis::cycles::find_cycle(model);
     REQUIRE(cycle.outcome.complete());
     const double slip = 2 * (std::numbers::pi - std::atan(X * w / V)) / w;
     CHECK(cycle.metrics.period == Approx(t + slip).epsilon(1e-9));

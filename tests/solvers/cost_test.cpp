@@ -5,13 +5,13 @@
 #include <cstdlib>
 #include <new>
 
-#include "analysis/run.hpp"
+#include "analysis/motion/run.hpp"
 #include "oscillators/slider_lanes.hpp"
-#include "solvers/collocation.hpp"
-#include "solvers/cvode.hpp"
-#include "solvers/ensemble.hpp"
-#include "solvers/explicit.hpp"
-#include "solvers/stick_slip.hpp"
+#include "solvers/lanes/ensemble.hpp"
+#include "solvers/steps/collocation.hpp"
+#include "solvers/steps/cvode.hpp"
+#include "solvers/steps/explicit.hpp"
+#include "solvers/stick_slip/stick_slip_solver.hpp"
 #include "tests/bristol_board.hpp"
 
 namespace {
@@ -41,9 +41,9 @@ namespace {
 oscillators::Model fault() {
   return slider_under("ageing", {0.6, 0.01, 0.025, 1e-5, 1e-6}, {0, 2e9, 2e10 / 6000}, 1e-6, 5e6);
 }
-Start creep() {
-  Start start;
-  start.kind = Start::Kind::given;
+motion::Start creep() {
+  motion::Start start;
+  start.kind = motion::Start::Kind::given;
   start.slip_rate = 0.9e-6;
   start.states["theta"] = 10;
   return start;
@@ -65,21 +65,21 @@ struct Cost {
   long steps, evaluations, allocations;
 };
 /// Of one run, at a tolerance that needs two passes.
-Cost cost_of(const oscillators::Model& model, int samples, Start start) {
-  RunOptions options;
+Cost cost_of(const oscillators::Model& model, int samples, motion::Start start) {
+  motion::RunOptions options;
   options.duration = 100;
   options.samples = samples;
   options.tolerance = 1e-3;
   options.start = std::move(start);
   const long before = allocations;
-  const Run result = run(model, options);
+  const motion::Run result = motion::run(model, options);
   const long during = allocations - before;
   REQUIRE(result.outcome.complete());
   return {result.cost.steps, result.cost.evaluations, during};
 }
-Start rest() {
-  Start start;
-  start.kind = Start::Kind::rest;
+motion::Start rest() {
+  motion::Start start;
+  start.kind = motion::Start::Kind::rest;
   return start;
 }
 
@@ -88,8 +88,8 @@ Start rest() {
 TEST_CASE("no solver allocates inside a step", "[cost]") {
   {
     const oscillators::SliderSystem system(fault());
-    const auto y = starting_point(system, creep());
-    solvers::Explicit solver(system, 1e-9);
+    const auto y = motion::starting_point(system, creep());
+    solvers::steps::Explicit solver(system, 1e-9);
     solver.start(0, y);
     CHECK(allocations_of(300, [&] { return solver.step(5000).complete(); }) == 0);
     std::vector<double> seen(system.size());
@@ -101,42 +101,42 @@ TEST_CASE("no solver allocates inside a step", "[cost]") {
   }
   for (const auto& model : {fault(), bristol_board(1e-4, 10)}) {
     const oscillators::SliderSystem system(model);
-    Start start;
-    start.kind = Start::Kind::rest;
-    solvers::Collocation solver(system, 1e-9);
-    REQUIRE(solver.start(0, starting_point(system, model.slider.mass > 0 ? start : creep())));
+    motion::Start start;
+    start.kind = motion::Start::Kind::rest;
+    solvers::steps::Collocation solver(system, 1e-9);
+    REQUIRE(solver.start(0, motion::starting_point(system, model.slider.mass > 0 ? start : creep())));
     CHECK(allocations_of(100, [&] { return solver.step(500).complete(); }) == 0);
   }
   {
     oscillators::SliderSystem system(slider_under("coulomb", {0.4, 0.3}, {1, 1.09, 0}, 0.01, 2));
-    Start start;
-    start.kind = Start::Kind::rest;
-    solvers::StickSlip solver(system, 1e-9);
-    REQUIRE(solver.start(0, starting_point(system, start)));
-    solvers::Switch switched;
+    motion::Start start;
+    start.kind = motion::Start::Kind::rest;
+    solvers::stick_slip::StickSlip solver(system, 1e-9);
+    REQUIRE(solver.start(0, motion::starting_point(system, start)));
+    solvers::stick_slip::Switch switched;
     // A switch between stick and slip may make room for its location, and for the new mode after it.
     long smooth = 0;
     bool fresh = true;
     for (int i = 0; i < 200; ++i) {
       const long before = allocations;
       REQUIRE(solver.step(1000, switched).complete());
-      if (switched == solvers::Switch::none && !fresh) smooth += allocations - before;
-      fresh = switched != solvers::Switch::none;
+      if (switched == solvers::stick_slip::Switch::none && !fresh) smooth += allocations - before;
+      fresh = switched != solvers::stick_slip::Switch::none;
     }
     CHECK(smooth == 0);
   }
   {
     const oscillators::SliderSystem system(bristol_board(1e-4, 10), Unknowns::states);
-    Start start;
-    start.kind = Start::Kind::rest;
-    solvers::Cvode solver(system, 1e-9);
-    solver.start(0, starting_point(system, start));
+    motion::Start start;
+    start.kind = motion::Start::Kind::rest;
+    solvers::steps::Cvode solver(system, 1e-9);
+    solver.start(0, motion::starting_point(system, start));
     CHECK(allocations_of(200, [&] { return solver.step(500).complete(); }) == 0);
   }
   {
     const oscillators::SliderSystem system(bristol_board(1e-4, 10));
     oscillators::SliderLanes sliders(system);
-    solvers::Ensemble solver(sliders);
+    solvers::lanes::Ensemble solver(sliders);
     const auto y = system.steady(0);
     for (int lane = 0; lane < lane_count; ++lane) solver.start(lane, y.data(), 1e-7, 1e-3 * (1 + lane));
     CHECK(allocations_of(300, [&] {

@@ -1,0 +1,4 @@
+/// Periodic motion: the cycle of a model with its metrics and multipliers, and the return map that it is found on.
+#pragma once
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/return_map.hpp"

@@ -1,0 +1,483 @@
+/// Passages through the section v = V, their derivative, and the metrics recorded on the way.
+#include "analysis/cycles/return_map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "analysis/cycles/loop_area.hpp"
+#include "analysis/motion/motion_end.hpp"
+#include "analysis/steady/stability.hpp"
+
+namespace rosin::analysis::cycles {
+
+using oscillators::Mechanics;
+using oscillators::SliderSystem;
+using solvers::steps::Collocation;
+using solvers::steps::RadauTableau;
+
+Recorder::Recorder(const SliderSystem& system, double tolerance, double stick_threshold, bool keep_orbit)
+    : system_(system), tolerance_(tolerance), threshold_{stick_threshold, 0.01, 0.5}, keep_orbit_(keep_orbit) {
+  follows_steady_curve_ = follows_steady_curve(system);
+  sums_.slip_rate_max = sums_.friction_max = -infinity;
+  sums_.slip_rate_min = sums_.friction_min = infinity;
+}
+
+namespace {
+/// Value at θ of the polynomial through the samples (θ = 0 and the nodes).
+template <class Samples, class Quantity>
+double polynomial(const Samples& samples, Quantity quantity, double theta) {
+  std::array<double, RadauTableau::stages + 1> values;
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = samples[i].*quantity;
+  return RadauTableau::get().interpolate(values, theta);
+}
+}  // namespace
+
+/// Where the polynomial of a quantity turns within the step.
+std::vector<Recorder::Turn> Recorder::turns(const std::vector<Sample>& samples, double Sample::*quantity) {
+  constexpr int fine = 8;
+  const auto slope = [&](double theta) {
+    constexpr double d = 1e-5;
+    return polynomial(samples, quantity, theta + d) - polynomial(samples, quantity, theta - d);
+  };
+  std::vector<Turn> found;
+  double before = slope(0);
+  for (int i = 1; i <= fine; ++i) {
+    const double after = slope(double(i) / fine);
+    if ((before > 0) != (after > 0)) {
+      double left = double(i - 1) / fine, right = double(i) / fine;
+      for (int k = 0; k < 20; ++k) {
+        const double middle = 0.5 * (left + right);
+        ((slope(middle) > 0) == (before > 0) ? left : right) = middle;
+      }
+      const double theta = 0.5 * (left + right);
+      found.push_back({theta, polynomial(samples, quantity, theta), before > 0});
+    }
+    before = after;
+  }
+  return found;
+}
+
+void Recorder::extreme(Collocation& solver, const std::vector<Sample>& samples, const std::vector<Turn>& turns,
+                       double Sample::*quantity, double& low, double& high) {
+  for (const auto& sample : samples) {
+    low = std::min(low, sample.*quantity);
+    high = std::max(high, sample.*quantity);
+  }
+  // An extreme between nodes: the polynomial says about where, parabolas through the step solved again say how much.
+  const auto solved = [&](double theta) { return sample_at(solver, theta).*quantity; };
+  for (const auto& [place, guess, is_maximum] : turns) {
+    double theta = place, width = 0.02;
+    const double reach = 1e-3 * (high - low);
+    const bool matters = is_maximum ? guess + reach > high : guess - reach < low;
+    for (int refine = 0; matters && refine < 3; ++refine, width *= 0.2) {
+      theta = std::clamp(theta, 1e-3, 1.0);
+      const double inside = std::min({width, 0.5 * theta, 1 - theta});
+      const double middle = solved(theta);
+      low = std::min(low, middle);
+      high = std::max(high, middle);
+      if (inside < 1e-6) break;  // at the end of the step: the value there is already counted
+      const double l = solved(theta - inside), r = solved(theta + inside), bend = l - 2 * middle + r;
+      low = std::min({low, l, r});
+      high = std::max({high, l, r});
+      if (bend == 0) break;
+      // Swings that are all but alike turn within each other's reach: most turn out to be no extreme.
+      const double rise = (l - r) * (l - r) / (8 * std::abs(bend));
+      if (is_maximum ? middle + 2 * rise < high : middle - 2 * rise > low) break;
+      theta += inside * std::clamp(0.5 * (l - r) / bend, -2.0, 2.0);
+    }
+  }
+}
+
+/// Absolute accuracy asked of one step's part in the loop area.
+double Recorder::loop_tolerance() const {
+  const double size = std::max(sums_.slip_rate_max, std::abs(system_.model().drive.speed.level()));
+  return 2e-3 * std::max(tolerance_, 1e-13) * size * std::max(sums_.friction_max, 0.01);
+}
+
+Recorder::Sample Recorder::sample_at(Collocation& solver, double theta) const {
+  std::vector<double> y(system_.size());
+  solver.solve_at(theta, y.data());
+  const double t = solver.time_at(theta);
+  return {theta, system_.slip_rate(t, y.data()), system_.friction_coefficient(t, y.data())};
+}
+
+Recorder::Loop Recorder::loop(const std::vector<Sample>& samples) const {
+  constexpr int s = Collocation::stages;
+  const auto& tableau = RadauTableau::get();
+  // Weights of the rule on the first, third and fifth node, exact to degree 2.
+  static const std::array<double, 3> part = [&] {
+    const double a = tableau.c[0], b = tableau.c[2], c = tableau.c[4];
+    const auto weight = [](double x, double y, double z) {
+      return (1.0 / 3 - (y + z) / 2 + y * z) / ((x - y) * (x - z));
+    };
+    return std::array{weight(a, b, c), weight(b, a, c), weight(c, a, b)};
+  }();
+  const double V = system_.model().drive.speed.level(), N = system_.model().drive.normal_load.level();
+  Loop result{0, 0, 0};
+  for (int i = 0; i < s; ++i) {
+    const Sample& at = samples[i + 1];
+    // dv/dθ from the polynomial: the force balance would lose it to cancellation in near-stick.
+    double rate = 0;
+    for (int j = 0; j < s; ++j) rate += tableau.a_inverse[i][j] * (samples[j + 1].slip_rate - samples[0].slip_rate);
+    const double steady = system_.model().law->steady_friction({loop_slip_rate(at.slip_rate, V), N}).friction;
+    const double density = (at.friction - steady) * rate;
+    result.integral += tableau.b[i] * density;
+    result.magnitude += tableau.b[i] * std::abs(density);
+    if (i % 2 == 0) result.check += part[i / 2] * density;
+  }
+  return result;
+}
+
+double Recorder::refined_loop(Collocation& solver, double begin, double end, double coarse, double last_change) {
+  const auto& tableau = RadauTableau::get();
+  const auto part = [&](double from, double to) {
+    std::vector<Sample> samples{sample_at(solver, from)};
+    for (const double c : tableau.c) samples.push_back(sample_at(solver, from + c * (to - from)));
+    return loop(samples).integral;
+  };
+  const double middle = 0.5 * (begin + end), left = part(begin, middle), right = part(middle, end);
+  const double change = std::abs(left + right - coarse);
+  // Small parts that no longer change less are at rounding.
+  const bool rounding = end - begin < 0.01 && change > 0.5 * last_change;
+  if (change <= loop_tolerance() || rounding || --divisions_left_ < 0) return left + right;
+  return refined_loop(solver, begin, middle, left, change) + refined_loop(solver, middle, end, right, change);
+}
+
+double Recorder::time_within(Collocation& solver, const std::vector<Sample>& samples, const std::vector<Turn>& turns,
+                             double threshold) const {
+  const double h = solver.length();
+  std::vector<double> marks{0.0};
+  for (const double level : {threshold, -threshold}) {
+    const auto mark = [&](const Sample& from, const Sample& to) {
+      const double a = from.slip_rate - level, b = to.slip_rate - level;
+      if ((a < 0) == (b < 0) || a == 0) return;
+      const auto theta = solver.locate([&](double t, const double* y) { return system_.slip_rate(t, y) - level; },
+                                       from.theta, to.theta, a, b);
+      if (theta) marks.push_back(*theta);
+    };
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      const Sample &from = samples[i - 1], &to = samples[i];
+      // A turn between nodes may reach across the level and back.
+      const auto across = std::find_if(turns.begin(), turns.end(), [&](const Turn& turn) {
+        return turn.theta > from.theta && turn.theta < to.theta && (turn.value < level) != (from.slip_rate < level) &&
+               (turn.value < level) != (to.slip_rate < level);
+      });
+      if (across == turns.end()) {
+        mark(from, to);
+        continue;
+      }
+      const Sample turn = sample_at(solver, across->theta);
+      mark(from, turn);
+      mark(turn, to);
+    }
+  }
+  marks.push_back(1.0);
+  std::sort(marks.begin(), marks.end());
+  double within = 0;
+  for (std::size_t i = 1; i < marks.size(); ++i) {
+    const double middle = 0.5 * (marks[i - 1] + marks[i]);
+    if (std::abs(polynomial(samples, &Sample::slip_rate, middle)) <= threshold) within += (marks[i] - marks[i - 1]) * h;
+  }
+  return within;
+}
+
+void Recorder::step(Collocation& solver) {
+  constexpr int s = Collocation::stages;
+  const auto& tableau = RadauTableau::get();
+  const double t0 = solver.time_before(), h = solver.length();
+  std::vector<Sample> samples;
+  std::vector<double> y(system_.size());
+  const auto take = [&](double theta, double t, const double* state) {
+    samples.push_back({theta, system_.slip_rate(t, state), system_.friction_coefficient(t, state)});
+    if (!keep_orbit_) return;
+    const auto seen = system_.observe(t, state);
+    orbit.push_back({elapsed_ + theta * h, seen.displacement, seen.slip_rate, seen.friction_coefficient, seen.state});
+  };
+  if (keep_orbit_ && !orbit.empty()) orbit.pop_back();  // the end of the last step is the start of this one
+  take(0, t0, solver.state_before().data());
+  for (int i = 0; i < s; ++i) {
+    solver.stage(i, y.data());
+    take(tableau.c[i], solver.stage_time(i), y.data());
+  }
+  for (int i = 0; i < s; ++i) {
+    const Sample& at = samples[i + 1];
+    const double weight = tableau.b[i] * h;
+    sums_.friction_mean += weight * at.friction;
+    sums_.slip_rate_mean += weight * at.slip_rate;
+  }
+  if (!follows_steady_curve_) {
+    const Loop whole = loop(samples);
+    // Orders 10 and 4: the relative error of the full rule is about that of the part to the power 2.5.
+    const double ratio = std::abs(whole.integral - whole.check) / std::max(whole.magnitude, 1e-300);
+    const bool resolved = std::pow(ratio, 2.5) * whole.magnitude <= loop_tolerance();
+    sums_.loop_area += resolved ? whole.integral : refined_loop(solver, 0, 1, whole.integral, infinity);
+  }
+  const auto slip_turns = turns(samples, &Sample::slip_rate);
+  extreme(solver, samples, slip_turns, &Sample::slip_rate, sums_.slip_rate_min, sums_.slip_rate_max);
+  extreme(solver, samples, turns(samples, &Sample::friction), &Sample::friction, sums_.friction_min,
+          sums_.friction_max);
+  const double V = std::abs(system_.model().drive.speed.level());
+  sums_.slow_fraction += time_within(solver, samples, slip_turns, threshold_[0] * V);
+  sums_.stick_fraction_001 += time_within(solver, samples, slip_turns, threshold_[1] * V);
+  sums_.stick_fraction_05 += time_within(solver, samples, slip_turns, threshold_[2] * V);
+  elapsed_ += h;
+  friction_ = samples.back().friction;
+}
+
+void Recorder::linger(double time) {
+  sums_.friction_mean += time * friction_;
+  for (auto within : {&Metrics::slow_fraction, &Metrics::stick_fraction_001, &Metrics::stick_fraction_05})
+    sums_.*within += time;
+  elapsed_ += time;
+}
+
+Metrics Recorder::finish(double period) const {
+  Metrics m = sums_;
+  m.period = period;
+  m.friction_mean /= period;
+  m.slip_rate_mean /= period;
+  m.slow_fraction /= period;
+  m.stick_fraction = m.slow_fraction;  // of smooth laws; set-valued ones know their rest
+  m.stick_fraction_001 /= period;
+  m.stick_fraction_05 /= period;
+  m.loop_area = std::abs(m.loop_area);
+  m.loop_area_normalised = m.loop_area / (m.slip_rate_max * m.friction_max);
+  return m;
+}
+
+ReturnMap::ReturnMap(const Model& model) : system_(model), speed_(model.drive.speed.level()) {
+  for (const auto& e : steady::stability(model).eigenvalues)
+    if (e.real() > 0) {
+      growth_time_ = std::min(growth_time_, 1 / std::abs(e));
+      spirals_ = spirals_ || e.imag() != 0;
+    }
+  const int n = system_.size();
+  std::vector<double> mass(n), scale(n);
+  const auto y = system_.steady(0);
+  system_.mass(0, mass.data());
+  system_.scale(y.data(), scale.data());
+  for (int i = 0; i < n; ++i)
+    if (mass[i] > 0) differential_.push_back(i);
+  scale_.resize(differential_.size());
+  for (std::size_t i = 0; i < differential_.size(); ++i) scale_[i] = scale[differential_[i]];
+  // No passage takes longer than many natural periods and many times the loading of the spring to the friction force.
+  const auto& s = model.slider;
+  const double N = model.drive.normal_load.level();
+  const auto& contact = model.contact_stiffness;
+  const double loading = s.stiffness > 0 ? N * (1 / s.stiffness + contact.compliance(N)) / speed_ : 0;
+  const double natural = s.mass > 0 && s.stiffness > 0 ? 2 * std::numbers::pi * std::sqrt(s.mass / s.stiffness) : 0;
+  if (s.mass > 0 && !system_.rigid()) {
+    const double k_t = 1 / contact.compliance(N);
+    const double ringing = 2 * std::numbers::pi * std::sqrt(s.mass / (s.stiffness + k_t));
+    if (loading > 100 * ringing && s.damping < 1e-3 * std::sqrt(s.mass * (s.stiffness + k_t)))
+      ringing_ = fmt::format(
+          ": the slider rings on the contact spring, with a period of {:.3g} s and hardly damped, while the contact "
+          "loads "
+          "for {:.3g} s",
+          ringing, loading);
+  }
+  longest_passage_ = 1e3 * (natural + loading + s.damping / std::max(s.stiffness, 1e-300));
+}
+
+std::vector<double> ReturnMap::stick(double aged_at) const {
+  const auto& model = system_.model();
+  const double N = model.drive.normal_load.level(), f = model.drive.force.level(), u = 1e-3 * speed_;
+  // Without its own clock the state is that of the slip rate; friction of any other would call for slip at 1e-100 m/s.
+  const auto state = model.law->steady({model.lambda == 0 ? u : aged_at, N});
+  const double F = N * model.law->friction({u, N}, state);
+  if (system_.mechanics() == Mechanics::inertial && !system_.rigid()) {
+    // While the contact sticks, its spring and the slider's share the motion of the drive. Any other start rings, and
+    // nothing might damp it.
+    const auto& s = model.slider;
+    const double k_t = 1 / model.contact_stiffness.compliance(N);
+    const double imposed = speed_ * s.stiffness / (s.stiffness + k_t);
+    return system_.unknowns_at(0, (F + f - s.damping * (speed_ - imposed)) / s.stiffness, imposed, state, F);
+  }
+  const double x = system_.mechanics() == Mechanics::damped
+                       ? (F + f - model.slider.damping * (speed_ - u)) / model.slider.stiffness
+                       : system_.steady(0)[0];
+  return system_.unknowns_at(0, x, u, state, F);
+}
+
+double ReturnMap::distance(const std::vector<double>& a, const std::vector<double>& b) const {
+  return length(difference(a, b));
+}
+
+Eigen::VectorXd ReturnMap::difference(const std::vector<double>& a, const std::vector<double>& b) const {
+  Eigen::VectorXd d(differential_.size());
+  for (std::size_t i = 0; i < differential_.size(); ++i) d[i] = a[differential_[i]] - b[differential_[i]];
+  return d;
+}
+
+std::vector<double> ReturnMap::moved(const std::vector<double>& a, const Eigen::VectorXd& step, double factor) const {
+  auto y = a;
+  for (std::size_t i = 0; i < differential_.size(); ++i) y[differential_[i]] += factor * step[i];
+  if (system_.slip_rate_index() >= 0 && system_.rigid()) y[system_.slip_rate_index()] = speed_;
+  return y;
+}
+
+double friction_over_swing(const Model& model) {
+  const double V = std::abs(model.drive.speed.level());
+  return model.drive.normal_load.level() / (V * std::sqrt(model.slider.stiffness * model.slider.mass));
+}
+
+/// Time in which slip that slows down under a mass loses a good part of itself. The direct effect turns friction over
+/// within a tiny part of the slip rate before a reversal, which a step from far above takes at random. Bristles take
+/// longer, but where friction is weak a step may pass over a whole reversal.
+double ReturnMap::landing_time(const Collocation& solver) const {
+  const int at = system_.slip_rate_index();
+  const bool direct = system_.carries_friction();
+  if (at < 0 || !system_.rigid() || solver.count().steps == 0 ||
+      !(direct || friction_over_swing(system_.model()) < weak_friction))
+    return infinity;
+  std::vector<double> rate(system_.size());
+  solver.rate(rate.data());
+  const double u = solver.state()[at];
+  if (!(u * rate[at] < 0)) return infinity;
+  constexpr double share = 0.8;
+  const double landed = direct ? 1e-13 : 1e-6;
+  const double clock = 1e-28 * solver.time();  // of which a step must be a part that counts
+  return std::max(std::max(share * std::abs(u), landed * speed_) / std::abs(rate[at]), clock);
+}
+
+/// Time derivatives of the differential unknowns at the end of the last step: M⁻¹f, but where the terms of f cancel to
+/// rounding, as those of a slider so damped that its mass hardly counts, those of the solution, known to a small part
+/// of the tolerance.
+std::vector<double> ReturnMap::rates_at_end(const Collocation& solver, double tolerance) const {
+  const int n = system_.size();
+  const auto& y = solver.state();
+  std::vector<double> rate(n), f(n), mass(n), J(n * n);
+  solver.rate(rate.data());
+  system_.linearise(solver.time(), y.data(), f.data(), J.data());
+  system_.mass(solver.time(), mass.data());
+  for (std::size_t k = 0; k < differential_.size(); ++k) {
+    const int i = differential_[k];
+    const double terms = size_of_terms(&J[i * n], y.data(), n);
+    constexpr double rounding = 1e-16, solved = 1e-2;
+    if (rounding * terms / mass[i] < solved * tolerance * scale_[k] / solver.length()) rate[i] = f[i] / mass[i];
+  }
+  return rate;
+}
+
+/// Takes out of the columns of S what lies along the motion, at the end of the last step.
+void ReturnMap::take_out_motion(std::vector<double>& S, int columns, const Collocation& solver,
+                                double tolerance) const {
+  const auto rate = rates_at_end(solver, tolerance);
+  double square = 0;
+  for (std::size_t k = 0; k < differential_.size(); ++k) square += std::pow(rate[differential_[k]] / scale_[k], 2);
+  for (int c = 0; c < columns; ++c) {
+    double along = 0;
+    for (std::size_t k = 0; k < differential_.size(); ++k)
+      along += rate[differential_[k]] * S[differential_[k] * columns + c] / (scale_[k] * scale_[k]);
+    for (const int i : differential_) S[i * columns + c] -= rate[i] * along / square;
+  }
+}
+
+ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double tolerance, int turns, bool from_section,
+                                     Derivative derivative, PassageObserver* observer, double dip) {
+  Passage passage;
+  const int n = system_.size(), columns = int(differential_.size());
+  const bool across = derivative == Derivative::across_motion;
+  system_.mark_reversals(across);
+  Collocation solver(system_, tolerance);
+  if (!solver.start(0, y0)) {
+    passage.outcome = {Ending::not_finite, "the start cannot be made consistent"};
+    passage.end = y0;
+    return passage;
+  }
+  std::vector<double> S, work(n);
+  if (derivative != Derivative::none) {
+    S.assign(n * columns, 0.0);
+    for (int c = 0; c < columns; ++c) S[differential_[c] * columns + c] = 1;
+  }
+  const auto section = [&](double t, const double* y) { return system_.contact_slip_rate(t, y) - speed_; };
+  // Below the section by more than rounding: from then on a rising zero is a passage.
+  const double noise = dip * speed_;
+  bool below = !from_section && section(0, solver.state().data()) < -noise;
+  const long allowed = std::min(turns * allowed_, most_steps);
+  while (turns > 0) {
+    // An implicit step over many turns of an oscillation that grows would damp it.
+    const bool near_steady = std::abs(section(solver.time(), solver.state().data())) < 0.9 * speed_;
+    const double growing = near_steady && spirals_ ? growth_time_ : infinity;
+    solver.bound_step(std::min({growing, landing_time(solver), landing_.time(solver)}));
+    const Outcome outcome = solver.step(longest_passage_);
+    if (!outcome.complete()) {
+      const auto end = motion::why_motion_ends(system_, solver.time(), solver.state().data());
+      passage.outcome = end ? Outcome{Ending::none_exists, *end} : outcome;
+      break;
+    }
+    if (const auto away = motion::why_slip_runs_away(system_, solver.time(), solver.state().data())) {
+      passage.outcome = {Ending::none_exists, *away};
+      break;
+    }
+    const double t0 = solver.time_before();
+    double low = 0, low_value = section(t0, solver.state_before().data());
+    bool passed = false;
+    for (int i = 0; i < Collocation::stages && !passed; ++i) {
+      solver.stage(i, work.data());
+      const double theta = solver.node(i), value = section(solver.stage_time(i), work.data());
+      passage.amplitude = std::max(passage.amplitude, std::abs(value) / speed_);
+      if (below && value >= 0) {
+        const auto located = solver.locate(section, low, theta, std::min(low_value, -1e-300), value);
+        if (--turns == 0 && (!located || !solver.shorten(*located))) {
+          const auto end = motion::why_motion_ends(system_, solver.time(), solver.state().data());
+          passage.outcome =
+              end ? Outcome{Ending::none_exists, *end} : Outcome{Ending::not_finite, "while locating the section"};
+          turns = 0;
+        }
+        passed = turns == 0;
+        below = false;
+      }
+      if (value < -noise) below = true;
+      low = theta, low_value = value;
+    }
+    if (derivative != Derivative::none) solver.propagate(S, columns);
+    if (across) take_out_motion(S, columns, solver, tolerance);
+    if (observer) observer->step(solver);
+    // Nothing that moves at all takes so many steps to grow.
+    const bool at_rest = passage.amplitude < 1e-9 && solver.count().steps > 2'000;
+    if (turns > 0 && (at_rest || solver.time() >= longest_passage_ || solver.count().steps > allowed)) {
+      if (const auto never = motion::why_nothing_slips_again(system_, solver.time(), solver.state().data())) {
+        passage.outcome = {Ending::none_exists, *never};
+        break;
+      }
+      const auto end = motion::why_rest_lasts(system_, solver.time(), solver.state().data());
+      passage.outcome = {Ending::budget_spent,
+                         fmt::format("no passage through v = V within {:.3g} s and {} steps{}", solver.time(),
+                                     solver.count().steps, end ? ": " + *end : ringing_)};
+      break;
+    }
+  }
+  system_.mark_reversals(false);
+  cost_.steps += solver.count().steps;
+  cost_.evaluations += solver.count().evaluations + solver.count().linearisations;
+  ++cost_.cycles;
+  passage.duration = solver.time();
+  passage.end = solver.state();
+  passage.ringing.assign(solver.ringing_errors().begin(), solver.ringing_errors().end());
+  for (const double x : passage.end)
+    if (!std::isfinite(x) && passage.outcome.complete()) passage.outcome = {Ending::not_finite, "at the section"};
+  if (derivative != Derivative::none && passage.outcome.complete()) {
+    // Projection along the flow onto the section: D = S − ẏ (∇v·S)/(∇v·ẏ).
+    std::vector<double> gradient(n);
+    const auto rate = rates_at_end(solver, tolerance);
+    system_.slip_rate_gradient(0, passage.end.data(), gradient.data());
+    double along = 0;
+    for (int i = 0; i < n; ++i) along += gradient[i] * rate[i];
+    passage.derivative.resize(columns, columns);
+    for (int c = 0; c < columns; ++c) {
+      double cross = 0;
+      for (int i = 0; i < n; ++i) cross += gradient[i] * S[i * columns + c];
+      for (int r = 0; r < columns; ++r)
+        passage.derivative(r, c) = S[differential_[r] * columns + c] - rate[differential_[r]] * cross / along;
+    }
+    if (!passage.derivative.allFinite()) passage.outcome = {Ending::not_finite, "in the derivative of the return map"};
+  }
+  return passage;
+}
+
+}  // namespace rosin::analysis::cycles

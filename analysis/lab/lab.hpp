@@ -1,0 +1,3 @@
+/// Virtual experiments: protocols, sensors and readings.
+#pragma once
+#include "analysis/lab/experiment.hpp"

@@ -1,0 +1,176 @@
+/// The plane slider followed by events or by an algorithm, and sampled.
+#include "analysis/motion/plane_run.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/force_algorithms/force_algorithms.hpp"
+#include "solvers/stick_slip/plane_stick_slip.hpp"
+
+namespace rosin::analysis::motion {
+
+namespace algorithms = solvers::force_algorithms;
+using algorithms::State;
+using algorithms::Vector;
+using solvers::stick_slip::PlaneStickSlip;
+using solvers::stick_slip::Switch;
+
+namespace {
+
+constexpr int columns = 6;
+
+/// One pass by located events.
+struct Pass {
+  std::vector<std::array<double, columns>> samples;
+  std::vector<RunEvent> events;
+  Outcome outcome;
+  double stick_time, friction_work, path_length, energy_residual;
+  long steps;
+
+  Pass(const PlaneModel& model, const std::vector<double>& times, double end, long most_steps, double tolerance) {
+    PlaneStickSlip solver(model.mass, tolerance);
+    solver.start(0, model.displacement, model.velocity);
+    std::size_t next = 0;
+    const auto sample_until = [&](double t, bool closed) {
+      for (; next < times.size() && (times[next] < t || (closed && times[next] == t)); ++next) {
+        const auto [x, v, F] = solver.at(times[next]);
+        samples.push_back({x[0], x[1], v[0], v[1], F[0], F[1]});
+      }
+    };
+    for (long steps = 0; solver.time() < end && outcome.complete(); ++steps) {
+      Switch what;
+      outcome = steps < most_steps ? solver.advance(end, what) : Outcome{Ending::budget_spent, "too many steps"};
+      if (!outcome.complete()) {
+        outcome.detail += fmt::format(" at t = {:.9g} s", solver.time());
+        break;
+      }
+      sample_until(solver.time(), false);
+      if (what == Switch::none) continue;
+      const auto at = solver.at(solver.time()).displacement;
+      events.push_back({solver.time(), name(what), at[0], at[1]});
+    }
+    if (outcome.complete()) sample_until(end, true);
+    stick_time = solver.stick_time(), friction_work = solver.friction_work(), path_length = solver.path_length();
+    energy_residual = solver.energy_residual();
+    steps = solver.steps();
+  }
+};
+
+void fill_columns(const std::vector<std::array<double, columns>>& samples, Run& result) {
+  result.columns.resize(columns);
+  for (const auto& sample : samples)
+    for (int c = 0; c < columns; ++c) result.columns[c].push_back(sample[c]);
+}
+
+std::vector<std::array<double, columns>> stepped(const PlaneModel& model, const RunOptions& options,
+                                                 const std::vector<double>& times, double end, Run& result) {
+  algorithms::check(options.solver, model.mass, options.algorithm);
+  const double step = algorithms::step_of(model.mass, options.algorithm), count = std::ceil(end / step * (1 - 1e-12));
+  if (count > double(options.most_steps))
+    throw InputError(fmt::format("solver.step = {} s makes {:.3g} steps, more than {}; take it above {:.3g} s", step,
+                                 count, options.most_steps, end / double(options.most_steps)));
+  const algorithms::Forcing<2> forcing(model.mass, step, static_cast<std::size_t>(count));
+  const auto track =
+      algorithms::follow<2>(options.solver, model.mass, forcing, options.algorithm, model.displacement, model.velocity);
+  const auto& points = track.points;
+  std::vector<std::array<double, columns>> samples;
+  for (const double t : times) {
+    const auto n = std::min(static_cast<std::size_t>(t / step), points.size() - 1),
+               m = std::min(n + 1, points.size() - 1);
+    const double part = std::clamp(t / step - double(n), 0.0, 1.0);
+    const auto between = [&](const Vector<2>& a, const Vector<2>& b, int d) { return std::lerp(a[d], b[d], part); };
+    const auto &a = points[n], &b = points[m];
+    samples.push_back({between(a.x, b.x, 0), between(a.x, b.x, 1), between(a.v, b.v, 0), between(a.v, b.v, 1),
+                       between(a.friction, b.friction, 0), between(a.friction, b.friction, 1)});
+  }
+  double stick_time = 0;
+  for (std::size_t n = 1; n < points.size(); ++n) {
+    const bool stuck = points[n - 1].state == State::stick, sticks = points[n].state == State::stick;
+    if (stuck) stick_time += step;
+    if (stuck != sticks)
+      result.events.push_back({points[n].time, sticks ? "stick" : "slip", points[n].x[0], points[n].x[1]});
+  }
+  double most_back_steps = 0, false_starts = 0;
+  for (const auto& stick : track.sticks) {
+    most_back_steps = std::max(most_back_steps, double(stick.back_steps));
+    false_starts += stick.false_start;
+  }
+  result.metrics = {{"stick_time", stick_time},
+                    {"sticks", double(track.sticks.size())},
+                    {"false_starts", false_starts},
+                    {"most_back_steps", most_back_steps}};
+  result.cost.steps = static_cast<long>(points.size()) - 1;
+  result.why = fmt::format("as asked, steps of {:.6g} s; its errors are the differences to located events", step);
+  return samples;
+}
+
+}  // namespace
+
+std::vector<std::string> plane_solver_names() {
+  std::vector<std::string> names = {"auto", "exact"};
+  for (const auto& algorithm : algorithms::algorithms())
+    if (algorithm.name != "meijaard") names.emplace_back(algorithm.name);
+  return names;
+}
+
+Run run_plane(const PlaneModel& model, const RunOptions& options) {
+  require(options.tolerance, {1e-13, 0.1}, "tolerance", "relative accuracy of a run", "1");
+  const auto known = plane_solver_names();
+  if (std::ranges::find(known, options.solver) == known.end())
+    throw InputError(fmt::format("solver '{}' does not serve a plane slider; use one of {}", options.solver,
+                                 fmt::join(known, ", ")));
+  Run result;
+  const auto times = sample_times(options);
+  const double end = std::max(options.duration, times.back());
+  result.column_names = {"displacement_x", "displacement_y", "velocity_x", "velocity_y", "friction_x", "friction_y"};
+  result.column_units = {"m", "m", "m/s", "m/s", "N", "N"};
+  const double tolerance = std::clamp(1e-3 * options.tolerance, 1e-13, 1e-9);
+  const Pass fine(model, times, end, options.most_steps, tolerance);
+  const bool exactly = options.solver == "auto" || options.solver == "exact";
+  result.solver = exactly ? "exact" : options.solver;
+  std::vector<std::array<double, columns>> compared;
+  if (exactly) {
+    Pass coarse(model, times, end, options.most_steps, 30 * tolerance);
+    fill_columns(fine.samples, result);
+    compared = std::move(coarse.samples);
+    result.events = fine.events;
+    result.outcome = fine.outcome;
+    result.why = "in the plane slip has no closed form: smooth pieces in the logarithm of speed, events located";
+    result.cost.steps = fine.steps + coarse.steps;
+    double time_error = fine.events.size() == coarse.events.size() ? 0 : infinity;
+    for (std::size_t i = 0; i < std::min(fine.events.size(), coarse.events.size()); ++i)
+      time_error = std::max(time_error, std::abs(fine.events[i].time - coarse.events[i].time));
+    result.metrics = {{"stick_time", fine.stick_time},
+                      {"friction_work", fine.friction_work},
+                      {"path_length", fine.path_length},
+                      {"energy_residual", fine.energy_residual},
+                      {"event_time_error", time_error}};
+  } else {
+    fill_columns(stepped(model, options, times, end, result), result);
+    compared = fine.samples;
+  }
+  result.time.assign(times.begin(), times.begin() + static_cast<long>(result.columns[0].size()));
+  double worst = 0;
+  for (int c = 0; c < columns; ++c) {
+    double size = 0, difference = 0;
+    for (std::size_t i = 0; i < result.time.size(); ++i) {
+      size = std::max(size, std::abs(result.columns[c][i]));
+      difference =
+          i < compared.size() ? std::max(difference, std::abs(result.columns[c][i] - compared[i][c])) : infinity;
+    }
+    const double error = exactly ? 3 * difference + tolerance * size : difference;
+    if (size > 0 && c < 4) worst = std::max(worst, error / size);
+    result.column_error.push_back(error);
+    if (result.time.empty()) continue;
+    const auto [low, high] = std::ranges::minmax(result.columns[c]);
+    result.metrics[result.column_names[c] + "_min"] = low, result.metrics[result.column_names[c] + "_max"] = high;
+  }
+  if (exactly && result.outcome.complete() && worst > options.tolerance)
+    result.outcome = {Ending::tolerance_not_met, fmt::format("the motion is known to {:.1e} of its size only", worst)};
+  return result;
+}
+
+}  // namespace rosin::analysis::motion

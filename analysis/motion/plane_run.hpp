@@ -1,0 +1,22 @@
+/// Runs of a slider in the plane: two springs at right angles, friction against the velocity vector.
+#pragma once
+#include "analysis/motion/run.hpp"
+#include "solvers/force_algorithms/stepped_motion.hpp"
+
+namespace rosin::analysis::motion {
+
+/// A plane slider under Coulomb friction, and where it starts.
+struct PlaneModel {
+  solvers::force_algorithms::DryMass<2> mass;
+  solvers::force_algorithms::Vector<2> displacement{}, velocity{};
+};
+
+/// Columns displacement_x, displacement_y, velocity_x, velocity_y, friction_x, friction_y. Solver "auto" or "exact":
+/// smooth slip by collocation, events located, checked by a second pass at a looser tolerance; or a force algorithm,
+/// whose errors are the differences to that. \throws InputError for other solvers, and what these refuse.
+Run run_plane(const PlaneModel&, const RunOptions&);
+
+/// Names of the solvers that serve in the plane.
+std::vector<std::string> plane_solver_names();
+
+}  // namespace rosin::analysis::motion

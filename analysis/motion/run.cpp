@@ -1,0 +1,843 @@
+/// Initial-value problems: the chosen solver, samples at the asked times, events, and errors by a second tolerance.
+#include "analysis/motion/run.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+
+#include "analysis/motion/algorithm_run.hpp"
+#include "analysis/motion/exact_run.hpp"
+#include "analysis/motion/landing.hpp"
+#include "analysis/motion/motion_end.hpp"
+#include "analysis/motion/stated_error.hpp"
+#include "analysis/steady/stability.hpp"
+#include "core/eigenpairs.hpp"
+#include "core/stop.hpp"
+#include "oscillators/slider_system.hpp"
+#include "oscillators/time_scales.hpp"
+#include "solvers/steps/collocation.hpp"
+#include "solvers/steps/cvode.hpp"
+#include "solvers/steps/explicit.hpp"
+#include "solvers/steps/growth.hpp"
+#include "solvers/stick_slip/stick_slip_solver.hpp"
+
+namespace rosin::analysis::motion {
+
+using oscillators::Mechanics;
+using oscillators::SliderSystem;
+using solvers::steps::Collocation;
+
+namespace {
+
+/// Columns before those of the states.
+enum Column : std::size_t { displacement, velocity, slip_rate, friction_force, friction_coefficient, before_states };
+
+/// Explicit steps until stability holds them, from there to the next break of the drive collocation.
+class WhileNotStiff {
+ public:
+  WhileNotStiff(const SliderSystem& system, double tolerance, bool may_hand_over)
+      : explicit_(system, tolerance), implicit_(system, tolerance), may_hand_over_(may_hand_over) {}
+
+  bool start(double t, const std::vector<double>& y) {
+    handed_over_ = false;
+    if (!implicit_.start(t, y)) return false;  // makes algebraic unknowns consistent
+    explicit_.start(t, implicit_.state());
+    return true;
+  }
+  Outcome step(double limit) {
+    if (handed_over_) return implicit_.step(limit);
+    const Outcome outcome = explicit_.step(limit);
+    if (may_hand_over_ && (explicit_.stiff() || !outcome.complete()) && explicit_.time() < limit) {
+      if (handovers_++ == 0) first_handover_ = explicit_.time();
+      handed_over_ = implicit_.start(explicit_.time(), present());
+      if (!outcome.complete()) return implicit_.step(limit);
+    }
+    return outcome;
+  }
+  /// True if the last step was an implicit one.
+  bool implicit() const { return handed_over_ && implicit_.time_before() < implicit_.time(); }
+  double time() const { return handed_over_ ? implicit_.time() : explicit_.time(); }
+  std::vector<double> state() const { return handed_over_ ? implicit_.state() : present(); }
+
+  solvers::steps::Explicit& explicit_steps() { return explicit_; }
+  Collocation& implicit_steps() { return implicit_; }
+  int handovers() const { return handovers_; }
+  double first_handover() const { return first_handover_; }
+
+ private:
+  std::vector<double> present() const { return {explicit_.state().begin(), explicit_.state().end()}; }
+
+  solvers::steps::Explicit explicit_;
+  Collocation implicit_;
+  bool may_hand_over_, handed_over_ = false;
+  int handovers_ = 0;
+  double first_handover_ = 0;
+};
+
+/// Eigenvalues of steady sliding; none where it is not what the drive is about.
+std::vector<std::complex<double>> eigenvalues_of(const Model& model) {
+  if (!model.drive.constant() || model.drive.speed.level() == 0) return {};
+  try {
+    return steady::stability(model).eigenvalues;
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+/// How often the fastest oscillation turns until the end, if that is what takes the steps.
+std::string turns_until(const Model& model, double end) {
+  double fastest = 0;
+  for (const auto& e : eigenvalues_of(model))
+    if (std::abs(e.imag()) > 10 * std::abs(e.real())) fastest = std::max(fastest, std::abs(e.imag()));
+  const double turns = fastest * end / (2 * std::numbers::pi);
+  return turns > 1e4 ? fmt::format(
+                           ": about steady sliding it rings with {:.3g} rad/s, hardly damped, and turns {:.2g} "
+                           "times until t = {:.3g} s; run.duration may be shorter",
+                           fastest, turns, end)
+                     : "";
+}
+
+/// Why a run from steady sliding may be known to little: what departs from rounding doubles again and again.
+std::string departure(const Model& model, const RunOptions& options, double end) {
+  if (options.start.kind != Start::Kind::steady) return "";
+  const auto eigenvalues = eigenvalues_of(model);
+  const double growth = eigenvalues.empty() ? 0 : eigenvalues.front().real();
+  constexpr double digits = 36;  // e-foldings from rounding to the motion itself
+  return growth * end > digits
+             ? fmt::format(
+                   ": steady sliding, from which it starts, is unstable with {:.3g} 1/s, so that rounding decides "
+                   "when it is left; start beside it, run.start = {{ slip_rate = … }}",
+                   growth)
+             : "";
+}
+
+/// Of a run that stays in steady sliding; empty where that is stable, or not known to be unstable.
+std::string what_would_grow(const Model& model) {
+  try {
+    const auto sliding = steady::stability(model);
+    if (sliding.stable || sliding.marginal) return "";
+    return fmt::format(
+        "steady sliding is unstable: what disturbs it grows with {:.3g} 1/s, but nothing does; to see it grow, start "
+        "beside it, run.start = {{ slip_rate = … }}",
+        sliding.eigenvalues.front().real());
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+/// True where the motion starts in steady sliding under a constant drive, and by the equations nothing changes.
+bool stays_steady(const Model& model, const RunOptions& options) {
+  if (options.start.kind != Start::Kind::steady || !model.drive.constant()) return false;
+  SliderSystem system(model);
+  const auto y = starting_point(system, options.start);
+  const int n = system.size();
+  std::vector<double> f(n), J(n * n), size(n);
+  system.set_direction(model.drive.speed.level() < 0 ? -1 : 1);
+  system.linearise(0, y.data(), f.data(), J.data());
+  system.scale(y.data(), size.data());
+  for (int j = 0; j < n; ++j) size[j] = std::max(std::abs(y[j]), size[j]);
+  for (int i = 0; i < n; ++i) {
+    constexpr double rounding = 1e-12;
+    if (!(std::abs(f[i]) <= rounding * size_of_terms(&J[i * n], size.data(), n))) return false;
+  }
+  return true;
+}
+
+/// A start in balance that friction falling with the slip rate lets go at once leaves along what the drive and the
+/// states do to the balance, at first by less than the last digits of friction, which would decide the way. Takes y so
+/// far along that they do not. \returns the time at which it is there (s). `duration`: of the run. The system is that
+/// of friction that answers to the slip rate at once: with other friction nothing grows so fast.
+double let_go(SliderSystem& system, std::vector<double>& y, double duration) {
+  using Eigen::MatrixXd, Eigen::VectorXd;
+  const int n = system.size(), u = system.slip_rate_index();
+  std::vector<double> f(n);
+  VectorXd mass(n), scale(n);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(n, n);
+  if (system.model().law->set_valued()) system.set_direction(y[u] < 0 ? -1 : 1);
+  system.linearise(0, y.data(), f.data(), J.data());
+  system.mass(0, mass.data());
+  system.scale(y.data(), scale.data());
+  const auto [moving, A] = moving_part(J, mass, scale);
+  const auto slip = std::find(moving.begin(), moving.end(), u) - moving.begin();
+  if (slip == std::ssize(moving) || !A.allFinite()) return 0;
+  const auto modes = eigenpairs(A, true);
+  Eigen::Index fastest = 0;
+  modes.values.real().maxCoeff(&fastest);
+  const double growth = modes.values[fastest].real();
+  constexpr double digits = 36;  // e-foldings from rounding to the motion itself
+  if (!(growth * duration > digits) || modes.values[fastest].imag() != 0) return 0;
+  VectorXd rate(moving.size());  // in scales
+  for (std::size_t i = 0; i < moving.size(); ++i) rate[i] = f[moving[i]] / (mass[moving[i]] * scale[moving[i]]);
+  const Eigen::MatrixXcd left = modes.vectors.inverse();
+  const VectorXd mode = (modes.vectors.col(fastest) / modes.vectors(slip, fastest)).real();  // by the change of u
+  const double driven = (left.row(fastest) * rate)(0).real() * modes.vectors(slip, fastest).real() * scale[u];
+  // The mode grows as driven/growth·e^{growth t}.
+  constexpr double beyond = 1e4, digit = std::numeric_limits<double>::epsilon();
+  const double begins = std::abs(driven) / growth;
+  const double clear = beyond * digit * std::abs(system.observe(0, y.data()).friction_force) / (mass[u] * growth);
+  if (!(begins < clear) || begins == 0) return 0;
+  const double time = std::log(clear / begins) / growth;
+  for (std::size_t i = 0; i < moving.size(); ++i)
+    y[moving[i]] +=
+        (time * rate[i] * (moving[i] != u) + std::copysign(clear / scale[u], driven) * mode[i]) * scale[moving[i]];
+  return time;
+}
+
+/// One pass at one tolerance: fills samples and events.
+class Pass {
+ public:
+  Pass(const Model& model, const RunOptions& options, const std::string& solver, const std::vector<double>& times)
+      : options_(options),
+        times_(times),
+        system_(model, solver == "cvode" ? Unknowns::states : Unknowns::friction),
+        solver_(solver) {
+    system_.last(times.back());
+    columns_.resize(before_states + model.law->states().size());
+    for (auto& c : columns_) c.reserve(times.size());
+  }
+
+  /// `other_digits`: from a start whose last digits differ, and with rests where they are in doubt, so that what hangs
+  /// on either differs from pass to pass.
+  void run(double tolerance, bool other_digits) {
+    tolerance_ = tolerance;
+    try {
+      outcome_ = follow(other_digits);
+    } catch (const Stopped&) {  // samples until then are good
+      outcome_ = {Ending::interrupted, fmt::format("{} of {} samples are kept", columns_[0].size(), times_.size())};
+    }
+  }
+
+  Outcome outcome_;
+  std::vector<std::vector<double>> columns_;
+  std::vector<RunEvent> events_;
+  Run::Cost cost_;
+  std::map<std::string, double> metrics_;
+  std::string handover_;          ///< where explicit steps gave way to collocation
+  double slip_rate_follows_ = 0;  ///< m/s, what errors of the unknowns by the tolerance make of the slip rate
+  double slip_rate_rounded_ = 0;  ///< m/s, what the last digits of forces make of it where damping holds them
+  /// m, what the last digits of the unknowns, by the slip rate that follows, make of the displacement.
+  double displacement_follows_ = 0;
+  std::array<double, before_states> ringing_{};  ///< of the columns: Collocation::ringing_errors()
+
+ private:
+  Outcome follow(bool other_digits) {
+    auto y = starting_point(system_, options_.start);
+    if (other_digits && solver_ != "explicit")  // which such digits, as they decay, would seem stiff to
+      for (double& value : y) value *= 1 + 2 * std::numeric_limits<double>::epsilon();
+    if (options_.start.kind != Start::Kind::rest && !options_.start.displacement) {
+      system_.measure_from_balance(y);
+      const bool at_once =
+          options_.start.kind == Start::Kind::given && (solver_ == "events" || system_.model().lambda == 0);
+      if (at_once && system_.slip_rate(0, y.data()) != 0) begin_ = let_go(system_, y, times_.back());
+    }
+    if (solver_ == "steady") system_.set_direction(system_.model().drive.speed.level() < 0 ? -1 : 1);
+    if (system_.size() == 0 || solver_ == "steady") {
+      if (system_.model().law->set_valued()) metrics_["stick_time"] = 0;
+      for (const double t : times_) record(t, y.data());
+      return {};
+    }
+    if (solver_ == "events") return with_events(y, tolerance_, other_digits);
+    if (solver_ == "cvode") return with_cvode(y, tolerance_);
+    if (solver_ == "explicit") return while_not_stiff(y, tolerance_);
+    return with_collocation(y, tolerance_);
+  }
+
+  /// Samples due strictly before `t` (and at `t` too, if `closed`), from θ ↦ y of the present step.
+  template <class SolutionAt>
+  void sample_until(double t, bool closed, SolutionAt solution_at) {
+    while (next_ < times_.size() && (times_[next_] < t || (closed && times_[next_] == t))) {
+      end_if_stopped();
+      record(times_[next_], solution_at(times_[next_]));
+      ++next_;
+    }
+  }
+  void add_event(double t, const double* y, std::string kind) {
+    events_.push_back({t, std::move(kind), system_.observe(t, y).displacement});
+  }
+  void take_ringing(const Collocation& solver) {
+    const auto errors = solver.ringing_errors();
+    if (system_.carries_friction()) {
+      double load = 0;
+      for (const double t : times_) load = std::max(load, std::abs(system_.model().drive.normal_load.value(t)));
+      ringing_[friction_coefficient] = errors[system_.first_state() - 1];
+      ringing_[friction_force] = ringing_[friction_coefficient] * load;
+    }
+    // Without mass or damping the displacement is no unknown: the spring bears friction.
+    ringing_[displacement] = system_.mechanics() == Mechanics::elastic
+                                 ? ringing_[friction_force] / system_.model().slider.stiffness
+                                 : errors[0];
+    if (const int u = system_.slip_rate_index(); u >= 0) ringing_[velocity] = ringing_[slip_rate] = errors[u];
+  }
+  void record(double t, const double* y) {
+    const auto seen = system_.observe(t, y);
+    constexpr double digit = std::numeric_limits<double>::epsilon();
+    if (solver_ == "explicit") {
+      slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, 0));
+      const double rounded = slip_rate_known(t, y, seen.slip_rate, 0, 4 * digit);
+      displacement_follows_ = std::max(displacement_follows_, rounded * t);
+    } else if (solver_ == "cvode") {
+      // BDF adds up short steps, each of which loses a last digit.
+      const double digits = 3 * digit * std::sqrt(double(steps_));
+      if (system_.mechanics() != Mechanics::inertial || system_.contact_setup().spring.present())
+        slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, digits));
+    }
+    if (system_.mechanics() == Mechanics::damped && solver_ == "collocation")  // the damper bears what forces differ by
+      slip_rate_rounded_ = std::max(slip_rate_rounded_, slip_rate_known(t, y, seen.slip_rate, 0, digit));
+    if (system_.mechanics() == Mechanics::inertial && solver_ != "steady") {
+      const auto [sum, largest, lost, damping, swing] = balance_at(t, y, seen);
+      const double inertia = system_.model().slider.mass / times_.back();  // all that resists where nothing else does
+      const double resists = std::max({damping, swing, inertia});
+      const bool from_balance = options_.start.kind == Start::Kind::steady;  // of forces, to their last digits
+      if (solver_ == "cvode")  // which moves slip by what is left of the balance, and so rings too
+        slip_rate_follows_ = std::max(slip_rate_follows_, (digit * largest + lost) / resists);
+      else if (damping > swing || from_balance)
+        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / resists);
+    }
+    const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
+                             seen.friction_coefficient};
+    for (std::size_t i = 0; i < before_states; ++i) columns_[i].push_back(values[i]);
+    for (std::size_t i = 0; i < seen.state.size(); ++i) columns_[before_states + i].push_back(seen.state[i]);
+  }
+
+  /// Where the slip rate is no unknown it follows from friction and states, or from the difference of forces, and is
+  /// known to less than they are. \returns m/s; `tolerance`: to which unknowns are known, in scales, and `digits`, as a
+  /// part of each, but for what steps have lost of them.
+  double slip_rate_known(double t, const double* y, double slip_rate, double tolerance, double digits) const {
+    std::vector<double> beside(y, y + system_.size()), scale(system_.size());
+    system_.scale(y, scale.data());
+    double sum = 0;
+    for (std::size_t i = 0; i < scale.size(); ++i) {
+      const double lost = lost_.empty() ? 0 : std::abs(lost_[i]);
+      beside[i] = y[i] + std::max(tolerance * scale[i], digits * std::abs(y[i])) + lost;
+      if (const double moved = std::abs(system_.slip_rate(t, beside.data()) - slip_rate); std::isfinite(moved))
+        sum += moved;
+      beside[i] = y[i];
+    }
+    return sum;
+  }
+
+  /// Steps of any solver, cut at breaks of the drive, where values are those after the break.
+  template <class Solver, class Advance>
+  Outcome between_breaks(Solver& solver, std::vector<double> y, Advance advance) {
+    const double end = times_.empty() ? options_.duration : std::max(options_.duration, times_.back());
+    double t = std::min(begin_, end);
+    sample_until(t, false, [&](double) { return y.data(); });
+    while (true) {
+      start(solver, t, y);
+      const double next = system_.next_break(t), limit = std::min(end, next);
+      while (solver.time() < limit) {
+        if (++steps_ > options_.most_steps) {
+          if (const auto end = why_rest_lasts(system_, solver.time(), solver.state().data()))
+            return {Ending::none_exists, *end};
+          return {Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s{}", options_.most_steps, solver.time(),
+                                                    turns_until(system_.model(), end))};
+        }
+        if (const Outcome outcome = advance(limit); !outcome.complete()) return outcome;
+        if (options_.progress) options_.progress(solver.time() / end);
+        if (system_.model().lambda == 0)
+          if (const auto never = why_nothing_slips_again(system_, solver.time(), solver.state().data()))
+            return {Ending::none_exists, *never};
+      }
+      y = solver.state();
+      t = limit;
+      if (t == next) system_.cross_break(t, y.data());
+      if (t >= end) {
+        sample_until(end, true, [&](double) { return y.data(); });
+        return {};
+      }
+    }
+  }
+  /// A step that failed, with the reason if that lies in the motion.
+  template <class Solver>
+  Outcome explained(const Outcome& outcome, const Solver& solver) const {
+    const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
+    return end ? Outcome{Ending::none_exists, *end} : outcome;
+  }
+  /// A step, unless slip runs away in it.
+  template <class Solver>
+  Outcome taken(Solver& solver, double limit) {
+    const Outcome outcome = solver.step(limit);
+    if (!outcome.complete()) return explained(outcome, solver);
+    const auto away = why_slip_runs_away(system_, solver.time(), solver.state().data());
+    return away ? Outcome{Ending::none_exists, *away} : outcome;
+  }
+  bool start(Collocation& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
+  bool start(WhileNotStiff& solver, double t, const std::vector<double>& y) { return solver.start(t, y); }
+  bool start(solvers::stick_slip::StickSlip& solver, double t, const std::vector<double>& y) {
+    return solver.start(t, y);
+  }
+  bool start(solvers::steps::Cvode& solver, double t, const std::vector<double>& y) {
+    solver.start(t, y);
+    return true;
+  }
+
+  /// Sample and, for smooth laws, find reversals in the last step of a collocation.
+  void look_at(Collocation& step, bool reversals) {
+    std::vector<double>& y = looked_at_;  // of the pass: a step allocates nothing
+    y.resize(system_.size());
+    const double t0 = step.time_before(), h = step.length();
+    if (reversals) {
+      double low = 0, before = system_.slip_rate(t0, step.state_before().data());
+      for (int i = 0; i < Collocation::stages; ++i) {
+        step.stage(i, y.data());
+        const double theta = step.node(i), here = system_.slip_rate(step.stage_time(i), y.data());
+        if ((before < 0 && here > 0) || (before > 0 && here < 0)) {
+          const auto at =
+              step.locate([&](double t, const double* z) { return system_.slip_rate(t, z); }, low, theta, before, here);
+          if (at && step.solve_at(*at, y.data())) add_event(t0 + *at * h, y.data(), "reversal");
+        }
+        low = theta, before = here;
+      }
+    }
+    sample_until(step.time(), false, [&](double t) -> const double* {
+      if (t == t0) return step.state_before().data();
+      step.solve_at((t - t0) / h, y.data());
+      return y.data();
+    });
+  }
+
+  /// The same for an explicit step. Under a constant drive slip turns over at most once in a step, so that its ends
+  /// tell; else a few points of the dense output are looked at too.
+  void look_at(solvers::steps::Explicit& step) {
+    std::vector<double> y(system_.size());
+    const double t0 = step.time_before(), t1 = step.time();
+    const auto slip_rate_at = [&](double t) {
+      step.interpolate(t, y.data());
+      return system_.slip_rate(t, y.data());
+    };
+    const int parts = system_.autonomous() ? 1 : 4;
+    double low = t0, before = slip_rate_at(t0);
+    for (int i = 1; i <= parts; ++i) {
+      const double high = i == parts ? t1 : t0 + i * (t1 - t0) / parts, here = slip_rate_at(high);
+      if ((before < 0 && here > 0) || (before > 0 && here < 0)) {
+        double a = low, b = high;
+        for (double middle = 0.5 * (a + b); middle > a && middle < b; middle = 0.5 * (a + b))
+          ((slip_rate_at(middle) > 0) == (before > 0) ? a : b) = middle;
+        step.interpolate(b, y.data());
+        add_event(b, y.data(), "reversal");
+      }
+      low = high, before = here;
+    }
+    sample_until(t1, false, [&](double t) {
+      step.interpolate(t, y.data());
+      return y.data();
+    });
+  }
+
+  Outcome while_not_stiff(const std::vector<double>& y, double tolerance) {
+    WhileNotStiff solver(system_, tolerance, options_.solver == "auto");
+    const Outcome outcome = between_breaks(solver, y, [&](double limit) {
+      const Outcome o = taken(solver, limit);
+      if (!o.complete()) return o;
+      if (solver.implicit())
+        look_at(solver.implicit_steps(), true);
+      else
+        look_at(solver.explicit_steps());
+      return o;
+    });
+    const auto& few = solver.explicit_steps().count();
+    const auto& rest = solver.implicit_steps().count();
+    cost_ = {few.steps + rest.steps, few.evaluations + rest.evaluations + rest.linearisations};
+    if (solver.handovers() > 0)
+      handover_ =
+          fmt::format("; at t = {:.6g} s stability held their steps: collocation from there{}", solver.first_handover(),
+                      solver.handovers() > 1 ? fmt::format(", {} times in all", solver.handovers()) : "");
+    return outcome;
+  }
+
+  Outcome with_collocation(const std::vector<double>& y, double tolerance) {
+    Collocation solver(system_, tolerance);
+    solver.resolve_starts();
+    const LandingSteps landing(system_);
+    const Outcome outcome = between_breaks(solver, y, [&](double limit) {
+      solver.bound_step(landing.time(solver));
+      const Outcome o = taken(solver, limit);
+      if (!o.complete()) return o;
+      look_at(solver, true);
+      return o;
+    });
+    cost_ = {solver.count().steps, solver.count().evaluations + solver.count().linearisations};
+    take_ringing(solver);
+    return outcome;
+  }
+
+  /// Slip that turns up again within its error of rest has come to rest, or has not: two passes that differ in
+  /// `rest_in_doubt` differ by what hangs on it.
+  Outcome with_events(const std::vector<double>& y, double tolerance, bool rest_in_doubt) {
+    solvers::stick_slip::StickSlip solver(system_, tolerance);
+    if (rest_in_doubt) solver.rest_in_doubt(oscillators::remembers(system_.model()));
+    double stuck_since = 0, stuck = 0;
+    const Outcome outcome = between_breaks(solver, y, [&](double limit) {
+      const bool sticking_before = system_.direction() == 0;
+      solvers::stick_slip::Switch switched;
+      const Outcome o = solver.step(limit, switched);
+      if (!o.complete()) return explained(o, solver);
+      look_at(solver.stepper(), false);
+      const bool sticking = system_.direction() == 0;
+      if (sticking && !sticking_before) stuck_since = solver.stepper().time_before();
+      if (sticking) {
+        stuck += solver.time() - std::max(stuck_since, solver.stepper().time_before());
+      }
+      if (switched != solvers::stick_slip::Switch::none)
+        add_event(solver.time(), solver.state().data(), name(switched));
+      return o;
+    });
+    metrics_["stick_time"] = stuck;
+    cost_ = {solver.stepper().count().steps,
+             solver.stepper().count().evaluations + solver.stepper().count().linearisations};
+    take_ringing(solver.stepper());
+    return outcome;
+  }
+
+  Outcome with_cvode(const std::vector<double>& y, double tolerance) {
+    solvers::steps::Cvode solver(system_, tolerance, 1,
+                                 [&](double t, const double* z, double* value) { *value = system_.slip_rate(t, z); });
+    const int n = system_.size();
+    std::vector<double> z(n), state_before(n), rate(n);
+    lost_.assign(n, 0);
+    constexpr double one_ahead = 0.2;  // CVODE has chosen the next step before the bound comes
+    const LandingSteps landing(system_, one_ahead);
+    const Outcome outcome = between_breaks(solver, y, [&](double limit) {
+      const double before = solver.time();
+      state_before = solver.state();
+      const Outcome o = solver.step(limit);
+      if (!o.complete()) return explained(o, solver);
+      solver.rate(rate.data());
+      for (int i = 0; i < n; ++i)
+        if (solver.state()[i] == state_before[i]) lost_[i] += (solver.time() - before) * rate[i];
+      const double clock = 1e-10 * solver.time();  // shorter steps would be a matter of its last digits
+      solver.bound_step(std::max(clock, landing.time(before, state_before.data(), solver.time(), solver.state().data(),
+                                                     solver.time() - before)));
+      sample_until(solver.time(), false, [&](double t) {
+        solver.interpolate(t, z.data());
+        return z.data();
+      });
+      if (damps_growth(solver, solver.time() - before))
+        return Outcome{
+            Ending::tolerance_not_met,
+            fmt::format("at t = {:.9g} s a step of {:.3g} s is longer than slip takes to grow there, which it "
+                        "damps; use 'collocation'",
+                        solver.time(), solver.time() - before)};
+      if (!in_balance(solver, rate, tolerance))
+        return Outcome{Ending::tolerance_not_met,
+                       fmt::format("at t = {:.9g} s slip, {:.3g} m/s, is too slow for its error to keep friction in "
+                                   "balance with the spring; use 'collocation'",
+                                   solver.time(), system_.slip_rate(solver.time(), solver.state().data()))};
+      if (o.ending == Ending::event) add_event(solver.time(), solver.state().data(), "reversal");
+      return o;
+    });
+    cost_ = {solver.count().steps, solver.count().evaluations};
+    // Shorter steps would lose more.
+    if (outcome.complete() && loses_motion_)
+      return {Ending::tolerance_not_met,
+              "steps move the spring or friction by less than the last digit of their force; use 'collocation'"};
+    return outcome;
+  }
+
+  /// True if a step of that length damps what grows.
+  bool damps_growth(const solvers::steps::Cvode& solver, double step) {
+    const int n = system_.size();
+    std::vector<double> f(n), mass(n), J(n * n);
+    system_.linearise(solver.time(), solver.state().data(), f.data(), J.data());
+    system_.mass(solver.time(), mass.data());
+    return step > 0 && solvers::steps::GrowthTest(n).faster_than(1 / step, mass, J);
+  }
+
+  /// Of a slider with mass: the sum and the largest of its forces and what lost motion is missing in them (N), and what
+  /// they meet as its slip rate changes, damping with that of friction and the impedance of a free swing (N s/m).
+  struct Balance {
+    double sum, largest, lost, damping, swing;
+  };
+  Balance balance_at(double t, const double* y, const oscillators::Observation& seen) {
+    const int n = system_.size(), u = system_.slip_rate_index();
+    const auto& slider = system_.model().slider;
+    work_.resize(n + n * n);
+    double *f = work_.data(), *J = f + n;
+    system_.linearise(t, y, f, J);
+    double lost = 0;
+    for (std::size_t i = 0; i < lost_.size(); ++i) lost += std::abs(J[u * n + i] * lost_[i]);
+    double damping = std::abs(J[u * n + u]);
+    if (const int mu = system_.first_state() - 1; system_.rigid() && mu > u && J[mu * n + mu] != 0)
+      damping += std::abs(J[u * n + mu] * J[mu * n + u] / J[mu * n + mu]);  // the direct effect
+    return {f[u], std::max(std::abs(seen.friction_force), std::abs(slider.stiffness * y[0])), lost, damping,
+            std::sqrt(slider.stiffness * slider.mass)};
+  }
+
+  /// In deep stick friction hangs on digits of the slip rate that natural unknowns do not hold to any tolerance. False
+  /// where motion has left the balance of forces for good; notes where a spring or friction under large forces does not
+  /// show in its last digit what short steps move it by.
+  bool in_balance(const solvers::steps::Cvode& solver, const std::vector<double>& rate, double tolerance) {
+    if (system_.mechanics() != oscillators::Mechanics::inertial) return true;
+    constexpr double gone = 0.3;
+    const double t = solver.time(), *y = solver.state().data();
+    const int n = system_.size(), u = system_.slip_rate_index();
+    std::vector<double> mass(n), scale(n);
+    system_.mass(t, mass.data());
+    system_.scale(y, scale.data());
+    const auto [sum, largest, lost, damping, swing] = balance_at(t, y, system_.observe(t, y));
+    const double impedance = std::max(damping, swing);
+    loses_motion_ = loses_motion_ || lost > tolerance * impedance * scale[u];
+    return std::abs(sum - mass[u] * rate[u]) <= gone * largest;
+  }
+
+  const RunOptions& options_;
+  const std::vector<double>& times_;
+  SliderSystem system_;
+  std::string solver_;
+  double tolerance_ = 0;
+  std::vector<double> work_;
+  std::vector<double> looked_at_;  ///< scratch
+  std::size_t next_ = 0;
+  double begin_ = 0;  ///< s, of the steps
+  long steps_ = 0;
+  std::vector<double> lost_;   ///< of each unknown, in steps of CVODE that moved it by less than its last digit
+  bool loses_motion_ = false;  ///< more of it than the tolerance leaves
+};
+
+struct Choice {
+  std::string solver, why;
+};
+Choice choose_solver(const Model& model, const RunOptions& options) {
+  const std::string& asked = options.solver;
+  const auto known = solver_names();
+  if (std::find(known.begin(), known.end(), asked) == known.end()) {
+    const auto near = nearest_name(asked, known);
+    throw InputError(fmt::format("unknown solver '{}' (known: {}){}", asked, fmt::join(known, ", "),
+                                 near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)));
+  }
+  if (asked == "auto" && stays_steady(model, options))
+    return {"steady", "it starts in steady sliding, and under a constant drive nothing changes: nothing is integrated"};
+  const bool set_valued = model.law->set_valued();
+  if (solvers::force_algorithms::is_algorithm(asked)) {
+    const auto form = dry_oscillator(model);
+    if (const auto* why_not = std::get_if<std::string>(&form))
+      throw InputError(fmt::format("solver '{}' is for Coulomb friction on a mass and a spring: {}", asked, *why_not));
+    return {asked, "as asked, with steps of its own; its errors are the differences to the exact motion"};
+  }
+  if (set_valued && std::isinf(model.slider.stiffness)) {
+    if (asked != "auto" && asked != "collocation")
+      throw InputError(fmt::format("solver '{}' does not fit an imposed slip rate; use 'collocation'", asked));
+    return {"collocation", SliderSystem(model).size() == 0
+                               ? "the slip rate is imposed and friction follows at once: nothing is integrated"
+                               : "the slip rate is imposed and keeps its sign: nothing sticks"};
+  }
+  if (set_valued && (asked == "auto" || asked == "exact")) {
+    const auto form = dry_oscillator(model);
+    const auto* why_not = std::get_if<std::string>(&form);
+    if (!why_not)
+      return {"exact", "motion is linear between events: its closed form, with events that cannot be missed"};
+    if (asked == "exact") throw InputError(fmt::format("solver 'exact' has no closed form here: {}", *why_not));
+    return {"events", "the law is set-valued at rest: switches are located events; no closed form: " + *why_not};
+  }
+  if (asked != "auto" && set_valued != (asked == "events"))
+    throw InputError(fmt::format("solver '{}' does not fit law '{}', which is {} at rest; use '{}'", asked,
+                                 model.law->card().name, set_valued ? "set-valued" : "smooth",
+                                 set_valued ? "events" : "collocation"));
+  if (asked != "auto" && asked != "explicit") return {asked, "as asked"};
+  const bool has_flow = SliderSystem(model).has_flow();
+  if (asked == "explicit") {
+    if (!has_flow)
+      throw InputError(
+          "solver 'explicit' needs a slider without mass on a spring, a law with explicit slip rate and lambda > 0 "
+          "(with a damper: a rigid contact and a constant load); use 'collocation'");
+    return {asked, "as asked, also where stability holds its steps"};
+  }
+  if (!has_flow) return {"collocation", "the motion is stiff, or may be"};
+  constexpr double explicit_least = 1e-11;
+  if (options.tolerance < explicit_least) return {"collocation", "order 9 wins at so small a tolerance"};
+  return {"explicit", "no inertia, friction and logarithmic states change evenly: explicit steps while none is stiff"};
+}
+
+/// What a column is measured by at least, because it may pass zero or be nothing but rounding: the slip rate of a mass,
+/// and the velocity that is the drive's speed less it, by the drive's speed; states by their natural size; friction
+/// that such a state carries by that of steady sliding.
+std::vector<double> least_sizes(const Model& model) {
+  const SliderSystem system(model);
+  const auto& law = *model.law;
+  const double V = std::abs(model.drive.speed.level()), N = model.drive.normal_load.level();
+  std::vector<double> sizes(before_states + law.states().size());
+  // Without mass the slip rate follows from friction, to its own last digit.
+  if (model.slider.mass > 0) sizes[velocity] = sizes[slip_rate] = V;
+  if (law.deflects() && V > 0) {
+    sizes[friction_coefficient] = std::abs(law.steady_friction({V, N}).friction);
+    sizes[friction_force] = N * sizes[friction_coefficient];
+  }
+  if (model.lambda == 0) return sizes;
+  std::vector<double> scale(system.size());
+  const std::vector<double> zero(system.size());
+  system.scale(zero.data(), scale.data());
+  for (std::size_t i = 0; i < law.states().size(); ++i)
+    if (law.states()[i].scale == Scale::linear) sizes[before_states + i] = scale[system.first_state() + i];
+  return sizes;
+}
+
+/// The size that errors in each column are measured by: the largest value in it, and at least `least`. Samples may all
+/// fall on zeros of the displacement: it is at least as large as what the slider moves by within `swing` (s).
+std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, std::vector<double> least, double swing) {
+  double fastest = 0;
+  for (const double v : columns[velocity]) fastest = std::max(fastest, std::abs(v));
+  least[displacement] = swing * fastest;
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    for (const double x : columns[c]) least[c] = std::max(least[c], std::abs(x));
+  least[velocity] = std::max(least[velocity], least[slip_rate]);
+  return least;
+}
+
+/// Six times the largest absolute difference of each column (where curves have kinks, errors do not fall with the
+/// tolerance), with rounding and the least relative error of the fine pass; infinite where the coarse pass ended
+/// earlier.
+std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
+                                const std::vector<std::vector<double>>& fine, const std::vector<double>& sizes,
+                                double least) {
+  std::vector<double> list;
+  for (std::size_t c = 0; c < fine.size(); ++c) {
+    double largest = 0;
+    for (std::size_t i = 0; i < fine[c].size(); ++i)
+      largest = i < coarse[c].size() ? std::max(largest, std::abs(fine[c][i] - coarse[c][i])) : infinity;
+    list.push_back(6 * largest + (least + 5e-14) * sizes[c]);
+  }
+  return list;
+}
+
+/// Two passes of a stepping solver, the finer of which is kept; their difference is the error.
+void run_twice(const Model& model, const RunOptions& options, const std::vector<double>& times, Run& result) {
+  // BDF's errors exceed its tolerance about tenfold; collocation mostly stays below it. What is asked is asked of the
+  // error found: the pair of passes is tightened until it meets the tolerance.
+  const double least = result.solver == "cvode"      ? 3e-15
+                       : result.solver == "explicit" ? solvers::steps::Explicit::least_tolerance
+                                                     : Collocation::least_tolerance;
+  double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
+  const auto least_size = least_sizes(model);
+  const auto& slider = model.slider;
+  const double stiffness = std::abs(slider.stiffness);  // of −0 too
+  const double swing = slider.mass > 0 ? std::min(std::sqrt(slider.mass / stiffness), times.back()) : 0;
+  auto coarse = std::make_unique<Pass>(model, options, result.solver, times);
+  coarse->run(tolerance, true);
+  std::unique_ptr<Pass> fine;
+  for (int attempt = 0;; ++attempt, coarse = std::move(fine)) {
+    tolerance = std::max(0.01 * tolerance, least);
+    fine = std::make_unique<Pass>(model, options, result.solver, times);
+    fine->run(tolerance, attempt % 2 == 1);
+    if (fine->outcome_.ending == Ending::interrupted && fine->columns_[0].size() < coarse->columns_[0].size()) {
+      fine = std::move(coarse);  // which came further
+      fine->outcome_ = {Ending::interrupted, fmt::format("{} of {} samples are kept, without errors",
+                                                         fine->columns_[0].size(), times.size())};
+      coarse = std::make_unique<Pass>(model, options, result.solver, times);
+    }
+    result.outcome = fine->outcome_;
+    result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
+    result.cost.evaluations += fine->cost_.evaluations + (attempt == 0 ? coarse->cost_.evaluations : 0);
+    const auto& sizes = result.column_size = sizes_of(fine->columns_, least_size, swing);
+    // Two passes may agree by chance: no more than a hundredth of what was asked is claimed.
+    const double least_claimed = std::max((result.solver == "cvode" ? 30 : 3) * tolerance, 0.01 * options.tolerance);
+    result.column_error = differences(coarse->columns_, fine->columns_, sizes, least_claimed);
+    for (std::size_t c = 0; c < before_states; ++c) result.column_error[c] += fine->ringing_[c];
+    result.column_error[displacement] += fine->displacement_follows_;
+    constexpr double exceed = 10;  // the tolerance: errors of unknowns do, at most
+    for (const Column c : {velocity, slip_rate})
+      result.column_error[c] += exceed * fine->slip_rate_follows_ + fine->slip_rate_rounded_;
+    const bool last_attempt = attempt == 3 || tolerance <= least;
+    const auto ended = [](const Pass& pass) { return pass.outcome_.ending == Ending::none_exists; };
+    if (ended(*fine) && !ended(*coarse) && !last_attempt) continue;  // an end that one pass alone came to
+    if (!result.outcome.complete()) break;
+    std::size_t worst = 0;
+    std::vector<double> ratio;
+    for (std::size_t c = 0; c < fine->columns_.size(); ++c) {
+      ratio.push_back(sizes[c] > 0 ? result.column_error[c] / sizes[c] : 0);
+      if (ratio[c] > ratio[worst]) worst = c;
+    }
+    if (ratio[worst] <= options.tolerance) {
+      for (std::size_t c = 0; c < sizes.size(); ++c)
+        result.column_error[c] = with_caution(result.column_error[c], sizes[c], options.tolerance);
+      break;
+    }
+    if (last_attempt) {
+      result.outcome = {Ending::tolerance_not_met,
+                        fmt::format("{} is known to {:.1e} of its size only{}", result.column_names[worst],
+                                    ratio[worst], departure(model, options, times.back()))};
+      break;
+    }
+  }
+  result.columns = std::move(fine->columns_);
+  result.why = result.why + fine->handover_;
+  result.events = std::move(fine->events_);
+  for (const auto& [name, value] : fine->metrics_) result.metrics[name] = value;
+}
+
+}  // namespace
+
+std::vector<double> sample_times(const RunOptions& options) {
+  if (!options.times.empty()) {
+    double before = -1;
+    for (const double t : options.times) {
+      if (!(t > before) || !std::isfinite(t) || t < 0)
+        throw InputError(fmt::format("run.times must ascend from 0 or later, got {} s after {} s", t, before));
+      before = t;
+    }
+    return options.times;
+  }
+  require(options.duration, {1e-300, 1e300}, "run.duration", "time to run", "s");
+  require(options.samples, {1, 1e8}, "run.samples", "number of intervals between samples", "1");
+  std::vector<double> times(options.samples + 1);
+  for (int i = 0; i <= options.samples; ++i) times[i] = options.duration * i / options.samples;
+  return times;
+}
+
+std::vector<std::string> solver_names() {
+  std::vector<std::string> names = {"auto", "exact", "explicit", "collocation", "cvode", "events"};
+  for (const auto& algorithm : solvers::force_algorithms::algorithms()) names.emplace_back(algorithm.name);
+  return names;
+}
+
+Run run(const Model& model, const RunOptions& options) {
+  model.check();
+  require(options.tolerance, {1e-13, 0.1}, "tolerance", "relative accuracy of a run", "1");
+  Run result;
+  const Choice choice = choose_solver(model, options);
+  result.solver = choice.solver;
+  result.why = choice.why;
+  if (choice.solver == "steady") result.remark = what_would_grow(model);
+  const auto times = sample_times(options);
+  result.column_names = {"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"};
+  result.column_units = {"m", "m/s", "m/s", "N", "1"};
+  for (const auto& s : model.law->states()) {
+    result.column_names.push_back(s.name);
+    result.column_units.push_back(s.unit);
+  }
+  const Run empty = result;
+  if (result.solver == "exact")
+    run_exactly(model, std::get<solvers::stick_slip::DryOscillator>(dry_oscillator(model)), options, times, result);
+  else if (solvers::force_algorithms::is_algorithm(result.solver))
+    run_algorithm(model, std::get<solvers::stick_slip::DryOscillator>(dry_oscillator(model)), options, times, result);
+  else
+    run_twice(model, options, times, result);
+  if (result.outcome.ending == Ending::tolerance_not_met && result.solver == "explicit" && options.solver == "auto") {
+    // Explicit steps come no closer than 1e-14 of the unknowns, which slips that follow each other may magnify.
+    Run closer = empty;
+    closer.solver = "collocation";
+    closer.why = "explicit steps come too little close";
+    run_twice(model, options, times, closer);
+    closer.cost.steps += result.cost.steps, closer.cost.evaluations += result.cost.evaluations;
+    if (closer.outcome.complete()) result = std::move(closer);
+  }
+  result.time.assign(times.begin(), times.begin() + result.columns[0].size());
+  for (std::size_t c = 0; c < before_states && !result.time.empty(); ++c) {
+    const auto [low, high] = std::minmax_element(result.columns[c].begin(), result.columns[c].end());
+    result.metrics[result.column_names[c] + "_min"] = *low;
+    result.metrics[result.column_names[c] + "_max"] = *high;
+  }
+  for (std::size_t c = 0; c < result.columns.size(); ++c)
+    for (const double x : result.columns[c])
+      if (!std::isfinite(x) && result.outcome.complete())
+        result.outcome = {Ending::not_finite, fmt::format("in column '{}'", result.column_names[c])};
+  return result;
+}
+
+}  // namespace rosin::analysis::motion

@@ -1,0 +1,61 @@
+/// Motion from a given start: an initial-value problem with its record, events and error estimate.
+#pragma once
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "analysis/motion/start.hpp"
+#include "core/error.hpp"
+#include "solvers/force_algorithms/options.hpp"
+
+namespace rosin::analysis::motion {
+
+struct RunOptions {
+  double duration = 1;        ///< s
+  std::vector<double> times;  ///< sample times, ascending; empty: `samples` equal intervals from 0 to duration
+  int samples = 1000;
+  Start start;
+  double tolerance = 1e-8;
+  long most_steps = 5'000'000;                   ///< of one pass
+  std::string solver = "auto";                   ///< one of solver_names()
+  solvers::force_algorithms::Options algorithm;  ///< of the force algorithms
+  /// Called after each step with the part of the motion, 0 … 1, that the present pass has followed.
+  std::function<void(double part)> progress = {};
+};
+
+struct RunEvent {
+  double time;
+  std::string kind;                         ///< "stick", "slip", "reversal"
+  double displacement, displacement_y = 0;  ///< m; the second in the plane
+};
+
+struct Run {
+  Outcome outcome;
+  std::vector<double> time;
+  std::vector<std::string> column_names;  ///< displacement, velocity, slip_rate, friction_force,
+                                          ///< friction_coefficient, then states
+  std::vector<std::string> column_units;
+  std::vector<std::vector<double>> columns;  ///< [column][sample]
+  std::vector<double> column_error;          ///< largest absolute difference to a run at a smaller tolerance
+  std::vector<double> column_size;           ///< that it is measured by, of a run in two tolerances; else empty
+  std::vector<RunEvent> events;
+  std::map<std::string, double> metrics;  ///< of the record: extremes, means, stick time
+  std::string solver;                     ///< the one used
+  std::string why;                        ///< why this one; where it handed over to another
+  std::string remark;                     ///< what the reader should know of the motion; mostly nothing
+  struct Cost {
+    long steps = 0, evaluations = 0;
+  } cost;
+};
+
+/// When a run is sampled. \throws InputError for times that do not ascend from 0 or later.
+std::vector<double> sample_times(const RunOptions&);
+
+/// "auto", then what can be asked for by name.
+std::vector<std::string> solver_names();
+
+/// \throws InputError for a start that does not fit the model or an unknown solver.
+Run run(const Model&, const RunOptions&);
+
+}  // namespace rosin::analysis::motion

@@ -1,0 +1,3 @@
+/// Regimes, metrics and borders over a plane of two parameters.
+#pragma once
+#include "analysis/planes/map.hpp"

@@ -1,0 +1,547 @@
+/// The pencil of structure and contacts, its eigenvalues with their errors, and the turns of its determinant along the
+/// axis.
+#include "analysis/response/structure.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/tools/roots.hpp>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "core/characteristic.hpp"
+#include "core/eigenpairs.hpp"
+#include "core/error.hpp"
+#include "core/random.hpp"
+
+namespace rosin::analysis::response {
+
+using Complex = std::complex<double>;
+using Matrix = Eigen::MatrixXd;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using ComplexMatrix = Eigen::MatrixXcd;
+
+namespace {
+
+Matrix matrix_of(const std::vector<double>& entries, int n, const char* name) {
+  if (int(entries.size()) != n * n)
+    throw InputError(fmt::format("{} has {} entries, but {} coordinates need {}", name, entries.size(), n, n * n));
+  return Eigen::Map<const RowMajor>(entries.data(), n, n);
+}
+
+Eigen::VectorXd vector_of(const std::vector<double>& entries, int n, const char* name) {
+  if (int(entries.size()) != n)
+    throw InputError(fmt::format("the {} direction of a contact has {} entries, the structure {} coordinates", name,
+                                 entries.size(), n));
+  return Eigen::Map<const Eigen::VectorXd>(entries.data(), n);
+}
+
+/// Structure and contacts with everything checked.
+struct Assembly {
+  int n;
+  Matrix M, C, K;
+  struct Direction {
+    Eigen::VectorXd t, normal;
+    bool pressed;
+  };
+  std::vector<Direction> contacts;
+  FrictionResponse response;
+  NormalContact normal;
+
+  Assembly(const Structure& structure, const Model& model, const std::optional<NormalContact>& given)
+      : n(structure.size()), response(model), normal(given.value_or(NormalContact{})) {
+    if (n == 0) throw InputError("a structure needs a contact");
+    M = matrix_of(structure.M, n, "M"), C = matrix_of(structure.C, n, "C"), K = matrix_of(structure.K, n, "K");
+    if (!M.allFinite() || !C.allFinite() || !K.allFinite()) throw InputError("M, C and K must be finite");
+    if (Eigen::FullPivLU<Matrix>(M).rank() < n) throw InputError("M is singular: every coordinate needs a mass");
+    for (const auto& contact : structure.contacts) {
+      const bool pressed = !contact.normal.empty();
+      if (pressed && !given)
+        throw InputError("a contact with a normal direction needs the normal contact: stiffness and damping");
+      contacts.push_back({vector_of(contact.tangential, n, "tangential"),
+                          pressed ? vector_of(contact.normal, n, "normal") : Eigen::VectorXd::Zero(n).eval(), pressed});
+    }
+  }
+
+  /// E ẏ = A y with y = (x, ẋ, z of each contact), and what each entry was summed from.
+  struct Pencil {
+    RowMajor E, A, E_sizes, A_sizes;
+
+    explicit Pencil(int size) { E.setZero(size, size), A = E_sizes = A_sizes = E; }
+    void add_to_E(int row, int column, const Matrix& block) { add(E, E_sizes, row, column, block); }
+    void add_to_A(int row, int column, const Matrix& block) { add(A, A_sizes, row, column, block); }
+
+   private:
+    static void add(RowMajor& sum, RowMajor& sizes, int row, int column, const Matrix& block) {
+      sum.block(row, column, block.rows(), block.cols()) += block;
+      sizes.block(row, column, block.rows(), block.cols()) += block.cwiseAbs();
+    }
+  };
+  Pencil pencil() const {
+    const auto& l = response.linear();
+    const int nz = l.size();
+    Pencil p(2 * n + nz * int(contacts.size()));
+    const int velocity = n;  // first row and column of ẋ
+    p.add_to_E(0, 0, Matrix::Identity(n, n));
+    p.add_to_A(0, velocity, Matrix::Identity(n, n));
+    p.add_to_E(velocity, velocity, M);
+    p.add_to_A(velocity, 0, -K);
+    p.add_to_A(velocity, velocity, -C);
+    for (std::size_t j = 0; j < contacts.size(); ++j) {
+      const auto& [t, normal_direction, pressed] = contacts[j];
+      const int z = 2 * n + int(j) * nz;
+      // δv = −tᵀẋ, δN = pᵀx + qᵀẋ; M ẍ = … + t δF − n δN with δF = c z + d_v v + d_N N + d_R Ṅ
+      const Eigen::RowVectorXd slip = -t.transpose(), pressing = normal_direction.transpose(),
+                               p_T = normal.stiffness * pressing, damping = normal.damping * pressing,
+                               lift = (pressed ? normal.lift : 0.0) * slip;
+      for (const Eigen::RowVectorXd& q_T : {damping, lift}) {
+        p.add_to_A(velocity, velocity, t * l.d_N * q_T);
+        p.add_to_A(velocity, velocity, -normal_direction * q_T);
+        p.add_to_E(velocity, velocity, -t * l.d_R * q_T);
+      }
+      p.add_to_A(velocity, 0, t * l.d_N * p_T);
+      p.add_to_A(velocity, 0, -normal_direction * p_T);
+      p.add_to_A(velocity, velocity, t * l.d_R * p_T);
+      p.add_to_A(velocity, velocity, t * l.d_v * slip);
+      for (int i = 0; i < nz; ++i) {
+        const auto k = std::size_t(i);
+        p.add_to_E(z + i, z + i, Matrix::Constant(1, 1, l.mass[k]));
+        for (int m = 0; m < nz; ++m)
+          p.add_to_A(z + i, z + m, Matrix::Constant(1, 1, l.A[k * std::size_t(nz) + std::size_t(m)]));
+        p.add_to_A(z + i, velocity, l.b_v[k] * slip);
+        p.add_to_A(z + i, 0, l.b_N[k] * p_T);
+        p.add_to_A(z + i, velocity, l.b_R[k] * p_T);
+        for (const Eigen::RowVectorXd& q_T : {damping, lift}) {
+          p.add_to_A(z + i, velocity, l.b_N[k] * q_T);
+          p.add_to_E(z + i, velocity, -l.b_R[k] * q_T);
+        }
+        p.add_to_A(velocity, z + i, t * l.c[k]);
+      }
+    }
+    return p;
+  }
+
+  /// Dynamic stiffness of the structure with its contacts at s.
+  ComplexMatrix stiffness(Complex s, bool with_contacts) const {
+    ComplexMatrix D = s * s * M.cast<Complex>() + s * C.cast<Complex>() + K.cast<Complex>();
+    if (!with_contacts) return D;
+    const Complex Z = response.tangential(s), Y = response.normal(s);
+    for (const auto& [t, direction, pressed] : contacts) {
+      const ComplexMatrix tangential = t.cast<Complex>(), pressing = direction.cast<Complex>();
+      // F = −Z s tᵀx + Y N, N = (k_n + c_n s) nᵀx − lift s tᵀx; on the structure t F − n N
+      const ComplexMatrix N = (normal.stiffness + normal.damping * s) * pressing.transpose() -
+                              (pressed ? normal.lift : 0.0) * s * tangential.transpose();
+      D += tangential * (Z * s * tangential.transpose() - Y * N) + pressing * N;
+    }
+    return D;
+  }
+};
+
+/// Angle by which f turns from a to b, by halving until each piece turns little. Nothing if it will not resolve.
+template <class F>
+std::optional<double> turn(const F& f, double a, Complex fa, double b, Complex fb, int depth) {
+  const double middle = 0.5 * (a + b);
+  const Complex fm = f(middle);
+  const double first = std::arg(fm / fa), second = std::arg(fb / fm);
+  constexpr double small = 0.4;
+  if (std::abs(first) < small && std::abs(second) < small) return first + second;
+  if (depth == 0 || !(middle > a && middle < b)) return std::nullopt;
+  const auto left = turn(f, a, fa, middle, fm, depth - 1);
+  if (!left) return left;
+  const auto right = turn(f, middle, fm, b, fb, depth - 1);
+  if (!right) return right;
+  return *left + *right;
+}
+
+/// An eigenvalue (1/s), and the error of its real part.
+struct Eigenvalue {
+  Complex value;
+  double real_error;
+  /// The sign of the real part is beyond rounding.
+  bool decided() const { return std::abs(value.real()) > 4 * real_error; }
+  bool grows() const { return value.real() > 0 && decided(); }
+};
+
+/// By QR of (A − σE)⁻¹E with σ in the unit of the structure's frequencies, which sends the eigenvalues at infinity to
+/// 0. Keeps the digits of close frequencies, and loses those of rates that lie many decades below σ. Nothing where no
+/// iteration converges.
+std::vector<Eigenvalue> eigenvalues_by_inversion(const Assembly& assembly, const Assembly::Pencil& pencil) {
+  const double clock = std::max(1e-30, std::sqrt(assembly.K.cwiseAbs().maxCoeff() / assembly.M.cwiseAbs().maxCoeff()));
+  for (const double shift : {1.0, 1.37, 0.61}) {  // one of them is no eigenvalue
+    const double sigma = shift * clock;
+    Matrix B = pencil.A - sigma * pencil.E, E = clock * pencil.E;
+    for (int i = 0; i < B.rows(); ++i) {  // rows in their own sizes
+      const double size = std::max(B.row(i).cwiseAbs().maxCoeff(), 1e-300);
+      B.row(i) /= size, E.row(i) /= size;
+    }
+    const auto spectrum = spectrum_of(B.partialPivLu().solve(E));
+    std::vector<Eigenvalue> list;
+    bool finite = true;
+    for (std::size_t i = 0; i < spectrum.values.size(); ++i) {
+      const Complex inverse = spectrum.values[i];
+      finite = finite && std::isfinite(std::abs(inverse));
+      if (std::abs(inverse) <= 2 * spectrum.errors[i]) continue;  // an eigenvalue at infinity
+      list.push_back({sigma + clock / inverse, clock * spectrum.errors[i] / std::norm(inverse)});
+    }
+    if (finite) return list;
+  }
+  return {};
+}
+
+/// By the characteristic polynomial of small structures: keeps the digits of rates many decades apart, and loses some
+/// of close frequencies. Nothing where it is beyond the range of numbers.
+std::vector<Eigenvalue> eigenvalues_by_expansion(const Assembly::Pencil& pencil) {
+  const auto count = std::size_t(pencil.A.size());
+  const auto roots = pencil_roots({pencil.A.data(), count}, {pencil.E.data(), count}, {pencil.A_sizes.data(), count},
+                                  {pencil.E_sizes.data(), count});
+  std::vector<Eigenvalue> list;
+  for (std::size_t i = 0; i < roots.values.size(); ++i) {
+    if (!std::isfinite(std::abs(roots.values[i])) || !std::isfinite(roots.real_errors[i])) return {};
+    list.push_back({roots.values[i], roots.real_errors[i]});
+  }
+  return list;
+}
+
+/// Those that are finite, largest real part first; by expansion where that knows the first of them better.
+std::vector<Eigenvalue> eigenvalues(const Assembly& assembly) {
+  const auto sorted = [](std::vector<Eigenvalue> list) {
+    std::ranges::sort(list, [](const Eigenvalue& a, const Eigenvalue& b) {
+      return a.value.real() != b.value.real() ? a.value.real() > b.value.real() : a.value.imag() > b.value.imag();
+    });
+    return list;
+  };
+  const auto pencil = assembly.pencil();
+  auto list = sorted(eigenvalues_by_inversion(assembly, pencil));
+  constexpr double known_well = 1e-6;  // the root of rounding where two eigenvalues merge is
+  const bool known = !list.empty() && list.front().real_error < known_well * std::abs(list.front().value);
+  if (!known && std::size_t(pencil.A.rows()) <= most_expanded)
+    if (auto expanded = sorted(eigenvalues_by_expansion(pencil));
+        !expanded.empty() && (list.empty() || expanded.front().real_error < list.front().real_error))
+      list = std::move(expanded);
+  if (list.empty())
+    throw InputError(
+        "the eigenvalues of structure and contacts could not be computed: they are beyond the range of numbers, or no "
+        "iteration converges");
+  return list;
+}
+
+}  // namespace
+
+Structure modal(const std::vector<Mode>& modes) {
+  Structure s;
+  const std::size_t n = modes.size();
+  s.M.assign(n * n, 0), s.C = s.M, s.K = s.M;
+  Structure::Contact contact;
+  bool pressed = false;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto& mode = modes[i];
+    const double omega = 2 * std::numbers::pi * mode.frequency;
+    s.M[i * n + i] = mode.mass;
+    s.C[i * n + i] = 2 * mode.damping_ratio * omega * mode.mass;
+    s.K[i * n + i] = omega * omega * mode.mass;
+    contact.tangential.push_back(mode.tangential);
+    contact.normal.push_back(mode.normal);
+    pressed = pressed || mode.normal != 0;
+  }
+  if (!pressed) contact.normal.clear();
+  s.contacts.push_back(contact);
+  return s;
+}
+
+Complex receptance(const Structure& structure, Complex s) {
+  const int n = structure.size();
+  const ComplexMatrix D = s * s * matrix_of(structure.M, n, "M").cast<Complex>() +
+                          s * matrix_of(structure.C, n, "C").cast<Complex>() +
+                          matrix_of(structure.K, n, "K").cast<Complex>();
+  const ComplexMatrix t = vector_of(structure.contacts.front().tangential, n, "tangential").cast<Complex>();
+  return (t.transpose() * D.partialPivLu().solve(t))(0, 0);
+}
+
+ClosedLoop close_loop(const Structure& structure, const Model& model, const std::optional<NormalContact>& normal) {
+  const Assembly assembly(structure, model, normal);
+  for (const auto& pole : assembly.response.poles())
+    if (pole.value.real() > 0)
+      throw InputError(
+          "the contact is unstable by itself, at an imposed slip rate: its spring is softer than friction "
+          "weakens");
+  ClosedLoop result;
+  bool decided = true;
+  for (const auto& eigenvalue : eigenvalues(assembly)) {
+    result.eigenvalues.push_back(eigenvalue.value);
+    result.unstable_by_eigenvalues += eigenvalue.grows();
+    decided = decided && eigenvalue.decided();
+  }
+  result.marginal = result.unstable_by_eigenvalues == 0 && !decided;
+  result.stable = result.unstable_by_eigenvalues == 0 && decided;
+
+  // det D(s)/∏(s + ω₀) has 2n zeros, and poles only to the left: it turns by −π less along the axis for each zero to
+  // the right. Frequencies near which it may turn fast: those of the structure, free and clamped by its contacts.
+  const double highest = std::sqrt(assembly.K.cwiseAbs().maxCoeff() / assembly.M.cwiseAbs().minCoeff() > 0 &&
+                                           std::isfinite(assembly.K.cwiseAbs().maxCoeff())
+                                       ? (assembly.M.partialPivLu().solve(assembly.K)).cwiseAbs().maxCoeff()
+                                       : 1.0);
+  const double reference = std::max(highest, 1e-30);
+  const int n = assembly.n;
+  const auto characteristic = [&](double omega) {
+    const Complex s(0, omega);
+    return (assembly.M.partialPivLu().solve(Matrix::Identity(n, n)).cast<Complex>() * assembly.stiffness(s, true))
+               .determinant() /
+           std::pow(s + reference, 2 * n);
+  };
+  std::vector<double> grid{0};
+  double fastest = reference;
+  for (const auto& pole : assembly.response.poles()) fastest = std::max(fastest, std::abs(pole.value));
+  const double size = assembly.contacts.size() * std::abs(assembly.response.limits().high) /
+                      std::max(1e-300, assembly.M.cwiseAbs().minCoeff());
+  fastest = std::max(fastest, std::isfinite(size) && size < 1e12 * reference ? size : fastest);
+  constexpr int points = 1500;
+  const double from = 1e-6 * reference, to = 1e6 * fastest;
+  for (int i = 0; i <= points; ++i) grid.push_back(from * std::pow(to / from, double(i) / points));
+  for (const auto& z : result.eigenvalues)  // where to look, not what to find there
+    for (const double shift : {0.5, 2.0, -2.0})
+      if (const double omega = std::abs(z.imag()) + shift * std::abs(z.real()); omega > 0) grid.push_back(omega);
+  std::ranges::sort(grid);
+  grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+  double angle = 0;
+  bool resolved = true;
+  Complex before = characteristic(grid.front());
+  for (std::size_t i = 1; resolved && i < grid.size(); ++i) {
+    const Complex now = characteristic(grid[i]);
+    const auto part = turn(characteristic, grid[i - 1], before, grid[i], now, 45);
+    resolved = part.has_value() && std::isfinite(*part);
+    if (resolved) angle += *part;
+    before = now;
+  }
+  // With all zeros to the left the ratio ends with the phase it began with.
+  result.unstable_by_nyquist = resolved && !result.marginal ? int(std::lround(-angle / std::numbers::pi)) : -1;
+
+  result.margin = result.margin_frequency = std::nan("");
+  if (assembly.contacts.size() == 1) {
+    result.margin = infinity;
+    for (const double omega : grid) {
+      if (omega == 0) continue;
+      const Complex open = assembly.stiffness({0, omega}, false).determinant();
+      const Complex closed = assembly.stiffness({0, omega}, true).determinant();
+      const double distance = std::abs(closed / open);  // = |1 + L| of the one loop
+      if (distance < result.margin) result.margin = distance, result.margin_frequency = omega;
+    }
+  }
+  return result;
+}
+
+Structure SlidingStructure::structure() const {
+  if (const auto* modes = std::get_if<std::vector<Mode>>(&form)) return modal(*modes);
+  if (const auto* matrices = std::get_if<Structure>(&form)) return *matrices;
+  const auto& slider = model.slider;
+  if (!(slider.mass > 0)) throw InputError("the slider needs a mass (oscillator.mass, kg) to be a structure");
+  return {{slider.mass}, {slider.damping}, {slider.stiffness}, {{{1}, {}}}};
+}
+
+std::vector<SlidingStructure::Entry> SlidingStructure::entries() const {
+  std::vector<Entry> list;
+  const auto add = [&](const auto& field, std::string path, const auto& object, auto set) {
+    list.push_back({{std::move(path), std::string(field.unit), field.range, std::string(field.meaning)},
+                    object.*field.member,
+                    set});
+  };
+  if (const auto* modes = std::get_if<std::vector<Mode>>(&form))
+    for (std::size_t k = 0; k < modes->size(); ++k)
+      for (const auto& f : mode_fields)
+        add(f, fmt::format("structure.modes.{}.{}", k + 1, f.name), (*modes)[k],
+            [k, member = f.member](SlidingStructure& changed, double value) {
+              std::get<std::vector<Mode>>(changed.form)[k].*member = value;
+            });
+  if (std::holds_alternative<Structure>(form))
+    for (const auto& [name, member] : {std::pair{"M", &Structure::M}, {"C", &Structure::C}, {"K", &Structure::K}})
+      list.push_back({{fmt::format("structure.{}", name), "1", {1e-12, 1e12}, "factor on the matrix"},
+                      1,
+                      [member = member](SlidingStructure& changed, double factor) {
+                        for (double& entry : std::get<Structure>(changed.form).*member) entry *= factor;
+                      }});
+  if (normal)
+    for (const auto& f : normal_contact_fields)
+      add(f, fmt::format("normal_contact.{}", f.name), *normal,
+          [member = f.member](SlidingStructure& changed, double value) { (*changed.normal).*member = value; });
+  return list;
+}
+
+std::optional<SlidingStructure::Entry> SlidingStructure::find(const std::string& path) const {
+  std::vector<std::string> names;
+  for (auto& entry : entries()) {
+    if (entry.quantity.name == path) return std::move(entry);
+    names.push_back(entry.quantity.name);
+  }
+  if (!path.starts_with("structure.") && !path.starts_with("normal_contact.")) return std::nullopt;
+  const auto near = nearest_name(path, names);
+  throw InputError(fmt::format("unknown parameter '{}'{}", path,
+                               near.empty() ? names.empty() ? std::string("; the structure is the model's oscillator")
+                                                            : fmt::format(" (known: {})", fmt::join(names, ", "))
+                                            : fmt::format("; did you mean '{}'?", near)));
+}
+
+Quantity SlidingStructure::describe(const std::string& path) const {
+  const auto entry = find(path);
+  return entry ? entry->quantity : model.describe(path);
+}
+
+double SlidingStructure::get(const std::string& path) const {
+  const auto entry = find(path);
+  return entry ? entry->value : model.get(path);
+}
+
+SlidingStructure SlidingStructure::with(const std::string& path, double value) const {
+  SlidingStructure changed = *this;
+  const auto entry = find(path);
+  if (!entry) {
+    changed.model = model.with(path, value);
+    return changed;
+  }
+  const auto& quantity = entry->quantity;
+  require(value, quantity.range, path, quantity.meaning, quantity.unit);
+  entry->set(changed, value);
+  return changed;
+}
+
+namespace {
+
+Eigenvalue leading(const SlidingStructure& sliding) {
+  return eigenvalues(Assembly(sliding.structure(), sliding.model, sliding.normal)).front();
+}
+
+/// Relative error of critical values by the rounding of a law's slopes.
+constexpr double slope_rounding = 1e-12;
+
+/// Where vibration that grows at `growing` and is marginal at `still`, within rounding, sets in: two eigenvalues merge
+/// there, or one crosses the axis beside another that stays on it. Growth rises from there as a power of the distance,
+/// ½ where two merge, and is told from rounding only beyond some distance, which the error covers.
+template <class Leading>
+CriticalValue onset_beside_marginal(const Leading& at, double still, double growing) {
+  const double scanned = growing;
+  while (std::abs(growing - still) > 4e-16 * std::abs(growing)) {
+    const double middle = 0.5 * (still + growing);
+    if (middle == still || middle == growing) break;
+    (at(middle).grows() ? growing : still) = middle;
+  }
+  const auto onset = at(growing);
+  const double range = scanned - growing;
+  double distance = std::abs(range);  // if no power is seen
+  for (double step = std::copysign(1e-9 * growing, range); std::abs(4 * step) < std::abs(range); step *= 8) {
+    const double near = at(growing + step).value.real() / onset.value.real(),
+                 far = at(growing + 4 * step).value.real() / onset.value.real();
+    constexpr double surely = 8;
+    if (!(near > surely && far > near)) continue;
+    const double power = std::log(far / near) / std::log(4.0);
+    distance = std::abs(step) / (std::pow(near, 1 / power) - 1);
+    break;
+  }
+  return {growing - std::copysign(distance, range), std::abs(onset.value.imag()),
+          distance + std::abs(growing - still) + slope_rounding * std::abs(growing)};
+}
+
+}  // namespace
+
+std::vector<CriticalValue> critical_values(const SlidingStructure& sliding, const std::string& parameter, double low,
+                                           double high, int points) {
+  const auto at = [&](double value) { return leading(sliding.with(parameter, value)); };
+  std::vector<CriticalValue> found;
+  double a = low;
+  auto at_a = at(a);
+  for (int i = 1; i <= points; ++i) {
+    const double b = i == points ? high : low * std::pow(high / low, double(i) / points);
+    const auto at_b = at(b);
+    if (at_a.grows() != at_b.grows()) {
+      if (!at_a.decided() || !at_b.decided()) {
+        found.push_back(at_a.grows() ? onset_beside_marginal(at, b, a) : onset_beside_marginal(at, a, b));
+      } else {
+        std::uintmax_t iterations = 100;
+        const auto [left, right] = boost::math::tools::toms748_solve(
+            [&](double value) { return at(value).value.real(); }, a, b, at_a.value.real(), at_b.value.real(),
+            boost::math::tools::eps_tolerance<double>(51), iterations);
+        const double value = 0.5 * (left + right), beside = 1e-6 * value;
+        const auto there = at(value);
+        const double slope = std::abs(at(value + beside).value.real() - at(value - beside).value.real()) / (2 * beside);
+        found.push_back({value, std::abs(there.value.imag()),
+                         right - left + slope_rounding * right + there.real_error / std::max(slope, 1e-300)});
+      }
+    }
+    a = b, at_a = at_b;
+  }
+  return found;
+}
+
+Uncertainty propagate(const SlidingStructure& sliding, const std::vector<Uncertain>& inputs, int samples,
+                      std::uint64_t seed) {
+  return propagate(sliding, inputs, samples, seed, [](const SlidingStructure& changed, int) {
+    const auto growth = leading(changed);
+    return Drawn{growth.grows(), growth.value.real()};
+  });
+}
+
+Uncertainty propagate(const SlidingStructure& sliding, const std::vector<Uncertain>& inputs, int samples,
+                      std::uint64_t seed, const std::function<Drawn(const SlidingStructure&, int)>& judge) {
+  Uncertainty result;
+  std::vector<double> measure;
+  std::vector<std::vector<double>> drawn(inputs.size());
+  const auto random = white_noise(inputs.size() * std::size_t(samples), seed);
+  for (int s = 0; s < samples; ++s) {
+    auto changed = sliding;
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      const auto& [path, relative] = inputs[i];
+      const double g = random[std::size_t(s) * inputs.size() + i];
+      drawn[i].push_back(g);
+      changed = changed.with(path, sliding.get(path) * std::exp(std::log1p(relative) * g));
+    }
+    const auto judged = judge(changed, s);
+    measure.push_back(judged.measure);
+    result.unstable += judged.unstable;
+  }
+  result.samples = samples;
+  result.probability = double(result.unstable) / samples;
+  result.standard_error = std::sqrt(std::max(result.probability * (1 - result.probability), 0.25 / samples) / samples);
+  const auto ranks = [](const std::vector<double>& x) {
+    std::vector<std::size_t> order(x.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::ranges::sort(order, {}, [&](std::size_t i) { return x[i]; });
+    std::vector<double> rank(x.size());
+    for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = double(i) - (double(x.size()) - 1) / 2;
+    return rank;
+  };
+  const auto by_measure = ranks(measure);
+  double spread = 0;
+  for (const double r : by_measure) spread += r * r;
+  for (const auto& list : drawn) {
+    const auto rank = ranks(list);
+    result.influence.push_back(std::inner_product(rank.begin(), rank.end(), by_measure.begin(), 0.0) / spread);
+  }
+  std::ranges::sort(measure);
+  const auto quantile = [&](double q) { return measure[std::size_t(q * (double(samples) - 1))]; };
+  result.low = quantile(0.05), result.median = quantile(0.5), result.high = quantile(0.95);
+  return result;
+}
+
+TableLoop close_table(const std::vector<double>& frequency, const std::vector<Complex>& friction,
+                      const std::vector<Complex>& receptance) {
+  if (frequency.size() != friction.size() || frequency.size() != receptance.size() || frequency.size() < 3)
+    throw InputError("friction and receptance must be given at the same three frequencies or more");
+  TableLoop result;
+  result.margin = infinity;
+  double angle = 0;
+  for (std::size_t k = 0; k < frequency.size(); ++k) {
+    const Complex L = Complex(0, 2 * std::numbers::pi * frequency[k]) * friction[k] * receptance[k];
+    result.loop.push_back(L);
+    const double distance = std::abs(1.0 + L);
+    if (distance < result.margin) result.margin = distance, result.margin_frequency = frequency[k];
+    if (k == 0) continue;
+    const double step = std::arg((1.0 + L) / (1.0 + result.loop[k - 1]));
+    angle += step;
+    if (std::abs(step) > std::numbers::pi / 2) result.resolved = false;
+  }
+  result.turns = angle / (2 * std::numbers::pi);
+  result.unstable = std::max(0, int(std::lround(-angle / std::numbers::pi)));
+  return result;
+}
+
+}  // namespace rosin::analysis::response

@@ -1,0 +1,4 @@
+/// Where sliding is steady, and whether it stays so: the steady curve, eigenvalues, and the borders of stability.
+#pragma once
+#include "analysis/steady/curve.hpp"
+#include "analysis/steady/stability.hpp"

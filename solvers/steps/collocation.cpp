@@ -1,0 +1,536 @@
+/// The collocation method: simplified Newton on decoupled blocks, error control, events, variational equations.
+#include "solvers/steps/collocation.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/stop.hpp"
+#include "solvers/steps/lu.hpp"
+
+namespace rosin::solvers::steps {
+
+namespace {
+constexpr int s = Collocation::stages;
+constexpr double rounding = 2.3e-16;
+constexpr int step_iterations = 12;     ///< more are not worth it: a shorter step converges faster
+constexpr int patient_iterations = 60;  ///< where the length is given
+constexpr int corner_attempt = 4;       ///< failures of Newton's method after which a corner is looked for
+/// In scales: digits that cancel leave less than their bound, which may be large. The second serves where no step
+/// succeeds with the first.
+constexpr double most_rounding[] = {1e-6, 0.1};
+constexpr int rounding_attempt = 12;
+constexpr double least_factor = 0.1, greatest_factor = 8, safety = 0.85;
+}  // namespace
+
+Collocation::Collocation(const System& system, double tolerance)
+    : system_(system),
+      tableau_(RadauTableau::get()),
+      n_(system.size()),
+      tolerance_(std::max(tolerance, least_tolerance)),
+      growth_(n_),
+      oscillations_(tableau_, n_, tolerance_),
+      most_rounding_(most_rounding[0]) {
+  if (s * n_ > largest_lu)
+    throw InputError(fmt::format("{} unknowns are more than the collocation takes, {}", n_, largest_lu / s));
+  // The embedded estimate falls with h^6, the error of the solution with h^9: ask of the estimate what makes the
+  // solution meet the tolerance (after the idea of Hairer & Wanner 1999 for their code of variable order). Unknowns
+  // that are moderately stiff, such as the slip rate in slow stick, keep an error of the size of the estimate.
+  estimate_tolerance_ = std::pow(tolerance_, 2.0 / 3);
+  bound_share_ = std::min(1.0, std::pow(tolerance_ / 1e-6, 1.0 / 9));
+  const int n = n_;
+  for (auto* v : {&carry_, &y_, &y_before_, &f0_, &mass_, &scale_, &work_}) v->assign(n, 0.0);
+  for (auto* v : {&Z_, &Z_trial_, &residual_, &stage_mass_}) v->assign(s * n, 0.0);
+  J_.assign(n * n, 0.0);
+  real_lu_.assign(n * n, 0.0);
+  real_pivot_.assign(n, 0);
+  real_right_.assign(n, 0.0);
+  for (int k = 0; k < 2; ++k) {
+    pair_lu_[k].assign(n * n, 0.0);
+    pair_right_[k].assign(n, 0.0);
+    pair_pivot_[k].assign(n, 0);
+  }
+  f_stage_.assign(n, 0.0);
+}
+
+double Collocation::norm(const double* v) const {
+  double sum = 0;
+  for (int i = 0; i < n_; ++i) {
+    const double e = v[i] / scale_[i];
+    sum += e * e;
+  }
+  return std::sqrt(sum / n_);  // NaN stays NaN
+}
+
+bool Collocation::start(double t, std::span<const double> y) {
+  t_ = t_before_ = t;
+  y_.assign(y.begin(), y.end());
+  y_before_ = y_;
+  std::fill(carry_.begin(), carry_.end(), 0.0);
+  h_next_ = 0;
+  fresh_ = true;
+  rounded_ = false;
+  rejections_ = 0;
+  // What a solution costs and gives must not depend on those before it.
+  oscillations_.forget();
+  system_.mass(t, mass_.data());
+  if (!make_consistent()) return false;
+  y_before_ = y_;
+  kink_side_ = 0;
+  has_kink_ = !std::isnan(system_.kink(y_.data()));
+  if (has_kink_) end_at_kink();
+  return true;
+}
+
+bool Collocation::make_consistent() {
+  // Newton on the algebraic rows in the algebraic unknowns.
+  std::vector<int> rows;
+  for (int i = 0; i < n_; ++i)
+    if (mass_[i] == 0) rows.push_back(i);
+  const int m = int(rows.size());
+  if (m == 0) return true;
+  std::vector<double> a(m * m), r(m);
+  std::vector<int> pivot(m);
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    system_.linearise(t_, y_.data(), f0_.data(), J_.data());
+    ++count_.linearisations;
+    for (int i = 0; i < m; ++i) {
+      r[i] = -f0_[rows[i]];
+      for (int j = 0; j < m; ++j) a[i * m + j] = J_[rows[i] * n_ + rows[j]];
+    }
+    if (!factorise_lu(a, pivot, m)) return false;
+    solve_lu(a, pivot, m, r.data());
+    system_.scale(y_.data(), scale_.data());
+    double change = 0, leap = 0;
+    for (int i = 0; i < m; ++i) {
+      const double scale = scale_[rows[i]], step = std::abs(r[i]);
+      change = std::max(change, step / scale);
+      leap = std::max(leap, step / std::max(scale, 0.1 * std::abs(y_[rows[i]])));
+    }
+    if (!std::isfinite(change)) return false;
+    const double damping = std::min(1.0, 1.0 / leap);  // exponentials: no step beyond one scale, or a digit or two
+    for (int i = 0; i < m; ++i) y_[rows[i]] += damping * r[i];
+    if (change < 1e-13) break;
+  }
+  return true;
+}
+
+/// At a corner of an algebraic row (|v| at v = 0) the last step may have ended short of it, but with all solutions
+/// beyond, where the row has another slope: then Newton's method goes to and fro however short the step. The last
+/// digits of the algebraic unknowns decide the side. Where the slope stays, they stay too: the row may turn there, and
+/// new digits at each step would go on for ever by ever shorter ones.
+void Collocation::look_for_corner() {
+  constexpr double corner = 0.05;  // relative change of a slope
+  const std::vector<double> arrived = y_, before = J_;
+  bool turned = false;
+  if (make_consistent()) {
+    system_.linearise(t_, y_.data(), f0_.data(), J_.data());
+    ++count_.linearisations;
+    for (int i = 0; i < n_; ++i) {
+      const double was = before[i * n_ + i];
+      turned |= mass_[i] == 0 && std::abs(J_[i * n_ + i] - was) > corner * std::abs(was);
+    }
+  }
+  if (turned) return;
+  y_ = arrived;
+  system_.linearise(t_, y_.data(), f0_.data(), J_.data());
+  ++count_.linearisations;
+}
+
+void Collocation::factorise(double h) {
+  const int n = n_;
+  ++count_.factorisations;
+  for (int i = 0; i < n * n; ++i) real_lu_[i] = -J_[i];
+  for (int k = 0; k < 2; ++k)
+    for (int i = 0; i < n * n; ++i) pair_lu_[k][i] = -J_[i];
+  for (int i = 0; i < n; ++i) {
+    real_lu_[i * n + i] += tableau_.gamma / h * mass_[i];
+    for (int k = 0; k < 2; ++k) pair_lu_[k][i * n + i] += tableau_.pair[k] / h * mass_[i];
+  }
+  if (!factorise_lu(real_lu_, real_pivot_, n)) real_lu_[0] = NAN;
+  for (int k = 0; k < 2; ++k)
+    if (!factorise_lu(pair_lu_[k], pair_pivot_[k], n)) pair_lu_[k][0] = NAN;
+}
+
+/// The rate of growth that a step of length h follows to the tolerance: z/h, with z where the method errs by so much of
+/// e^z. The error estimate does not tell while what grows is small, and beyond its pole at z = γ the method damps it.
+double Collocation::growth_followed(double h) const {
+  constexpr double last_term = 2.2e-9;
+  return std::min(std::pow(tolerance_ / last_term, 1.0 / (2 * s)), 0.5 * tableau_.gamma) / h;
+}
+
+/// Modes that grow in pairs escape the test where a step passes the bound of both at once: h, or the first length on
+/// the way to it from that of the last step, or at a start from far below, that passes the bound of one.
+double Collocation::within_growth(double h) {
+  constexpr double apart = 1.5, far_below = 1e-7;
+  for (double shorter = fresh_ ? far_below * h : h_last_; shorter < h; shorter *= apart)
+    if (growth_.faster_than(growth_followed(shorter), mass_, J_)) return shorter;
+  return h;
+}
+
+Collocation::Newton Collocation::solve_stages(double t, const double* y0, double h, int most_iterations,
+                                              bool to_rounding) {
+  const int n = n_;
+  for (int i = 0; i < s; ++i) system_.mass(node_time(t, tableau_.c[i] * h), &stage_mass_[i * n]);
+  const double goal = std::max(0.01 * tolerance_, 20 * rounding);
+  double previous = 0, rate = 1, change = 0;
+  const auto stalled = [&] {
+    if (change < 1e3 * rounding) return Newton::converged;
+    return to_rounding && change <= std::min(rounding_error(), most_rounding_) ? Newton::rounded : Newton::slow;
+  };
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    iterations_ = iteration + 1;
+    // Residual f(Y_i) − M_i (A⁻¹ Z)_i / h.
+    for (int i = 0; i < s; ++i) {
+      for (int k = 0; k < n; ++k) work_[k] = y0[k] + Z_trial_[i * n + k];
+      system_.evaluate(node_time(t, tableau_.c[i] * h), work_.data(), &residual_[i * n]);
+      for (int k = 0; k < n; ++k) {
+        double sum = 0;
+        for (int j = 0; j < s; ++j) sum += tableau_.a_inverse[i][j] * Z_trial_[j * n + k];
+        residual_[i * n + k] -= stage_mass_[i * n + k] * sum / h;
+      }
+    }
+    count_.evaluations += s;
+    // Decoupled blocks: (λ_k M/h − J) w_k = (T⁻¹ residual)_k, ΔZ = T w.
+    change = 0;
+    auto& real_part = real_right_;
+    for (int k = 0; k < n; ++k) {
+      real_part[k] = 0;
+      for (int i = 0; i < s; ++i) real_part[k] += tableau_.real_row[i] * residual_[i * n + k];
+    }
+    solve_lu(real_lu_, real_pivot_, n, real_part.data());
+    auto& w = pair_right_;
+    for (int p = 0; p < 2; ++p) {
+      for (int k = 0; k < n; ++k) {
+        w[p][k] = 0;
+        for (int i = 0; i < s; ++i) w[p][k] += tableau_.pair_row[p][i] * residual_[i * n + k];
+      }
+      solve_lu(pair_lu_[p], pair_pivot_[p], n, w[p].data());
+    }
+    for (int i = 0; i < s; ++i) {
+      for (int k = 0; k < n; ++k) {
+        const double delta =
+            tableau_.real_column[i] * real_part[k] + 2 * (product(tableau_.pair_column[0][i], w[0][k]).real() +
+                                                          product(tableau_.pair_column[1][i], w[1][k]).real());
+        Z_trial_[i * n + k] += delta;
+        const double e = delta / scale_[k];
+        change += e * e;
+      }
+    }
+    change = std::sqrt(change / (s * n));
+    if (!std::isfinite(change)) return Newton::not_finite;
+    if (change <= 20 * rounding) return Newton::converged;
+    if (iteration > 0) {
+      rate = change / previous;
+      if (rate < 1 && change * rate / (1 - rate) <= goal) return Newton::converged;
+      if (rate > 0.99 && iteration > 2) return stalled();
+      // Will the remaining iterations suffice?
+      if (iteration > 2 && rate < 1 && change * std::pow(rate, most_iterations - 1 - iteration) / (1 - rate) > goal)
+        return stalled();
+    }
+    previous = change;
+  }
+  return stalled();
+}
+
+double Collocation::estimate_error(double t, const double* y0, double h, bool refine) {
+  const int n = n_;
+  std::vector<double>& e = f_stage_;
+  const auto solve = [&](const double* f) {
+    for (int k = 0; k < n; ++k) {
+      double sum = 0;
+      for (int i = 0; i < s; ++i) sum += tableau_.error_weights[i] * Z_trial_[i * n + k];
+      e[k] = f[k] + tableau_.gamma / h * mass_[k] * sum;
+    }
+    solve_lu(real_lu_, real_pivot_, n, e.data());
+  };
+  solve(f0_.data());
+  double size = norm(e.data());
+  const double ringing = oscillations_.error(
+      {h, h * growth_followed(h), y_, mass_, J_, scale_, real_lu_, real_pivot_, {e.data(), std::size_t(n)}, size});
+  if (refine && size > estimate_tolerance_) {
+    // Filters the stiff components once more (Hairer & Wanner, IV.8). Not at a start: that would hide the transient of
+    // a start off the stiff components' own motion, which a long step skips at every tolerance alike.
+    for (int k = 0; k < n; ++k) work_[k] = y0[k] + e[k];
+    std::vector<double>& f = residual_;
+    system_.evaluate(t, work_.data(), f.data());
+    ++count_.evaluations;
+    solve(f.data());
+    size = norm(e.data());
+  }
+  if (size > estimate_tolerance_) size = beyond_rounding(e);
+  // The error of an oscillation falls with h^10, this estimate with h^6.
+  return std::max(size / estimate_tolerance_, std::pow(ringing / tolerance_, 0.6));
+}
+
+/// What may be wrong with f in row i by rounding.
+double Collocation::last_digits(int row) const { return last_digits_of_terms(&J_[row * n_], y_.data(), n_); }
+
+/// What the last digits of f leave in the embedded estimate of a step whose matrix is factorised, in scales.
+double Collocation::rounding_error() {
+  for (int i = 0; i < n_; ++i) work_[i] = last_digits(i);
+  solve_lu(real_lu_, real_pivot_, n_, work_.data());
+  return norm(work_.data());
+}
+
+/// The size, in scales, of what exceeds in an estimate what the last digits of algebraic rows leave there: steps of any
+/// length find that again.
+double Collocation::beyond_rounding(const std::vector<double>& estimate) {
+  for (int i = 0; i < n_; ++i) work_[i] = mass_[i] == 0 ? last_digits(i) : 0;
+  solve_lu(real_lu_, real_pivot_, n_, work_.data());
+  for (int i = 0; i < n_; ++i)
+    work_[i] = std::max(std::abs(estimate[i]) - std::min(std::abs(work_[i]), most_rounding_ * scale_[i]), 0.0);
+  return norm(work_.data());
+}
+
+double Collocation::first_step(double t_limit) {
+  // A step in which the solution changes by a tenth of its scale, from the differential rows.
+  double fastest = 0;
+  for (int i = 0; i < n_; ++i)
+    if (mass_[i] > 0) fastest = std::max(fastest, std::abs(f0_[i] / mass_[i]) / scale_[i]);
+  // Stiff rows decay on 1/|J|; the step may be longer, error control decides.
+  const double guess = fastest > 0 ? 0.01 / fastest : 1e-3 * (t_limit - t_);
+  // Shorter at smaller tolerances, so that two of them never take the same steps over a transient, nor find the same
+  // samples within the first.
+  const double share = 0.1 * std::cbrt(tolerance_);
+  double first = std::min({bound_share_ * guess, share * (t_limit - t_), system_.resolution()});
+  if (resolve_starts_) {
+    double response = 0;  // largest sum of a row of M⁻¹ J, in scales
+    for (int i = 0; i < n_; ++i) {
+      double sum = 0;
+      for (int j = 0; j < n_; ++j) sum += std::abs(J_[i * n_ + j]) * scale_[j];
+      if (mass_[i] > 0) response = std::max(response, sum / (mass_[i] * scale_[i]));
+    }
+    if (response > 0 && std::isfinite(response)) first = std::min(first, bound_share_ / response);
+  }
+  return std::max(first, 16 * rounding * std::abs(t_));
+}
+
+Outcome Collocation::step(double t_limit) {
+  end_if_stopped();
+  const int n = n_;
+  last_moment_ = std::nextafter(t_limit, t_);
+  system_.mass(t_, mass_.data());
+  system_.linearise(t_, y_.data(), f0_.data(), J_.data());
+  ++count_.linearisations;
+  system_.scale(y_.data(), scale_.data());
+  for (int i = 0; i < n; ++i)
+    if (!std::isfinite(f0_[i]))
+      return {Ending::not_finite, fmt::format("at t = {:.9g} s in '{}'", t_, system_.unknown(i))};
+  double h = h_next_ > 0 ? h_next_ : first_step(t_limit);
+  h = std::min({h, system_.resolution(), longest_step_, oscillations_.longest_step()});
+  h = within_growth(h);
+  // Where nothing depends on time, steps may be shorter than the clock shows, as in a fast slip after a long stick, or
+  // while friction turns over in a reversal.
+  const double shortest = (system_.autonomous() ? 1e-30 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
+  bool rejected = false;
+  constexpr int shortened = 3;
+  const double first_tried = h, planned = rejections_ < shortened ? h : 0;
+  for (int attempt = 0;; ++attempt) {
+    if (attempt == rounding_attempt && most_rounding_ < most_rounding[1]) {
+      most_rounding_ = most_rounding[1];
+      h = first_tried;
+    }
+    const double remaining = t_limit - t_;
+    bool last = false;
+    if (h >= remaining * (1 - 1e-12) && remaining <= longest_step_)
+      h = remaining, last = true;
+    else if (h > 0.5 * remaining)
+      h = 0.5 * remaining;  // no sliver at the end
+    while (h >= shortest && growth_.faster_than(growth_followed(h), mass_, J_)) h *= 0.5, last = false;
+    if (h < shortest || attempt > 200 || !(h > 0)) {
+      int worst = 0;
+      for (int i = 1; i < n; ++i)
+        if (std::abs(f_stage_[i]) / scale_[i] > std::abs(f_stage_[worst]) / scale_[worst]) worst = i;
+      return {Ending::tolerance_not_met,
+              fmt::format("at t = {:.9g} s the step fell to {:.3g} s in '{}'", t_, h, system_.unknown(worst))};
+    }
+    factorise(h);
+    // Start from the polynomial of the last step, extrapolated.
+    if (fresh_ || rejected) {
+      std::fill(Z_trial_.begin(), Z_trial_.end(), 0.0);
+    } else {
+      for (int i = 0; i < s; ++i) {
+        interpolate(1 + tableau_.c[i] * h / h_last_, &Z_trial_[i * n]);
+        for (int k = 0; k < n; ++k) Z_trial_[i * n + k] -= y_[k];
+      }
+      // An extrapolation that jumps by more than a scale is no help to Newton.
+      if (!(norm(&Z_trial_[(s - 1) * n]) < 1)) std::fill(Z_trial_.begin(), Z_trial_.end(), 0.0);
+    }
+    // What shorter steps have not made smaller may be what the last digits of the forces leave; but where slip is about
+    // to jump, all steps that the clock shows are too long.
+    const bool to_rounding = rejections_ >= shortened && h > 4 * rounding * std::abs(t_);
+    const Newton newton = solve_stages(t_, y_.data(), h, step_iterations, to_rounding);
+    if (newton == Newton::slow || newton == Newton::not_finite) {
+      if (attempt == corner_attempt) look_for_corner();
+      ++count_.rejected;
+      ++rejections_;
+      h *= newton == Newton::not_finite ? 0.25 : 0.4;
+      rejected = true;
+      continue;
+    }
+    const double error = estimate_error(t_, y_.data(), h, rejected && !fresh_);
+    double factor = safety * std::pow(std::max(error, 1e-12), -1.0 / (s + 1));
+    if (!(error <= 1)) {
+      ++count_.rejected;
+      ++rejections_;
+      h = oscillations_.longest_step() < h ? oscillations_.longest_step()
+                                           : h * (std::isfinite(error) ? std::clamp(factor, least_factor, 0.9) : 0.2);
+      rejected = true;
+      continue;
+    }
+    // Shorter steps would not have helped against rounding, and its part of the error has no trend.
+    const bool was_rounded = rounded_;
+    rounded_ = newton == Newton::rounded;
+    if (attempt == 0 && !rounded_) rejections_ = 0;
+    // Predictive control (Gustafsson): the trend of the error over two steps.
+    if (!fresh_ && error_last_ > 0 && !rounded_ && !was_rounded)
+      factor = std::min(factor, factor * (h / h_last_) * std::pow(error_last_ / std::max(error, 1e-12), 1.0 / (s + 1)));
+    // Steps that Newton barely managed are not lengthened, else the next one fails.
+    const double manageable = iterations_ >= 8 ? 0.95 : iterations_ >= 6 ? 1.15 : greatest_factor;
+    factor = std::clamp(factor, least_factor, rejected ? 1.0 : manageable);
+    error_last_ = std::max(error, 1e-3);
+    Z_.swap(Z_trial_);
+    y_before_ = y_;
+    t_before_ = t_;
+    oscillations_.accept();
+    for (int k = 0; k < n; ++k) {
+      const double change = Z_[(s - 1) * n + k] + carry_[k];
+      y_[k] += change;
+      carry_[k] = change - (y_[k] - y_before_[k]);
+    }
+    t_ = last ? t_limit : t_ + h;
+    h_last_ = h;
+    // A step cut by the limit says nothing against the longer one that was planned.
+    h_next_ = last && h_next_ > h ? std::max(h_next_, h * factor) : h * factor;
+    if (rounded_) h_next_ = std::max(h_next_, planned);
+    fresh_ = false;
+    ++count_.steps;
+    ended_at_kink_ = false;
+    if (has_kink_) end_at_kink();
+    return {};
+  }
+}
+
+/// A step over a kink is of no order, and neither its estimate nor the difference of two tolerances can be trusted to
+/// show what it misses: it ends there instead, and the next begins anew.
+void Collocation::end_at_kink() {
+  constexpr double across = 1e-13;  // more than the rounding of a step that ended there
+  const double end = system_.kink(y_.data());
+  if (kink_side_ == 0 && std::abs(end) > across) kink_side_ = end > 0 ? 1 : -1;
+  if (!(kink_side_ * end < -across)) return;
+  const double begin = system_.kink(y_before_.data());
+  const auto theta = locate([&](double, const double* y) { return system_.kink(y); }, 0, 1,
+                            kink_side_ * std::max(kink_side_ * begin, 0.0), end);
+  ended_at_kink_ = theta && shorten(*theta);
+  kink_side_ = 0;
+  fresh_ = true;
+}
+
+void Collocation::interpolate(double theta, double* y) const {
+  for (int k = 0; k < n_; ++k) y[k] = y_before_[k];
+  for (int i = 0; i < s; ++i) {
+    double weight = 0;
+    for (int k = s - 1; k >= 0; --k) weight = (weight + tableau_.dense[i][k]) * theta;
+    for (int k = 0; k < n_; ++k) y[k] += weight * Z_[i * n_ + k];
+  }
+}
+
+void Collocation::stage(int i, double* y) const {
+  for (int k = 0; k < n_; ++k) y[k] = y_before_[k] + Z_[i * n_ + k];
+}
+
+void Collocation::rate(double* rate) const {
+  for (int k = 0; k < n_; ++k) {
+    double sum = 0;
+    for (int j = 0; j < s; ++j) sum += tableau_.a_inverse[s - 1][j] * Z_[j * n_ + k];
+    rate[k] = sum / h_last_;
+  }
+}
+
+bool Collocation::solve_at(double theta, double* y) {
+  const int n = n_;
+  if (theta <= 0 || theta >= 1) {
+    const auto& end = theta <= 0 ? y_before_ : y_;
+    std::copy(end.begin(), end.end(), y);
+    return true;
+  }
+  const double h = theta * h_last_;
+  system_.mass(t_before_, mass_.data());
+  interpolate(theta, y);
+  // With the Jacobian at the start of the step, or, where Newton's method does not come to an end so, at theta.
+  for (const bool at_start : {true, false}) {
+    system_.linearise(at_start ? t_before_ : t_before_ + h, at_start ? y_before_.data() : y, f0_.data(), J_.data());
+    ++count_.linearisations;
+    factorise(h);
+    for (int i = 0; i < s; ++i) {
+      interpolate(theta * tableau_.c[i], &Z_trial_[i * n]);
+      for (int k = 0; k < n; ++k) Z_trial_[i * n + k] -= y_before_[k];
+    }
+    const Newton newton = solve_stages(t_before_, y_before_.data(), h, patient_iterations);
+    const double* change = &Z_trial_[(s - 1) * n];
+    for (int k = 0; k < n; ++k) work_[k] = y_before_[k] + change[k] - y[k];
+    constexpr double astray = 0.1;  // scales: where it may end otherwise
+    if (newton == Newton::not_finite || (newton == Newton::slow && !(norm(work_.data()) < astray))) continue;
+    for (int k = 0; k < n; ++k) y[k] = y_before_[k] + change[k];
+    return true;
+  }
+  return false;
+}
+
+bool Collocation::shorten(double theta) {
+  if (theta >= 1) return true;
+  std::vector<double> y(n_);
+  if (!solve_at(theta, y.data())) return false;
+  Z_.swap(Z_trial_);
+  y_ = y;
+  std::fill(carry_.begin(), carry_.end(), 0.0);
+  ended_at_kink_ = false;
+  h_last_ *= theta;
+  t_ = t_before_ + h_last_;
+  h_next_ = std::max(h_next_, h_last_);
+  return true;
+}
+
+void Collocation::propagate(std::vector<double>& S, int columns, const Forcing& forcing) {
+  // (A⁻¹⊗M/h − J_i) δZ = J_i δy₀ + ∂f/∂p stage by stage, with the exact Jacobians of the converged stages.
+  const int n = n_, m = s * n;
+  big_.assign(m * m, 0.0);
+  big_right_.assign(m * columns, 0.0);
+  big_pivot_.resize(m);
+  J_stage_.resize(n * n);
+  for (int i = 0; i < s; ++i) {
+    const double t = stage_time(i);
+    // Slopes at a kink are those of the side that the step comes from.
+    constexpr double before_kink = 1 - 1e-7;
+    if (ended_at_kink_ && i == s - 1)
+      interpolate(before_kink, work_.data());
+    else
+      stage(i, work_.data());
+    system_.linearise(t, work_.data(), f_stage_.data(), J_stage_.data());
+    system_.mass(t, &stage_mass_[i * n]);
+    if (forcing) forcing(t, work_.data(), &big_right_[i * n * columns]);
+    for (int k = 0; k < n; ++k) {
+      for (int j = 0; j < s; ++j)
+        big_[(i * n + k) * m + j * n + k] += tableau_.a_inverse[i][j] * stage_mass_[i * n + k] / h_last_;
+      for (int l = 0; l < n; ++l) {
+        big_[(i * n + k) * m + i * n + l] -= J_stage_[k * n + l];
+        for (int c = 0; c < columns; ++c)
+          big_right_[(i * n + k) * columns + c] += J_stage_[k * n + l] * S[l * columns + c];
+      }
+    }
+  }
+  count_.linearisations += s;
+  if (!factorise_lu(big_, big_pivot_, m)) {
+    std::fill(S.begin(), S.end(), NAN);
+    return;
+  }
+  solve_lu(big_, big_pivot_, m, big_right_.data(), columns);
+  for (int k = 0; k < n; ++k)
+    for (int c = 0; c < columns; ++c) S[k * columns + c] += big_right_[((s - 1) * n + k) * columns + c];
+}
+
+}  // namespace rosin::solvers::steps

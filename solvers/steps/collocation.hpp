@@ -1,0 +1,163 @@
+/// Five-stage Radau IIA collocation (order 9) for stiff systems M·ẏ = f with algebraic rows.
+///
+/// One-step, so that return maps are smooth; stiffly accurate, so that near-stick and rigid contacts cost no order.
+/// Events and kinks of the system are located by solving the step again with a shorter length, at the full order of the
+/// method.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/error.hpp"
+#include "core/system.hpp"
+#include "solvers/steps/growth.hpp"
+#include "solvers/steps/oscillations.hpp"
+#include "solvers/steps/radau_tableau.hpp"
+
+namespace rosin::solvers::steps {
+
+class Collocation {
+ public:
+  static constexpr int stages = RadauTableau::stages;
+  /// Smaller tolerances bring no more accuracy: the estimate is then held to 1e-12.
+  static constexpr double least_tolerance = 1e-18;
+
+  /// `tolerance`: relative accuracy aimed at for the solution, in units of the system's scale.
+  /// \throws InputError for more than 19 unknowns.
+  Collocation(const System&, double tolerance);
+
+  /// Begins at (t, y); algebraic unknowns are made consistent by Newton's method where they are not.
+  /// \returns false if that fails.
+  bool start(double t, std::span<const double> y);
+  /// Takes one step, not past `t_limit`. On anything but reached_end the state is unchanged.
+  Outcome step(double t_limit);
+  /// No step may be longer; infinity to lift the bound. At tolerances below 1e-6 the bound shrinks as steps do: if it
+  /// alone set the length, two tolerances would take the same steps and their difference would show no error.
+  void bound_step(double longest) { longest_step_ = longest * bound_share_; }
+  /// Starts begin within the fastest time of the Jacobian, so that a transient is seen even if a start excites it
+  /// weakly and a longer step would damp it out of sight. Costs a few steps more where there is none.
+  void resolve_starts(bool yes = true) { resolve_starts_ = yes; }
+  /// Shortens the last step to `theta` of its length (0 < theta <= 1), solved again at full order.
+  bool shorten(double theta);
+
+  double time() const { return t_; }
+  double time_before() const { return t_before_; }
+  const std::vector<double>& state() const { return y_; }
+  const std::vector<double>& state_before() const { return y_before_; }
+  /// Stage values of the last step, at time_before() + node·length.
+  void stage(int i, double* y) const;
+  double node(int i) const { return tableau_.c[i]; }
+  double stage_time(int i) const { return node_time(t_before_, tableau_.c[i] * h_last_); }
+  double time_at(double theta) const { return theta >= 1 ? t_ : node_time(t_before_, theta * h_last_); }
+  /// Length of the last step; time() − time_before() but for the rounding of the clock.
+  double length() const { return h_last_; }
+  /// The collocation polynomial of the last step, at time_before() + theta·length (order 5).
+  void interpolate(double theta, double* y) const;
+  /// The solution at time_before() + theta·length at the full order, by a step of that length from the last start.
+  /// \returns false if that step cannot be solved; y is then of the collocation polynomial.
+  bool solve_at(double theta, double* y);
+
+  /// The part θ of the last step at which f(t, y) changes sign, given brackets in θ and the values there; solved at the
+  /// full order by the Illinois method to rounding. Nothing if a step cannot be solved.
+  template <class F>
+  std::optional<double> locate(F f, double low, double high, double f_low, double f_high);
+
+  /// ∂f/∂p at (t, y), size × columns, row-major.
+  using Forcing = std::function<void(double t, const double* y, double* f_p)>;
+  /// Carries the columns of S (size × columns, row-major, differential unknowns) across the last step: multiplies them
+  /// by its derivative with respect to its start, and adds that with respect to the numbers p of a column's own.
+  void propagate(std::vector<double>& S, int columns, const Forcing& forcing = {});
+  /// Derivative of the solution in time at the end of the last step, algebraic unknowns included.
+  void rate(double* rate) const;
+
+  /// What steps have been wrong by in oscillations that they passed over, for each unknown and at most: the sum of
+  /// their errors since the solver was made. Each is within the tolerance, but an oscillation that a long step damps at
+  /// once leaves nothing behind, at this tolerance or a larger one, for their difference to show.
+  std::span<const double> ringing_errors() const { return oscillations_.passed_over(); }
+
+  struct Count {
+    long steps = 0, rejected = 0, evaluations = 0, linearisations = 0, factorisations = 0;
+  };
+  const Count& count() const { return count_; }
+
+ private:
+  /// t + dt, but before the limit of the step: a drive that jumps there must not be seen early.
+  double node_time(double t, double dt) const { return std::min(t + dt, last_moment_); }
+  /// `rounded`: converged as far as the last digits of the forces tell.
+  enum class Newton { converged, rounded, slow, not_finite };
+  /// Solves the algebraic rows for the algebraic unknowns of y_. \returns false where that fails.
+  bool make_consistent();
+  void look_for_corner();
+  void end_at_kink();
+  void factorise(double h);
+  double growth_followed(double h) const;
+  double within_growth(double h);
+  Newton solve_stages(double t, const double* y0, double h, int most_iterations, bool to_rounding = false);
+  double estimate_error(double t, const double* y0, double h, bool refine);
+  double last_digits(int row) const;
+  double rounding_error();
+  double beyond_rounding(const std::vector<double>& estimate);
+  double norm(const double* v) const;
+  double first_step(double t_limit);
+
+  const System& system_;
+  const RadauTableau& tableau_;
+  int n_;
+  double tolerance_, estimate_tolerance_;
+  GrowthTest growth_;
+  Oscillations oscillations_;
+  double most_rounding_;  ///< what the last digits of forces may leave of an unknown, in scales
+  double longest_step_ = infinity, bound_share_;
+  double last_moment_ = infinity;  ///< just before the limit of the last step
+  double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
+  bool resolve_starts_ = false;
+  bool has_kink_ = false;       ///< the system has a kink
+  double kink_side_ = 0;        ///< sign of its function where y_ belongs; 0: the next step tells
+  bool ended_at_kink_ = false;  ///< the last step did
+  bool fresh_ = true;           ///< no polynomial of an earlier step to start from
+  std::vector<double> carry_;   ///< what rounding left out of y_: a load that creeps up must not stand still
+  std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;
+  std::vector<double> real_lu_, real_right_;
+  std::vector<std::complex<double>> pair_lu_[2], pair_right_[2];
+  std::vector<int> real_pivot_, pair_pivot_[2];
+  std::vector<double> big_, big_right_, f_stage_, J_stage_;
+  std::vector<int> big_pivot_;
+  int iterations_ = 0;    ///< of the last Newton solution
+  bool rounded_ = false;  ///< the last step came as far as the last digits of the forces tell
+  int rejections_ = 0;    ///< attempts since the last step that succeeded at once
+  Count count_;
+};
+
+template <class F>
+std::optional<double> Collocation::locate(F f, double low, double high, double f_low, double f_high) {
+  std::vector<double> y(n_);
+  double theta = high;
+  int kept = 0;  // which end stayed last time
+  for (int iteration = 0; iteration < 100 && high - low > 2e-16; ++iteration) {
+    theta = f_high != f_low ? (low * f_high - high * f_low) / (f_high - f_low) : 0.5 * (low + high);
+    if (!(theta > low && theta < high)) theta = 0.5 * (low + high);
+    if (theta == low || theta == high) break;
+    if (!solve_at(theta, y.data())) return std::nullopt;
+    const double value = f(time_at(theta), y.data());
+    if (value == 0) break;
+    if (!std::isfinite(value)) return std::nullopt;
+    if ((value > 0) == (f_high > 0)) {
+      if (std::abs(high - theta) < 1e-15) break;
+      high = theta, f_high = value;
+      if (kept == -1) f_low *= 0.5;
+      kept = -1;
+    } else {
+      if (std::abs(theta - low) < 1e-15) break;
+      low = theta, f_low = value;
+      if (kept == 1) f_high *= 0.5;
+      kept = 1;
+    }
+  }
+  return theta;
+}
+
+}  // namespace rosin::solvers::steps

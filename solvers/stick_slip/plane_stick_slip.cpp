@@ -1,0 +1,368 @@
+/// Slip in logarithmic speed, its two ends, and the release from stick.
+#include "solvers/stick_slip/plane_stick_slip.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/dual.hpp"
+#include "core/error.hpp"
+#include "core/stop.hpp"
+#include "solvers/stick_slip/closed_form.hpp"
+
+namespace rosin::solvers::stick_slip {
+
+namespace {
+constexpr double least_speed = 1e-10;  ///< of the speed scale: below it the rest of a stop is taken in closed form
+enum Unknown { time_, x_0, x_1, log_speed, angle, rubbed, path, supply, unknowns };
+
+template <class Real>
+Real lifted(double value, double derivative, const Real& a) {
+  if constexpr (std::is_same_v<Real, double>)
+    return value;
+  else
+    return detail::chain(a, value, derivative);
+}
+double plain(double x) { return x; }
+template <int n>
+double plain(const Dual<double, n>& x) {
+  return x.value;
+}
+}  // namespace
+
+/// The equations of slip: unknowns t, x, ln |w|, the angle of w, and what was done, over s with dt = |w| ds.
+class PlaneStickSlip::Slip final : public System {
+ public:
+  Slip(const PlaneMass& mass, double fastest, double speed) : mass_(mass), fastest_(fastest), speed_(speed) {}
+
+  int size() const override { return unknowns; }
+  void mass(double, double* m) const override { std::fill(m, m + unknowns, 1.0); }
+  void evaluate(double, const double* y, double* f) const override { rates<double>(y, f); }
+  void linearise(double, const double* y, double* f, double* jacobian) const override {
+    using Real = Dual<double, unknowns>;
+    Real z[unknowns], g[unknowns];
+    for (int i = 0; i < unknowns; ++i) z[i] = Real::variable(y[i], i);
+    rates<Real>(z, g);
+    for (int i = 0; i < unknowns; ++i) {
+      f[i] = g[i].value;
+      for (int j = 0; j < unknowns; ++j) jacobian[i * unknowns + j] = g[i].slope[j];
+    }
+  }
+  void scale(const double*, double* s) const override {
+    const double length = speed_ / fastest_, energy = mass_.mass * speed_ * speed_;
+    const double sizes[] = {1 / fastest_, length, length, 1, 1, energy, length, energy};
+    std::copy(sizes, sizes + unknowns, s);
+  }
+  std::string unknown(int i) const override {
+    static const char* names[] = {"time",      "displacement 1", "displacement 2", "speed",
+                                  "direction", "friction work",  "path",           "work of forces"};
+    return names[i];
+  }
+  bool autonomous() const override { return true; }
+
+ private:
+  template <class Real>
+  void rates(const Real* y, Real* f) const {
+    const double t = plain(y[time_]);
+    const auto at = [&](const Signal& signal) { return lifted(signal.value(t), signal.rate(t), y[time_]); };
+    const double sine = std::sin(plain(y[angle])), cosine = std::cos(plain(y[angle]));
+    const Real e[2] = {lifted(cosine, -sine, y[angle]), lifted(sine, cosine, y[angle])};
+    const Real s = exp(y[log_speed]), limit = mass_.dynamic_friction * at(mass_.load);
+    Real R[2], supplied = 0.0;
+    for (int d = 0; d < 2; ++d) {
+      const Real v = s * e[d] + mass_.surface_velocity[d], force = at(mass_.force[d]);
+      R[d] = force - mass_.damping[d] * v - mass_.stiffness[d] * y[x_0 + d];
+      f[x_0 + d] = s * v;
+      supplied = supplied + (force - mass_.damping[d] * v) * v - limit * e[d] * mass_.surface_velocity[d];
+    }
+    f[time_] = s;
+    f[log_speed] = (R[0] * e[0] + R[1] * e[1] - limit) / mass_.mass;
+    f[angle] = (R[1] * e[0] - R[0] * e[1]) / mass_.mass;
+    f[rubbed] = limit * s * s;
+    f[path] = s * s;
+    f[supply] = supplied * s;
+  }
+  const PlaneMass& mass_;
+  double fastest_, speed_;
+};
+
+PlaneStickSlip::PlaneStickSlip(PlaneMass mass, double tolerance) : mass_(std::move(mass)), tolerance_(tolerance) {
+  const auto& m = mass_;
+  fastest_ = 0;
+  double force = m.dynamic_friction * m.load.level();
+  const auto look_at = [&](const Signal& signal) {
+    for (const auto& term : signal.piece(0).terms) fastest_ = std::max(fastest_, term.angular_frequency);
+  };
+  look_at(m.load);
+  double slowest = infinity;
+  for (int d = 0; d < 2; ++d) {
+    if (!(m.mass > 0 && m.stiffness[d] > 0)) throw InputError("a plane slider needs a mass and two springs above 0");
+    look_at(m.force[d]);
+    const double natural = std::sqrt(m.stiffness[d] / m.mass);
+    fastest_ = std::max(fastest_, natural), slowest = std::min(slowest, natural);
+    force += std::abs(m.force[d].level());
+    for (const auto& term : m.force[d].piece(0).terms) force += std::abs(term.amplitude);
+  }
+  if (!m.load.within({1e-300, infinity}))
+    throw InputError(
+        fmt::format("in the plane the load must stay above 0; about a mean of {} N amplitudes may add up to "
+                    "less than that",
+                    m.load.level()));
+  if (!(m.static_friction >= m.dynamic_friction) || !(m.dynamic_friction > 0))
+    throw InputError("in the plane 0 < dynamic friction <= static friction is needed");
+  speed_scale_ = force / (m.mass * slowest);
+  slip_ = std::make_unique<Slip>(mass_, fastest_, speed_scale_);
+  collocation_ = std::make_unique<steps::Collocation>(*slip_, tolerance_);
+}
+PlaneStickSlip::~PlaneStickSlip() = default;
+
+PlaneVector PlaneStickSlip::balance(double t, const PlaneVector& x, const PlaneVector& v) const {
+  PlaneVector R;
+  for (int d = 0; d < 2; ++d) R[d] = mass_.force[d].value(t) - mass_.damping[d] * v[d] - mass_.stiffness[d] * x[d];
+  return R;
+}
+
+double PlaneStickSlip::energy(const PlaneVector& x, const PlaneVector& v) const {
+  double sum = 0;
+  for (int d = 0; d < 2; ++d) sum += (mass_.mass * v[d] * v[d] + mass_.stiffness[d] * x[d] * x[d]) / 2;
+  return sum;
+}
+
+double PlaneStickSlip::energy_residual() const {
+  return (energy(x_, v_) - energy_at_start_ + friction_work_ - supplied_) /
+         (energy_at_start_ + friction_work_ + std::abs(supplied_) + 1e-300);
+}
+
+long PlaneStickSlip::steps() const { return collocation_->count().steps; }
+
+void PlaneStickSlip::start(double t, PlaneVector x, PlaneVector v) {
+  t0_ = t1_ = t;
+  x_ = x, v_ = v;
+  PlaneVector w;
+  for (int d = 0; d < 2; ++d) w[d] = v[d] - mass_.surface_velocity[d];
+  speed_scale_ = std::max(speed_scale_, length<2>(w));
+  const auto R = balance(t, x, v);
+  from_rest_ = length<2>(w) == 0;
+  next_stick_ = from_rest_ && length<2>(R) <= mass_.static_friction * mass_.load.value(t);
+  release_direction_ = from_rest_ ? R : w;
+  fresh_ = true;
+  stick_time_ = friction_work_ = path_length_ = supplied_ = 0;
+  energy_at_start_ = energy(x, v);
+}
+
+/// Unknowns of slip from (t1_, x_, v_) on; from rest by the series of speed and direction over a first short time.
+void PlaneStickSlip::begin_slip(double t, double end, bool from_rest, const PlaneVector& direction) {
+  const auto& V = mass_.surface_velocity;
+  std::vector<double> y(unknowns, 0.0);
+  y[time_] = t, y[x_0] = x_[0], y[x_1] = x_[1];
+  if (!from_rest) {
+    y[log_speed] = std::log(length<2>(direction)), y[angle] = std::atan2(direction[1], direction[0]);
+  } else {
+    // R + Ṙ t + R̈ t²/2 along e = R/|R| and across it; friction takes μd N from the part along.
+    const double m = mass_.mass, muk = mass_.dynamic_friction, h = std::min(1e-5 / fastest_, (end - t) / 2),
+                 r = length<2>(direction);
+    const PlaneVector e = {direction[0] / r, direction[1] / r};
+    const auto N = ClosedForm<double>(mass_.load.piece(t), t).derivatives(0);
+    const double a = std::max(0.0, (r - muk * N[0]) / m);
+    PlaneVector first, second;
+    for (int d = 0; d < 2; ++d) {
+      const auto f = ClosedForm<double>(mass_.force[d].piece(t), t).derivatives(0);
+      first[d] = f[1] - mass_.damping[d] * a * e[d] - mass_.stiffness[d] * V[d];
+      second[d] = f[2] - mass_.stiffness[d] * a * e[d];
+    }
+    const double along = dot<2>(first, e), across = first[1] * e[0] - first[0] * e[1];
+    const double jerk = (along - muk * N[1]) / m;
+    for (int d = 0; d < 2; ++d) second[d] -= mass_.damping[d] * jerk * e[d];
+    const double turn = across / (r + m * a);  // of the direction, rad/s
+    // What turns away from e no longer pulls along it: |R|'s second rate has across²/r where the direction follows.
+    const double snap = (dot<2>(second, e) + 2 * turn * across - turn * turn * r - muk * N[2]) / m;
+    const double s = h * (a + h * (jerk / 2 + h * snap / 6));
+    const double moved = h * h * (a / 2 + h * (jerk / 6 + h * snap / 24));
+    // The direction lags behind R by what the speed still weighs.
+    const double lag = a > 0 ? 0 : across / r * m * s / r;
+    const double phi = std::atan2(e[1], e[0]) + turn * h - lag;
+    y[time_] = t + h;
+    for (int d = 0; d < 2; ++d) y[x_0 + d] += V[d] * h + moved * e[d];
+    y[log_speed] = std::log(std::max(s, 1e-3 * least_speed * speed_scale_)), y[angle] = phi;
+    y[rubbed] = muk * N[0] * moved, y[path] = moved;
+    for (int d = 0; d < 2; ++d)
+      y[supply] += (mass_.force[d].value(t) - mass_.damping[d] * V[d]) * (V[d] * h + moved * e[d]) -
+                   muk * N[0] * e[d] * V[d] * h;
+  }
+  friction_work_ += y[rubbed], path_length_ += y[path], supplied_ += y[supply];
+  collocation_->start(0, y);
+}
+
+/// The first time in (from, to] at which stick gives way, or infinity.
+double PlaneStickSlip::release(double from, double to) const {
+  using Form = ClosedForm<double>;
+  Form N(mass_.load.piece(from), from), R[2];
+  for (int d = 0; d < 2; ++d) {
+    const double V = mass_.surface_velocity[d], k = mass_.stiffness[d];
+    R[d] = Form(mass_.force[d].piece(from), from);
+    R[d].add(-1, Form(Signal::Piece{mass_.damping[d] * V + k * x_[d], k * V, {}}, from));
+  }
+  const double mus = mass_.static_friction, span = to - from;
+  const auto bound_N = N.bounds(0, span), bound_0 = R[0].bounds(0, span), bound_1 = R[1].bounds(0, span);
+  const auto second = [](const auto& b) { return 2 * (b[1] * b[1] + b[0] * b[2]); };
+  const double bend = mus * mus * second(bound_N) + second(bound_0) + second(bound_1);
+  const double size = mus * mus * bound_N[0] * bound_N[0] + bound_0[0] * bound_0[0] + bound_1[0] * bound_1[0];
+  double tau = 0;
+  while (true) {
+    const auto n = N.derivatives(tau), a = R[0].derivatives(tau), b = R[1].derivatives(tau);
+    const double left = mus * mus * n[0] * n[0] - a[0] * a[0] - b[0] * b[0];
+    const double slope = 2 * (mus * mus * n[0] * n[1] - a[0] * a[1] - b[0] * b[1]);
+    if (left <= 4e-16 * size) {
+      if (slope < 0) return from + std::clamp(tau - left / slope, 0.0, span);
+      // at the limit and moving away from it
+      tau += std::max(1e-9 / fastest_, bend > 0 ? slope / bend : 0);
+    } else {
+      if (tau >= span) return infinity;
+      const double root = std::sqrt(slope * slope + 2 * bend * left);
+      const double step = bend == 0 ? span : slope > 0 ? (slope + root) / bend : 2 * left / (root - slope);
+      if (tau + step == tau) return from + tau;
+      tau += step;
+    }
+    if (tau > span) {
+      tau = span;
+      const double last = mus * N(span);
+      if (last * last >= R[0](span) * R[0](span) + R[1](span) * R[1](span)) return infinity;
+    }
+  }
+}
+
+Outcome PlaneStickSlip::advance(double limit, Switch& switched) {
+  end_if_stopped();
+  switched = Switch::none;
+  const auto& V = mass_.surface_velocity;
+  t0_ = t1_;
+  const double drive_break =
+      std::min({mass_.load.next_break(t0_), mass_.force[0].next_break(t0_), mass_.force[1].next_break(t0_)});
+  const double end = std::min(limit, drive_break);
+  if (fresh_) {
+    stick_ = next_stick_;
+    if (!stick_) begin_slip(t1_, end, from_rest_, release_direction_);
+    fresh_ = false;
+  }
+  if (stick_) {
+    stick_x_ = x_;
+    const double until = release(t0_, end);
+    t1_ = std::min(until, end);
+    for (int d = 0; d < 2; ++d) {
+      x_[d] += V[d] * (t1_ - t0_);
+      v_[d] = V[d];
+    }
+    stick_time_ += t1_ - t0_;
+    for (int d = 0; d < 2; ++d) {  // a surface that moves works against spring and damper
+      supplied_ += mass_.stiffness[d] * (x_[d] * x_[d] - stick_x_[d] * stick_x_[d]) / 2;
+    }
+    if (until <= end) {
+      switched = Switch::slip;
+      release_direction_ = balance(t1_, x_, v_);
+      from_rest_ = fresh_ = true, next_stick_ = false;
+    } else if (end == drive_break) {
+      release_direction_ = balance(t1_, x_, v_);
+      next_stick_ = length<2>(release_direction_) <= mass_.static_friction * mass_.load.value(t1_);
+      if (!next_stick_) switched = Switch::slip, from_rest_ = fresh_ = true;
+    }
+    return {};
+  }
+
+  const auto before = collocation_->state();
+  const Outcome outcome = collocation_->step(infinity);
+  if (!outcome.complete()) return outcome;
+  const double stop = std::log(least_speed * speed_scale_);
+  const auto until = [&](int unknown, double value) {
+    const auto& now = collocation_->state();
+    const auto theta = collocation_->locate([&](double, const double* y) { return y[unknown] - value; }, 0, 1,
+                                            before[unknown] - value, now[unknown] - value);
+    return theta && collocation_->shorten(*theta);
+  };
+  // Slip may begin below the speed that ends it: then it rises.
+  const double lowest = collocation_->state()[log_speed];
+  bool stops = lowest < stop && lowest < before[log_speed];
+  if (stops && before[log_speed] > stop && !until(log_speed, stop))
+    return {Ending::not_finite, "while locating a stop"};
+  const bool ends = collocation_->state()[time_] >= end;
+  if (ends && collocation_->state()[time_] > end) {
+    stops = false;
+    if (!until(time_, end)) return {Ending::not_finite, "while locating the end of a piece"};
+  }
+  const auto& y = collocation_->state();
+  friction_work_ += y[rubbed] - before[rubbed];
+  path_length_ += y[path] - before[path];
+  supplied_ += y[supply] - before[supply];
+  const double s = std::exp(y[log_speed]);
+  const PlaneVector e = {std::cos(y[angle]), std::sin(y[angle])};
+  t1_ = ends ? end : y[time_];
+  x_ = {y[x_0], y[x_1]};
+  for (int d = 0; d < 2; ++d) v_[d] = V[d] + s * e[d];
+  const double brake = (mass_.dynamic_friction * mass_.load.value(t1_) - dot<2>(balance(t1_, x_, v_), e)) / mass_.mass;
+  if (stops && brake > 0) {
+    const double rest = s / brake;
+    t1_ += rest;
+    for (int d = 0; d < 2; ++d) x_[d] += rest * (V[d] + s * e[d] / 2), v_[d] = V[d];
+    friction_work_ += mass_.dynamic_friction * mass_.load.value(t1_) * s * rest / 2;
+    path_length_ += s * rest / 2;
+    for (int d = 0; d < 2; ++d)
+      supplied_ += (mass_.force[d].value(t1_) - mass_.damping[d] * V[d]) * (V[d] + s * e[d] / 2) * rest -
+                   mass_.dynamic_friction * mass_.load.value(t1_) * e[d] * V[d] * rest;
+    release_direction_ = balance(t1_, x_, v_);
+    next_stick_ = length<2>(release_direction_) <= mass_.static_friction * mass_.load.value(t1_);
+    from_rest_ = fresh_ = true;
+    switched = next_stick_ ? Switch::stick : Switch::reversal;
+  } else if (ends && end == drive_break) {
+    fresh_ = true, from_rest_ = false;
+    for (int d = 0; d < 2; ++d) release_direction_[d] = s * e[d];
+  }
+  return {};
+}
+
+PlaneStickSlip::Seen PlaneStickSlip::at(double t) {
+  const auto& V = mass_.surface_velocity;
+  if (stick_) {
+    Seen seen{stick_x_, V, {}};
+    for (int d = 0; d < 2; ++d) seen.displacement[d] += V[d] * (t - t0_);
+    seen.friction = balance(t, seen.displacement, V);
+    for (double& F : seen.friction) F = -F;
+    return seen;
+  }
+  // The point of the step at which its clock shows t.
+  std::vector<double> y(unknowns);
+  const auto& last = collocation_->state();
+  const auto clock = [&](double theta) {
+    collocation_->interpolate(theta, y.data());
+    return y[time_];
+  };
+  Seen seen{x_, v_, {}};
+  double phi = last[angle];
+  if (t <= collocation_->state_before()[time_]) {  // within the series that slip began with
+    const auto& first = collocation_->state_before();
+    const double s = std::exp(first[log_speed]);
+    phi = first[angle];
+    for (int d = 0; d < 2; ++d) {
+      const double w = s * (d == 0 ? std::cos(phi) : std::sin(phi));
+      seen.displacement[d] = first[x_0 + d] - (V[d] + w) * (first[time_] - t);
+      seen.velocity[d] = V[d] + w;
+    }
+  } else if (t < last[time_]) {
+    double low = 0, high = 1, theta = 0.5;
+    for (int i = 0; i < 60 && high - low > 1e-15; ++i) (clock(theta = 0.5 * (low + high)) < t ? low : high) = theta;
+    // The polynomial is of lower order than the step: corrected by Newton's method at full order.
+    for (int i = 0; i < 3; ++i) {
+      collocation_->solve_at(theta, y.data());
+      const double rate = std::exp(y[log_speed]) * collocation_->length();
+      theta = std::clamp(theta - (y[time_] - t) / rate, 1e-14, 1.0);
+    }
+    collocation_->solve_at(theta, y.data());
+    const double s = std::exp(y[log_speed]);
+    phi = y[angle];
+    seen = {{y[x_0], y[x_1]}, {V[0] + s * std::cos(phi), V[1] + s * std::sin(phi)}, {}};
+  }
+  const double limit = mass_.dynamic_friction * mass_.load.value(t);
+  seen.friction = {-limit * std::cos(phi), -limit * std::sin(phi)};
+  return seen;
+}
+
+}  // namespace rosin::solvers::stick_slip

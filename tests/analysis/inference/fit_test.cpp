@@ -1,0 +1,208 @@
+/// Fits: closed-form answers, coverage of intervals over seeds, the right law ranked first, a contact spring told from
+/// none.
+#include "analysis/inference/fit.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "analysis/response/frf.hpp"
+#include "core/random.hpp"
+#include "tests/bristol_board.hpp"
+
+using namespace rosin;
+using namespace rosin::analysis;
+using namespace rosin::analysis::inference;
+using oscillators::Model;
+using tests::slider_under;
+using Kind = Measurement::Kind;
+
+namespace {
+
+const oscillators::Slider any_slider{.mass = 1, .stiffness = 1, .damping = 0};
+
+Model ageing() { return slider_under("ageing", {0.6, 0.010, 0.015, 1e-5, 1e-6}, any_slider, 1e-5, 5); }
+
+Measurement measured_response(double slip_rate = 1e-5) {
+  Measurement m{Kind::frequency_response, "response", slip_rate, slip_rate, 5, {}, {}, {}};
+  for (int k = 0; k < 30; ++k) m.x.push_back(0.01 * std::pow(10, k / 10.0));
+  return m;
+}
+Measurement step() {
+  Measurement m{Kind::velocity_step, "step", 1e-6, 1e-5, 5, {}, {}, {}};
+  for (int k = 1; k <= 60; ++k) m.x.push_back(0.1 * k);
+  return m;
+}
+
+/// What `truth` says, with normal noise of the given sizes.
+Measurement noisy(const Model& truth, Measurement m, double error, std::uint64_t seed) {
+  m.y = predict(truth, m).y;
+  m.error.assign(m.y.size(), error);
+  const auto noise = white_noise(m.y.size(), seed);
+  for (std::size_t i = 0; i < m.y.size(); ++i) m.y[i] += error * noise[i];
+  return m;
+}
+
+}  // namespace
+
+TEST_CASE("without noise the true parameters come back from far away", "[fit]") {
+  const std::vector<Measurement> data = {noisy(ageing(), measured_response(), 1e-6, 1),
+                                         noisy(ageing(), step(), 1e-10, 2)};
+  const auto far = slider_under("ageing", {0.4, 0.003, 0.04, 1e-4, 1e-6}, any_slider, 1e-5, 5);
+  const auto found =
+      fit(far, data, {.parameters = {"law.mu0", "law.a", "law.b", "law.L"}, .profiles = false, .folds = 0});
+  REQUIRE(found.parameters.size() == 4);
+  CHECK(found.outcome.complete());
+  const double truth[] = {0.6, 0.010, 0.015, 1e-5};
+  for (std::size_t i = 0; i < 4; ++i) CHECK(found.parameters[i].value == Approx(truth[i]).epsilon(1e-7));
+  CHECK(found.chi_square < 2 * found.points);
+}
+
+TEST_CASE("a straight line has the intervals of linear least squares", "[fit]") {
+  // μ_ss = μ* + (a − b) ln(V/V*): one point of a steady curve fixes mu0 with the error of its mean.
+  auto model = ageing();
+  Measurement m{Kind::steady_curve, "curve", 1, 1, 5, std::vector<double>(16, 1e-6), {}, {}};
+  m = noisy(model, m, 1e-3, 4);
+  double mean = 0;
+  for (const double y : m.y) mean += y / 16;
+  const auto found = fit(model, {m}, {.parameters = {"law.mu0"}, .folds = 4});
+  const auto& mu0 = found.parameters.front();
+  CHECK(mu0.value == Approx(mean).epsilon(1e-6));
+  CHECK(mu0.standard_error == Approx(1e-3 / 4).epsilon(1e-5));
+  CHECK(mu0.high == Approx(mean + 1.959964 * 1e-3 / 4).epsilon(1e-6));
+  CHECK(mu0.profile_low == Approx(mu0.low).epsilon(1e-5));
+  CHECK(mu0.profile_high == Approx(mu0.high).epsilon(1e-5));
+  CHECK(found.aic == Approx(found.chi_square + 2));
+  CHECK(found.bic == Approx(found.chi_square + std::log(16.0)));
+  CHECK(found.cross_validation > 0);
+}
+
+TEST_CASE("from a noisy response and a velocity step the truth lies in 95 % intervals as often as it should", "[fit]") {
+  const double truth[] = {0.6, 0.010, 0.015, 1e-5};
+  long inside = 0, all = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const std::vector<Measurement> data = {noisy(ageing(), measured_response(), 150, 2 * seed),
+                                           noisy(ageing(), step(), 1e-3, 2 * seed + 1)};
+    const auto found =
+        fit(ageing(), data,
+            {.parameters = {"law.mu0", "law.a", "law.b", "law.L"}, .starts = 1, .profiles = false, .folds = 0});
+    for (std::size_t i = 0; i < 4; ++i, ++all)
+      inside += found.parameters[i].low <= truth[i] && truth[i] <= found.parameters[i].high;
+  }
+  const double part = double(inside) / double(all);
+  INFO(part);
+  CHECK(part >= 0.93);
+  CHECK(part <= 0.97);
+}
+
+TEST_CASE("the law that made the data is ranked first, and a contact spring is told from none", "[fit]") {
+  const std::vector<std::string> paths = {"law.mu0", "law.a", "law.b", "law.L"};
+  const std::vector<const char*> laws = {"ageing", "slip", "prz"};
+  for (std::size_t true_law = 0; true_law < 2; ++true_law) {
+    const auto truth = slider_under(laws[true_law], {0.6, 0.010, 0.015, 1e-5, 1e-6}, any_slider, 1e-5, 5);
+    const std::vector<Measurement> data = {noisy(truth, measured_response(), 20, 5), noisy(truth, step(), 3e-4, 6)};
+    std::vector<Fit> fits;
+    for (const char* law : laws)
+      fits.push_back(fit(slider_under(law, {0.5, 0.012, 0.013, 2e-5, 1e-6}, any_slider, 1e-5, 5), data,
+                         {.parameters = paths, .profiles = false}));
+    for (std::size_t k = 0; k < fits.size(); ++k) {
+      if (k == true_law) continue;
+      CHECK(fits[k].aic > fits[true_law].aic + 10);
+      CHECK(fits[k].bic > fits[true_law].bic + 10);
+      CHECK(fits[k].cross_validation > fits[true_law].cross_validation);
+      CHECK_FALSE(fits[k].warnings.empty());
+    }
+  }
+  for (const bool present : {true, false}) {
+    auto truth = ageing();
+    if (present) truth.contact_stiffness.tangential = 2e4;
+    auto with_spring = ageing();
+    with_spring.contact_stiffness.tangential = 1e5;
+    const std::vector<std::string> three = {"law.a", "law.b", "law.L"};
+    auto four = three;
+    four.emplace_back("law.contact_stiffness.tangential");
+    int right = 0, bracketed = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const std::vector<Measurement> data = {noisy(truth, measured_response(), 20, seed)};
+      const auto rigid = fit(ageing(), data, {.parameters = three, .starts = 1, .profiles = false, .folds = 0});
+      const auto sprung = fit(with_spring, data, {.parameters = four, .starts = 1, .folds = 0});
+      right += (sprung.bic < rigid.bic) == present;
+      const auto& stiffness = sprung.parameters.back();
+      // Without a spring the profile has no upper end.
+      bracketed += present ? stiffness.profile_low < 2e4 && stiffness.profile_high > 2e4 && stiffness.profile_high < 3e4
+                           : stiffness.profile_high > 1e9;
+    }
+    INFO("right " << right << ", bracketed " << bracketed << " of 20, present " << present);
+    CHECK(right >= (present ? 20 : 17));  // by chance BIC takes a parameter too many once in 25
+    CHECK(bracketed >= 17);
+  }
+}
+
+TEST_CASE("fits that cannot be done are refused, and weak ones are said to be weak", "[fit]") {
+  const auto data = noisy(ageing(), step(), 1e-3, 1);
+  CHECK_THROWS_WITH(fit(ageing(), {data}, {.parameters = {"law.c"}}), Catch::Contains("unknown parameter"));
+  CHECK_THROWS_WITH(fit(ageing(), {data}, {.parameters = {"drive.speed"}}), Catch::Contains("their own drive"));
+  auto few = data;
+  few.x.resize(2), few.y.resize(2), few.error.resize(2);
+  CHECK_THROWS_WITH(fit(ageing(), {few}, {.parameters = {"law.a", "law.b"}}), Catch::Contains("do not determine"));
+  few.error[0] = 0;
+  CHECK_THROWS_WITH(fit(ageing(), {few}, {.parameters = {"law.a"}}), Catch::Contains("standard errors"));
+  // mu0 and v0 shift the same curve.
+  const auto twins = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.v0"}, .profiles = false, .folds = 0});
+  CHECK_FALSE(twins.warnings.empty());
+}
+
+TEST_CASE("a number that the data do not depend on, or do not determine, has no interval", "[fit]") {
+  // A steady curve knows a − b alone, and no L.
+  Measurement curve{Kind::steady_curve, "curve", 1e-6, 1e-6, 5, {1e-7, 1e-6, 1e-5, 1e-4}, {}, {}};
+  const auto data = noisy(ageing(), curve, 1e-4, 1);
+  const auto silent = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.a", "law.L"}, .starts = 1, .folds = 0});
+  CHECK(silent.outcome.ending == Ending::none_exists);
+  CHECK_THAT(silent.outcome.detail, Catch::Contains("do not depend on law.L"));
+  const auto& L = silent.parameters[2];
+  CHECK((std::isnan(L.low) && std::isnan(L.high) && std::isnan(L.standard_error) && std::isnan(L.profile_low)));
+  CHECK(silent.parameters[1].standard_error < 1e-4);
+  const auto wide = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.a", "law.b"}, .starts = 1, .folds = 0});
+  CHECK(wide.outcome.ending == Ending::none_exists);
+  CHECK_THAT(wide.outcome.detail, Catch::Contains("do not determine law.a"));
+}
+
+TEST_CASE("every minimisation of a fit is reported, and ends within its evaluations", "[fit]") {
+  // From starts a factor of thirty off, a contact spring makes motion so stiff that it must not be followed for ever.
+  auto sprung = slider_under("slip", {0.55, 0.013, 0.019, 4e-6, 1e-6}, any_slider, 5e-6, 8);
+  sprung.contact_stiffness.tangential = 2e5;
+  auto at = measured_response(5e-6);
+  at.normal_load = 8;
+  Measurement jump{Kind::velocity_step, "step", 5e-6, 2e-5, 8, {}, {}, {}};
+  for (int k = 1; k <= 40; ++k) jump.x.push_back(0.05 * k);
+  const std::vector<Measurement> data = {noisy(sprung, at, 200, 3), noisy(sprung, jump, 1e-3, 4)};
+  auto start = slider_under("slip", {0.5, 0.02, 0.02, 1e-5, 1e-6}, any_slider, 5e-6, 8);
+  start.contact_stiffness.tangential = 5e4;
+  FitOptions options{.parameters = {"law.mu0", "law.a", "law.b", "law.L", "law.contact_stiffness.tangential"},
+                     .starts = 2,
+                     .profiles = false,
+                     .folds = 0};
+  int reported = 0, all = 0;
+  options.progress = [&](int done, int total) { reported = done, all = total; };
+  const auto found = fit(start, data, options);
+  REQUIRE(found.outcome.complete());
+  CHECK(reported == 2);
+  CHECK(all == 2);
+  CHECK(found.model.get("law.L") == Approx(4e-6).epsilon(0.1));
+}
+
+TEST_CASE("a clipped measurement is warned of", "[fit]") {
+  // Friction measured at slip rates up and down, by a sensor that ends at 0.6.
+  Measurement curve{Kind::steady_curve, "curve", 1e-6, 1e-6, 5, {}, {}, {}};
+  for (int k = 0; k < 80; ++k) curve.x.push_back(1e-6 * std::exp(2 * std::sin(0.2 * k)));
+  auto data = noisy(ageing(), curve, 1e-4, 1);
+  const FitOptions options{.parameters = {"law.a"}, .starts = 1, .profiles = false, .folds = 0};
+  const auto clipping = [&] {
+    const auto warnings = fit(ageing(), {data}, options).warnings;
+    return std::ranges::count_if(warnings, [](const auto& text) { return text.find("clipping") != std::string::npos; });
+  };
+  CHECK(clipping() == 0);
+  for (double& y : data.y) y = std::min(y, 0.6);
+  CHECK(clipping() == 1);
+}
