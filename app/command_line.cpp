@@ -31,7 +31,7 @@ std::string did_you_mean(std::string_view name, const std::vector<std::string>& 
 
 /// Defaults of numbers are shown where they are more than "none".
 template <class T>
-void add(CLI::App& command, const Option& option, T& target) {
+void add(CLI::App& command, const verbs::Option& option, T& target) {
   if constexpr (std::is_same_v<T, bool>)
     command.add_flag(option.name, target, option.help);
   else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>)
@@ -41,14 +41,14 @@ void add(CLI::App& command, const Option& option, T& target) {
 }
 
 /// "one SCENE", "one EXPERIMENT and one SCENE".
-std::string operands_of(const Verb& verb) {
+std::string operands_of(const verbs::Verb& verb) {
   std::vector<std::string> words;
   for (const auto& operand : verb.operands) words.push_back(fmt::format("one {}", operand.name));
   return words.empty() ? "no scene" : fmt::format("{}", fmt::join(words, " and "));
 }
 
 /// What help says below the options.
-std::string footer(const Verb& verb) {
+std::string footer(const verbs::Verb& verb) {
   std::string text;
   if (!verb.needs.empty()) text += "Tables of the scene:\n";
   for (const auto& need : verb.needs)
@@ -64,7 +64,7 @@ void describe(CLI::App& app, Request& request) {
   app.require_subcommand(1);
   app.allow_extras();
   app.footer("'rosin help VERB' tells what a verb needs, its options and an example.");
-  for (const auto& verb : verbs()) {
+  for (const auto& verb : verbs::verbs()) {
     auto* command = app.add_subcommand(verb.name, verb.help);
     command->allow_extras();
     command->footer(footer(verb));
@@ -99,7 +99,7 @@ std::vector<VerbUsage> verb_usages() {
   std::vector<VerbUsage> usages;
   for (const auto* command : app.get_subcommands({})) {
     usages.push_back({command->get_name(), command->get_description(), {}, {}});
-    const auto& operands = find_verb(command->get_name()).operands;
+    const auto& operands = verbs::find_verb(command->get_name()).operands;
     for (const auto* option : command->get_options()) {
       const auto value = option->get_items_expected_max() > 0 ? option->get_type_name() : std::string();
       auto help = option->get_description();
@@ -109,7 +109,8 @@ std::vector<VerbUsage> verb_usages() {
         continue;
       }
       const auto name = option->get_name(true);
-      const auto operand = std::ranges::find(operands, name, [](const Operand& one) { return std::string(one.name); });
+      const auto operand =
+          std::ranges::find(operands, name, [](const verbs::Operand& one) { return std::string(one.name); });
       usages.back().arguments.push_back({name, value, help, option->get_required(), operand->choices});
     }
   }
@@ -120,12 +121,12 @@ std::string help_of(const std::string& verb) {
   Request request;
   CLI::App app("rosin: dynamic friction on the command line", "rosin");
   describe(app, request);
-  return verb.empty() ? app.help() : app.get_subcommand(find_verb(verb).name)->help("rosin");
+  return verb.empty() ? app.help() : app.get_subcommand(verbs::find_verb(verb).name)->help("rosin");
 }
 
 std::variant<Request, int> parse_command_line(int argc, char** argv) {
   try {
-    if (argc > 1 && argv[1][0] != '-') find_verb(argv[1]);
+    if (argc > 1 && argv[1][0] != '-') verbs::find_verb(argv[1]);
   } catch (const InputError& error) {
     return refuse(error.what());
   }
@@ -148,7 +149,7 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
     return refuse(extra.starts_with('-')
                       ? fmt::format("'{}' has no option '{}'{}", request.verb, word, did_you_mean(word, options))
                       : fmt::format("'{}' takes {}, '{}' is too much", request.verb,
-                                    operands_of(find_verb(request.verb)), extra));
+                                    operands_of(verbs::find_verb(request.verb)), extra));
   }
   try {
     if (request.tolerance) require(*request.tolerance, {1e-13, 0.1}, "--tolerance", "relative accuracy", "1");

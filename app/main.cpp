@@ -19,7 +19,7 @@ namespace {
 /// a reader that went away and a file that grew too large are errors of a write, not the end of the process.
 void keep_streams_apart() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) _exit(rosin::app::ended_short);
+    if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) _exit(rosin::app::verbs::ended_short);
   for (const int harmless : {SIGPIPE, SIGXFSZ}) signal(harmless, SIG_IGN);
 }
 
@@ -30,21 +30,21 @@ int perform(int argc, char** argv) {
     const auto parsed = parse_command_line(argc, argv);
     if (const int* status = std::get_if<int>(&parsed)) return *status;
     const auto& request = std::get<Request>(parsed);
-    const Listening listening(watch_for_stop(request.time_limit));
+    const Listening listening(verbs::watch_for_stop(request.time_limit));
     try {
-      return execute(request);
+      return verbs::execute(request);
     } catch (const Stopped&) {
-      return stopped_early(request, "nothing is kept");
+      return verbs::stopped_early(request, "nothing is kept");
     }
   } catch (const InputError& error) {
     tell("{}\n", error.what());
-    return wrong_input;
+    return verbs::wrong_input;
   } catch (const std::bad_alloc&) {
     tell("rosin: out of memory\n");
   } catch (const std::exception& error) {
     tell("rosin: {}\n", error.what());
   }
-  return ended_short;
+  return verbs::ended_short;
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
   if (const int problem = rosin::output_problem()) {
     if (problem != EPIPE)  // else whoever read it has seen enough
       rosin::tell("rosin: standard output cannot be written: {}\n", std::strerror(problem));
-    if (status == rosin::app::done) return rosin::app::ended_short;
+    if (status == rosin::app::verbs::done) return rosin::app::verbs::ended_short;
   }
   return status;
 }

@@ -87,10 +87,9 @@ bool has_rooms(const std::string& folder) { return folder == "solvers" || folder
 /// The name by which users include a room: "analysis/cycles/cycles.hpp".
 std::string door_of(const std::string& room) { return room + room.substr(room.find('/')) + ".hpp"; }
 
-/// The namespace of a folder. All that core/ holds is rosin's own; the rooms of app/ share one, but for the dossier.
+/// The namespace of a folder; all that core/ holds is rosin's own.
 std::string namespace_of(const std::string& folder) {
   if (folder == "core") return "rosin";
-  if (first_part(folder) == "app" && folder != "app/verify") return "rosin::app";
   std::string name = "rosin::" + folder;
   for (std::size_t at; (at = name.find('/')) != std::string::npos;) name.replace(at, 1, "::");
   return name;

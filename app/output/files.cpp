@@ -5,7 +5,7 @@
 
 #include "app/verbs/stopping.hpp"
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 namespace fs = std::filesystem;
 
@@ -14,7 +14,7 @@ std::string column_header(std::string_view name, std::string_view unit) {
 }
 
 void write_csv(const fs::path& path, const std::vector<Column>& columns) {
-  results_are_due();
+  verbs::results_are_due();
   fmt::memory_buffer text;
   const auto write_row = [&](auto cell) {
     for (std::size_t i = 0; i < columns.size(); ++i)
@@ -27,4 +27,4 @@ void write_csv(const fs::path& path, const std::vector<Column>& columns) {
   write_whole(path, std::string_view(text.data(), text.size()));
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

@@ -8,7 +8,7 @@
 
 #include "core/files.hpp"
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 /// One column of a table: "slip_rate (m/s)" and its values.
 struct Column {
@@ -20,4 +20,4 @@ std::string column_header(std::string_view name, std::string_view unit);
 /// Comma-separated, with numbers that read back the same.
 void write_csv(const std::filesystem::path& path, const std::vector<Column>& columns);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

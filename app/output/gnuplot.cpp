@@ -10,7 +10,7 @@
 #include "app/output/files.hpp"
 #include "core/process.hpp"
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 namespace fs = std::filesystem;
 
@@ -132,4 +132,4 @@ Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts) {
   return drawn;
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

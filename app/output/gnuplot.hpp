@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 /// A text for gnuplot in single quotes: markup characters are shown as they are, control characters dropped.
 std::string single_quoted(std::string_view text);
@@ -35,4 +35,4 @@ struct Drawn {
 };
 Drawn draw(const std::filesystem::path& folder, const std::vector<std::string>& scripts);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

@@ -8,7 +8,7 @@
 
 #include "app/scene/scene.hpp"
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 using nlohmann::ordered_json;
 
@@ -50,7 +50,7 @@ ordered_json rows(const analysis::planes::Map& map, F f) {
 }
 
 /// What every document of a scene begins with.
-inline ordered_json begin(const Scene& scene, const char* verb, const Outcome& outcome = {}) {
+inline ordered_json begin(const scene::Scene& scene, const char* verb, const Outcome& outcome = {}) {
   ordered_json document{{"title", scene.title}, {"verb", verb}};
   if (const auto& law = scene.model.law) {  // measured responses need none
     document["law"] = law->card().name;
@@ -62,4 +62,4 @@ inline ordered_json begin(const Scene& scene, const char* verb, const Outcome& o
   return document;
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

@@ -10,11 +10,11 @@
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const Curve& curve) {
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene, const Curve& curve) {
   std::string script = preamble("curve", "The steady friction curve with its extrema", 720, 480);
   script += fmt::format("set title {}\n", single_quoted(scene.title));
   script += "set logscale x\nset format x '10^{%T}'\nset xlabel 'slip rate (m/s)'\n";
@@ -48,7 +48,8 @@ double tick_step(double low, double high) {
   return decade * (step < 1.5 * decade ? 1 : step < 3.5 * decade ? 2 : step < 7.5 * decade ? 5 : 10);
 }
 
-std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::motion::Run& run) {
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
+                                       const analysis::motion::Run& run) {
   std::vector<std::size_t> shown;
   for (std::size_t c = 0; c < run.columns.size(); ++c)
     if (run.column_names[c] != "velocity" && run.column_names[c] != "friction_force") shown.push_back(c);
@@ -139,7 +140,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   return files;
 }
 
-std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene,
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::cycles::Cycle& cycle) {
   const double low = cycle.metrics.slip_rate_min, high = cycle.metrics.slip_rate_max, period = cycle.metrics.period;
   const double speed = scene.model.drive.speed.level(), load = scene.model.drive.normal_load.level();
@@ -222,7 +223,7 @@ splot 'cycle.csv' using ($2*X):($3*V):5 with lines linestyle 1
   return {"cycle-steady.csv", "cycle.gp"};
 }
 
-std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene,
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const std::vector<analysis::lab::Panel>& panels) {
   const int count = static_cast<int>(panels.size());
   const auto title = scene.title.empty() ? std::string(scene.experiment->title) : scene.title;
@@ -273,7 +274,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   return files;
 }
 
-std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const Comparison& comparison) {
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
+                                       const Comparison& comparison) {
   std::vector<std::string> files;
   for (std::size_t k = 0; k < comparison.series.size(); ++k) {
     const auto& series = comparison.series[k];
@@ -327,4 +329,4 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   return files;
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

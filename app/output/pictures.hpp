@@ -6,18 +6,20 @@
 
 #include "app/output/results.hpp"
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 // Each writes a script and the data that only it needs into the folder, and returns the names of the files.
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const Curve&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::motion::Run&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&,
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&, const Curve&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                       const analysis::motion::Run&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::cycles::Cycle&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const analysis::planes::Map&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&, const Comparison&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&,
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                       const analysis::planes::Map&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&, const Comparison&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::inference::Design&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const Scene&,
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const std::vector<analysis::lab::Panel>&);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

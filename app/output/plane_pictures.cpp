@@ -11,7 +11,7 @@
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 namespace fs = std::filesystem;
 
@@ -89,7 +89,7 @@ constexpr int finest_boxes = 160;
 bool drawn_as_image(const analysis::planes::Map& map) { return std::max(map.x.regular, map.y.regular) > finest_boxes; }
 
 /// Cells as boxes. Of a plane that is drawn as an image those outside its scales only.
-void write_cells(const fs::path& path, const Scene& scene, const analysis::planes::Map& map, const DrawnAxis& x,
+void write_cells(const fs::path& path, const scene::Scene& scene, const analysis::planes::Map& map, const DrawnAxis& x,
                  const DrawnAxis& y) {
   const auto width = map.x.values.size();
   const bool image = drawn_as_image(map);
@@ -117,7 +117,7 @@ void write_cells(const fs::path& path, const Scene& scene, const analysis::plane
 }
 
 /// The metrics on the scales of both axes, one after the other, as doubles in rows from the lower left.
-void write_grid(const fs::path& path, const Scene& scene, const analysis::planes::Map& map, const DrawnAxis& x,
+void write_grid(const fs::path& path, const scene::Scene& scene, const analysis::planes::Map& map, const DrawnAxis& x,
                 const DrawnAxis& y) {
   std::string bytes;
   for (const auto& name : scene.map.metrics)
@@ -235,8 +235,9 @@ Marks marks(const analysis::planes::Map& map, double key_height) {
 
 /// The beginning of a script that draws planes side by side, two across: axes, palette, and the size of it all.
 struct PlanePanels {
-  PlanePanels(const std::string& name, std::string_view what, const Scene& scene, const analysis::planes::Axis& x_axis,
-              const analysis::planes::Axis& y_axis, int count, double below, double above, double between)
+  PlanePanels(const std::string& name, std::string_view what, const scene::Scene& scene,
+              const analysis::planes::Axis& x_axis, const analysis::planes::Axis& y_axis, int count, double below,
+              double above, double between)
       : height(90 + 440 * ((count + 1) / 2)) {
     const DrawnAxis x(x_axis), y(y_axis);
     const int across = std::min(count, 2), down = (count + 1) / 2;
@@ -261,7 +262,8 @@ struct PlanePanels {
 
 }  // namespace
 
-std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene, const analysis::planes::Map& map) {
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
+                                       const analysis::planes::Map& map) {
   const DrawnAxis x(map.x), y(map.y);
   const bool image = drawn_as_image(map), boxes = !image || x.has_outside() || y.has_outside();
   std::vector<std::string> files = {"map-marks.csv", "map-threshold.csv", "map-fold.csv", "map.gp"};
@@ -296,7 +298,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   return files;
 }
 
-std::vector<std::string> write_picture(const fs::path& folder, const Scene& scene,
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::inference::Design& design) {
   const DrawnAxis x(design.x), y(design.y);
   const auto width = design.x.values.size();
@@ -366,4 +368,4 @@ std::vector<std::string> write_picture(const fs::path& folder, const Scene& scen
   return files;
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

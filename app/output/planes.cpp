@@ -11,7 +11,7 @@
 
 #include "app/output/files.hpp"
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 namespace {
 
@@ -95,7 +95,7 @@ int write_axis(const Plane& plane, const std::string& name, const analysis::plan
 
 }  // namespace
 
-void write_plane(const std::filesystem::path& path, const Scene& scene, const analysis::planes::Map& map) {
+void write_plane(const std::filesystem::path& path, const scene::Scene& scene, const analysis::planes::Map& map) {
   Plane plane;
   plane.attribute(NC_GLOBAL, "title", scene.title);
   plane.attribute(NC_GLOBAL, "version", std::string("rosin ") + ROSIN_VERSION);
@@ -159,4 +159,4 @@ void write_plane(const std::filesystem::path& path, const Scene& scene, const an
   write_whole(path, plane.close());
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

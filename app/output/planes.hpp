@@ -5,9 +5,9 @@
 #include "analysis/planes/map.hpp"
 #include "app/scene/scene.hpp"
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 /// \throws std::runtime_error if the file cannot be written.
-void write_plane(const std::filesystem::path& path, const Scene&, const analysis::planes::Map&);
+void write_plane(const std::filesystem::path& path, const scene::Scene&, const analysis::planes::Map&);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

@@ -5,7 +5,7 @@
 
 #include "app/output/json.hpp"
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 ordered_json values(const std::vector<Quantity>& names, const std::vector<Value>& list) {
   auto object = ordered_json::object();
@@ -46,7 +46,7 @@ std::string utc_now() {
 
 }  // namespace
 
-std::string to_json(const Scene& scene, const Manifest& manifest) {
+std::string to_json(const scene::Scene& scene, const Manifest& manifest) {
   auto document = begin(scene, manifest.verb.c_str(), manifest.outcome);
   document["date"] = utc_now();
   document["scene"] = scene.path;
@@ -72,4 +72,4 @@ std::string to_json(const std::string& verb, const Outcome& outcome) {
                {"outcome_detail", outcome.detail}});
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

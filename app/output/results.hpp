@@ -10,7 +10,7 @@
 #include "analysis/steady/stability.hpp"
 #include "app/scene/scene.hpp"
 
-namespace rosin::app {
+namespace rosin::app::output {
 
 /// A steady curve as sampled.
 struct Curve {
@@ -63,8 +63,8 @@ struct Manifest {
 };
 
 // Numbers are printed so that they read back the same; what is absent or not finite is null.
-std::string to_json(const Scene&, const Manifest&);
+std::string to_json(const scene::Scene&, const Manifest&);
 /// Of work that ended before there was a result.
 std::string to_json(const std::string& verb, const Outcome&);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::output

@@ -5,8 +5,8 @@
 int main(int, char** argv) {
   using namespace rosin;
   const std::filesystem::path folder = argv[1];
-  write_whole(folder / "rosin.1", app::man_page());
-  write_whole(folder / "rosin.bash", app::bash_completion());
-  write_whole(folder / "_rosin", app::zsh_completion());
-  write_whole(folder / "rosin.fish", app::fish_completion());
+  write_whole(folder / "rosin.1", app::pages::man_page());
+  write_whole(folder / "rosin.bash", app::pages::bash_completion());
+  write_whole(folder / "_rosin", app::pages::zsh_completion());
+  write_whole(folder / "rosin.fish", app::pages::fish_completion());
 }

@@ -9,7 +9,7 @@
 
 #include "app/command_line.hpp"
 
-namespace rosin::app {
+namespace rosin::app::pages {
 
 namespace {
 
@@ -189,4 +189,4 @@ std::string fish_completion() {
   return text;
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::pages

@@ -2,11 +2,11 @@
 #pragma once
 #include <string>
 
-namespace rosin::app {
+namespace rosin::app::pages {
 
 std::string man_page();
 std::string bash_completion();
 std::string zsh_completion();
 std::string fish_completion();
 
-}  // namespace rosin::app
+}  // namespace rosin::app::pages

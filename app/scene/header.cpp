@@ -9,7 +9,7 @@
 #include "core/error.hpp"
 #include "core/units.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 namespace {
 
@@ -174,4 +174,4 @@ bool holds_units(std::string_view line) {
          std::ranges::any_of(cells, [](std::string_view cell) { return looks_like_unit(spelt(cell)); });
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 /// One column: "speed (mm/s)", "speed [mm/s]", "speed / mm/s", "speed, mm/s", "speed mm/s", "speed_mm_s".
 struct HeaderCell {
@@ -36,4 +36,4 @@ bool names_units(std::string_view comment);
 /// True for a line that has units in place of numbers, such as "mm/s;-".
 bool holds_units(std::string_view line);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -11,7 +11,7 @@
 #include "laws/formula.hpp"
 #include "laws/heating.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 namespace {
 
@@ -190,4 +190,4 @@ void read_law(Table law, oscillators::Model& model) {
   law.finish();
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -3,9 +3,9 @@
 #include "app/scene/scene_table.hpp"
 #include "oscillators/model.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 /// Sets law, lambda, contact stiffness and load memory of the model. \throws InputError with its place.
 void read_law(Table, oscillators::Model&);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -5,7 +5,7 @@
 
 #include "app/scene/reader.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 #define ROSIN_OSCILLATOR(name) OscillatorType name##_type();
 #include "app/scene/oscillators.def"
@@ -42,4 +42,4 @@ Quantity mechanical(std::string_view path) {
   throw std::logic_error("no mechanical parameter " + std::string(path));
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

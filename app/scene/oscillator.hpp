@@ -5,7 +5,7 @@
 
 #include "app/scene/scene_table.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 struct SceneReader;
 
@@ -24,4 +24,4 @@ const OscillatorType& oscillator_type(SceneReader&, const toml::node& oscillator
 /// A parameter of slider, drive or contact by its path. \throws std::logic_error if there is none.
 Quantity mechanical(std::string_view path);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

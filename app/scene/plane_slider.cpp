@@ -3,7 +3,7 @@
 #include "app/scene/reader.hpp"
 #include "app/scene/signal.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 namespace {
 
@@ -42,4 +42,4 @@ void read_drive(SceneReader& reader, Table drive, bool) {
 
 OscillatorType plane_slider_type() { return {"plane-slider", "run", read, read_drive}; }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

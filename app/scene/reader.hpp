@@ -8,7 +8,7 @@
 #include "app/scene/scene.hpp"
 #include "app/scene/scene_table.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 struct SceneReader {
   const Request& request;
@@ -35,4 +35,4 @@ struct SceneReader {
   void note_unread(std::initializer_list<std::string_view> paths, std::string_view why);
 };
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -31,7 +31,7 @@
 #include "core/files.hpp"
 #include "core/stop.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 namespace {
 
@@ -544,4 +544,4 @@ RecordEnd read_record(const RecordSource& source,
   return end;
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

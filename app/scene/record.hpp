@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 /// One column: its name in the file, the unit of the file's numbers (empty: as the file says, else SI), and the SI unit
 /// that is wanted.
@@ -33,4 +33,4 @@ struct RecordEnd {
 RecordEnd read_record(const RecordSource&,
                       const std::function<void(double sample_rate, std::span<const std::span<const double>>)>& use);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

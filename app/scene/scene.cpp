@@ -11,7 +11,7 @@
 #include "app/scene/reader.hpp"
 #include "core/error.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 void SceneReader::law() { read_law(Table(need("law", "the friction law"), "law"), scene.model); }
 
@@ -55,4 +55,4 @@ std::string Scene::placed(const std::string& text) const {
   return fmt::format("{}: {}", above.empty() ? path : above, text);
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

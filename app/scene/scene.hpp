@@ -22,7 +22,7 @@
 #include "app/scene/record.hpp"
 #include "oscillators/model.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 /// The slip rates at which a steady curve is drawn, logarithmically spaced.
 struct CurveOptions {
@@ -116,4 +116,4 @@ struct Scene {
   std::string placed(const std::string& refusal) const;
 };
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -17,7 +17,7 @@
 #include "core/parameters.hpp"
 #include "core/units.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 inline constexpr int most_points = 10'000'000;  ///< of a record or a plane
 inline constexpr int largest_seed = 10'000'000;
@@ -244,4 +244,4 @@ inline RecordColumn read_column(const toml::node& node, const std::string& path,
   return column;
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -9,7 +9,7 @@
 #include "app/scene/header.hpp"
 #include "core/files.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 namespace {
 
@@ -162,4 +162,4 @@ Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::p
   return signal;
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

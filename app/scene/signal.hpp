@@ -6,7 +6,7 @@
 #include "app/scene/scene_table.hpp"
 #include "core/signal.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 /// Two numbers a line, separated by a comma or blanks: a time in s and a value in `unit`, unless the first line is a
 /// header with other units. \throws InputError with the line.
@@ -16,4 +16,4 @@ Signal::Table read_signal(const std::filesystem::path&, const std::string& unit)
 /// and where the signal leaves the quantity's range.
 Signal read_signal(const toml::node&, const Quantity&, const std::filesystem::path& folder);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -3,7 +3,7 @@
 #include "app/scene/reader.hpp"
 #include "app/scene/signal.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 namespace {
 
@@ -40,4 +40,4 @@ void read_drive(SceneReader& reader, Table table, bool complete) {
 
 OscillatorType slider_type() { return {"slider", "", read, read_drive}; }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

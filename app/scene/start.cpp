@@ -3,7 +3,7 @@
 
 #include <utility>
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 namespace {
 
@@ -61,4 +61,4 @@ void read_plane_start(const toml::node& node, const std::string& path, analysis:
   table.finish();
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -5,11 +5,11 @@
 #include "app/scene/scene_table.hpp"
 #include "laws/law.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 /// "steady", "rest", or a table of displacement, velocity or slip rate, and states by name. \throws InputError
 analysis::motion::Start read_start(const toml::node&, const std::string& path, const FrictionLaw&);
 /// The same of a slider in the plane: "rest", or a table of pairs.
 void read_plane_start(const toml::node&, const std::string& path, analysis::motion::PlaneModel&);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -11,7 +11,7 @@
 #include "app/scene/scene_table.hpp"
 #include "core/files.hpp"
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 namespace {
 
@@ -153,4 +153,4 @@ void write_table(std::string& out, const toml::table& table, std::string_view na
     if (name.empty() && value.is_table()) write_table(out, *value.as_table(), key.str());
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace rosin::app {
+namespace rosin::app::scene {
 
 /// A scene's file as it stands there. \throws InputError with the line where it is empty, too large or no TOML.
 toml::table read_toml(const std::string& path);
@@ -16,4 +16,4 @@ void apply_override(toml::table& scene, const std::string& given);
 /// Values first, then a section for each table of the first level, whose own tables stand on one line.
 void write_table(std::string& out, const toml::table& table, std::string_view name);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::scene

@@ -6,7 +6,7 @@
 
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 namespace {
 
@@ -39,4 +39,4 @@ Verb bench_verb() {
       .without_scene = bench};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

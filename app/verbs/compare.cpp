@@ -19,7 +19,9 @@
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
@@ -27,12 +29,12 @@ namespace {
 
 std::vector<analysis::inference::Property> read_properties(const toml::node& node, const std::string& path) {
   std::vector<analysis::inference::Property> properties;
-  for (const auto& element : list(node, path, "tables")) {
-    Table keys(element, path);
+  for (const auto& element : scene::list(node, path, "tables")) {
+    scene::Table keys(element, path);
     keys.expect({"name", "slip_rate", "ratio", "hold", "from", "to", "points"});
     std::vector<std::string> known{"steady-curve"};
     for (const auto& property : analysis::inference::property_names()) known.emplace_back(property.name);
-    const auto property = choice(keys.required("name", "of the property"), keys.path("name"), known);
+    const auto property = scene::choice(keys.required("name", "of the property"), keys.path("name"), known);
     const Quantity speed{"", "m/s", {1e-15, 1e4}, "slip rate"};
     if (property == "steady-curve") {
       double from = 0, to = 0;
@@ -42,7 +44,7 @@ std::vector<analysis::inference::Property> read_properties(const toml::node& nod
       keys.read("from", from, speed);
       keys.read("to", to, speed);
       keys.read("points", points, 2, 1'000'000, "slip rates along the curve");
-      if (!(from < to)) fail(element.source(), "{}: from = {} must be below to = {}", path, from, to);
+      if (!(from < to)) scene::fail(element.source(), "{}: from = {} must be below to = {}", path, from, to);
       const auto curve = analysis::inference::steady_curve(from, to, points);
       properties.insert(properties.end(), curve.begin(), curve.end());
     } else {
@@ -59,22 +61,24 @@ std::vector<analysis::inference::Property> read_properties(const toml::node& nod
 }
 
 /// The scene's model with what a member changes.
-CompareOptions::Member read_member(const toml::node& node, const oscillators::Model& model) {
-  Table table(node, "compare.members");
+scene::CompareOptions::Member read_member(const toml::node& node, const oscillators::Model& model) {
+  scene::Table table(node, "compare.members");
   table.expect({"name", "law", "set"});
-  CompareOptions::Member member{text(table.required("name", "of the member"), "compare.members.name"), model, {}, 0};
+  scene::CompareOptions::Member member{
+      scene::text(table.required("name", "of the member"), "compare.members.name"), model, {}, 0};
   if (const auto* law = table.find("law")) {
     member.model.lambda = 1;
     member.model.contact_stiffness = {};
-    read_law(Table(*law, "compare.members.law"), member.model);
+    scene::read_law(scene::Table(*law, "compare.members.law"), member.model);
   }
   if (const auto* set = table.find("set")) {
-    if (!set->is_table()) wrong_kind(*set, "compare.members.set", "a table of paths, such as { \"law.lambda\" = 10 }");
+    if (!set->is_table())
+      scene::wrong_kind(*set, "compare.members.set", "a table of paths, such as { \"law.lambda\" = 10 }");
     for (const auto& [key, value] : *set->as_table()) {
       const std::string path(key.str());
-      located(value.source(), [&] {
+      scene::located(value.source(), [&] {
         auto quantity = member.model.describe(path);
-        member.model = member.model.with(path, number(value, quantity));
+        member.model = member.model.with(path, scene::number(value, quantity));
       });
     }
   }
@@ -82,53 +86,54 @@ CompareOptions::Member read_member(const toml::node& node, const oscillators::Mo
   return member;
 }
 
-void read_noise(const toml::node& node, CompareOptions& compare) {
-  if (!node.is_table()) wrong_kind(node, "compare.noise", "a table of metrics");
+void read_noise(const toml::node& node, scene::CompareOptions& compare) {
+  if (!node.is_table()) scene::wrong_kind(node, "compare.noise", "a table of metrics");
   for (const auto& [key, value] : *node.as_table()) {
     analysis::inference::Noise noise{std::string(key.str())};
-    const auto* metric = located(value.source(), [&] { return &analysis::cycles::find_metric(noise.metric); });
-    Table keys(value, "compare.noise." + noise.metric);
+    const auto* metric = scene::located(value.source(), [&] { return &analysis::cycles::find_metric(noise.metric); });
+    scene::Table keys(value, "compare.noise." + noise.metric);
     keys.read("absolute", noise.absolute, {"", std::string(metric->unit), {0, 1e300}, "standard deviation"});
     keys.read("relative", noise.relative, {"", "1", {0, 1e3}, "standard deviation over the value"});
     keys.finish();
     if (noise.absolute + noise.relative == 0)
-      fail(value.source(), "compare.noise.{}: give absolute ({}) or relative, above 0", noise.metric,
-           readable_unit(metric->unit));
+      scene::fail(value.source(), "compare.noise.{}: give absolute ({}) or relative, above 0", noise.metric,
+                  readable_unit(metric->unit));
     compare.noise.push_back(noise);
   }
 }
 
-void read_comparison(Table table, SceneReader& reader) {
+void read_comparison(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   const bool design = reader.request.design;
   auto& compare = scene.compare;
   table.expect({"members", "protocol", "equalise", "noise", "confidence", "parameter"});
   if (const auto* protocol = table.find("protocol"))
-    compare.protocol = choice(*protocol, "compare.protocol", {"curve", "stability", "run", "cycle", "map"});
+    compare.protocol = scene::choice(*protocol, "compare.protocol", {"curve", "stability", "run", "cycle", "map"});
   if (const auto* parameter = table.find("parameter")) {
-    compare.parameter = text(*parameter, "compare.parameter");
-    located(parameter->source(), [&] { scene.model.describe(compare.parameter); });
+    compare.parameter = scene::text(*parameter, "compare.parameter");
+    scene::located(parameter->source(), [&] { scene.model.describe(compare.parameter); });
   }
   const bool of_parameter = design && !compare.parameter.empty();
   if (const auto* members = table.find("members"))
-    for (const auto& element : list(*members, "compare.members", "tables", most_names))
+    for (const auto& element : scene::list(*members, "compare.members", "tables", scene::most_names))
       compare.members.push_back(read_member(element, scene.model));
   if (!of_parameter && compare.members.size() < 2)
-    fail(table.source(), "compare.members needs two members or more, each a table with a name and what it changes");
+    scene::fail(table.source(),
+                "compare.members needs two members or more, each a table with a name and what it changes");
   for (auto member = compare.members.begin(); member != compare.members.end(); ++member) {
     if (std::any_of(compare.members.begin(), member, [&](const auto& other) { return other.name == member->name; }))
-      fail(table.source(), "compare.members: two are named '{}'", member->name);
-    located(table.source(), [&] { member->model.check(); });
+      scene::fail(table.source(), "compare.members: two are named '{}'", member->name);
+    scene::located(table.source(), [&] { member->model.check(); });
   }
   if (auto equal = table.table("equalise")) {
     equal->expect({"properties", "adjust"});
     const auto& properties = equal->required("properties", "what the members are to share");
-    compare.adjust = texts(equal->required("adjust", "paths of parameters"), equal->path("adjust"));
+    compare.adjust = scene::texts(equal->required("adjust", "paths of parameters"), equal->path("adjust"));
     const auto wanted = read_properties(properties, equal->path("properties"));
     equal->finish();
     for (std::size_t k = 1; k < compare.members.size(); ++k) {
       auto& member = compare.members[k];
-      located(equal->source(), [&] {
+      scene::located(equal->source(), [&] {
         try {
           const auto equalised =
               analysis::inference::equalise(member.model, compare.members.front().model, wanted, compare.adjust);
@@ -145,10 +150,10 @@ void read_comparison(Table table, SceneReader& reader) {
   table.read("confidence", compare.confidence, {"", "1", {0.5, 0.999999}, "probability of the right decision"});
   table.finish();
   if (design && compare.noise.empty())
-    fail(table.source(), "compare.noise is needed for a design: the noise of each metric that is measured");
+    scene::fail(table.source(), "compare.noise is needed for a design: the noise of each metric that is measured");
 }
 
-void read(SceneReader& reader) {
+void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   const bool design = reader.request.design;
@@ -157,18 +162,18 @@ void read(SceneReader& reader) {
   if (protocol == "run") reader.need("run", "duration and start");
   if (protocol == "map" || design) reader.need("map", "the two axes and the metrics");
   read_tables_of_models(reader);
-  read_comparison(Table(reader.need("compare", "members, and what is made equal in them"), "compare"), reader);
+  read_comparison(scene::Table(reader.need("compare", "members, and what is made equal in them"), "compare"), reader);
 }
 
 // ---------------------------------------------------------------- documents
 
 /// Members of a comparison: names, laws, and what was adjusted in them.
-ordered_json members(const CompareOptions& compare) {
+ordered_json members(const scene::CompareOptions& compare) {
   auto list = ordered_json::array();
   for (const auto& member : compare.members) {
     ordered_json one{{"name", member.name},
                      {"law", member.model.law->card().name},
-                     {"parameters", values(member.model.law->parameters(), member.model.law->values())}};
+                     {"parameters", output::values(member.model.law->parameters(), member.model.law->values())}};
     if (member.model.law->has_states()) one["lambda"] = member.model.lambda;
     if (!member.adjusted.empty()) {
       for (std::size_t k = 0; k < compare.adjust.size(); ++k) one["adjusted"][compare.adjust[k]] = member.adjusted[k];
@@ -179,8 +184,8 @@ ordered_json members(const CompareOptions& compare) {
   return list;
 }
 
-std::string document_of(const Scene& scene, const Comparison& comparison) {
-  auto document = begin(scene, "compare", comparison.outcome);
+std::string document_of(const scene::Scene& scene, const output::Comparison& comparison) {
+  auto document = output::begin(scene, "compare", comparison.outcome);
   document["protocol"] = scene.compare.protocol;
   document["members"] = members(scene.compare);
   auto& differences = document["differences"] = ordered_json::object();
@@ -198,17 +203,17 @@ std::string document_of(const Scene& scene, const Comparison& comparison) {
   }
   if (!comparison.maps.empty()) {
     const auto& first = comparison.maps.front();
-    document["x"] = axis(first.x, scene.model);
-    document["y"] = axis(first.y, scene.model);
+    document["x"] = output::axis(first.x, scene.model);
+    document["y"] = output::axis(first.y, scene.model);
     auto& planes = document["planes"] = ordered_json::object();
     for (std::size_t k = 0; k < comparison.maps.size(); ++k) {
       const auto& map = comparison.maps[k];
       auto& plane = planes[scene.compare.members[k].name];
-      plane["regime"] = rows(map, [](const auto& point) { return name(point.regime); });
+      plane["regime"] = output::rows(map, [](const auto& point) { return name(point.regime); });
       for (const auto& metric : scene.map.metrics) {
         const auto member = analysis::cycles::find_metric(metric).member;
-        plane["metrics"][metric] = rows(map, [=](const auto& point) { return point.metrics.*member; });
-        plane["error"][metric] = rows(map, [=](const auto& point) { return point.error.*member; });
+        plane["metrics"][metric] = output::rows(map, [=](const auto& point) { return point.metrics.*member; });
+        plane["error"][metric] = output::rows(map, [=](const auto& point) { return point.error.*member; });
       }
       plane["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
     }
@@ -222,21 +227,21 @@ std::string document_of(const Scene& scene, const Comparison& comparison) {
     }
   }
   document["notes"] = scene.notes;
-  return text(document);
+  return output::text(document);
 }
 
-std::string document_of(const Scene& scene, const DesignResult& result) {
+std::string document_of(const scene::Scene& scene, const output::DesignResult& result) {
   const auto& design = result.design;
-  auto document = begin(scene, "compare", design.outcome);
+  auto document = output::begin(scene, "compare", design.outcome);
   document["members"] = members(scene.compare);
   if (!scene.compare.parameter.empty()) document["parameter"] = scene.compare.parameter;
   auto& noise = document["noise"] = ordered_json::object();
   for (const auto& n : scene.compare.noise) noise[n.metric] = {{"absolute", n.absolute}, {"relative", n.relative}};
   document["confidence"] = scene.compare.confidence;
-  document["x"] = axis(design.x, scene.model);
-  document["y"] = axis(design.y, scene.model);
+  document["x"] = output::axis(design.x, scene.model);
+  document["y"] = output::axis(design.y, scene.model);
   const auto plane = [&](const std::vector<double>& numbers) {
-    return grid(design, [&](std::size_t i) { return numbers[i]; });
+    return output::grid(design, [&](std::size_t i) { return numbers[i]; });
   };
   document["discriminability"] = plane(design.information);
   document["discriminability_error"] = plane(design.information_error);
@@ -251,22 +256,22 @@ std::string document_of(const Scene& scene, const DesignResult& result) {
                                             {"best", best(design.best_by_metric[m])}};
   document["cost"] = {{"seconds", result.seconds}, {"failed", design.failed}};
   document["notes"] = scene.notes;
-  return text(document);
+  return output::text(document);
 }
 
 // ---------------------------------------------------------------- protocols
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
-using Members = std::vector<CompareOptions::Member>;
+using Members = std::vector<scene::CompareOptions::Member>;
 
 /// The entries of one member, in rows that the first member to have a metric begins.
 class Entries {
  public:
-  Entries(Comparison& comparison, std::size_t member, std::size_t members)
+  Entries(output::Comparison& comparison, std::size_t member, std::size_t members)
       : comparison_(comparison), member_(member), members_(members) {}
   void add(const std::string& metric, const std::string& unit, double value, double error) {
-    auto row = std::ranges::find(comparison_.rows, metric, &Comparison::Row::metric);
+    auto row = std::ranges::find(comparison_.rows, metric, &output::Comparison::Row::metric);
     if (row == comparison_.rows.end())
       row =
           comparison_.rows.insert(row, {metric, unit, std::vector(members_, nothing), std::vector(members_, nothing)});
@@ -275,7 +280,7 @@ class Entries {
   }
 
  private:
-  Comparison& comparison_;
+  output::Comparison& comparison_;
   std::size_t member_, members_;
 };
 
@@ -285,15 +290,15 @@ void worsen(Outcome& outcome, const Outcome& other, const std::string& member) {
 }
 
 /// Steady curves, and friction and its slope at the drive's speed.
-Comparison compare_curves(const Scene& scene) {
+output::Comparison compare_curves(const scene::Scene& scene) {
   const auto& members = scene.compare.members;
   const auto& options = scene.curve;
-  Comparison comparison;
+  output::Comparison comparison;
   comparison.x_name = "slip_rate", comparison.x_unit = "m/s";
   comparison.column_names = {"friction_coefficient"}, comparison.column_units = {"1"};
   for (std::size_t k = 0; k < members.size(); ++k) {
     const auto& model = members[k].model;
-    Comparison::Series series{{}, {{}}};
+    output::Comparison::Series series{{}, {{}}};
     for (int i = 0; i < options.points; ++i)
       series.x.push_back(options.from * std::pow(options.to / options.from, double(i) / (options.points - 1)));
     series.columns[0].resize(series.x.size());
@@ -308,9 +313,9 @@ Comparison compare_curves(const Scene& scene) {
   return comparison;
 }
 
-Comparison compare_stability(const Scene& scene) {
+output::Comparison compare_stability(const scene::Scene& scene) {
   const auto& members = scene.compare.members;
-  Comparison comparison;
+  output::Comparison comparison;
   for (std::size_t k = 0; k < members.size(); ++k) {
     Entries entries(comparison, k, members.size());
     for (const char* path : {"drive.normal_load", "oscillator.stiffness", "drive.speed"}) {
@@ -326,22 +331,22 @@ Comparison compare_stability(const Scene& scene) {
 }
 
 /// Motions over time, by the columns that all members have: not their states.
-Comparison motions() {
-  Comparison comparison;
+output::Comparison motions() {
+  output::Comparison comparison;
   comparison.x_name = "time", comparison.x_unit = "s";
   comparison.column_names = {"displacement", "slip_rate", "friction_coefficient"};
   comparison.column_units = {"m", "m/s", "1"};
   return comparison;
 }
 
-Comparison compare_runs(const Scene& scene) {
+output::Comparison compare_runs(const scene::Scene& scene) {
   const auto& members = scene.compare.members;
-  Comparison comparison = motions();
+  output::Comparison comparison = motions();
   constexpr std::size_t chosen[] = {0, 2, 4};
   for (std::size_t k = 0; k < members.size(); ++k) {
     const auto run = analysis::motion::run(members[k].model, scene.run);
     worsen(comparison.outcome, run.outcome, members[k].name);
-    Comparison::Series series{run.time, {}};
+    output::Comparison::Series series{run.time, {}};
     Entries entries(comparison, k, members.size());
     for (std::size_t c = 0; c < std::size(chosen); ++c) {
       const auto& column = run.columns[chosen[c]];
@@ -357,9 +362,9 @@ Comparison compare_runs(const Scene& scene) {
   return comparison;
 }
 
-Comparison compare_cycles(const Scene& scene) {
+output::Comparison compare_cycles(const scene::Scene& scene) {
   const auto& members = scene.compare.members;
-  Comparison comparison = motions();
+  output::Comparison comparison = motions();
   for (std::size_t k = 0; k < members.size(); ++k) {
     const auto cycle = analysis::cycles::find_cycle(members[k].model, scene.cycle);
     worsen(comparison.outcome, cycle.outcome, members[k].name);
@@ -368,7 +373,7 @@ Comparison compare_cycles(const Scene& scene) {
       for (const auto& metric : analysis::cycles::metric_names())
         entries.add(std::string(metric.name), std::string(metric.unit), cycle.metrics.*metric.member,
                     cycle.error.*metric.member);
-    Comparison::Series series{{}, {{}, {}, {}}};
+    output::Comparison::Series series{{}, {{}, {}, {}}};
     for (const auto& point : cycle.orbit) {
       series.x.push_back(point.time);
       series.columns[0].push_back(point.displacement);
@@ -380,11 +385,11 @@ Comparison compare_cycles(const Scene& scene) {
   return comparison;
 }
 
-Comparison compare_maps(const Scene& scene, const Request& request) {
+output::Comparison compare_maps(const scene::Scene& scene, const Request& request) {
   const auto& members = scene.compare.members;
   auto options = scene.map;
   options.threads = request.threads;
-  Comparison comparison;
+  output::Comparison comparison;
   Progress progress(request.quiet);
   for (std::size_t k = 0; k < members.size(); ++k) {
     comparison.maps.push_back(analysis::planes::compute_map(
@@ -411,7 +416,7 @@ Comparison compare_maps(const Scene& scene, const Request& request) {
   return comparison;
 }
 
-void say_members(const Job& job, const CompareOptions& compare) {
+void say_members(const Job& job, const scene::CompareOptions& compare) {
   for (const auto& member : compare.members) {
     std::string adjusted;
     for (std::size_t k = 0; k < member.adjusted.size(); ++k)
@@ -462,11 +467,11 @@ Status side_by_side(Job& job) {
   }
   job.explain("{} members under protocol '{}'", scene.compare.members.size(), protocol);
   const auto begin = std::chrono::steady_clock::now();
-  const Comparison comparison = protocol == "curve"       ? compare_curves(scene)
-                                : protocol == "stability" ? compare_stability(scene)
-                                : protocol == "run"       ? compare_runs(scene)
-                                : protocol == "map"       ? compare_maps(scene, request)
-                                                          : compare_cycles(scene);
+  const output::Comparison comparison = protocol == "curve"       ? compare_curves(scene)
+                                        : protocol == "stability" ? compare_stability(scene)
+                                        : protocol == "run"       ? compare_runs(scene)
+                                        : protocol == "map"       ? compare_maps(scene, request)
+                                                                  : compare_cycles(scene);
   if (comparison.outcome.ending == Ending::interrupted) return stopped_early(request, "nothing is written");
   say_members(job, scene.compare);
   Reached reached;
@@ -485,7 +490,7 @@ Status side_by_side(Job& job) {
   manifest.tolerance_reached = reached.value();
   manifest.cost = {{"seconds", seconds_since(begin)}};
   std::vector<std::string> files;
-  if (!comparison.series.empty()) files = write_picture(job.folder(), scene, comparison);
+  if (!comparison.series.empty()) files = output::write_picture(job.folder(), scene, comparison);
   return job.finish(document_of(scene, comparison), files, comparison.outcome);
 }
 
@@ -510,7 +515,7 @@ Status design(Job& job) {
               of_parameter ? "information on " + compare.parameter : std::string("likelihood ratio between members"),
               options.x.parameter, options.y.parameter, fmt::join(measured, ", "));
   const auto begin = std::chrono::steady_clock::now();
-  DesignResult result;
+  output::DesignResult result;
   {
     Progress progress(request.quiet);
     const analysis::planes::MapHooks hooks{.known = {}, .finished = {}, .progress = progress.of_map()};
@@ -539,7 +544,7 @@ Status design(Job& job) {
     for (std::size_t m = 0; m < measured.size(); ++m) say_best(measured[m], plane.best_by_metric[m]);
   job.manifest().tolerance_asked = options.tolerance;
   job.manifest().cost = {{"seconds", result.seconds}, {"points", double(plane.information.size())}};
-  return job.finish(document_of(scene, result), write_picture(job.folder(), scene, plane), plane.outcome);
+  return job.finish(document_of(scene, result), output::write_picture(job.folder(), scene, plane), plane.outcome);
 }
 
 Status perform(Job& job) { return job.request().design ? design(job) : side_by_side(job); }
@@ -560,4 +565,4 @@ Verb compare_verb() {
           .perform = perform};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

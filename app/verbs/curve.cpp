@@ -11,30 +11,32 @@
 #include "app/verbs/job.hpp"
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
-void read_table(Table table, SceneReader& reader) {
+void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& curve = reader.scene.curve;
   const Quantity speed{"", "m/s", {1e-15, 1e4}, "slip rate"};
   table.read("from", curve.from, speed);
   table.read("to", curve.to, speed);
   if (!(curve.from < curve.to))
-    fail(table.source(), "curve.from = {} must be below curve.to = {}", curve.from, curve.to);
+    scene::fail(table.source(), "curve.from = {} must be below curve.to = {}", curve.from, curve.to);
   table.read("points", curve.points, 2, 1'000'000, "number of slip rates");
-  table.read("normal_load", curve.normal_load, mechanical("drive.normal_load"));
+  table.read("normal_load", curve.normal_load, scene::mechanical("drive.normal_load"));
   table.finish();
 }
 
-void read(SceneReader& reader) {
+void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator_if_there();
   read_tables_of_models(reader);
 }
 
-std::string document_of(const Scene& scene, const Curve& curve) {
-  auto document = begin(scene, "curve");
+std::string document_of(const scene::Scene& scene, const output::Curve& curve) {
+  auto document = output::begin(scene, "curve");
   document["normal_load"] = scene.curve.normal_load;
   document["slip_rate"] = curve.slip_rate;
   document["friction_coefficient"] = curve.friction_coefficient;
@@ -45,7 +47,7 @@ std::string document_of(const Scene& scene, const Curve& curve) {
                        {"friction_coefficient", e.friction_coefficient},
                        {"error", {{"slip_rate", e.slip_rate_error}}}});
   document["notes"] = scene.notes;
-  return text(document);
+  return output::text(document);
 }
 
 Status perform(Job& job) {
@@ -54,7 +56,7 @@ Status perform(Job& job) {
   const auto& law = *scene.model.law;
   job.explain("steady curve of '{}' at {} slip rates from {} to {} m/s under {} N; no states, no integration",
               law.card().name, options.points, options.from, options.to, options.normal_load);
-  Curve curve;
+  output::Curve curve;
   curve.slip_rate.resize(static_cast<std::size_t>(options.points));
   curve.friction_coefficient.resize(curve.slip_rate.size());
   for (int i = 0; i < options.points; ++i)
@@ -72,9 +74,9 @@ Status perform(Job& job) {
   }
   if (curve.extrema.empty()) job.say("no extrema between {} and {} m/s", options.from, options.to);
   job.manifest().tolerance_reached = reached.value();
-  write_csv(job.folder() / "curve.csv",
-            {{"slip_rate (m/s)", curve.slip_rate}, {"friction_coefficient", curve.friction_coefficient}});
-  auto files = write_picture(job.folder(), scene, curve);
+  output::write_csv(job.folder() / "curve.csv",
+                    {{"slip_rate (m/s)", curve.slip_rate}, {"friction_coefficient", curve.friction_coefficient}});
+  auto files = output::write_picture(job.folder(), scene, curve);
   files.push_back("curve.csv");
   return job.finish(document_of(scene, curve), std::move(files), {});
 }
@@ -93,4 +95,4 @@ Verb curve_verb() {
           .perform = perform};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

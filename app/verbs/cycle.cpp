@@ -12,46 +12,48 @@
 #include "app/verbs/job.hpp"
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
-void read_table(Table table, SceneReader& reader) {
+void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   table.read("stick_threshold", scene.cycle.stick_threshold,
              {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
   if (const auto* start = table.find("start")) {
-    scene.cycle.start = read_start(*start, table.path("start"), *scene.model.law);
+    scene.cycle.start = scene::read_start(*start, table.path("start"), *scene.model.law);
     if (scene.model.law->set_valued())
       scene.notes.push_back("cycle.start has no effect under a set-valued law: stick forgets how the motion began");
   }
   table.finish();
 }
 
-std::string document_of(const Scene& scene, const analysis::cycles::Cycle& cycle) {
-  auto document = begin(scene, "cycle", cycle.outcome);
+std::string document_of(const scene::Scene& scene, const analysis::cycles::Cycle& cycle) {
+  auto document = output::begin(scene, "cycle", cycle.outcome);
   const bool found = cycle.metrics.period > 0;  // known, if less accurately than asked
   const auto none = [] {
     analysis::cycles::Metrics absent;
     for (const auto& metric : analysis::cycles::metric_names()) absent.*metric.member = std::nan("");
     return absent;
   };
-  document.update(metrics(found ? cycle.metrics : none()));
+  document.update(output::metrics(found ? cycle.metrics : none()));
   document["stick_threshold"] = scene.cycle.stick_threshold;
   document["ill_conditioned_stick"] = cycle.ill_conditioned_stick;
-  document["multipliers"] = pairs(cycle.multipliers);
+  document["multipliers"] = output::pairs(cycle.multipliers);
   document["stable"] = found && !cycle.growth ? ordered_json(cycle.stable) : ordered_json();
   if (cycle.growth) document["growth"] = *cycle.growth;
   document["section"] = {{"displacement", found ? cycle.section_displacement : std::nan("")},
-                         {"state", states(*scene.model.law, cycle.section_state)}};
-  document["error"] = metrics(found ? cycle.error : none());
+                         {"state", output::states(*scene.model.law, cycle.section_state)}};
+  document["error"] = output::metrics(found ? cycle.error : none());
   document["error"]["multipliers"] = cycle.multiplier_errors;
   document["cost"] = {
       {"steps", cycle.cost.steps}, {"evaluations", cycle.cost.evaluations}, {"cycles", cycle.cost.cycles}};
   auto notes = scene.notes;
   if (!cycle.multipliers_left_out.empty()) notes.push_back(cycle.multipliers_left_out);
   document["notes"] = notes;
-  return text(document);
+  return output::text(document);
 }
 
 Status perform(Job& job) {
@@ -95,16 +97,16 @@ Status perform(Job& job) {
     for (std::size_t s = 0; s < states; ++s)
       columns[4 + s].push_back(s < point.state.size() ? point.state[s] : std::nan(""));
   }
-  std::vector<Column> table = {{"time (s)", columns[0]},
-                               {"displacement (m)", columns[1]},
-                               {"slip_rate (m/s)", columns[2]},
-                               {"friction_coefficient", columns[3]}};
+  std::vector<output::Column> table = {{"time (s)", columns[0]},
+                                       {"displacement (m)", columns[1]},
+                                       {"slip_rate (m/s)", columns[2]},
+                                       {"friction_coefficient", columns[3]}};
   for (std::size_t s = 0; s < states; ++s) {
     const auto& state = scene.model.law->states()[s];
-    table.push_back({column_header(state.name, state.unit), columns[4 + s]});
+    table.push_back({output::column_header(state.name, state.unit), columns[4 + s]});
   }
-  write_csv(job.folder() / "cycle.csv", table);
-  auto files = write_picture(job.folder(), scene, cycle);
+  output::write_csv(job.folder() / "cycle.csv", table);
+  auto files = output::write_picture(job.folder(), scene, cycle);
   files.push_back("cycle.csv");
   return job.finish(document_of(scene, cycle), std::move(files), cycle.outcome);
 }
@@ -123,4 +125,4 @@ Verb cycle_verb() {
           .perform = perform};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

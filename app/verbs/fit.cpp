@@ -11,7 +11,9 @@
 #include "app/verbs/progress.hpp"
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
@@ -44,10 +46,10 @@ ordered_json parameters(const analysis::inference::Fit& fit) {
   return object;
 }
 
-std::string to_json(const Scene& scene, const std::vector<analysis::inference::Fit>& fits,
+std::string to_json(const scene::Scene& scene, const std::vector<analysis::inference::Fit>& fits,
                     const std::vector<std::size_t>& order) {
   const auto& own = fits.front();
-  auto document = app::begin(scene, "fit", own.outcome);
+  auto document = app::output::begin(scene, "fit", own.outcome);
   document["parameters"] = parameters(own);
   document["correlation"] = own.correlation;
   document["chi_square"] = own.chi_square;
@@ -67,39 +69,40 @@ std::string to_json(const Scene& scene, const std::vector<analysis::inference::F
   }
   document["warnings"] = own.warnings;
   document["notes"] = scene.notes;
-  return text(document);
+  return output::text(document);
 }
 
 /// Standardised residuals of each measurement, of the scene's law and of the best of the others.
-std::vector<std::string> write_residuals(const fs::path& folder, const Scene& scene,
+std::vector<std::string> write_residuals(const fs::path& folder, const scene::Scene& scene,
                                          const std::vector<analysis::inference::Fit>& fits,
                                          const std::vector<std::size_t>& order) {
   std::vector<std::string> files;
   const auto& data = scene.fit.data;
   const int rows = int(data.size());
-  std::string script = preamble("fit", "Residuals of fits over their standard errors", 760, 120 + 230 * rows) +
+  std::string script = output::preamble("fit", "Residuals of fits over their standard errors", 760, 120 + 230 * rows) +
                        fmt::format("set multiplot layout {},1 title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\n",
-                                   rows, single_quoted(scene.title));
+                                   rows, output::single_quoted(scene.title));
   const std::size_t shown = std::min<std::size_t>(order.size(), 4);
   constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3"};
   for (std::size_t d = 0; d < data.size(); ++d) {
     const bool pairs = data[d].kind == Measurement::Kind::frequency_response;
     std::vector<double> x;
     for (const double value : data[d].x) x.insert(x.end(), pairs ? 2 : 1, value);
-    std::vector<Column> table{{abscissa(data[d].kind), x}};
+    std::vector<output::Column> table{{abscissa(data[d].kind), x}};
     for (std::size_t k = 0; k < shown; ++k)
       table.push_back({scene.fit.candidates[order[k]].name, fits[order[k]].residuals[d]});
     files.push_back(fmt::format("fit-residuals-{}.csv", d + 1));
-    write_csv(folder / files.back(), table);
+    output::write_csv(folder / files.back(), table);
     const auto [low, high] = std::ranges::minmax(x);
     script += fmt::format(
         "{} logscale x\nset xrange [{}:{}]\nset xlabel '{}'\nset ylabel 'residual / standard error'\nset title "
         "{}\nplot ",
-        low > 0 && high / low > 20 ? "set" : "unset", low, high, abscissa(data[d].kind), single_quoted(data[d].name));
+        low > 0 && high / low > 20 ? "set" : "unset", low, high, abscissa(data[d].kind),
+        output::single_quoted(data[d].name));
     for (std::size_t k = 0; k < shown; ++k)
       script += fmt::format("{}'{}' using 1:{} with points pointtype {} pointsize 0.7 linecolor '{}' title {}",
                             k > 0 ? ", \\\n     " : "", files.back(), k + 2, k == 0 ? 7 : int(k) + 3, colours[k],
-                            single_quoted(scene.fit.candidates[order[k]].name));
+                            output::single_quoted(scene.fit.candidates[order[k]].name));
     script +=
         ", 2 with lines linecolor '#555555' dashtype (2,3) notitle, -2 with lines linecolor '#555555' dashtype "
         "(2,3) notitle\n";
@@ -151,11 +154,11 @@ Status perform(Job& job) {
   return job.finish(to_json(scene, fits, order), std::move(files), fits.front().outcome);
 }
 
-void read(SceneReader& reader) {
+void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator_if_there();
   read_tables_of_models(reader);
-  read_fit(Table(reader.need("fit", "parameters and data"), "fit"), reader);
+  read_fit(scene::Table(reader.need("fit", "parameters and data"), "fit"), reader);
   reader.note_unread({"oscillator", "drive.force", "law.load_memory"}, "a fit does not ask for it");
 }
 
@@ -174,4 +177,4 @@ Verb fit_verb() {
           .perform = perform};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

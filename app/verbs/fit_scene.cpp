@@ -4,7 +4,7 @@
 #include "app/scene/law.hpp"
 #include "app/scene/scene_table.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 namespace {
 
@@ -32,12 +32,12 @@ const std::vector<KindOfData>& kinds() {
   return list;
 }
 
-Measurement read_data(const toml::node& node, const Scene& scene, const fs::path& folder) {
-  Table table(node, "fit.data");
+Measurement read_data(const toml::node& node, const scene::Scene& scene, const fs::path& folder) {
+  scene::Table table(node, "fit.data");
   table.expect({"type", "file", "columns", "standard_error", "speed", "from", "to", "normal_load", "low", "high"});
   std::vector<std::string> names;
   for (const auto& kind : kinds()) names.emplace_back(kind.name);
-  const auto type = choice(table.required("type", "what was measured"), table.path("type"), names);
+  const auto type = scene::choice(table.required("type", "what was measured"), table.path("type"), names);
   const auto& kind = *std::ranges::find_if(kinds(), [&](const auto& k) { return k.name == type; });
   Measurement data;
   data.kind = kind.kind;
@@ -58,27 +58,28 @@ Measurement read_data(const toml::node& node, const Scene& scene, const fs::path
   table.read("high", high, {"", kind.columns.front().si, {-1e300, 1e300}, "points above are left out"});
 
   const auto& file_node = table.required("file", "CSV with a header line, or NetCDF (*.nc)");
-  const fs::path file = text(file_node, table.path("file"));
+  const fs::path file = scene::text(file_node, table.path("file"));
   data.name = file.filename().string();
-  RecordSource source{file.is_absolute() ? file : folder / file, {}, 1, {}};
+  scene::RecordSource source{file.is_absolute() ? file : folder / file, {}, 1, {}};
   auto columns = table.table("columns");
   for (const auto& column : kind.columns) {
     const auto* given = columns ? columns->find(column.name) : nullptr;
-    source.columns.push_back(given ? read_column(*given, columns->path(column.name), column.si)
-                                   : RecordColumn{column.name, "", column.si});
+    source.columns.push_back(given ? scene::read_column(*given, columns->path(column.name), column.si)
+                                   : scene::RecordColumn{column.name, "", column.si});
   }
   if (columns) columns->finish();
   const auto& error = table.required("standard_error", "of each number: a value, or the name of a column");
   const bool by_column = error.is_string() && !std::isdigit(static_cast<unsigned char>(error.as_string()->get()[0]));
   double constant = 0;
   if (by_column)
-    source.columns.push_back({text(error, table.path("standard_error")), "", kind.columns.back().si});
+    source.columns.push_back({scene::text(error, table.path("standard_error")), "", kind.columns.back().si});
   else
-    constant = number(error, {table.path("standard_error"), kind.columns.back().si, {1e-300, 1e300}, "standard error"});
+    constant =
+        scene::number(error, {table.path("standard_error"), kind.columns.back().si, {1e-300, 1e300}, "standard error"});
   table.finish();
-  located(file_node.source(), [&] {
+  scene::located(file_node.source(), [&] {
     std::vector<std::vector<double>> values(source.columns.size());
-    read_record(source, [&](double, std::span<const std::span<const double>> block) {
+    scene::read_record(source, [&](double, std::span<const std::span<const double>> block) {
       for (std::size_t c = 0; c < block.size(); ++c)
         values[c].insert(values[c].end(), block[c].begin(), block[c].end());
     });
@@ -97,56 +98,57 @@ Measurement read_data(const toml::node& node, const Scene& scene, const fs::path
 
 }  // namespace
 
-void read_fit(Table table, SceneReader& reader) {
+void read_fit(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   auto& task = scene.fit;
   auto& options = task.options;
   table.expect({"parameters", "data", "candidates", "starts", "seed", "profiles", "folds", "confidence"});
   const auto read_parameters = [](const toml::node& node, const std::string& path, const oscillators::Model& model) {
-    const auto paths = texts(node, path);
+    const auto paths = scene::texts(node, path);
     for (std::size_t i = 0; i < paths.size(); ++i)
-      located(node.as_array()->get(i)->source(), [&] { analysis::inference::require_fittable(model, paths[i]); });
-    if (paths.empty()) fail(node.source(), "{} is empty", path);
+      scene::located(node.as_array()->get(i)->source(),
+                     [&] { analysis::inference::require_fittable(model, paths[i]); });
+    if (paths.empty()) scene::fail(node.source(), "{} is empty", path);
     return paths;
   };
   task.candidates.push_back(
       {std::string(scene.model.law->card().name), scene.model,
        read_parameters(table.required("parameters", "paths, such as law.a"), "fit.parameters", scene.model)});
   if (const auto* candidates = table.find("candidates"))
-    for (const auto& element : list(*candidates, "fit.candidates", "tables", most_names)) {
-      Table keys(element, "fit.candidates");
+    for (const auto& element : scene::list(*candidates, "fit.candidates", "tables", scene::most_names)) {
+      scene::Table keys(element, "fit.candidates");
       keys.expect({"name", "law", "parameters"});
-      FitTask::Candidate candidate{"", scene.model, {}};
+      scene::FitTask::Candidate candidate{"", scene.model, {}};
       candidate.model.lambda = 1;
       candidate.model.contact_stiffness = {};
       candidate.model.load_memory = 0;
       const auto& law = keys.required("law", "the friction law");
-      read_law(Table(law, "fit.candidates.law"), candidate.model);
+      scene::read_law(scene::Table(law, "fit.candidates.law"), candidate.model);
       candidate.name = candidate.model.law->card().name;
-      if (const auto* name = keys.find("name")) candidate.name = text(*name, keys.path("name"));
+      if (const auto* name = keys.find("name")) candidate.name = scene::text(*name, keys.path("name"));
       candidate.parameters =
           read_parameters(keys.required("parameters", "paths"), "fit.candidates.parameters", candidate.model);
       keys.finish();
       for (const auto& other : task.candidates)
         if (other.name == candidate.name)
-          fail(element.source(), "fit.candidates: two are named '{}'; give one of them a name", candidate.name);
+          scene::fail(element.source(), "fit.candidates: two are named '{}'; give one of them a name", candidate.name);
       task.candidates.push_back(std::move(candidate));
     }
   const auto& data = table.required("data", "tables with type and file");
-  for (const auto& element : list(data, "fit.data", "tables", most_names))
+  for (const auto& element : scene::list(data, "fit.data", "tables", scene::most_names))
     task.data.push_back(read_data(element, scene, reader.folder));
-  if (task.data.empty()) fail(data.source(), "fit.data is empty");
+  if (task.data.empty()) scene::fail(data.source(), "fit.data is empty");
   table.read("starts", options.starts, 1, 1000, "starts of the least squares");
   int seed = 1;
-  table.read("seed", seed, 0, largest_seed, "of the random starts");
+  table.read("seed", seed, 0, scene::largest_seed, "of the random starts");
   options.seed = std::uint64_t(seed);
   table.read("folds", options.folds, 0, 1000, "of cross-validation");
   table.read("confidence", options.confidence, {"", "1", {0.5, 0.9999}, "of intervals"});
   if (const auto* profiles = table.find("profiles")) {
-    if (!profiles->is_boolean()) wrong_kind(*profiles, "fit.profiles", "true or false");
+    if (!profiles->is_boolean()) scene::wrong_kind(*profiles, "fit.profiles", "true or false");
     options.profiles = *profiles->value<bool>();
   }
   table.finish();
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

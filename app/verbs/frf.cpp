@@ -13,7 +13,9 @@
 #include "app/verbs/job.hpp"
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
@@ -23,7 +25,7 @@ using analysis::response::FrfCurve;
 
 ordered_json roots(const std::vector<analysis::response::FrictionResponse::Root>& list) {
   auto array = ordered_json::array();
-  for (const auto& root : list) array.push_back(pair(root.value));
+  for (const auto& root : list) array.push_back(output::pair(root.value));
   return array;
 }
 
@@ -36,18 +38,18 @@ ordered_json entries(const std::vector<ResponseMatrix>& matrices, bool errors = 
                                     std::pair{"nt", &ResponseMatrix::nt}, std::pair{"nn", &ResponseMatrix::nn}}) {
     auto& list = object[name] = ordered_json::array();
     for (const auto& matrix : matrices)
-      list.push_back(errors ? ordered_json((matrix.*entry).real()) : pair(matrix.*entry));
+      list.push_back(errors ? ordered_json((matrix.*entry).real()) : output::pair(matrix.*entry));
   }
   return object;
 }
 
-const char* second_input(const Scene& scene) { return scene.frf.rig.normal ? "approach_rate" : "normal_load"; }
+const char* second_input(const scene::Scene& scene) { return scene.frf.rig.normal ? "approach_rate" : "normal_load"; }
 
 void describe(ordered_json& object, const FrfCurve& curve) {
   object["slip_rate"] = curve.slip_rate;
   object["normal_load"] = curve.normal_load;
   object["friction_coefficient"] = curve.friction_coefficient;
-  object["tangential"] = pairs(curve.tangential);
+  object["tangential"] = output::pairs(curve.tangential);
   object["low_frequency_limit"] = curve.limits.low;
   object["high_frequency_limit"] = curve.limits.high;
   if (curve.limits.stiffness != 0) object["high_frequency_stiffness"] = curve.limits.stiffness;
@@ -61,13 +63,13 @@ void describe(ordered_json& object, const FrfCurve& curve) {
   if (!curve.matrix.empty()) object["matrix"] = entries(curve.matrix);
 }
 
-ordered_json document_of(const Scene& scene, const analysis::response::FrfPrediction& prediction) {
-  auto document = begin(scene, "frf");
+ordered_json document_of(const scene::Scene& scene, const analysis::response::FrfPrediction& prediction) {
+  auto document = output::begin(scene, "frf");
   document["frequency"] = scene.frf.frequencies;
   describe(document, prediction.curve);
   if (scene.frf.rig.matrix) document["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
   for (const auto& s : prediction.sensitivities)
-    document["sensitivities"][s.parameter] = {{"unit", s.unit}, {"slope", pairs(s.slope)}, {"error", s.error}};
+    document["sensitivities"][s.parameter] = {{"unit", s.unit}, {"slope", output::pairs(s.slope)}, {"error", s.error}};
   if (!prediction.family.empty()) {
     auto& family = document["family"];
     family = {{"parameter", scene.frf.family}, {"unit", scene.model.describe(scene.frf.family).unit}};
@@ -82,18 +84,18 @@ ordered_json document_of(const Scene& scene, const analysis::response::FrfPredic
   return document;
 }
 
-std::string to_json(const Scene& scene, const analysis::response::MeasuredFrf& measured,
+std::string to_json(const scene::Scene& scene, const analysis::response::MeasuredFrf& measured,
                     const std::vector<Complex>& predicted) {
-  auto document = begin(scene, "frf");
+  auto document = output::begin(scene, "frf");
   document["frequency"] = measured.frequency;
-  document["tangential"] = pairs(measured.tangential);
+  document["tangential"] = output::pairs(measured.tangential);
   document["coherence"] = measured.coherence;
   document["standard_error"] = measured.standard_error;
   document["bias_error"] = measured.bias_error;
   if (!measured.h1.empty()) {
-    document["h1"] = pairs(measured.h1);
-    document["h2"] = pairs(measured.h2);
-    document["hv"] = pairs(measured.hv);
+    document["h1"] = output::pairs(measured.h1);
+    document["h2"] = output::pairs(measured.h2);
+    document["hv"] = output::pairs(measured.hv);
   }
   if (!measured.matrix.empty()) {
     document["matrix"] = entries(measured.matrix);
@@ -107,8 +109,8 @@ std::string to_json(const Scene& scene, const analysis::response::MeasuredFrf& m
   document["rms"] = {{"slip_rate", measured.slip_rate_rms}, {"force", measured.force_rms}};
   document["outside_band"] = measured.outside_band;
   document["warnings"] = measured.warnings;
-  if (!predicted.empty()) document["predicted"] = pairs(predicted);
-  return text(document);
+  if (!predicted.empty()) document["predicted"] = output::pairs(predicted);
+  return output::text(document);
 }
 
 /// Continuous along the curve, in degrees.
@@ -134,11 +136,11 @@ bool write_curve(const fs::path& path, const std::vector<double>& frequency, con
   const auto imaginary = parts(Z, [](const Complex& z) { return z.imag(); });
   const auto magnitude = parts(Z, [](const Complex& z) { return std::abs(z); });
   const auto angle = phase(Z);
-  write_csv(path, {{"frequency (Hz)", frequency},
-                   {"real (N s/m)", real},
-                   {"imaginary (N s/m)", imaginary},
-                   {"magnitude (N s/m)", magnitude},
-                   {"phase (degree)", angle}});
+  output::write_csv(path, {{"frequency (Hz)", frequency},
+                           {"real (N s/m)", real},
+                           {"imaginary (N s/m)", imaginary},
+                           {"magnitude (N s/m)", magnitude},
+                           {"phase (degree)", angle}});
   return std::ranges::any_of(magnitude, [](double size) { return size > 0; });
 }
 
@@ -149,14 +151,14 @@ struct Line {
 
 /// Magnitude, phase, real and imaginary part, and the path in the complex plane. `answers`: some magnitude is above 0,
 /// or a logarithmic axis has nothing to show.
-void write_script(const fs::path& folder, const Scene& scene, const std::vector<Line>& lines, bool answers) {
+void write_script(const fs::path& folder, const scene::Scene& scene, const std::vector<Line>& lines, bool answers) {
   constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3", "#C4A000", "#555555", "#D1495B"};
   constexpr const char* dashes[] = {"solid", "(8,4)", "(2,3)", "(12,3,2,3)", "(4,2)"};
   const auto& f = scene.frf.frequencies;
   const bool decades = f.back() / f.front() > 20;
   std::string script =
-      preamble("frf", "Friction frequency response: magnitude, phase, parts, and the complex plane", 1000, 760);
-  script += fmt::format("set multiplot layout 2,2 title {}\n", single_quoted(scene.title));
+      output::preamble("frf", "Friction frequency response: magnitude, phase, parts, and the complex plane", 1000, 760);
+  script += fmt::format("set multiplot layout 2,2 title {}\n", output::single_quoted(scene.title));
   script += "set grid linecolor '#CCCCCC' linewidth 0.6\nset xlabel 'frequency (Hz)'\n";
   if (decades) script += "set logscale x\n";
   script += fmt::format("set xrange [{}:{}]\n", f.front(), f.back());
@@ -165,7 +167,7 @@ void write_script(const fs::path& folder, const Scene& scene, const std::vector<
     for (std::size_t i = 0; i < lines.size(); ++i)
       script += fmt::format("{}'{}' using {} with lines linewidth 1.7 linecolor '{}' dashtype {} title {}",
                             i > 0 ? ", \\\n     " : "", lines[i].file, columns, colours[i % std::size(colours)],
-                            dashes[i % std::size(dashes)], single_quoted(lines[i].title));
+                            dashes[i % std::size(dashes)], output::single_quoted(lines[i].title));
     script += '\n';
   };
   if (answers)
@@ -182,14 +184,14 @@ void write_script(const fs::path& folder, const Scene& scene, const std::vector<
 }
 
 /// Measured points with bands of two standard errors, the prediction as a line, and the coherence.
-void write_measured_script(const fs::path& folder, const Scene& scene, const analysis::response::MeasuredFrf& measured,
-                           bool predicted) {
+void write_measured_script(const fs::path& folder, const scene::Scene& scene,
+                           const analysis::response::MeasuredFrf& measured, bool predicted) {
   const auto& f = measured.frequency;
-  std::string script = preamble("frf",
-                                "Friction frequency response as measured, with bands of two standard errors, "
-                                "and as predicted",
-                                1000, 1000);
-  script += fmt::format("set multiplot layout 3,2 title {}\n", single_quoted(scene.title));
+  std::string script = output::preamble("frf",
+                                        "Friction frequency response as measured, with bands of two standard errors, "
+                                        "and as predicted",
+                                        1000, 1000);
+  script += fmt::format("set multiplot layout 3,2 title {}\n", output::single_quoted(scene.title));
   script += fmt::format(
       "set grid linecolor '#CCCCCC' linewidth 0.6\nset xlabel 'frequency (Hz)'\n"
       "set xrange [{}:{}]\nset style fill solid 0.3 noborder\n",
@@ -263,13 +265,13 @@ Status finish_measured(Job& job, const analysis::response::MeasuredFrf& measured
   const auto imaginary = parts(measured.tangential, [](const Complex& z) { return z.imag(); });
   const auto magnitude = parts(measured.tangential, [](const Complex& z) { return std::abs(z); });
   const auto angle = phase(measured.tangential);
-  write_csv(job.folder() / "frf.csv", {{"frequency (Hz)", measured.frequency},
-                                       {"real (N s/m)", real},
-                                       {"imaginary (N s/m)", imaginary},
-                                       {"magnitude (N s/m)", magnitude},
-                                       {"phase (degree)", angle},
-                                       {"standard_error (N s/m)", measured.standard_error},
-                                       {"coherence", measured.coherence}});
+  output::write_csv(job.folder() / "frf.csv", {{"frequency (Hz)", measured.frequency},
+                                               {"real (N s/m)", real},
+                                               {"imaginary (N s/m)", imaginary},
+                                               {"magnitude (N s/m)", magnitude},
+                                               {"phase (degree)", angle},
+                                               {"standard_error (N s/m)", measured.standard_error},
+                                               {"coherence", measured.coherence}});
   files.insert(files.end(), {"frf.csv", "frf.gp"});
   if (!predicted.empty()) {
     files.emplace_back("frf-predicted.csv");
@@ -285,7 +287,7 @@ Status extract(Job& job) {
               record.welch.window, record.welch.overlap);
   const auto begin = std::chrono::steady_clock::now();
   std::optional<analysis::response::CrossSpectra> spectra;
-  const auto end = read_record(record.source, [&](double rate, std::span<const std::span<const double>> block) {
+  const auto end = scene::read_record(record.source, [&](double rate, std::span<const std::span<const double>> block) {
     if (!spectra) {
       auto welch = record.welch;
       welch.segment = analysis::response::segment_for(record.resolution, rate);
@@ -308,10 +310,10 @@ Status simulate_noise(Job& job, std::optional<double> tolerance) {
   const auto begin = std::chrono::steady_clock::now();
   const auto noise = analysis::response::simulate_noise(job.scene().model, options);
   job.manifest().cost = {{"seconds", seconds_since(begin)}, {"samples", double(noise.time.size())}};
-  std::vector<Column> columns = {
+  std::vector<output::Column> columns = {
       {"time (s)", noise.time}, {"slip_rate (m/s)", noise.slip_rate}, {"friction_force (N)", noise.force}};
   if (!noise.normal_load.empty()) columns.push_back({"normal_load (N)", noise.normal_load});
-  write_csv(job.folder() / "frf-record.csv", columns);
+  output::write_csv(job.folder() / "frf-record.csv", columns);
   return finish_measured(job, noise.measured, {"frf-record.csv"});
 }
 
@@ -358,15 +360,15 @@ Status simulate_sweep(Job& job) {
       "an amplitude of {:g} of the mean changes the response by {:.2g} at most; second harmonic up to {:.2g}, third "
       "up to {:.2g} of the first",
       options.amplitude, dependence, std::ranges::max(swept.second_harmonic), std::ranges::max(swept.third_harmonic));
-  auto document = app::begin(scene, "frf");
+  auto document = app::output::begin(scene, "frf");
   document["frequency"] = options.frequencies;
-  document["tangential"] = pairs(swept.tangential);
+  document["tangential"] = output::pairs(swept.tangential);
   document["standard_error"] = swept.error;
   document["coherence"] = swept.coherence;
-  document["at_amplitude"] = pairs(swept.at_amplitude);
+  document["at_amplitude"] = output::pairs(swept.at_amplitude);
   document["second_harmonic"] = swept.second_harmonic;
   document["third_harmonic"] = swept.third_harmonic;
-  document["predicted"] = pairs(predicted);
+  document["predicted"] = output::pairs(predicted);
   if (options.rig.matrix) {
     document["matrix"] = entries(swept.matrix);
     document["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
@@ -381,7 +383,7 @@ Status simulate_sweep(Job& job) {
     write_script(job.folder(), scene, {{"frf.csv", "simulated"}, {"frf-predicted.csv", "predicted"}}, answers);
     files.emplace_back("frf.gp");
   }
-  return job.finish(text(document), std::move(files), {});
+  return job.finish(output::text(document), std::move(files), {});
 }
 
 Status perform(Job& job) {
@@ -439,10 +441,10 @@ Status perform(Job& job) {
   }
   auto document = document_of(scene, prediction);
   add_stability(job, document, files);
-  return job.finish(text(document), std::move(files), {});
+  return job.finish(output::text(document), std::move(files), {});
 }
 
-void read(SceneReader& reader) {
+void read(scene::SceneReader& reader) {
   auto& scene = reader.scene;
   const auto& document = reader.document;
   const bool measured = document.at_path("frf.record").node();  // which needs neither law nor drive
@@ -454,7 +456,7 @@ void read(SceneReader& reader) {
     if (!measured) reader.need("drive", "speed and normal load");
     read_tables_of_models(reader);
   }
-  read_frf(Table(reader.need("frf", "frequencies"), "frf"), reader,
+  read_frf(scene::Table(reader.need("frf", "frequencies"), "frf"), reader,
            record_alone ? nullptr : reader.root.find("oscillator"));
 }
 
@@ -473,4 +475,4 @@ Verb frf_verb() {
           .perform = perform};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -7,7 +7,7 @@
 #include "analysis/response/contact_slopes.hpp"
 #include "app/scene/scene_table.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 namespace {
 
@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 /// The keys of a table that are the members of an object; the first of them must be there.
 template <class Fields, class Object>
-void read_fields(Table& table, const Fields& fields, Object& object) {
+void read_fields(scene::Table& table, const Fields& fields, Object& object) {
   for (const auto& f : fields)
     table.read(f.name, object.*f.member, {"", std::string(f.unit), f.range, std::string(f.meaning)});
   table.finish();
@@ -29,13 +29,13 @@ constexpr int most_frequencies = 100'000;
 std::vector<double> read_frequencies(const toml::node& node, const std::string& path) {
   const Quantity hertz{path, "Hz", {1e-12, 1e12}, "frequency"};
   if (node.is_array()) {
-    auto list = numbers(node, hertz, most_frequencies);
-    if (list.empty()) fail(node.source(), "{} is empty", path);
+    auto list = scene::numbers(node, hertz, most_frequencies);
+    if (list.empty()) scene::fail(node.source(), "{} is empty", path);
     if (std::ranges::adjacent_find(list, std::greater_equal{}) != list.end())
-      fail(node.source(), "{} must ascend", path);
+      scene::fail(node.source(), "{} must ascend", path);
     return list;
   }
-  Table table(node, path);
+  scene::Table table(node, path);
   table.expect({"from", "to", "points", "scale"});
   double from = 0, to = 0;
   int points = 200;
@@ -45,9 +45,9 @@ std::vector<double> read_frequencies(const toml::node& node, const std::string& 
   table.read("to", to, hertz);
   table.read("points", points, 2, most_frequencies, "number of frequencies");
   const auto* scale = table.find("scale");
-  const bool linear = scale && choice(*scale, table.path("scale"), {"log", "linear"}) == "linear";
+  const bool linear = scale && scene::choice(*scale, table.path("scale"), {"log", "linear"}) == "linear";
   table.finish();
-  if (!(from < to)) fail(node.source(), "{}.from = {} must be below {}.to = {}", path, from, path, to);
+  if (!(from < to)) scene::fail(node.source(), "{}.from = {} must be below {}.to = {}", path, from, path, to);
   std::vector<double> list;
   for (int i = 0; i < points; ++i) {
     const double part = double(i) / (points - 1);
@@ -57,21 +57,23 @@ std::vector<double> read_frequencies(const toml::node& node, const std::string& 
   return list;
 }
 
-FrfRecord read_frf_record(Table table, const fs::path& folder) {
+scene::FrfRecord read_frf_record(scene::Table table, const fs::path& folder) {
   using Second = analysis::response::Channels::Second;
-  FrfRecord record;
+  scene::FrfRecord record;
   table.expect({"file", "time", "sample_rate", "slip_rate", "force", "normal_load", "approach_rate", "reference",
                 "resolution", "overlap", "window", "estimator"});
-  const fs::path file = text(table.required("file", "CSV with a header line, or NetCDF (*.nc)"), table.path("file"));
+  const fs::path file =
+      scene::text(table.required("file", "CSV with a header line, or NetCDF (*.nc)"), table.path("file"));
   auto& source = record.source;
   source.file = file.is_absolute() ? file : folder / file;
   const auto *time = table.find("time"), *rate = table.find("sample_rate");
-  if (!time == !rate) fail(table.source(), "{} needs time (a column) or sample_rate (Hz), and not both", "frf.record");
-  if (time) source.time = read_column(*time, table.path("time"), "s");
+  if (!time == !rate)
+    scene::fail(table.source(), "{} needs time (a column) or sample_rate (Hz), and not both", "frf.record");
+  if (time) source.time = scene::read_column(*time, table.path("time"), "s");
   table.read("sample_rate", source.sample_rate, {"", "Hz", {1e-6, 1e12}, "samples per second"});
   const auto add = [&](std::string_view key, const char* si, bool needed) {
     const auto* node = needed ? &table.required(key, si) : table.find(key);
-    if (node) source.columns.push_back(read_column(*node, table.path(key), si));
+    if (node) source.columns.push_back(scene::read_column(*node, table.path(key), si));
     return node != nullptr;
   };
   add("slip_rate", "m/s", true);
@@ -85,15 +87,16 @@ FrfRecord read_frf_record(Table table, const fs::path& folder) {
   }
   if (add("reference", "1", false)) {
     record.channels.reference = true;
-    if (second != Second::none) fail(table.source(), "frf.record.reference goes with one input only");
+    if (second != Second::none) scene::fail(table.source(), "frf.record.reference goes with one input only");
   }
   table.required("resolution", "width of a frequency bin, Hz");
   table.read("resolution", record.resolution, {"", "Hz", {1e-9, 1e9}, "width of a frequency bin"});
   table.read("overlap", record.welch.overlap, {"", "1", {0, 0.9}, "overlap of neighbouring segments"});
   if (const auto* window = table.find("window"))
-    record.welch.window = choice(*window, table.path("window"), analysis::response::window_names());
+    record.welch.window = scene::choice(*window, table.path("window"), analysis::response::window_names());
   if (const auto* estimator = table.find("estimator"))
-    record.extraction.estimator = choice(*estimator, table.path("estimator"), analysis::response::estimator_names());
+    record.extraction.estimator =
+        scene::choice(*estimator, table.path("estimator"), analysis::response::estimator_names());
   table.finish();
   return record;
 }
@@ -101,44 +104,44 @@ FrfRecord read_frf_record(Table table, const fs::path& folder) {
 /// A matrix as a list of rows, row-major.
 std::vector<double> read_matrix(const toml::node& node, const Quantity& quantity, std::size_t& size) {
   std::vector<double> entries;
-  const auto& rows = list(node, quantity.name, "rows");
+  const auto& rows = scene::list(node, quantity.name, "rows");
   if (size == 0) size = rows.size();
   if (rows.size() != size)
-    fail(node.source(), "{} has {} rows, the matrices before it {}", quantity.name, rows.size(), size);
+    scene::fail(node.source(), "{} has {} rows, the matrices before it {}", quantity.name, rows.size(), size);
   for (const auto& row : rows) {
-    const auto values = numbers(row, quantity);
+    const auto values = scene::numbers(row, quantity);
     if (values.size() != size)
-      fail(row.source(), "{} is not square: a row has {} of {}", quantity.name, values.size(), size);
+      scene::fail(row.source(), "{} is not square: a row has {} of {}", quantity.name, values.size(), size);
     entries.insert(entries.end(), values.begin(), values.end());
   }
   return entries;
 }
 
 /// A file by name, or { file, standard_error } with the name of a column.
-FrfUse::Measured read_complex_table(const toml::node& node, const std::string& path, const char* unit,
-                                    const fs::path& folder) {
+scene::FrfUse::Measured read_complex_table(const toml::node& node, const std::string& path, const char* unit,
+                                           const fs::path& folder) {
   fs::path file;
-  std::vector<RecordColumn> columns = {{"frequency", "", "Hz"}, {"real", "", unit}, {"imaginary", "", unit}};
+  std::vector<scene::RecordColumn> columns = {{"frequency", "", "Hz"}, {"real", "", unit}, {"imaginary", "", unit}};
   if (node.is_string()) {
-    file = text(node, path);
+    file = scene::text(node, path);
   } else {
-    Table table(node, path);
+    scene::Table table(node, path);
     table.expect({"file", "standard_error"});
-    file = text(table.required("file", "CSV with frequency, real and imaginary"), table.path("file"));
+    file = scene::text(table.required("file", "CSV with frequency, real and imaginary"), table.path("file"));
     if (const auto* error = table.find("standard_error"))
-      columns.push_back({text(*error, table.path("standard_error")), "", unit});
+      columns.push_back({scene::text(*error, table.path("standard_error")), "", unit});
     table.finish();
   }
-  FrfUse::Measured table;
-  located(node.source(), [&] {
-    read_record({file.is_absolute() ? file : folder / file, {}, 1, columns},
-                [&](double, std::span<const std::span<const double>> block) {
-                  for (std::size_t i = 0; i < block[0].size(); ++i) {
-                    table.frequency.push_back(block[0][i]);
-                    table.value.emplace_back(block[1][i], block[2][i]);
-                    if (block.size() > 3) table.error.push_back(block[3][i]);
-                  }
-                });
+  scene::FrfUse::Measured table;
+  scene::located(node.source(), [&] {
+    scene::read_record({file.is_absolute() ? file : folder / file, {}, 1, columns},
+                       [&](double, std::span<const std::span<const double>> block) {
+                         for (std::size_t i = 0; i < block[0].size(); ++i) {
+                           table.frequency.push_back(block[0][i]);
+                           table.value.emplace_back(block[1][i], block[2][i]);
+                           if (block.size() > 3) table.error.push_back(block[3][i]);
+                         }
+                       });
     if (std::ranges::adjacent_find(table.frequency, std::greater_equal{}) != table.frequency.end())
       throw InputError(fmt::format("{}: frequencies must ascend", file.string()));
     if (std::ranges::any_of(table.error, [](double e) { return e < 0; }))
@@ -147,8 +150,9 @@ FrfUse::Measured read_complex_table(const toml::node& node, const std::string& p
   return table;
 }
 
-FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, const fs::path& folder) {
-  FrfUse use;
+scene::FrfUse read_use(scene::Table table, const scene::Scene& scene, const toml::node* oscillator,
+                       const fs::path& folder) {
+  scene::FrfUse use;
   use.sliding.model = scene.model;
   use.sliding.normal = scene.frf.rig.normal;
   table.expect({"modes", "M", "C", "K", "contacts", "receptance", "friction", "scan", "uncertain", "samples", "seed"});
@@ -156,16 +160,16 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
   const auto *modes = table.find("modes"), *M = table.find("M"), *C = table.find("C");
   const auto *contacts = table.find("contacts"), *receptance = table.find("receptance");
   if ((modes != nullptr) + (M != nullptr) + (receptance != nullptr) > 1)
-    fail(table.source(), "frf.structure: give modes, or M, C and K, or receptance");
+    scene::fail(table.source(), "frf.structure: give modes, or M, C and K, or receptance");
   if (modes) {
     std::vector<analysis::response::Mode> read;
-    for (const auto& element : list(*modes, table.path("modes"), "tables", most_names)) {
-      Table keys(element, table.path("modes"));
+    for (const auto& element : scene::list(*modes, table.path("modes"), "tables", scene::most_names)) {
+      scene::Table keys(element, table.path("modes"));
       analysis::response::Mode mode;
       read_fields(keys, analysis::response::mode_fields, mode);
       read.push_back(mode);
     }
-    if (read.empty()) fail(modes->source(), "frf.structure.modes is empty");
+    if (read.empty()) scene::fail(modes->source(), "frf.structure.modes is empty");
     use.sliding.form = std::move(read);
   } else if (M) {
     std::size_t size = 0;
@@ -174,16 +178,16 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
     structure.K = read_matrix(table.required("K", "stiffness, N/m"), {table.path("K"), "N/m", any, "stiffness"}, size);
     structure.C =
         C ? read_matrix(*C, {table.path("C"), "N s/m", any, "damping"}, size) : std::vector<double>(size * size, 0.0);
-    if (!contacts) fail(table.source(), "frf.structure.contacts is needed: tables with a tangential direction");
-    for (const auto& element : list(*contacts, table.path("contacts"), "tables", most_names)) {
-      Table keys(element, table.path("contacts"));
+    if (!contacts) scene::fail(table.source(), "frf.structure.contacts is needed: tables with a tangential direction");
+    for (const auto& element : scene::list(*contacts, table.path("contacts"), "tables", scene::most_names)) {
+      scene::Table keys(element, table.path("contacts"));
       keys.expect({"tangential", "normal"});
       analysis::response::Structure::Contact contact;
       const Quantity entry{"", "1", any, "direction of a contact"};
-      contact.tangential = numbers(keys.required("tangential", "direction of slip"),
-                                   {keys.path("tangential"), "1", any, "direction of slip"});
+      contact.tangential = scene::numbers(keys.required("tangential", "direction of slip"),
+                                          {keys.path("tangential"), "1", any, "direction of slip"});
       if (const auto* normal = keys.find("normal"))
-        contact.normal = numbers(*normal, {keys.path("normal"), "1", any, "direction that presses"});
+        contact.normal = scene::numbers(*normal, {keys.path("normal"), "1", any, "direction that presses"});
       keys.finish();
       structure.contacts.push_back(std::move(contact));
     }
@@ -191,17 +195,17 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
   } else if (receptance) {
     use.receptance = read_complex_table(*receptance, table.path("receptance"), "m/N", folder);
   } else if (oscillator) {
-    located(oscillator->source(), [&] { use.sliding.structure(); });
+    scene::located(oscillator->source(), [&] { use.sliding.structure(); });
   } else {
-    fail(table.source(), "frf.structure needs modes, or M, C and K, or receptance, or an [oscillator]");
+    scene::fail(table.source(), "frf.structure needs modes, or M, C and K, or receptance, or an [oscillator]");
   }
   if (const auto* friction = table.find("friction"))
     use.friction = read_complex_table(*friction, table.path("friction"), "N s/m", folder);
   if (auto scan = table.table("scan")) {
     scan->expect({"parameter", "from", "to", "points"});
     const auto& parameter = scan->required("parameter", "path, such as drive.normal_load");
-    use.scan = text(parameter, scan->path("parameter"));
-    auto quantity = located(parameter.source(), [&] { return use.sliding.describe(use.scan); });
+    use.scan = scene::text(parameter, scan->path("parameter"));
+    auto quantity = scene::located(parameter.source(), [&] { return use.sliding.describe(use.scan); });
     scan->required("from", quantity.meaning);
     scan->required("to", quantity.meaning);
     scan->read("from", use.scan_from, quantity);
@@ -209,58 +213,58 @@ FrfUse read_use(Table table, const Scene& scene, const toml::node* oscillator, c
     scan->read("points", use.scan_points, 1, 10'000, "intervals that are searched");
     scan->finish();
     if (!(use.scan_from > 0) || !(use.scan_from < use.scan_to))
-      fail(scan->source(), "frf.structure.scan: 0 < from < to is needed");
+      scene::fail(scan->source(), "frf.structure.scan: 0 < from < to is needed");
   }
   if (const auto* uncertain = table.find("uncertain")) {
     if (!uncertain->is_table())
-      wrong_kind(*uncertain, "frf.structure.uncertain", "a table such as { \"law.a\" = 0.1 }");
+      scene::wrong_kind(*uncertain, "frf.structure.uncertain", "a table such as { \"law.a\" = 0.1 }");
     for (const auto& [key, value] : *uncertain->as_table()) {
       const std::string path(key.str());
-      located(value.source(), [&] { use.sliding.describe(path); });
-      use.uncertain.push_back({path, number(value, {path, "1", {1e-9, 2}, "relative standard deviation"})});
+      scene::located(value.source(), [&] { use.sliding.describe(path); });
+      use.uncertain.push_back({path, scene::number(value, {path, "1", {1e-9, 2}, "relative standard deviation"})});
     }
   }
   table.read("samples", use.samples, 20, 1'000'000, "of uncertain inputs");
   int seed = 1;
-  table.read("seed", seed, 0, largest_seed, "of the random numbers");
+  table.read("seed", seed, 0, scene::largest_seed, "of the random numbers");
   use.seed = std::uint64_t(seed);
   table.finish();
   return use;
 }
 
-void read_simulation(Table table, Scene& scene) {
+void read_simulation(scene::Table table, scene::Scene& scene) {
   table.expect({"type", "amplitude", "resolution", "averages", "seed", "overlap", "window"});
   const auto& f = scene.frf.frequencies;
   const Quantity amplitude{"", "1", {1e-6, 0.9}, "change of slip rate over its mean"};
   const auto type =
-      choice(table.required("type", "\"swept-sine\" or \"noise\""), table.path("type"), {"swept-sine", "noise"});
+      scene::choice(table.required("type", "\"swept-sine\" or \"noise\""), table.path("type"), {"swept-sine", "noise"});
   if (type == "swept-sine") {
     auto& sweep = scene.frf_sweep.emplace();
     sweep.frequencies = f;
     table.read("amplitude", sweep.amplitude, amplitude);
     for (const char* key : {"resolution", "averages", "seed", "overlap", "window"})
-      if (const auto* node = table.find(key)) fail(node->source(), "{} belongs to noise", table.path(key));
+      if (const auto* node = table.find(key)) scene::fail(node->source(), "{} belongs to noise", table.path(key));
   } else {
     auto& noise = scene.frf_noise.emplace();
-    if (f.size() < 2) fail(table.source(), "frf.frequencies must have two ends: those of the noise's band");
+    if (f.size() < 2) scene::fail(table.source(), "frf.frequencies must have two ends: those of the noise's band");
     noise.low = f.front(), noise.high = f.back();
     table.required("resolution", "width of a frequency bin, Hz");
     table.read("amplitude", noise.amplitude, amplitude);
     table.read("resolution", noise.resolution, {"", "Hz", {1e-9, 1e9}, "width of a frequency bin"});
     table.read("averages", noise.averages, 8, 100'000, "segments");
     int seed = 1;
-    table.read("seed", seed, 0, largest_seed, "of the random numbers");
+    table.read("seed", seed, 0, scene::largest_seed, "of the random numbers");
     noise.seed = std::uint64_t(seed);
     table.read("overlap", noise.welch.overlap, {"", "1", {0, 0.9}, "overlap of neighbouring segments"});
     if (const auto* window = table.find("window"))
-      noise.welch.window = choice(*window, table.path("window"), analysis::response::window_names());
+      noise.welch.window = scene::choice(*window, table.path("window"), analysis::response::window_names());
   }
   table.finish();
 }
 
 }  // namespace
 
-void read_frf(Table table, SceneReader& reader, const toml::node* oscillator) {
+void read_frf(scene::Table table, scene::SceneReader& reader, const toml::node* oscillator) {
   auto& scene = reader.scene;
   const auto& folder = reader.folder;
   auto& options = scene.frf;
@@ -274,11 +278,11 @@ void read_frf(Table table, SceneReader& reader, const toml::node* oscillator) {
     scene.frf_record->extraction.to = options.frequencies.back();
   }
   if (auto simulation = table.table("simulate")) {
-    if (scene.frf_record) fail(simulation->source(), "[frf] has a record: give record or simulate, not both");
+    if (scene.frf_record) scene::fail(simulation->source(), "[frf] has a record: give record or simulate, not both");
     read_simulation(*simulation, scene);
   }
   if (const auto* normal = table.find("normal")) {
-    if (!normal->is_boolean()) wrong_kind(*normal, "frf.normal", "true or false");
+    if (!normal->is_boolean()) scene::wrong_kind(*normal, "frf.normal", "true or false");
     options.rig.matrix = *normal->value<bool>();
   }
   if (auto contact = table.table("normal_contact")) {
@@ -288,10 +292,11 @@ void read_frf(Table table, SceneReader& reader, const toml::node* oscillator) {
   const bool found = scene.frf_record || scene.frf_sweep || scene.frf_noise;
   for (const char* key : {"sensitivities", "family"})
     if (const auto* node = found ? table.find(key) : nullptr)
-      fail(node->source(), "{} belongs to a prediction, without frf.record and frf.simulate", table.path(key));
+      scene::fail(node->source(), "{} belongs to a prediction, without frf.record and frf.simulate", table.path(key));
   if (auto structure = table.table("structure")) {
     if (found)
-      fail(structure->source(), "[frf.structure] goes with a prediction, or with a measured table 'friction' in it");
+      scene::fail(structure->source(),
+                  "[frf.structure] goes with a prediction, or with a measured table 'friction' in it");
     scene.frf_use = read_use(*structure, scene, oscillator, folder);
   }
   table.read("sensor_mass", options.rig.sensor_mass,
@@ -299,23 +304,23 @@ void read_frf(Table table, SceneReader& reader, const toml::node* oscillator) {
   if (scene.frf_sweep) scene.frf_sweep->rig = options.rig;
   if (scene.frf_noise) scene.frf_noise->rig = options.rig;
   if (const auto* list = table.find("sensitivities")) {
-    options.sensitivities = texts(*list, table.path("sensitivities"));
+    options.sensitivities = scene::texts(*list, table.path("sensitivities"));
     const auto imposed = analysis::response::imposed_contact_setup(scene.model);
     for (std::size_t i = 0; i < options.sensitivities.size(); ++i)
-      located(list->as_array()->get(i)->source(),
-              [&] { analysis::response::ContactSlopes(scene.model, imposed, options.sensitivities[i]); });
+      scene::located(list->as_array()->get(i)->source(),
+                     [&] { analysis::response::ContactSlopes(scene.model, imposed, options.sensitivities[i]); });
   }
   if (auto family = table.table("family")) {
     family->expect({"parameter", "values"});
     const auto& parameter = family->required("parameter", "path, such as drive.normal_load");
-    options.family = text(parameter, family->path("parameter"));
-    auto quantity = located(parameter.source(), [&] { return scene.model.describe(options.family); });
+    options.family = scene::text(parameter, family->path("parameter"));
+    auto quantity = scene::located(parameter.source(), [&] { return scene.model.describe(options.family); });
     quantity.name = family->path("values");
-    options.family_values = numbers(family->required("values", quantity.meaning), quantity, most_names);
-    if (options.family_values.empty()) fail(family->source(), "frf.family.values is empty");
+    options.family_values = scene::numbers(family->required("values", quantity.meaning), quantity, scene::most_names);
+    if (options.family_values.empty()) scene::fail(family->source(), "frf.family.values is empty");
     family->finish();
   }
   table.finish();
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -7,7 +7,9 @@
 #include "app/output/gnuplot.hpp"
 #include "core/random.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
@@ -22,12 +24,12 @@ void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector
     real.push_back(L.real()), imaginary.push_back(L.imag());
     distance.push_back(std::abs(1.0 + L));
   }
-  write_csv(job.folder() / "loop.csv",
-            {{"frequency (Hz)", frequency}, {"real", real}, {"imaginary", imaginary}, {"distance", distance}});
+  output::write_csv(job.folder() / "loop.csv",
+                    {{"frequency (Hz)", frequency}, {"real", real}, {"imaginary", imaginary}, {"distance", distance}});
   if (frequency.size() < 2) return;  // no line
-  std::string script = preamble("loop", "Nyquist's plot of the loop of friction and structure", 1000, 460);
+  std::string script = output::preamble("loop", "Nyquist's plot of the loop of friction and structure", 1000, 460);
   script += fmt::format("set multiplot layout 1,2 title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\n",
-                        single_quoted(job.scene().title));
+                        output::single_quoted(job.scene().title));
   script +=
       "set xlabel 'real part of loop'\nset ylabel 'imaginary part of loop'\nset xzeroaxis\nset yzeroaxis\n"
       "plot 'loop.csv' using 2:3 with lines linewidth 1.7 linecolor '#00336F' notitle, '+' using (-1):(0) every "
@@ -59,7 +61,7 @@ void add_uncertainty(Job& job, ordered_json& stability, const analysis::response
 }
 
 /// Friction and receptance at the frequencies of the tables, as measured or as the sliding structure gives them.
-std::pair<std::vector<Complex>, std::vector<Complex>> table_sides(const FrfUse& use,
+std::pair<std::vector<Complex>, std::vector<Complex>> table_sides(const scene::FrfUse& use,
                                                                   const analysis::response::SlidingStructure& sliding,
                                                                   const std::vector<double>& frequency) {
   auto friction = use.friction.value, receptance = use.receptance.value;
@@ -132,7 +134,7 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
   const auto loop = analysis::response::close_loop(structure, scene.model, use.sliding.normal);
   stability["stable"] = loop.stable;
   stability["marginal"] = loop.marginal;
-  stability["eigenvalues"] = pairs(loop.eigenvalues);
+  stability["eigenvalues"] = output::pairs(loop.eigenvalues);
   stability["unstable_by_eigenvalues"] = loop.unstable_by_eigenvalues;
   stability["unstable_by_nyquist"] = loop.unstable_by_nyquist;
   stability["margin"] = loop.margin;
@@ -203,4 +205,4 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
   }
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -3,9 +3,9 @@
 #include "app/output/json.hpp"
 #include "app/verbs/job.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 /// Adds `stability` to the document of a response, says it, and draws the loop. Only where the scene has a structure.
-void add_stability(Job&, ordered_json& document, std::vector<std::string>& files);
+void add_stability(Job&, nlohmann::ordered_json& document, std::vector<std::string>& files);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -2,7 +2,7 @@
 #include "app/verbs/verb.hpp"
 #include "core/console.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 namespace {
 
@@ -21,4 +21,4 @@ Verb help_verb() {
           .without_scene = help};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

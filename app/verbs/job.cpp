@@ -11,9 +11,10 @@
 #include "app/output/json.hpp"
 #include "app/verbs/stopping.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 namespace fs = std::filesystem;
+using nlohmann::ordered_json;
 
 std::string justified(double value, double error, std::string_view unit) {
   const auto suffix = unit == "1" ? std::string() : fmt::format(" {}", unit);
@@ -99,7 +100,7 @@ ordered_json read_manifest(const fs::path& path) {
 void Job::say_what_is_replaced(const std::string& label) const {
   const auto old = read_manifest(folder_ / (label + ".manifest.json"));
   if (old.empty()) return;
-  const auto now = ordered_json::parse(to_json(scene_, manifest_));
+  const auto now = ordered_json::parse(output::to_json(scene_, manifest_));
   const auto of = [](const ordered_json& manifest, const char* key) { return manifest.value(key, ordered_json()); };
   const auto tolerance = [&](const ordered_json& manifest) {
     const auto both = of(manifest, "tolerance");
@@ -119,7 +120,7 @@ void Job::say_what_is_replaced(const std::string& label) const {
   note(fmt::format("{} replaces a result{}; --out keeps results apart", (folder_ / (label + ".json")).string(), how));
 }
 
-void draw_pictures(const Request& request, const fs::path& folder, Manifest& manifest) {
+void draw_pictures(const Request& request, const fs::path& folder, output::Manifest& manifest) {
   std::vector<std::string> scripts;
   for (const auto& file : manifest.files)
     if (fs::path(file).extension() == ".gp") {
@@ -127,7 +128,7 @@ void draw_pictures(const Request& request, const fs::path& folder, Manifest& man
       manifest.scripts[file] = checksum_of(folder / file);
     }
   if (request.no_pictures) return;
-  const auto drawn = draw(folder, scripts);
+  const auto drawn = output::draw(folder, scripts);
   if (!request.quiet)
     for (const auto& problem : drawn.problems) tell("note: {}\n", problem);
   manifest.files.insert(manifest.files.end(), drawn.files.begin(), drawn.files.end());
@@ -150,7 +151,7 @@ Status Job::finish(const std::string& document, std::vector<std::string> files, 
   manifest_.files.push_back(label + ".json");
   manifest_.outcome = outcome;
   say_what_is_replaced(label);
-  write_results(folder_, label, document, to_json(scene_, manifest_));
+  write_results(folder_, label, document, output::to_json(scene_, manifest_));
   if (request_.json) write_output(document);
   if (!outcome.complete() && !request_.quiet)
     tell("{}: {}{}{}\n", scene_.path, name(outcome.ending), outcome.detail.empty() ? "" : ": ", outcome.detail);
@@ -180,4 +181,4 @@ Scripts scripts_of(const fs::path& folder) {
   return scripts;
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -14,7 +14,7 @@
 #include "app/verbs/verbs.hpp"
 #include "core/console.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 /// A value with the digits that its error leaves meaningful: "22.58705580 ± 3e-08".
 std::string justified(double value, double error, std::string_view unit);
@@ -43,9 +43,9 @@ class Job {
   explicit Job(const Request&);
 
   const Request& request() const { return request_; }
-  Scene& scene() { return scene_; }
+  scene::Scene& scene() { return scene_; }
   const std::filesystem::path& folder() const { return folder_; }
-  Manifest& manifest() { return manifest_; }
+  output::Manifest& manifest() { return manifest_; }
 
   /// A line of the summary.
   template <class... Args>
@@ -70,14 +70,14 @@ class Job {
   void say_what_is_replaced(const std::string& label) const;
 
   const Request& request_;
-  Scene scene_;
+  scene::Scene scene_;
   std::filesystem::path folder_;
-  Manifest manifest_;
+  output::Manifest manifest_;
 };
 
 /// Draws the scripts (*.gp) among the manifest's files, unless no pictures are wanted; the manifest then knows the
 /// pictures and, by their checksums, the scripts.
-void draw_pictures(const Request&, const std::filesystem::path& folder, Manifest&);
+void draw_pictures(const Request&, const std::filesystem::path& folder, output::Manifest&);
 /// Writes a document and its manifest, each under the label's name and as the folder's latest.
 void write_results(const std::filesystem::path& folder, const std::string& label, const std::string& document,
                    const std::string& manifest);
@@ -88,4 +88,4 @@ struct Scripts {
 };
 Scripts scripts_of(const std::filesystem::path& folder);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -14,12 +14,14 @@
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
 /// Numbers by name of a column of the experiment's record.
-std::map<std::string, double> read_columns(Table table, const std::vector<std::string>& columns,
+std::map<std::string, double> read_columns(scene::Table table, const std::vector<std::string>& columns,
                                            std::string_view meaning) {
   std::map<std::string, double> values;
   for (const auto& column : columns) {
@@ -31,12 +33,12 @@ std::map<std::string, double> read_columns(Table table, const std::vector<std::s
   return values;
 }
 
-analysis::lab::Sensor read_sensor(Table table, const std::vector<std::string>& columns) {
+analysis::lab::Sensor read_sensor(scene::Table table, const std::vector<std::string>& columns) {
   analysis::lab::Sensor sensor;
   table.read("sample_rate", sensor.sample_rate, {"", "Hz", {1e-15, 1e15}, "samples per second"});
   table.read("low_pass", sensor.low_pass, {"", "Hz", {1e-15, 1e15}, "corner frequency of the pole before sampling"});
   int seed = 1;
-  table.read("seed", seed, 0, largest_seed, "of the noise");
+  table.read("seed", seed, 0, scene::largest_seed, "of the noise");
   sensor.seed = static_cast<std::uint64_t>(seed);
   if (auto noise = table.table("noise")) sensor.noise = read_columns(*noise, columns, "rms of white noise, SI");
   if (auto step = table.table("resolution"))
@@ -46,7 +48,7 @@ analysis::lab::Sensor read_sensor(Table table, const std::vector<std::string>& c
   return sensor;
 }
 
-void read_settings(Table table, SceneReader& reader) {
+void read_settings(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   const auto& experiment = *scene.experiment;
   auto& task = *scene.lab;
@@ -55,21 +57,22 @@ void read_settings(Table table, SceneReader& reader) {
     const auto name = std::exchange(quantity.name, table.path(setting.quantity.name));
     const auto* node = table.find(name);
     if (!node) continue;
-    located(node->source(), [&] {
+    scene::located(node->source(), [&] {
       if (quantity.is_list)
-        task.settings.set(name, numbers(*node, quantity));
+        task.settings.set(name, scene::numbers(*node, quantity));
       else if (setting.whole)
-        task.settings.set(name, double(count(*node, quantity.name, static_cast<int>(quantity.range.low),
-                                             static_cast<int>(std::min<double>(quantity.range.high, most_points)),
-                                             quantity.meaning)));
+        task.settings.set(
+            name, double(scene::count(*node, quantity.name, static_cast<int>(quantity.range.low),
+                                      static_cast<int>(std::min<double>(quantity.range.high, scene::most_points)),
+                                      quantity.meaning)));
       else
-        task.settings.set(name, number(*node, quantity));
+        task.settings.set(name, scene::number(*node, quantity));
     });
   }
   if (experiment.takes_motion)
     if (const auto* record = table.find("record"))
-      located(record->source(), [&] {
-        task.motion = read_signal(reader.folder / text(*record, table.path("record")), "m");
+      scene::located(record->source(), [&] {
+        task.motion = scene::read_signal(reader.folder / scene::text(*record, table.path("record")), "m");
         Signal{*task.motion};  // refuses empty records and times that do not ascend
       });
   if (auto sensor = table.table("sensor"))
@@ -77,7 +80,7 @@ void read_settings(Table table, SceneReader& reader) {
   table.finish();
 }
 
-void read(SceneReader& reader) {
+void read(scene::SceneReader& reader) {
   auto& scene = reader.scene;
   scene.experiment = &analysis::lab::find_experiment(reader.request.experiment);
   reader.law();
@@ -92,8 +95,8 @@ void read(SceneReader& reader) {
     reader.note_unread({path}, fmt::format("{} sets it itself", scene.experiment->name));
 }
 
-std::string document_of(const Scene& scene, const analysis::lab::Result& result) {
-  auto document = begin(scene, "lab", result.outcome);
+std::string document_of(const scene::Scene& scene, const analysis::lab::Result& result) {
+  auto document = output::begin(scene, "lab", result.outcome);
   document["experiment"] = scene.experiment->name;
   auto object = [] { return ordered_json::object(); };
   auto readings = object(), error = object(), meaning = object(), units = object(), columns = object(),
@@ -121,7 +124,7 @@ std::string document_of(const Scene& scene, const analysis::lab::Result& result)
   for (const auto& event : result.events) events.push_back({{"time", event.time}, {"kind", event.kind}});
   document["warnings"] = result.warnings;
   document["notes"] = scene.notes;
-  return text(document);
+  return output::text(document);
 }
 
 Status perform(Job& job) {
@@ -144,20 +147,20 @@ Status perform(Job& job) {
   manifest.tolerance_asked = task.tolerance;
   manifest.tolerance_reached = reached.value();
   manifest.cost = {{"seconds", seconds_since(begin)}, {"samples", double(result.record.time.size())}};
-  std::vector<Column> table{{"time (s)", result.record.time}};
+  std::vector<output::Column> table{{"time (s)", result.record.time}};
   for (std::size_t c = 0; c < result.record.columns.size(); ++c)
-    table.push_back({column_header(result.record.names[c], result.record.units[c]), result.record.columns[c]});
-  write_csv(job.folder() / "lab.csv", table);
+    table.push_back({output::column_header(result.record.names[c], result.record.units[c]), result.record.columns[c]});
+  output::write_csv(job.folder() / "lab.csv", table);
   std::vector<std::string> files = {"lab.csv"};
   for (const auto& rows : result.tables) {
-    std::vector<Column> columns;
+    std::vector<output::Column> columns;
     for (std::size_t c = 0; c < rows.columns.size(); ++c)
-      columns.push_back({column_header(rows.columns[c], rows.units[c]), rows.values[c]});
+      columns.push_back({output::column_header(rows.columns[c], rows.units[c]), rows.values[c]});
     files.push_back(fmt::format("lab-{}.csv", rows.name));
-    write_csv(job.folder() / files.back(), columns);
+    output::write_csv(job.folder() / files.back(), columns);
   }
   if (!result.panels.empty()) {
-    const auto written = write_picture(job.folder(), scene, result.panels);
+    const auto written = output::write_picture(job.folder(), scene, result.panels);
     files.insert(files.end(), written.begin(), written.end());
   }
   return job.finish(document_of(scene, result), std::move(files), result.outcome);
@@ -183,4 +186,4 @@ Verb lab_verb() {
           .perform = perform};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

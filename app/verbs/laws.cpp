@@ -8,7 +8,9 @@
 #include "core/console.hpp"
 #include "laws/catalogue.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
@@ -25,7 +27,8 @@ std::string document_of(const std::vector<std::shared_ptr<const FrictionLaw>>& l
     }
     for (const auto& s : law->states()) states.push_back({{"name", s.name}, {"unit", s.unit}, {"meaning", s.meaning}});
     for (const auto& p : law->presets())
-      presets.push_back({{"name", p.name}, {"source", p.source}, {"values", values(law->parameters(), p.values)}});
+      presets.push_back(
+          {{"name", p.name}, {"source", p.source}, {"values", output::values(law->parameters(), p.values)}});
     const auto& card = law->card();
     auto option = ordered_json();
     if (!card.option.of.empty())
@@ -42,7 +45,7 @@ std::string document_of(const std::vector<std::shared_ptr<const FrictionLaw>>& l
                         {"states", std::move(states)},
                         {"presets", std::move(presets)}});
   }
-  return text(document);
+  return output::text(document);
 }
 
 void print_law(const FrictionLaw& law) {
@@ -54,7 +57,8 @@ void print_law(const FrictionLaw& law) {
   for (std::size_t i = 0; i < law.parameters().size(); ++i) {
     const auto& p = law.parameters()[i];
     const auto value = std::visit([](const auto& v) { return fmt::format("{}", v); }, law.values()[i]);
-    print("  {:<12} {:<22} {} … {}  {}\n", p.name, column_header(value, p.unit), p.range.low, p.range.high, p.meaning);
+    print("  {:<12} {:<22} {} … {}  {}\n", p.name, output::column_header(value, p.unit), p.range.low, p.range.high,
+          p.meaning);
   }
   for (const auto& s : law.states()) print("  state {:<6} {}  {}\n", s.name, readable_unit(s.unit), s.meaning);
   for (const auto& p : law.presets()) print("  preset \"{}\": {}\n", p.name, p.source);
@@ -84,4 +88,4 @@ Verb laws_verb() {
           .without_scene = list_laws};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

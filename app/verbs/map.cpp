@@ -19,17 +19,19 @@
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
 using analysis::planes::Regime;
 
-analysis::planes::Axis read_axis(Table table, const oscillators::Model& model) {
+analysis::planes::Axis read_axis(scene::Table table, const oscillators::Model& model) {
   table.expect({"parameter", "from", "to", "points", "scale", "extra"});
   const auto& parameter = table.required("parameter", "path, such as drive.normal_load");
-  const auto path = text(parameter, table.path("parameter"));
-  auto quantity = located(parameter.source(), [&] { return model.describe(path); });
+  const auto path = scene::text(parameter, table.path("parameter"));
+  auto quantity = scene::located(parameter.source(), [&] { return model.describe(path); });
   quantity.meaning = path + ", " + quantity.meaning;
   table.required("from", quantity.meaning);
   table.required("to", quantity.meaning);
@@ -38,40 +40,41 @@ analysis::planes::Axis read_axis(Table table, const oscillators::Model& model) {
   int points = 0;
   table.read("from", from, quantity);
   table.read("to", to, quantity);
-  table.read("points", points, 2, most_points, "number of values");
+  table.read("points", points, 2, scene::most_points, "number of values");
   bool logarithmic = true;
   if (const auto* scale = table.find("scale"))
-    logarithmic = choice(*scale, table.path("scale"), {"log", "linear"}) == "log";
+    logarithmic = scene::choice(*scale, table.path("scale"), {"log", "linear"}) == "log";
   std::vector<double> extra;
   if (const auto* node = table.find("extra")) {
     quantity.name = table.path("extra");
-    extra = numbers(*node, quantity);
+    extra = scene::numbers(*node, quantity);
   }
   table.finish();
-  return located(table.source(),
-                 [&] { return analysis::planes::make_axis(path, from, to, points, logarithmic, extra); });
+  return scene::located(table.source(),
+                        [&] { return analysis::planes::make_axis(path, from, to, points, logarithmic, extra); });
 }
 
-void read_table(Table table, SceneReader& reader) {
+void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   auto& map = scene.map;
   table.expect({"x", "y", "metrics", "stick_threshold"});
   const auto &x = table.required("x", "first axis"), &y = table.required("y", "second axis");
-  map.x = read_axis(Table(x, table.path("x")), scene.model);
-  map.y = read_axis(Table(y, table.path("y")), scene.model);
+  map.x = read_axis(scene::Table(x, table.path("x")), scene.model);
+  map.y = read_axis(scene::Table(y, table.path("y")), scene.model);
   if (map.x.parameter == map.y.parameter)
-    fail(y.source(), "map.x and map.y are the same parameter, {}", map.y.parameter);
-  if (map.x.values.size() > most_points / map.y.values.size())
-    fail(table.source(), "map has {} x {} points, more than {}", map.x.values.size(), map.y.values.size(), most_points);
+    scene::fail(y.source(), "map.x and map.y are the same parameter, {}", map.y.parameter);
+  if (map.x.values.size() > scene::most_points / map.y.values.size())
+    scene::fail(table.source(), "map has {} x {} points, more than {}", map.x.values.size(), map.y.values.size(),
+                scene::most_points);
   map.metrics = {"stick_fraction", "loop_area_normalised"};
   if (const auto* metrics = table.find("metrics")) {
-    map.metrics = texts(*metrics, table.path("metrics"));
+    map.metrics = scene::texts(*metrics, table.path("metrics"));
     for (std::size_t i = 0; i < map.metrics.size(); ++i)
-      located(metrics->as_array()->get(i)->source(), [&] { analysis::cycles::find_metric(map.metrics[i]); });
+      scene::located(metrics->as_array()->get(i)->source(), [&] { analysis::cycles::find_metric(map.metrics[i]); });
     for (auto name = map.metrics.begin(); name != map.metrics.end(); ++name)
       if (std::find(map.metrics.begin(), name, *name) != name)
-        fail(metrics->source(), "map.metrics names '{}' twice", *name);
-    if (map.metrics.empty()) fail(metrics->source(), "map.metrics is empty");
+        scene::fail(metrics->source(), "map.metrics names '{}' twice", *name);
+    if (map.metrics.empty()) scene::fail(metrics->source(), "map.metrics is empty");
   }
   map.stick_threshold = scene.cycle.stick_threshold;
   table.read("stick_threshold", map.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
@@ -84,24 +87,24 @@ void read_table(Table table, SceneReader& reader) {
   table.finish();
 }
 
-void read(SceneReader& reader) {
+void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   reader.need("map", "the two axes and the metrics");
   read_tables_of_models(reader);
 }
 
-std::string document_of(const Scene& scene, const MapResult& result) {
+std::string document_of(const scene::Scene& scene, const output::MapResult& result) {
   const auto& map = result.map;
-  auto document = begin(scene, "map", map.outcome);
-  document["x"] = axis(map.x, scene.model);
-  document["y"] = axis(map.y, scene.model);
-  document["regime"] = rows(map, [](const auto& point) { return name(point.regime); });
+  auto document = output::begin(scene, "map", map.outcome);
+  document["x"] = output::axis(map.x, scene.model);
+  document["y"] = output::axis(map.y, scene.model);
+  document["regime"] = output::rows(map, [](const auto& point) { return name(point.regime); });
   auto values = ordered_json::object(), error = values;
   for (const auto& wanted : scene.map.metrics) {
     const auto member = analysis::cycles::find_metric(wanted).member;
-    values[wanted] = rows(map, [=](const auto& point) { return point.metrics.*member; });
-    error[wanted] = rows(map, [=](const auto& point) { return point.error.*member; });
+    values[wanted] = output::rows(map, [=](const auto& point) { return point.metrics.*member; });
+    error[wanted] = output::rows(map, [=](const auto& point) { return point.error.*member; });
   }
   document["metrics"] = std::move(values);
   document["error"] = std::move(error);
@@ -122,11 +125,11 @@ std::string document_of(const Scene& scene, const MapResult& result) {
   auto notes = scene.notes;
   notes.insert(notes.end(), map.notes.begin(), map.notes.end());
   document["notes"] = notes;
-  return text(document);
+  return output::text(document);
 }
 
 /// Everything that determines a map: two runs with the same key have the same points.
-std::string map_key(const Scene& scene) {
+std::string map_key(const scene::Scene& scene) {
   std::string key = fmt::format("rosin {}\ntolerance {}\n{}\n", ROSIN_VERSION, scene.map.tolerance,
                                 scene.map.exact ? "exact" : "adaptive");
   for (const auto& quantity : scene.model.parameters())
@@ -155,7 +158,7 @@ Status perform(Job& job) {
   if (!partial.lost().empty()) job.note(partial.lost());
   if (const auto known = partial.known_count()) job.note(fmt::format("going on from {} finished points", known));
   const auto begin = std::chrono::steady_clock::now();
-  MapResult result;
+  output::MapResult result;
   {
     Progress progress(request.quiet);
     result.map = analysis::planes::compute_map(
@@ -205,8 +208,8 @@ Status perform(Job& job) {
             fraction ? "error" : "relative error", errors.back(), errors[errors.size() * 9 / 10]);
   }
 
-  write_plane(job.folder() / "map.nc", scene, map);
-  auto files = write_picture(job.folder(), scene, map);
+  output::write_plane(job.folder() / "map.nc", scene, map);
+  auto files = output::write_picture(job.folder(), scene, map);
   files.push_back("map.nc");
   const auto status = job.finish(document_of(scene, result), std::move(files), map.outcome);
   partial.remove();
@@ -227,4 +230,4 @@ Verb map_verb() {
           .perform = perform};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

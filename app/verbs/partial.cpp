@@ -15,7 +15,7 @@
 #include "core/error.hpp"
 #include "core/files.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 namespace {
 
@@ -139,4 +139,4 @@ void Partial::append(std::span<const std::size_t> indices, const std::vector<Map
 
 void Partial::remove() { std::filesystem::remove(path_); }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

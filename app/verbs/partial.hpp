@@ -9,7 +9,7 @@
 
 #include "analysis/planes/map.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 /// A journal: a header (everything that determines the result), then one record a point with its checksum.
 class Partial {
@@ -42,4 +42,4 @@ class Partial {
   std::string lost_;
 };
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

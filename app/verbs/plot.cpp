@@ -8,7 +8,7 @@
 #include "app/verbs/verb.hpp"
 #include "core/console.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 namespace {
 
@@ -22,7 +22,7 @@ Status plot(const Request& request) {
     throw InputError(fmt::format("{}: holds no results; compute them first, such as with 'rosin map {}'",
                                  (folder / "").string(), path.string()));
   const auto scripts = scripts_of(folder);
-  auto drawn = draw(folder, scripts.ours);
+  auto drawn = output::draw(folder, scripts.ours);
   for (const auto& script : scripts.foreign)  // a script may run any program
     drawn.problems.push_back(
         fmt::format("{} is not as rosin wrote it, and is left alone; if you trust it, draw it by 'gnuplot {}' in {}",
@@ -47,4 +47,4 @@ Verb plot_verb() {
           .without_scene = plot};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -8,7 +8,7 @@
 
 #include "core/console.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 Progress::Progress(bool quiet) : visible_(!quiet && isatty(STDERR_FILENO)) {}
 
@@ -51,4 +51,4 @@ std::function<void(const analysis::planes::MapProgress&)> Progress::of_map() {
   return [this](const analysis::planes::MapProgress& now) { show(now.done, now.total, now.work); };
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

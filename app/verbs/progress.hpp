@@ -7,7 +7,7 @@
 
 #include "analysis/planes/map.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 class Progress {
  public:
@@ -35,4 +35,4 @@ class Progress {
   Clock::time_point begin_ = Clock::now(), last_{};
 };
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -14,73 +14,76 @@
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
 /// A ramp has no end of its own: it must stay in range for as long as the run lasts.
-void check_ramps(SceneReader& reader) {
+void check_ramps(scene::SceneReader& reader) {
   const auto& drive = reader.scene.model.drive;
   for (const auto& [signal, name] : {std::pair{&drive.speed, "speed"}, std::pair{&drive.normal_load, "normal_load"},
                                      std::pair{&drive.force, "force"}}) {
-    const auto quantity = mechanical(std::string("drive.") + name);
+    const auto quantity = scene::mechanical(std::string("drive.") + name);
     if (!quantity.range.contains(signal->value(reader.scene.run.duration)))
-      fail(reader.document.at_path(quantity.name).node()->source(), "{} leaves {} ({}, {}) before run.duration",
-           quantity.name, text(quantity.range), quantity.meaning, quantity.unit);
+      scene::fail(reader.document.at_path(quantity.name).node()->source(), "{} leaves {} ({}, {}) before run.duration",
+                  quantity.name, text(quantity.range), quantity.meaning, quantity.unit);
   }
 }
 
-void read_table(Table table, SceneReader& reader) {
+void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& run = reader.scene.run;
   auto& plane = reader.scene.plane;
   table.expect({"duration", "times", "samples", "start"});
   const Quantity time{table.path("times"), "s", {0, 1e15}, "time of a sample"};
   const auto* times = table.find("times");
   if (times) {
-    run.times = numbers(*times, time);
-    if (run.times.empty()) fail(times->source(), "run.times is empty");
+    run.times = scene::numbers(*times, time);
+    if (run.times.empty()) scene::fail(times->source(), "run.times is empty");
     if (std::ranges::adjacent_find(run.times, std::greater_equal{}) != run.times.end())
-      fail(times->source(), "run.times must ascend");
+      scene::fail(times->source(), "run.times must ascend");
     run.duration = run.times.back();
   } else if (reader.needs("run")) {
     table.required("duration", "s");
   }
   table.read("duration", run.duration, {"", "s", {1e-15, 1e15}, "time that is computed"});
   if (times && run.times.back() > run.duration)
-    fail(times->source(), "run.times ends at {} s, after run.duration = {} s", run.times.back(), run.duration);
-  table.read("samples", run.samples, 1, most_points, "equal intervals of the record");
+    scene::fail(times->source(), "run.times ends at {} s, after run.duration = {} s", run.times.back(), run.duration);
+  table.read("samples", run.samples, 1, scene::most_points, "equal intervals of the record");
   if (const auto* start = table.find("start")) {
     if (plane)
-      read_plane_start(*start, table.path("start"), *plane);
+      scene::read_plane_start(*start, table.path("start"), *plane);
     else
-      run.start = read_start(*start, table.path("start"), *reader.scene.model.law);
+      run.start = scene::read_start(*start, table.path("start"), *reader.scene.model.law);
   }
   table.finish();
   if (reader.needs("run") && !plane) check_ramps(reader);
 }
 
-void read_solver(Table table, SceneReader& reader) {
+void read_solver(scene::Table table, scene::SceneReader& reader) {
   auto& run = reader.scene.run;
   const auto* type = table.find("type");
   if (type) {
     auto known = analysis::motion::solver_names();
     known.emplace_back("lanes");
-    run.solver = choice(*type, table.path("type"), known);
+    run.solver = scene::choice(*type, table.path("type"), known);
     if (run.solver == "lanes")
-      fail(type->source(), "solver.type = 'lanes' is that of maps and not to be chosen; use one of {}",
-           fmt::join(analysis::motion::solver_names(), ", "));
+      scene::fail(type->source(), "solver.type = 'lanes' is that of maps and not to be chosen; use one of {}",
+                  fmt::join(analysis::motion::solver_names(), ", "));
   }
   // Keys of the force algorithms, and the algorithms that each means something to.
   auto& algorithm = run.algorithm;
   const auto meant = [&](std::string_view key, std::string_view for_these) {
     const auto* node = table.find(key);
     if (node && (" " + std::string(for_these) + " ").find(" " + run.solver + " ") == std::string::npos)
-      fail(node->source(), "{} has no meaning for solver '{}', only for {}", table.path(key), run.solver, for_these);
+      scene::fail(node->source(), "{} has no meaning for solver '{}', only for {}", table.path(key), run.solver,
+                  for_these);
     return node;
   };
   const auto flag = [&](std::string_view key, bool& target, std::string_view for_these) {
     if (const auto* node = meant(key, for_these)) {
-      if (!node->is_boolean()) wrong_kind(*node, table.path(key), "true or false");
+      if (!node->is_boolean()) scene::wrong_kind(*node, table.path(key), "true or false");
       target = *node->value<bool>();
     }
   };
@@ -91,7 +94,8 @@ void read_solver(Table table, SceneReader& reader) {
   value("step", algorithm.step, {"", "s", {1e-15, 1e15}, "step of time"},
         "cfm o-fbfm r-fbfm aabg-sdfm tr-sdfm vlfm svlfm meijaard");
   if (const auto* node = meant("stepping", "cfm o-fbfm r-fbfm aabg-sdfm tr-sdfm"))
-    algorithm.closed_form = choice(*node, table.path("stepping"), {"runge-kutta", "closed-form"}) == "closed-form";
+    algorithm.closed_form =
+        scene::choice(*node, table.path("stepping"), {"runge-kutta", "closed-form"}) == "closed-form";
   flag("micro_slip", algorithm.micro_slip, sticking);
   value("window", algorithm.window, {"", "m/s", {1e-15, 1e4}, "speed of slip below which the mass counts as at rest"},
         "o-fbfm");
@@ -100,26 +104,26 @@ void read_solver(Table table, SceneReader& reader) {
   flag("original", algorithm.original, "aabg-sdfm");
   flag("refusal", algorithm.refusal, "tr-sdfm");
   if (const auto* node = meant("restart", "tr-sdfm"))
-    algorithm.restart_before = choice(*node, table.path("restart"), {"before", "at"}) == "before";
+    algorithm.restart_before = scene::choice(*node, table.path("restart"), {"before", "at"}) == "before";
   value("transition_speed", algorithm.transition_speed,
         {"", "m/s", {1e-15, 1e4}, "speed of slip below which friction falls to zero"}, "vlfm svlfm");
   table.refuse("smoothing");
   table.finish();
 }
 
-void read(SceneReader& reader) {
+void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   if (!reader.scene.plane) {
     reader.need("run", "duration and start");
     return read_tables_of_models(reader);
   }
-  read_table(Table(reader.need("run", "duration and start"), "run"), reader);
+  read_table(scene::Table(reader.need("run", "duration and start"), "run"), reader);
   if (auto solver = reader.root.table("solver")) read_solver(*solver, reader);
 }
 
-std::string document_of(const Scene& scene, const analysis::motion::Run& run) {
-  auto document = begin(scene, "run", run.outcome);
+std::string document_of(const scene::Scene& scene, const analysis::motion::Run& run) {
+  auto document = output::begin(scene, "run", run.outcome);
   document["time"] = run.time;
   auto columns = ordered_json::object(), units = columns, error = columns;
   for (std::size_t i = 0; i < run.column_names.size(); ++i) {
@@ -140,7 +144,7 @@ std::string document_of(const Scene& scene, const analysis::motion::Run& run) {
   document["solver"] = run.solver;
   document["cost"] = {{"steps", run.cost.steps}, {"evaluations", run.cost.evaluations}};
   document["notes"] = scene.notes;
-  return text(document);
+  return output::text(document);
 }
 
 Status perform(Job& job) {
@@ -159,10 +163,10 @@ Status perform(Job& job) {
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
   if (!run.remark.empty()) job.note(run.remark);
 
-  std::vector<Column> table{{"time (s)", run.time}};
+  std::vector<output::Column> table{{"time (s)", run.time}};
   Reached reached;
   for (std::size_t c = 0; c < run.columns.size(); ++c) {
-    table.push_back({column_header(run.column_names[c], run.column_units[c]), run.columns[c]});
+    table.push_back({output::column_header(run.column_names[c], run.column_units[c]), run.columns[c]});
     double largest = 0;
     for (const double value : run.columns[c]) largest = std::max(largest, std::abs(value));
     if (c < run.column_error.size()) reached.add(largest, run.column_error[c]);
@@ -180,10 +184,10 @@ Status perform(Job& job) {
       job.say(
           "  {:<22} ends at {}", run.column_names[c],
           justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
-  write_csv(job.folder() / "run.csv", table);
+  output::write_csv(job.folder() / "run.csv", table);
   std::vector<std::string> files = {"run.csv"};
   if (run.time.size() < 2) return job.finish(document_of(scene, run), std::move(files), run.outcome);
-  for (auto& file : write_picture(job.folder(), scene, run)) files.push_back(std::move(file));
+  for (auto& file : output::write_picture(job.folder(), scene, run)) files.push_back(std::move(file));
   return job.finish(document_of(scene, run), std::move(files), run.outcome);
 }
 
@@ -201,4 +205,4 @@ Verb run_verb() {
           .perform = perform};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -10,29 +10,31 @@
 #include "app/verbs/job.hpp"
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
-void read_table(Table table, SceneReader& reader) {
+void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   if (const auto* parameters = table.find("parameters")) {
-    scene.hopf_parameters = texts(*parameters, "stability.parameters");
+    scene.hopf_parameters = scene::texts(*parameters, "stability.parameters");
     for (std::size_t i = 0; i < scene.hopf_parameters.size(); ++i)
-      located(parameters->as_array()->get(i)->source(), [&] { scene.model.describe(scene.hopf_parameters[i]); });
+      scene::located(parameters->as_array()->get(i)->source(), [&] { scene.model.describe(scene.hopf_parameters[i]); });
   }
   table.finish();
 }
 
-std::string document_of(const Scene& scene, const StabilityResult& result) {
-  auto document = begin(scene, "stability");
+std::string document_of(const scene::Scene& scene, const output::StabilityResult& result) {
+  auto document = output::begin(scene, "stability");
   const auto& steady = result.stability.steady;
   document["steady"] = {{"slip_rate", steady.slip_rate},
                         {"friction_coefficient", steady.friction_coefficient},
                         {"friction_force", steady.friction_force},
                         {"displacement", steady.displacement},
-                        {"state", states(*scene.model.law, steady.state)}};
-  document["eigenvalues"] = pairs(result.stability.eigenvalues);
+                        {"state", output::states(*scene.model.law, steady.state)}};
+  document["eigenvalues"] = output::pairs(result.stability.eigenvalues);
   document["stable"] = result.stability.stable;
   document["marginal"] = result.stability.marginal;
   auto& hopf = document["hopf"] = ordered_json::array();
@@ -45,7 +47,7 @@ std::string document_of(const Scene& scene, const StabilityResult& result) {
                     {"closed_form", point.closed_form},
                     {"error", {{"value", point.value_error}}}});
   document["notes"] = scene.notes;
-  return text(document);
+  return output::text(document);
 }
 
 Status perform(Job& job) {
@@ -59,7 +61,7 @@ Status perform(Job& job) {
   job.explain("eigenvalues of the linearised slider; Hopf points in {}; no integration", fmt::join(paths, ", "));
   if (!model.drive.constant()) job.note("the drive varies: stability is that of its mean, or of its start");
 
-  StabilityResult result;
+  output::StabilityResult result;
   result.stability = analysis::steady::stability(model);
   const auto& steady = result.stability.steady;
   job.say("steady sliding at {} m/s: friction coefficient {:.10g}, force {:.10g} N", steady.slip_rate,
@@ -98,4 +100,4 @@ Verb stability_verb() {
           .perform = perform};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

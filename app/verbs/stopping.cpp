@@ -15,7 +15,7 @@
 #include "app/output/results.hpp"
 #include "core/console.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 namespace {
 
@@ -79,8 +79,8 @@ Status status_of(const Outcome& outcome) {
 Status stopped_early(const Request& request, const std::string& kept) {
   const Outcome outcome = why_stopped({Ending::interrupted, kept});
   tell("{}: {}\n", name(outcome.ending), outcome.detail);
-  if (request.json) write_output(to_json(request.verb, outcome));
+  if (request.json) write_output(output::to_json(request.verb, outcome));
   return status_of(outcome);
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

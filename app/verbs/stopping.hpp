@@ -6,7 +6,7 @@
 #include "app/verbs/verbs.hpp"
 #include "core/error.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 /// Starts to watch for signals and the clock, in a thread of its own; no other thread may have been started. The first
 /// signal, or the end of the time (s), asks the work to end in order. A second signal, or work that does not look at
@@ -25,4 +25,4 @@ Status status_of(const Outcome&);
 /// Says that the work was stopped, what is kept, and prints it as a document if that was asked for.
 Status stopped_early(const Request&, const std::string& kept);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -17,7 +17,7 @@
 #include "core/stop.hpp"
 #include "laws/catalogue.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 namespace {
 
@@ -216,4 +216,4 @@ Verb stress_verb() {
           .without_scene = stress};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

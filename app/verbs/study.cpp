@@ -17,7 +17,9 @@
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
+
+using nlohmann::ordered_json;
 
 namespace {
 
@@ -74,7 +76,7 @@ ordered_json to_json(const AlgorithmStatistics& a) {
   return object;
 }
 
-ordered_json to_json(const Scene& scene, const StudyResult& result, double seconds) {
+ordered_json to_json(const scene::Scene& scene, const StudyResult& result, double seconds) {
   ordered_json document{{"title", scene.title},
                         {"verb", "study"},
                         {"version", ROSIN_VERSION},
@@ -97,7 +99,7 @@ ordered_json to_json(const Scene& scene, const StudyResult& result, double secon
 }
 
 /// One row for each case: its inputs, and what the exact motion and each algorithm showed.
-void write_cases(const fs::path& path, const Scene& scene, const StudyResult& result) {
+void write_cases(const fs::path& path, const scene::Scene& scene, const StudyResult& result) {
   std::vector<std::string> headers = {"case"};
   std::vector<std::vector<double>> columns(1);
   const auto column = [&](const std::string& header, auto value) {
@@ -107,7 +109,8 @@ void write_cases(const fs::path& path, const Scene& scene, const StudyResult& re
   };
   for (std::size_t i = 0; i < result.cases.size(); ++i) columns[0].push_back(double(i));
   for (std::size_t k = 0; k < result.input_names.size(); ++k)
-    column(column_header(result.input_names[k], result.input_units[k]), [&](const auto& c) { return c.inputs[k]; });
+    column(output::column_header(result.input_names[k], result.input_units[k]),
+           [&](const auto& c) { return c.inputs[k]; });
   column("average_speed (m/s)", [](const auto& c) { return c.average_speed; });
   const auto motion = [&](const std::string& name, auto of, bool exact) {
     column(name + "_sticks", [&](const auto& c) { return of(c).sticks; });
@@ -128,9 +131,9 @@ void write_cases(const fs::path& path, const Scene& scene, const StudyResult& re
     motion(
         scene.study.algorithms[a], [a](const auto& c) -> const analysis::studies::Motion& { return c.motions[a]; },
         false);
-  std::vector<Column> table;
+  std::vector<output::Column> table;
   for (std::size_t k = 0; k < headers.size(); ++k) table.push_back({headers[k], columns[k]});
-  write_csv(path, table);
+  output::write_csv(path, table);
 }
 
 // ---------------------------------------------------------------- pictures
@@ -146,11 +149,12 @@ std::vector<double> errors_of(const StudyResult& result, std::size_t a) {
 }
 
 /// Weibull plot, shares, boxes and back-steps.
-std::vector<std::string> write_statistics(const fs::path& folder, const Scene& scene, const StudyResult& result) {
+std::vector<std::string> write_statistics(const fs::path& folder, const scene::Scene& scene,
+                                          const StudyResult& result) {
   std::string data = "algorithm,error,distance,weibull,share\n";
-  std::string script = preamble("study", "Errors of the force algorithms over random oscillators", 980, 820);
+  std::string script = output::preamble("study", "Errors of the force algorithms over random oscillators", 980, 820);
   script += fmt::format("set multiplot layout 2,2 title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\n",
-                        single_quoted(scene.title));
+                        output::single_quoted(scene.title));
   std::vector<std::string> weibull, lines, shares, boxes, labels;
   int most_back_steps = 0;
   for (std::size_t a = 0; a < result.algorithms.size(); ++a) {
@@ -163,7 +167,7 @@ std::vector<std::string> write_statistics(const fs::path& folder, const Scene& s
       data += fmt::format("{},{},{},{},{}\n", a, errors[i], std::abs(errors[i] - threshold), -std::log1p(-p), 100 * p);
     }
     const int style = static_cast<int>(a % 5) + 1;
-    const auto title = single_quoted(found.name);
+    const auto title = output::single_quoted(found.name);
     const auto of = [&](int column) { return fmt::format("'study-errors.csv' using ($1=={}?${}:NaN)", a, column); };
     weibull.push_back(fmt::format("{}:4 with points linestyle {} pointtype {} pointsize 0.5 title {}", of(3), style,
                                   4 + 2 * a, title));
@@ -208,7 +212,7 @@ std::vector<std::string> write_statistics(const fs::path& folder, const Scene& s
     if (std::any_of(result.algorithms[a].back_steps.begin() + 1, result.algorithms[a].back_steps.end(),
                     [](int n) { return n > 0; }))
       bars.push_back(fmt::format("'study-back-steps.csv' every ::1 using 1:{} with boxes linestyle {} title {}", a + 2,
-                                 a % 5 + 1, single_quoted(result.algorithms[a].name)));
+                                 a % 5 + 1, output::single_quoted(result.algorithms[a].name)));
   if (!bars.empty())
     script += fmt::format(
         "unset logscale y\nset format y '%g'\nset yrange [0:*]\nset xrange [-0.5:9.5]\n"
@@ -221,7 +225,7 @@ std::vector<std::string> write_statistics(const fs::path& folder, const Scene& s
 }
 
 /// The response of one case with its strip, and every step around the entry into its first stick.
-std::vector<std::string> write_case(const fs::path& folder, const Scene& scene, const StudyResult& result) {
+std::vector<std::string> write_case(const fs::path& folder, const scene::Scene& scene, const StudyResult& result) {
   if (result.shown.empty()) return {};
   std::vector<std::string> files;
   for (const auto& motion : result.shown)
@@ -246,14 +250,14 @@ std::vector<std::string> write_case(const fs::path& folder, const Scene& scene, 
       list.push_back(fmt::format("'study-{}-{}.csv' using {} with {} linestyle {}{} title {}", which,
                                  result.shown[a].name, columns, a == 0 ? "lines" : how, a == 0 ? 6 : (a - 1) % 5 + 1,
                                  a == 0 || how == "lines" ? "" : fmt::format(" pointtype {} pointsize 0.6", 4 + 2 * a),
-                                 single_quoted(result.shown[a].name)));
+                                 output::single_quoted(result.shown[a].name)));
     return fmt::format("{}", fmt::join(list, ", \\\n     "));
   };
   const double first = result.cases[static_cast<std::size_t>(result.shown_case)].exact.first_stick;
   std::string script =
-      preamble("study-case", "One case: response, strip of stick and slip, and entry into stick", 980, 900);
+      output::preamble("study-case", "One case: response, strip of stick and slip, and entry into stick", 980, 900);
   script += fmt::format("set multiplot layout 2,2 title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\n",
-                        single_quoted(fmt::format("{}, case {}", scene.title, result.shown_case)));
+                        output::single_quoted(fmt::format("{}, case {}", scene.title, result.shown_case)));
   script += "set style line 6 linecolor '#000000' linewidth 1\n";
   script += "set xlabel 'time (s)'\nset ylabel 'displacement (mm)'\nset key top right\nplot " +
             curves("motion", "1:($3*1e3)", "lines") + "\n";
@@ -261,7 +265,7 @@ std::vector<std::string> write_case(const fs::path& folder, const Scene& scene, 
   for (std::size_t a = 0; a < result.shown.size(); ++a) {
     strips.push_back(fmt::format("'study-motion-{}.csv' using 1:($2*0.7+{}) with steps linestyle {} notitle",
                                  result.shown[a].name, a, a == 0 ? 6 : (a - 1) % 5 + 1));
-    tics.push_back(fmt::format("{} {}", single_quoted(result.shown[a].name), a));
+    tics.push_back(fmt::format("{} {}", output::single_quoted(result.shown[a].name), a));
   }
   script += fmt::format("set ylabel 'slip, and above it stick'\nset ytics ({})\nset yrange [-0.3:{}]\nplot {}\n",
                         fmt::join(tics, ", "), result.shown.size(), fmt::join(strips, ", \\\n     "));
@@ -272,11 +276,11 @@ std::vector<std::string> write_case(const fs::path& folder, const Scene& scene, 
   script += fmt::format("set ylabel 'displacement (mm)'\nset format y '%.6g'\nset key top right opaque\nplot {}\n",
                         curves("entry", fmt::format("(($1-{})*1e3):($3*1e3)", first), "linespoints"));
   if (scene.study.dimensions == 2) {
-    std::string path = preamble("study-path", "Path of one case in the plane", 640, 600);
+    std::string path = output::preamble("study-path", "Path of one case in the plane", 640, 600);
     path += fmt::format(
         "set style line 6 linecolor '#000000' linewidth 1\nset title {}\nset key top left\n"
         "set xlabel 'x (mm)'\nset ylabel 'y (mm)'\nset grid linecolor '#CCCCCC' linewidth 0.6\nplot {}\n",
-        single_quoted(fmt::format("{}, case {}", scene.title, result.shown_case)),
+        output::single_quoted(fmt::format("{}, case {}", scene.title, result.shown_case)),
         curves("motion", "($3*1e3):($5*1e3)", "lines"));
     write_whole(folder / "study-path.gp", path);
     files.emplace_back("study-path.gp");
@@ -332,22 +336,23 @@ Status perform(Job& job) {
   files.emplace_back("study.csv");
   job.manifest().cost = {{"seconds", seconds}, {"threads", double(request.threads)}};
   if (!request.json && !request.quiet) say(result, seconds);
-  return job.finish(text(to_json(scene, result, seconds)), std::move(files), {});
+  return job.finish(output::text(to_json(scene, result, seconds)), std::move(files), {});
 }
 
-void read_table(Table table, analysis::studies::StudyOptions& study) {
+void read_table(scene::Table table, analysis::studies::StudyOptions& study) {
   if (const auto* dimensions = table.find("dimensions")) {
-    study.dimensions = count(*dimensions, table.path("dimensions"), 1, 2, "1 or 2");
-    if (study.dimensions > 2) fail(dimensions->source(), "study.dimensions = {} is outside 1 … 2", study.dimensions);
+    study.dimensions = scene::count(*dimensions, table.path("dimensions"), 1, 2, "1 or 2");
+    if (study.dimensions > 2)
+      scene::fail(dimensions->source(), "study.dimensions = {} is outside 1 … 2", study.dimensions);
     if (study.dimensions == 2) study.window_threshold = 0.2751;
   }
   table.read("cases", study.cases, 1, 1'000'000, "random oscillators");
   int seed = 1;
-  table.read("seed", seed, 0, largest_seed, "of the random oscillators");
+  table.read("seed", seed, 0, scene::largest_seed, "of the random oscillators");
   study.seed = static_cast<std::uint64_t>(seed);
   if (const auto* names = table.find("algorithms")) {
-    study.algorithms = texts(*names, table.path("algorithms"));
-    if (study.algorithms.empty()) fail(names->source(), "study.algorithms is empty");
+    study.algorithms = scene::texts(*names, table.path("algorithms"));
+    if (study.algorithms.empty()) scene::fail(names->source(), "study.algorithms is empty");
   }
   table.read("start_factor", study.start_factor, {"", "1", {1.000001, 1e6}, "start over where stick could hold"});
   table.read("duration_factor", study.duration_factor, {"", "1", {1e-3, 1e3}, "time in four decay times"});
@@ -360,8 +365,8 @@ void read_table(Table table, analysis::studies::StudyOptions& study) {
   table.finish();
 }
 
-void read(SceneReader& reader) {  // a study draws its own models
-  read_table(Table(reader.need("study", "cases, seed and algorithms"), "study"), reader.scene.study);
+void read(scene::SceneReader& reader) {  // a study draws its own models
+  read_table(scene::Table(reader.need("study", "cases, seed and algorithms"), "study"), reader.scene.study);
 }
 
 }  // namespace
@@ -377,4 +382,4 @@ Verb study_verb() {
           .perform = perform};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

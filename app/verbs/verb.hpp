@@ -11,11 +11,14 @@
 
 #include "app/command_line.hpp"
 
-namespace rosin::app {
-
-class Job;
+namespace rosin::app::scene {
 class Table;
 struct SceneReader;
+}  // namespace rosin::app::scene
+
+namespace rosin::app::verbs {
+
+class Job;
 
 /// Exit statuses of the command.
 enum Status { done = 0, ended_short = 1, wrong_input = 2, interrupted = 130 };
@@ -49,7 +52,7 @@ struct Need {
 /// A table that is read in each scene with a model, whatever the verb, so that a wrong key is found at once.
 struct TableOfModels {
   const char* name;
-  void (*read)(Table, SceneReader&);
+  void (*read)(scene::Table, scene::SceneReader&);
 };
 
 struct Verb {
@@ -59,7 +62,7 @@ struct Verb {
   std::vector<Option> options = {};
   std::vector<TableOfModels> tables = {};
   /// Of verbs that take a scene: reads what they need of it, and does the work.
-  void (*read)(SceneReader&) = nullptr;
+  void (*read)(scene::SceneReader&) = nullptr;
   Status (*perform)(Job&) = nullptr;
   /// Of the others: does the work.
   Status (*without_scene)(const Request&) = nullptr;
@@ -80,7 +83,7 @@ std::vector<Option> scene_options(std::vector<Option> own = {});
 /// [law], [oscillator] and [drive], and the verb's own.
 std::vector<Need> model_tables(std::vector<Need> own);
 /// Reads law, oscillator and drive, and the tables that all verbs look at.
-void read_model(SceneReader&);
-void read_tables_of_models(SceneReader&);
+void read_model(scene::SceneReader&);
+void read_tables_of_models(scene::SceneReader&);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

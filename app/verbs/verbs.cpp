@@ -10,7 +10,7 @@
 #include "app/verbs/job.hpp"
 #include "core/error.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 #define ROSIN_VERB(name) Verb name##_verb();
 #include "app/verbs/list.def"
@@ -31,7 +31,7 @@ const Verb& find_verb(std::string_view name) {
     if (name == verb.name) return verb;
     known.emplace_back(verb.name);
   }
-  throw InputError(fmt::format("unknown command '{}'{}", name, suggestion(name, known)));
+  throw InputError(fmt::format("unknown command '{}'{}", name, scene::suggestion(name, known)));
 }
 
 // ---------------------------------------------------------------- what verbs have in common
@@ -69,13 +69,13 @@ std::vector<Need> model_tables(std::vector<Need> own) {
   return needs;
 }
 
-void read_tables_of_models(SceneReader& reader) {
+void read_tables_of_models(scene::SceneReader& reader) {
   for (const auto& verb : verbs())
     for (const auto& [name, read] : verb.tables)
       if (auto table = reader.root.table(name)) read(*table, reader);
 }
 
-void read_model(SceneReader& reader) {
+void read_model(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   read_tables_of_models(reader);
@@ -87,7 +87,7 @@ namespace {
 
 /// Where each key stands, by its path.
 void note_places(const toml::node& node, const std::string& path, std::map<std::string, std::string>& places) {
-  if (!path.empty()) places[path] = place(node.source());
+  if (!path.empty()) places[path] = scene::place(node.source());
   if (const auto* table = node.as_table())
     for (const auto& [key, inner] : *table)
       note_places(inner, path.empty() ? std::string(key.str()) : fmt::format("{}.{}", path, key.str()), places);
@@ -95,31 +95,31 @@ void note_places(const toml::node& node, const std::string& path, std::map<std::
 
 }  // namespace
 
-Scene read_scene(const Request& request) {
+scene::Scene read_scene(const Request& request) {
   const auto& verb = find_verb(request.verb);
   if (!verb.read) throw InputError(fmt::format("'{}' is a verb that takes no scene", verb.name));
-  toml::table document = read_toml(request.target);
-  for (const auto& override : request.overrides) apply_override(document, override);
+  toml::table document = scene::read_toml(request.target);
+  for (const auto& override : request.overrides) scene::apply_override(document, override);
 
-  Scene scene;
+  scene::Scene scene;
   scene.path = request.target;
   note_places(document, "", scene.places);
   try {
-    SceneReader reader{request, document, Table(document, ""), scene, std::filesystem::path(scene.path).parent_path(),
-                       {}};
+    scene::SceneReader reader{
+        request, document, scene::Table(document, ""), scene, std::filesystem::path(scene.path).parent_path(), {}};
     for (const char* table : {"sweep", "branch", "lyapunov"}) reader.root.refuse(table);
     for (const char* key : {"title", "law", "oscillator", "drive", "verify"}) reader.root.find(key);
     for (const auto& other : verbs())
       for (const auto& need : other.needs) reader.root.find(need.table);
-    if (const auto* title = reader.root.find("title")) scene.title = text(*title, "title");
+    if (const auto* title = reader.root.find("title")) scene.title = scene::text(*title, "title");
     verb.read(reader);
     reader.root.finish();
-  } catch (const PlacedError&) {
+  } catch (const scene::PlacedError&) {
     throw;
   } catch (const InputError& error) {
     throw InputError(scene.placed(error.what()));
   }
-  write_table(scene.resolved, document, "");
+  scene::write_table(scene.resolved, document, "");
   return scene;
 }
 
@@ -134,4 +134,4 @@ Status execute(const Request& request) {
   }
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -3,14 +3,14 @@
 #include "app/scene/scene.hpp"
 #include "app/verbs/verb.hpp"
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 /// The scene of a request as its verb reads it: the file, and overrides "path=value" whose value is TOML (bare words
 /// are texts). \throws InputError that begins with file:line:column, the file, or the override, for anything that
 /// cannot be used.
-Scene read_scene(const Request&);
+scene::Scene read_scene(const Request&);
 
 /// \throws InputError for a wrong scene, Stopped where it was asked to end and has nothing to keep.
 Status execute(const Request&);
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

@@ -26,9 +26,10 @@ bool plain(const std::string& name) {
 }
 
 SourceUnit read_unit(const toml::node& node, const std::string& path) {
-  SourceUnit unit{text(node, path)};
+  SourceUnit unit{scene::text(node, path)};
   const auto parsed = parse_unit(unit.name);
-  if (!parsed || parsed->offset) fail(node.source(), "{} = '{}' is not a unit that is a factor to SI", path, unit.name);
+  if (!parsed || parsed->offset)
+    scene::fail(node.source(), "{} = '{}' is not a unit that is a factor to SI", path, unit.name);
   unit.factor = parsed->factor;
   unit.si = coherent_unit(parsed->dimension);
   return unit;
@@ -36,16 +37,16 @@ SourceUnit read_unit(const toml::node& node, const std::string& path) {
 
 /// A number in the unit of the source, in SI.
 double read_number(const toml::node& node, const std::string& path, const SourceUnit& unit) {
-  return unit.factor * number(node, {path, "1", {-1e300, 1e300}, "as its source gives it"});
+  return unit.factor * scene::number(node, {path, "1", {-1e300, 1e300}, "as its source gives it"});
 }
 
 /// A value as it stands in the case: numbers, a text, or a truth value.
 Wanted read_value(const toml::node& node, const std::string& path, const SourceUnit& unit) {
-  if (node.is_string()) return text(node, path);
+  if (node.is_string()) return scene::text(node, path);
   if (node.is_boolean()) return *node.value<bool>();
   std::vector<double> numbers;
   if (const auto* list = node.as_array()) {
-    if (list->empty()) fail(node.source(), "{} is an empty list", path);
+    if (list->empty()) scene::fail(node.source(), "{} is an empty list", path);
     for (const auto& entry : *list) numbers.push_back(read_number(entry, path, unit));
   } else {
     numbers.push_back(read_number(node, path, unit));
@@ -58,7 +59,7 @@ std::vector<double> read_accuracy(const toml::node& node, const std::string& pat
   const auto& wanted = std::get<std::vector<double>>(question.wanted);
   std::vector<double> accuracy(wanted.size());
   if (node.is_table()) {
-    Table table(node, path);
+    scene::Table table(node, path);
     table.expect({"relative"});
     double relative = 0;
     table.required("relative", "part of the number");
@@ -66,16 +67,16 @@ std::vector<double> read_accuracy(const toml::node& node, const std::string& pat
     table.finish();
     std::ranges::transform(wanted, accuracy.begin(), [&](double x) { return relative * std::abs(x); });
     if (std::ranges::find(accuracy, 0.0) != accuracy.end())
-      fail(node.source(), "{} of a value that is 0 must be a number, not a part of it", path);
+      scene::fail(node.source(), "{} of a value that is 0 must be a number, not a part of it", path);
     return accuracy;
   }
   const Quantity quantity{path, "1", {1e-300, 1e300}, "of the source's number"};
   if (node.is_array()) {
-    accuracy = numbers(node, quantity);
+    accuracy = scene::numbers(node, quantity);
     if (accuracy.size() != wanted.size())
-      fail(node.source(), "{} has {} entries, but there are {} values", path, accuracy.size(), wanted.size());
+      scene::fail(node.source(), "{} has {} entries, but there are {} values", path, accuracy.size(), wanted.size());
   } else {
-    std::ranges::fill(accuracy, number(node, quantity));
+    std::ranges::fill(accuracy, scene::number(node, quantity));
   }
   for (auto& one : accuracy) one *= question.unit.factor;
   return accuracy;
@@ -83,14 +84,14 @@ std::vector<double> read_accuracy(const toml::node& node, const std::string& pat
 
 /// A text that says something.
 std::string sentence(const toml::node& node, const std::string& path) {
-  auto words = text(node, path);
-  if (words.find_first_not_of(" \t\r\n") == std::string::npos) fail(node.source(), "{} is empty", path);
+  auto words = scene::text(node, path);
+  if (words.find_first_not_of(" \t\r\n") == std::string::npos) scene::fail(node.source(), "{} is empty", path);
   std::ranges::replace(words, '\n', ' ');
   return words;
 }
 
 Origin read_origin(const toml::node& node, const std::string& path) {
-  const auto word = choice(node, path, {"printed", "stored", "closed form", "computed"});
+  const auto word = scene::choice(node, path, {"printed", "stored", "closed form", "computed"});
   for (const auto origin : {Origin::printed, Origin::stored, Origin::closed_form})
     if (word == name(origin)) return origin;
   return Origin::computed;
@@ -98,15 +99,16 @@ Origin read_origin(const toml::node& node, const std::string& path) {
 
 /// The words of a command that reads a scene, as `rosin --help` has them.
 std::vector<std::string> read_verb(const toml::node& node, const std::string& path) {
-  std::istringstream given(text(node, path));
+  std::istringstream given(scene::text(node, path));
   std::vector<std::string> words;
   for (std::string word; given >> word;) words.push_back(word);
   const bool design = words.size() == 2 && words[0] == "compare" && words[1] == "--design";
   const bool lab = words.size() == 2 && words[0] == "lab";
   if (words.empty() || (words.size() > 1 && !design && !lab) || (words.size() == 1 && words[0] == "lab"))
-    fail(node.source(), "{} is one verb, such as \"cycle\", \"lab velocity-step\" or \"compare --design\"", path);
-  located(node.source(), [&] {
-    if (!find_verb(words[0]).read) throw InputError(fmt::format("'{}' takes no scene", words[0]));
+    scene::fail(node.source(), "{} is one verb, such as \"cycle\", \"lab velocity-step\" or \"compare --design\"",
+                path);
+  scene::located(node.source(), [&] {
+    if (!verbs::find_verb(words[0]).read) throw InputError(fmt::format("'{}' takes no scene", words[0]));
     if (lab) analysis::lab::find_experiment(words[1]);
   });
   return words;
@@ -121,15 +123,15 @@ void check_scene(const Case& one, const Question& question, const toml::source_r
   request.target = one.path.string();
   request.overrides = question.overrides;
   try {
-    read_scene(request);
+    verbs::read_scene(request);
   } catch (const InputError& error) {
     const std::string why = error.what();
-    if (!why.starts_with(override_mark)) throw;
-    throw PlacedError(fmt::format("{}: in 'set': {}", place(source), why));
+    if (!why.starts_with(scene::override_mark)) throw;
+    throw scene::PlacedError(fmt::format("{}: in 'set': {}", scene::place(source), why));
   }
 }
 
-Question read_question(Table table, const Case& owner) {
+Question read_question(scene::Table table, const Case& owner) {
   table.expect({"what", "verb", "set", "field", "error", "value", "accuracy", "unit", "origin", "differs", "instead"});
   Question question;
   question.what = sentence(table.required("what", "the number in words"), table.path("what"));
@@ -145,21 +147,21 @@ Question read_question(Table table, const Case& owner) {
   } else {
     for (const char* key : {"accuracy", "unit", "error"})
       if (const auto* node = table.find(key))
-        fail(node->source(), "{} has no effect: the value is no number", table.path(key));
+        scene::fail(node->source(), "{} has no effect: the value is no number", table.path(key));
   }
 
   if (!owner.not_reproduced.empty()) {
     for (const char* key : {"verb", "set", "field", "error", "differs", "instead"})
       if (const auto* node = table.find(key))
-        fail(node->source(), "{} has no effect: the case says in verify.not_reproduced why rosin is not asked",
-             table.path(key));
+        scene::fail(node->source(), "{} has no effect: the case says in verify.not_reproduced why rosin is not asked",
+                    table.path(key));
     table.finish();
     return question;
   }
   question.words = read_verb(table.required("verb", "as on the command line"), table.path("verb"));
-  if (const auto* set = table.find("set")) question.overrides = texts(*set, table.path("set"));
+  if (const auto* set = table.find("set")) question.overrides = scene::texts(*set, table.path("set"));
   const auto path = [&](const toml::node& node, const char* key) {
-    return located(node.source(), [&] { return Field(text(node, table.path(key))); });
+    return scene::located(node.source(), [&] { return Field(scene::text(node, table.path(key))); });
   };
   question.field = path(table.required("field", "where the number stands in the verb's JSON"), "field");
   if (const auto* error = table.find("error")) question.error = path(*error, "error");
@@ -169,9 +171,9 @@ Question read_question(Table table, const Case& owner) {
     question.instead = read_value(instead, table.path("instead"), question.unit);
     const auto* numbers = std::get_if<std::vector<double>>(&question.instead);
     if (question.instead.index() != question.wanted.index() || (numbers && numbers->size() != question.accuracy.size()))
-      fail(instead.source(), "{} is of another kind than {}", table.path("instead"), table.path("value"));
+      scene::fail(instead.source(), "{} is of another kind than {}", table.path("instead"), table.path("value"));
   } else if (const auto* instead = table.find("instead")) {
-    fail(instead->source(), "{} goes with 'differs', the reason", table.path("instead"));
+    scene::fail(instead->source(), "{} goes with 'differs', the reason", table.path("instead"));
   }
   table.finish();
   check_scene(owner, question, table.source());
@@ -183,15 +185,15 @@ void refuse_unread(const toml::table& document, const Case& one) {
   std::vector<std::string> read = {"title", "verify"};
   for (const auto& question : one.questions)
     if (!question.words.empty())
-      for (const auto& need : find_verb(question.words[0]).needs) read.emplace_back(need.table);
+      for (const auto& need : verbs::find_verb(question.words[0]).needs) read.emplace_back(need.table);
   if (one.not_reproduced.empty()) {
     read.insert(read.end(), {"law", "oscillator", "drive"});
-    for (const auto& verb : verbs())
+    for (const auto& verb : verbs::verbs())
       for (const auto& table : verb.tables) read.emplace_back(table.name);
   }
   for (const auto& [key, node] : document)
     if (std::ranges::find(read, key.str()) == read.end())
-      fail(key.source(), "[{}] has no effect: no question of the case asks a verb that looks at it", key.str());
+      scene::fail(key.source(), "[{}] has no effect: no question of the case asks a verb that looks at it", key.str());
 }
 
 }  // namespace
@@ -211,7 +213,7 @@ const char* name(Origin origin) {
 }
 
 Case read_case(const fs::path& path) {
-  const auto document = read_toml(path.string());
+  const auto document = scene::read_toml(path.string());
   Case one;
   one.path = path;
   one.name = path.stem().string();
@@ -224,22 +226,22 @@ Case read_case(const fs::path& path) {
   const auto* title = document.get("title");
   if (!title) throw InputError(fmt::format("{}: a case needs a title", path.string()));
   one.title = sentence(*title, "title");
-  Table table(*node, "verify");
+  scene::Table table(*node, "verify");
   table.expect({"source", "origin", "note", "not_reproduced", "slow", "tolerance", "questions"});
   one.source = sentence(table.required("source", "who printed or computed the numbers, and where"), "verify.source");
   one.origin = read_origin(table.required("origin", "printed, stored, closed form or computed"), "verify.origin");
   if (const auto* note = table.find("note")) one.note = sentence(*note, "verify.note");
   if (const auto* why = table.find("not_reproduced")) one.not_reproduced = sentence(*why, "verify.not_reproduced");
   if (const auto* slow = table.find("slow")) {
-    if (!slow->is_boolean()) wrong_kind(*slow, "verify.slow", "true or false");
+    if (!slow->is_boolean()) scene::wrong_kind(*slow, "verify.slow", "true or false");
     one.slow = *slow->value<bool>();
   }
   table.read("tolerance", one.tolerance, {"", "1", {1e-13, 0.1}, "relative accuracy, as of --tolerance"});
   const auto& questions = table.required("questions", "what is asked, and the numbers");
-  for (const auto& question : list(questions, "verify.questions", "tables", most_names))
-    one.questions.push_back(read_question(Table(question, "verify.questions"), one));
+  for (const auto& question : scene::list(questions, "verify.questions", "tables", scene::most_names))
+    one.questions.push_back(read_question(scene::Table(question, "verify.questions"), one));
   table.finish();
-  if (one.questions.empty()) fail(questions.source(), "verify.questions is empty");
+  if (one.questions.empty()) scene::fail(questions.source(), "verify.questions is empty");
   refuse_unread(document, one);
   return one;
 }

@@ -42,7 +42,7 @@ std::string shortened(const std::string& text, int most) {
 std::string tic_label(const std::string& text) {
   std::string out;
   for (const char c : text) out += c == '%' ? std::string("%%") : std::string(1, c);
-  return single_quoted(out);
+  return output::single_quoted(out);
 }
 
 /// A text as a sentence within a paragraph, in which nothing is markup.
@@ -74,7 +74,7 @@ std::string picture(const std::string& group, const std::vector<const Answer*>& 
   constexpr int row = 19, head = 145;  // pixels
   const auto count = static_cast<int>(answers.size());
   std::string script =
-      preamble(picture_name(group), "How far rosin is from the numbers of others", 1060, head + row * count);
+      output::preamble(picture_name(group), "How far rosin is from the numbers of others", 1060, head + row * count);
   std::string tics;
   for (int i = 0; i < count; ++i) {
     const auto& answer = *answers[static_cast<std::size_t>(i)];
@@ -99,7 +99,7 @@ set key outside top center horizontal
 set title {} font ',13'
 set xlabel 'difference over the number wanted (dimensionless)'
 )",
-                        agreeing, explained, count - 1, tics, single_quoted(heading(group)));
+                        agreeing, explained, count - 1, tics, output::single_quoted(heading(group)));
   std::string plots;
   const auto add = [&](const std::string& plot) { plots += (plots.empty() ? "plot " : ", \\\n     ") + plot; };
   const auto bars = [&](const char* data, const char* title) {

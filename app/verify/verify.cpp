@@ -20,6 +20,7 @@
 namespace rosin::app::verify {
 
 namespace fs = std::filesystem;
+using nlohmann::ordered_json;
 
 namespace {
 
@@ -113,7 +114,7 @@ void ask(const Inquiry& inquiry, const fs::path& program) {
   std::string why;
   if (!ran) {
     why = "the command cannot be started";
-  } else if (ran->status > ended_short || !fs::exists(result, problem)) {
+  } else if (ran->status > verbs::ended_short || !fs::exists(result, problem)) {
     why = presentable(ran->messages.substr(0, 400));
     while (!why.empty() && (why.back() == '\n' || why.back() == ' ')) why.pop_back();
     why = fmt::format("status {}{}{}", ran->status, why.empty() ? "" : ": ", why);
@@ -168,7 +169,7 @@ void say(const std::vector<Answer>& answers) {
   }
 }
 
-Status verify(const Request& request) {
+verbs::Status verify(const Request& request) {
   const auto program = fs::read_symlink("/proc/self/exe");
   auto cases = read_cases(request.dossier.empty() ? dossier(program) : fs::path(request.dossier), request.cases);
   if (request.quick) std::erase_if(cases, &Case::slow);
@@ -184,7 +185,7 @@ Status verify(const Request& request) {
   std::size_t answered = 0;
   bool complete = true;
   try {
-    Progress progress(request.quiet);
+    verbs::Progress progress(request.quiet);
     std::mutex showing;
     in_parallel(request.threads, all.size(), [&](std::size_t k) {
       ask(all[k], program);
@@ -195,49 +196,49 @@ Status verify(const Request& request) {
     complete = false;
   }
 
-  results_are_due();
+  verbs::results_are_due();
   const bool sound = std::ranges::all_of(answers, [](const Answer& answer) { return accounted_for(answer.verdict); });
-  Manifest manifest;
+  output::Manifest manifest;
   manifest.verb = "verify";
   const Outcome outcome =
-      complete
-          ? Outcome{}
-          : why_stopped({Ending::interrupted, fmt::format("{} of {} commands have answered", answered, all.size())});
+      complete ? Outcome{}
+               : verbs::why_stopped(
+                     {Ending::interrupted, fmt::format("{} of {} commands have answered", answered, all.size())});
   manifest.outcome = outcome;
   manifest.files = write_page(folder, answers);
 
   auto list = ordered_json::array();
   for (const auto& answer : answers) list.push_back(to_json(answer));
-  const auto document = text({{"verb", "verify"},
-                              {"version", ROSIN_VERSION},
-                              {"outcome", name(outcome.ending)},
-                              {"passed", sound},
-                              {"summary", counted(answers)},
-                              {"seconds", seconds_since(begin)},
-                              {"cases", std::move(list)}});
-  draw_pictures(request, folder, manifest);
+  const auto document = output::text({{"verb", "verify"},
+                                      {"version", ROSIN_VERSION},
+                                      {"outcome", name(outcome.ending)},
+                                      {"passed", sound},
+                                      {"summary", counted(answers)},
+                                      {"seconds", verbs::seconds_since(begin)},
+                                      {"cases", std::move(list)}});
+  verbs::draw_pictures(request, folder, manifest);
   manifest.files.emplace_back("verify.json");
-  Scene none;
+  scene::Scene none;
   none.title = "Numbers of others, asked of rosin again";
-  write_results(folder, "verify", document, to_json(none, manifest));
+  verbs::write_results(folder, "verify", document, output::to_json(none, manifest));
   if (request.json) write_output(document);
   if (!request.json && !request.quiet) {
     say(answers);
-    print("{} cases in {:.3g} s: {}\nResults: {}\n", cases.size(), seconds_since(begin), counted(answers),
+    print("{} cases in {:.3g} s: {}\nResults: {}\n", cases.size(), verbs::seconds_since(begin), counted(answers),
           (folder / "").string());
   }
   if (!complete) {
     tell("{}: {}\n", name(outcome.ending), outcome.detail);
-    return status_of(outcome);
+    return verbs::status_of(outcome);
   }
-  return sound ? done : ended_short;
+  return sound ? verbs::done : verbs::ended_short;
 }
 
 }  // namespace
 
 }  // namespace rosin::app::verify
 
-namespace rosin::app {
+namespace rosin::app::verbs {
 
 Verb verify_verb() {
   return {.name = "verify",
@@ -253,4 +254,4 @@ Verb verify_verb() {
           .without_scene = verify::verify};
 }
 
-}  // namespace rosin::app
+}  // namespace rosin::app::verbs

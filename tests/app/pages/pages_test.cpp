@@ -39,8 +39,8 @@ std::string part(const std::string& text, const std::string& begin, const std::s
 
 TEST_CASE("man page and completions name every verb and option of the command", "[pages]") {
   const rosin::tests::Folder folder;
-  const auto man = without_backslashes(rosin::app::man_page()), bash = rosin::app::bash_completion(),
-             zsh = rosin::app::zsh_completion(), fish = rosin::app::fish_completion();
+  const auto man = without_backslashes(rosin::app::pages::man_page()), bash = rosin::app::pages::bash_completion(),
+             zsh = rosin::app::pages::zsh_completion(), fish = rosin::app::pages::fish_completion();
   const auto help = rosin::tests::run_rosin(folder, "--help").out;
   const auto verbs = words_after("  ", help.substr(help.find("Subcommands:")));
   CHECK(verbs.size() > 14);
@@ -63,7 +63,7 @@ TEST_CASE("man page and completions name every verb and option of the command", 
 }
 
 TEST_CASE("what troff and shells read as their own is escaped", "[pages]") {
-  CHECK_THAT(rosin::app::man_page(), !Contains(" --"));
-  CHECK_THAT(rosin::app::fish_completion(),
+  CHECK_THAT(rosin::app::pages::man_page(), !Contains(" --"));
+  CHECK_THAT(rosin::app::pages::fish_completion(),
              Contains("'draw the pictures of a results folder, or of a scene'\\''s results, again'"));
 }

@@ -12,7 +12,7 @@
 #include "core/error.hpp"
 #include "tests/app/scene_of.hpp"
 
-using rosin::app::Scene;
+using rosin::app::scene::Scene;
 using rosin::tests::scene_of;
 
 namespace {

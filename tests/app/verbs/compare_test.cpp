@@ -26,7 +26,7 @@ speed = 1e-5
 normal_load = 5
 )";
 
-Scene read(const std::string& comparison, const std::string& verb = "compare") {
+scene::Scene read(const std::string& comparison, const std::string& verb = "compare") {
   const fs::path path = fs::temp_directory_path() / ("rosin-compare-" + std::to_string(getpid()) + ".toml");
   std::ofstream(path) << slider << comparison;
   struct Remove {

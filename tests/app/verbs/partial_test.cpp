@@ -29,7 +29,7 @@ fs::path journal(const Folder& folder) {
     points[i].regime = analysis::planes::Regime::cycle;
     points[i].metrics.period = 1.0 + double(i), points[i].error.period = 1e-9;
   }
-  Partial partial(path, "key", 4, metrics);
+  verbs::Partial partial(path, "key", 4, metrics);
   const std::size_t written[] = {0, 1, 2};
   partial.append(written, points);
   return path;
@@ -52,12 +52,12 @@ TEST_CASE("a journal gives back its points, and no point to a map of other setti
   const Folder folder;
   const auto path = journal(folder);
   {
-    const Partial again(path, "key", 4, metrics);
+    const verbs::Partial again(path, "key", 4, metrics);
     CHECK(again.known_count() == 3);
     CHECK(again.known(1)->metrics.period == 2);
     CHECK(again.lost().empty());
   }
-  const Partial other(path, "another key", 4, metrics);
+  const verbs::Partial other(path, "another key", 4, metrics);
   CHECK(other.known_count() == 0);
   CHECK_THAT(other.lost(), Contains("began another map"));
 }
@@ -76,7 +76,7 @@ TEST_CASE("forged and damaged records are dropped, and that is said", "[partial]
     const Folder folder;
     const auto path = journal(folder);
     forge(path, at, bytes, length);
-    const Partial again(path, "key", 4, metrics);
+    const verbs::Partial again(path, "key", 4, metrics);
     INFO(at);
     CHECK(again.known_count() == 2);
     CHECK_THAT(again.lost(), Contains("damaged after 2 whole records"));
@@ -84,15 +84,16 @@ TEST_CASE("forged and damaged records are dropped, and that is said", "[partial]
   const Folder folder;
   const auto path = journal(folder);
   std::ofstream(path, std::ios::app | std::ios::binary) << "torn record";
-  CHECK_THAT(Partial(path, "key", 4, metrics).lost(), Contains("damaged after 3 whole records"));
+  CHECK_THAT(verbs::Partial(path, "key", 4, metrics).lost(), Contains("damaged after 3 whole records"));
 }
 
 TEST_CASE("what is no journal is refused and left as it is", "[partial]") {
   const Folder folder;
   write_whole(folder.path / "notes.txt", "my notes");
-  CHECK_THROWS_WITH(Partial(folder.path / "notes.txt", "key", 4, metrics), Contains("is not the journal of a map"));
+  CHECK_THROWS_WITH(verbs::Partial(folder.path / "notes.txt", "key", 4, metrics),
+                    Contains("is not the journal of a map"));
   fs::create_symlink("notes.txt", folder.path / "map.partial");
-  CHECK_THROWS_WITH(Partial(folder.path / "map.partial", "key", 4, metrics), Contains("is a link"));
+  CHECK_THROWS_WITH(verbs::Partial(folder.path / "map.partial", "key", 4, metrics), Contains("is a link"));
   CHECK(content(folder.path / "notes.txt") == "my notes");
-  CHECK_THROWS_AS(Partial(folder.path, "key", 4, metrics), InputError);
+  CHECK_THROWS_AS(verbs::Partial(folder.path, "key", 4, metrics), InputError);
 }

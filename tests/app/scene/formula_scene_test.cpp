@@ -11,7 +11,7 @@
 #include "tests/app/scene_of.hpp"
 
 using namespace rosin;
-using app::Scene;
+using app::scene::Scene;
 using rosin::tests::scene_of;
 
 namespace {

@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 using rosin::tests::Folder;
 
 struct Read {
-  RecordEnd end;
+  scene::RecordEnd end;
   std::vector<std::vector<double>> columns;
 };
-Read all_of(const RecordSource& source) {
+Read all_of(const scene::RecordSource& source) {
   Read read;
   read.columns.resize(source.columns.size());
-  read.end = read_record(source, [&](double, std::span<const std::span<const double>> block) {
+  read.end = scene::read_record(source, [&](double, std::span<const std::span<const double>> block) {
     for (std::size_t c = 0; c < block.size(); ++c)
       read.columns[c].insert(read.columns[c].end(), block[c].begin(), block[c].end());
   });
@@ -37,7 +37,7 @@ Read all_of(const RecordSource& source) {
 Read text(const std::string& content) {
   const Folder folder;
   std::ofstream(folder.path / "r.csv") << content;
-  return all_of({folder.path / "r.csv", RecordColumn{"t", "", "s"}, 0, {{"v", "", "m/s"}, {"F", "", "N"}}});
+  return all_of({folder.path / "r.csv", scene::RecordColumn{"t", "", "s"}, 0, {{"v", "", "m/s"}, {"F", "", "N"}}});
 }
 
 }  // namespace
@@ -76,17 +76,19 @@ TEST_CASE("a unit in the header counts in every way of writing it", "[record]") 
                                             {"slip_rate", "slip_rate", ""},
                                             {"friction_force", "friction_force", ""},
                                             {"stick_fraction_001", "stick_fraction_001", ""}}) {
-    const auto cell = header_cell(written);
+    const auto cell = scene::header_cell(written);
     CHECK(cell.name == name);
     CHECK(cell.unit == unit);
   }
-  CHECK(to_si_factor(header_cell("Speed [mm/s]"), "", "m/s") == 1e-3);
-  CHECK(to_si_factor(header_cell("load_kN"), "", "N") == 1e3);
-  CHECK(to_si_factor(header_cell("load_kN"), "mN", "N") == 1e-3);  // the scene's unit comes first
-  CHECK(to_si_factor(header_cell("mu_s"), "", "1") == 1);          // a subscript, no second
-  CHECK_THROWS_WITH(to_si_factor(header_cell("position_mm"), "", "m/s"), Contains("'position_mm'") && Contains("mm"));
-  CHECK_THROWS_WITH(to_si_factor(header_cell("force (raw)"), "", "N"), Contains("'raw' is not a known unit"));
-  CHECK_THROWS_WITH(to_si_factor(header_cell("T (degC)"), "", "K"), Contains("another zero"));
+  CHECK(scene::to_si_factor(scene::header_cell("Speed [mm/s]"), "", "m/s") == 1e-3);
+  CHECK(scene::to_si_factor(scene::header_cell("load_kN"), "", "N") == 1e3);
+  CHECK(scene::to_si_factor(scene::header_cell("load_kN"), "mN", "N") == 1e-3);  // the scene's unit comes first
+  CHECK(scene::to_si_factor(scene::header_cell("mu_s"), "", "1") == 1);          // a subscript, no second
+  CHECK_THROWS_WITH(scene::to_si_factor(scene::header_cell("position_mm"), "", "m/s"),
+                    Contains("'position_mm'") && Contains("mm"));
+  CHECK_THROWS_WITH(scene::to_si_factor(scene::header_cell("force (raw)"), "", "N"),
+                    Contains("'raw' is not a known unit"));
+  CHECK_THROWS_WITH(scene::to_si_factor(scene::header_cell("T (degC)"), "", "K"), Contains("another zero"));
 
   const auto read = text("t_ms;v [mm/s];F / kN\n0;1;2\n1;1;2\n2;1;2\n");
   CHECK(read.end.sample_rate == Approx(1000));
@@ -134,7 +136,7 @@ TEST_CASE("NetCDF records, with their units and their missing values", "[record]
     nc_put_var_double(file, v, values.data());
     nc_close(file);
   };
-  const RecordSource source{path, {}, 1e4, {{"v", "", "m/s"}, {"F", "kN", "N"}}};
+  const scene::RecordSource source{path, {}, 1e4, {{"v", "", "m/s"}, {"F", "kN", "N"}}};
   write(3);
   const auto read = all_of(source);
   CHECK(read.end.samples == 100000);
@@ -164,7 +166,7 @@ TEST_CASE("attributes of a NetCDF record are taken only where they are what they
     nc_put_var_double(file, v, values);
     nc_close(file);
   };
-  const RecordSource source{path, {}, 1, {{"v", "", "m/s"}}};
+  const scene::RecordSource source{path, {}, 1, {{"v", "", "m/s"}}};
   const std::vector<double> many(1000, 1.0);
   write([&](int file, int v) { nc_put_att_double(file, v, "units", NC_DOUBLE, many.size(), many.data()); });
   CHECK_THROWS_WITH(all_of(source), Contains("'v': its units must be a text"));
@@ -181,12 +183,12 @@ TEST_CASE("attributes of a NetCDF record are taken only where they are what they
 }
 
 TEST_CASE("a fill value is one number", "[record]") {
-  const RecordSource source{ROSIN_SOURCE_DIR "/tests/records/fill-values.nc", {}, 100, {{"time", "", "s"}}};
+  const scene::RecordSource source{ROSIN_SOURCE_DIR "/tests/records/fill-values.nc", {}, 100, {{"time", "", "s"}}};
   CHECK_THROWS_WITH(all_of(source), Contains("'time': its _FillValue must be one number, not 8 values"));
 }
 
 TEST_CASE("a file that crashes the library that reads it is damaged, and nothing else", "[record]") {
-  const RecordSource source{ROSIN_SOURCE_DIR "/tests/records/damaged.nc", {}, 100, {{"slip_rate", "", "m/s"}}};
+  const scene::RecordSource source{ROSIN_SOURCE_DIR "/tests/records/damaged.nc", {}, 100, {{"slip_rate", "", "m/s"}}};
   CHECK_THROWS_WITH(all_of(source), Contains("damaged.nc: is damaged"));
 }
 

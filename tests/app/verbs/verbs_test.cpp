@@ -14,7 +14,7 @@ using Catch::Matchers::Contains;
 
 TEST_CASE("the help of each verb names its tables, options with their defaults, and an example", "[app]") {
   std::set<std::string> names;
-  for (const auto& verb : verbs()) {
+  for (const auto& verb : verbs::verbs()) {
     INFO(verb.name);
     CHECK(names.insert(verb.name).second);
     const auto help = help_of(verb.name);
@@ -34,7 +34,7 @@ TEST_CASE("the help of each verb names its tables, options with their defaults, 
 TEST_CASE("the example of each verb works", "[app][long]") {
   const rosin::tests::Folder folder;
   fs::create_directory_symlink(ROSIN_SOURCE_DIR "/examples", folder.path / "examples");
-  for (const auto& verb : verbs()) {  // a plot draws what the map before it has left
+  for (const auto& verb : verbs::verbs()) {  // a plot draws what the map before it has left
     CAPTURE(verb.example);
     const auto answer = run_rosin(folder, std::string(verb.example).substr(6));
     INFO(answer.error);

@@ -13,10 +13,10 @@ using rosin::tests::Folder;
 namespace fs = std::filesystem;
 
 TEST_CASE("texts with apostrophes and the end of an SVG's text stay texts", "[gnuplot]") {
-  CHECK(single_quoted("a 'b'") == "'a ''b'''");
-  CHECK(single_quoted("'t Hooft's slider") == "\"'\".'t Hooft''s slider'");
-  CHECK(single_quoted("a]]>b") == "'a]]\u2060>b'");
-  CHECK(single_quoted("a > b") == "'a > b'");
+  CHECK(output::single_quoted("a 'b'") == "'a ''b'''");
+  CHECK(output::single_quoted("'t Hooft's slider") == "\"'\".'t Hooft''s slider'");
+  CHECK(output::single_quoted("a]]>b") == "'a]]\u2060>b'");
+  CHECK(output::single_quoted("a > b") == "'a > b'");
 }
 
 TEST_CASE("a picture that gnuplot left cut short does not get its name", "[gnuplot]") {
@@ -30,7 +30,7 @@ TEST_CASE("a picture that gnuplot left cut short does not get its name", "[gnupl
   std::ofstream(folder.path / "run.gp") << "plot x\n";
   const std::string before = std::getenv("PATH");
   setenv("PATH", (bin.string() + ":" + before).c_str(), 1);
-  const auto drawn = draw(folder.path, {"run.gp"});
+  const auto drawn = output::draw(folder.path, {"run.gp"});
   setenv("PATH", before.c_str(), 1);
   CHECK(drawn.files.empty());
   REQUIRE(drawn.problems.size() == 2);
