@@ -57,40 +57,4 @@ inline double last_digits_of_terms(const double* row, const double* y, int n) {
   return 4 * rounding * size_of_terms(row, y, n);
 }
 
-/// A system with one set-valued contact: it sticks, or slips in one of two directions, and a solver with event
-/// location sets which.
-class SwitchingSystem : public System {
- public:
-  /// 0: stick; +1 or −1: slip in that direction.
-  virtual void set_direction(double direction) = 0;
-  virtual double direction() const = 0;
-  virtual double slip_rate(double t, const double* y) const = 0;
-  /// The force that keeps the contact from slipping, and the largest that it can bear (newton).
-  virtual double holding_force(double t, const double* y) const = 0;
-  virtual double holding_limit(double t, const double* y) const = 0;
-  /// What rounding leaves open of the two (newton).
-  virtual double holding_digits(double t, const double* y) const = 0;
-  /// Sets the slip rate to exactly zero.
-  virtual void hold(double* y) const = 0;
-  /// At rest, where stick gives way to slip in the present direction: loads the contact by the last digits that are
-  /// missing for the balance of forces to start it, which rounding may have left the other way.
-  virtual void release(double t, double* y) const = 0;
-  /// Ends a slip: the slip rate is exactly zero, and contacts that count from their last stop begin anew.
-  virtual void stop(double* y) const = 0;
-  /// A speed that slip rates are measured against, > 0.
-  virtual double reference_speed() const = 0;
-  /// True where a slip swings nearly free between rest and rest. It then comes down to rest along the slope of a wide
-  /// swing, and where it does is known from its slip rate only to the root of that one's error; the energy, which
-  /// friction and damping hardly change, tells it as exactly as they are known.
-  virtual bool swings_freely() const { return false; }
-  /// Where swings are free. The slider's velocity while the contact is at rest (m/s), and how wide it makes it swing
-  /// (m); its displacement from that of steady sliding (m), and the place for another.
-  virtual double velocity_at_rest() const { return 0; }
-  virtual double swing_of_drive() const { return 0; }
-  virtual double swing(const double* /*y*/) const { return 0; }
-  virtual void set_swing(double /*swing*/, double* /*y*/) const {}
-  /// Rate at which friction and damping change the square of the swing that the slider has at rest, m²/s.
-  virtual double swing_power(double /*t*/, const double* /*y*/) const { return 0; }
-};
-
 }  // namespace rosin

@@ -57,7 +57,8 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   states_ = contact_->unknowns() - (carries_friction() ? 1 : 0) -
             (setup_.spring.present() ? (carries_friction() ? 1 : 2) : 0);
   set_valued_ = law.set_valued();
-  if (std::isinf(model_.slider.stiffness)) direction_ = model_.drive.speed.value(0) < 0 ? -1 : 1;
+  if (std::isinf(model_.slider.stiffness))
+    mode_ = model_.drive.speed.value(0) < 0 ? ContactMode::backward : ContactMode::forward;
   is_constant_ = model_.drive.constant();
   if (is_constant_) {
     const auto& d = model_.drive;
@@ -186,7 +187,7 @@ void SliderSystem::evaluate(double t, const double* y, double* f) const {
   const double* z = y + mechanical_;
   if (sticking()) {  // the slider moves with the drive; the contact may age
     double unused;
-    contact_->evaluate({0, now.load, now.load_rate, direction_}, z, f + mechanical_, unused);
+    contact_->evaluate({0, now.load, now.load_rate, sign(mode_)}, z, f + mechanical_, unused);
     f[0] = now.speed;
     f[1] = 0;
     return;
@@ -194,7 +195,7 @@ void SliderSystem::evaluate(double t, const double* y, double* f) const {
   const double known_force = mechanics_ == Mechanics::damped ? now.load * z[0] : 0;
   const double u = imposed_slip_rate(now, y, known_force);
   double F;
-  contact_->evaluate({u, now.load, now.load_rate, direction_}, z, f + mechanical_, F);
+  contact_->evaluate({u, now.load, now.load_rate, sign(mode_)}, z, f + mechanical_, F);
   if (creep_ > 0) f[mechanical_] -= creep_ * z[0];
   if (mechanical_ > 0) f[0] = now.speed - u;
   if (mechanics_ == Mechanics::inertial) f[1] = momentum_rate(now, y[0], u, F);
@@ -209,7 +210,7 @@ void SliderSystem::linearise(double t, const double* y, double* f, double* jacob
   const auto& s = model_.slider;
   double F;
   Slopes<double> slopes;
-  contact_->linearise({u, now.load, now.load_rate, direction_}, z, f + first, F, slopes);
+  contact_->linearise({u, now.load, now.load_rate, sign(mode_)}, z, f + first, F, slopes);
   std::fill(jacobian, jacobian + n * n, 0.0);
   const auto J = [&](int i, int j) -> double& { return jacobian[i * n + j]; };
   for (int i = 0; i < nz; ++i)
@@ -320,7 +321,7 @@ void SliderSystem::expand(double t, const double* y, const double* direction, do
                          : 0.0;
   Tower z[Slopes<double>::capacity], g[Slopes<double>::capacity], F;
   for (int i = 0; i < nz; ++i) z[i] = along(y[mechanical_ + i], direction[mechanical_ + i]);
-  tower_->evaluate({along(u, u_d), Tower(now.load), Tower(now.load_rate), direction_}, z, g, F);
+  tower_->evaluate({along(u, u_d), Tower(now.load), Tower(now.load_rate), sign(mode_)}, z, g, F);
   std::fill(second, second + size(), 0.0);
   std::fill(third, third + size(), 0.0);
   const auto curvature = [](const Tower& f) { return f.slope[0].slope[0].value; };
@@ -520,7 +521,7 @@ double SliderSystem::friction_coefficient(double t, const double* y) const {
   if (const int v = contact_slip_rate_index(); v >= 0)
     return model_.law->friction({y[v], load}, states_at(load, y, y[v]));
   double g[Slopes<double>::capacity], F;
-  contact_->evaluate({imposed_slip_rate(now, y, 0), load, 0, direction_}, y + mechanical_, g, F);
+  contact_->evaluate({imposed_slip_rate(now, y, 0), load, 0, sign(mode_)}, y + mechanical_, g, F);
   return F / load;
 }
 
@@ -557,7 +558,7 @@ double SliderSystem::slip_rate(double t, const double* y) const {
   if (mechanics_ == Mechanics::damped) return imposed_slip_rate(now, y, now.load * z[0]);
   // u = v + Ḟ_t/k_t, the spring of the contact and that of the slider in series.
   double g[Slopes<double>::capacity], m[Slopes<double>::capacity], F;
-  contact_->evaluate({imposed_slip_rate(now, y, 0), now.load, now.load_rate, direction_}, z, g, F);
+  contact_->evaluate({imposed_slip_rate(now, y, 0), now.load, now.load_rate, sign(mode_)}, z, g, F);
   contact_->mass(now.load, m);
   const double F_rate = now.load * g[0] / m[0] + now.load_rate * z[0];
   const double u = now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
@@ -597,16 +598,26 @@ double SliderSystem::holding_digits(double t, const double* y) const {
   return digits * (holding_limit(t, y) + model_.slider.stiffness * std::abs(y[0]));
 }
 
-void SliderSystem::release(double t, double* y) const {
+void SliderSystem::held(double t, const double* y, Held* held) const {
+  held[0] = {holding_force(t, y), holding_limit(t, y), holding_digits(t, y)};
+}
+
+void SliderSystem::slip_accelerations(double t, const double* y, double* acceleration) const {
+  std::vector<double> f(size());
+  evaluate(t, y, f.data());
+  acceleration[0] = f[1] / model_.slider.mass;
+}
+
+void SliderSystem::release(int, double t, double* y) const {
   const double k = model_.slider.stiffness, sure = holding_digits(t, y);
   std::vector<double> f(size());
   evaluate(t, y, f.data());
-  const double driving = direction_ * f[1];
-  if (k > 0 && driving < sure) y[0] += direction_ * (sure - driving) / k;
+  const double driving = sign(mode_) * f[1];
+  if (k > 0 && driving < sure) y[0] += sign(mode_) * (sure - driving) / k;
 }
 
-void SliderSystem::stop(double* y) const {
-  hold(y);
+void SliderSystem::stop(int, double* y) const {
+  y[slip_rate_index()] = 0;
   const int count = contact_->unknowns();
   if (count == 0) return;
   std::vector<double> state(count);

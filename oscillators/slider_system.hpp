@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/system.hpp"
+#include "core/switching.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::oscillators {
@@ -85,7 +85,7 @@ class SliderSystem final : public SwitchingSystem {
   /// Coefficient of friction, by the unknown or by the law.
   double friction_coefficient(double t, const double* y) const;
   /// Slip rate u at time t in y.
-  double slip_rate(double t, const double* y) const override;
+  double slip_rate(double t, const double* y) const;
   /// The slip rate of the contact itself, u where the contact is rigid. Behind a contact spring the slider rings, and
   /// u passes the drive speed many times in one stick; this does not.
   double contact_slip_rate(double t, const double* y) const;
@@ -95,24 +95,27 @@ class SliderSystem final : public SwitchingSystem {
   /// ∂(contact slip rate)/∂y.
   void slip_rate_gradient(double t, const double* y, double* gradient) const;
 
-  /// Direction of slip for a set-valued law, 0 for stick; without meaning for other laws.
-  void set_direction(double direction) override { direction_ = direction; }
-  double direction() const override { return direction_; }
-  double holding_force(double t, const double* y) const override;
-  double holding_limit(double t, const double* y) const override;
-  double holding_digits(double t, const double* y) const override;
-  void hold(double* y) const override { y[1] = 0; }
-  void release(double t, double* y) const override;
-  void stop(double* y) const override;
-  double reference_speed() const override { return reference_speed_; }
-  bool swings_freely() const override { return swings_freely_; }
-  double velocity_at_rest() const override { return constant_.speed; }
-  double swing_of_drive() const override {
-    return constant_.speed * std::sqrt(model_.slider.mass / model_.slider.stiffness);
-  }
-  double swing(const double* y) const override { return y[0] - swing_center_; }
-  void set_swing(double swing, double* y) const override { y[0] = swing_center_ + swing; }
-  double swing_power(double t, const double* y) const override;
+  int contacts() const override { return set_valued_ ? 1 : 0; }
+  /// Without meaning for laws that are not set-valued, except under a spring of infinite stiffness: the drive's.
+  ContactMode mode(int = 0) const override { return mode_; }
+  void set_mode(int, ContactMode mode) override { mode_ = mode; }
+  int slip_rate_unknown(int) const override { return slip_rate_index(); }
+  double reference_speed(int = 0) const override { return reference_speed_; }
+  void held(double t, const double* y, Held* held) const override;
+  void slip_accelerations(double t, const double* y, double* acceleration) const override;
+  void stop(int, double* y) const override;
+  void release(int, double t, double* y) const override;
+  /// Of `held`, alone.
+  double holding_force(double t, const double* y) const;
+  double holding_limit(double t, const double* y) const;
+
+  /// True where slip swings nearly free between rest and rest, so that its energy tells where it ends.
+  bool swings_freely() const { return swings_freely_; }
+  /// Displacement from that of steady sliding (m), and the place for another.
+  double swing(const double* y) const { return y[0] - swing_center_; }
+  void set_swing(double swing, double* y) const { y[0] = swing_center_ + swing; }
+  /// Rate at which friction and damping change the square of the swing that the slider has at rest, m²/s.
+  double swing_power(double t, const double* y) const;
 
  private:
   struct Forcing {
@@ -150,7 +153,7 @@ class SliderSystem final : public SwitchingSystem {
   std::unique_ptr<Contact<double>> contact_;
   std::unique_ptr<ContactValues<Tower>> tower_;
   std::unique_ptr<ContactFlow> flow_;  ///< none where the system cannot be followed as a flow
-  double direction_ = 1;
+  ContactMode mode_ = ContactMode::forward;
   double reference_speed_;
   std::vector<double> contact_scale_;
   double displacement_scale_ = 1, state_clock_ = 1;
@@ -168,7 +171,8 @@ class SliderSystem final : public SwitchingSystem {
   bool swings_freely_ = false;
   /// Displacement and coefficient of friction in steady sliding, where swings are free.
   double swing_center_ = 0, steady_coefficient_ = 0;
-  bool sticking() const { return set_valued_ && direction_ == 0; }
+  bool sticking() const { return set_valued_ && mode_ == ContactMode::stick; }
+  double holding_digits(double t, const double* y) const;
 };
 
 /// What inertia couples: the rows of displacement and slip rate of a slider with mass, and their columns in the rows of

@@ -11,6 +11,7 @@
 
 #include "analysis/cycles/return_map.hpp"
 #include "analysis/cycles/slow_swing.hpp"
+#include "analysis/motion/slider_swings.hpp"
 #include "analysis/steady/stability.hpp"
 #include "solvers/stick_slip/stick_slip_solver.hpp"
 
@@ -21,7 +22,8 @@ using oscillators::SliderSystem;
 StickSlipPeriod slip_passage(const Model& model, double swing, double tolerance, double stick_threshold, bool record) {
   StickSlipPeriod result;
   SliderSystem system(model);
-  solvers::stick_slip::StickSlip solver(system, tolerance);
+  const motion::SliderSwings swings(system);
+  solvers::stick_slip::StickSlip solver(system, tolerance, swings.present());
   const auto steady = steady::steady_sliding(model);
   const double V = model.drive.speed.level(), x_steady = steady.displacement;
   SwingWork work(system, steady.friction_force);
@@ -55,7 +57,7 @@ StickSlipPeriod slip_passage(const Model& model, double swing, double tolerance,
       low = step.node(i), low_value = value;
     }
     period += step.length();
-    if (system.direction() == 0) stuck += step.length();
+    if (system.mode() == ContactMode::stick) stuck += step.length();
     work.step(step);
     if (record) recorder.step(step);
   }

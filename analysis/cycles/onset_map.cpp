@@ -296,10 +296,10 @@ double OnsetMap::size_of_step(const VectorXd& step, const VectorXd& z) const {
 
 double OnsetMap::scatter(const StickSlipPeriod& period) {
   std::vector<double> f(system_.size()), mass(system_.size());
-  system_.set_direction(0);
+  system_.set_mode(0, ContactMode::stick);
   system_.evaluate(0, period.onset.data(), f.data());
   system_.mass(0, mass.data());
-  system_.set_direction(1);
+  system_.set_mode(0, ContactMode::forward);
   VectorXd open(scale_.size());
   for (int k = 0; k < open.size(); ++k) open[k] = period.landing * f[returning_[k]] / mass[returning_[k]];
   return size_of_step(open, gather(period.onset));

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "analysis/cycles/return_map.hpp"
+#include "analysis/motion/slider_swings.hpp"
 #include "analysis/steady/stability.hpp"
 #include "oscillators/time_scales.hpp"
 #include "solvers/stick_slip/stick_slip_solver.hpp"
@@ -39,7 +40,9 @@ class Bottoms {
     const double V = model_.drive.speed.level(), lowest = std::min(solver.lowest(), slip_);
     Bottom bottom{highest_, lowest};
     slip_ = u;
-    highest_ = system_.direction() == 0 || switched != solvers::stick_slip::Switch::none ? 0 : std::max(highest_, u);
+    highest_ = system_.mode() == ContactMode::stick || switched != solvers::stick_slip::Switch::none
+                   ? 0
+                   : std::max(highest_, u);
     if (!(bottom.highest > V)) return std::nullopt;
     if (switched == solvers::stick_slip::Switch::none) return 2 * lowest < u ? std::optional(bottom) : std::nullopt;
     if (switched == solvers::stick_slip::Switch::slip) return bottom;  // at rest for no time
@@ -86,6 +89,7 @@ class PeriodSearch {
   long most_steps_;
   StickSlipPeriod result_;
   SliderSystem system_;
+  const motion::SliderSwings swings_of_slider_;
   solvers::stick_slip::StickSlip solver_;
   Recorder recorder_;
   Bottoms bottoms_;
@@ -125,7 +129,8 @@ PeriodSearch::PeriodSearch(const Model& model, double tolerance, double stick_th
       kind_(kind),
       most_steps_(most_steps),
       system_(model),
-      solver_(system_, tolerance),
+      swings_of_slider_(system_),
+      solver_(system_, tolerance, swings_of_slider_.present()),
       recorder_(system_, tolerance, stick_threshold, true),
       bottoms_(model, system_),
       rates_(system_.size()),
@@ -139,7 +144,7 @@ double PeriodSearch::slip_for(double digits, double displacement) const {
 /// Slip in the plane creeps where friction rises more steeply than a swing needs to turn, and takes so much longer: the
 /// last of the slopes is that of the slip rate's own row, in the slip rate.
 double PeriodSearch::swing_here() {
-  if (!plane_ || system_.direction() == 0) return swing_;
+  if (!plane_ || system_.mode() == ContactMode::stick) return swing_;
   system_.linearise(0, solver_.state().data(), rates_.data(), slopes_.data());
   return std::max(swing_, -slopes_.back() / s_.stiffness);
 }
@@ -181,16 +186,16 @@ bool PeriodSearch::step() {
   }
   swing_in_step_ = swing_here();
   solver_.bound_slip_step(stride_ * swing_in_step_);
-  const double limit = (solver_.upcoming() == 0 ? strengthened : 1) * longest_slip_;
+  const double limit = (solver_.upcoming() == ContactMode::stick ? strengthened : 1) * longest_slip_;
   if (const Outcome outcome = solver_.step(limit, switched_); !outcome.complete()) {
     result_.outcome = outcome;
     return false;
   }
-  if (solver_.time() >= limit && solver_.upcoming() == 0) {
+  if (solver_.time() >= limit && solver_.upcoming() == ContactMode::stick) {
     result_.outcome = {Ending::budget_spent, fmt::format("the contact sticks for more than {:.3g} s", limit)};
     return false;
   }
-  slipped_ = system_.direction() == 0 ? 0 : slipped_ + solver_.stepper().length();
+  slipped_ = system_.mode() == ContactMode::stick ? 0 : slipped_ + solver_.stepper().length();
   u_before_ = u_;
   u_ = system_.slip_rate(solver_.time(), solver_.state().data());
   if (began_) record();
@@ -204,7 +209,7 @@ void PeriodSearch::record() {
     recorder_.linger(stop->later);
     period_ += stop->later;
   }
-  if (system_.direction() == 0) stuck_ += solver_.stepper().length();
+  if (system_.mode() == ContactMode::stick) stuck_ += solver_.stepper().length();
   lowest_x_ = std::min(lowest_x_, solver_.state()[0]), highest_x_ = std::max(highest_x_, solver_.state()[0]);
   fastest_ = std::max(fastest_, std::abs(u_));
 }
@@ -224,7 +229,7 @@ bool PeriodSearch::needs_no_more() {
   if (plane_ && turns_ > enough_turns) return true;
   const double away = std::hypot(u_ - V_, frequency_ * (solver_.state()[0] - sliding_.steady.displacement));
   quiet_ = std::abs(u_ - V_) < settled * V_ + noise_ ? quiet_ + solver_.stepper().length() : 0;
-  const bool slips_on = system_.direction() != 0 && switched_ != solvers::stick_slip::Switch::stick;
+  const bool slips_on = system_.mode() != ContactMode::stick && switched_ != solvers::stick_slip::Switch::stick;
   swings_ = slips_on ? swings_ + solver_.stepper().length() / swing_in_step_ : 0;
   result_.settles = sliding_.stable && (away < settled * V_ + noise_ || quiet_ > quiet_enough * swing_);
   // Without memory slip that has gone on for so long has found its own cycle.
@@ -271,7 +276,7 @@ bool PeriodSearch::onset_is_known() {
 
 void PeriodSearch::note_reversals() {
   reverses_ = reverses_ || (began_ && switched_ == solvers::stick_slip::Switch::reversal);
-  if (switched_ == solvers::stick_slip::Switch::reversal && solver_.upcoming() > 0) {
+  if (switched_ == solvers::stick_slip::Switch::reversal && solver_.upcoming() == ContactMode::forward) {
     result_.reversed = solver_.state();
     result_.friction = std::max(result_.friction, friction_known(solver_.state()));
   }
@@ -282,7 +287,7 @@ void PeriodSearch::note_reversals() {
 bool PeriodSearch::completes_period() {
   const bool onset = switched_ == solvers::stick_slip::Switch::slip ||
                      (switched_ == solvers::stick_slip::Switch::reversal && kind_ == Onset::reversed);
-  if (!onset || !(solver_.upcoming() > 0)) return false;
+  if (!onset || !(solver_.upcoming() == ContactMode::forward)) return false;
   if (!began_) {
     began_ = true;
     return false;
@@ -313,7 +318,8 @@ void PeriodSearch::finish() {
 
 StickSlipPeriod PeriodSearch::from(const std::vector<double>* onset) {
   const auto rest = model_.law->rest(model_.drive.normal_load.level());
-  if (!(onset ? solver_.start_slip(0, *onset, 1) : solver_.start(0, system_.loaded_at_rest(rest, 0.5)))) {
+  if (!(onset ? solver_.start_slip(0, *onset, ContactMode::forward)
+              : solver_.start(0, system_.loaded_at_rest(rest, 0.5)))) {
     result_.outcome = {Ending::not_finite, "at the start"};
     return std::move(result_);
   }

@@ -10,6 +10,7 @@
 #include "core/instruction_set.hpp"
 #include "core/stop.hpp"
 #include "oscillators/time_scales.hpp"
+#include "solvers/stick_slip/contact_balance.hpp"
 
 namespace rosin::analysis::lanes {
 
@@ -308,9 +309,12 @@ PassageLanes::Arrival PassageLanes::change_mode(int lane) {
   for (int i = 0; i < sliders_.size(); ++i) y[i] = ensemble_.unknown(i)[lane];
   at.elapsed += ensemble_.time(lane);
   if (ended == 0) at.stuck += ensemble_.time(lane);
-  ended == 0 ? slider.hold(y.data()) : slider.stop(y.data());
+  if (ended == 0)
+    y[slip_rate_index] = 0;
+  else
+    slider.stop(0, y.data());
   const double force = slider.holding_force(0, y.data()), limit = slider.holding_limit(0, y.data());
-  const bool sticks = ended != 0 && std::abs(force) <= limit;
+  const bool sticks = ended != 0 && solvers::stick_slip::mode_at_rest(force, limit) == ContactMode::stick;
   const bool has_states = sliders_.size() > slip_rate_index + 1;
   const bool released = (ended == 0 && force > 0) || (sticks && !has_states);
   if (sticks && !has_states) {

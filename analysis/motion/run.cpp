@@ -16,6 +16,7 @@
 #include "analysis/motion/exact_run.hpp"
 #include "analysis/motion/landing.hpp"
 #include "analysis/motion/motion_end.hpp"
+#include "analysis/motion/slider_swings.hpp"
 #include "analysis/motion/stated_error.hpp"
 #include "analysis/steady/stability.hpp"
 #include "core/eigenpairs.hpp"
@@ -139,7 +140,7 @@ bool stays_steady(const Model& model, const RunOptions& options) {
   const auto y = starting_point(system, options.start);
   const int n = system.size();
   std::vector<double> f(n), J(n * n), size(n);
-  system.set_direction(model.drive.speed.level() < 0 ? -1 : 1);
+  system.set_mode(0, slip_along(model.drive.speed.level()));
   system.linearise(0, y.data(), f.data(), J.data());
   system.scale(y.data(), size.data());
   for (int j = 0; j < n; ++j) size[j] = std::max(std::abs(y[j]), size[j]);
@@ -160,7 +161,7 @@ double let_go(SliderSystem& system, std::vector<double>& y, double duration) {
   std::vector<double> f(n);
   VectorXd mass(n), scale(n);
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(n, n);
-  if (system.model().law->set_valued()) system.set_direction(y[u] < 0 ? -1 : 1);
+  if (system.model().law->set_valued()) system.set_mode(0, slip_along(y[u]));
   system.linearise(0, y.data(), f.data(), J.data());
   system.mass(0, mass.data());
   system.scale(y.data(), scale.data());
@@ -237,7 +238,7 @@ class Pass {
           options_.start.kind == Start::Kind::given && (solver_ == "events" || system_.model().lambda == 0);
       if (at_once && system_.slip_rate(0, y.data()) != 0) begin_ = let_go(system_, y, times_.back());
     }
-    if (solver_ == "steady") system_.set_direction(system_.model().drive.speed.level() < 0 ? -1 : 1);
+    if (solver_ == "steady") system_.set_mode(0, slip_along(system_.model().drive.speed.level()));
     if (system_.size() == 0 || solver_ == "steady") {
       if (system_.model().law->set_valued()) metrics_["stick_time"] = 0;
       for (const double t : times_) record(t, y.data());
@@ -471,16 +472,17 @@ class Pass {
   /// Slip that turns up again within its error of rest has come to rest, or has not: two passes that differ in
   /// `rest_in_doubt` differ by what hangs on it.
   Outcome with_events(const std::vector<double>& y, double tolerance, bool rest_in_doubt) {
-    solvers::stick_slip::StickSlip solver(system_, tolerance);
+    const SliderSwings swings(system_);
+    solvers::stick_slip::StickSlip solver(system_, tolerance, swings.present());
     if (rest_in_doubt) solver.rest_in_doubt(oscillators::remembers(system_.model()));
     double stuck_since = 0, stuck = 0;
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
-      const bool sticking_before = system_.direction() == 0;
+      const bool sticking_before = system_.mode() == ContactMode::stick;
       solvers::stick_slip::Switch switched;
       const Outcome o = solver.step(limit, switched);
       if (!o.complete()) return explained(o, solver);
       look_at(solver.stepper(), false);
-      const bool sticking = system_.direction() == 0;
+      const bool sticking = system_.mode() == ContactMode::stick;
       if (sticking && !sticking_before) stuck_since = solver.stepper().time_before();
       if (sticking) {
         stuck += solver.time() - std::max(stuck_since, solver.stepper().time_before());

@@ -87,7 +87,7 @@ struct Linearisation {
   Vector mass, scale;
 
   explicit Linearisation(const Model& model) : system(frozen(model), Unknowns::states) {
-    system.set_direction(model.drive.speed.level() < 0 ? -1 : 1);
+    system.set_mode(0, slip_along(model.drive.speed.level()));
     y = system.steady(0);
     const int n = system.size();
     std::vector<double> f(n), jacobian(n * n);

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/stop.hpp"
+#include "solvers/stick_slip/contact_balance.hpp"
 
 namespace rosin::solvers::stick_slip {
 
@@ -73,7 +74,7 @@ template <class Real>
 int Exact<Real>::mode_at_rest(Real x, Real t, Real& margin) const {
   const Real R = balance(x, t), limit = Real(model_.static_friction) * now(model_.load, t)[0];
   margin = limit > 0 ? std::abs(std::abs(R) / limit - 1) : std::numeric_limits<Real>::infinity();
-  return std::abs(R) <= limit ? 0 : R > 0 ? 1 : -1;
+  return int(sign(stick_slip::mode_at_rest<Real>(R, limit)));
 }
 
 /// The closed forms of the mode `mode_` from (origin_, x_, v_) on.

@@ -1,9 +1,12 @@
-/// Event-driven integration of a set-valued contact: smooth pieces of slip, exact stick, located switches.
+/// Event-driven integration of set-valued contacts: smooth pieces of slip, exact stick, located switches.
 #pragma once
+#include <array>
 #include <optional>
 #include <span>
 
 #include "solvers/steps/collocation.hpp"
+#include "solvers/stick_slip/contact_balance.hpp"
+#include "solvers/stick_slip/free_swings.hpp"
 
 namespace rosin::solvers::stick_slip {
 
@@ -12,39 +15,45 @@ enum class Switch { none, stick, slip, reversal };
 /// "stick", "slip" or "reversal".
 std::string name(Switch);
 
-/// Advances a SwitchingSystem piece by piece. Switches are located to rounding by solving the last step again; after
-/// each, the balance of forces decides between stick, reversal and going on (Leine & Nijmeijer 2004, chapter 6).
+/// Advances a SwitchingSystem piece by piece. The first switch of any contact within a step is located to rounding by
+/// solving the step again; after it the balance of forces decides between stick, reversal and going on, for all
+/// contacts at rest together (balance_contacts).
 class StickSlip {
  public:
-  StickSlip(SwitchingSystem&, double tolerance);
+  /// \param swings  of a system of one contact that swings nearly free: its energy tells where slip ends; outlives this
+  StickSlip(SwitchingSystem&, double tolerance, const FreeSwings* swings = nullptr);
   /// No step of slip may be longer (stick is as long as it is); infinity to lift the bound.
   void bound_slip_step(double longest) { longest_slip_step_ = longest; }
   /// Of a system that does not know the time: every switch sets the clock to 0, so that it resolves short slips between
   /// long sticks.
   void rewind_at_switches() { rewinds_ = true; }
-  /// Slip that comes down to so little (m/s) before it turns up again has come to rest if the contact then holds it, or
-  /// `even_if_not_held`, for no time: whether it did is not told by a solution that is no better. Of free swings their
-  /// energy tells, but for last digits of the slip rate.
+  /// A slip rate whose minimum lies between 0 and `slip_rate` (m/s) has touched rest if the contact then holds, or,
+  /// with `even_if_not_held`, in any case: the error of the solution hides which. Of free swings their energy tells, to
+  /// the rounding of the slip rate.
   void rest_below(double slip_rate, bool even_if_not_held) { touch_ = slip_rate, touch_rests_ = even_if_not_held; }
-  /// The same within ten tolerances of rest, by slip rate, and within one by the energy that tells it of free swings.
+  /// The same within ten tolerances of rest by slip rate, and within one by the energy of free swings.
   void rest_in_doubt(bool even_if_not_held);
-  /// Begins at (t, y). The mode follows from the slip rate: stick where it is zero and the contact can hold.
+  /// Begins at (t, y). The modes follow from the slip rates: a contact at rest sticks if it can hold.
   bool start(double t, std::span<const double> y);
-  /// Begins at (t, y), where stick has just given way to slip along `direction`.
-  bool start_slip(double t, std::span<const double> y, double direction);
+  /// Begins at (t, y), where stick of the one contact has just given way to slip along `mode`.
+  bool start_slip(double t, std::span<const double> y, ContactMode mode);
   /// One step, not past t_limit. `switched` tells whether it ended in a switch, at time(). Until the next call the
-  /// system and the stepper still show the step as it was taken; then the mode `upcoming()` begins.
+  /// system and the stepper still show the step as it was taken; then the modes `upcoming()` begin.
   Outcome step(double t_limit, Switch& switched);
-  /// The lowest slip rate, along its direction, that the last step of slip came to after it had left rest.
-  double lowest() const { return lowest_; }
-  /// Where the energy told where the last slip came to rest: how much later than the step's end that was (s), and to
-  /// which time both it and, times the drive's speed, the displacement there are known (s).
-  struct Rest {
-    double later, known;
+  /// What the last step ended in: one entry for each contact that switched, in their order.
+  struct Event {
+    int contact;
+    Switch what;
   };
-  const std::optional<Rest>& rest_by_energy() const { return rest_; }
-  /// Direction of the mode that the next step is taken in.
-  double upcoming() const { return upcoming_; }
+  std::span<const Event> events() const { return events_; }
+  /// The lowest slip rate, along its direction, that the last step of slip came to after it had left rest.
+  double lowest(int contact = 0) const { return contacts_[contact].lowest; }
+  /// Where the energy told where the last slip came to rest.
+  const std::optional<SlipEnergy::Rest>& rest_by_energy() const { return rest_; }
+  /// ContactMode that the next step is taken in.
+  ContactMode upcoming(int contact = 0) const { return upcoming_[contact]; }
+  /// Switches at which the rule of balance_contacts chose one of several modes that may all be consistent.
+  long choices() const { return choices_; }
   const steps::Collocation& stepper() const { return collocation_; }
   steps::Collocation& stepper() { return collocation_; }
   double time() const { return collocation_.time(); }
@@ -52,32 +61,51 @@ class StickSlip {
   const std::vector<double>& state() const { return switched_ ? behind_switch_ : collocation_.state(); }
 
  private:
-  /// Of a slip from rest where swings are free: by how much friction and damping have changed the square of its swing,
-  /// and the size of what they did (m²).
-  struct Work {
-    double sum = 0, size = 0;
+  static constexpr int nodes = steps::Collocation::stages + 1;  ///< of a step, with its start
+  struct ContactState {
+    bool armed = false;        ///< slip has left the neighbourhood of rest that it started from
+    bool had_left = false;     ///< it had before the last step; or stick had begun before it
+    double lowest = infinity;  ///< in the last step
+    std::array<double, nodes> indicator;
+    Ended ended = Ended::nothing;
   };
-  double indicator(double t, const double* y) const;
-  bool holds(double t, std::vector<double> y) const;
-  double mode_at_rest(double t, const double* y, double direction) const;
-  void leave_rest(const double* y);
-  bool begin(double t, std::span<const double> y);
-  Work work_so_far();
-  double turning_swing(double t, const double* y) const;
-  bool rests(const Work&, double t, const double* y) const;
-  void put_at_rest(const Work&);
+  /// The end of a mode within the last step: between two parts of it, or where slip touches rest.
+  struct End {
+    int contact;
+    double low = 0, low_value = 0, high = -1, high_value = 0;
+    bool touched = false;
+    std::optional<double> at;  ///< part of the step after which the mode ends
+    bool found() const { return high >= 0 || touched; }
+  };
+  bool slips() const;
+  double indicator(int contact, double t, const double* y);
+  bool holds(int contact, double t, std::vector<double> y);
   double landing_time();
+  bool begin(double t, std::span<const double> y);
+  bool begin_upcoming(double t_limit);
+  void read_indicators();
+  End look_at_nodes(int contact);
+  Outcome look_between_nodes(End&);
+  Ended ended_mode(int contact) const {
+    return system_.mode(contact) == ContactMode::stick ? Ended::stick : Ended::slip;
+  }
+  Outcome switch_at(double theta, Switch& switched);
+
   SwitchingSystem& system_;
   steps::Collocation collocation_;
-  double tolerance_, longest_slip_step_ = infinity, touch_ = 0, work_in_doubt_ = 0;
-  double upcoming_ = 0, lowest_ = infinity;
+  SlipEnergy energy_;
+  double tolerance_, longest_slip_step_ = infinity, touch_ = 0;
   bool touch_rests_ = false;
   bool switched_ = false;  ///< the last step ended in a switch: begin anew
   bool rewinds_ = false;
-  Work work_done_;
-  std::optional<double> swing_before_;  ///< at rest, before the present slip; none where that did not begin at rest
-  std::optional<Rest> rest_;
-  bool armed_ = false;  ///< slip has left the neighbourhood of rest that it started from
+  std::vector<ContactState> contacts_;
+  std::vector<ContactMode> upcoming_;
+  std::vector<Event> events_;
+  std::vector<End> ends_;  ///< of modes within the last step
+  std::vector<Ended> ended_;
+  std::vector<SwitchingSystem::Held> held_;
+  std::optional<SlipEnergy::Rest> rest_;
+  long choices_ = 0;
   std::vector<double> work_, jacobian_, mass_, behind_switch_;
 };
 

@@ -1,0 +1,100 @@
+/// Checks of a structure, and the structures that have names.
+#include "oscillators/structure.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+
+namespace rosin::oscillators {
+
+bool Structure::constant() const {
+  return std::all_of(force.begin(), force.end(), [](const Signal& f) { return f.constant(); }) &&
+         std::all_of(contacts.begin(), contacts.end(),
+                     [](const FrictionContact& c) { return c.speed.constant() && c.normal_load.constant(); });
+}
+
+void Structure::check() const {
+  const int n = size();
+  const auto square = [&](const Eigen::MatrixXd& A, const char* name) {
+    if (A.rows() != n || A.cols() != n)
+      throw InputError(fmt::format("{} is {} × {}, but M has {} coordinates", name, A.rows(), A.cols(), n));
+    if (!A.allFinite()) throw InputError(fmt::format("{} has an entry that is not finite", name));
+  };
+  if (n == 0) throw InputError("M has no rows: a structure has one coordinate or more");
+  square(M, "M");
+  square(C, "C");
+  square(K, "K");
+  if (!M.isApprox(M.transpose(), 1e-12) || Eigen::LLT<Eigen::MatrixXd>(M).info() != Eigen::Success)
+    throw InputError("M is not symmetric and positive definite (mass matrix, kg)");
+  if (!force.empty() && int(force.size()) != n)
+    throw InputError(fmt::format("{} forces for {} coordinates", force.size(), n));
+  Eigen::MatrixXd set_valued(n, 0);
+  for (std::size_t j = 0; j < contacts.size(); ++j) {
+    const FrictionContact& contact = contacts[j];
+    if (contact.tangential.size() != n)
+      throw InputError(fmt::format("contact {}: tangential has {} entries, but M has {} coordinates", j + 1,
+                                   contact.tangential.size(), n));
+    if (contact.tangential.isZero(0) || !contact.tangential.allFinite())
+      throw InputError(fmt::format("contact {}: tangential has no direction", j + 1));
+    if (!contact.law->set_valued()) continue;
+    set_valued.conservativeResize(n, set_valued.cols() + 1);
+    set_valued.rightCols(1) = contact.tangential.normalized();
+  }
+  if (set_valued.cols() > 0 && Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(set_valued).rank() < set_valued.cols())
+    throw InputError(fmt::format(
+        "{} contacts that stick have directions that depend on each other: stick leaves their forces open; give them "
+        "laws that creep, or contact stiffness",
+        set_valued.cols()));
+}
+
+Structure two_mass_belt(const TwoMassBelt& belt, const FrictionContact& contact, const Signal& force) {
+  const auto& [m, k, c] = belt.block;
+  const auto& [m2, k2, c2] = belt.second;
+  Structure structure;
+  structure.M = Eigen::Vector2d(m, m2).asDiagonal();
+  structure.K = Eigen::Matrix2d{{k, -k}, {-k, k + k2}};
+  structure.C = Eigen::Matrix2d{{c, -c}, {-c, c + c2}};
+  structure.force = {force, 0.0};
+  structure.names = {"displacement", "second_displacement"};
+  structure.contacts = {contact};
+  structure.contacts[0].tangential = Eigen::Vector2d(1, 0);
+  structure.check();
+  return structure;
+}
+
+Structure chain(const Chain& chain, std::vector<FrictionContact> contacts) {
+  const std::size_t n = chain.mass.size();
+  const auto fits = [](const std::vector<double>& list, std::size_t count, const char* name) {
+    if (list.size() != count) throw InputError(fmt::format("{} has {} entries where {} fit", name, list.size(), count));
+  };
+  if (n == 0) throw InputError("a chain has one block or more");
+  fits(chain.coupling_stiffness, n - 1, "stiffness between neighbours");
+  fits(chain.coupling_damping, n - 1, "damping between neighbours");
+  fits(chain.pull_stiffness, n, "pull_stiffness");
+  fits(chain.pull_damping, n, "pull_damping");
+  if (contacts.size() != n) throw InputError(fmt::format("{} contacts for {} blocks", contacts.size(), n));
+  const auto row = [n](const std::vector<double>& between, const std::vector<double>& to_frame) {
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+    for (std::size_t i = 0; i < n; ++i) A(i, i) = to_frame[i];
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+      A(i, i) += between[i], A(i + 1, i + 1) += between[i];
+      A(i, i + 1) -= between[i], A(i + 1, i) -= between[i];
+    }
+    return A;
+  };
+  Structure structure;
+  structure.M = Eigen::Map<const Eigen::VectorXd>(chain.mass.data(), n).asDiagonal();
+  structure.K = row(chain.coupling_stiffness, chain.pull_stiffness);
+  structure.C = row(chain.coupling_damping, chain.pull_damping);
+  structure.contacts = std::move(contacts);
+  for (std::size_t i = 0; i < n; ++i) {
+    structure.names.push_back(fmt::format("displacement_{}", i + 1));
+    structure.contacts[i].tangential = Eigen::VectorXd::Unit(n, i);
+  }
+  structure.check();
+  return structure;
+}
+
+}  // namespace rosin::oscillators

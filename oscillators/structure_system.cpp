@@ -1,0 +1,463 @@
+/// Assembly of a structure: right-hand side, Jacobian, forces of contacts that stick, starts and what is observed.
+#include "oscillators/structure_system.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rosin::oscillators {
+
+namespace {
+using Eigen::MatrixXd, Eigen::VectorXd;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Rows of the contacts' speeds: for each contact the coordinate in which its direction, cleared of those before it, is
+/// largest; −1 where nothing is left of it.
+std::vector<int> rows_of_contacts(const std::vector<FrictionContact>& contacts) {
+  std::vector<int> rows;
+  std::vector<VectorXd> cleared;
+  for (const FrictionContact& contact : contacts) {
+    VectorXd t = contact.tangential.normalized();
+    for (std::size_t j = 0; j < cleared.size(); ++j)
+      if (rows[j] >= 0) t -= t[rows[j]] / cleared[j][rows[j]] * cleared[j];
+    int row = 0;
+    const double largest = t.cwiseAbs().maxCoeff(&row);
+    constexpr double nothing = 1e-10;
+    rows.push_back(largest > nothing ? row : -1);
+    cleared.push_back(t);
+  }
+  return rows;
+}
+}  // namespace
+
+StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
+    : structure_(std::move(structure)), n_(structure_.size()), is_constant_(structure_.constant()) {
+  structure_.check();
+  const auto& contacts = structure_.contacts;
+  // Contacts that stick come first, because they need a speed of their own.
+  std::vector<int> order;
+  for (const bool set_valued : {true, false})
+    for (std::size_t j = 0; j < contacts.size(); ++j)
+      if (contacts[j].law->set_valued() == set_valued) order.push_back(int(j));
+  std::vector<FrictionContact> ordered;
+  for (const int j : order) ordered.push_back(contacts[j]);
+  const auto rows = rows_of_contacts(ordered);
+  at_.resize(contacts.size());
+  for (std::size_t i = 0; i < order.size(); ++i) at_[order[i]].row = rows[i];
+
+  // q̇ = B⁻¹ (V − w of contacts, w of the others), B the unit matrix with t in the contacts' rows.
+  MatrixXd B = MatrixXd::Identity(n_, n_);
+  VectorXd direction = VectorXd::Ones(n_);
+  for (std::size_t j = 0; j < at_.size(); ++j)
+    if (const int row = at_[j].row; row >= 0) B.row(row) = contacts[j].tangential, direction[row] = -1;
+  velocity_of_speed_ = B.inverse() * direction.asDiagonal();
+  is_diagonal_ = structure_.M.isDiagonal(0) && B.isIdentity(0);
+  inverse_mass_ = is_diagonal_ ? MatrixXd(structure_.M.diagonal().cwiseInverse().asDiagonal())
+                               : MatrixXd(structure_.M.llt().solve(MatrixXd::Identity(n_, n_)));
+  row_mass_ = is_diagonal_ ? VectorXd(structure_.M.diagonal()) : VectorXd::Ones(n_);
+  speed_scale_ = VectorXd::Zero(n_);
+  coordinate_scale_ = VectorXd::Zero(n_);
+
+  int next = 2 * n_;
+  for (std::size_t j = 0; j < at_.size(); ++j) {
+    At& at = at_[j];
+    const FrictionContact& contact = contacts[j];
+    const FrictionLaw& law = *contact.law;
+    at.setup.lambda = contact.lambda;
+    at.setup.load_memory = contact.load_memory;
+    const auto& spring = contact.stiffness;
+    if (spring.damped() || (!law.has_slip_rate() && spring.present())) {
+      at.setup.spring = {1 / spring.tangential, 1 / spring.per_load, spring.damping, spring.damping_per_load};
+    } else {
+      at.setup.compliance = 1 / spring.tangential;
+      at.setup.compliance_per_load = 1 / spring.per_load;
+    }
+    at.setup.unknowns =
+        law.has_slip_rate() && (unknowns == Unknowns::friction || !at.rigid()) ? Unknowns::friction : Unknowns::states;
+    at.contact = law.contact(at.setup);
+    at.first = next;
+    next += at.contact->unknowns();
+    at.states = at.contact->unknowns() - (at.carries_friction() ? 1 : 0) -
+                (at.setup.spring.present() ? (at.carries_friction() ? 1 : 2) : 0);
+    if (law.set_valued()) switching_.push_back(int(j));
+    const auto [N, rate] = load(int(j), 0);
+    const VectorXd& t = contact.tangential;
+    const double holds = law.set_valued() && !law.has_states() ? N * law.static_limit(N) : N * 0.5;
+    // Without a drive slip is as fast as what the contact holds makes the structure.
+    const double of_friction =
+        holds * std::sqrt(t.dot(inverse_mass_ * t) / std::max(t.dot(structure_.K * t) / t.squaredNorm(), 1e-300));
+    at.reference_speed = std::max(std::abs(contact.speed.value(0)), std::abs(contact.speed.level()));
+    if (at.reference_speed == 0)
+      at.reference_speed = std::isfinite(of_friction) && of_friction > 0 ? of_friction : 1e-9;
+    at.weight.assign(Slopes<double>::capacity, 1.0);
+    double z[Slopes<double>::capacity];
+    at.contact->steady(0, at.reference_speed, N, z, at.weight.data());
+    const double coefficient = at.carries_friction() ? at.weight[0] : 0.1;
+    for (int i = 0; i < n_; ++i)
+      if (t[i] != 0) {
+        speed_scale_[i] = std::max(speed_scale_[i], at.reference_speed);
+        if (const double k = structure_.K(i, i); k > 0)
+          coordinate_scale_[i] = std::max(coordinate_scale_[i], at.reference_speed * std::sqrt(structure_.M(i, i) / k) +
+                                                                    std::abs(t[i]) * N * coefficient / k);
+      }
+  }
+  size_ = next;
+  const double largest_speed = speed_scale_.maxCoeff() > 0 ? speed_scale_.maxCoeff() : 1;
+  for (int i = 0; i < n_; ++i) {
+    if (speed_scale_[i] == 0) speed_scale_[i] = largest_speed;
+    if (coordinate_scale_[i] == 0)
+      coordinate_scale_[i] = structure_.K(i, i) > 0
+                                 ? speed_scale_[i] * std::sqrt(structure_.M(i, i) / structure_.K(i, i))
+                                 : speed_scale_[i];
+  }
+  follow_modes();
+}
+
+void StructureSystem::set_mode(int contact, ContactMode mode) {
+  At& at = at_[switching_[contact]];
+  const bool same_stick = (at.mode == ContactMode::stick) == (mode == ContactMode::stick);
+  at.mode = mode;
+  if (!same_stick) follow_modes();
+}
+
+/// Matrices that depend on which contacts stick.
+void StructureSystem::follow_modes() {
+  stuck_.clear();
+  for (const int j : switching_)
+    if (at_[j].mode == ContactMode::stick) stuck_.push_back(j);
+  const int count = int(stuck_.size());
+  MatrixXd T(n_, count);
+  for (int s = 0; s < count; ++s) T.col(s) = structure_.contacts[stuck_[s]].tangential;
+  const MatrixXd weighted = T.transpose() * inverse_mass_, G = weighted * T;
+  holding_of_surface_ = G.llt().solve(MatrixXd::Identity(count, count));
+  holding_ = -holding_of_surface_ * weighted;
+  MatrixXd B = MatrixXd::Identity(n_, n_);
+  for (std::size_t j = 0; j < at_.size(); ++j)
+    if (at_[j].row >= 0) B.row(at_[j].row) = -structure_.contacts[j].tangential;
+  acceleration_ = row_mass_.asDiagonal() * B * inverse_mass_ * (MatrixXd::Identity(n_, n_) + T * holding_);
+  if (is_diagonal_) {  // exactly: rounding must couple no masses
+    acceleration_ = B;
+  }
+  for (const int j : stuck_) acceleration_.row(at_[j].row).setZero();
+}
+
+StructureSystem::Load StructureSystem::load(int contact, double t) const {
+  const Signal& N = structure_.contacts[contact].normal_load;
+  return {N.value(t), N.rate(t)};
+}
+
+/// V of the contacts at their rows, 0 at the others.
+Eigen::VectorXd StructureSystem::speeds_of_surfaces(double t) const {
+  VectorXd V = VectorXd::Zero(n_);
+  for (std::size_t j = 0; j < at_.size(); ++j)
+    if (at_[j].row >= 0) V[at_[j].row] = structure_.contacts[j].speed.value(t);
+  return V;
+}
+
+/// q̇ = ∂q̇/∂w (w − V): its columns of contacts have the sign of −1.
+Eigen::VectorXd StructureSystem::velocity(double t, const double* y) const {
+  return velocity_of_speed_ * (Eigen::Map<const VectorXd>(y + n_, n_) - speeds_of_surfaces(t));
+}
+
+double StructureSystem::slip_rate(int contact, double t, const double* y) const {
+  if (at_[contact].row >= 0) return y[n_ + at_[contact].row];
+  return structure_.contacts[contact].speed.value(t) - structure_.contacts[contact].tangential.dot(velocity(t, y));
+}
+
+/// R: all forces on the coordinates but those of contacts that stick. `contact_rows`: g of every contact, if asked.
+Eigen::VectorXd StructureSystem::forces_without_stick(double t, const double* y, double* f) const {
+  const Eigen::Map<const VectorXd> q(y, n_);
+  VectorXd R = -structure_.K * q - structure_.C * velocity(t, y);
+  for (std::size_t i = 0; i < structure_.force.size(); ++i) R[i] += structure_.force[i].value(t);
+  for (int j = 0; j < friction_contacts(); ++j) {
+    const auto [N, rate] = load(j, t);
+    double F, g[Slopes<double>::capacity];
+    const bool stuck = sticks(j);
+    at_[j].contact->evaluate({stuck ? 0 : slip_rate(j, t, y), N, rate, sign(at_[j].mode)}, y + at_[j].first,
+                             f ? f + at_[j].first : g, F);
+    if (!stuck) R += F * structure_.contacts[j].tangential;
+  }
+  return R;
+}
+
+void StructureSystem::mass(double t, double* m) const {
+  std::fill(m, m + n_, 1.0);
+  std::copy(row_mass_.data(), row_mass_.data() + n_, m + n_);
+  for (int j = 0; j < friction_contacts(); ++j) at_[j].contact->mass(load(j, t).level, m + at_[j].first);
+}
+
+void StructureSystem::evaluate(double t, const double* y, double* f) const {
+  const VectorXd R = forces_without_stick(t, y, f);
+  Eigen::Map<VectorXd>(f, n_) = velocity(t, y);
+  Eigen::Map<VectorXd> rate(f + n_, n_);
+  rate.noalias() = acceleration_ * R;
+  for (int j = 0; j < friction_contacts(); ++j)
+    if (at_[j].row >= 0 && !sticks(j)) rate[at_[j].row] += row_mass_[at_[j].row] * structure_.contacts[j].speed.rate(t);
+  if (is_diagonal_ || stuck_.empty()) return;
+  // Surfaces that accelerate pull through the contacts that stick.
+  VectorXd pull(stuck_.size());
+  for (std::size_t s = 0; s < stuck_.size(); ++s) pull[s] = structure_.contacts[stuck_[s]].speed.rate(t);
+  if (pull.isZero(0)) return;
+  const VectorXd F = holding_of_surface_ * pull;
+  VectorXd on_coordinates = VectorXd::Zero(n_);
+  for (std::size_t s = 0; s < stuck_.size(); ++s) on_coordinates += F[s] * structure_.contacts[stuck_[s]].tangential;
+  VectorXd change = inverse_mass_ * on_coordinates;
+  for (int j = 0; j < friction_contacts(); ++j)
+    if (at_[j].row >= 0 && !sticks(j)) rate[at_[j].row] -= structure_.contacts[j].tangential.dot(change);
+  for (int i = 0; i < n_; ++i) {
+    const bool of_contact = std::any_of(at_.begin(), at_.end(), [&](const At& at) { return at.row == i; });
+    if (!of_contact) rate[i] += change[i];
+  }
+}
+
+void StructureSystem::linearise(double t, const double* y, double* f, double* jacobian) const {
+  evaluate(t, y, f);
+  Eigen::Map<RowMajor> J(jacobian, size_, size_);
+  J.setZero();
+  J.block(0, n_, n_, n_) = velocity_of_speed_;
+  MatrixXd R_q = -structure_.K, R_w = -structure_.C * velocity_of_speed_;
+  for (int j = 0; j < friction_contacts(); ++j) {
+    const At& at = at_[j];
+    const VectorXd& direction = structure_.contacts[j].tangential;
+    const int nz = at.contact->unknowns();
+    const auto [N, rate] = load(j, t);
+    const bool stuck = sticks(j);
+    double F, g[Slopes<double>::capacity];
+    Slopes<double> slopes;
+    at.contact->linearise({stuck ? 0 : slip_rate(j, t, y), N, rate, sign(at.mode)}, y + at.first, g, F, slopes);
+    for (int a = 0; a < nz; ++a)
+      for (int b = 0; b < nz; ++b) J(at.first + a, at.first + b) = slopes.g_z[a * nz + b];
+    if (stuck) continue;
+    Eigen::RowVectorXd u_w = Eigen::RowVectorXd::Zero(n_);
+    if (at.row >= 0)
+      u_w[at.row] = 1;
+    else
+      u_w = -direction.transpose() * velocity_of_speed_;
+    R_w += slopes.F_u * direction * u_w;
+    for (int a = 0; a < nz; ++a) {
+      J.block(at.first + a, n_, 1, n_) = slopes.g_u[a] * u_w;
+      J.block(n_, at.first + a, n_, 1) = acceleration_ * direction * slopes.F_z[a];
+    }
+  }
+  J.block(n_, 0, n_, n_) = acceleration_ * R_q;
+  J.block(n_, n_, n_, n_) = acceleration_ * R_w;
+}
+
+void StructureSystem::held(double t, const double* y, Held* held) const {
+  if (stuck_.empty()) return;
+  constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
+  const VectorXd R = forces_without_stick(t, y, nullptr);
+  VectorXd pull(stuck_.size());
+  for (std::size_t s = 0; s < stuck_.size(); ++s) pull[s] = structure_.contacts[stuck_[s]].speed.rate(t);
+  const VectorXd F = holding_ * R + holding_of_surface_ * pull;
+  const VectorXd terms = structure_.K.cwiseAbs() * Eigen::Map<const VectorXd>(y, n_).cwiseAbs();
+  const VectorXd rounding = holding_.cwiseAbs() * terms;
+  for (std::size_t s = 0; s < stuck_.size(); ++s) {
+    const int j = stuck_[s];
+    const double N = load(j, t).level;
+    const FrictionLaw& law = this->law(j);
+    double limit;
+    if (!law.has_states()) {
+      limit = N * law.static_limit(N);
+    } else if (at_[j].setup.lambda == 0) {
+      limit = N * law.static_limit(N, law.steady({0, N}));
+    } else {
+      limit = N * law.static_limit(N, states(j, t, y));
+    }
+    const auto i = std::find(switching_.begin(), switching_.end(), j) - switching_.begin();
+    held[i] = {F[s], limit, digits * (limit + rounding[s])};
+  }
+}
+
+void StructureSystem::slip_accelerations(double t, const double* y, double* acceleration) const {
+  std::vector<double> f(size_);
+  evaluate(t, y, f.data());
+  for (int i = 0; i < contacts(); ++i) {
+    const int row = at_[switching_[i]].row;
+    if (mode(i) != ContactMode::stick) acceleration[i] = f[n_ + row] / row_mass_[row];
+  }
+}
+
+void StructureSystem::stop(int contact, double* y) const {
+  y[slip_rate_unknown(contact)] = 0;
+  const int j = switching_[contact];
+  if (at_[j].states == 0) return;
+  double* z = y + at_[j].first;
+  std::vector<double> state(at_[j].states);
+  for (int i = 0; i < at_[j].states; ++i) state[i] = read_state(j, i, z[i]);
+  write_states(j, law(j).after_stop(state), z);
+}
+
+/// Moves the contact along its direction by what its own spring needs.
+void StructureSystem::release(int contact, double t, double* y) const {
+  const int j = switching_[contact];
+  const VectorXd& direction = structure_.contacts[j].tangential;
+  std::vector<double> acceleration(contacts());
+  slip_accelerations(t, y, acceleration.data());
+  const double effective_mass = 1 / direction.dot(inverse_mass_ * direction);
+  const double N = load(j, t).level, along = sign(mode(contact));
+  constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
+  const VectorXd terms = structure_.K.cwiseAbs() * Eigen::Map<const VectorXd>(y, n_).cwiseAbs();
+  const double sure = digits * (N * law(j).steady_friction({reference_speed(contact), N}).friction +
+                                effective_mass * (inverse_mass_ * direction).cwiseAbs().dot(terms));
+  const double driving = along * effective_mass * acceleration[contact], k = direction.dot(structure_.K * direction);
+  if (k > 0 && driving < sure) Eigen::Map<VectorXd>(y, n_) += along * (sure - driving) / k * direction;
+}
+
+void StructureSystem::scale(const double* y, double* s) const {
+  for (int i = 0; i < n_; ++i) {
+    s[i] = std::max(coordinate_scale_[i], structure_.K(i, i) > 0 ? 0 : std::abs(y[i]));
+    s[n_ + i] = std::max(speed_scale_[i], std::abs(y[n_ + i]));
+  }
+  for (int j = 0; j < friction_contacts(); ++j) {
+    const At& at = at_[j];
+    const int nz = at.contact->unknowns(), first_state = at.first + (at.carries_friction() ? 1 : 0);
+    std::copy(at.weight.begin(), at.weight.begin() + nz, s + at.first);
+    if (at.carries_friction()) s[at.first] = std::max(at.weight[0], 0.01 * std::abs(y[at.first]));
+    for (int i = 0; i < at.states; ++i)
+      if (law(j).states()[i].scale == Scale::linear)
+        s[first_state + i] = std::max(s[first_state + i], std::abs(y[first_state + i]));
+  }
+}
+
+std::string StructureSystem::unknown(int i) const {
+  const auto coordinate = [&](int k) {
+    return structure_.names.empty() ? fmt::format("q{}", k + 1) : structure_.names[k];
+  };
+  if (i < n_) return coordinate(i);
+  if (i < 2 * n_) {
+    for (std::size_t j = 0; j < at_.size(); ++j)
+      if (at_[j].row == i - n_) return at_.size() == 1 ? "slip rate" : fmt::format("slip rate of contact {}", j + 1);
+    return "velocity of " + coordinate(i - n_);
+  }
+  for (std::size_t j = 0; j < at_.size(); ++j) {
+    int k = i - at_[j].first;
+    if (k < 0 || k >= at_[j].contact->unknowns()) continue;
+    const std::string of = at_.size() == 1 ? "" : fmt::format(" of contact {}", j + 1);
+    if (at_[j].carries_friction() && k-- == 0) return "friction coefficient" + of;
+    return (k < at_[j].states ? std::string(law(int(j)).states()[k].name) : "deflection") + of;
+  }
+  return "";
+}
+
+double StructureSystem::next_break(double t) const {
+  double next = infinity;
+  for (const Signal& f : structure_.force) next = std::min(next, f.next_break(t));
+  for (const auto& c : structure_.contacts) next = std::min({next, c.speed.next_break(t), c.normal_load.next_break(t)});
+  return next;
+}
+
+double StructureSystem::resolution() const {
+  double shortest = infinity;
+  for (const Signal& f : structure_.force) shortest = std::min(shortest, f.resolution());
+  for (const auto& c : structure_.contacts)
+    shortest = std::min({shortest, c.speed.resolution(), c.normal_load.resolution()});
+  return shortest;
+}
+
+/// Velocities and the forces in contact springs are continuous; friction of rigid contacts follows their slip rate.
+void StructureSystem::cross_break(double t, double* y) const {
+  const double before = std::nextafter(t, -infinity);
+  for (int j = 0; j < friction_contacts(); ++j) {
+    At const& at = at_[j];
+    const FrictionContact& contact = structure_.contacts[j];
+    double* z = y + at.first;
+    const double N = contact.normal_load.value(before), changed = contact.normal_load.value(t);
+    if (N != changed) at.contact->change_load(slip_rate(j, before, y), N, changed, z);
+    if (at.row >= 0) y[n_ + at.row] += contact.speed.value(t) - contact.speed.value(before);
+    if (!at.carries_friction()) continue;
+    if (!at.rigid()) {
+      if (at.setup.compliance_per_load == 0) z[0] *= N / changed;
+      continue;
+    }
+    const double u = slip_rate(j, t, y);
+    std::vector<double> state = at.setup.lambda == 0 ? law(j).steady({u, changed}) : states(j, t, y);
+    if (at.setup.lambda == 0) write_states(j, state, z + 1);
+    z[0] = law(j).friction({u, changed}, state);
+  }
+}
+
+double StructureSystem::read_state(int contact, int i, double unknown) const {
+  return law(contact).states()[i].scale == Scale::log ? std::exp(unknown) : unknown;
+}
+
+void StructureSystem::write_states(int contact, std::span<const double> state, double* z) const {
+  const auto& fields = law(contact).states();
+  for (std::size_t i = 0; i < fields.size(); ++i) z[i] = fields[i].scale == Scale::log ? std::log(state[i]) : state[i];
+}
+
+std::vector<double> StructureSystem::states(int contact, double t, const double* y) const {
+  const At& at = at_[contact];
+  if (at.states == 0 && law(contact).has_states())
+    return law(contact).steady({slip_rate(contact, t, y), load(contact, t).level});
+  std::vector<double> state(at.states);
+  const double* z = y + at.first + (at.carries_friction() ? 1 : 0);
+  for (int i = 0; i < at.states; ++i) state[i] = read_state(contact, i, z[i]);
+  return state;
+}
+
+double StructureSystem::friction_force(int contact, double t, const double* y) const {
+  const At& at = at_[contact];
+  const auto [N, rate] = load(contact, t);
+  if (sticks(contact)) {
+    std::vector<Held> held(contacts());
+    this->held(t, y, held.data());
+    return held[std::find(switching_.begin(), switching_.end(), contact) - switching_.begin()].force;
+  }
+  double F, g[Slopes<double>::capacity];
+  at.contact->evaluate({slip_rate(contact, t, y), N, rate, sign(at.mode)}, y + at.first, g, F);
+  return F;
+}
+
+std::vector<double> StructureSystem::unknowns_at(double t, const VectorXd& q, const VectorXd& velocity,
+                                                 const std::vector<std::vector<double>>& states) const {
+  std::vector<double> y(size_);
+  Eigen::Map<VectorXd>(y.data(), n_) = q;
+  Eigen::Map<VectorXd>(y.data() + n_, n_) = velocity;
+  for (int j = 0; j < friction_contacts(); ++j)
+    if (at_[j].row >= 0)
+      y[n_ + at_[j].row] = structure_.contacts[j].speed.value(t) - structure_.contacts[j].tangential.dot(velocity);
+  for (int j = 0; j < friction_contacts(); ++j) {
+    const At& at = at_[j];
+    const double N = load(j, t).level, u = slip_rate(j, t, y.data());
+    const std::vector<double> state = j < int(states.size()) && !states[j].empty() ? states[j]
+                                      : u == 0                                     ? law(j).rest(N)
+                                                                                   : law(j).steady({u, N});
+    double* z = y.data() + at.first;
+    if (at.carries_friction()) *z++ = at.rigid() ? law(j).friction({u, N}, state) : 0;
+    if (at.states > 0) write_states(j, state, z);
+    if (at.setup.spring.present() && !at.carries_friction()) z[at.states] = u;  // and a deflection of 0
+  }
+  return y;
+}
+
+std::vector<double> StructureSystem::steady(double t) const {
+  VectorXd load_on_coordinates = VectorXd::Zero(n_);
+  for (std::size_t i = 0; i < structure_.force.size(); ++i) load_on_coordinates[i] = structure_.force[i].value(t);
+  std::vector<double> friction(at_.size());
+  for (int j = 0; j < friction_contacts(); ++j) {
+    const double N = load(j, t).level, V = structure_.contacts[j].speed.value(t);
+    friction[j] = V == 0 ? 0 : N * law(j).steady_friction({V, N}).friction;
+    load_on_coordinates += friction[j] * structure_.contacts[j].tangential;
+  }
+  const Eigen::FullPivLU<MatrixXd> stiffness(structure_.K);
+  if (!stiffness.isInvertible())
+    throw InputError("K has no inverse: a structure that no spring holds has no steady sliding (stiffness, N/m)");
+  auto y = unknowns_at(t, stiffness.solve(load_on_coordinates), VectorXd::Zero(n_));
+  for (int j = 0; j < friction_contacts(); ++j) {
+    const At& at = at_[j];
+    const double N = load(j, t).level;
+    if (at.rigid()) continue;
+    if (at.carries_friction()) y[at.first] = friction[j] / N;
+    if (at.setup.spring.present()) {
+      const double compliance = at.setup.spring.compliance + at.setup.spring.compliance_per_load / N;
+      y[at.first + at.contact->unknowns() - 1] = friction[j] * compliance;
+    }
+  }
+  return y;
+}
+
+}  // namespace rosin::oscillators

@@ -1,0 +1,107 @@
+/// The equations of a structure with friction contacts, assembled into a System.
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/switching.hpp"
+#include "oscillators/structure.hpp"
+
+namespace rosin::oscillators {
+
+/// Unknowns: the coordinates q; one speed for each coordinate; the contacts' own.
+///
+/// The speeds are w = (V − tᵀ q̇ of each contact, q̇ᵢ of the other coordinates), so that slip rates are unknowns: near
+/// stick they fall by decades, which V − tᵀ q̇ would lose in rounding, and a contact at rest has a slip rate of exactly
+/// 0. A contact whose t depends on those before it has no speed of its own; its slip rate follows from q̇.
+///
+/// A contact that sticks exerts the force that keeps its slip rate 0. Where masses are shared these forces depend on
+/// each other, G F = V̇ − Tᵀ M⁻¹ R with G = Tᵀ M⁻¹ T over the contacts that stick and R all other forces.
+class StructureSystem final : public SwitchingSystem {
+ public:
+  /// \throws InputError by Structure::check().
+  explicit StructureSystem(Structure, Unknowns unknowns = Unknowns::friction);
+
+  int size() const override { return size_; }
+  void mass(double t, double* m) const override;
+  void evaluate(double t, const double* y, double* f) const override;
+  void linearise(double t, const double* y, double* f, double* jacobian) const override;
+  void scale(const double* y, double* s) const override;
+  std::string unknown(int i) const override;
+  double next_break(double t) const override;
+  void cross_break(double t, double* y) const override;
+  bool autonomous() const override { return is_constant_; }
+  double resolution() const override;
+
+  int contacts() const override { return int(switching_.size()); }
+  ContactMode mode(int contact) const override { return at_[switching_[contact]].mode; }
+  void set_mode(int contact, ContactMode mode) override;
+  int slip_rate_unknown(int contact) const override { return n_ + at_[switching_[contact]].row; }
+  double reference_speed(int contact) const override { return at_[switching_[contact]].reference_speed; }
+  void held(double t, const double* y, Held* held) const override;
+  void slip_accelerations(double t, const double* y, double* acceleration) const override;
+  void stop(int contact, double* y) const override;
+  void release(int contact, double t, double* y) const override;
+
+  const Structure& structure() const { return structure_; }
+  int coordinates() const { return n_; }
+  int friction_contacts() const { return int(at_.size()); }
+  /// Velocities q̇ (m/s), from the speeds of y.
+  Eigen::VectorXd velocity(double t, const double* y) const;
+  double slip_rate(int friction_contact, double t, const double* y) const;
+  /// Force of a contact on the structure, along its t (N).
+  double friction_force(int friction_contact, double t, const double* y) const;
+  /// Natural states of a contact's law.
+  std::vector<double> states(int friction_contact, double t, const double* y) const;
+
+  /// The unknowns at coordinates q and velocities q̇, with natural states for each contact (empty: those of steady
+  /// sliding at the contact's slip rate, or of long rest where that is 0) and relaxed contact springs.
+  std::vector<double> unknowns_at(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& velocity,
+                                  const std::vector<std::vector<double>>& states = {}) const;
+  /// Steady sliding at time t: K q = f + Σ t F(V), at rest.
+  /// \throws InputError where K has no inverse, as of a structure that is free to move.
+  std::vector<double> steady(double t) const;
+
+ private:
+  struct At {  ///< a contact, and where it stands among the unknowns
+    std::unique_ptr<Contact<double>> contact;
+    ContactSetup setup;
+    int row = -1;    ///< of its speed among the n; −1: it has none of its own
+    int first = 0;   ///< of its unknowns
+    int states = 0;  ///< of the law, among them
+    double reference_speed = 0;
+    std::vector<double> weight;  ///< sizes by which errors of its unknowns are measured
+    ContactMode mode = ContactMode::forward;
+    bool carries_friction() const { return setup.unknowns == Unknowns::friction; }
+    bool rigid() const { return setup.compliance == 0 && setup.compliance_per_load == 0 && !setup.spring.present(); }
+    bool sticks(const FrictionLaw& law) const { return law.set_valued() && mode == ContactMode::stick; }
+  };
+  struct Load {
+    double level, rate;
+  };
+  Load load(int contact, double t) const;
+  const FrictionLaw& law(int contact) const { return *structure_.contacts[contact].law; }
+  bool sticks(int contact) const { return at_[contact].sticks(law(contact)); }
+  Eigen::VectorXd speeds_of_surfaces(double t) const;
+  Eigen::VectorXd forces_without_stick(double t, const double* y, double* contact_rows) const;
+  double read_state(int contact, int i, double unknown) const;
+  void write_states(int contact, std::span<const double> state, double* z) const;
+  void follow_modes();
+
+  Structure structure_;
+  int n_, size_ = 0;
+  std::vector<At> at_;
+  std::vector<int> switching_;         ///< contacts under set-valued laws
+  Eigen::MatrixXd velocity_of_speed_;  ///< ∂q̇/∂w
+  Eigen::MatrixXd inverse_mass_;
+  Eigen::VectorXd row_mass_;            ///< of the rows of the speeds
+  bool is_diagonal_;                    ///< each speed belongs to a mass of its own
+  Eigen::MatrixXd acceleration_;        ///< what forces on coordinates add to row_mass·ẇ in the present modes
+  std::vector<int> stuck_;              ///< contacts that stick
+  Eigen::MatrixXd holding_;             ///< forces on them for R, −G⁻¹ Tᵀ M⁻¹
+  Eigen::MatrixXd holding_of_surface_;  ///< and for V̇, G⁻¹
+  Eigen::VectorXd coordinate_scale_, speed_scale_;
+  bool is_constant_;
+};
+
+}  // namespace rosin::oscillators
