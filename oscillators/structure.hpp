@@ -19,6 +19,7 @@ struct FrictionContact {
   Eigen::VectorXd tangential;  ///< t: the slip rate is speed − tᵀ q̇
   Signal speed = 1.0;          ///< of the surface, m/s
   Signal normal_load = 1.0;    ///< N
+  double load_factor = 1;      ///< times normal_load: the load of this contact
 };
 
 /// Coordinates q (m) from the place where springs are relaxed.

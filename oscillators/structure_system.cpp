@@ -145,8 +145,8 @@ void StructureSystem::follow_modes() {
 }
 
 StructureSystem::Load StructureSystem::load(int contact, double t) const {
-  const Signal& N = structure_.contacts[contact].normal_load;
-  return {N.value(t), N.rate(t)};
+  const auto& of = structure_.contacts[contact];
+  return {of.load_factor * of.normal_load.value(t), of.load_factor * of.normal_load.rate(t)};
 }
 
 /// V of the contacts at their rows, 0 at the others.
@@ -365,7 +365,7 @@ void StructureSystem::cross_break(double t, double* y) const {
     At const& at = at_[j];
     const FrictionContact& contact = structure_.contacts[j];
     double* z = y + at.first;
-    const double N = contact.normal_load.value(before), changed = contact.normal_load.value(t);
+    const double N = load(j, before).level, changed = load(j, t).level;
     if (N != changed) at.contact->change_load(slip_rate(j, before, y), N, changed, z);
     if (at.row >= 0) y[n_ + at.row] += contact.speed.value(t) - contact.speed.value(before);
     if (!at.carries_friction()) continue;
@@ -399,17 +399,16 @@ std::vector<double> StructureSystem::states(int contact, double t, const double*
   return state;
 }
 
-double StructureSystem::friction_force(int contact, double t, const double* y) const {
-  const At& at = at_[contact];
-  const auto [N, rate] = load(contact, t);
-  if (sticks(contact)) {
-    std::vector<Held> held(contacts());
-    this->held(t, y, held.data());
-    return held[std::find(switching_.begin(), switching_.end(), contact) - switching_.begin()].force;
+void StructureSystem::friction_forces(double t, const double* y, double* force) const {
+  std::vector<Held> held(contacts());
+  this->held(t, y, held.data());
+  for (int c = 0; c < contacts(); ++c) force[switching_[c]] = held[c].force;
+  for (int j = 0; j < friction_contacts(); ++j) {
+    if (sticks(j)) continue;
+    const auto [N, rate] = load(j, t);
+    double g[Slopes<double>::capacity];
+    at_[j].contact->evaluate({slip_rate(j, t, y), N, rate, sign(at_[j].mode)}, y + at_[j].first, g, force[j]);
   }
-  double F, g[Slopes<double>::capacity];
-  at.contact->evaluate({slip_rate(contact, t, y), N, rate, sign(at.mode)}, y + at.first, g, F);
-  return F;
 }
 
 std::vector<double> StructureSystem::unknowns_at(double t, const VectorXd& q, const VectorXd& velocity,

@@ -49,8 +49,11 @@ class StructureSystem final : public SwitchingSystem {
   /// Velocities q̇ (m/s), from the speeds of y.
   Eigen::VectorXd velocity(double t, const double* y) const;
   double slip_rate(int friction_contact, double t, const double* y) const;
-  /// Force of a contact on the structure, along its t (N).
-  double friction_force(int friction_contact, double t, const double* y) const;
+  /// Forces of the contacts on the structure, each along its t (N): friction_contacts() entries.
+  void friction_forces(double t, const double* y, double* force) const;
+  double normal_load(int friction_contact, double t) const { return load(friction_contact, t).level; }
+  /// The contact whose modes are counted as `contact`, among all.
+  int friction_contact(int contact) const { return switching_[contact]; }
   /// Natural states of a contact's law.
   std::vector<double> states(int friction_contact, double t, const double* y) const;
 

@@ -28,6 +28,7 @@ struct RunEvent {
   double time;
   std::string kind;                         ///< "stick", "slip", "reversal"
   double displacement, displacement_y = 0;  ///< m; the second in the plane
+  int contact = 0;                          ///< of a structure with several, from 1; else 0
 };
 
 struct Run {

@@ -51,8 +51,13 @@ double tick_step(double low, double high) {
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::motion::Run& run) {
   std::vector<std::size_t> shown;
-  for (std::size_t c = 0; c < run.columns.size(); ++c)
-    if (run.column_names[c] != "velocity" && run.column_names[c] != "friction_force") shown.push_back(c);
+  constexpr std::size_t most_panels = 12;
+  const auto is_shown = [](const std::string& name) {
+    return name.find("velocity") == std::string::npos && !name.starts_with("friction_force") &&
+           !name.starts_with("normal_load");
+  };
+  for (std::size_t c = 0; c < run.columns.size() && shown.size() < most_panels; ++c)
+    if (is_shown(run.column_names[c])) shown.push_back(c);
   std::string events;
   for (const auto& event : run.events) events += fmt::format("{},{}\n", event.time, event.kind);
   write_whole(folder / "run-events.csv", "time (s),kind\n" + events);

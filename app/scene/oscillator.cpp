@@ -1,6 +1,8 @@
 /// The list of oscillators.
 #include "app/scene/oscillator.hpp"
 
+#include <fmt/ranges.h>
+
 #include <stdexcept>
 
 #include "app/scene/reader.hpp"
@@ -25,14 +27,16 @@ const OscillatorType& oscillator_type(SceneReader& reader, const toml::node& osc
   Table table(oscillator, "oscillator");
   const auto* type = table.find("type");
   if (!type) return types.front();
-  std::vector<std::string> known = {"two-mass-belt", "mode-coupling", "modal"};  // reserved
+  std::vector<std::string> known = {"mode-coupling", "block", "pin-on-disk", "string"};  // reserved
   for (const auto& one : types) known.emplace_back(one.name);
   const auto name = choice(*type, table.path("type"), known);
   const auto found = std::ranges::find(types, name, &OscillatorType::name);
   if (found == types.end())
     fail(type->source(), "oscillator.type = '{}' is not available in this version; use 'slider'", name);
-  if (!found->verb.empty() && found->verb != reader.request.verb)
-    fail(type->source(), "oscillator.type = '{}' serves '{}' only", name, found->verb);
+  const auto& verbs = found->verbs;
+  if (!verbs.empty() && std::ranges::find(verbs, reader.request.verb) == verbs.end())
+    fail(type->source(), "oscillator.type = '{}' serves {} only, not '{}'", name, fmt::join(verbs, " and "),
+         reader.request.verb);
   return *found;
 }
 

@@ -11,7 +11,7 @@ struct SceneReader;
 
 struct OscillatorType {
   std::string_view name;
-  std::string_view verb;  ///< the only one that it serves; empty: it serves all
+  std::vector<std::string_view> verbs;  ///< that it serves; empty: all
   /// \param complete whether the keys that a motion needs must be there
   void (*read)(SceneReader&, Table oscillator, bool complete);
   void (*read_drive)(SceneReader&, Table drive, bool complete);

@@ -40,6 +40,6 @@ void read_drive(SceneReader& reader, Table drive, bool) {
 
 }  // namespace
 
-OscillatorType plane_slider_type() { return {"plane-slider", "run", read, read_drive}; }
+OscillatorType plane_slider_type() { return {"plane-slider", {"run"}, read, read_drive}; }
 
 }  // namespace rosin::app::scene

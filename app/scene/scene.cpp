@@ -20,7 +20,7 @@ void SceneReader::oscillator() {
   const auto& type = oscillator_type(*this, node);
   type.read(*this, Table(node, "oscillator"), true);
   type.read_drive(*this, Table(need("drive", "speed and normal load"), "drive"), true);
-  if (!scene.plane) located(node.source(), [&] { scene.model.check(); });
+  if (!scene.plane && !scene.structure) located(node.source(), [&] { scene.model.check(); });
 }
 
 void SceneReader::oscillator_if_there(bool complete) {

@@ -13,6 +13,7 @@
 #include "analysis/lab/experiment.hpp"
 #include "analysis/motion/plane_run.hpp"
 #include "analysis/motion/run.hpp"
+#include "analysis/motion/structure_run.hpp"
 #include "analysis/planes/map.hpp"
 #include "analysis/response/extraction.hpp"
 #include "analysis/response/frf.hpp"
@@ -92,6 +93,7 @@ struct Scene {
   oscillators::Model model;
   std::optional<analysis::motion::PlaneModel>
       plane;  ///< a slider in the plane, in place of the model's; for the verb run
+  std::optional<analysis::motion::StructureModel> structure;  ///< in place of the model's slider
   CurveOptions curve;
   std::vector<std::string> hopf_parameters;  ///< paths asked for besides the usual ones
   analysis::motion::RunOptions run;

@@ -38,6 +38,6 @@ void read_drive(SceneReader& reader, Table table, bool complete) {
 
 }  // namespace
 
-OscillatorType slider_type() { return {"slider", "", read, read_drive}; }
+OscillatorType slider_type() { return {"slider", {}, read, read_drive}; }
 
 }  // namespace rosin::app::scene

@@ -9,6 +9,7 @@
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/start.hpp"
+#include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
@@ -54,6 +55,9 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   if (const auto* start = table.find("start")) {
     if (plane)
       scene::read_plane_start(*start, table.path("start"), *plane);
+    else if (reader.scene.structure)
+      reader.scene.structure->start =
+          scene::read_structure_start(*start, table.path("start"), reader.scene.structure->structure);
     else
       run.start = scene::read_start(*start, table.path("start"), *reader.scene.model.law);
   }
@@ -114,7 +118,7 @@ void read_solver(scene::Table table, scene::SceneReader& reader) {
 void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
-  if (!reader.scene.plane) {
+  if (!reader.scene.plane && !reader.scene.structure) {
     reader.need("run", "duration and start");
     return read_tables_of_models(reader);
   }
@@ -135,11 +139,13 @@ std::string document_of(const scene::Scene& scene, const analysis::motion::Run& 
   document["units"] = std::move(units);
   document["error"] = std::move(error);
   auto& events = document["events"] = ordered_json::array();
-  for (const auto& event : run.events)
+  for (const auto& event : run.events) {
     events.push_back({{"time", event.time},
                       {"kind", event.kind},
                       {"displacement", scene.plane ? ordered_json{event.displacement, event.displacement_y}
                                                    : ordered_json(event.displacement)}});
+    if (event.contact > 0) events.back()["contact"] = event.contact;
+  }
   document["metrics"] = run.metrics;
   document["solver"] = run.solver;
   document["cost"] = {{"steps", run.cost.steps}, {"evaluations", run.cost.evaluations}};
@@ -157,7 +163,9 @@ Status perform(Job& job) {
     Progress progress(job.request().quiet);
     auto how = scene.run;
     if (progress.visible()) how.progress = [&](double part) { progress.show_pass(part); };
-    return scene.plane ? analysis::motion::run_plane(*scene.plane, how) : analysis::motion::run(scene.model, how);
+    return scene.plane       ? analysis::motion::run_plane(*scene.plane, how)
+           : scene.structure ? analysis::motion::run_structure(*scene.structure, how)
+                             : analysis::motion::run(scene.model, how);
   }();
   run.outcome = why_stopped(run.outcome);
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "analysis/steady/structure_stability.hpp"
 #include "app/output/json.hpp"
 #include "app/scene/reader.hpp"
 #include "app/verbs/job.hpp"
@@ -50,7 +51,58 @@ std::string document_of(const scene::Scene& scene, const output::StabilityResult
   return output::text(document);
 }
 
+std::string document_of(const scene::Scene& scene, const analysis::steady::StructureStability& result) {
+  auto document = output::begin(scene, "stability");
+  const auto& structure = scene.structure->structure;
+  auto coordinates = ordered_json::object();
+  for (std::size_t i = 0; i < result.coordinates.size(); ++i) coordinates[structure.names[i]] = result.coordinates[i];
+  auto contacts = ordered_json::array();
+  for (const auto& contact : result.contacts)
+    contacts.push_back({{"normal_load", contact.normal_load},
+                        {"friction_force", contact.friction_force},
+                        {"slip_rate", contact.slip_rate}});
+  document["steady"] = {{"coordinates", coordinates}, {"contacts", contacts}};
+  document["eigenvalues"] = output::pairs(result.eigenvalues);
+  document["stable"] = result.stable;
+  document["marginal"] = result.marginal;
+  auto& modes = document["modes"] = ordered_json::array();
+  for (const auto& mode : result.modes)
+    modes.push_back({{"frequency", mode.frequency()},
+                     {"growth_rate", mode.growth_rate()},
+                     {"damping_ratio", mode.damping_ratio()},
+                     {"shape", output::pairs(mode.shape)},
+                     {"error", {{"eigenvalue", mode.error}}}});
+  document["notes"] = scene.notes;
+  return output::text(document);
+}
+
+Status perform_on_structure(Job& job) {
+  const auto& scene = job.scene();
+  const auto& structure = scene.structure->structure;
+  job.explain("eigenvalues of the linearised structure of {} coordinates and {} contacts; no integration",
+              structure.size(), structure.contacts.size());
+  if (!scene.hopf_parameters.empty())
+    throw InputError("stability.parameters has no meaning for a structure: its thresholds are not located yet");
+  if (!structure.constant()) job.note("the drive varies: stability is that of its mean, or of its start");
+  const auto result = analysis::steady::stability(structure);
+  for (std::size_t j = 0; j < result.contacts.size(); ++j)
+    job.say("contact {}: steady sliding at {:.6g} m/s under {:.6g} N, friction force {:.10g} N", j + 1,
+            result.contacts[j].slip_rate, result.contacts[j].normal_load, result.contacts[j].friction_force);
+  job.say("{}", result.marginal ? "marginal: small disturbances neither grow nor decay"
+                : result.stable ? "stable"
+                                : "unstable");
+  job.say("  {:>14} {:>16} {:>12}", "frequency (Hz)", "growth (1/s)", "damping (1)");
+  Reached reached;
+  for (const auto& mode : result.modes) {
+    job.say("  {:>14.8g} {:>+16.8g} {:>12.4g}", mode.frequency(), mode.growth_rate(), mode.damping_ratio());
+    reached.add(std::abs(mode.eigenvalue), mode.error);
+  }
+  job.manifest().tolerance_reached = reached.value();
+  return job.finish(document_of(scene, result), {}, {});
+}
+
 Status perform(Job& job) {
+  if (job.scene().structure) return perform_on_structure(job);
   const auto& scene = job.scene();
   const auto& model = scene.model;
   std::vector<std::string> paths = {"drive.normal_load", "oscillator.stiffness", "drive.speed"};

@@ -1,0 +1,276 @@
+/// A structure followed from break to break of its drive and from switch to switch of its contacts, and sampled.
+#include "analysis/motion/structure_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/stop.hpp"
+#include "oscillators/structure_system.hpp"
+#include "solvers/stick_slip/stick_slip_solver.hpp"
+
+namespace rosin::analysis::motion {
+
+using Eigen::VectorXd;
+using oscillators::Structure;
+using oscillators::StructureSystem;
+
+namespace {
+
+std::vector<double> start_of(const StructureSystem& system, const StructureStart& start) {
+  const int n = system.coordinates();
+  std::vector<double> steady;
+  if (start.kind == Start::Kind::steady) steady = system.steady(0);
+  VectorXd q = VectorXd::Zero(n), velocity = VectorXd::Zero(n);
+  if (!steady.empty()) q = Eigen::Map<const VectorXd>(steady.data(), n);
+  bool given = false;
+  const auto take = [&](const std::vector<std::optional<double>>& values, VectorXd& into) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (values[i]) into[i] = *values[i], given = true;
+  };
+  take(start.coordinates, q);
+  take(start.velocities, velocity);
+  if (!given && !steady.empty()) return steady;
+  // At rest no contact slips: slip rates and the speeds of other coordinates are 0.
+  if (start.kind == Start::Kind::rest) velocity = system.velocity(0, std::vector<double>(system.size()).data());
+  return system.unknowns_at(0, q, velocity);
+}
+
+/// Names, units and values of what a record holds.
+class Columns {
+ public:
+  explicit Columns(const StructureSystem& system) : system_(system), force_(system.friction_contacts()) {
+    const Structure& structure = system.structure();
+    const auto add = [&](std::string name, std::string unit) {
+      names.push_back(std::move(name));
+      units.push_back(std::move(unit));
+    };
+    for (const auto& name : structure.names) add(name, "m");
+    for (const auto& name : structure.names) add(velocity_name(name), "m/s");
+    mechanical = int(names.size());
+    const int contacts = system.friction_contacts();
+    for (int j = 0; j < contacts; ++j) {
+      const std::string number = contacts > 1 ? fmt::format("_{}", j + 1) : "";
+      add("slip_rate" + number, "m/s");
+      add("friction_force" + number, "N");
+      add("friction_coefficient" + number, "1");
+      if (contacts > 1) add("normal_load" + number, "N");
+      for (const auto& state : structure.contacts[j].law->states()) add(state.name + number, state.unit);
+    }
+    values.resize(names.size());
+  }
+
+  void record(double t, const double* y) {
+    std::size_t next = 0;
+    const auto add = [&](double value) { values[next++].push_back(value); };
+    const int n = system_.coordinates(), contacts = system_.friction_contacts();
+    for (int i = 0; i < n; ++i) add(y[i]);
+    for (const double v : system_.velocity(t, y)) add(v);
+    system_.friction_forces(t, y, force_.data());
+    for (int j = 0; j < contacts; ++j) {
+      const double N = system_.normal_load(j, t);
+      add(system_.slip_rate(j, t, y));
+      add(force_[j]);
+      add(N > 0 ? force_[j] / N : 0);
+      if (contacts > 1) add(N);
+      for (const double state : system_.states(j, t, y)) add(state);
+    }
+  }
+
+  std::vector<std::string> names, units;
+  std::vector<std::vector<double>> values;
+  int mechanical = 0;  ///< columns of coordinates and velocities, the first
+
+ private:
+  const StructureSystem& system_;
+  std::vector<double> force_;
+};
+
+/// Kinetic and elastic energy against the works of all forces that change it, by the quadrature of each step.
+class EnergyAudit {
+ public:
+  explicit EnergyAudit(const StructureSystem& system)
+      : system_(system),
+        symmetric_((system.structure().K + system.structure().K.transpose()) / 2),
+        skew_((system.structure().K - system.structure().K.transpose()) / 2),
+        force_(system.friction_contacts()),
+        y_(system.size()) {}
+
+  double energy(double t, const double* y) const {
+    const VectorXd v = system_.velocity(t, y);
+    const Eigen::Map<const VectorXd> q(y, system_.coordinates());
+    return 0.5 * (v.dot(system_.structure().M * v) + q.dot(symmetric_ * q));
+  }
+  /// The last step, in the modes that it was taken in.
+  void add(const solvers::steps::Collocation& step) {
+    const Structure& structure = system_.structure();
+    for (int i = 0; i < solvers::steps::Collocation::stages; ++i) {
+      step.stage(i, y_.data());
+      const double t = step.stage_time(i), weight = solvers::steps::RadauTableau::get().b[i] * step.length();
+      const VectorXd v = system_.velocity(t, y_.data());
+      const Eigen::Map<const VectorXd> q(y_.data(), system_.coordinates());
+      system_.friction_forces(t, y_.data(), force_.data());
+      const double damping = -v.dot(structure.C * v), circulation = -v.dot(skew_ * q);
+      double power = damping + circulation, size = std::abs(damping) + std::abs(circulation);
+      const auto add = [&](double part) { power += part, size += std::abs(part); };
+      for (std::size_t k = 0; k < structure.force.size(); ++k) add(structure.force[k].value(t) * v[k]);
+      for (int j = 0; j < system_.friction_contacts(); ++j) {
+        add(force_[j] * structure.contacts[j].tangential.dot(v));
+        heat += weight * force_[j] * system_.slip_rate(j, t, y_.data());
+      }
+      work_ += weight * power;
+      turned_over_ += weight * size;
+    }
+  }
+  void begin(double t, const double* y) { before_ = energy(t, y), largest_ = before_; }
+  /// Part of what was turned over that the balance leaves open.
+  double residual(double t, const double* y) const {
+    const double now = energy(t, y), throughput = turned_over_ + std::max(largest_, now);
+    return throughput > 0 ? std::abs(now - before_ - work_) / throughput : 0;
+  }
+  double heat = 0;  ///< J, that friction has turned slip into
+
+ private:
+  const StructureSystem& system_;
+  Eigen::MatrixXd symmetric_, skew_;
+  std::vector<double> force_, y_;
+  double before_ = 0, largest_ = 0, work_ = 0, turned_over_ = 0;
+};
+
+/// One pass at one tolerance.
+struct Pass {
+  StructureSystem system;
+  Columns columns;
+  EnergyAudit energy;
+  std::vector<RunEvent> events;
+  std::vector<double> stick_time;  ///< s, of each set-valued contact
+  Outcome outcome;
+  Run::Cost cost;
+  long choices = 0;
+  double energy_residual = 0;
+
+  Pass(const StructureModel& model, const RunOptions& options, const std::vector<double>& times, double tolerance)
+      : system(model.structure), columns(system), energy(system), stick_time(system.contacts()) {
+    try {
+      follow(start_of(system, model.start), options, times, tolerance);
+    } catch (const Stopped&) {  // samples until then are good
+      outcome = {Ending::interrupted, fmt::format("{} of {} samples are kept", columns.values[0].size(), times.size())};
+    }
+  }
+
+ private:
+  void follow(std::vector<double> y, const RunOptions& options, const std::vector<double>& times, double tolerance) {
+    using namespace solvers::stick_slip;
+    const double end = std::max(options.duration, times.back());
+    StickSlip solver(system, tolerance);
+    std::size_t next = 0;
+    std::vector<double> seen(system.size());
+    energy.begin(0, y.data());
+    double t = 0;
+    while (t < end) {
+      if (!solver.start(t, y)) {
+        outcome = {Ending::not_finite, fmt::format("at the start of a piece, t = {:.9g} s", t)};
+        return;
+      }
+      const double limit = std::min(end, system.next_break(t));
+      while (solver.time() < limit) {
+        end_if_stopped();
+        if (solver.stepper().count().steps >= options.most_steps) {
+          outcome = {Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s", options.most_steps, solver.time())};
+          return;
+        }
+        Switch switched;
+        outcome = solver.step(limit, switched);
+        if (!outcome.complete()) return;
+        auto& step = solver.stepper();
+        energy.add(step);
+        for (int c = 0; c < system.contacts(); ++c)
+          if (system.mode(c) == ContactMode::stick) stick_time[c] += step.length();
+        for (; next < times.size() && times[next] < solver.time(); ++next) {
+          const double theta = (times[next] - step.time_before()) / step.length();
+          if (times[next] == step.time_before())
+            seen = step.state_before();
+          else
+            step.solve_at(theta, seen.data());
+          columns.record(times[next], seen.data());
+        }
+        for (const auto& [contact, what] : solver.events()) {
+          const int j = system.friction_contact(contact);
+          const auto& direction = system.structure().contacts[j].tangential;
+          const Eigen::Map<const VectorXd> q(solver.state().data(), system.coordinates());
+          events.push_back({solver.time(), name(what), direction.dot(q) / direction.squaredNorm(), 0,
+                            system.friction_contacts() > 1 ? j + 1 : 0});
+        }
+        if (options.progress) options.progress(solver.time() / end);
+      }
+      energy_residual = energy.residual(solver.time(), solver.state().data());
+      y = solver.state();
+      t = limit;
+      if (t < end) system.cross_break(t, y.data());
+    }
+    for (; next < times.size(); ++next) columns.record(times[next], y.data());
+    cost = {solver.stepper().count().steps, solver.stepper().count().evaluations};
+    choices = solver.choices();
+  }
+};
+
+}  // namespace
+
+std::string velocity_name(const std::string& coordinate) {
+  const std::string word = "displacement";
+  const auto at = coordinate.find(word);
+  return at == std::string::npos ? "velocity_of_" + coordinate
+                                 : coordinate.substr(0, at) + "velocity" + coordinate.substr(at + word.size());
+}
+
+Run run_structure(const StructureModel& model, const RunOptions& options) {
+  require(options.tolerance, {1e-12, 0.1}, "tolerance", "relative accuracy of a run", "1");
+  if (options.solver != "auto" && options.solver != "events")
+    throw InputError(fmt::format("solver '{}' does not serve a structure; use auto or events", options.solver));
+  const auto times = sample_times(options);
+  const double coarsely = 0.1 * options.tolerance, finely = options.tolerance / 300;
+  const Pass coarse(model, options, times, coarsely), fine(model, options, times, finely);
+  Run result;
+  result.outcome = fine.outcome;
+  result.solver = "events";
+  result.why = "smooth pieces of slip by collocation of order 9, switches of each contact located to rounding";
+  result.column_names = fine.columns.names;
+  result.column_units = fine.columns.units;
+  result.columns = fine.columns.values;
+  result.events = fine.events;
+  result.cost = {fine.cost.steps + coarse.cost.steps, fine.cost.evaluations + coarse.cost.evaluations};
+  const std::size_t samples = result.columns[0].size();
+  result.time.assign(times.begin(), times.begin() + long(samples));
+  double worst = 0;
+  for (std::size_t c = 0; c < result.columns.size(); ++c) {
+    double size = 0, difference = 0;
+    for (std::size_t i = 0; i < samples; ++i) {
+      size = std::max(size, std::abs(result.columns[c][i]));
+      difference = i < coarse.columns.values[c].size()
+                       ? std::max(difference, std::abs(result.columns[c][i] - coarse.columns.values[c][i]))
+                       : infinity;
+    }
+    result.column_error.push_back(difference + finely * size);
+    if (size > 0 && int(c) < fine.columns.mechanical) worst = std::max(worst, result.column_error[c] / size);
+    if (samples == 0) continue;
+    const auto [low, high] = std::ranges::minmax(result.columns[c]);
+    result.metrics[result.column_names[c] + "_min"] = low, result.metrics[result.column_names[c] + "_max"] = high;
+  }
+  for (std::size_t c = 0; c < fine.stick_time.size(); ++c)
+    result.metrics[fine.system.friction_contacts() > 1
+                       ? fmt::format("stick_time_{}", fine.system.friction_contact(int(c)) + 1)
+                       : "stick_time"] = fine.stick_time[c];
+  double time_error = fine.events.size() == coarse.events.size() ? 0 : infinity;
+  for (std::size_t i = 0; i < std::min(fine.events.size(), coarse.events.size()); ++i)
+    time_error = std::max(time_error, std::abs(fine.events[i].time - coarse.events[i].time));
+  result.metrics["event_time_error"] = time_error;
+  result.metrics["friction_work"] = fine.energy.heat;
+  result.metrics["energy_residual"] = fine.energy_residual;
+  if (fine.system.contacts() > 1) result.metrics["choices"] = double(fine.choices);
+  if (result.outcome.complete() && worst > options.tolerance)
+    result.outcome = {Ending::tolerance_not_met, fmt::format("the motion is known to {:.1e} of its size only", worst)};
+  return result;
+}
+
+}  // namespace rosin::analysis::motion

@@ -1,0 +1,88 @@
+/// Eigenvalues and shapes of a structure in steady sliding.
+#include "analysis/steady/structure_stability.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/eigenpairs.hpp"
+
+namespace rosin::analysis::steady {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+
+double ComplexMode::frequency() const { return std::abs(eigenvalue.imag()) / (2 * std::numbers::pi); }
+
+double ComplexMode::damping_ratio() const {
+  const double size = std::abs(eigenvalue);
+  return size > 0 ? -eigenvalue.real() / size : 0;
+}
+
+namespace {
+oscillators::Structure frozen(oscillators::Structure structure) {
+  for (auto& force : structure.force) force = force.level();
+  for (auto& contact : structure.contacts) {
+    contact.speed = contact.speed.level();
+    contact.normal_load = contact.normal_load.level();
+  }
+  return structure;
+}
+}  // namespace
+
+StructureStability stability(const oscillators::Structure& moving) {
+  oscillators::StructureSystem system(frozen(moving), Unknowns::states);
+  const auto& structure = system.structure();
+  for (std::size_t j = 0; j < structure.contacts.size(); ++j)
+    if (structure.contacts[j].speed.level() == 0)
+      throw InputError(fmt::format("contact {} is at rest, so that it has no steady sliding (speed, m/s)", j + 1));
+  for (int c = 0; c < system.contacts(); ++c)
+    system.set_mode(c, slip_along(structure.contacts[system.friction_contact(c)].speed.level()));
+  const auto y = system.steady(0);
+  const int size = system.size(), n = system.coordinates();
+  std::vector<double> f(size);
+  VectorXd mass(size), scale(size);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(size, size);
+  system.linearise(0, y.data(), f.data(), J.data());
+  system.mass(0, mass.data());
+  system.scale(y.data(), scale.data());
+
+  StructureStability result;
+  result.coordinates.assign(y.begin(), y.begin() + n);
+  std::vector<double> force(system.friction_contacts());
+  system.friction_forces(0, y.data(), force.data());
+  for (int j = 0; j < system.friction_contacts(); ++j)
+    result.contacts.push_back({system.normal_load(j, 0), force[j], system.slip_rate(j, 0, y.data())});
+
+  const auto part = moving_part(J, mass, scale);
+  const Eigenpairs pairs = eigenpairs(part.A, true);
+  const Spectrum spectrum = spectrum_of(part.A);
+  double most = -infinity, error_of_most = 0;
+  for (Eigen::Index k = 0; k < pairs.values.size(); ++k) {
+    // The spectrum's own value, whose error is known.
+    std::size_t nearest = 0;
+    for (std::size_t i = 0; i < spectrum.values.size(); ++i)
+      if (std::abs(spectrum.values[i] - pairs.values[k]) < std::abs(spectrum.values[nearest] - pairs.values[k]))
+        nearest = i;
+    const auto value = spectrum.values[nearest];
+    result.eigenvalues.push_back(value);
+    if (value.real() > most) most = value.real(), error_of_most = spectrum.errors[nearest];
+    if (value.imag() < 0) continue;
+    ComplexMode mode{value, spectrum.errors[nearest], std::vector<std::complex<double>>(n)};
+    for (std::size_t i = 0; i < part.unknowns.size(); ++i)
+      if (part.unknowns[i] < n)
+        mode.shape[part.unknowns[i]] = pairs.vectors(Eigen::Index(i), k) * scale[part.unknowns[i]];
+    const auto largest = *std::ranges::max_element(mode.shape, {}, [](auto z) { return std::abs(z); });
+    if (std::abs(largest) > 0)
+      for (auto& z : mode.shape) z /= largest;
+    result.modes.push_back(std::move(mode));
+  }
+  std::ranges::stable_sort(result.modes, std::greater(), &ComplexMode::growth_rate);
+  std::ranges::stable_sort(result.eigenvalues, std::greater(), [](auto z) { return z.real(); });
+  result.marginal = std::abs(most) <= error_of_most;
+  result.stable = most < 0 && !result.marginal;
+  return result;
+}
+
+}  // namespace rosin::analysis::steady

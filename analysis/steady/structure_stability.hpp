@@ -1,0 +1,36 @@
+/// Steady sliding of a structure, and its complex modes: is it stable, and what grows.
+#pragma once
+#include <complex>
+#include <vector>
+
+#include "oscillators/structure_system.hpp"
+
+namespace rosin::analysis::steady {
+
+/// A motion e^(st) about steady sliding. Pairs are given once, with the frequency above 0.
+struct ComplexMode {
+  std::complex<double> eigenvalue;          ///< s, 1/s
+  double error;                             ///< of the eigenvalue, that rounding leaves (1/s)
+  std::vector<std::complex<double>> shape;  ///< of the coordinates, the largest of them 1; all 0 where none moves
+  double frequency() const;                 ///< Hz
+  double growth_rate() const { return eigenvalue.real(); }
+  double damping_ratio() const;  ///< −Re s/|s|
+};
+
+struct StructureStability {
+  std::vector<double> coordinates;  ///< of steady sliding, m
+  struct Contact {
+    double normal_load, friction_force, slip_rate;  ///< N, N, m/s
+  };
+  std::vector<Contact> contacts;
+  std::vector<ComplexMode> modes;  ///< the largest growth rate first
+  std::vector<std::complex<double>> eigenvalues;
+  bool stable = false;
+  bool marginal = false;  ///< growth is 0 within its error, as of undamped structures
+};
+
+/// By the equations linearised in steady sliding at t = 0; drives that vary stand still.
+/// \throws InputError where there is no steady sliding, and for a contact at rest, whose stick has no slope
+StructureStability stability(const oscillators::Structure&);
+
+}  // namespace rosin::analysis::steady

@@ -1,0 +1,26 @@
+/// What the types of oscillators with several masses have in common: lists, contacts, their drive and starts.
+#pragma once
+#include <vector>
+
+#include "app/scene/reader.hpp"
+#include "app/scene/scene_table.hpp"
+
+namespace rosin::app::scene {
+
+/// One number for all of `size`, or a list of so many.
+std::vector<double> one_or_list(Table&, std::string_view key, std::size_t size, Quantity, double usual);
+
+/// Speed and normal load of the drive, for contacts that give none of their own, and its force where the structure has
+/// a place for one.
+void read_structure_drive(SceneReader&, Table drive, bool complete, bool takes_force);
+
+/// A contact under the scene's law and drive.
+oscillators::FrictionContact contact_of(const oscillators::Model&);
+/// Changes the contact by the tables law, speed, normal_load and load_factor of its own.
+void read_contact(SceneReader&, Table&, oscillators::FrictionContact&);
+
+/// "steady", "rest", or a table: coordinates and velocities as lists, or columns by name.
+analysis::motion::StructureStart read_structure_start(const toml::node&, const std::string& path,
+                                                      const oscillators::Structure&);
+
+}  // namespace rosin::app::scene
