@@ -48,8 +48,7 @@ TEST_CASE("a refinement that scatters by rounding error keeps its derivative", "
 
 TEST_CASE("a derivative taken again in rounding error does not replace one that attracts", "[cycle]") {
   const auto model = slider_under("flash-heating", {0.7, 0.016, 0.02, 2e-5, 1e-6, 0.13, 0.17},
-                                  {0.85313549842047665, 3468272.1477112281, 216749435.56404337}, 0.00383705460775855,
-                                  39205238994.485199);
+                                  {0.85314, 3.4683e6, 2.1675e8}, 0.0038371, 3.9205e10);
   const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.complete());
   REQUIRE(fine.outcome.complete());
@@ -68,16 +67,13 @@ TEST_CASE("slips that amplify the errors of steps are searched for cycles at a t
 
 TEST_CASE("slips that extrapolation brings to their cycle are of one kind", "[cycle]") {
   auto model = slider_under("thermal-disc", {0.35, 0.4, 0.01, 0.45, 0.1, 0.001, 0.001, 0.008, 1.0, 0.0, 1.0},
-                            {1.3702851773173496e-12, 289537.33359958982, 1.4854401631169081e-05},
-                            0.00018427602217777856, 0.0065267536185438738);
-  model.lambda = 0.00041337768182875213;
+                            {1.37e-12, 2.9e5, 1.49e-5}, 0.000184, 0.00653);
+  model.lambda = 0.000413;
   const auto loose = find_cycle(model, {.tolerance = 1e-6, .multipliers = false});
   REQUIRE(loose.outcome.complete());
-  for (const double tolerance : {1e-7, 1e-8}) {
-    const auto cycle = find_cycle(model, {.tolerance = tolerance, .multipliers = false});
-    REQUIRE(cycle.outcome.complete());
-    check_agreement(cycle, loose, {&Metrics::period});
-  }
+  const auto tight = find_cycle(model, {.tolerance = 1e-7, .multipliers = false});
+  REQUIRE(tight.outcome.complete());
+  check_agreement(loose, tight, {&Metrics::period});
 }
 
 TEST_CASE("a cycle that attracts by 1e-4 per period is known within the distance that periods leave", "[cycle]") {

@@ -77,7 +77,7 @@ TEST_CASE("a cycle that reverses by 3e-6 of the drive's speed is refined with th
 
 TEST_CASE("a short stick in a free oscillation is not passed over", "[cycle]") {
   // From rest, loaded to the static limit, the slider oscillates by V about the drive at constant friction and comes
-  // back to rest, but for what friction adds within 1e-4 V of it: 1e-3 of the spring force, in a hundredth of the
+  // back to rest, but for the friction added within 1e-4 V of it: 1e-3 of the spring force, in a hundredth of the
   // period.
   const double V = 1e4, N = 279.4, k = 18.19, m = 25.53;
   const double mu_inf = 0.2478, mu_1 = 0.4137, mu_2 = 0.3282;

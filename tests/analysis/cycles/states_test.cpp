@@ -67,13 +67,11 @@ TEST_CASE("the period is known within the error of the temperature that ends its
   auto model = slider_under("thermal", {0.35, 0.4, 0.01, 0.45, 0.1, 5e-7, 0.001, 0.008, 1.0, 1.0},
                             {0.000569151, 3.77351e6, 30.4797}, 0.00505213, 915500.0);
   model.lambda = 16806.3;
-  const auto tight = find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = find_cycle(model, {.tolerance = 1e-5, .multipliers = false}),
+             tight = find_cycle(model, {.tolerance = 1e-9, .multipliers = false});
+  REQUIRE(loose.outcome.complete());
   REQUIRE(tight.outcome.complete());
-  for (const double tolerance : {1e-5, 1e-6}) {
-    const auto cycle = find_cycle(model, {.tolerance = tolerance, .multipliers = false});
-    REQUIRE(cycle.outcome.complete());
-    check_agreement(cycle, tight, {&Metrics::period, &Metrics::slip_rate_max, &Metrics::friction_mean});
-  }
+  check_agreement(loose, tight, {&Metrics::period, &Metrics::slip_rate_max, &Metrics::friction_mean});
 }
 
 TEST_CASE("decay of a state at rest is resolved, and with it the onset of slip", "[cycle]") {

@@ -178,10 +178,10 @@ TEST_CASE("a strong damper leaves the displacement to rounding error of forces, 
     options.solver = i == 0 ? "explicit" : "collocation";
     const auto result = run(model, options);
     const auto &x = result.columns[0], &mu = result.columns[4];
-    double way = 0;
+    double slipped = 0;
     for (std::size_t i = 1; i < x.size(); ++i)
-      way += 0.5 * N * (mu[i] + mu[i - 1]) / c * options.duration / double(x.size() - 1);
-    CHECK(x.back() - x.front() == Approx(way).epsilon(1e-3));
+      slipped += 0.5 * N * (mu[i] + mu[i - 1]) / c * options.duration / double(x.size() - 1);
+    CHECK(x.back() - x.front() == Approx(slipped).epsilon(1e-3));
     end[i] = x.back(), error[i] = result.column_error[0];
   }
   CHECK(std::abs(end[0] - end[1]) <= error[0] + error[1]);

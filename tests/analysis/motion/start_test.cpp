@@ -67,7 +67,7 @@ TEST_CASE("forces balance to all digits at a start from a slip rate", "[run]") {
   }
 }
 
-TEST_CASE("a contact starts from what it holds in stick, not from friction that is all but gone in sliding", "[run]") {
+TEST_CASE("a contact starts from its friction in stick, not from friction that is all but gone in sliding", "[run]") {
   // 0.63 at a thousandth of the drive's speed, 4e-24 at it.
   const auto model = slider_under("spinodal", {0.6255, 0.01149, 0.1377, 7.401e-5, 0.003033, 1.437e-7, 8.079},
                                   {5.801e-10, 5511.0, 0.000114}, 36.31, 14.85);

@@ -37,10 +37,10 @@ TEST_CASE("a run from unstable steady sliding stays there unless its steps leave
   CHECK(unsure.outcome.ending == Ending::tolerance_not_met);
   CHECK_THAT(unsure.outcome.detail, Catch::Contains("unstable with " + growth) && Catch::Contains("rounding decides"));
   // Next to steady sliding the same motion is known.
-  RunOptions beside = options;
-  beside.start.kind = Start::Kind::given;
-  beside.start.slip_rate = 1.01 * model.drive.speed.level();
-  CHECK(run(model, beside).outcome.complete());
+  RunOptions neighbour = options;
+  neighbour.start.kind = Start::Kind::given;
+  neighbour.start.slip_rate = 1.01 * model.drive.speed.level();
+  CHECK(run(model, neighbour).outcome.complete());
 }
 
 TEST_CASE("a run that stays in steady sliding is exact", "[run]") {
