@@ -42,6 +42,11 @@ void complete(toml::table& row, const toml::table& like) {
   }
 }
 
+bool truth(const toml::node& node, std::string_view key) {
+  if (!node.is_boolean()) app::wrong_kind(node, key, "true or false");
+  return *node.value<bool>();
+}
+
 Known read_row(const toml::table& row, const std::string& path) {
   Known known;
   const app::Request request;
@@ -54,14 +59,16 @@ Known read_row(const toml::table& row, const std::string& path) {
   if (const auto* node = table.find("tolerance"))
     known.tolerances = app::numbers(*node, {"tolerance", "1", {1e-12, 0.1}, "relative accuracy"});
   if (const auto* node = table.find("says")) known.says = app::text(*node, "says");
-  if (const auto* node = table.find("stable")) known.stable = node->value<bool>();
+  if (const auto* node = table.find("stable")) known.stable = truth(*node, "stable");
   if (const auto* node = table.find("steady_sliding"))
     known.steady_sliding = app::choice(*node, "steady_sliding", {"stable", "unstable"});
-  if (const auto* node = table.find("slow")) known.slow = *node->value<bool>();
+  if (const auto* node = table.find("slow")) known.slow = truth(*node, "slow");
   for (const auto& [key, bounds] : {std::pair{"at_least", &known.at_least}, std::pair{"at_most", &known.at_most}})
-    if (const auto* node = table.find(key))
+    if (const auto* node = table.find(key)) {
+      const app::Table of(*node, key);
       for (const auto& [quantity, bound] : *node->as_table())
-        (*bounds)[std::string(quantity.str())] = *bound.value<double>();
+        (*bounds)[std::string(quantity.str())] = app::number(bound, {of.path(quantity.str()), "", {}, "a bound"});
+    }
   if (const auto* node = table.find("most_steps"))
     known.scene.run.most_steps = app::count(*node, "most_steps", 1, app::most_points, "steps that a run may take");
   app::find_verb(known.question).read(reader);
@@ -181,5 +188,7 @@ TEST_CASE("a row of known scenes with an unknown key is refused with its place",
   CHECK_THROWS_WITH(refusal_of("at_mots = { steps = 1 }")(),
                     Catch::Contains("known.toml:6:1") && Catch::Contains("did you mean 'at_most'?"));
   CHECK_THROWS_WITH(refusal_of("law.mu_x = 1")(), Catch::Contains("known.toml:6:") && Catch::Contains("mu_x"));
+  CHECK_THROWS_WITH(refusal_of("stable = 'yes'")(),
+                    Catch::Contains("known.toml:6:") && Catch::Contains("true or false"));
   CHECK_THROWS_WITH(refusal_of("like = 'another'")(), Catch::Contains("no row is named 'another'"));
 }
