@@ -167,7 +167,7 @@ StickSlip::End StickSlip::look_at_nodes(int contact) {
   ContactState& at = contacts_[contact];
   const bool sticks = system_.mode(contact) == ContactMode::stick;
   const double small = rest * system_.reference_speed(contact);
-  End end{.contact = contact, .low_value = at.indicator[0]};
+  End end{.contact = contact, .low_value = at.indicator[0], .at = {}};
   at.lowest = infinity;
   for (int node = 1; node < nodes; ++node) {
     const double value = at.indicator[node], theta = collocation_.node(node - 1);

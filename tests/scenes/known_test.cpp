@@ -4,9 +4,9 @@
 #include <catch2/catch.hpp>
 #include <map>
 
-#include "analysis/cycle.hpp"
-#include "analysis/run.hpp"
-#include "analysis/stability.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/motion/run.hpp"
+#include "analysis/steady/stability.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/verb.hpp"
@@ -21,7 +21,7 @@ using Numbers = std::map<std::string, double, std::less<>>;
 /// One row of the table.
 struct Known {
   std::string name, question;
-  app::Scene scene;
+  app::scene::Scene scene;
   std::vector<double> tolerances = {1e-8};
   std::vector<std::string> endings;  ///< any of these
   std::string says;                  ///< is in the detail, the remark or the refusal; empty: anything
@@ -43,35 +43,35 @@ void complete(toml::table& row, const toml::table& like) {
 }
 
 bool truth(const toml::node& node, std::string_view key) {
-  if (!node.is_boolean()) app::wrong_kind(node, key, "true or false");
+  if (!node.is_boolean()) app::scene::wrong_kind(node, key, "true or false");
   return *node.value<bool>();
 }
 
 Known read_row(const toml::table& row, const std::string& path) {
   Known known;
   const app::Request request;
-  app::SceneReader reader{request, row, app::Table(row, ""), known.scene, {}, {}};
+  app::scene::SceneReader reader{request, row, app::scene::Table(row, ""), known.scene, {}, {}};
   auto& table = reader.root;
   known.name = app::text(table.required("name", "the mechanism, in a sentence"), "name");
   app::text(table.required("why", "how it once failed, or what it guards"), "why");
-  known.question = app::choice(table.required("question", "run or cycle"), "question", {"run", "cycle"});
-  known.endings = app::texts(table.required("ending", "endings that are right"), "ending");
+  known.question = app::scene::choice(table.required("question", "run or cycle"), "question", {"run", "cycle"});
+  known.endings = app::scene::texts(table.required("ending", "endings that are right"), "ending");
   if (const auto* node = table.find("tolerance"))
-    known.tolerances = app::numbers(*node, {"tolerance", "1", {1e-12, 0.1}, "relative accuracy"});
+    known.tolerances = app::scene::numbers(*node, {"tolerance", "1", {1e-12, 0.1}, "relative accuracy"});
   if (const auto* node = table.find("says")) known.says = app::text(*node, "says");
   if (const auto* node = table.find("stable")) known.stable = truth(*node, "stable");
   if (const auto* node = table.find("steady_sliding"))
-    known.steady_sliding = app::choice(*node, "steady_sliding", {"stable", "unstable"});
+    known.steady_sliding = app::scene::choice(*node, "steady_sliding", {"stable", "unstable"});
   if (const auto* node = table.find("slow")) known.slow = truth(*node, "slow");
   for (const auto& [key, bounds] : {std::pair{"at_least", &known.at_least}, std::pair{"at_most", &known.at_most}})
     if (const auto* node = table.find(key)) {
-      const app::Table of(*node, key);
+      const app::scene::Table of(*node, key);
       for (const auto& [quantity, bound] : *node->as_table())
-        (*bounds)[std::string(quantity.str())] = app::number(bound, {of.path(quantity.str()), "", {}, "a bound"});
+        (*bounds)[std::string(quantity.str())] = app::scene::number(bound, {of.path(quantity.str()), "", {}, "a bound"});
     }
   if (const auto* node = table.find("most_steps"))
-    known.scene.run.most_steps = app::count(*node, "most_steps", 1, app::most_points, "steps that a run may take");
-  app::find_verb(known.question).read(reader);
+    known.scene.run.most_steps = app::scene::count(*node, "most_steps", 1, app::scene::most_points, "steps that a run may take");
+  app::verbs::find_verb(known.question).read(reader);
   known.scene.path = path;
   table.finish();
   return known;
@@ -79,7 +79,7 @@ Known read_row(const toml::table& row, const std::string& path) {
 
 /// \throws InputError with file, line and key for anything that the scene reader or the table does not know.
 std::vector<Known> read_known(const std::string& path) {
-  auto document = app::read_toml(path);
+  auto document = app::scene::read_toml(path);
   auto& rows = *document.get("known")->as_array();
   const auto named = [&](std::string_view name) -> const toml::table& {
     for (const auto& row : rows)
@@ -106,10 +106,10 @@ struct Answer {
   Numbers numbers;
 };
 
-Answer cycle(const app::Scene& scene, double tolerance) {
-  const auto found = analysis::find_cycle(scene.model, {.tolerance = tolerance});
+Answer cycle(const app::scene::Scene& scene, double tolerance) {
+  const auto found = analysis::cycles::find_cycle(scene.model, {.tolerance = tolerance});
   Answer answer{name(found.outcome.ending), found.outcome.detail, found.stable, {{"steps", found.cost.steps}}};
-  for (const auto& metric : analysis::metric_names()) answer.numbers[metric.name] = found.metrics.*metric.member;
+  for (const auto& metric : analysis::cycles::metric_names()) answer.numbers[metric.name] = found.metrics.*metric.member;
   // Over a period the slider stays where it is: the mean of the slip rate is the drive's speed.
   if (found.outcome.complete()) {
     const double V = std::abs(scene.model.drive.speed.level());
@@ -118,10 +118,10 @@ Answer cycle(const app::Scene& scene, double tolerance) {
   return answer;
 }
 
-Answer run(const app::Scene& scene, double tolerance) {
+Answer run(const app::scene::Scene& scene, double tolerance) {
   auto options = scene.run;
   options.tolerance = tolerance;
-  const auto found = analysis::run(scene.model, options);
+  const auto found = analysis::motion::run(scene.model, options);
   Answer answer{name(found.outcome.ending), found.outcome.detail + found.remark, {}, {{"steps", found.cost.steps}}};
   for (std::size_t c = 0; c < found.columns.size(); ++c)
     if (!found.columns[c].empty()) answer.numbers[found.column_names[c]] = found.columns[c].back();
@@ -138,7 +138,7 @@ Answer ask(const Known& known, double tolerance) {
 
 void check(const Known& known) {
   if (!known.steady_sliding.empty())
-    CHECK(analysis::stability(known.scene.model).stable == (known.steady_sliding == "stable"));
+    CHECK(analysis::steady::stability(known.scene.model).stable == (known.steady_sliding == "stable"));
   for (const double tolerance : known.tolerances) {
     const auto answer = ask(known, tolerance);
     INFO(known.name << ", asked at " << tolerance << ": " << answer.ending << "; " << answer.words);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "analysis/cycle.hpp"
+#include "analysis/cycles/cycle.hpp"
 #include "tests/analysis/agreement.hpp"
 #include "tests/bristol_board.hpp"
 
@@ -21,7 +21,7 @@ TEST_CASE("slip begins along the load that released it, whatever rounding error 
   Model model = slider_under("slip-distance", {mu_s, mu_d, d_c}, {m, k, 0}, V, N);
   model.lambda = lambda;
   model.drive.force = 0.1154;
-  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6});
   REQUIRE(cycle.outcome.complete());
   CHECK(cycle.stable);
   // Nothing is lost but the work of the weakening, N (mu_s - mu_d) lambda d_c/2, 1e-9 of the spring's: slip oscillates
@@ -39,7 +39,7 @@ TEST_CASE("slip that feeds itself within 1e-7 s begins though rounding hides the
       "thermal", {mu_inf, mu_1, 0.000526807, mu_2, 3.71166, 7.92144e-5, 0.000109077, 2.61336e-5, 0.869153, 0.0141941},
       slider, V, N);
   model.lambda = 0.00815206;
-  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6});
   REQUIRE(cycle.outcome.complete());
   // Slip takes no time compared with loading: the drive loads the spring again from a friction a little above the
   // least friction.
@@ -53,7 +53,7 @@ TEST_CASE("friction that falls with a root of the slip rate lets slip begin", "[
   const auto model =
       slider_under("stribeck", {1.114, 0.8187, 0.004743, 0.7688, 0.163}, {0.9033, 4.029e6, 0}, 0.002171, 1.237e-5);
   for (const double tolerance : {1e-6, 1e-9}) {
-    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance});
     REQUIRE(cycle.outcome.complete());
     CHECK(cycle.cost.steps < 20'000);
     CHECK(cycle.metrics.friction_max == Approx(1.114));
@@ -65,7 +65,7 @@ TEST_CASE("slip that creeps along the rising part of its curve for years is part
   const double V = 3.22e-6, N = 8757.0, k = 0.00421;
   const std::vector<double> v = {0.0, 0.000186, 0.0005579, 0.00186, 0.005579, 0.0186},
                             mu = {0.3707, 0.3151, 0.2873, 0.278, 0.2873, 0.3058};
-  const auto cycle = find_cycle(slider_under("tabulated", {v, mu}, {k, 0.002079, 0.01848}, V, N));
+  const auto cycle = cycles::find_cycle(slider_under("tabulated", {v, mu}, {k, 0.002079, 0.01848}, V, N));
   REQUIRE(cycle.outcome.complete());
   // Slip goes on until the curve rises again, at its lowest friction, and stick loads the spring again.
   CHECK(cycle.metrics.friction_min == Approx(mu[3]).epsilon(1e-9));
@@ -77,8 +77,8 @@ TEST_CASE("slip that creeps along the rising part of its curve for years is part
 TEST_CASE("contacts that strengthen far beyond what they held at first stick long, and slip again", "[cycle]") {
   const auto model =
       slider_under("loading-rate", {1.243, 0.1801, 0.3705, 0.1121}, {0.2066, 39.08, 1.192}, 7.865e-8, 0.002736);
-  const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), fine = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.complete());
   REQUIRE(fine.outcome.complete());
-  check_agreement(loose, fine, {&Metrics::period});
+  check_agreement(loose, fine, {&cycles::Metrics::period});
 }

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "analysis/cycle.hpp"
-#include "analysis/return_map.hpp"
-#include "analysis/run.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/return_map.hpp"
+#include "analysis/motion/run.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
@@ -18,13 +18,13 @@ TEST_CASE("slips that are long and short in alternation are one period together"
                              0.0111913, 0.018693);
   model.lambda = 20.5359;
   model.drive.force = -0.0025138;
-  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6});
   REQUIRE(cycle.outcome.complete());
   CHECK(cycle.stable);
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 4000;
-  options.start.kind = Start::Kind::rest;
-  const auto history = run(model, options);
+  options.start.kind = motion::Start::Kind::rest;
+  const auto history = motion::run(model, options);
   std::vector<double> onsets;
   for (const auto& event : history.events)
     if (event.kind == "slip") onsets.push_back(event.time);
@@ -38,16 +38,16 @@ TEST_CASE("ringing that decays until slip sticks is one period with the stick", 
   Model model = slider_under("nagata", {0.230584, 0.0350439, 0.107343, 0.941433, 2.64271e-5, 1.43995},
                              {1e12, 45639.2, 0}, 4.77799e-10, 394443.0);
   model.lambda = 0.0528484;
-  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6});
   REQUIRE(cycle.outcome.complete());
   CHECK(cycle.stable);
   // A history shows a slip, of a million seconds, where the spring relaxes between two samples.
-  RunOptions options;
-  options.start.kind = Start::Kind::rest;
+  motion::RunOptions options;
+  options.start.kind = motion::Start::Kind::rest;
   options.duration = 4.5 * cycle.metrics.period;
   options.samples = 9000;
   options.tolerance = 1e-6;
-  const auto history = run(model, options);
+  const auto history = motion::run(model, options);
   const auto& x = history.columns[0];
   const double highest = *std::max_element(x.begin(), x.end());
   std::vector<double> slips;
@@ -66,10 +66,10 @@ TEST_CASE("a period that was taken twice is halved at every tolerance", "[cycle]
   on_a_spring.lambda = 0.0725197;
   on_a_spring.contact_stiffness.per_load = 66319.7;
   for (const auto& model : {ringing, on_a_spring}) {
-    const double period = find_cycle(model, {.tolerance = 1e-8}).metrics.period;
+    const double period = cycles::find_cycle(model, {.tolerance = 1e-8}).metrics.period;
     REQUIRE(period > 0);
     for (const double tolerance : {1e-6, 1e-7, 1e-9})
-      CHECK(find_cycle(model, {.tolerance = tolerance}).metrics.period == Approx(period).epsilon(1e-7));
+      CHECK(cycles::find_cycle(model, {.tolerance = tolerance}).metrics.period == Approx(period).epsilon(1e-7));
   }
 }
 
@@ -79,11 +79,11 @@ TEST_CASE("a cycle that sticks and rings is found where periods return to it", "
   auto model = slider_under("ageing", {1.455, 0.004217, 0.04052, 3.119e-6, 6.515e-6}, {4.278e-11, 0.002424, 1.595e-8},
                             5.146e-7, 18.14);
   model.lambda = 0.0004601;
-  const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6});
   CHECK(cycle.stable);
   REQUIRE(!cycle.multipliers.empty());
   CHECK(std::abs(cycle.multipliers.front()) < 0.5);  // or it would not have been brought back
-  ReturnMap map(model);
+  cycles::ReturnMap map(model);
   auto y = map.stick(model.drive.speed.level());
   double slip = 0, stick = 0;
   for (int k = 0; k < 10; ++k) {
@@ -105,7 +105,7 @@ TEST_CASE("oscillations that the steps of a cycle pass over are in its errors", 
   model.lambda = 1;
   model.contact_stiffness.per_load = 0.0031585467498261763;
   model.contact_stiffness.damping_per_load = 2.077412518398718;
-  const auto cycle = find_cycle(model, {.tolerance = 1e-6, .multipliers = false});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6, .multipliers = false});
   REQUIRE(cycle.metrics.period > 0);
   const double off = std::abs(cycle.metrics.slip_rate_max - 1.11614323588e-07);
   CHECK(off <= cycle.error.slip_rate_max);
@@ -121,7 +121,7 @@ TEST_CASE("ringing that has not settled is no period", "[cycle][long]") {
   model.lambda = 0.099251069469069739;
   model.drive.force = -9.9024557879678277;
   for (const double tolerance : {1e-5, 1e-6}) {
-    const auto cycle = find_cycle(model, {.tolerance = tolerance, .multipliers = false});
+    const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance, .multipliers = false});
     CHECK(cycle.error.period <= 0.1 * cycle.metrics.period);
     if (cycle.outcome.complete())
       CHECK(cycle.metrics.period == Approx(128373.971).epsilon(1e-5));
@@ -136,7 +136,7 @@ TEST_CASE("a slider so damped that its mass hardly counts moves as one without",
   for (const double stiffness : {1900.0, 2027.8}) {
     INFO("stiffness " << stiffness << ", the Hopf point is at 2028.1");
     const auto cycle_with = [&](double mass) {
-      return find_cycle(slider_under("ageing", {0.40972, 0.0043016, 0.0059392, 3.4967e-6, 5.9856e-7},
+      return cycles::find_cycle(slider_under("ageing", {0.40972, 0.0043016, 0.0059392, 3.4967e-6, 5.9856e-7},
                                      {mass, stiffness, 14575.0}, 5.8853e-11, 4.3305),
                         {.tolerance = 1e-7});
     };

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/cycle.hpp"
+#include "analysis/cycles/cycle.hpp"
 #include "tests/analysis/agreement.hpp"
 #include "tests/bristol_board.hpp"
 
@@ -14,7 +14,7 @@ using rosin::tests::slider_under;
 
 TEST_CASE("an amplitude that friction restores by 2e-5 per period is known within its errors", "[cycle]") {
   const auto model = slider_under("hyperbolic", {0.6782, 834.8}, {0.857, 15.95, 0}, 0.6115, 3.899e-5);
-  const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-8});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), fine = cycles::find_cycle(model, {.tolerance = 1e-8});
   REQUIRE(loose.outcome.complete());
   REQUIRE(fine.outcome.complete());
   check_agreement(loose, fine);
@@ -24,11 +24,11 @@ TEST_CASE("an amplitude far below what the load could hold is found, or the sear
   auto model = slider_under("stribeck", {0.41178, 0.21652, 4.033e-6, 1.2904, 0.0}, {21.077, 0.42496, 4.3532},
                             2.1446e-10, 0.0012246);
   model.drive.force = -0.010801;
-  const auto loose = find_cycle(model, {.tolerance = 1e-6}), fine = find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), fine = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.complete());
   REQUIRE(fine.metrics.period > 0);
   CHECK(loose.metrics.slip_rate_max < 2 * model.drive.speed.level());
-  check_agreement(loose, fine, {&Metrics::period});
+  check_agreement(loose, fine, {&cycles::Metrics::period});
 }
 
 TEST_CASE("friction of 5e-8 of the spring force leads reversing slip to an amplitude that touches rest",
@@ -40,7 +40,7 @@ TEST_CASE("friction of 5e-8 of the spring force leads reversing slip to an ampli
       "thermal-disc", {0.2609, 0.166, 0.07107, 0.8081, 0.03223, 0.009784, 0.005225, 0.006817, 1.0, 3.355e-5, 1.381},
       {m, k, 0}, V, 1.539e-5);
   model.lambda = 2675.0;
-  const auto cycle = find_cycle(model, {.tolerance = 1e-6, .multipliers = false});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6, .multipliers = false});
   REQUIRE(cycle.outcome.complete());
   CHECK(std::abs(cycle.metrics.period - 2 * std::numbers::pi * std::sqrt(m / k)) <= cycle.error.period);
   CHECK(std::abs(cycle.metrics.slip_rate_max - 2 * V) <= cycle.error.slip_rate_max);
@@ -52,9 +52,9 @@ TEST_CASE("the amplitude of a neutral oscillation is that of the start, not of l
                             {0.231865, 0.00447166, 0.0148231, 0.000852614, 0.00890449, 0.020905, 1.10568e-11},
                             {1e12, 3845.65, 0}, 1.65833e-12, 6.44159e7);
   model.lambda = 2.41593;
-  const auto loose = find_cycle(model, {.tolerance = 1e-6}), tight = find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), tight = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.complete());
-  check_agreement(loose, tight, {&Metrics::slip_rate_max});
+  check_agreement(loose, tight, {&cycles::Metrics::slip_rate_max});
 }
 
 namespace {
@@ -103,7 +103,7 @@ TEST_CASE("amplitudes balance where the work of friction per period vanishes, at
       (work_against_swing(middle, mu_s, mu_d, d_c, V / (std::sqrt(k / m) * lambda)) < 0 ? low : high) = middle;
     }
     for (const double tolerance : {1e-5, 1e-9}) {
-      const auto cycle = find_cycle(model, {.tolerance = tolerance});
+      const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance});
       REQUIRE(cycle.metrics.period > 0);
       CHECK(std::abs(cycle.metrics.slip_rate_max - V * (1 + low)) <= cycle.error.slip_rate_max);
       CHECK(cycle.error.slip_rate_max < 1e-5 * V);

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <vector>
 
-#include "analysis/cycle.hpp"
+#include "analysis/cycles/cycle.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
@@ -30,7 +30,7 @@ TEST_CASE("a stick of 1e-5 of the period is as long as static friction grows in 
     const double w = std::sqrt(k / model.slider.mass), stick = 2 * d / V;
     const double period = 2 * (std::numbers::pi - std::atan(w * d / V)) / w + stick;
     INFO("stick for " << stick / period << " of the period");
-    const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+    const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6});
     REQUIRE(cycle.outcome.complete());
     CHECK(std::abs(cycle.metrics.period - period) <= cycle.error.period);
     CHECK(std::abs(cycle.metrics.stick_fraction - stick / period) <= cycle.error.stick_fraction);
@@ -53,7 +53,7 @@ TEST_CASE("friction that falls along all of a slip lets it touch rest with the s
     const double kappa = N * (mu_s - mu_d) / (lambda * d_c), omega = std::sqrt((k - kappa) / m);
     const double slip = 2 * std::numbers::pi / omega, mean = V * k / (k - kappa);
     REQUIRE(mean * slip < lambda * d_c);
-    const auto cycle = find_cycle(model, {.tolerance = 1e-6});
+    const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6});
     REQUIRE(cycle.metrics.period > 0);
     CHECK(std::abs(cycle.metrics.period - slip * k / (k - kappa)) <= cycle.error.period);
     CHECK(cycle.metrics.period == Approx(slip * k / (k - kappa)).epsilon(1e-8));
@@ -73,7 +73,7 @@ TEST_CASE("friction after slip that touches rest is known to the root of roundin
   const double slipped = V * 2 * std::numbers::pi * std::sqrt(m / k);
   const double touching = mu_d + (mu_s - mu_d) * std::exp(-slipped / (model.lambda * d_c));
   for (const double tolerance : {1e-4, 1e-6, 1e-9}) {
-    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance});
     REQUIRE(cycle.metrics.period > 0);
     CHECK(std::abs(cycle.metrics.friction_min - touching) <= cycle.error.friction_min);
     CHECK(cycle.error.friction_min < 1e-3);
@@ -91,7 +91,7 @@ TEST_CASE("slip that friction lets touch rest ends there at every tolerance", "[
   REQUIRE(kappa < k);
   const double period = 2 * std::numbers::pi * std::sqrt(m / (k - kappa)) * k / (k - kappa);
   for (const double tolerance : {1e-6, 1e-7, 1e-8}) {
-    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance});
     CHECK(cycle.metrics.slip_rate_max == Approx(2 * V * k / (k - kappa)).epsilon(0.05));
     CHECK(cycle.metrics.period == Approx(period).epsilon(1e-3));
   }
@@ -104,7 +104,7 @@ TEST_CASE("slip that loses nothing comes back to the static limit that it began 
   const double k = model.slider.stiffness, w = std::sqrt(k / model.slider.mass), d = 10 * N / k;
   const double stick = 2 * d / V, slip = 2 * (std::numbers::pi - std::atan(w * d / V)) / w;
   for (const double tolerance : {1e-5, 1e-6, 3e-7, 1e-8}) {
-    const auto cycle = find_cycle(model, {.tolerance = tolerance});
+    const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance});
     REQUIRE(cycle.outcome.complete());
     CHECK(std::abs(cycle.metrics.period - (stick + slip)) <= cycle.error.period);
     CHECK(std::abs(cycle.metrics.stick_fraction - stick / (stick + slip)) <= cycle.error.stick_fraction);

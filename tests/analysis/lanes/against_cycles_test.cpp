@@ -3,8 +3,8 @@
 #include <cmath>
 #include <span>
 
-#include "analysis/cycle.hpp"
-#include "analysis/cycle_lanes.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/lanes/cycle_lanes.hpp"
 #include "tests/analysis/agreement.hpp"
 #include "tests/analysis/healing_at_rest.hpp"
 #include "tests/bristol_board.hpp"
@@ -22,10 +22,10 @@ TEST_CASE("slip at 1e13 times the drive's speed comes to rest in lanes, not beyo
       {0.721416, 0.399381, 0.00215767, 0.315043, 0.0332599, 1.03297e-7, 0.00338496, 0.0156718, 1.0, 0.146846},
       {3.14185e-5, 0.038854, 0}, 8.05888e-8, 2097.48);
   model.drive.force = -10.3515;
-  const auto lanes = find_cycles(std::span(&model, 1), {1e-6, 0.1, {"slip_rate_min", "slip_rate_max"}})[0];
+  const auto lanes = lanes::find_cycles(std::span(&model, 1), {1e-6, 0.1, {"slip_rate_min", "slip_rate_max"}})[0];
   REQUIRE(lanes.found);
   CHECK(lanes.metrics.slip_rate_min == 0);
-  const auto alone = find_cycle(model, {.tolerance = 1e-9});
+  const auto alone = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(alone.outcome.complete());
   CHECK(std::abs(lanes.metrics.slip_rate_max - alone.metrics.slip_rate_max) < lanes.error.slip_rate_max);
 }
@@ -35,13 +35,13 @@ TEST_CASE("lanes do not take a cycle that repels by 1e-3 per period for the one 
       slider_under("flash-heating", {1.08869, 0.00850946, 0.0394552, 4.5991e-6, 2.41202e-6, 0.116437, 0.0466556},
                    {3.43103e11, 13509.1, 19994.9}, 1.43428e-9, 0.000948619);
   model.lambda = 0.227068;
-  const auto cycle = find_cycle(model, {.tolerance = 1e-8});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-8});
   REQUIRE(cycle.outcome.complete());
   CHECK(cycle.stable);
-  LaneCycleOptions options;
+  lanes::LaneCycleOptions options;
   options.metrics = {"slip_rate_max"};
-  const auto lane = find_cycles(std::span(&model, 1), options).front();
-  if (lane.found) check_agreement(lane, cycle, {&Metrics::slip_rate_max});
+  const auto lane = lanes::find_cycles(std::span(&model, 1), options).front();
+  if (lane.found) check_agreement(lane, cycle, {&cycles::Metrics::slip_rate_max});
 }
 
 TEST_CASE("lanes follow slip that the load brings back from stick", "[cycle-lanes]") {
@@ -49,12 +49,12 @@ TEST_CASE("lanes follow slip that the load brings back from stick", "[cycle-lane
   auto model = slider_under("flash-heating", {0.9808, 0.007369, 0.05385, 2.434e-5, 0.04527, 0.08658, 0.1165},
                             {5.229e7, 2.205e6, 0}, 3.281e-5, 1.924e6);
   model.lambda = 368.5;
-  const auto truth = find_cycle(model, {.tolerance = 1e-9, .multipliers = false});
+  const auto truth = cycles::find_cycle(model, {.tolerance = 1e-9, .multipliers = false});
   for (const double tolerance : {1e-5, 1e-6, 1e-7}) {
-    const auto lanes = find_cycles(std::span(&model, 1), {tolerance, 0.1, {"stick_fraction_001"}});
+    const auto lanes = lanes::find_cycles(std::span(&model, 1), {tolerance, 0.1, {"stick_fraction_001"}});
     REQUIRE(lanes.front().found);
     CHECK(lanes.front().tries < 6000);
-    check_agreement(lanes.front(), truth, {&Metrics::stick_fraction_001, &Metrics::period});
+    check_agreement(lanes.front(), truth, {&cycles::Metrics::stick_fraction_001, &cycles::Metrics::period});
   }
 }
 
@@ -63,12 +63,12 @@ TEST_CASE("lanes sum the loop of heated contacts, whose steady curve bends at re
   const auto model =
       slider_under("thermal", {0.7466, 0.1467, 0.01865, 0.1861, 0.06399, 3.28e-7, 0.0001132, 0.00354, 0.5451, 0.1924},
                    {0.2161, 1673.0, 0.008468}, 0.003504, 233.1);
-  const auto sure = find_cycle(model, {.tolerance = 1e-9});
+  const auto sure = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(sure.outcome.complete());
   for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
-    const auto lane = find_cycles(std::span(&model, 1), {tolerance, 0.1, {"loop_area"}}).front();
+    const auto lane = lanes::find_cycles(std::span(&model, 1), {tolerance, 0.1, {"loop_area"}}).front();
     REQUIRE(lane.found);
-    check_agreement(lane, sure, {&Metrics::loop_area});
+    check_agreement(lane, sure, {&cycles::Metrics::loop_area});
   }
 }
 
@@ -78,14 +78,14 @@ TEST_CASE("lanes take no neutral oscillation for attracted, however much its sta
   auto model = slider_under("spinodal", {0.2933, 0.02059, 0.1363, 1e-10, 8.868e-11, 2.973e-8, 5.917},
                             {13.11, 1.547e6, 0}, 3.577e-12, 1.65);
   model.lambda = 170.6;
-  const auto found = find_cycles(std::span(&model, 1), every_metric());
+  const auto found = lanes::find_cycles(std::span(&model, 1), lanes::every_metric());
   CHECK(!found.front().found);
 }
 
 TEST_CASE("lanes follow healing in the moment of a reversal", "[cycle-lanes]") {
   const auto model = healing_at_rest();
-  const auto cycle = find_cycle(model, {.tolerance = 1e-9, .multipliers = false});
-  const auto lane = find_cycles(std::span(&model, 1), every_metric()).front();
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-9, .multipliers = false});
+  const auto lane = lanes::find_cycles(std::span(&model, 1), lanes::every_metric()).front();
   REQUIRE(cycle.outcome.complete());
   REQUIRE(lane.found);
   check_agreement(lane, cycle);

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
-#include "analysis/motion_end.hpp"
-#include "analysis/run.hpp"
+#include "analysis/motion/motion_end.hpp"
+#include "analysis/motion/run.hpp"
 #include "laws/catalogue.hpp"
 #include "tests/analysis/healing_at_rest.hpp"
 #include "tests/bristol_board.hpp"
@@ -15,19 +15,19 @@ using rosin::tests::healing_at_rest;
 using rosin::tests::slider_under;
 
 TEST_CASE("friction of a law that weakens down to rest is without bound there once its state is gone", "[run]") {
-  CHECK(unbounded_at_rest(*laws::find_law("ageing"), 1));
-  CHECK(!unbounded_at_rest(*laws::find_law("spinodal"), 1));
-  CHECK(!unbounded_at_rest(*laws::find_law("ageing")->with("b", 0.005), 1));
-  CHECK(!unbounded_at_rest(*laws::find_law("coulomb"), 1));
+  CHECK(motion::unbounded_at_rest(*laws::find_law("ageing"), 1));
+  CHECK(!motion::unbounded_at_rest(*laws::find_law("spinodal"), 1));
+  CHECK(!motion::unbounded_at_rest(*laws::find_law("ageing")->with("b", 0.005), 1));
+  CHECK(!motion::unbounded_at_rest(*laws::find_law("coulomb"), 1));
 }
 
 TEST_CASE("bristles without their deflection jump at rest", "[run]") {
-  CHECK(jumps_at_rest(*laws::find_law("lugre"), 1));
-  CHECK(jumps_at_rest(*laws::find_law("dahl"), 1));
-  CHECK(!jumps_at_rest(*laws::find_law("ageing"), 1));
-  CHECK(!jumps_at_rest(*laws::find_law("ageing")->with("b", 0.005), 1));
-  CHECK(!jumps_at_rest(*laws::find_law("spinodal"), 1));
-  CHECK(!jumps_at_rest(*laws::find_law("coulomb"), 1));
+  CHECK(motion::jumps_at_rest(*laws::find_law("lugre"), 1));
+  CHECK(motion::jumps_at_rest(*laws::find_law("dahl"), 1));
+  CHECK(!motion::jumps_at_rest(*laws::find_law("ageing"), 1));
+  CHECK(!motion::jumps_at_rest(*laws::find_law("ageing")->with("b", 0.005), 1));
+  CHECK(!motion::jumps_at_rest(*laws::find_law("spinodal"), 1));
+  CHECK(!motion::jumps_at_rest(*laws::find_law("coulomb"), 1));
 }
 
 TEST_CASE("grazing slip of contacts that remember comes to rest at every tolerance, or its error says that it may",
@@ -42,17 +42,17 @@ TEST_CASE("grazing slip of contacts that remember comes to rest at every toleran
   auto model =
       slider_under("slip-distance", {scene.mu_s, scene.mu_d, scene.d_c}, {scene.m, scene.k, 0}, scene.V, scene.N);
   model.lambda = scene.lambda;
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = scene.duration;
   options.samples = 20;
-  options.start.kind = scene.slip_rate > 0 ? Start::Kind::given : Start::Kind::rest;
+  options.start.kind = scene.slip_rate > 0 ? motion::Start::Kind::given : motion::Start::Kind::rest;
   options.start.slip_rate = scene.slip_rate;
   options.tolerance = 1e-11;
-  const auto sure = run(model, options);
+  const auto sure = motion::run(model, options);
   REQUIRE(sure.outcome.complete());
   for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}) {
     options.tolerance = tolerance;
-    const auto motion = run(model, options);
+    const auto motion = motion::run(model, options);
     INFO("tolerance " << tolerance << ", " << motion.events.size() << " events");
     REQUIRE(motion.columns[0].size() == 21);
     for (std::size_t c = 0; c < motion.columns.size(); ++c)
@@ -68,8 +68,8 @@ TEST_CASE("healing in the moment of a reversal is followed", "[run]") {
   const double N = model.drive.normal_load.level(), V = model.drive.speed.level(), k = model.slider.stiffness;
   const double creep = model.law->slip_rate(1e-6, N, std::vector{age}) / 1e-6;  // m/s per unit of friction, near rest
   const double slope = creep * k * V / N;
-  RunOptions options;
-  options.start.kind = Start::Kind::given;
+  motion::RunOptions options;
+  options.start.kind = motion::Start::Kind::given;
   options.start.slip_rate = v;
   options.start.displacement = (v / creep * N - model.slider.damping * V) / k;
   options.start.states["theta"] = age;
@@ -77,7 +77,7 @@ TEST_CASE("healing in the moment of a reversal is followed", "[run]") {
   options.samples = 1;
   for (const char* solver : {"collocation", "cvode"}) {
     options.solver = solver;
-    const auto found = run(model, options);
+    const auto found = motion::run(model, options);
     REQUIRE(found.columns[2].size() == 2);
     CHECK(found.columns[2].back() == Approx(-v).epsilon(1e-2));
     CHECK(found.columns.back().back() - age == Approx(2 * v_c / (model.lambda * slope)).epsilon(2e-3));

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <complex>
 
-#include "analysis/run.hpp"
+#include "analysis/motion/run.hpp"
 #include "core/eigenpairs.hpp"
 #include "tests/bristol_board.hpp"
 
@@ -22,11 +22,11 @@ TEST_CASE("an elastic film rings under a mass until damping has stilled it", "[r
   const double V = 1.791e-14, N = 2.985e-13;
   Model model = slider_under("film", {A, d, S, tau_star, v0, 5e7}, {m, k, c}, V, N);
   model.lambda = lambda;
-  RunOptions options;
+  motion::RunOptions options;
   options.times = {1e-7, 1e-5, 0.0002364, 0.0004727, 0.004727};
-  options.start.kind = Start::Kind::rest;
+  options.start.kind = motion::Start::Kind::rest;
   options.tolerance = 1e-6;
-  const auto found = run(model, options);
+  const auto found = motion::run(model, options);
   REQUIRE(found.outcome.complete());
   // x' = V - u, m u' = k x + c (V - u) - F, F' = (S A/(lambda d)) (u - v0 F/(A tau*)), in units that balance.
   const double K = S * A / (lambda * d), w = std::sqrt(K / m);
@@ -48,13 +48,13 @@ TEST_CASE("a run that cannot follow the ringing on a film says its frequency", "
   auto model =
       slider_under("film", {1e-8, 1e-9, 1e9, 1e6, 1e-9, 5e7}, {0.0002211, 3614.0, 0.0006486}, 2.189e-12, 242.1);
   model.lambda = 272.3;
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 0.4662;
   options.samples = 20;
-  options.start.kind = Start::Kind::given;
+  options.start.kind = motion::Start::Kind::given;
   options.start.slip_rate = 6.176e-16;
   options.most_steps = 1000;
-  const auto followed = run(model, options);
+  const auto followed = motion::run(model, options);
   CHECK(followed.outcome.ending == Ending::budget_spent);
   // Faster than it flows the film is a spring A S/(λ d) in parallel with that of the slider: ω² = (k + A S/(λ
   // d))/m, 4.08e5/s.
@@ -71,10 +71,10 @@ TEST_CASE("a film rings with the slip rate however far apart their sizes are", "
   const double u0 = 1.132e-17;
   auto model = slider_under("film", {A, d, S, tau_star, v0, p0}, {m, k, 0}, V, N);
   model.drive.force = Signal(-0.05809);
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 0.01777;
   options.samples = 8;
-  options.start.kind = Start::Kind::given;
+  options.start.kind = motion::Start::Kind::given;
   options.start.slip_rate = u0;
   // Deviations q from the start, at which forces balance: q' = M q + (V - u0, 0, 0).
   Eigen::Matrix3d M;
@@ -88,7 +88,7 @@ TEST_CASE("a film rings with the slip rate however far apart their sizes are", "
   const Eigen::Vector3cd share = modes.eigenvectors().partialPivLu().solve(pushed.cast<std::complex<double>>());
   for (const double tolerance : {1e-4, 1e-5, 1e-6}) {
     options.tolerance = tolerance;
-    const auto motion = run(model, options);
+    const auto motion = motion::run(model, options);
     REQUIRE(motion.outcome.complete());
     for (std::size_t i = 0; i < motion.time.size(); ++i) {
       Eigen::Vector3cd grown;
@@ -111,13 +111,13 @@ TEST_CASE("ringing that long steps damp is in the stated error of friction", "[r
   model.lambda = 0.000660381;
   model.contact_stiffness.per_load = 406341.0;
   const double k_t = model.contact_stiffness.per_load * N, frequency = std::sqrt((k + k_t) / m);
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 0.2;
   options.samples = 20;
-  options.start.kind = Start::Kind::rest;
+  options.start.kind = motion::Start::Kind::rest;
   for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6}) {
     options.tolerance = tolerance;
-    const auto motion = run(model, options);
+    const auto motion = motion::run(model, options);
     double largest = 0;
     for (std::size_t i = 0; i < motion.time.size(); ++i) {
       const double t = motion.time[i];
@@ -132,11 +132,11 @@ TEST_CASE("ringing that long steps damp is in the stated error of friction", "[r
 TEST_CASE("ten million free oscillations are followed in closed form, without their works", "[run]") {
   const double m = 3.072, k = 1e15, c = 0.3535, V = 8.496e-5;
   const auto model = slider_under("coulomb", {1.084, 0.1056}, {m, k, c}, V, 4.771e-7);
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 4.748;
   options.samples = 20;
-  options.start.kind = Start::Kind::rest;
-  const auto result = run(model, options);
+  options.start.kind = motion::Start::Kind::rest;
+  const auto result = motion::run(model, options);
   REQUIRE(result.outcome.complete());
   CHECK(result.metrics.count("friction_work") == 0);
   CHECK_THAT(result.remark, Catch::Contains("works"));

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "analysis/run.hpp"
-#include "analysis/stability.hpp"
+#include "analysis/motion/run.hpp"
+#include "analysis/steady/stability.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
@@ -16,21 +16,21 @@ TEST_CASE("BDF says that rounding error of large forces exceeds the step of its 
                             {0.0004656, 0.08124, 0.3355}, 2.724e-9, 6.737e4);
   model.lambda = 0.003308;
   model.contact_stiffness.per_load = 1.3e-8;
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 25;
   options.samples = 3;
-  options.start.kind = Start::Kind::given;
+  options.start.kind = motion::Start::Kind::given;
   options.start.slip_rate = 4.783e-9;
   options.solver = "cvode";
   options.tolerance = 1e-7;
   // From balance, displacements count from there; but rounding error of friction, 67321 N, is 4e-11 m/s under the
   // damper.
-  const auto balanced = run(model, options);
+  const auto balanced = motion::run(model, options);
   CHECK(balanced.outcome.ending == Ending::tolerance_not_met);
   CHECK(balanced.columns[2].size() == 4);
   CHECK(balanced.column_error[2] > 2e-11);
   options.start.displacement = 840000;
-  CHECK(run(model, options).outcome.ending == Ending::tolerance_not_met);
+  CHECK(motion::run(model, options).outcome.ending == Ending::tolerance_not_met);
 }
 
 TEST_CASE("steps do not shrink for rounding error of friction", "[run]") {
@@ -41,17 +41,17 @@ TEST_CASE("steps do not shrink for rounding error of friction", "[run]") {
       {1.0014621995500535e-14, 130911.579123317, 0}, 3230.41973343274, 298.39034593200432);
   ringing.lambda = 16513.358136026385;
   ringing.contact_stiffness.tangential = 1189995190.1570506;
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 5.4679170009281394e-09;
   options.samples = 20;
-  options.start.kind = Start::Kind::given;
+  options.start.kind = motion::Start::Kind::given;
   options.start.slip_rate = 10828.256210590782;
   options.tolerance = 1e-6;
-  const auto motion = run(ringing, options);
+  const auto motion = motion::run(ringing, options);
   REQUIRE(motion.outcome.complete());
   CHECK(motion.cost.steps < 10'000);
   options.tolerance = 1e-9;
-  const auto close = run(ringing, options);
+  const auto close = motion::run(ringing, options);
   REQUIRE(close.columns.size() == motion.columns.size());
   for (std::size_t k = 0; k < close.columns.size(); ++k) {
     CHECK(close.column_error[k] < 1e-7 * std::abs(close.columns[k].back()));
@@ -67,10 +67,10 @@ TEST_CASE("steps do not shrink for rounding error of friction", "[run]") {
   options.start.slip_rate = 1.1119268843040756e-08;
   for (const double tolerance : {1e-6, 1e-9}) {
     options.tolerance = tolerance;
-    const auto settled = run(settling, options);
+    const auto settled = motion::run(settling, options);
     REQUIRE(settled.time.back() == options.duration);
     CHECK(settled.cost.steps < 2'000);
-    CHECK(settled.columns[3].back() == Approx(steady_sliding(settling).friction_force).epsilon(1e-7));
+    CHECK(settled.columns[3].back() == Approx(steady::steady_sliding(settling).friction_force).epsilon(1e-7));
     CHECK(settled.column_error[3] < 1e-7 * settled.columns[3].back());
   }
 }
@@ -81,14 +81,14 @@ TEST_CASE("rounding error of forces over the damping is in the stated error of t
                             {1e-20, 0.09551, 4.534e-6}, 0.08195, 2228.0);
   model.lambda = 3.247e-6;
   model.contact_stiffness.tangential = 0.0005922;
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 6.08e-7;
   options.samples = 20;
-  options.start.kind = Start::Kind::given;
+  options.start.kind = motion::Start::Kind::given;
   options.start.slip_rate = 0.0006245;
   for (const double tolerance : {1e-4, 1e-6, 1e-9}) {
     options.tolerance = tolerance;
-    const auto motion = run(model, options);
+    const auto motion = motion::run(model, options);
     REQUIRE(motion.columns[2].size() == 21);
     const double digit = 0.5 * std::numeric_limits<double>::epsilon() * motion.columns[3].back();
     CHECK(motion.column_error[1] > digit / model.slider.damping);
@@ -100,15 +100,15 @@ TEST_CASE("the error of a spring's displacement is that of the friction that it 
   // k x = F. The two states ring about steady sliding, which long steps damp.
   const double k = 2000;
   const auto model = slider_under("two-state-ageing", {0.6, 0.01, 0.009, 2e-6, 0.006, 4e-5, 1e-6}, {0, k, 0}, 1e-6, 1);
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 3e4;
   options.samples = 20;
-  options.start.kind = Start::Kind::given;
+  options.start.kind = motion::Start::Kind::given;
   options.start.slip_rate = 1.1e-6;
   options.solver = "collocation";
   for (const double tolerance : {1e-4, 1e-6}) {
     options.tolerance = tolerance;
-    const auto motion = run(model, options);
+    const auto motion = motion::run(model, options);
     REQUIRE(motion.outcome.complete());
     CHECK(motion.column_error[0] == Approx(motion.column_error[3] / k).epsilon(1e-3));
   }
@@ -118,17 +118,17 @@ TEST_CASE("slip rates that follow from friction or from forces agree between sol
   // Explicit steps at two tolerances share their last step, in which slip sets in.
   const auto loading = slider_under("kato-tullis", {0.7379, 0.003532, 0.02848, 0.03634, 4.573e-8, 0.0005811},
                                     {0, 0.01323, 0.003369}, 4.004e-6, 1.11e-5);
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 217.8;
   options.samples = 20;
-  options.start.kind = Start::Kind::rest;
+  options.start.kind = motion::Start::Kind::rest;
   options.tolerance = 1e-6;
   constexpr std::size_t slip_rate = 2;
   const auto compared = [&](const Model& model, const char* one, const char* another) {
     options.solver = one;
-    const auto first = run(model, options);
+    const auto first = motion::run(model, options);
     options.solver = another;
-    const auto second = run(model, options);
+    const auto second = motion::run(model, options);
     REQUIRE(first.columns[slip_rate].size() == second.columns[slip_rate].size());
     for (std::size_t i = 0; i < first.columns[slip_rate].size(); ++i)
       CHECK(std::abs(first.columns[slip_rate][i] - second.columns[slip_rate][i]) <=
@@ -142,7 +142,7 @@ TEST_CASE("slip rates that follow from friction or from forces agree between sol
   damped.contact_stiffness.tangential = 2.119e6;
   damped.contact_stiffness.damping = 9.406e5;
   options.duration = 2.652e-6;
-  options.start.kind = Start::Kind::given;
+  options.start.kind = motion::Start::Kind::given;
   options.start.slip_rate = 1.451e-10;
   compared(damped, "collocation", "cvode");
   // BDF of a damper against a contact spring, whose 11 N and 15306 N change by less than rounding error in each step.
@@ -169,14 +169,14 @@ TEST_CASE("a strong damper leaves the displacement to rounding error of forces, 
   const double c = 2.872e14, k = 5.092e4, N = 0.1754, V = 8.003e-9;
   auto model = slider_under("prz", {0.6, 0.01, 0.015, 1e-5, 1e-6}, {0, k, c}, V, N);
   model.lambda = 2747.0;
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 22.95;
   options.samples = 200;
-  options.start.kind = Start::Kind::rest;
+  options.start.kind = motion::Start::Kind::rest;
   double end[2], error[2];
   for (int i = 0; i < 2; ++i) {
     options.solver = i == 0 ? "explicit" : "collocation";
-    const auto result = run(model, options);
+    const auto result = motion::run(model, options);
     const auto &x = result.columns[0], &mu = result.columns[4];
     double slipped = 0;
     for (std::size_t i = 1; i < x.size(); ++i)
@@ -188,12 +188,12 @@ TEST_CASE("a strong damper leaves the displacement to rounding error of forces, 
 }
 
 TEST_CASE("a spring of stiffness -0 is none", "[run]") {
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 1e5;
   options.samples = 5;
-  options.start.kind = Start::Kind::rest;
+  options.start.kind = motion::Start::Kind::rest;
   const auto with = [&](double stiffness) {
-    return run(slider_under("hyperbolic", {0.1325, 40.75}, {2702.0, stiffness, 0.0007219}, 0.00075, 13.72), options);
+    return motion::run(slider_under("hyperbolic", {0.1325, 40.75}, {2702.0, stiffness, 0.0007219}, 0.00075, 13.72), options);
   };
   const auto none = with(0.0), minus = with(-0.0);
   CHECK(minus.columns == none.columns);

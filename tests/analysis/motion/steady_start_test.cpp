@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/run.hpp"
+#include "analysis/motion/run.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
@@ -15,7 +15,7 @@ TEST_CASE("a run from unstable steady sliding stays there unless its steps leave
   auto model = slider_under("ageing", {0.9507, 0.006369, 0.02047, 6.17e-6, 6.346e-11}, {0, 0.003073, 1.595e-7},
                             2.188e-6, 8.818e-5);
   model.lambda = 0.05035;
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 3691;
   options.samples = 20;
   // Growth at steady sliding: one state without mass has the larger root of its characteristic equation,
@@ -27,29 +27,29 @@ TEST_CASE("a run from unstable steady sliding stays there unless its steps leave
   const double q = s.stiffness * lambda + (s.damping + (a - b) * N / V) * rate, r = s.stiffness * rate;
   const auto growth = fmt::format("{:.3g} 1/s", (-q + std::sqrt(q * q - 4 * p * r)) / (2 * p));
   // Nothing disturbs the slider: it stays.
-  const auto steady = run(model, options);
+  const auto steady = motion::run(model, options);
   CHECK(steady.outcome.complete());
   CHECK(steady.cost.steps == 0);
   CHECK_THAT(steady.remark, Catch::Contains(growth));
   CHECK(steady.columns[2].back() == Approx(model.drive.speed.level()).epsilon(1e-10));
   options.solver = "explicit";
-  const auto unsure = run(model, options);
+  const auto unsure = motion::run(model, options);
   CHECK(unsure.outcome.ending == Ending::tolerance_not_met);
   CHECK_THAT(unsure.outcome.detail, Catch::Contains("unstable with " + growth) && Catch::Contains("rounding decides"));
   // Next to steady sliding the same motion is known.
-  RunOptions neighbour = options;
-  neighbour.start.kind = Start::Kind::given;
+  motion::RunOptions neighbour = options;
+  neighbour.start.kind = motion::Start::Kind::given;
   neighbour.start.slip_rate = 1.01 * model.drive.speed.level();
-  CHECK(run(model, neighbour).outcome.complete());
+  CHECK(motion::run(model, neighbour).outcome.complete());
 }
 
 TEST_CASE("a run that stays in steady sliding is exact", "[run]") {
   const double V = 8.808;
   const auto model = slider_under("coulomb", {0.6659, 0.5525}, {5.021e4, 439.3, 313.5}, V, 1.285);
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 5.446e-7;
-  options.start.kind = Start::Kind::steady;
-  const auto found = run(model, options);
+  options.start.kind = motion::Start::Kind::steady;
+  const auto found = motion::run(model, options);
   REQUIRE(found.outcome.complete());
   for (const double velocity : found.columns[1]) CHECK(std::abs(velocity) <= 1e-15 * V);
 }
@@ -59,11 +59,11 @@ TEST_CASE("rounding error of forces does not end a run that stays in steady slid
   auto model = slider_under("bowden-tabor", {2.167, 0.01226, 0.0231, 3.827e-6, 1.623e-7, 0.006445, 17.08},
                             {0.002869, 0.001592, 0.01894}, 3.377e-11, 9.36);
   model.lambda = 1.153e-6;
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 0.001357;
   options.samples = 20;
-  options.start.kind = Start::Kind::steady;
-  const auto stays = run(model, options);
+  options.start.kind = motion::Start::Kind::steady;
+  const auto stays = motion::run(model, options);
   CHECK(stays.outcome.complete());
   CHECK(stays.columns[2].back() == Approx(model.drive.speed.level()).epsilon(1e-14));
 }
@@ -72,13 +72,13 @@ TEST_CASE("rounding error of 1e-14 N does not move a slider of 1e-30 kg out of s
   // Friction is constant, and so is the spring force but for rounding error, 1.4e-14 N, which makes sqrt(km) = 2.6e-14
   // N s/m oscillate by half a metre a second, ten million times the drive's speed.
   const auto model = slider_under("static-growth", {0.19, 0.0116, 1.89e-05, 0.107}, {1e-30, 682, 0}, 5.26e-8, 951.6);
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 3.8e-15;
   options.samples = 20;
-  options.start.kind = Start::Kind::steady;
+  options.start.kind = motion::Start::Kind::steady;
   for (const char* solver : {"auto", "events"}) {
     options.solver = solver;
-    const auto motion = run(model, options);
+    const auto motion = motion::run(model, options);
     for (const double slip_rate : motion.columns[2]) CHECK(slip_rate == Approx(5.26e-8).epsilon(1e-12));
   }
 }
@@ -89,14 +89,14 @@ TEST_CASE("the slip rate of a damped contact is known within rounding error of t
                             4.419e-12, 65.83);
   model.contact_stiffness.tangential = 0.05041;
   model.contact_stiffness.damping = 33.67;
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 1070.0;
   options.samples = 20;
-  options.start.kind = Start::Kind::steady;
+  options.start.kind = motion::Start::Kind::steady;
   options.solver = "collocation";
   for (const double tolerance : {1e-6, 1e-9}) {
     options.tolerance = tolerance;
-    const auto motion = run(model, options);
+    const auto motion = motion::run(model, options);
     for (const double slip_rate : motion.columns[2])
       CHECK(std::abs(slip_rate - model.drive.speed.level()) <= motion.column_error[2]);
   }
@@ -110,12 +110,12 @@ TEST_CASE("an integrated run from steady sliding states rounding error of its ba
   model.lambda = 0.5;
   model.contact_stiffness.tangential = 1.344e-7;
   model.contact_stiffness.damping = 3.506e-17;
-  RunOptions options;
+  motion::RunOptions options;
   options.duration = 2.393e-6;
   options.samples = 20;
-  options.start.kind = Start::Kind::steady;
+  options.start.kind = motion::Start::Kind::steady;
   options.solver = "collocation";
-  const auto motion = run(model, options);
+  const auto motion = motion::run(model, options);
   constexpr std::size_t slip_rate = 2;
   REQUIRE(motion.column_names[slip_rate] == "slip_rate");
   for (const double v : motion.columns[slip_rate]) CHECK(std::abs(v - V) <= motion.column_error[slip_rate]);

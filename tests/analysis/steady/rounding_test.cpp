@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "analysis/stability.hpp"
+#include "analysis/steady/stability.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
@@ -17,7 +17,7 @@ TEST_CASE("eigenvalues twenty-eight decades apart all keep their digits", "[stab
   // Slip law, N a/(V m) = 3e19 1/s next to loading at 1e-12 1/s: QR returned 0 for the least.
   const auto model =
       slider_under("slip", {0.4459, 0.0263, 0.03411, 0.000496, 4.823e-8}, {0.003189, 4.429e4, 0}, 6.973e-12, 2.399e7);
-  const auto found = stability(model);
+  const auto found = steady::stability(model);
   REQUIRE(found.eigenvalues.size() == 3);
   CHECK(!found.stable);
   CHECK(!found.marginal);
@@ -35,10 +35,10 @@ TEST_CASE("growth within rounding error is marginal, and has no Hopf points", "[
   const auto model = slider_under(
       "thermal-disc", {0.1788, 0.2359, 0.004453, 0.3142, 0.0985, 0.00783, 0.005374, 0.008425, 0.6339, 4.655e-5, 0.9548},
       {2.026e-5, 39.25, 0}, 15.92, 1.169);
-  const auto found = stability(model);
+  const auto found = steady::stability(model);
   REQUIRE(found.eigenvalues.size() == 12);
   CHECK(found.marginal);
-  CHECK(hopf_points(model, "drive.normal_load").empty());
+  CHECK(steady::hopf_points(model, "drive.normal_load").empty());
 }
 
 TEST_CASE("rounding error of 5 kN does not move a weakening contact to another slip rate", "[stability]") {
@@ -49,13 +49,13 @@ TEST_CASE("rounding error of 5 kN does not move a weakening contact to another s
   model.contact_stiffness.tangential = 11.67;
   model.drive.force = 95.34;
   // The mass rings on the contact spring k_t against a falling curve of slope Z: growth k_t^2/(-2 Z m w^2).
-  const auto at = [&](double N) { return stability(model.with("drive.normal_load", N)).eigenvalues.front(); };
+  const auto at = [&](double N) { return steady::stability(model.with("drive.normal_load", N)).eigenvalues.front(); };
   for (double N = 2e3; N < 2e5; N *= 1.07) {
     const double slope = N * model.law->steady_friction({1.061e-8, N}).slope, k_t = 11.67;
     CHECK(at(N).real() == Approx(-k_t * k_t / (2 * slope * (k_t + 0.05649))).epsilon(0.01));
   }
   // Stability changes once, where the falling curve and the viscous part balance: there the mass oscillates freely.
-  const auto points = hopf_points(model, "drive.normal_load");
+  const auto points = steady::hopf_points(model, "drive.normal_load");
   REQUIRE(points.size() == 1);
   CHECK(points[0].angular_frequency == Approx(std::sqrt(0.05649 / 0.7443)).epsilon(1e-9));
 }
@@ -64,12 +64,12 @@ TEST_CASE("Hopf points lie where growth changes its sign, though bristles cancel
   Model model = slider_under("lugre-unscaled", {9.895e4, 88.74, 0.7516, 1.911, 0.05283, 0.002422},
                              {0.0005591, 1.341e5, 0}, 4.262e-6, 0.3);
   model.lambda = 1.708e-5;
-  const auto points = hopf_points(model, "drive.normal_load", 1);
+  const auto points = steady::hopf_points(model, "drive.normal_load", 1);
   REQUIRE_FALSE(points.empty());
   for (const auto& p : points) {
     const double step = std::max(3 * p.value_error, 1e-12 * p.value);
-    const auto below = stability(model.with("drive.normal_load", p.value - step)),
-               above = stability(model.with("drive.normal_load", p.value + step));
+    const auto below = steady::stability(model.with("drive.normal_load", p.value - step)),
+               above = steady::stability(model.with("drive.normal_load", p.value + step));
     CHECK((below.marginal || above.marginal || below.stable != above.stable));
   }
 }
@@ -80,7 +80,7 @@ TEST_CASE("rounding error of damping that cancels against falling friction is in
   const double V = 6.40602e-8;
   const std::vector<double> v = {0.0, 8.87544e-5, 0.000266263}, mu = {0.436322, 0.370874, 0.33815};
   const auto model = slider_under("tabulated", {v, mu}, {m, k, c}, V, N);
-  const auto found = stability(model);
+  const auto found = steady::stability(model);
   const double D = c + N * model.law->steady_friction({V, N}).slope;
   REQUIRE(std::abs(D) < 1e-4 * c);
   const std::complex<double> s = (-D + std::sqrt(std::complex<double>(D * D - 4 * m * k))) / (2 * m);
