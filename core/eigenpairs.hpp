@@ -33,7 +33,7 @@ struct MovingPart {
 MovingPart moving_part(const Eigen::MatrixXd& J, const Eigen::VectorXd& mass, const Eigen::VectorXd& scale);
 
 /// Eigenpairs of small matrices, which nothing is allocated for, of any balance.
-inline constexpr int most_small_rows = 20;
+inline constexpr int most_small_rows = 64;
 template <class Number>
 using SmallMatrix =
     Eigen::Matrix<Number, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, most_small_rows, most_small_rows>;

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 
 namespace rosin::oscillators {
 
@@ -38,6 +39,14 @@ void Structure::check() const {
                                    contact.tangential.size(), n));
     if (contact.tangential.isZero(0) || !contact.tangential.allFinite())
       throw InputError(fmt::format("contact {}: tangential has no direction", j + 1));
+    if (contact.normal.size() > 0) {
+      if (contact.normal.size() != n)
+        throw InputError(fmt::format("contact {}: normal has {} entries, but M has {} coordinates", j + 1,
+                                     contact.normal.size(), n));
+      if (contact.stiffness.present() || contact.load_memory > 0)
+        throw InputError(fmt::format(
+            "contact {}: a load that follows motion does not go with contact stiffness and load memory", j + 1));
+    }
     if (!contact.law->set_valued()) continue;
     set_valued.conservativeResize(n, set_valued.cols() + 1);
     set_valued.rightCols(1) = contact.tangential.normalized();
@@ -60,6 +69,25 @@ Structure two_mass_belt(const TwoMassBelt& belt, const FrictionContact& contact,
   structure.names = {"displacement", "second_displacement"};
   structure.contacts = {contact};
   structure.contacts[0].tangential = Eigen::Vector2d(1, 0);
+  structure.check();
+  return structure;
+}
+
+Structure mode_coupling(const ModeCoupling& model, const FrictionContact& contact, const Signal& force) {
+  Structure structure;
+  structure.M = Eigen::Vector2d(model.mass[0], model.mass[1]).asDiagonal();
+  structure.C = Eigen::Vector2d(model.damping[0], model.damping[1]).asDiagonal();
+  structure.K = Eigen::Matrix2d::Zero();
+  for (const auto& [stiffness, angle] : model.springs) {
+    const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
+    structure.K += stiffness * along * along.transpose();
+  }
+  structure.force = {force, 0.0};
+  structure.names = {"displacement", "normal_displacement"};
+  structure.contacts = {contact};
+  structure.contacts[0].tangential = Eigen::Vector2d(1, 0);
+  structure.contacts[0].normal = Eigen::Vector2d(0, 1);
+  structure.contacts[0].support = model.contact;
   structure.check();
   return structure;
 }

@@ -1,4 +1,5 @@
-/// A structure with friction contacts: M q̈ + C q̇ + K q = f(t) + Σ t F, any number of coordinates and contacts.
+/// A structure with friction contacts: M q̈ + C q̇ + K q = f(t) + Σ (t F − n (N − N₀)), any number of coordinates and
+/// contacts. N₀ is what presses a contact where nothing moves, and N what it bears.
 #pragma once
 #include <Eigen/Core>
 #include <memory>
@@ -8,6 +9,15 @@
 #include "oscillators/model.hpp"
 
 namespace rosin::oscillators {
+
+/// How a contact answers motion along its normal, beside its preload: with a = nᵀ q, stiffness·a + cubic·a³ +
+/// damping·ȧ.
+struct NormalSupport {
+  double stiffness = 0;  ///< N/m
+  double cubic = 0;      ///< N/m³
+  double damping = 0;    ///< N s/m
+  bool lift_off = true;  ///< the contact only presses: where this and the preload fall below 0 there is no load
+};
 
 /// A contact of a structure with a surface that moves. Friction F on the structure acts along t where the surface is
 /// the faster.
@@ -19,7 +29,9 @@ struct FrictionContact {
   Eigen::VectorXd tangential;  ///< t: the slip rate is speed − tᵀ q̇
   Signal speed = 1.0;          ///< of the surface, m/s
   Signal normal_load = 1.0;    ///< N
-  double load_factor = 1;      ///< times normal_load: the load of this contact
+  double load_factor = 1;      ///< times normal_load: the load of this contact, or its preload
+  Eigen::VectorXd normal;      ///< n: motion along it presses; empty: the load is prescribed
+  NormalSupport support;
 };
 
 /// Coordinates q (m) from the place where springs are relaxed.
@@ -42,6 +54,19 @@ struct TwoMassBelt {
   Slider block, second;
 };
 Structure two_mass_belt(const TwoMassBelt&, const FrictionContact&, const Signal& force);
+
+/// A block on springs at angles to the direction of sliding, pressed on a belt by a contact that gives way (Hoffmann,
+/// Fischer, Allgaier & Gaul 2002): coordinates along the belt and into it, coupled by K and by friction.
+struct ModeCoupling {
+  struct Spring {
+    double stiffness, angle;  ///< N/m; rad, from the direction of sliding
+  };
+  double mass[2] = {1, 1};     ///< kg, along and into the belt
+  double damping[2] = {0, 0};  ///< N s/m
+  std::vector<Spring> springs;
+  NormalSupport contact;
+};
+Structure mode_coupling(const ModeCoupling&, const FrictionContact&, const Signal& force);
 
 /// Blocks in a row: `coupling` between neighbours, `pull` from each to the fixed frame; masses of their own.
 /// \param contacts  one for each block; their directions are set here

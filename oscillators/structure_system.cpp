@@ -99,7 +99,7 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     for (int i = 0; i < n_; ++i)
       if (t[i] != 0) {
         speed_scale_[i] = std::max(speed_scale_[i], at.reference_speed);
-        if (const double k = structure_.K(i, i); k > 0)
+        if (const double k = stiffness_at(i); k > 0)
           coordinate_scale_[i] = std::max(coordinate_scale_[i], at.reference_speed * std::sqrt(structure_.M(i, i) / k) +
                                                                     std::abs(t[i]) * N * coefficient / k);
       }
@@ -114,6 +114,15 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
                                  : speed_scale_[i];
   }
   follow_modes();
+}
+
+/// Of the springs and contacts that hold a coordinate while the others rest, N/m.
+double StructureSystem::stiffness_at(int coordinate) const {
+  double sum = structure_.K(coordinate, coordinate);
+  for (const auto& contact : structure_.contacts)
+    if (contact.normal.size() > 0)
+      sum += contact.support.stiffness * contact.normal[coordinate] * contact.normal[coordinate];
+  return sum;
 }
 
 void StructureSystem::set_mode(int contact, ContactMode mode) {
@@ -149,6 +158,49 @@ StructureSystem::Load StructureSystem::load(int contact, double t) const {
   return {of.load_factor * of.normal_load.value(t), of.load_factor * of.normal_load.rate(t)};
 }
 
+StructureSystem::Load StructureSystem::load(int contact, double t, const double* y) const {
+  const auto preload = load(contact, t);
+  if (!follows_motion(contact)) return preload;
+  const auto& at = structure_.contacts[contact];
+  const double a = at.normal.dot(Eigen::Map<const VectorXd>(y, n_)), rate = at.normal.dot(velocity(t, y));
+  const double N = preload.level + (at.support.stiffness + at.support.cubic * a * a) * a + at.support.damping * rate;
+  // A law never sees the rate of a load that holds accelerations: what would ask for it is refused.
+  return {at.support.lift_off ? std::max(N, 0.0) : N, 0};
+}
+
+StructureSystem::Support StructureSystem::support(int contact, double t, const double* y) const {
+  const auto& at = structure_.contacts[contact];
+  if (!follows_motion(contact) || (at.support.lift_off && load(contact, t, y).level == 0)) return {0, 0};
+  const double a = at.normal.dot(Eigen::Map<const VectorXd>(y, n_));
+  return {at.support.stiffness + 3 * at.support.cubic * a * a, at.support.damping};
+}
+
+double StructureSystem::normal_load(int contact, double t, const double* y) const { return load(contact, t, y).level; }
+
+double StructureSystem::normal_power(double t, const double* y) const {
+  double power = 0;
+  for (int j = 0; j < friction_contacts(); ++j)
+    if (follows_motion(j))
+      power -= (load(j, t, y).level - load(j, t).level) * structure_.contacts[j].normal.dot(velocity(t, y));
+  return power;
+}
+
+/// Where a contact lifts off its load has a kink.
+double StructureSystem::kink(const double* y) const {
+  double product = NAN;
+  for (int j = 0; j < friction_contacts(); ++j) {
+    const auto& at = structure_.contacts[j];
+    if (!follows_motion(j) || !at.support.lift_off || !at.normal_load.constant()) continue;
+    const double N0 = load(j, 0).level, a = at.normal.dot(Eigen::Map<const VectorXd>(y, n_));
+    if (N0 == 0) continue;
+    const double part = 1 + ((at.support.stiffness + at.support.cubic * a * a) * a +
+                             at.support.damping * at.normal.dot(velocity(0, y))) /
+                                N0;
+    product = std::isnan(product) ? part : product * part;
+  }
+  return product;
+}
+
 /// V of the contacts at their rows, 0 at the others.
 Eigen::VectorXd StructureSystem::speeds_of_surfaces(double t) const {
   VectorXd V = VectorXd::Zero(n_);
@@ -173,7 +225,8 @@ Eigen::VectorXd StructureSystem::forces_without_stick(double t, const double* y,
   VectorXd R = -structure_.K * q - structure_.C * velocity(t, y);
   for (std::size_t i = 0; i < structure_.force.size(); ++i) R[i] += structure_.force[i].value(t);
   for (int j = 0; j < friction_contacts(); ++j) {
-    const auto [N, rate] = load(j, t);
+    const auto [N, rate] = load(j, t, y);
+    if (follows_motion(j)) R -= (N - load(j, t).level) * structure_.contacts[j].normal;
     double F, g[Slopes<double>::capacity];
     const bool stuck = sticks(j);
     at_[j].contact->evaluate({stuck ? 0 : slip_rate(j, t, y), N, rate, sign(at_[j].mode)}, y + at_[j].first,
@@ -223,13 +276,27 @@ void StructureSystem::linearise(double t, const double* y, double* f, double* ja
     const At& at = at_[j];
     const VectorXd& direction = structure_.contacts[j].tangential;
     const int nz = at.contact->unknowns();
-    const auto [N, rate] = load(j, t);
+    const auto [N, rate] = load(j, t, y);
     const bool stuck = sticks(j);
     double F, g[Slopes<double>::capacity];
     Slopes<double> slopes;
     at.contact->linearise({stuck ? 0 : slip_rate(j, t, y), N, rate, sign(at.mode)}, y + at.first, g, F, slopes);
     for (int a = 0; a < nz; ++a)
       for (int b = 0; b < nz; ++b) J(at.first + a, at.first + b) = slopes.g_z[a * nz + b];
+    Eigen::RowVectorXd N_q = Eigen::RowVectorXd::Zero(n_), N_w = N_q;
+    if (follows_motion(j)) {
+      const auto [by_approach, by_rate] = support(j, t, y);
+      const VectorXd& normal = structure_.contacts[j].normal;
+      N_q = by_approach * normal.transpose();
+      N_w = by_rate * normal.transpose() * velocity_of_speed_;
+      const VectorXd on_coordinates = (stuck ? 0 : slopes.F_N) * direction - normal;
+      R_q += on_coordinates * N_q;
+      R_w += on_coordinates * N_w;
+      for (int a = 0; a < nz; ++a) {
+        J.block(at.first + a, 0, 1, n_) += slopes.g_N[a] * N_q;
+        J.block(at.first + a, n_, 1, n_) += slopes.g_N[a] * N_w;
+      }
+    }
     if (stuck) continue;
     Eigen::RowVectorXd u_w = Eigen::RowVectorXd::Zero(n_);
     if (at.row >= 0)
@@ -238,7 +305,7 @@ void StructureSystem::linearise(double t, const double* y, double* f, double* ja
       u_w = -direction.transpose() * velocity_of_speed_;
     R_w += slopes.F_u * direction * u_w;
     for (int a = 0; a < nz; ++a) {
-      J.block(at.first + a, n_, 1, n_) = slopes.g_u[a] * u_w;
+      J.block(at.first + a, n_, 1, n_) += slopes.g_u[a] * u_w;
       J.block(n_, at.first + a, n_, 1) = acceleration_ * direction * slopes.F_z[a];
     }
   }
@@ -257,7 +324,7 @@ void StructureSystem::held(double t, const double* y, Held* held) const {
   const VectorXd rounding = holding_.cwiseAbs() * terms;
   for (std::size_t s = 0; s < stuck_.size(); ++s) {
     const int j = stuck_[s];
-    const double N = load(j, t).level;
+    const double N = load(j, t, y).level;
     const FrictionLaw& law = this->law(j);
     double limit;
     if (!law.has_states()) {
@@ -298,7 +365,7 @@ void StructureSystem::release(int contact, double t, double* y) const {
   std::vector<double> acceleration(contacts());
   slip_accelerations(t, y, acceleration.data());
   const double effective_mass = 1 / direction.dot(inverse_mass_ * direction);
-  const double N = load(j, t).level, along = sign(mode(contact));
+  const double N = load(j, t, y).level, along = sign(mode(contact));
   constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
   const VectorXd terms = structure_.K.cwiseAbs() * Eigen::Map<const VectorXd>(y, n_).cwiseAbs();
   const double sure = digits * (N * law(j).steady_friction({reference_speed(contact), N}).friction +
@@ -309,7 +376,7 @@ void StructureSystem::release(int contact, double t, double* y) const {
 
 void StructureSystem::scale(const double* y, double* s) const {
   for (int i = 0; i < n_; ++i) {
-    s[i] = std::max(coordinate_scale_[i], structure_.K(i, i) > 0 ? 0 : std::abs(y[i]));
+    s[i] = std::max(coordinate_scale_[i], stiffness_at(i) > 0 ? 0 : std::abs(y[i]));
     s[n_ + i] = std::max(speed_scale_[i], std::abs(y[n_ + i]));
   }
   for (int j = 0; j < friction_contacts(); ++j) {
@@ -365,7 +432,7 @@ void StructureSystem::cross_break(double t, double* y) const {
     At const& at = at_[j];
     const FrictionContact& contact = structure_.contacts[j];
     double* z = y + at.first;
-    const double N = load(j, before).level, changed = load(j, t).level;
+    const double N = load(j, before, y).level, changed = load(j, t, y).level;
     if (N != changed) at.contact->change_load(slip_rate(j, before, y), N, changed, z);
     if (at.row >= 0) y[n_ + at.row] += contact.speed.value(t) - contact.speed.value(before);
     if (!at.carries_friction()) continue;
@@ -392,7 +459,7 @@ void StructureSystem::write_states(int contact, std::span<const double> state, d
 std::vector<double> StructureSystem::states(int contact, double t, const double* y) const {
   const At& at = at_[contact];
   if (at.states == 0 && law(contact).has_states())
-    return law(contact).steady({slip_rate(contact, t, y), load(contact, t).level});
+    return law(contact).steady({slip_rate(contact, t, y), load(contact, t, y).level});
   std::vector<double> state(at.states);
   const double* z = y + at.first + (at.carries_friction() ? 1 : 0);
   for (int i = 0; i < at.states; ++i) state[i] = read_state(contact, i, z[i]);
@@ -405,7 +472,7 @@ void StructureSystem::friction_forces(double t, const double* y, double* force) 
   for (int c = 0; c < contacts(); ++c) force[switching_[c]] = held[c].force;
   for (int j = 0; j < friction_contacts(); ++j) {
     if (sticks(j)) continue;
-    const auto [N, rate] = load(j, t);
+    const auto [N, rate] = load(j, t, y);
     double g[Slopes<double>::capacity];
     at_[j].contact->evaluate({slip_rate(j, t, y), N, rate, sign(at_[j].mode)}, y + at_[j].first, g, force[j]);
   }
@@ -421,7 +488,7 @@ std::vector<double> StructureSystem::unknowns_at(double t, const VectorXd& q, co
       y[n_ + at_[j].row] = structure_.contacts[j].speed.value(t) - structure_.contacts[j].tangential.dot(velocity);
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
-    const double N = load(j, t).level, u = slip_rate(j, t, y.data());
+    const double N = load(j, t, y.data()).level, u = slip_rate(j, t, y.data());
     const std::vector<double> state = j < int(states.size()) && !states[j].empty() ? states[j]
                                       : u == 0                                     ? law(j).rest(N)
                                                                                    : law(j).steady({u, N});
@@ -433,30 +500,61 @@ std::vector<double> StructureSystem::unknowns_at(double t, const VectorXd& q, co
   return y;
 }
 
+/// Coordinates at rest, with friction of steady sliding; Newton's method where loads follow them.
 std::vector<double> StructureSystem::steady(double t) const {
-  VectorXd load_on_coordinates = VectorXd::Zero(n_);
-  for (std::size_t i = 0; i < structure_.force.size(); ++i) load_on_coordinates[i] = structure_.force[i].value(t);
-  std::vector<double> friction(at_.size());
-  for (int j = 0; j < friction_contacts(); ++j) {
-    const double N = load(j, t).level, V = structure_.contacts[j].speed.value(t);
-    friction[j] = V == 0 ? 0 : N * law(j).steady_friction({V, N}).friction;
-    load_on_coordinates += friction[j] * structure_.contacts[j].tangential;
+  const auto friction = [&](int j, double N) {
+    const double V = structure_.contacts[j].speed.value(t);
+    return V == 0 || N == 0 ? 0 : N * law(j).steady_friction({V, N}).friction;
+  };
+  std::vector<double> y(2 * n_);  // q, and speeds of slip at the surfaces' own
+  for (std::size_t j = 0; j < at_.size(); ++j)
+    if (at_[j].row >= 0) y[n_ + at_[j].row] = structure_.contacts[j].speed.value(t);
+  Eigen::Map<VectorXd> q(y.data(), n_);
+  constexpr int most_iterations = 50;
+  constexpr double rounding = 1e-13, aside = 1e-6;
+  for (int iteration = 0;; ++iteration) {
+    VectorXd residual = -structure_.K * q, size = structure_.K.cwiseAbs() * q.cwiseAbs();
+    MatrixXd slope = structure_.K;
+    for (std::size_t i = 0; i < structure_.force.size(); ++i) {
+      residual[i] += structure_.force[i].value(t);
+      size[i] += std::abs(structure_.force[i].value(t));
+    }
+    for (int j = 0; j < friction_contacts(); ++j) {
+      const auto& contact = structure_.contacts[j];
+      const double N = load(j, t, y.data()).level, F = friction(j, N);
+      residual += F * contact.tangential;
+      size += std::abs(F) * contact.tangential.cwiseAbs();
+      if (!follows_motion(j)) continue;
+      const double away = N - load(j, t).level;
+      residual -= away * contact.normal;
+      size += std::abs(away) * contact.normal.cwiseAbs();
+      const double dN = aside * std::max(N, 1e-300), F_N = (friction(j, N + dN) - F) / dN;
+      slope += support(j, t, y.data()).by_approach * (contact.normal - F_N * contact.tangential) *
+               contact.normal.transpose();
+    }
+    if (iteration > 0 && (residual.cwiseAbs() - rounding * size).maxCoeff() <= 0) break;
+    const Eigen::FullPivLU<MatrixXd> lu(slope);
+    if (!lu.isInvertible())
+      throw InputError("K has no inverse: a structure that no spring holds has no steady sliding (stiffness, N/m)");
+    if (iteration == most_iterations || !residual.allFinite())
+      throw InputError(
+          fmt::format("no steady sliding was found: after {} steps of Newton's method forces are {:.1e} N "
+                      "apart",
+                      iteration, residual.cwiseAbs().maxCoeff()));
+    q += lu.solve(residual);
   }
-  const Eigen::FullPivLU<MatrixXd> stiffness(structure_.K);
-  if (!stiffness.isInvertible())
-    throw InputError("K has no inverse: a structure that no spring holds has no steady sliding (stiffness, N/m)");
-  auto y = unknowns_at(t, stiffness.solve(load_on_coordinates), VectorXd::Zero(n_));
+  auto start = unknowns_at(t, q, VectorXd::Zero(n_));
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
     const double N = load(j, t).level;
     if (at.rigid()) continue;
-    if (at.carries_friction()) y[at.first] = friction[j] / N;
+    if (at.carries_friction()) start[at.first] = friction(j, N) / N;
     if (at.setup.spring.present()) {
       const double compliance = at.setup.spring.compliance + at.setup.spring.compliance_per_load / N;
-      y[at.first + at.contact->unknowns() - 1] = friction[j] * compliance;
+      start[at.first + at.contact->unknowns() - 1] = friction(j, N) * compliance;
     }
   }
-  return y;
+  return start;
 }
 
 }  // namespace rosin::oscillators

@@ -32,6 +32,7 @@ class StructureSystem final : public SwitchingSystem {
   void cross_break(double t, double* y) const override;
   bool autonomous() const override { return is_constant_; }
   double resolution() const override;
+  double kink(const double* y) const override;
 
   int contacts() const override { return int(switching_.size()); }
   ContactMode mode(int contact) const override { return at_[switching_[contact]].mode; }
@@ -51,7 +52,10 @@ class StructureSystem final : public SwitchingSystem {
   double slip_rate(int friction_contact, double t, const double* y) const;
   /// Forces of the contacts on the structure, each along its t (N): friction_contacts() entries.
   void friction_forces(double t, const double* y, double* force) const;
-  double normal_load(int friction_contact, double t) const { return load(friction_contact, t).level; }
+  /// What presses a contact (N), by its preload and by motion along its normal.
+  double normal_load(int friction_contact, double t, const double* y) const;
+  /// Power of the normal forces that contacts answer motion with, −(N − N₀) nᵀ q̇ (W).
+  double normal_power(double t, const double* y) const;
   /// The contact whose modes are counted as `contact`, among all.
   int friction_contact(int contact) const { return switching_[contact]; }
   /// Natural states of a contact's law.
@@ -61,8 +65,8 @@ class StructureSystem final : public SwitchingSystem {
   /// sliding at the contact's slip rate, or of long rest where that is 0) and relaxed contact springs.
   std::vector<double> unknowns_at(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& velocity,
                                   const std::vector<std::vector<double>>& states = {}) const;
-  /// Steady sliding at time t: K q = f + Σ t F(V), at rest.
-  /// \throws InputError where K has no inverse, as of a structure that is free to move.
+  /// Steady sliding at time t: K q = f + Σ (t F(V, N) − n (N − N₀)), at rest, by Newton's method where loads follow q.
+  /// \throws InputError where there is none: of a structure that is free to move, or without a solution in reach.
   std::vector<double> steady(double t) const;
 
  private:
@@ -82,7 +86,15 @@ class StructureSystem final : public SwitchingSystem {
   struct Load {
     double level, rate;
   };
-  Load load(int contact, double t) const;
+  Load load(int contact, double t) const;  ///< prescribed, or the preload
+  Load load(int contact, double t, const double* y) const;
+  /// ∂N/∂(nᵀ q, nᵀ q̇); 0 where the contact is open.
+  struct Support {
+    double by_approach, by_rate;
+  };
+  Support support(int contact, double t, const double* y) const;
+  double stiffness_at(int coordinate) const;
+  bool follows_motion(int contact) const { return structure_.contacts[contact].normal.size() > 0; }
   const FrictionLaw& law(int contact) const { return *structure_.contacts[contact].law; }
   bool sticks(int contact) const { return at_[contact].sticks(law(contact)); }
   Eigen::VectorXd speeds_of_surfaces(double t) const;

@@ -55,7 +55,7 @@ class Columns {
       add("slip_rate" + number, "m/s");
       add("friction_force" + number, "N");
       add("friction_coefficient" + number, "1");
-      if (contacts > 1) add("normal_load" + number, "N");
+      if (shows_load(j)) add("normal_load" + number, "N");
       for (const auto& state : structure.contacts[j].law->states()) add(state.name + number, state.unit);
     }
     values.resize(names.size());
@@ -69,11 +69,11 @@ class Columns {
     for (const double v : system_.velocity(t, y)) add(v);
     system_.friction_forces(t, y, force_.data());
     for (int j = 0; j < contacts; ++j) {
-      const double N = system_.normal_load(j, t);
+      const double N = system_.normal_load(j, t, y);
       add(system_.slip_rate(j, t, y));
       add(force_[j]);
       add(N > 0 ? force_[j] / N : 0);
-      if (contacts > 1) add(N);
+      if (shows_load(j)) add(N);
       for (const double state : system_.states(j, t, y)) add(state);
     }
   }
@@ -83,6 +83,9 @@ class Columns {
   int mechanical = 0;  ///< columns of coordinates and velocities, the first
 
  private:
+  bool shows_load(int contact) const {
+    return system_.friction_contacts() > 1 || system_.structure().contacts[contact].normal.size() > 0;
+  }
   const StructureSystem& system_;
   std::vector<double> force_;
 };
@@ -115,6 +118,7 @@ class EnergyAudit {
       double power = damping + circulation, size = std::abs(damping) + std::abs(circulation);
       const auto add = [&](double part) { power += part, size += std::abs(part); };
       for (std::size_t k = 0; k < structure.force.size(); ++k) add(structure.force[k].value(t) * v[k]);
+      add(system_.normal_power(t, y_.data()));
       for (int j = 0; j < system_.friction_contacts(); ++j) {
         add(force_[j] * structure.contacts[j].tangential.dot(v));
         heat += weight * force_[j] * system_.slip_rate(j, t, y_.data());

@@ -2,3 +2,4 @@
 #pragma once
 #include "analysis/steady/curve.hpp"
 #include "analysis/steady/stability.hpp"
+#include "analysis/steady/structure_stability.hpp"

@@ -53,7 +53,7 @@ StructureStability stability(const oscillators::Structure& moving) {
   std::vector<double> force(system.friction_contacts());
   system.friction_forces(0, y.data(), force.data());
   for (int j = 0; j < system.friction_contacts(); ++j)
-    result.contacts.push_back({system.normal_load(j, 0), force[j], system.slip_rate(j, 0, y.data())});
+    result.contacts.push_back({system.normal_load(j, 0, y.data()), force[j], system.slip_rate(j, 0, y.data())});
 
   const auto part = moving_part(J, mass, scale);
   const Eigenpairs pairs = eigenpairs(part.A, true);

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "app/output/files.hpp"
@@ -38,7 +39,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   return {"curve.gp"};
 }
 
-constexpr int run_panel = 170, run_margin = 110;  // pixels: height of a panel, and of the texts around them all
+constexpr int run_panel = 170, run_margin = 130;  // pixels: height of a panel, and of the texts around them all
 
 /// A step between ticks that leaves about four: 1, 2 or 5 times a power of ten.
 double tick_step(double low, double high) {
@@ -46,6 +47,15 @@ double tick_step(double low, double high) {
   if (!(step > 0)) return 1;
   const double decade = std::pow(10, std::floor(std::log10(step)));
   return decade * (step < 1.5 * decade ? 1 : step < 3.5 * decade ? 2 : step < 7.5 * decade ? 5 : 10);
+}
+
+/// Number of the contact in "slip_rate_2"; 0 for what is no contact's.
+int contact_of_column(const std::string& name) {
+  const auto bar = name.rfind('_');
+  if (bar == std::string::npos || name.find("displacement") != std::string::npos) return 0;
+  const bool is_number = bar + 1 < name.size() && std::all_of(name.begin() + long(bar) + 1, name.end(),
+                                                              [](unsigned char c) { return std::isdigit(c) != 0; });
+  return is_number ? std::stoi(name.substr(bar + 1)) : 0;
 }
 
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
@@ -59,8 +69,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   for (std::size_t c = 0; c < run.columns.size() && shown.size() < most_panels; ++c)
     if (is_shown(run.column_names[c])) shown.push_back(c);
   std::string events;
-  for (const auto& event : run.events) events += fmt::format("{},{}\n", event.time, event.kind);
-  write_whole(folder / "run-events.csv", "time (s),kind\n" + events);
+  for (const auto& event : run.events) events += fmt::format("{},{},{}\n", event.time, event.kind, event.contact);
+  write_whole(folder / "run-events.csv", "time (s),kind,contact\n" + events);
 
   const bool strip = run.metrics.contains("stick_time") && run.time.size() > 1;
   if (strip) {  // stick or slip over time; what the motion began with follows from its first event
@@ -82,8 +92,11 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
       preamble("run", "Every column of a run against time, with its events", 820, run_margin + run_panel * panels);
   const int height = run_margin + run_panel * panels;
   script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n", panels,
-                        single_quoted(scene.title), 65.0 / height, 1 - 45.0 / height);
-  script += "set grid x linecolor '#CCCCCC' linewidth 0.6\nset key outside top right horizontal\n";
+                        single_quoted(scene.title), 65.0 / height, 1 - 65.0 / height);
+  // The key stands between title and curves: a title may be as wide as the picture.
+  script +=
+      fmt::format("set grid x linecolor '#CCCCCC' linewidth 0.6\nset key at screen 0.97,{:.4f} top right horizontal\n",
+                  1 - 32.0 / height);
   if (run.time.size() > 1) script += fmt::format("set xrange [{}:{}]\n", run.time.front(), run.time.back());
   constexpr std::size_t most_lines = 200;  // more would hide the curve
   struct Kind {
@@ -95,6 +108,9 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     return run.events.size() > most_lines ||
            std::ranges::none_of(run.events, [&](const auto& event) { return event.kind == kind.name; });
   });
+  // Where there are several contacts, each panel of a contact has its own events.
+  const bool several = std::ranges::any_of(run.events, [](const auto& event) { return event.contact > 0; });
+  bool in_key = false;
   for (const auto c : shown) {
     const auto [low, high] = std::ranges::minmax(run.columns[c]);
     const bool decades = spans_decades(low, high);
@@ -106,12 +122,16 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
         decades ? "set ytics autofreq\n" : fmt::format("set ytics {:g}\n", tick_step(low * factor, high * factor));
     script += c == shown.back() && !strip ? "set xlabel 'time (s)'\nset format x '%g'\n" : "set format x ''\n";
     script += fmt::format("plot 'run.csv' using 1:(${}*{}) with lines linestyle 1 notitle", c + 2, factor);
-    for (const auto& kind : kinds)  // a line over the height of the curve
+    const int contact = several ? contact_of_column(run.column_names[c]) : 0;
+    for (const auto& kind : kinds) {  // a line over the height of the curve
+      if (several && contact == 0) continue;
       script += fmt::format(
-          ", \\\n     'run-events.csv' using 1:(strcol(2) eq '{}' ? {} : NaN):(0):({}) with vectors nohead "
+          ", \\\n     'run-events.csv' using 1:(strcol(2) eq '{}' && $3 == {} ? {} : NaN):(0):({}) with vectors nohead "
           "linecolor '{}' linewidth 0.8 dashtype {} {}",
-          kind.name, low * factor, (high - low) * factor, kind.colour, kind.dash,
-          c == shown.front() ? fmt::format("title '{}'", kind.name) : "notitle");
+          kind.name, contact, low * factor, (high - low) * factor, kind.colour, kind.dash,
+          in_key ? "notitle" : fmt::format("title '{}'", kind.name));
+    }
+    in_key = in_key || !several || contact > 0;
     script += '\n';
   }
   if (strip)

@@ -27,12 +27,12 @@ const OscillatorType& oscillator_type(SceneReader& reader, const toml::node& osc
   Table table(oscillator, "oscillator");
   const auto* type = table.find("type");
   if (!type) return types.front();
-  std::vector<std::string> known = {"mode-coupling", "block", "pin-on-disk", "string"};  // reserved
+  std::vector<std::string> known = {"modal", "block", "pin-on-disk", "string"};  // reserved
   for (const auto& one : types) known.emplace_back(one.name);
   const auto name = choice(*type, table.path("type"), known);
   const auto found = std::ranges::find(types, name, &OscillatorType::name);
   if (found == types.end())
-    fail(type->source(), "oscillator.type = '{}' is not available in this version; use 'slider'", name);
+    fail(type->source(), "oscillator.type = '{}' is not available in this version; use 'slider' or 'structure'", name);
   const auto& verbs = found->verbs;
   if (!verbs.empty() && std::ranges::find(verbs, reader.request.verb) == verbs.end())
     fail(type->source(), "oscillator.type = '{}' serves {} only, not '{}'", name, fmt::join(verbs, " and "),

@@ -42,6 +42,14 @@ void read_structure_drive(SceneReader& reader, Table table, bool complete, bool 
   reader.scene.curve.normal_load = drive.normal_load.level();
 }
 
+void read_drive_of_one(SceneReader& reader, Table drive, bool complete) {
+  read_structure_drive(reader, drive, complete, true);
+  auto& structure = reader.scene.structure->structure;
+  const auto& own = reader.scene.model.drive;
+  structure.contacts[0].speed = own.speed, structure.contacts[0].normal_load = own.normal_load;
+  structure.force[0] = own.force;
+}
+
 FrictionContact contact_of(const oscillators::Model& model) {
   FrictionContact contact;
   contact.law = model.law;
@@ -73,6 +81,21 @@ void read_contact(SceneReader& reader, Table& table, FrictionContact& contact) {
     fail(factor->source(), "{}: give normal_load or load_factor, not both", table.path("load_factor"));
   signal("normal_load", contact.normal_load);
   table.read("load_factor", contact.load_factor, {"", "1", {0, 1e12}, "load of this contact over drive.normal_load"});
+}
+
+oscillators::NormalSupport read_support(Table table) {
+  oscillators::NormalSupport support;
+  table.expect({"stiffness", "cubic", "damping", "lift_off"});
+  table.required("stiffness", "N/m");
+  table.read("stiffness", support.stiffness, {"", "N/m", {0, 1e15}, "stiffness of the contact along its normal"});
+  table.read("cubic", support.cubic, {"", "N/m^3", {0, 1e30}, "cubic stiffness of the contact along its normal"});
+  table.read("damping", support.damping, {"", "N s/m", {0, 1e15}, "damping of the contact along its normal"});
+  if (const auto* node = table.find("lift_off")) {
+    if (!node->is_boolean()) wrong_kind(*node, table.path("lift_off"), "true or false");
+    support.lift_off = *node->value<bool>();
+  }
+  table.finish();
+  return support;
 }
 
 namespace {
@@ -124,7 +147,7 @@ void read_drive(SceneReader& reader, Table drive, bool complete) {
   const auto& contacts = *reader.document.at_path("oscillator.contacts").node();
   for (const auto& element : list(contacts, "oscillator.contacts", "tables", most_names)) {
     Table table(element, fmt::format("oscillator.contacts.{}", structure.contacts.size() + 1));
-    table.expect({"tangential", "law", "speed", "normal_load", "load_factor"});
+    table.expect({"tangential", "normal", "normal_contact", "law", "speed", "normal_load", "load_factor"});
     auto contact = contact_of(reader.scene.model);
     const auto& direction = table.required("tangential", "direction of slip");
     const auto entries = numbers(direction, {table.path("tangential"), "1", any, "direction of slip"});
@@ -132,6 +155,19 @@ void read_drive(SceneReader& reader, Table drive, bool complete) {
       fail(direction.source(), "{} has {} entries for {} coordinates", table.path("tangential"), entries.size(),
            structure.size());
     contact.tangential = Eigen::Map<const Eigen::VectorXd>(entries.data(), structure.size());
+    const auto *normal = table.find("normal"), *support = table.find("normal_contact");
+    if ((normal == nullptr) != (support == nullptr))
+      fail(table.source(),
+           "{}: normal and normal_contact go together: a direction and how the contact answers along it",
+           table.path(normal ? "normal" : "normal_contact"));
+    if (normal) {
+      const auto presses = numbers(*normal, {table.path("normal"), "1", any, "direction that presses"});
+      if (int(presses.size()) != structure.size())
+        fail(normal->source(), "{} has {} entries for {} coordinates", table.path("normal"), presses.size(),
+             structure.size());
+      contact.normal = Eigen::Map<const Eigen::VectorXd>(presses.data(), structure.size());
+      contact.support = read_support(Table(*support, table.path("normal_contact")));
+    }
     read_contact(reader, table, contact);
     table.finish();
     structure.contacts.push_back(std::move(contact));

@@ -14,10 +14,16 @@ std::vector<double> one_or_list(Table&, std::string_view key, std::size_t size, 
 /// a place for one.
 void read_structure_drive(SceneReader&, Table drive, bool complete, bool takes_force);
 
+/// The same for a block with one contact, its first coordinate along the belt: the force acts on it.
+void read_drive_of_one(SceneReader&, Table drive, bool complete);
+
 /// A contact under the scene's law and drive.
 oscillators::FrictionContact contact_of(const oscillators::Model&);
 /// Changes the contact by the tables law, speed, normal_load and load_factor of its own.
 void read_contact(SceneReader&, Table&, oscillators::FrictionContact&);
+
+/// How a contact answers motion along its normal: stiffness, cubic, damping, lift_off.
+oscillators::NormalSupport read_support(Table);
 
 /// "steady", "rest", or a table: coordinates and velocities as lists, or columns by name.
 analysis::motion::StructureStart read_structure_start(const toml::node&, const std::string& path,

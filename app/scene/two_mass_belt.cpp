@@ -26,16 +26,8 @@ void read(SceneReader& reader, Table table, bool) {
   reader.scene.structure.emplace().structure = oscillators::two_mass_belt(belt, contact_of(reader.scene.model), 0.0);
 }
 
-void read_drive(SceneReader& reader, Table drive, bool complete) {
-  read_structure_drive(reader, drive, complete, true);
-  auto& structure = reader.scene.structure->structure;
-  const auto& own = reader.scene.model.drive;
-  structure.contacts[0].speed = own.speed, structure.contacts[0].normal_load = own.normal_load;
-  structure.force[0] = own.force;
-}
-
 }  // namespace
 
-OscillatorType two_mass_belt_type() { return {"two-mass-belt", {"run", "stability"}, read, read_drive}; }
+OscillatorType two_mass_belt_type() { return {"two-mass-belt", {"run", "stability"}, read, read_drive_of_one}; }
 
 }  // namespace rosin::app::scene

@@ -27,7 +27,7 @@ class Collocation {
   static constexpr double least_tolerance = 1e-18;
 
   /// `tolerance`: relative accuracy aimed at for the solution, in units of the system's scale.
-  /// \throws InputError for more than 19 unknowns.
+  /// \throws InputError for more than 64 unknowns.
   Collocation(const System&, double tolerance);
 
   /// Begins at (t, y); algebraic unknowns are made consistent by Newton's method where they are not.

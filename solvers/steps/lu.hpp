@@ -25,7 +25,7 @@ inline std::complex<double> reciprocal(const std::complex<double>& a) {
   return {x / norm, -y / norm};
 }
 
-inline constexpr int largest_lu = 96;  ///< rows: the five stages of a step of up to 19 unknowns
+inline constexpr int largest_lu = 320;  ///< rows: the five stages of a step of up to 64 unknowns
 
 /// Factorises the row-major n × n matrix in place; the diagonal holds the reciprocals of the pivots. Pivots are
 /// compared as parts of the largest entry of their row: rows of short steps and of stuck contacts are fifty decades

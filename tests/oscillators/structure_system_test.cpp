@@ -330,3 +330,46 @@ TEST_CASE("structures that do not fit are refused") {
       StructureSystem(two_mass_belt({{1, 1, 0}, {2, 0, 0}}, dry("coulomb", {0.4, 0.3}, 1), 0.0)).steady(0),
       Catch::Contains("no steady sliding"));
 }
+
+TEST_CASE("loads that follow motion: the Jacobian, lift-off, and steady sliding by Newton's method") {
+  Structure structure;
+  structure.M = MatrixXd{{1, 0.1}, {0.1, 0.8}};
+  structure.K = MatrixXd{{3, 0.4}, {0.4, 2}};
+  structure.C = 0.1 * structure.K;
+  auto contact = dry("stribeck", {}, 0.3);
+  contact.tangential = VectorXd{{1, 0.2}};
+  contact.normal = VectorXd{{0.1, 1}};
+  contact.normal_load = 0.7;
+  contact.support = {.stiffness = 2, .cubic = 5, .damping = 0.3};
+  structure.contacts = {contact, contact};
+  structure.contacts[1].law = laws::find_law("ageing");
+  structure.contacts[1].tangential = VectorXd{{0.1, 0.9}};
+  structure.contacts[1].support.damping = 0;
+  StructureSystem system(structure);
+  const int n = system.size();
+  for (const auto mode : {ContactMode::forward, ContactMode::stick})
+    for (const double a : {0.1, -0.8}) {  // pressed, and lifted off
+      system.set_mode(0, mode);
+      const auto y = system.unknowns_at(0, VectorXd{{0.3, a}}, VectorXd{{0.05, 0.02}});
+      CHECK((system.normal_load(0, 0, y.data()) > 0) == (a > 0));
+      std::vector<double> f(n), there(n), J(n * n);
+      system.linearise(0, y.data(), f.data(), J.data());
+      for (int j = 0; j < n; ++j) {
+        constexpr double h = 1e-6;
+        auto moved = y;
+        moved[j] += h;
+        system.evaluate(0, moved.data(), there.data());
+        for (int i = 0; i < n; ++i) {
+          INFO(system.unknown(i) << " by " << system.unknown(j) << ", a = " << a);
+          CHECK((there[i] - f[i]) / h == Approx(J[i * n + j]).epsilon(1e-4).margin(1e-4));
+        }
+      }
+    }
+  system.set_mode(0, ContactMode::forward);
+  const auto y = system.steady(0);
+  std::vector<double> f(n);
+  system.evaluate(0, y.data(), f.data());
+  for (int i = 0; i < n; ++i) CHECK(f[i] == Approx(0).margin(1e-12));
+  structure.contacts[0].stiffness.tangential = 1e3;
+  CHECK_THROWS_WITH(StructureSystem(structure), Catch::Contains("does not go with contact stiffness"));
+}

@@ -52,13 +52,13 @@ Known read_row(const toml::table& row, const std::string& path) {
   const app::Request request;
   app::scene::SceneReader reader{request, row, app::scene::Table(row, ""), known.scene, {}, {}};
   auto& table = reader.root;
-  known.name = app::text(table.required("name", "the mechanism, in a sentence"), "name");
-  app::text(table.required("why", "how it once failed, or what it guards"), "why");
+  known.name = app::scene::text(table.required("name", "the mechanism, in a sentence"), "name");
+  app::scene::text(table.required("why", "how it once failed, or what it guards"), "why");
   known.question = app::scene::choice(table.required("question", "run or cycle"), "question", {"run", "cycle"});
   known.endings = app::scene::texts(table.required("ending", "endings that are right"), "ending");
   if (const auto* node = table.find("tolerance"))
     known.tolerances = app::scene::numbers(*node, {"tolerance", "1", {1e-12, 0.1}, "relative accuracy"});
-  if (const auto* node = table.find("says")) known.says = app::text(*node, "says");
+  if (const auto* node = table.find("says")) known.says = app::scene::text(*node, "says");
   if (const auto* node = table.find("stable")) known.stable = truth(*node, "stable");
   if (const auto* node = table.find("steady_sliding"))
     known.steady_sliding = app::scene::choice(*node, "steady_sliding", {"stable", "unstable"});
@@ -67,10 +67,12 @@ Known read_row(const toml::table& row, const std::string& path) {
     if (const auto* node = table.find(key)) {
       const app::scene::Table of(*node, key);
       for (const auto& [quantity, bound] : *node->as_table())
-        (*bounds)[std::string(quantity.str())] = app::scene::number(bound, {of.path(quantity.str()), "", {}, "a bound"});
+        (*bounds)[std::string(quantity.str())] =
+            app::scene::number(bound, {of.path(quantity.str()), "", {}, "a bound"});
     }
   if (const auto* node = table.find("most_steps"))
-    known.scene.run.most_steps = app::scene::count(*node, "most_steps", 1, app::scene::most_points, "steps that a run may take");
+    known.scene.run.most_steps =
+        app::scene::count(*node, "most_steps", 1, app::scene::most_points, "steps that a run may take");
   app::verbs::find_verb(known.question).read(reader);
   known.scene.path = path;
   table.finish();
@@ -109,7 +111,8 @@ struct Answer {
 Answer cycle(const app::scene::Scene& scene, double tolerance) {
   const auto found = analysis::cycles::find_cycle(scene.model, {.tolerance = tolerance});
   Answer answer{name(found.outcome.ending), found.outcome.detail, found.stable, {{"steps", found.cost.steps}}};
-  for (const auto& metric : analysis::cycles::metric_names()) answer.numbers[metric.name] = found.metrics.*metric.member;
+  for (const auto& metric : analysis::cycles::metric_names())
+    answer.numbers[metric.name] = found.metrics.*metric.member;
   // Over a period the slider stays where it is: the mean of the slip rate is the drive's speed.
   if (found.outcome.complete()) {
     const double V = std::abs(scene.model.drive.speed.level());

@@ -27,7 +27,8 @@ TEST_CASE("a derivative that is all rounding error does not lead the refinement 
   auto model =
       slider_under("flash-heating", {0.7, 0.016, 0.02, 2e-5, 1e-6, 0.13, 0.17}, {0.00241, 0.01878, 0}, 0.02085, 60.39);
   model.lambda = 2354.0;
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), fine = cycles::find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             fine = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.complete());
   REQUIRE(fine.outcome.complete());
   check_agreement(loose, fine, {&cycles::Metrics::period});
@@ -40,7 +41,8 @@ TEST_CASE("a refinement that scatters by rounding error keeps its derivative", "
       slider_under("prz", {1.254, 0.004262, 0.01483, 2.122e-8, 0.0002131}, {6.559e6, 3.661e5, 0}, 0.4957, 0.06267);
   model.lambda = 3.613e5;
   model.drive.force = 0.001892;
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), fine = cycles::find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             fine = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.complete());
   CHECK(fine.error.friction_mean < 1e-8);
   check_agreement(loose, fine);
@@ -49,7 +51,8 @@ TEST_CASE("a refinement that scatters by rounding error keeps its derivative", "
 TEST_CASE("a derivative taken again in rounding error does not replace one that attracts", "[cycle]") {
   const auto model = slider_under("flash-heating", {0.7, 0.016, 0.02, 2e-5, 1e-6, 0.13, 0.17},
                                   {0.85314, 3.4683e6, 2.1675e8}, 0.0038371, 3.9205e10);
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), fine = cycles::find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             fine = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.complete());
   REQUIRE(fine.outcome.complete());
   check_agreement(loose, fine, {&cycles::Metrics::period});
@@ -59,7 +62,8 @@ TEST_CASE("a derivative taken again in rounding error does not replace one that 
 TEST_CASE("slips that amplify the errors of steps are searched for cycles at a tighter tolerance", "[cycle][long]") {
   auto model = slider_under("lugre", {9.747e7, 190.8, 0.1149, 5.686, 0.00433, 0.001016}, {8.945e-6, 0.3487, 0},
                             0.0009806, 0.001144);
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), fine = cycles::find_cycle(model, {.tolerance = 1e-7});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             fine = cycles::find_cycle(model, {.tolerance = 1e-7});
   REQUIRE(loose.outcome.complete());
   REQUIRE(fine.outcome.complete());
   check_agreement(loose, fine, {&cycles::Metrics::period, &cycles::Metrics::loop_area});
@@ -87,7 +91,8 @@ TEST_CASE("a cycle that attracts by 1e-4 per period is known within the distance
   model.contact_stiffness.tangential = 1.1483358888960824;
   model.contact_stiffness.damping = 7.8581543726552604e-05;
   model.drive.force = Signal(-0.00090387140240405517);
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), tight = cycles::find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             tight = cycles::find_cycle(model, {.tolerance = 1e-9});
   check_agreement(loose, tight);
 }
 
@@ -106,11 +111,13 @@ TEST_CASE("a point that extrapolation brings near its cycle is taken for it", "[
   recoiling.contact_stiffness.tangential = 4.55007;
   recoiling.contact_stiffness.damping = 0.000396213;
   for (const auto& model : {relaxing, swinging, recoiling}) {
-    const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), tight = cycles::find_cycle(model, {.tolerance = 1e-9});
+    const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+               tight = cycles::find_cycle(model, {.tolerance = 1e-9});
     REQUIRE(loose.outcome.complete());
     REQUIRE(tight.metrics.period > 0);
     CHECK(loose.stable);
     CHECK(std::abs(loose.metrics.slip_rate_mean - model.drive.speed.level()) <= loose.error.slip_rate_mean);
-    check_agreement(loose, tight, {&cycles::Metrics::period, &cycles::Metrics::slip_rate_max, &cycles::Metrics::friction_mean});
+    check_agreement(loose, tight,
+                    {&cycles::Metrics::period, &cycles::Metrics::slip_rate_max, &cycles::Metrics::friction_mean});
   }
 }

@@ -11,6 +11,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using rosin::oscillators::Model;
 using rosin::tests::check_agreement;
 using rosin::tests::slider_under;
 
@@ -29,7 +30,8 @@ TEST_CASE("grazing slip with a stick of 1e-3 of the period repeats itself at the
   auto model = slider_under("loading-rate", {10.0, 0.2253, 0.002659, 0.09628}, {0.08582, 373.7, 0}, 9.658e-6, 7.085e-7);
   model.drive.force = -3.255e-8;
   model.lambda = 4.032e-5;
-  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6}), finer = cycles::find_cycle(model, {.tolerance = 1e-8});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             finer = cycles::find_cycle(model, {.tolerance = 1e-8});
   REQUIRE(cycle.outcome.complete());
   REQUIRE(finer.outcome.complete());
   CHECK(cycle.metrics.friction_mean == Approx(0.09628).epsilon(1e-6));  // sliding friction hardly changes
@@ -42,7 +44,8 @@ TEST_CASE("slip that comes to rest at 1e-17 of its size is a cycle, and the fric
                    {0.0445, 7.67, 0}, 15.27, 0.2004);
   model.lambda = 1.109e5;
   model.drive.force = -0.117;
-  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6}), tight = cycles::find_cycle(model, {.tolerance = 1e-10});
+  const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             tight = cycles::find_cycle(model, {.tolerance = 1e-10});
   CHECK(cycle.outcome.complete());
   CHECK(std::abs(cycle.metrics.friction_min - tight.metrics.friction_min) <= cycle.error.friction_min);
   CHECK(cycle.metrics.slip_rate_mean == Approx(model.drive.speed.level()).epsilon(1e-8));
@@ -65,7 +68,8 @@ TEST_CASE("a cycle that reverses by 3e-6 of the drive's speed is refined with th
   auto model = slider_under("two-state-ageing", {0.6, 0.01, 0.009, 2e-6, 0.006, 4e-5, 1e-6}, {383.0, 0.2228, 0},
                             0.06707, 0.0002228);
   model.lambda = 2.115e4;
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), fine = cycles::find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             fine = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.complete());
   REQUIRE(fine.outcome.complete());
   // Slip comes within 3e-6 of the drive speed of not reversing, and friction takes its other sign within that.
@@ -123,11 +127,13 @@ TEST_CASE("slip that reverses by less than its error may as well rest", "[cycle]
                             {m, k, 0}, V, 1.761e-5);
   model.lambda = 235.9;
   model.drive.force = 5.3e-6;
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), tight = cycles::find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             tight = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.metrics.period > 0);
   REQUIRE(tight.metrics.period > 0);
   CHECK(std::abs(loose.metrics.period - 2 * std::numbers::pi * std::sqrt(m / k)) <= loose.error.period);
-  check_agreement(loose, tight, {&cycles::Metrics::friction_mean, &cycles::Metrics::friction_min, &cycles::Metrics::stick_fraction});
+  check_agreement(loose, tight,
+                  {&cycles::Metrics::friction_mean, &cycles::Metrics::friction_min, &cycles::Metrics::stick_fraction});
 }
 
 TEST_CASE("slip that misses rest within rounding error of its highest rate has come to rest", "[cycle]") {

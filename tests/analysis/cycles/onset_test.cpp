@@ -9,6 +9,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using rosin::oscillators::Model;
 using rosin::tests::check_agreement;
 using rosin::tests::slider_under;
 
@@ -77,7 +78,8 @@ TEST_CASE("slip that creeps along the rising part of its curve for years is part
 TEST_CASE("contacts that strengthen far beyond what they held at first stick long, and slip again", "[cycle]") {
   const auto model =
       slider_under("loading-rate", {1.243, 0.1801, 0.3705, 0.1121}, {0.2066, 39.08, 1.192}, 7.865e-8, 0.002736);
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), fine = cycles::find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             fine = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.complete());
   REQUIRE(fine.outcome.complete());
   check_agreement(loose, fine, {&cycles::Metrics::period});

@@ -11,6 +11,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using rosin::oscillators::Model;
 using rosin::tests::slider_under;
 
 TEST_CASE("slips that are long and short in alternation are one period together", "[cycle]") {
@@ -137,8 +138,8 @@ TEST_CASE("a slider so damped that its mass hardly counts moves as one without",
     INFO("stiffness " << stiffness << ", the Hopf point is at 2028.1");
     const auto cycle_with = [&](double mass) {
       return cycles::find_cycle(slider_under("ageing", {0.40972, 0.0043016, 0.0059392, 3.4967e-6, 5.9856e-7},
-                                     {mass, stiffness, 14575.0}, 5.8853e-11, 4.3305),
-                        {.tolerance = 1e-7});
+                                             {mass, stiffness, 14575.0}, 5.8853e-11, 4.3305),
+                                {.tolerance = 1e-7});
     };
     const auto heavy = cycle_with(0.0033754), light = cycle_with(0);
     REQUIRE(heavy.outcome.complete());

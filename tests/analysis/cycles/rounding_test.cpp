@@ -10,13 +10,15 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using rosin::oscillators::Model;
 using rosin::tests::check_agreement;
 using rosin::tests::slider_under;
 
 TEST_CASE("a mass reverses under friction that turns over within e^(-260) of the slip rate", "[cycle]") {
   const auto model = slider_under("ageing", {0.8495, 0.003227, 0.006083, 1.524e-6, 2.497e-6}, {0.0002596, 0.1122, 0},
                                   0.03234, 7.259e-5);
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), tight = cycles::find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             tight = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.ending == tight.outcome.ending);
   if (loose.outcome.complete()) check_agreement(loose, tight, {&cycles::Metrics::period});
 }
@@ -50,7 +52,8 @@ TEST_CASE("a small cycle is known within rounding error of the displacement that
   const auto loose = cycle_at(1e-6), tight = cycle_at(1e-9);
   REQUIRE(loose.metrics.period > 0);
   REQUIRE(tight.metrics.period > 0);
-  check_agreement(loose, tight, {&cycles::Metrics::period, &cycles::Metrics::slip_rate_max, &cycles::Metrics::slip_rate_min});
+  check_agreement(loose, tight,
+                  {&cycles::Metrics::period, &cycles::Metrics::slip_rate_max, &cycles::Metrics::slip_rate_min});
 }
 
 TEST_CASE("friction a million times the load is known relative to itself", "[cycle]") {
@@ -75,13 +78,15 @@ TEST_CASE("a cycle that forgets 1e-4 of a disturbance per period states rounding
   for (const double tolerance : {1e-6, 3e-7, 1e-8}) {
     const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance});
     REQUIRE(cycle.metrics.period > 0);
-    check_agreement(cycle, tight, {&cycles::Metrics::period, &cycles::Metrics::slip_rate_max, &cycles::Metrics::friction_min});
+    check_agreement(cycle, tight,
+                    {&cycles::Metrics::period, &cycles::Metrics::slip_rate_max, &cycles::Metrics::friction_min});
   }
 }
 
 TEST_CASE("weak oscillations are known within rounding error of the forces that hold them", "[cycle]") {
   const auto agree = [](const Model& model, std::initializer_list<double cycles::Metrics::*> members) {
-    const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), tight = cycles::find_cycle(model, {.tolerance = 1e-9});
+    const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+               tight = cycles::find_cycle(model, {.tolerance = 1e-9});
     REQUIRE(loose.metrics.period > 0);
     REQUIRE(tight.metrics.period > 0);
     for (const auto member : members)
@@ -93,5 +98,6 @@ TEST_CASE("weak oscillations are known within rounding error of the forces that 
   // Slip reverses in each period, which forgets 2e-7 of its start.
   auto reversing = slider_under("slip-distance", {1.2597, 0.17682, 3.4266e-5}, {7.4099, 74.182, 0}, 55.272, 1.2337e-5);
   reversing.lambda = 22113.0;
-  agree(reversing, {&cycles::Metrics::slip_rate_max, &cycles::Metrics::friction_mean, &cycles::Metrics::stick_fraction_001});
+  agree(reversing,
+        {&cycles::Metrics::slip_rate_max, &cycles::Metrics::friction_mean, &cycles::Metrics::stick_fraction_001});
 }

@@ -14,7 +14,8 @@ using rosin::tests::slider_under;
 
 TEST_CASE("an amplitude that friction restores by 2e-5 per period is known within its errors", "[cycle]") {
   const auto model = slider_under("hyperbolic", {0.6782, 834.8}, {0.857, 15.95, 0}, 0.6115, 3.899e-5);
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), fine = cycles::find_cycle(model, {.tolerance = 1e-8});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             fine = cycles::find_cycle(model, {.tolerance = 1e-8});
   REQUIRE(loose.outcome.complete());
   REQUIRE(fine.outcome.complete());
   check_agreement(loose, fine);
@@ -24,7 +25,8 @@ TEST_CASE("an amplitude far below what the load could hold is found, or the sear
   auto model = slider_under("stribeck", {0.41178, 0.21652, 4.033e-6, 1.2904, 0.0}, {21.077, 0.42496, 4.3532},
                             2.1446e-10, 0.0012246);
   model.drive.force = -0.010801;
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), fine = cycles::find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             fine = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.complete());
   REQUIRE(fine.metrics.period > 0);
   CHECK(loose.metrics.slip_rate_max < 2 * model.drive.speed.level());
@@ -52,7 +54,8 @@ TEST_CASE("the amplitude of a neutral oscillation is that of the start, not of l
                             {0.231865, 0.00447166, 0.0148231, 0.000852614, 0.00890449, 0.020905, 1.10568e-11},
                             {1e12, 3845.65, 0}, 1.65833e-12, 6.44159e7);
   model.lambda = 2.41593;
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), tight = cycles::find_cycle(model, {.tolerance = 1e-9});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             tight = cycles::find_cycle(model, {.tolerance = 1e-9});
   REQUIRE(loose.outcome.complete());
   check_agreement(loose, tight, {&cycles::Metrics::slip_rate_max});
 }

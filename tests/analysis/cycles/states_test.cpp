@@ -10,6 +10,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using rosin::oscillators::Model;
 using rosin::tests::check_agreement;
 using rosin::tests::slider_under;
 
@@ -71,7 +72,8 @@ TEST_CASE("the period is known within the error of the temperature that ends its
              tight = cycles::find_cycle(model, {.tolerance = 1e-9, .multipliers = false});
   REQUIRE(loose.outcome.complete());
   REQUIRE(tight.outcome.complete());
-  check_agreement(loose, tight, {&cycles::Metrics::period, &cycles::Metrics::slip_rate_max, &cycles::Metrics::friction_mean});
+  check_agreement(loose, tight,
+                  {&cycles::Metrics::period, &cycles::Metrics::slip_rate_max, &cycles::Metrics::friction_mean});
 }
 
 TEST_CASE("decay of a state at rest is resolved, and with it the onset of slip", "[cycle]") {
@@ -87,7 +89,8 @@ TEST_CASE("decay of a state at rest is resolved, and with it the onset of slip",
   for (const double tolerance : {1e-5, 1e-6, 1e-7, 1e-8}) {
     const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance, .multipliers = false});
     REQUIRE(cycle.outcome.complete());
-    check_agreement(cycle, tight, {&cycles::Metrics::period, &cycles::Metrics::stick_fraction, &cycles::Metrics::friction_mean});
+    check_agreement(cycle, tight,
+                    {&cycles::Metrics::period, &cycles::Metrics::stick_fraction, &cycles::Metrics::friction_mean});
   }
 }
 
@@ -97,7 +100,8 @@ TEST_CASE("heat that adds up by 5e-10 per period is extrapolated to its end", "[
       slider_under("thermal", {0.1772, 0.2661, 1.472e-6, 0.1436, 52.49, 0.005798, 0.002523, 2.2e-7, 1.0, 1.331},
                    {8.392e4, 1.537e5, 0}, 1.897e-5, 304.8);
   model.lambda = 7.849e4;
-  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}), tight = cycles::find_cycle(model, {.tolerance = 1e-8});
+  const auto loose = cycles::find_cycle(model, {.tolerance = 1e-6}),
+             tight = cycles::find_cycle(model, {.tolerance = 1e-8});
   REQUIRE(loose.outcome.complete());
   REQUIRE(tight.outcome.complete());
   CHECK(loose.metrics.slip_rate_mean == Approx(model.drive.speed.level()).epsilon(1e-6));

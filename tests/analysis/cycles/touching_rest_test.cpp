@@ -9,6 +9,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using rosin::oscillators::Model;
 using rosin::tests::slider_under;
 
 TEST_CASE("a stick of 1e-5 of the period is as long as static friction grows in it", "[cycle]") {

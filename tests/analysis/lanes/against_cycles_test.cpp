@@ -11,6 +11,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using rosin::oscillators::Model;
 using rosin::tests::check_agreement;
 using rosin::tests::healing_at_rest;
 using rosin::tests::slider_under;

@@ -13,6 +13,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using rosin::oscillators::Model;
 using rosin::tests::slider_under;
 
 TEST_CASE("an elastic film rings under a mass until damping has stilled it", "[run]") {

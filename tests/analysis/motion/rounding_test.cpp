@@ -9,6 +9,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using rosin::oscillators::Model;
 using rosin::tests::slider_under;
 
 TEST_CASE("BDF says that rounding error of large forces exceeds the step of its spring", "[run]") {
@@ -193,7 +194,8 @@ TEST_CASE("a spring of stiffness -0 is none", "[run]") {
   options.samples = 5;
   options.start.kind = motion::Start::Kind::rest;
   const auto with = [&](double stiffness) {
-    return motion::run(slider_under("hyperbolic", {0.1325, 40.75}, {2702.0, stiffness, 0.0007219}, 0.00075, 13.72), options);
+    return motion::run(slider_under("hyperbolic", {0.1325, 40.75}, {2702.0, stiffness, 0.0007219}, 0.00075, 13.72),
+                       options);
   };
   const auto none = with(0.0), minus = with(-0.0);
   CHECK(minus.columns == none.columns);

@@ -7,6 +7,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using rosin::oscillators::Model;
 using rosin::tests::slider_under;
 
 TEST_CASE("a start off the friction of its state keeps its transient at every tolerance", "[run]") {

@@ -11,6 +11,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis;
+using rosin::oscillators::Model;
 using rosin::tests::slider_under;
 
 TEST_CASE("eigenvalues twenty-eight decades apart all keep their digits", "[stability]") {

@@ -14,7 +14,8 @@ using namespace rosin::analysis;
 using rosin::tests::slider_under;
 
 TEST_CASE("a scene depends on its seed and number alone, and the report not on threads", "[stress][long]") {
-  const auto once = studies::draw_scene(laws::catalogue(), 7, 11), again = studies::draw_scene(laws::catalogue(), 7, 11);
+  const auto once = studies::draw_scene(laws::catalogue(), 7, 11),
+             again = studies::draw_scene(laws::catalogue(), 7, 11);
   CHECK(once.settings == again.settings);
   CHECK(once.law->card().name == again.law->card().name);
   CHECK(once.settings != studies::draw_scene(laws::catalogue(), 7, 12).settings);
@@ -38,12 +39,13 @@ TEST_CASE("a small seed set has no NaN, crash or wrong number, and stated errors
   options.laws = laws::catalogue();
   options.seed = 20;
   options.scenes = 150;
-  const auto report = studies::stress(options, {.finished =
-                                           [](const studies::StressScene& scene, const studies::Judgement& judgement) {
-                                             if (judgement.verdict == studies::Verdict::failed)
-                                               WARN("scene " << scene.index << ": " << judgement.reason);
-                                           },
-                                       .hung = {}});
+  const auto report =
+      studies::stress(options, {.finished =
+                                    [](const studies::StressScene& scene, const studies::Judgement& judgement) {
+                                      if (judgement.verdict == studies::Verdict::failed)
+                                        WARN("scene " << scene.index << ": " << judgement.reason);
+                                    },
+                                .hung = {}});
   CHECK(report.wrong == 0);
   CHECK(report.not_finite == 0);
   CHECK(report.crashed == 0);

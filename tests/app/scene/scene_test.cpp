@@ -231,6 +231,14 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
     return spinodal + slider + "[map]\nx = " + x +
            "\ny = { parameter = 'law.lambda', from = 1, to = 10, points = 3 }\n";
   };
+  const auto structure = [](const std::string& lines) {
+    return "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'structure'\nM = [[1, 0], [0, 1]]\n" + lines +
+           "\n[drive]\nspeed = 1\nnormal_load = 1\n";
+  };
+  const auto chain = [](const std::string& lines, const std::string& drive = "") {
+    return "[law]\ntype = 'coulomb'\n[drive]\nspeed = 1\nnormal_load = 1\n" + drive +
+           "[oscillator]\ntype = 'chain'\nblocks = 2\nmass = 1\npull_stiffness = 1\n" + lines + "\n";
+  };
   const std::vector<Case> cases = {
       // keys and tables
       {"stability", law("[oscillator]\nmass = 1\n  stifness = 1"),
@@ -312,7 +320,35 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
       {"run", run("[run]\nduration = 1\n[solver]\ntype = 'cfm'\nwindow = 1"), "only for o-fbfm"},
       {"run", run("[run]\nduration = 1\n[solver]\nstep = 1"), "no meaning for solver 'auto'"},
       {"cycle", "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nspeed = 0\nnormal_load = 1",
-       "scene.toml:4:8: oscillator.type = 'plane-slider' serves 'run' only"},
+       "scene.toml:4:8: oscillator.type = 'plane-slider' serves run only, not 'cycle'"},
+      {"cycle", structure(""),
+       "scene.toml:4:8: oscillator.type = 'structure' serves run and stability only, not 'cycle'"},
+      {"run", structure("K = [[1]]"), "scene.toml:6:5: oscillator.K has 1 rows, but M has 2"},
+      {"run", structure("K = [[1, 0], [0]]"), "scene.toml:6:14: oscillator.K is not square: a row has 1 of 2"},
+      {"run", structure("K = [['3 kN/m', 0], [0, '1 m']]"), "scene.toml:6:25: oscillator.K: '1 m' is in m"},
+      {"run", structure("K = [[1, 0], [0, 1]]\nKk = 1\ncontacts = []"), "unknown key 'Kk' in [oscillator]"},
+      {"run", structure("K = [[1, 0], [0, 1]]"), "[oscillator] has no 'contacts'"},
+      {"run", structure("K = [[1, 0], [0, 1]]\n[[oscillator.contacts]]\ntangential = [1]"),
+       "scene.toml:8:14: oscillator.contacts.1.tangential has 1 entries for 2 coordinates"},
+      {"run",
+       structure(
+           "K = [[1, 0], [0, 1]]\n[[oscillator.contacts]]\ntangential = [1, 0]\nnormal_load = 1\nload_factor = 2"),
+       "scene.toml:10:15: oscillator.contacts.1.load_factor: give normal_load or load_factor, not both"},
+      {"run",
+       structure("K = [[1, 0], [0, 1]]\n[[oscillator.contacts]]\ntangential = [1, 0]\n[[oscillator.contacts]]\n"
+                 "tangential = [2, 0]"),
+       "directions that depend on each other"},
+      {"run",
+       structure("K = [[1, 0], [0, 1]]\n[[oscillator.contacts]]\ntangential = [1, 0]\n[run]\nduration = 1\n"
+                 "start = { displacment_2 = 1 }"),
+       "unknown key 'displacment_2' in [run.start]; did you mean 'displacement_2'?"},
+      {"run", chain("stiffness = [1, 1]"),
+       "oscillator.stiffness has 2 entries, but 1 are needed, or one number for all"},
+      {"run", chain("stiffness = 1\n[[oscillator.contacts]]\nblock = 3"),
+       "oscillator.contacts.1.block = 3 is outside 1 … 2"},
+      {"run", chain("stiffness = 1\n[[oscillator.contacts]]\nblock = 1\n[[oscillator.contacts]]\nblock = 1"),
+       "block 1 has a contact in this list already"},
+      {"run", chain("stiffness = 1", "force = 1\n"), "drive.force has no place on this oscillator"},
       {"run",
        "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\nmass = 1\nstiffness = [1]\ndamping = [0, 0]\n"
        "[drive]\nnormal_load = 1\nforce = [0, 0]\n[run]\nduration = 1",

@@ -1,0 +1,177 @@
+/// Runs of structures: against the slider's, against closed forms, and in their balance of energy.
+#include "analysis/motion/structure_run.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "laws/catalogue.hpp"
+#include "oscillators/structure_system.hpp"
+
+using namespace rosin;
+using namespace rosin::analysis::motion;
+using rosin::oscillators::FrictionContact;
+using rosin::oscillators::Model;
+using rosin::oscillators::StructureSystem;
+
+namespace {
+
+const std::vector<double>& column(const Run& run, const std::string& name) {
+  const auto at = std::find(run.column_names.begin(), run.column_names.end(), name);
+  REQUIRE(at != run.column_names.end());
+  return run.columns[std::size_t(at - run.column_names.begin())];
+}
+double error_of(const Run& run, const std::string& name) {
+  const auto at = std::find(run.column_names.begin(), run.column_names.end(), name);
+  return run.column_error[std::size_t(at - run.column_names.begin())];
+}
+
+FrictionContact contact_of(const Model& model) {
+  FrictionContact contact;
+  contact.law = model.law;
+  contact.stiffness = model.contact_stiffness;
+  contact.speed = model.drive.speed;
+  contact.normal_load = model.drive.normal_load;
+  return contact;
+}
+
+/// Three blocks that move as one: each on the slider's spring, and coupled to its neighbours.
+StructureModel in_step(const Model& model) {
+  const auto& s = model.slider;
+  return {.structure = oscillators::chain({.mass = std::vector<double>(3, s.mass),
+                                           .coupling_stiffness = {7, 3},
+                                           .coupling_damping = {0.2, 0.1},
+                                           .pull_stiffness = std::vector<double>(3, s.stiffness),
+                                           .pull_damping = std::vector<double>(3, s.damping)},
+                                          std::vector<FrictionContact>(3, contact_of(model))),
+          .start = {}};
+}
+
+}  // namespace
+
+TEST_CASE("blocks in step move as one slider, through stick, steps of the drive and states") {
+  Model model;
+  model.slider = {1, 2, 0.1};
+  model.drive.speed = Signal(Signal::Steps{{{0, 0.1}, {6, 0.3}}});
+  model.drive.normal_load = 2.0;
+  const auto law = GENERATE("coulomb", "hyperbolic", "ageing", "lugre");
+  model.law = laws::find_law(law);
+  if (law == std::string("ageing")) model.law = model.law->with({0.6, 0.02, 0.01, 0.05, 0.1});
+  if (law == std::string("lugre")) model.contact_stiffness = {};
+  INFO(law);
+  RunOptions options{.duration = 20, .times = {}, .samples = 40, .start = {}, .tolerance = 1e-8};
+  options.start.kind = Start::Kind::rest;
+  auto blocks = in_step(model);
+  blocks.start.kind = Start::Kind::rest;
+  const Run one = run(model, options), three = run_structure(blocks, options);
+  REQUIRE(one.outcome.complete());
+  REQUIRE(three.outcome.complete());
+  for (const std::string name : {"displacement", "velocity", "slip_rate", "friction_force"})
+    for (const char* block : {"_1", "_3"}) {
+      const auto &a = column(one, name), &b = column(three, name + block);
+      const double known = error_of(one, name) + error_of(three, name + block);
+      REQUIRE(a.size() == b.size());
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        INFO(name << block << " at " << one.time[i] << " s");
+        CHECK(b[i] == Approx(a[i]).margin(3 * known));
+      }
+    }
+  if (model.law->set_valued()) CHECK(three.events.size() == 3 * one.events.size());
+  CHECK(three.metrics.at("energy_residual") < 1e-7);
+}
+
+TEST_CASE("a block drags a free second mass along: the second integral of friction moves both") {
+  // The momentum of both is the impulse of friction, m V̇ of nothing else acting.
+  StructureModel model;
+  FrictionContact contact;
+  contact.law = laws::find_law("coulomb")->with({0.3, 0.3});
+  contact.speed = 50.0;  // faster than the masses ever get
+  contact.normal_load = 2.0;
+  model.structure = oscillators::two_mass_belt({{1, 4, 0.3}, {2, 0, 0}}, contact, 0.0);
+  model.start.kind = Start::Kind::given;
+  const Run run = run_structure(model, {.duration = 10, .times = {}, .samples = 10, .start = {}, .tolerance = 1e-9});
+  REQUIRE(run.outcome.complete());
+  const auto &x = column(run, "velocity"), &y = column(run, "second_velocity");
+  for (std::size_t i = 0; i < run.time.size(); ++i)
+    CHECK(x[i] + 2 * y[i] ==
+          Approx(0.6 * run.time[i]).margin(error_of(run, "velocity") + 2 * error_of(run, "second_velocity")));
+  CHECK(run.events.empty());
+  CHECK(run.metrics.at("energy_residual") < 1e-9);
+}
+
+TEST_CASE("circulatory stiffness feeds a whirl, and the balance of energy counts its work") {
+  StructureModel model;
+  auto& s = model.structure;
+  s.M = Eigen::Matrix2d::Identity();
+  s.K = Eigen::Matrix2d{{1, 0.2}, {-0.2, 1}};
+  s.C = Eigen::Matrix2d::Zero();
+  s.names = {"displacement_1", "displacement_2"};
+  model.start.kind = Start::Kind::given;
+  model.start.coordinates = {1.0, 0.0};
+  const Run run = run_structure(model, {.duration = 8, .times = {}, .samples = 8, .start = {}, .tolerance = 1e-9});
+  REQUIRE(run.outcome.complete());
+  // x₁ + i x₂ = z: z̈ = −(1 − 0.2i) z, from 1 at rest.
+  const std::complex<double> w = std::sqrt(std::complex<double>(1, -0.2));
+  const auto &x = column(run, "displacement_1"), &y = column(run, "displacement_2");
+  for (std::size_t i = 0; i < run.time.size(); ++i) {
+    const auto z = std::cos(w * run.time[i]);
+    CHECK(x[i] == Approx(z.real()).margin(error_of(run, "displacement_1")));
+    CHECK(y[i] == Approx(z.imag()).margin(error_of(run, "displacement_2")));
+  }
+  CHECK(run.metrics.at("energy_residual") < 1e-9);
+}
+
+TEST_CASE("a steady start stays steady, and is refused where nothing holds the structure") {
+  FrictionContact contact;
+  contact.law = laws::find_law("stribeck");
+  contact.normal_load = 3.0;
+  StructureModel model{.structure = oscillators::two_mass_belt({{1, 4, 5}, {2, 3, 5}}, contact, 0.5), .start = {}};
+  const RunOptions options{.duration = 5, .times = {}, .samples = 5, .start = {}, .tolerance = 1e-8};
+  const Run run = run_structure(model, options);
+  REQUIRE(run.outcome.complete());
+  const auto& x = column(run, "second_displacement");
+  CHECK(x.back() == Approx(x.front()).epsilon(1e-9));
+  model.structure = oscillators::two_mass_belt({{1, 4, 5}, {2, 0, 5}}, contact, 0.5);
+  CHECK_THROWS_WITH(run_structure(model, options), Catch::Contains("no steady sliding"));
+  RunOptions other = options;
+  other.solver = "cvode";
+  CHECK_THROWS_WITH(run_structure(model, other), Catch::Contains("solver 'cvode' does not serve a structure"));
+}
+
+TEST_CASE("flutter of the minimal model grows as its eigenvalue says, until the block sticks or lifts off") {
+  // Hoffmann, Fischer, Allgaier & Gaul (2002), springs at 150° and 30°: s² = −2 ∓ √(1 − 4μ/3).
+  constexpr double mu = 0.9, pi = std::numbers::pi;
+  FrictionContact contact;
+  contact.law = laws::find_law("coulomb")->with({mu, mu});
+  contact.normal_load = 10.0;
+  contact.speed = 2.0;
+  StructureModel model;
+  model.structure = oscillators::mode_coupling(
+      {.springs = {{2.0 / 3 * (2 - std::sqrt(3.0)), 150 * pi / 180}, {2.0 / 3 * (2 + std::sqrt(3.0)), 30 * pi / 180}},
+       .contact = {.stiffness = 4.0 / 3}},
+      contact, 0.0);
+  const auto still = StructureSystem(model.structure).steady(0);
+  model.start.kind = Start::Kind::given;
+  model.start.coordinates = {still[0] + 1e-3, still[1]};
+  const double growth = std::sqrt(std::complex<double>(2, -std::sqrt(4 * mu / 3 - 1))).imag();
+  const auto follow = [&](double duration) {
+    return run_structure(model, {.duration = duration, .times = {}, .samples = 2000, .start = {}, .tolerance = 1e-8});
+  };
+  const Run run = follow(80);
+  REQUIRE(run.outcome.complete());
+  const auto& y = column(run, "normal_displacement");
+  const auto largest = [&](std::size_t from, std::size_t to) {
+    double size = 0;
+    for (std::size_t i = from; i < to; ++i) size = std::max(size, std::abs(y[i] - still[1]));
+    return size;
+  };
+  // Over 20 s, after the decaying mode has gone, and while the block slips.
+  const double ratio = largest(900, 1000) / largest(400, 500);
+  CHECK(std::log(ratio) / 20 == Approx(-growth).epsilon(0.02));
+  CHECK(run.events.empty());
+  CHECK(run.metrics.at("energy_residual") < 1e-9);
+  const Run later = follow(200);
+  CHECK_FALSE(later.events.empty());  // the growth ends in stick
+  CHECK(later.metrics.at("normal_load_min") == 0);
+  CHECK(later.metrics.at("energy_residual") < 1e-7);
+}
