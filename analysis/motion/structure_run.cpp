@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "core/stop.hpp"
 #include "oscillators/structure_system.hpp"
@@ -219,6 +220,28 @@ struct Pass {
   }
 };
 
+/// Largest differences of the columns of two passes, with what the finer leaves. \returns the largest error of a
+/// coordinate or velocity as a part of its size, which is its natural size where it hardly moves.
+double compare(const Pass& fine, const Pass& coarse, double tolerance, std::vector<double>& error) {
+  const int n = fine.system.coordinates();
+  const std::vector<double> rest(fine.system.size());
+  std::vector<double> scale(fine.system.size());
+  fine.system.scale(rest.data(), scale.data());
+  double worst = 0;
+  error.clear();
+  for (std::size_t c = 0; c < fine.columns.values.size(); ++c) {
+    const auto &values = fine.columns.values[c], &others = coarse.columns.values[c];
+    double size = 0, difference = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      size = std::max(size, std::abs(values[i]));
+      difference = i < others.size() ? std::max(difference, std::abs(values[i] - others[i])) : infinity;
+    }
+    error.push_back(difference + tolerance * size);
+    if (int(c) < 2 * n) worst = std::max(worst, error.back() / std::max(size, scale[c]));
+  }
+  return worst;
+}
+
 }  // namespace
 
 std::string velocity_name(const std::string& coordinate) {
@@ -233,45 +256,45 @@ Run run_structure(const StructureModel& model, const RunOptions& options) {
   if (options.solver != "auto" && options.solver != "events")
     throw InputError(fmt::format("solver '{}' does not serve a structure; use auto or events", options.solver));
   const auto times = sample_times(options);
-  const double coarsely = 0.1 * options.tolerance, finely = options.tolerance / 300;
-  const Pass coarse(model, options, times, coarsely), fine(model, options, times, finely);
+  // Two passes show the error of the coarser; where that is above the tolerance, a third shows that of the second.
+  constexpr double finer = 1.0 / 30;
+  constexpr int most_passes = 4;
+  double tolerance = 0.1 * options.tolerance, worst = infinity;
   Run result;
-  result.outcome = fine.outcome;
+  std::unique_ptr<Pass> coarse, fine = std::make_unique<Pass>(model, options, times, tolerance);
+  result.cost = fine->cost;
+  for (int pass = 1; pass < most_passes && fine->outcome.complete() && worst > options.tolerance; ++pass) {
+    tolerance *= finer;
+    coarse = std::move(fine);
+    fine = std::make_unique<Pass>(model, options, times, tolerance);
+    result.cost.steps += fine->cost.steps, result.cost.evaluations += fine->cost.evaluations;
+    worst = compare(*fine, *coarse, tolerance, result.column_error);
+  }
+  if (!coarse) result.column_error.assign(fine->columns.names.size(), infinity);
+  result.outcome = fine->outcome;
   result.solver = "events";
   result.why = "smooth pieces of slip by collocation of order 9, switches of each contact located to rounding";
-  result.column_names = fine.columns.names;
-  result.column_units = fine.columns.units;
-  result.columns = fine.columns.values;
-  result.events = fine.events;
-  result.cost = {fine.cost.steps + coarse.cost.steps, fine.cost.evaluations + coarse.cost.evaluations};
+  result.column_names = fine->columns.names;
+  result.column_units = fine->columns.units;
+  result.columns = fine->columns.values;
+  result.events = fine->events;
   const std::size_t samples = result.columns[0].size();
   result.time.assign(times.begin(), times.begin() + long(samples));
-  double worst = 0;
-  for (std::size_t c = 0; c < result.columns.size(); ++c) {
-    double size = 0, difference = 0;
-    for (std::size_t i = 0; i < samples; ++i) {
-      size = std::max(size, std::abs(result.columns[c][i]));
-      difference = i < coarse.columns.values[c].size()
-                       ? std::max(difference, std::abs(result.columns[c][i] - coarse.columns.values[c][i]))
-                       : infinity;
-    }
-    result.column_error.push_back(difference + finely * size);
-    if (size > 0 && int(c) < fine.columns.mechanical) worst = std::max(worst, result.column_error[c] / size);
-    if (samples == 0) continue;
+  for (std::size_t c = 0; c < result.columns.size() && samples > 0; ++c) {
     const auto [low, high] = std::ranges::minmax(result.columns[c]);
     result.metrics[result.column_names[c] + "_min"] = low, result.metrics[result.column_names[c] + "_max"] = high;
   }
-  for (std::size_t c = 0; c < fine.stick_time.size(); ++c)
-    result.metrics[fine.system.friction_contacts() > 1
-                       ? fmt::format("stick_time_{}", fine.system.friction_contact(int(c)) + 1)
-                       : "stick_time"] = fine.stick_time[c];
-  double time_error = fine.events.size() == coarse.events.size() ? 0 : infinity;
-  for (std::size_t i = 0; i < std::min(fine.events.size(), coarse.events.size()); ++i)
-    time_error = std::max(time_error, std::abs(fine.events[i].time - coarse.events[i].time));
+  for (std::size_t c = 0; c < fine->stick_time.size(); ++c)
+    result.metrics[fine->system.friction_contacts() > 1
+                       ? fmt::format("stick_time_{}", fine->system.friction_contact(int(c)) + 1)
+                       : "stick_time"] = fine->stick_time[c];
+  double time_error = coarse && fine->events.size() == coarse->events.size() ? 0 : infinity;
+  for (std::size_t i = 0; coarse && i < std::min(fine->events.size(), coarse->events.size()); ++i)
+    time_error = std::max(time_error, std::abs(fine->events[i].time - coarse->events[i].time));
   result.metrics["event_time_error"] = time_error;
-  result.metrics["friction_work"] = fine.energy.heat;
-  result.metrics["energy_residual"] = fine.energy_residual;
-  if (fine.system.contacts() > 1) result.metrics["choices"] = double(fine.choices);
+  result.metrics["friction_work"] = fine->energy.heat;
+  result.metrics["energy_residual"] = fine->energy_residual;
+  if (fine->system.contacts() > 1) result.metrics["choices"] = double(fine->choices);
   if (result.outcome.complete() && worst > options.tolerance)
     result.outcome = {Ending::tolerance_not_met, fmt::format("the motion is known to {:.1e} of its size only", worst)};
   return result;
