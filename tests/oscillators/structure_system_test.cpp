@@ -16,13 +16,15 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 namespace {
 
 FrictionContact contact_of(const Model& model) {
-  return {.law = model.law,
-          .lambda = model.lambda,
-          .stiffness = model.contact_stiffness,
-          .load_memory = model.load_memory,
-          .tangential = VectorXd::Ones(1),
-          .speed = model.drive.speed,
-          .normal_load = model.drive.normal_load};
+  FrictionContact contact;
+  contact.law = model.law;
+  contact.lambda = model.lambda;
+  contact.stiffness = model.contact_stiffness;
+  contact.load_memory = model.load_memory;
+  contact.tangential = VectorXd::Ones(1);
+  contact.speed = model.drive.speed;
+  contact.normal_load = model.drive.normal_load;
+  return contact;
 }
 
 Structure of_one_coordinate(const Model& model) {
