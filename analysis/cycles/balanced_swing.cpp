@@ -1,4 +1,4 @@
-/// Slip followed from one passage of the drive's speed to the next, and the swing that such a passage keeps.
+/// Slip from one crossing of the drive speed to the next, and the amplitude that it keeps.
 #include "analysis/cycles/balanced_swing.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ namespace rosin::analysis::cycles {
 
 using oscillators::SliderSystem;
 
-StickSlipPeriod slip_passage(const Model& model, double swing, double tolerance, double stick_threshold, bool record) {
+StickSlipPeriod slip_return(const Model& model, double swing, double tolerance, double stick_threshold, bool record) {
   StickSlipPeriod result;
   SliderSystem system(model);
   const motion::SliderSwings swings(system);
@@ -81,28 +81,28 @@ double static_limit_of_curve(const Model& model) {
 
 BalancedSwing balanced_swing(const Model& model, double tolerance) {
   const double natural = std::sqrt(model.slider.mass / model.slider.stiffness);
-  const double at_drive = model.drive.speed.level() * natural;  // swings with that slip rate just come to rest
+  const double at_drive = model.drive.speed.level() * natural;  // free oscillations of this amplitude just come to rest
   const double largest =
       at_drive + 2 * model.drive.normal_load.level() * static_limit_of_curve(model) / model.slider.stiffness;
   constexpr long most_steps = 200'000;
   long steps = 0;
-  const auto drift = [&](double log_swing) {
+  const auto growth = [&](double log_swing) {
     if (steps > most_steps) return -1.0;
-    const auto passage = slip_passage(model, std::exp(log_swing), tolerance, 0.1, false);
-    steps += passage.steps;
-    return passage.found && std::isfinite(passage.growth) ? passage.growth : -1.0;
+    const auto returned = slip_return(model, std::exp(log_swing), tolerance, 0.1, false);
+    steps += returned.steps;
+    return returned.found && std::isfinite(returned.growth) ? returned.growth : -1.0;
   };
-  constexpr double step = 0.25, farthest = 12;  // e-foldings of the swing
-  double high = std::log(8 * largest), f_high = drift(high);
+  constexpr double step = 0.25, farthest = 12;  // e-foldings of the amplitude
+  double high = std::log(8 * largest), f_high = growth(high);
   const double lowest = std::log(at_drive) - farthest;
   for (double low = high - step; low > lowest && f_high < 0 && steps <= most_steps; low -= step) {
-    const double f_low = drift(low);
+    const double f_low = growth(low);
     if (f_low <= 0) {
       high = low, f_high = f_low;
       continue;
     }
     std::uintmax_t iterations = 100;
-    const auto [a, b] = boost::math::tools::toms748_solve(drift, low, high, f_low, f_high,
+    const auto [a, b] = boost::math::tools::toms748_solve(growth, low, high, f_low, f_high,
                                                           boost::math::tools::eps_tolerance<double>(50), iterations);
     if (steps <= most_steps) return {std::exp(0.5 * (a + b)), {}};
   }
@@ -110,11 +110,11 @@ BalancedSwing balanced_swing(const Model& model, double tolerance) {
   return {{}, {Ending::budget_spent, fmt::format("no swing that repeats itself within {} steps of slip", most_steps)}};
 }
 
-double slope_of_swing(const Model& model, double swing, double stick_threshold, double beside) {
+double slope_of_swing(const Model& model, double swing, double stick_threshold, double relative_distance) {
   constexpr double closely = 1e-10;
-  const auto left = slip_passage(model, swing * (1 - beside), closely, stick_threshold, false);
-  const auto right = slip_passage(model, swing * (1 + beside), closely, stick_threshold, false);
-  return (right.growth - left.growth) / (2 * beside);
+  const auto left = slip_return(model, swing * (1 - relative_distance), closely, stick_threshold, false);
+  const auto right = slip_return(model, swing * (1 + relative_distance), closely, stick_threshold, false);
+  return (right.growth - left.growth) / (2 * relative_distance);
 }
 
 }  // namespace rosin::analysis::cycles

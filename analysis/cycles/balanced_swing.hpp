@@ -1,5 +1,5 @@
-/// Slip that never sticks, under a set-valued law without memory: two mechanical unknowns, so that its cycle is found
-/// along a line.
+/// Slip that never sticks, under a set-valued law without memory. Displacement and slip rate are the only unknowns, so
+/// that its cycle follows from a search over one amplitude.
 #pragma once
 #include <optional>
 
@@ -7,19 +7,19 @@
 
 namespace rosin::analysis::cycles {
 
-/// A passage of slip, which may reverse but does not stick for long, from v = V rising at a displacement `swing` (m)
-/// above that of steady sliding to the next such passage. Metrics and orbit are kept if it is to `record` them.
-StickSlipPeriod slip_passage(const Model&, double swing, double tolerance, double stick_threshold, bool record);
+/// One period of slip, which may reverse but does not stick for long, between crossings of v = V with v rising, from
+/// `swing` (m) above the displacement of steady sliding. Metrics and orbit are recorded if `record`.
+StickSlipPeriod slip_return(const Model&, double swing, double tolerance, double stick_threshold, bool record);
 
-/// The swing (m) at which slip that never sticks repeats itself: where the drift ln(A'/A) falls through zero.
+/// The amplitude `swing` (m) at which slip that never sticks repeats itself: its growth ln(A'/A) falls through zero.
 struct BalancedSwing {
   std::optional<double> swing;
   Outcome outcome;
 };
 BalancedSwing balanced_swing(const Model&, double tolerance);
 
-/// How the growth of a swing in a passage changes with the swing, d growth / d ln swing.
-double slope_of_swing(const Model&, double swing, double stick_threshold, double beside = 1e-4);
+/// d growth / d ln swing, for the amplitude growth ln(A'/A) per period.
+double slope_of_swing(const Model&, double swing, double stick_threshold, double relative_distance = 1e-4);
 
 /// Static limit, over load, of a contact without memory.
 double static_limit_of_curve(const Model&);

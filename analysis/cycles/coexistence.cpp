@@ -22,8 +22,8 @@ namespace {
 
 constexpr std::string_view load_path = "drive.normal_load";
 
-/// The load, relative to the Hopf load, at which a cycle has the given size. Broyden's method for load and direction of
-/// the start on the section at once; what one size teaches serves the next.
+/// The load, relative to the Hopf load, at which a cycle has the given size. Broyden's method solves for the load and
+/// the direction of the start on the section together; the Jacobian of one size starts the next.
 class LoadOfCycle {
  public:
   LoadOfCycle(const Model& model, double hopf_load) : model_(model), hopf_load_(hopf_load) {}
@@ -37,7 +37,7 @@ class LoadOfCycle {
     const Eigen::Index load = unknowns_.size() - 1;
     constexpr int most = 30, patience = 10;
     for (int i = 0; i < most; ++i) {
-      // What far steps have taught may lead nowhere.
+      // Updates from long steps may have spoilt the Jacobian.
       if (i > 0 && i % patience == 0 && !measure_jacobian(size, residual)) return std::nullopt;
       Eigen::VectorXd step = -solve_linear(jacobian_, residual);
       const double length = step.norm();
@@ -46,7 +46,7 @@ class LoadOfCycle {
       unknowns_ += step;
       if (length < 1e-4 && std::abs(step[load]) < 1e-8) return unknowns_[load];
       if (!miss(size, unknowns_, next)) return std::nullopt;
-      if (length > 1e-6)  // smaller ones teach noise
+      if (length > 1e-6)  // shorter steps would fit noise
         jacobian_ += (next - residual - jacobian_ * step) * step.transpose() / step.squaredNorm();
       residual = next;
     }
@@ -54,15 +54,15 @@ class LoadOfCycle {
   }
 
  private:
-  /// Where one passage ends that starts off steady sliding by `start` times the size; both in units of the section's
+  /// End of a return whose start differs from steady sliding by `start` times the size; both in units of the section's
   /// scale and the size.
   static std::optional<Eigen::VectorXd> image(ReturnMap& map, const Eigen::VectorXd& start, double size) {
     const auto steady = map.system().steady(0);
-    const auto passage = map.follow(map.moved(steady, start.cwiseProduct(map.scale()), size), 1e-10, 1, true);
-    if (!passage.outcome.complete()) return std::nullopt;
-    return map.difference(passage.end, steady).cwiseQuotient(map.scale()) / size;
+    const auto returned = map.follow(map.moved(steady, start.cwiseProduct(map.scale()), size), 1e-10, 1, true);
+    if (!returned.outcome.complete()) return std::nullopt;
+    return map.difference(returned.end, steady).cwiseQuotient(map.scale()) / size;
   }
-  /// The direction in which motion at the Hopf load comes round, after two passages.
+  /// Sets the direction of the motion at the Hopf load, after two returns.
   bool align(double size) {
     ReturnMap map(model_.with(load_path, hopf_load_));
     const Eigen::Index n = map.scale().size();
@@ -76,8 +76,9 @@ class LoadOfCycle {
     unknowns_.head(n) = direction;
     return true;
   }
-  /// What one passage, started at the given size, changes in units of it; and what the direction lacks to unit length.
-  /// `at`: direction, in the scale of the section, and ln(N/N_H).
+  /// Residual: the change in one return from the given size, in units of the size, and |direction|² − 1. `at`:
+  /// direction,
+  /// in the scale of the section, and ln(N/N_H).
   bool miss(double size, const Eigen::VectorXd& at, Eigen::VectorXd& residual) const {
     const Eigen::Index n = at.size() - 1;
     const Eigen::VectorXd start = at.head(n);
@@ -103,7 +104,7 @@ class LoadOfCycle {
 
   const Model& model_;
   double hopf_load_;
-  Eigen::VectorXd unknowns_;  ///< direction and ln(N/N_H), where the last size was found
+  Eigen::VectorXd unknowns_;  ///< direction and ln(N/N_H) of the last size
   Eigen::MatrixXd jacobian_;
 };
 
@@ -119,7 +120,7 @@ std::vector<double> key_of(const Model& model) {
 
 namespace {
 
-/// The minimum of a smooth function from places around it: parabolas through the three lowest, until they agree.
+/// The minimum of a smooth function, by parabolas through the three lowest places until two agree.
 struct Minimum {
   double at = 0, value = 0, error = 0;
 };
@@ -147,8 +148,8 @@ std::optional<Minimum> minimum_near(F f, double centre, double width) {
     const double at = 0.5 * (x0 + x1 - slope / bend);
     const double lowest = f0 + slope * (at - x0) + bend * (at - x0) * (at - x1);
     if (std::abs(at - centre) > 4 * width) return std::nullopt;
-    // What the parabola says against what the last one said, and against the lowest place itself.
-    // The root of a shallow minimum is asked for as well.
+    // The parabola must agree with the last one and with the lowest place. The tolerance is tighter for a shallow
+    // minimum, because its root is used too.
     const double known = std::clamp(3e-5 * std::abs(lowest), 3e-9, 1e-7);
     if (last && std::abs(lowest - *last) < known && f0 - lowest < 30 * known)
       return Minimum{at, lowest, std::abs(lowest - *last) + known};
@@ -338,7 +339,7 @@ FoldLine trace_folds(const Model& model, std::string_view parameter, double from
     places.push_back(begin + (end - begin) * w);
     soft.push_back(softness(places.back()));
   }
-  const auto turn = [&](int i) {  // between places i and i + 1
+  const auto border_between = [&](int i) {  // between places i and i + 1
     if (!std::isfinite(soft[i]) || !std::isfinite(soft[i + 1])) return soft[i] > 0 ? places[i] : places[i + 1];
     std::uintmax_t iterations = 60;
     const auto [l, h] = boost::math::tools::toms748_solve(softness, places[i], places[i + 1], soft[i], soft[i + 1],
@@ -348,9 +349,9 @@ FoldLine trace_folds(const Model& model, std::string_view parameter, double from
   for (int i = 0; i < samples; ++i) {
     if (!(soft[i] > 0)) continue;
     const int i_first = i;
-    const double first = i == 0 ? places[0] : turn(i - 1);
+    const double first = i == 0 ? places[0] : border_between(i - 1);
     while (i + 1 < samples && soft[i + 1] > 0) ++i;
-    const double last = i + 1 < samples ? turn(i) : places[i];
+    const double last = i + 1 < samples ? border_between(i) : places[i];
     if (!(last > first)) continue;
     if (auto stretch = StretchTracer(model_at, first, last, i_first > 0, i + 1 < samples).trace(tolerance))
       line.stretches.push_back(std::move(*stretch));

@@ -12,11 +12,11 @@ namespace rosin::analysis::cycles {
 
 using oscillators::Model;
 
-/// What is known of cycles beside stable steady sliding.
+/// Whether cycles coexist with stable steady sliding.
 struct Coexistence {
   enum class Answer {
     none,      ///< no cycle: the border in load is supercritical, or lies beyond the fold of cycles
-    possible,  ///< must be looked for by integration
+    possible,  ///< integration must decide
   } answer;
   std::string reason;
 };
@@ -24,10 +24,10 @@ struct Coexistence {
 /// The fold of cycles below a subcritical Hopf load: the lowest load at which cycles exist beside stable sliding.
 struct Fold {
   double log_ratio = 0;  ///< ln(N_fold/N_Hopf), negative; 0: could not be followed
-  double error = 0;      ///< of it, absolute
-  double size = 0;       ///< of the cycle there, in units of the system's scale
+  double error = 0;      ///< absolute error of log_ratio
+  double size = 0;       ///< size of the cycle there, in units of the system's scale
 };
-/// `near_size`: of the cycle at a fold nearby, if one is known. One slow direction of the return map is assumed.
+/// `near_size`: size of the cycle at a neighbouring fold, if known. One slow direction of the return map is assumed.
 Fold fold_below(const Model& model, double hopf_load, double near_size = 0);
 /// The load of the fold, to about 1e-8 relative; 0 if it cannot be followed.
 double fold_of_cycles(const Model& model, double hopf_load);
@@ -37,13 +37,13 @@ std::optional<steady::HopfPoint> border_in_load(const Model& model);
 
 /// The fold of cycles as a function of one other parameter, wherever the border in load is subcritical.
 struct FoldLine {
-  /// One stretch of it: √(−ln(N_fold/N_Hopf)), which is smooth and vanishes where the border turns supercritical, as a
-  /// Chebyshev series in the coordinate (logarithm of the parameter, or itself).
+  /// One stretch of the line: √(−ln(N_fold/N_Hopf)), which is smooth and vanishes where the border becomes
+  /// supercritical, as a Chebyshev series in the coordinate (the parameter or its logarithm).
   struct Stretch {
     double begin, end;  ///< coordinates
     std::vector<double> coefficients;
-    double error;  ///< largest of ln N_fold
-    int folds;     ///< that were searched for
+    double error;  ///< largest error of ln N_fold
+    int folds;     ///< number of folds that were searched for
     double log_ratio(double coordinate) const;
   };
   std::vector<Stretch> stretches;
@@ -52,7 +52,7 @@ struct FoldLine {
   double coordinate(double value) const;
   const Stretch* at(double value) const;  ///< nullptr: none there
 };
-/// Traces it for values between `from` and `to`, looked for at `samples` places; `tolerance`: of ln N_fold.
+/// Traces the line between the values `from` and `to`, from `samples` places; `tolerance`: of ln N_fold.
 FoldLine trace_folds(const Model& model, std::string_view parameter, double from, double to, bool logarithmic,
                      int samples, double tolerance);
 
@@ -60,13 +60,13 @@ FoldLine trace_folds(const Model& model, std::string_view parameter, double from
 /// Thread-safe; answers do not depend on the order of the questions.
 class CoexistenceSearch {
  public:
-  /// For points that have no border in common: where motion dies out soon, a cycle is possible, because the border and
-  /// the fold beside it cost more than to look for the cycle itself.
+  /// For points that have no border in common. Where motion dies out fast the answer is `possible`, because the border
+  /// and its fold cost more than a search for the cycle.
   CoexistenceSearch() = default;
-  /// For points that differ in normal load and in `parameter`. Takes folds from a line that was traced, where it
-  /// reaches, instead of searching for each.
+  /// For points that differ in normal load and in `parameter`. Folds come from the traced line where it reaches, and
+  /// from a search of their own elsewhere.
   CoexistenceSearch(std::string parameter, FoldLine line) : parameter_(std::move(parameter)), line_(std::move(line)) {}
-  /// Of a model whose steady sliding is stable.
+  /// The answer for a model whose steady sliding is stable.
   Coexistence ask(const Model& model);
 
  private:

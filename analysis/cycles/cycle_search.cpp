@@ -1,4 +1,4 @@
-/// Search for a cycle: from stick through passages, Newton's method on the return map, the balance of slow drift.
+/// Search for a cycle: returns from stick, Newton's method on the return map, and the amplitude of zero growth.
 #include "analysis/cycles/cycle_search.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ double spectral_radius(const FixedPoint& point, const ReturnMap& map) {
 
 namespace {
 
-/// The fixed point that a balanced swing is.
+/// The balanced oscillation `end` as a fixed point of the map.
 FixedPoint fixed_point_of(const ReturnMap& map, const SlowEnd& end) {
   const auto n = map.scale().size(), states = end.balance->state_derivative.rows();
   FixedPoint point{end.balance->y, MatrixXd::Zero(n, n), 1, end.balance->amplitude};
@@ -37,24 +37,24 @@ FixedPoint fixed_point_of(const ReturnMap& map, const SlowEnd& end) {
   return point;
 }
 
-/// Tolerances of the search for motions of the size of the drive speed. The second and third serve where what steps err
-/// at the first is no small part of the motion when the passage ends, as after ringing on bristles.
+/// Tolerances of the search for motions of the size of the drive speed. The second and third serve where the error of
+/// the steps at the first is no small part of the motion at the end of a return, as after ringing on bristles.
 constexpr double search_tolerances[] = {1e-6, 1e-9, 1e-12};
-/// Of one search at one of them: as much work with many unknowns as with few.
+/// Steps of one search at one tolerance. The bound falls with the number of unknowns, so that the work stays the same.
 long most_steps_of(const ReturnMap& map) { return std::min(1'000'000L, 4'000'000L / map.system().size()); }
 constexpr double collapsed = 1e-5;  ///< amplitudes |v − V|/V below this are steady sliding
 
-/// Small motions are followed more closely: what matters are errors against their drift, which falls with A². So are
-/// those of a slow `drift` ln(A'/A) in a passage.
-double search_tolerance(double amplitude, double drift, double loose) {
-  return std::clamp(1e-3 * std::abs(drift), 1e-13, loose) * std::clamp(amplitude * amplitude, 1e-6, 1.0);
+/// The tolerance falls with A², because the amplitude growth against which errors count does, and with the `growth`
+/// ln(A'/A) per return itself.
+double search_tolerance(double amplitude, double growth, double loose) {
+  return std::clamp(1e-3 * std::abs(growth), 1e-13, loose) * std::clamp(amplitude * amplitude, 1e-6, 1.0);
 }
 
-/// Newton's method for y = P(y), kept from falling onto steady sliding, which is a fixed point too.
-std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turns, double amplitude, double drift,
+/// Newton's method for y = P(y). A bound on the amplitude keeps it off steady sliding, which is a fixed point too.
+std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int returns, double amplitude, double growth,
                                  double loose) {
-  const double least_amplitude = 0.4 * amplitude, tolerance = search_tolerance(amplitude, drift, loose);
-  // In near-stick a slip at many times V is but a few scales away.
+  const double least_amplitude = 0.4 * amplitude, tolerance = search_tolerance(amplitude, growth, loose);
+  // In near-stick a slip at many times V is only a few scales away.
   const double size = std::min(amplitude, map.distance(y, map.system().steady(0)));
   const VectorXd scale = map.scale();
   const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
@@ -63,24 +63,24 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
   double residual = infinity, factor = 1;
   int halvings = 0;
   for (int iteration = 0; iteration < 14; ++iteration) {
-    const auto passage = map.follow(y, tolerance, turns, true, Derivative::of_steps, nullptr, dip_of(amplitude));
-    const double now = passage.outcome.complete() ? map.distance(passage.end, y) / std::max(size, 1e-12) : infinity;
-    if (passage.amplitude < least_amplitude || !(now < residual)) {
+    const auto returned = map.follow(y, tolerance, returns, true, Derivative::of_steps, nullptr, dip_of(amplitude));
+    const double now = returned.outcome.complete() ? map.distance(returned.end, y) / std::max(size, 1e-12) : infinity;
+    if (returned.amplitude < least_amplitude || !(now < residual)) {
       if (iteration == 0 || ++halvings > 2) return std::nullopt;
       factor *= 0.3;
       y = map.moved(last, step, factor);
       continue;
     }
     halvings = 0;
-    const MatrixXd A = scale.cwiseInverse().asDiagonal() * (I - passage.derivative) * scale.asDiagonal();
-    step = scale.asDiagonal() * solve_linear(A, scale.cwiseInverse().asDiagonal() * map.difference(passage.end, y));
+    const MatrixXd A = scale.cwiseInverse().asDiagonal() * (I - returned.derivative) * scale.asDiagonal();
+    step = scale.asDiagonal() * solve_linear(A, scale.cwiseInverse().asDiagonal() * map.difference(returned.end, y));
     if (!step.allFinite()) return std::nullopt;
     const double length = map.length(step) / std::max(size, 1e-12);
-    // What weak attraction leaves of rounding in a passage is not small.
-    const double left = 0.1 * tolerance / std::max(std::abs(drift), tolerance);
-    const double rounding = std::min(1e-15 / (size * std::abs(drift)), 1e-3);
+    // Weak attraction magnifies the rounding error of a return by 1/|growth|.
+    const double left = 0.1 * tolerance / std::max(std::abs(growth), tolerance);
+    const double rounding = std::min(1e-15 / (size * std::abs(growth)), 1e-3);
     if (length < std::max({30 * tolerance, 1e-8, left, rounding}))
-      return FixedPoint{map.moved(y, step, 1), passage.derivative, turns, passage.amplitude};
+      return FixedPoint{map.moved(y, step, 1), returned.derivative, returns, returned.amplitude};
     last = y;
     residual = std::max(now, 1e-3 * tolerance);
     factor = std::min(1.0, 0.5 / length);
@@ -89,95 +89,98 @@ std::optional<FixedPoint> newton(ReturnMap& map, std::vector<double> y, int turn
   return std::nullopt;
 }
 
-/// Relaxation oscillations forget all but the time within one passage, while slips at 10¹⁰ V leave nothing of the
-/// derivative but rounding. Where passages have come to repeat themselves, neighbouring ones show whether they are led
-/// back, and by how much.
-std::optional<FixedPoint> settled(ReturnMap& map, const std::vector<double>& y, int turns, double amplitude,
-                                  double loose) {
+/// The fixed point of returns that already repeat themselves, with its derivative from neighbouring returns. Relaxation
+/// oscillations forget their start within one return, and slips at 10¹⁰ V leave only rounding error in the derivative
+/// that the steps propagate; the neighbours show whether the map contracts, and by how much.
+std::optional<FixedPoint> settled_point(ReturnMap& map, const std::vector<double>& y, int returns, double amplitude,
+                                        double loose) {
   const double dip = dip_of(amplitude), size = map.distance(y, map.system().steady(0));
-  const auto passage = map.follow(y, loose, turns, true, Derivative::none, nullptr, dip);
-  const double change = map.distance(passage.end, y);
-  if (!passage.outcome.complete() || !(change < 1e-2 * size)) return std::nullopt;
-  // A slow drift repeats itself too.
+  const auto returned = map.follow(y, loose, returns, true, Derivative::none, nullptr, dip);
+  const double change = map.distance(returned.end, y);
+  if (!returned.outcome.complete() || !(change < 1e-2 * size)) return std::nullopt;
+  // A motion whose amplitude grows slowly nearly repeats itself too.
   constexpr double noise = 30, dies_out = 0.5;
   if (change > noise * loose * size) {
-    const auto next = map.follow(passage.end, loose, turns, true, Derivative::none, nullptr, dip);
-    if (!next.outcome.complete() || map.distance(next.end, passage.end) > dies_out * change) return std::nullopt;
+    const auto next = map.follow(returned.end, loose, returns, true, Derivative::none, nullptr, dip);
+    if (!next.outcome.complete() || map.distance(next.end, returned.end) > dies_out * change) return std::nullopt;
   }
   const int n = int(map.differential().size());
-  FixedPoint point{passage.end, MatrixXd::Zero(n, n), turns, passage.amplitude, true};
+  FixedPoint point{returned.end, MatrixXd::Zero(n, n), returns, returned.amplitude, true};
   const double share = 0.05 * std::min(size, 2.0);
-  // On both sides: beyond a reversal friction may lead back what on this side it leaves alone.
+  // Both sides count: friction may attract on the far side of a reversal and be neutral on this one.
   for (int k = 0; k < n; ++k)
     for (const double side : {1.0, -1.0}) {
       const VectorXd step = VectorXd::Unit(n, k) * (side * share * map.scale()[k]);
       const auto start = map.moved(y, step, 1);
       if (start == y) continue;  // off the section
-      auto neighbour = map.follow(start, loose, turns, true, Derivative::none, nullptr, dip);
-      if (neighbour.outcome.complete() && neighbour.duration < 0.5 * passage.duration)  // it began beside the section
-        neighbour = map.follow(neighbour.end, loose, turns, true, Derivative::none, nullptr, dip);
+      auto neighbour = map.follow(start, loose, returns, true, Derivative::none, nullptr, dip);
+      if (neighbour.outcome.complete() &&
+          neighbour.duration < 0.5 * returned.duration)  // it began just off the section
+        neighbour = map.follow(neighbour.end, loose, returns, true, Derivative::none, nullptr, dip);
       if (!neighbour.outcome.complete()) return std::nullopt;
-      VectorXd led = map.difference(neighbour.end, passage.end) / step[k];
-      // A passage more or less leads to another place of the same cycle.
-      for (int more = 1; more < turns && map.length(led) * std::abs(step[k]) > share; ++more) {
+      VectorXd image = map.difference(neighbour.end, returned.end) / step[k];
+      // A neighbour that needs one return more or less ends elsewhere on the same cycle.
+      for (int more = 1; more < returns && map.length(image) * std::abs(step[k]) > share; ++more) {
         neighbour = map.follow(neighbour.end, loose, 1, true, Derivative::none, nullptr, dip);
         if (!neighbour.outcome.complete()) return std::nullopt;
-        led = map.difference(neighbour.end, passage.end) / step[k];
+        image = map.difference(neighbour.end, returned.end) / step[k];
       }
-      if (map.length(led) > map.length(point.derivative.col(k))) point.derivative.col(k) = led;
+      if (map.length(image) > map.length(point.derivative.col(k))) point.derivative.col(k) = image;
     }
   return point;
 }
 
-/// Near a Hopf point the amplitude drifts slowly along one direction. This finds where the drift per passage,
-/// r(A) = ln(A'/A), falls through zero: a stable cycle. A is the distance of the section point from steady sliding,
-/// which is smooth. `y` lies on the section.
-struct Balance {
+/// Near a Hopf point the amplitude A changes slowly, along one direction. This finds the A at which its growth per
+/// return, r(A) = ln(A'/A), falls through zero: a stable cycle. A is measured by the distance of the section point from
+/// steady sliding, which is smooth. `y` lies on the section.
+struct GrowthBalance {
   std::optional<std::vector<double>> y;  ///< a section point near the cycle
-  bool dies_out = false;  ///< the drift is towards steady sliding at every amplitude below that of the start
+  bool dies_out = false;                 ///< the amplitude falls at every amplitude below the start's
 };
-Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double amplitude, double drift_at_rest,
-                         double loose) {
+GrowthBalance balance_of_growth(ReturnMap& map, const std::vector<double>& y, double amplitude,
+                                double growth_about_steady, double loose) {
   const auto steady = map.system().steady(0);
   const double start = map.distance(y, steady), least = 0.02 * start / amplitude;
   VectorXd direction = map.difference(y, steady) / start;
-  const long last_step = map.cost().steps + most_steps_of(map) / 8;  // irregular motion has no such amplitude
-  struct Drift {
+  const long last_step = map.cost().steps + most_steps_of(map) / 8;  // irregular motion has no amplitude of zero growth
+  struct Growth {
     double size, rate;
     std::vector<double> y;
   };
-  // The first passages relax the fast directions; the drift is known once the next shows the same.
-  const auto drift = [&](double size) -> std::optional<Drift> {
-    constexpr int most_passages = 8;
+  // The first returns relax the fast directions; the growth is known once two successive returns agree.
+  const auto growth_at = [&](double size) -> std::optional<Growth> {
+    constexpr int most_returns = 8;
     constexpr double same = 0.02;
-    const double A = amplitude * size / start, tolerance = search_tolerance(A, drift_at_rest, loose), dip = dip_of(A);
+    const double A = amplitude * size / start, tolerance = search_tolerance(A, growth_about_steady, loose),
+                 dip = dip_of(A);
     auto y = map.moved(steady, direction, size);
     double before = 0, rate = infinity;
-    for (int k = 0; k < most_passages; ++k) {
-      const auto passage = map.follow(y, tolerance, 1, true, Derivative::none, nullptr, dip);
-      if (!passage.outcome.complete() || map.cost().steps > last_step) return std::nullopt;
-      const double a = before, last = rate, b = map.distance(passage.end, steady);
+    for (int k = 0; k < most_returns; ++k) {
+      const auto returned = map.follow(y, tolerance, 1, true, Derivative::none, nullptr, dip);
+      if (!returned.outcome.complete() || map.cost().steps > last_step) return std::nullopt;
+      const double a = before, last = rate, b = map.distance(returned.end, steady);
       if (!(b > 0)) return std::nullopt;
-      y = passage.end;
+      y = returned.end;
       before = b;
       if (k == 0) continue;
       rate = std::log(b / a);
-      if (std::abs(rate - last) <= same * std::max(std::abs(rate), std::abs(drift_at_rest))) break;
+      if (std::abs(rate - last) <= same * std::max(std::abs(rate), std::abs(growth_about_steady))) break;
     }
     direction = map.difference(y, steady) / before;
-    return Drift{before, rate, y};
+    return Growth{before, rate, y};
   };
-  auto high = drift(start);
+  auto high = growth_at(start);
   if (!high) return {};
-  // The lower end: drift that grows. At rest it is that of the linear mode; above a stable steady state it is sought.
-  double low = 0, low_rate = drift_at_rest;
+  // The lower end of the bracket has growth above 0: zero amplitude with the growth of the linear mode, or, above a
+  // stable steady state, an amplitude that is searched for.
+  double low = 0, low_rate = growth_about_steady;
   for (int larger = 0; high->rate > 0; ++larger) {
     low = high->size, low_rate = high->rate;
-    high = drift((larger < 8 ? 1.05 : 1.25) * low);
-    if (!high || high->size <= low || larger > 40) return {};  // what is larger falls back within a few passages
+    high = growth_at((larger < 8 ? 1.05 : 1.25) * low);
+    if (!high || high->size <= low || larger > 40) return {};  // larger amplitudes fall back within a few returns
   }
   for (double size = 0.8 * high->size; low_rate <= 0 && size > least; size *= 0.8) {
-    const auto here = drift(size);
+    const auto here = growth_at(size);
     if (!here) return {};
     if (here->rate > 0)
       low = here->size, low_rate = here->rate;
@@ -185,13 +188,13 @@ Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double am
       high = here;
   }
   if (low_rate <= 0) return {.y = {}, .dies_out = true};
-  // Drift is nearly linear in the squared amplitude; the end that stays twice counts half (Illinois).
+  // Growth is nearly linear in the squared amplitude; the end that stays twice counts half (Illinois).
   const double growth = low_rate;
   double high_rate = high->rate;
   for (int iteration = 0, stays = 0; iteration < 30; ++iteration) {
     const double l2 = low * low, h2 = high->size * high->size, width = h2 - l2;
     const double a2 = std::clamp(l2 + width * low_rate / (low_rate - high_rate), l2 + 1e-4 * width, h2 - 1e-4 * width);
-    const auto here = drift(std::sqrt(a2));
+    const auto here = growth_at(std::sqrt(a2));
     if (!here) return {};
     if (std::abs(here->rate) < 0.02 * growth || width < 1e-3 * h2) return {here->y};
     if (here->rate > 0) {
@@ -207,13 +210,13 @@ Balance balance_of_drift(ReturnMap& map, const std::vector<double>& y, double am
   return {high->y};
 }
 
-/// Motion that changes slowly and steadily from passage to passage is taken ahead by many passages at once: to where
-/// the secant through the last two changes has them end, and no further than a share of its size.
-class Leaps {
+/// Extrapolation of motion that changes slowly and steadily from return to return: over as many returns as the secant
+/// through the last two changes needs to end at no change, and no further than 0.3 of the motion's size.
+class Extrapolation {
  public:
-  explicit Leaps(const ReturnMap& map) : map_(map) {}
+  explicit Extrapolation(const ReturnMap& map) : map_(map) {}
 
-  /// After a passage that ended at `y`. `size`: distance from steady sliding, in scales.
+  /// After a return that ended at `y`. `size`: distance from steady sliding, in scales.
   void passed(const std::vector<double>& y, double size) {
     const bool known = !last_.empty();
     const VectorXd change = known ? VectorXd(map_.difference(y, last_).array() / map_.scale().array())
@@ -221,41 +224,44 @@ class Leaps {
     constexpr double slow = 0.03, same = 0.2, jump = 0.3;
     steady_ = known && change_.size() && change.norm() < slow * size && change.norm() > 0 &&
               (change - change_).norm() < same * change.norm();
-    pace_ = known ? change.norm() / size : infinity;
+    relative_change_ = known ? change.norm() / size : infinity;
     constexpr double die_out = 0.3;
     dies_out_ = known && change_.size() && change.norm() <= die_out * change_.norm();
-    // Ringing that decays until slip sticks, and begins anew after the next: a period of many passages.
-    if (passages_ > 0 && known && pace_ > jump) useless_ = true;
+    // Ringing that decays until slip sticks, and starts again with the next slip, has a period of many returns.
+    if (returns_ > 0 && known && relative_change_ > jump) useless_ = true;
     if (known) change_ = change;
     last_ = y;
     size_ = size;
   }
-  bool ready() const { return steady_ && !useless_ && leaps_ < most_leaps; }
-  /// Change in one passage as a part of the size; infinite where not known.
-  double pace() const { return pace_; }
-  /// Between leaps, as long as the changes do not die out: no cycle is near.
-  bool under_way() const { return passages_ > 0 && remaining_ > 0.3 && !dies_out_ && !useless_ && leaps_ < most_leaps; }
+  bool ready() const { return steady_ && !useless_ && extrapolations_ < most_extrapolations; }
+  /// Change in one return over the size; infinite where not known.
+  double relative_change() const { return relative_change_; }
+  /// True between extrapolations while the changes do not die out: no cycle is near.
+  bool under_way() const {
+    return returns_ > 0 && remaining_ > 0.3 && !dies_out_ && !useless_ && extrapolations_ < most_extrapolations;
+  }
 
-  /// The point so many passages ahead.
-  std::vector<double> ahead() {
+  /// The extrapolated point.
+  std::vector<double> extrapolated() {
     constexpr double first = 4, most_growth = 4, share = 0.3;
-    double passages = first;
-    if (passages_ > 0) {
+    double returns = first;
+    if (returns_ > 0) {
       remaining_ = change_.dot(before_) / before_.squaredNorm();
-      passages = passages_ * (remaining_ < 1 ? std::min(1 / (1 - remaining_), most_growth) : most_growth);
+      returns = returns_ * (remaining_ < 1 ? std::min(1 / (1 - remaining_), most_growth) : most_growth);
     }
-    passages_ = std::min(passages, share * size_ / change_.norm());
+    returns_ = std::min(returns, share * size_ / change_.norm());
     before_ = change_;
     from_ = last_;
     forget();
-    ++leaps_;
-    return map_.moved(from_, before_.cwiseProduct(map_.scale()), passages_);
+    ++extrapolations_;
+    return map_.moved(from_, before_.cwiseProduct(map_.scale()), returns_);
   }
-  /// A shorter leap from the same point where the last ended motion. Nothing if that was no longer than one passage.
-  std::optional<std::vector<double>> shorter() {
-    if (!(passages_ > 1) || !last_.empty()) return std::nullopt;
-    passages_ *= 0.25;
-    return map_.moved(from_, before_.cwiseProduct(map_.scale()), passages_);
+  /// A shorter extrapolation from the same point, for use where the motion from the last one ended. Nothing if that
+  /// spanned one return or less.
+  std::optional<std::vector<double>> shortened() {
+    if (!(returns_ > 1) || !last_.empty()) return std::nullopt;
+    returns_ *= 0.25;
+    return map_.moved(from_, before_.cwiseProduct(map_.scale()), returns_);
   }
 
  private:
@@ -264,75 +270,75 @@ class Leaps {
     change_.resize(0);
     steady_ = false;
   }
-  static constexpr int most_leaps = 100;  // more lead in circles
+  static constexpr int most_extrapolations = 100;  // more than these go round in circles
   const ReturnMap& map_;
-  std::vector<double> last_, from_;  ///< of the last passage; where the last leap began
-  VectorXd change_, before_;         ///< in the last passage, in the one before the last leap; in scales
-  double size_ = 0, pace_ = infinity, passages_ = 0, remaining_ = 1;
+  std::vector<double> last_, from_;  ///< ends of the last return; start of the last extrapolation
+  VectorXd change_, before_;         ///< over the last return, and the one before the last extrapolation; in scales
+  double size_ = 0, relative_change_ = infinity, returns_ = 0, remaining_ = 1;
   bool steady_ = false, useless_ = false, dies_out_ = false;
-  int leaps_ = 0;
+  int extrapolations_ = 0;
 };
 
-/// The search for a stable fixed point of the return map, from starts in stick or the one that is given.
-class Search {
+/// The search for a stable fixed point of the return map, from stick or from the start of the options.
+class CycleSearch {
  public:
-  /// `drift_at_rest`: growth of a small oscillation about steady sliding in one period, ln(A'/A).
-  Search(ReturnMap& map, double drift_at_rest, const CycleOptions& options)
+  /// `growth_about_steady`: growth ln(A'/A) per period of a small oscillation about steady sliding.
+  CycleSearch(ReturnMap& map, double growth_about_steady, const CycleOptions& options)
       : map_(map),
         options_(options),
-        drift_at_rest_(drift_at_rest),
+        growth_about_steady_(growth_about_steady),
         most_steps_(most_steps_of(map)),
-        most_passages_(steady_is_stable() ? std::min(options.max_cycles, 12) : options.max_cycles) {}
+        most_returns_(steady_is_stable() ? std::min(options.max_cycles, 12) : options.max_cycles) {}
 
   /// Looks for the point; where none is found, `outcome` says why.
   void run() {
     std::vector<double> wandering;  // the end of a long search
     for (const double tolerance : search_tolerances) {
       loose_ = tolerance;
-      reached_.clear();
+      recent_ends_.clear();
       last_step_ = map_.cost().steps + most_steps_;
-      tried_ = 0;
+      trial_steps_ = 0;
       run_once();
       if (point || outcome.ending != Ending::budget_spent) return;
-      if (reached_.size() == some) wandering = reached_.back();
-      if (!errs_in_passages()) break;
+      if (recent_ends_.size() == some) wandering = recent_ends_.back();
+      if (!steps_err_in_returns()) break;
     }
     if (wandering.empty()) return;
     map_.allow(ReturnMap::most_steps);
-    if (const auto parting = parting_from(map_, wandering))
+    if (const auto divergence = divergence_from(map_, wandering))
       outcome = {
           Ending::none_exists,
           fmt::format("no two periods are alike: neighbouring motions part by a factor of e^({:.2g} ± {:.1g}) in "
                       "a passage, on the mean of {}",
-                      parting->rate, parting->error, parting->passages)};
+                      divergence->rate, divergence->error, divergence->returns)};
   }
 
   std::optional<FixedPoint> point;
   Outcome outcome;
 
  private:
-  static constexpr int transient = 10;            ///< passages
-  static constexpr int relaxed = 16;              ///< passages; by then slow motion is a swing, if it is one
-  static constexpr double hardly_changes = 1e-2;  ///< what slow motion changes in a passage, of its size
-  static constexpr std::size_t some = 8;          ///< passages
+  static constexpr int transient = 10;            ///< returns
+  static constexpr int relaxed = 16;              ///< returns; slowly changing motion is a free oscillation by then
+  static constexpr double hardly_changes = 1e-2;  ///< relative change per return below which motion counts as slow
+  static constexpr std::size_t some = 8;          ///< returns
 
   void run_once() {
     if (!options_.near.empty()) {
-      const auto passage = map_.follow(options_.near, loose_, 1, true);
+      const auto returned = map_.follow(options_.near, loose_, 1, true);
       begin_at(options_.near);
-      visited_.push_back(passage.end);
-      const bool ends = passage.outcome.complete() && accept(passage.end, 1, passage.amplitude, infinity);
-      if (ends && (point || !outcome.complete())) return;  // else it has died out, which says nothing of other starts
+      ends_.push_back(returned.end);
+      const bool ends = returned.outcome.complete() && accept(returned.end, 1, returned.amplitude, infinity);
+      if (ends && (point || !outcome.complete())) return;  // motion that has died out says nothing of other starts
     }
-    // From stick with the state of steady sliding, then from longer stick: its larger first slip can lie in the basin
-    // of a cycle beside stable sliding that the first start misses, and does not fall straight onto an unstable steady
-    // state.
+    // The first start is stick with the state of steady sliding, the second a longer stick. The larger first slip of
+    // the second can reach the basin of a cycle that coexists with stable sliding, and does not fall straight onto an
+    // unstable steady state.
     const double V = map_.drive_speed();
     std::vector<double> ages = {V};
     if (!options_.start) ages.push_back((steady_is_stable() ? 1e-4 : 0.1) * V);
     for (const double aged_at : ages) {
       try {
-        from(options_.start ? motion::starting_point(map_.system(), *options_.start) : map_.stick(aged_at));
+        follow_from(options_.start ? motion::starting_point(map_.system(), *options_.start) : map_.stick(aged_at));
       } catch (const InputError& e) {
         outcome = {Ending::not_finite, e.what()};
       }
@@ -340,11 +346,11 @@ class Search {
     }
   }
 
-  /// True if what steps err in one of the last passages is no small part of the motion when it ends.
-  bool errs_in_passages() {
-    constexpr double small = 1e-5, closer = 1e-3;
-    for (const auto& y : reached_) {
-      const auto loosely = map_.follow(y, loose_, 1, true), closely = map_.follow(y, closer * loose_, 1, true);
+  /// True if the error of the steps in one of the last returns exceeds 1e-5 of the motion at its end.
+  bool steps_err_in_returns() {
+    constexpr double small = 1e-5, tighter = 1e-3;
+    for (const auto& y : recent_ends_) {
+      const auto loosely = map_.follow(y, loose_, 1, true), closely = map_.follow(y, tighter * loose_, 1, true);
       if (loosely.outcome.complete() && closely.outcome.complete() &&
           map_.distance(loosely.end, closely.end) > small * distance_from_steady(y))
         return true;
@@ -352,150 +358,154 @@ class Search {
     return false;
   }
 
-  bool steady_is_stable() const { return drift_at_rest_ < 0; }
+  bool steady_is_stable() const { return growth_about_steady_ < 0; }
   double distance_from_steady(const std::vector<double>& y) const { return map_.distance(y, map_.system().steady(0)); }
   bool attracts(const std::optional<FixedPoint>& candidate) const {
     return candidate && candidate->amplitude >= collapsed && spectral_radius(*candidate, map_) < 1;
   }
 
   /// Follows the motion from y until a stable fixed point is found, or it is known why none is.
-  void from(std::vector<double> y) {
+  void follow_from(std::vector<double> y) {
     outcome = steady_is_stable()
                   ? Outcome{Ending::none_exists, fmt::format("the motion started from {} dies out onto steady sliding",
                                                              options_.start ? "the given start" : "stick")}
-                  : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", most_passages_)};
+                  : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", most_returns_)};
     begin_at(y);
-    Leaps leaps(map_);
+    Extrapolation extrapolation(map_);
     double tolerance = loose_, last_amplitude = 1;
     bool enlarged = false;
-    balanced_ = false;
+    balance_sought_ = false;
     next_attempt_ = 2;
-    for (int k = 0; k < most_passages_; ++k) {
+    for (int k = 0; k < most_returns_; ++k) {
       const long steps_before = map_.cost().steps;
-      const auto passage = map_.follow(y, tolerance, 1, k > 0, Derivative::none, nullptr, dip_of(last_amplitude));
-      most_taken_ = std::max(most_taken_, map_.cost().steps - steps_before);
-      if (!passage.outcome.complete()) {
-        if (const auto nearer = leaps.shorter()) {
+      const auto returned = map_.follow(y, tolerance, 1, k > 0, Derivative::none, nullptr, dip_of(last_amplitude));
+      longest_return_steps_ = std::max(longest_return_steps_, map_.cost().steps - steps_before);
+      if (!returned.outcome.complete()) {
+        if (const auto nearer = extrapolation.shortened()) {
           y = *nearer;
           continue;
         }
-        if (passage.outcome.ending != Ending::budget_spent || !steady_is_stable()) outcome = passage.outcome;
+        if (returned.outcome.ending != Ending::budget_spent || !steady_is_stable()) outcome = returned.outcome;
         return;
       }
       if (map_.cost().steps > last_step_) {
         outcome = {Ending::budget_spent, fmt::format("no periodic motion within {} steps", most_steps_)};
         return;
       }
-      y = passage.end;
-      lasted_.push_back(passage.duration);
-      if (k > transient) reached_.push_back(y);
-      if (reached_.size() > some) reached_.pop_front();
-      visited_.push_back(y);
-      const double amplitude = last_amplitude = passage.amplitude;
+      y = returned.end;
+      durations_.push_back(returned.duration);
+      if (k > transient) recent_ends_.push_back(y);
+      if (recent_ends_.size() > some) recent_ends_.pop_front();
+      ends_.push_back(y);
+      const double amplitude = last_amplitude = returned.amplitude;
       if (k > 0 && steady_is_stable() && amplitude < 0.02) return;
       if (!steady_is_stable() && !enlarged && amplitude < 1e-3) {
         if (amplitude < 1e-11) return;
-        y = grown(y, amplitude);
+        y = amplified(y, amplitude);
         begin_at(y);
         enlarged = true;
         continue;
       }
-      leaps.passed(y, distance_from_steady(y));
-      // A drift is followed as closely as it takes to see it.
-      tolerance = std::clamp(1e-3 * leaps.pace(), 1e-13, loose_);
-      // A trial that takes far longer has strayed into stick or onto steady sliding.
+      extrapolation.passed(y, distance_from_steady(y));
+      // The tolerance stays at 1e-3 of the change per return, so that steps resolve that change.
+      tolerance = std::clamp(1e-3 * extrapolation.relative_change(), 1e-13, loose_);
+      // A trial that takes far longer has fallen into stick or onto steady sliding.
       constexpr long times = 20, few = 1'000;
-      map_.allow(times * most_taken_ + few);
+      map_.allow(times * longest_return_steps_ + few);
       const bool slow = k <= relaxed && std::has_single_bit(unsigned(k)) &&
-                        (leaps.pace() < hardly_changes || friction_over_swing(map_.system().model()) < weak_friction);
+                        (extrapolation.relative_change() < hardly_changes ||
+                         friction_over_swing(map_.system().model()) < weak_friction);
       Attempt attempted = Attempt::goes_on;
-      if (slow && !leaps.under_way()) attempted = follow_swing(y).value_or(Attempt::goes_on);
+      if (slow && !extrapolation.under_way()) attempted = follow_swing(y).value_or(Attempt::goes_on);
       if (attempted == Attempt::goes_on) {
-        // Trials leave half of the steps to the motion.
+        // Trials spend at most half of the steps; the motion keeps the others.
         const long before = map_.cost().steps;
-        attempted = attempt(k, amplitude, leaps.under_way());
-        tried_ += map_.cost().steps - before;
+        attempted = attempt(k, amplitude, extrapolation.under_way());
+        trial_steps_ += map_.cost().steps - before;
       }
       map_.allow(ReturnMap::most_steps);
       if (attempted == Attempt::ends) return;
-      if (!steady_is_stable() && leaps.ready()) {
-        y = leaps.ahead();
+      if (!steady_is_stable() && extrapolation.ready()) {
+        y = extrapolation.extrapolated();
         begin_at(y);
       }
     }
   }
 
-  /// An overdamped start has all but reached steady sliding, which repels: goes on from where growth would lead.
-  std::vector<double> grown(const std::vector<double>& y, double amplitude) const {
+  /// An overdamped start nearly reaches steady sliding, which repels. The deviation is scaled up to 0.1 of the drive
+  /// speed, to save the returns in which it would grow there.
+  std::vector<double> amplified(const std::vector<double>& y, double amplitude) const {
     const auto steady = map_.system().steady(0);
-    // States that changed more than the speed did are not carried away by it.
+    // The bound in scales limits states that have changed more than the speed has.
     return map_.moved(steady, map_.difference(y, steady), std::min(0.1 / amplitude, 1 / map_.distance(y, steady)));
   }
 
   enum class Attempt { goes_on, ends };
-  /// After passage k, the last of those visited: tries to take the motion for a cycle, where it nearly repeats itself,
-  /// and now and then where it does not.
-  Attempt attempt(int k, double amplitude, bool leaping) {
-    const auto& y = visited_.back();
-    const int passages = int(visited_.size()) - 1;  // since the start or the last leap
-    if (const auto recurring = recurs(amplitude)) {
+  /// Tests after return k for a cycle: wherever the motion nearly repeats itself, and now and then elsewhere.
+  Attempt attempt(int k, double amplitude, bool extrapolating) {
+    const auto& y = ends_.back();
+    const int known = int(ends_.size()) - 1;  // returns since the start or the last extrapolation
+    if (const auto recurring = recurring_point(amplitude)) {
       point = recurring;
       outcome = {};
       return Attempt::ends;
     }
-    if (tried_ > most_steps_ / 2) return Attempt::goes_on;
+    if (trial_steps_ > most_steps_ / 2) return Attempt::goes_on;
     const double size = distance_from_steady(y);
-    const double moved = passages > 0 ? map_.distance(y, visited_[passages - 1]) : infinity;
+    const double moved = known > 0 ? map_.distance(y, ends_[known - 1]) : infinity;
     const double change = moved / std::min(amplitude, size);
-    // Several passages in a period: as many as bring the motion nearly back.
+    // A period of several returns has as many as bring the motion nearly back.
     constexpr int few = 8;
-    const auto came_back = [&](int turns) {
-      const double back = map_.distance(y, visited_[passages - turns]);
-      return back < 0.2 * moved && (turns <= few || back < std::min(0.01 * size, 0.02 * moved)) ? back : infinity;
+    const auto came_back = [&](int returns) {
+      const double back = map_.distance(y, ends_[known - returns]);
+      return back < 0.2 * moved && (returns <= few || back < std::min(0.01 * size, 0.02 * moved)) ? back : infinity;
     };
     bool many = false;
-    for (int turns = few + 1; turns < passages; ++turns) many = many || came_back(turns) < infinity;
-    if (!many && (leaping || (k < next_attempt_ && !(change < 1e-3)))) return Attempt::goes_on;
+    for (int returns = few + 1; returns < known; ++returns) many = many || came_back(returns) < infinity;
+    if (!many && (extrapolating || (k < next_attempt_ && !(change < 1e-3)))) return Attempt::goes_on;
     next_attempt_ = k + std::max(2, k / 2);
-    // Motion that hardly drifts is not waited for.
+    // Motion whose amplitude hardly changes is not waited for.
     constexpr double slow = 1e-3;
-    const bool drifts = k >= 2 && std::abs(drift_at_rest_) < slow && amplitude < 10 && !balanced_;
-    if (!drifts && accept(y, 1, amplitude, moved)) return Attempt::ends;
-    constexpr long as_often = 10;  // a trial follows the motion through its turns
-    for (int turns = 2; turns < passages; ++turns) {
-      const double back = came_back(turns);
-      const bool affordable = turns <= few || tried_ + as_often * turns * most_taken_ < most_steps_ / 2;
-      if (back < infinity && affordable && accept(y, turns, amplitude, back)) return Attempt::ends;
+    const bool grows_slowly = k >= 2 && std::abs(growth_about_steady_) < slow && amplitude < 10 && !balance_sought_;
+    if (!grows_slowly && accept(y, 1, amplitude, moved)) return Attempt::ends;
+    constexpr long as_often = 10;  // a trial follows the motion through its returns
+    for (int returns = 2; returns < known; ++returns) {
+      const double back = came_back(returns);
+      const bool affordable =
+          returns <= few || trial_steps_ + as_often * returns * longest_return_steps_ < most_steps_ / 2;
+      if (back < infinity && affordable && accept(y, returns, amplitude, back)) return Attempt::ends;
     }
-    return k >= 6 || (steady_is_stable() && k >= 3) || drifts ? balance(y, amplitude) : Attempt::goes_on;
+    return k >= 6 || (steady_is_stable() && k >= 3) || grows_slowly ? find_balanced_growth(y, amplitude)
+                                                                    : Attempt::goes_on;
   }
 
-  /// Stick forgets the swing that led to it, and slips at 10¹⁰ V leave nothing of a derivative that would say so.
-  /// Motion that sticks has come to its cycle where four periods have brought it back to rounding and led nowhere.
-  std::optional<FixedPoint> recurs(double amplitude) const {
+  /// The fixed point of motion that sticks and repeats itself to rounding error. Stick forgets the oscillation before
+  /// it, and after slips at 10¹⁰ V the propagated derivative holds only rounding error, so that the repetition itself
+  /// must tell: four periods that return to within rounding error and add up to no change.
+  std::optional<FixedPoint> recurring_point(double amplitude) const {
     const auto& slider = map_.system().model().slider;
-    const auto& y = visited_.back();
-    const int last = int(visited_.size()) - 1;
+    const auto& y = ends_.back();
+    const int last = int(ends_.size()) - 1;
     if (map_.system().mechanics() != oscillators::Mechanics::inertial) return std::nullopt;
-    // Two periods that are the same to the last digits that hold are as good as four that scatter.
+    // Two periods that agree to 1e-9 tell as much as four that scatter within 1e-5.
     constexpr double rounding = 1e-5, last_digits = 1e-9, nowhere = 2, longer_than_swings = 1.5;
     const double swing = 2 * std::numbers::pi * std::sqrt(slider.mass / slider.stiffness);
     const double size = distance_from_steady(y);
-    const auto repeats = [&](int turns, int periods, double within) {
+    const auto repeats = [&](int returns, int periods, double within) {
       double farthest = 0;
       for (int k = 0; k < periods && farthest <= within * size; ++k)
-        farthest = std::max(farthest, map_.distance(visited_[last - k * turns], visited_[last - (k + 1) * turns]));
-      return farthest <= within * size && map_.distance(y, visited_[last - periods * turns]) <= nowhere * farthest;
+        farthest = std::max(farthest, map_.distance(ends_[last - k * returns], ends_[last - (k + 1) * returns]));
+      return farthest <= within * size && map_.distance(y, ends_[last - periods * returns]) <= nowhere * farthest;
     };
-    for (int turns = 1; 2 * turns <= last; ++turns) {
-      if (!repeats(turns, 2, last_digits) && !(4 * turns <= last && repeats(turns, 4, rounding))) continue;
-      if (*std::max_element(lasted_.end() - turns, lasted_.end()) < longer_than_swings * swing) continue;
-      if (turns == 1) return std::nullopt;  // neighbours tell whether it is led back, or only changes slowly
+    for (int returns = 1; 2 * returns <= last; ++returns) {
+      if (!repeats(returns, 2, last_digits) && !(4 * returns <= last && repeats(returns, 4, rounding))) continue;
+      if (*std::max_element(durations_.end() - returns, durations_.end()) < longer_than_swings * swing) continue;
+      if (returns == 1) return std::nullopt;  // neighbouring returns tell attraction from slow change
       const auto n = map_.scale().size();
-      constexpr double at_most = 0.5;  // of a change is left after a period, or it would not have been lost so soon
+      constexpr double at_most = 0.5;  // a larger part left of a disturbance per period would show in these periods
       return FixedPoint{.y = y,
                         .derivative = at_most * MatrixXd::Identity(n, n),
-                        .turns = turns,
+                        .returns = returns,
                         .amplitude = amplitude,
                         .by_differences = true,
                         .bounded = true};
@@ -503,21 +513,20 @@ class Search {
     return std::nullopt;
   }
 
-  /// After a passage to y that hardly changed the motion: what becomes of it; nothing if it is no swing whose growth
-  /// tells.
+  /// Follows the growth of a slowly changing oscillation through y to its end. Nothing if y belongs to none.
   std::optional<Attempt> follow_swing(const std::vector<double>& y) {
     constexpr double closely = 1e-9, dead = 0.02;
     const auto swing = slow_swing_from(map_, y, closely);
     if (!swing) return std::nullopt;
     const auto end = follow_slow_swing(map_, *swing, closely);
-    constexpr double leaves_alone = 1e-12;  // so that metrics to 1e-6 hold for a million turns
-    // What a contact that remembers does in a turn is known to the last digits of the swing.
+    constexpr double leaves_alone = 1e-12;  // metrics to 1e-6 then hold for a million periods
+    // The work per period of a contact with memory is known to rounding error of the oscillation's energy.
     const bool tells = swing->turnover > leaves_alone || !oscillators::remembers(map_.system().model());
     if (end.balance && tells) return accept_swing(end);
     if (steady_is_stable()) return end.last->amplitude < dead ? Attempt::ends : Attempt::goes_on;
     if (std::abs(swing->growth) < leaves_alone) {
       point = FixedPoint{.y = swing->y, .derivative = {}, .amplitude = swing->amplitude};
-      point->free = {begun_, int(visited_.size()), swing->growth};
+      point->free = {start_, int(ends_.size()), swing->growth};
       outcome = {};
       return Attempt::ends;
     }
@@ -532,80 +541,80 @@ class Search {
     return Attempt::ends;
   }
 
-  /// True if swings decay until the slider sticks, and the next differs by many turns of its decay with the place in a
-  /// turn where that happens: no two periods are alike.
+  /// True if the oscillation decays until the slider sticks, and the next amplitude depends on the phase of the stop by
+  /// more than many periods of decay: no two periods are alike.
   bool sticks_at_random(const SlowEnd& end, const SlowSwing& swing) {
     constexpr double closely = 1e-11, noise = 1e3 * closely, many = 10;
     if (swing.growth > 0) return false;
-    const auto again = return_after(map_, *end.last, swing, closely);
+    const auto again = swing_after_stick(map_, *end.last, swing, closely);
     if (!again || !(again->spread > std::max(noise, many * std::abs(again->growth)))) return false;
     outcome = {Ending::none_exists,
                fmt::format("no two periods are alike: a swing decays over {:.1g} turns until the slider sticks, and "
                            "where in a turn that happens moves the next swing by {:.1g} turns of its decay",
-                           end.turns, again->spread / std::abs(again->growth))};
+                           end.periods, again->spread / std::abs(again->growth))};
     return true;
   }
 
-  /// Looks for the amplitude at which drift balances.
-  Attempt balance(const std::vector<double>& y, double amplitude) {
-    balanced_ = true;
-    const auto balanced = balance_of_drift(map_, y, amplitude, drift_at_rest_, loose_);
+  /// Searches for the amplitude of zero growth.
+  Attempt find_balanced_growth(const std::vector<double>& y, double amplitude) {
+    balance_sought_ = true;
+    const auto balanced = balance_of_growth(map_, y, amplitude, growth_about_steady_, loose_);
     if (balanced.y) {
-      const auto there = map_.follow(*balanced.y, search_tolerance(amplitude, drift_at_rest_, loose_), 1, true,
+      const auto there = map_.follow(*balanced.y, search_tolerance(amplitude, growth_about_steady_, loose_), 1, true,
                                      Derivative::none, nullptr, dip_of(amplitude));
       if (there.outcome.complete() && accept(there.end, 1, there.amplitude, infinity)) return Attempt::ends;
     }
     return balanced.dies_out ? Attempt::ends : Attempt::goes_on;
   }
 
-  /// True if `turns` passages from y, which bring it back but for `change`, lead to a fixed point that attracts; it is
-  /// then `point`.
-  bool accept(const std::vector<double>& y, int turns, double amplitude, double change) {
-    auto candidate = newton(map_, y, turns, amplitude, drift_at_rest_, loose_);
+  /// True if `returns` returns from y, which change it by `change`, belong to an attracting fixed point, then kept as
+  /// `point`.
+  bool accept(const std::vector<double>& y, int returns, double amplitude, double change) {
+    auto candidate = newton(map_, y, returns, amplitude, growth_about_steady_, loose_);
     constexpr double repeats = 1e-3, certainly = 0.5;
     const double size = distance_from_steady(y);
     if (!attracts(candidate) && change < repeats * size) {
-      candidate = settled(map_, y, turns, amplitude, loose_);
+      candidate = settled_point(map_, y, returns, amplitude, loose_);
       if (candidate && !(spectral_radius(*candidate, map_) < certainly)) return false;
     }
     if (!attracts(candidate)) return false;
-    // Where a turn ends tells too little of a swing that friction hardly moves.
+    // The end of a return shows too little of an oscillation that friction hardly changes.
     constexpr double neutral = 1e-6;
-    if (turns == 1 && spectral_radius(*candidate, map_) > 1 - neutral)
+    if (returns == 1 && spectral_radius(*candidate, map_) > 1 - neutral)
       if (const auto attempted = follow_swing(y)) return *attempted == Attempt::ends;
     point = candidate;
     outcome = {};
     return true;
   }
 
-  /// Motion goes on from y, after the start or a leap.
+  /// Motion goes on from y, the start or an extrapolated point.
   void begin_at(const std::vector<double>& y) {
-    begun_ = y;
-    visited_.clear();
-    lasted_.clear();
+    start_ = y;
+    ends_.clear();
+    durations_.clear();
   }
 
   ReturnMap& map_;
   const CycleOptions& options_;
-  double drift_at_rest_;
-  long most_steps_;  ///< of one search at one tolerance
-  int most_passages_;
-  double loose_ = search_tolerances[0];       ///< tolerance
-  long last_step_ = 0;                        ///< at which the search ends
-  long tried_ = 0;                            ///< steps of trials
-  long most_taken_ = 0;                       ///< steps of a passage of the motion itself
-  std::vector<double> begun_;                 ///< where the present motion began
-  std::vector<std::vector<double>> visited_;  ///< ends of passages since the start or the last leap
-  std::vector<double> lasted_;                ///< these, s
-  std::deque<std::vector<double>> reached_;   ///< the last ends of passages after the transient
-  int next_attempt_ = 2;                      ///< the passage after which a cycle is next looked for in any case
-  bool balanced_ = false;                     ///< the balance of drift was looked for from this start
+  double growth_about_steady_;
+  long most_steps_;  ///< in one search at one tolerance
+  int most_returns_;
+  double loose_ = search_tolerances[0];          ///< tolerance
+  long last_step_ = 0;                           ///< step count that ends the search
+  long trial_steps_ = 0;                         ///< steps spent on trials
+  long longest_return_steps_ = 0;                ///< steps of the longest return so far
+  std::vector<double> start_;                    ///< point from which the motion is followed
+  std::vector<std::vector<double>> ends_;        ///< ends of the returns since the start or the last extrapolation
+  std::vector<double> durations_;                ///< durations of the same returns, s
+  std::deque<std::vector<double>> recent_ends_;  ///< ends of the last returns after the transient
+  int next_attempt_ = 2;                         ///< return after which a cycle is tested for in any case
+  bool balance_sought_ = false;                  ///< the amplitude of zero growth was searched for from this start
 };
 
 }  // namespace
 
-SearchResult search_cycle(ReturnMap& map, double drift_at_rest, const CycleOptions& options) {
-  Search search(map, drift_at_rest, options);
+SearchResult search_cycle(ReturnMap& map, double growth_about_steady, const CycleOptions& options) {
+  CycleSearch search(map, growth_about_steady, options);
   search.run();
   return {std::move(search.point), std::move(search.outcome)};
 }

@@ -12,15 +12,16 @@ namespace rosin::analysis::cycles {
 struct FixedPoint {
   std::vector<double> y;
   Eigen::MatrixXd derivative;
-  int turns = 1;
+  int returns = 1;
   double amplitude = 0;
-  bool by_differences = false;                  ///< the derivative is that of neighbouring passages
-  bool bounded = false;                         ///< no more is known than that it is smaller
-  std::optional<SlowEnd> swing = std::nullopt;  ///< friction changes it by too little in a turn to show in `y`
-  /// Of a swing that friction all but leaves alone: where the motion began, the passages since then, and its growth.
+  bool by_differences = false;  ///< the derivative comes from neighbouring returns
+  bool bounded = false;         ///< the derivative is an upper bound only
+  std::optional<SlowEnd> swing =
+      std::nullopt;  ///< set where friction changes the amplitude by too little in a period to show in `y`
+  /// A nearly conservative oscillation: the start of the motion, the returns since then, and the growth per period.
   struct Free {
     std::vector<double> start;
-    int passages;
+    int returns;
     double growth;
   };
   std::optional<Free> free = std::nullopt;
@@ -29,10 +30,10 @@ struct FixedPoint {
 double spectral_radius(const FixedPoint&, const ReturnMap&);
 
 struct SearchResult {
-  std::optional<FixedPoint> point;  ///< attracts; known as closely as the search needs, to a thousandth or better
-  Outcome outcome;                  ///< where there is none: why
+  std::optional<FixedPoint> point;  ///< an attracting one, to a relative 1e-3 or better
+  Outcome outcome;                  ///< the reason where there is no point
 };
-/// `drift_at_rest`: growth of a small oscillation about steady sliding in one period, ln(A'/A).
-SearchResult search_cycle(ReturnMap&, double drift_at_rest, const CycleOptions&);
+/// `growth_about_steady`: growth ln(A'/A) per period of a small oscillation about steady sliding.
+SearchResult search_cycle(ReturnMap&, double growth_about_steady, const CycleOptions&);
 
 }  // namespace rosin::analysis::cycles

@@ -1,4 +1,4 @@
-/// Motion of which no two periods are alike: the rate at which neighbouring motions part (Lyapunov's exponent).
+/// Irregular motion, by its Lyapunov exponent: the rate at which neighbouring motions diverge.
 #pragma once
 #include <optional>
 #include <vector>
@@ -7,16 +7,16 @@
 
 namespace rosin::analysis::cycles {
 
-/// By how much a small distance grows in a passage, ln, on the mean over a long motion.
-struct Parting {
-  double rate = 0, error = 0;  ///< the error is that of the mean of parts of the motion
-  int passages = 0;
+/// Mean growth (ln) of a small distance per return, over a long motion.
+struct Divergence {
+  double rate = 0, error = 0;  ///< the error is the standard error of the mean over parts of the motion
+  int returns = 0;
 };
 
-/// The rate at which motions beside that from y, on the section, part from it, if they certainly do: measured twice, at
-/// different tolerances and along different parts of the motion, whose means must agree. Nothing where they do not,
-/// where the steps of a single passage leave its end in doubt, or where the motion still drifts, so that it may yet
-/// come to repeat itself.
-std::optional<Parting> parting_from(ReturnMap&, const std::vector<double>& y);
+/// The divergence of motions next to the one from y on the section, if it is certain: two measurements, at different
+/// tolerances and along different parts of the motion, must agree. Nothing where they differ, where the error of the
+/// steps in a single return is too large, or where the amplitude still changes, so that the motion may yet become
+/// periodic.
+std::optional<Divergence> divergence_from(ReturnMap&, const std::vector<double>& y);
 
 }  // namespace rosin::analysis::cycles

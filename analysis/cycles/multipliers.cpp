@@ -1,4 +1,4 @@
-/// Multipliers at two tolerances: what they differ by is their error.
+/// Multipliers at two tolerances, whose difference is their error.
 #include "analysis/cycles/multipliers.hpp"
 
 #include <fmt/format.h>
@@ -27,13 +27,13 @@ std::vector<Complex> by_modulus(const MatrixXd& D) {
 
 std::vector<Complex> multipliers_of(const MatrixXd& derivative, const VectorXd& scale) {
   auto values = by_modulus(scale.cwiseInverse().asDiagonal() * derivative * scale.asDiagonal());
-  values.pop_back();  // the projection's own zero: the direction off the section
+  values.pop_back();  // the zero of the projection onto the section
   return values;
 }
 
 Multipliers known_multipliers(const std::vector<Complex>& coarse, std::vector<Complex> fine) {
   constexpr double known = 0.1, rounding = 1e-13, shared = 1e-3;
-  // Each goes with the nearest of the others, the largest first.
+  // Each is paired with the nearest of the others, the largest first.
   auto others = coarse;
   std::vector<double> apart;
   for (const auto& value : fine) {
@@ -44,7 +44,7 @@ Multipliers known_multipliers(const std::vector<Complex>& coarse, std::vector<Co
     others.erase(nearest);
   }
   Multipliers result;
-  // Small eigenvalues are those of the same matrix as large ones, and two differences may be small by chance.
+  // A difference may be small by chance: every error is at least 1e-3 of the largest.
   const double largest = apart.empty() ? 0 : *std::max_element(apart.begin(), apart.end());
   const double size = fine.empty() ? 0 : std::abs(fine.front());
   double unknown = 0;
@@ -65,25 +65,26 @@ Multipliers known_multipliers(const std::vector<Complex>& coarse, std::vector<Co
 
 namespace {
 
-/// The derivative at the fixed point of the map at a tolerance, from y beside it; moves y there. Nothing where the
-/// motion does not come round, or not to where it began.
-std::optional<MatrixXd> derivative_at_fixed_point(ReturnMap& map, std::vector<double>& y, double tolerance, int turns,
+/// The derivative at the fixed point of the map at a tolerance, from a neighbouring y, which moves there. Nothing where
+/// the motion does not return, or not to its start.
+std::optional<MatrixXd> derivative_at_fixed_point(ReturnMap& map, std::vector<double>& y, double tolerance, int returns,
                                                   double amplitude, bool closes) {
   const int most_steps = closes ? 5 : 1;
-  constexpr double noise = 100;                   // what steps leave of a passage, in tolerances
-  constexpr double closed = 1e-6, beside = 1e-3;  // a derivative elsewhere tells nothing of the cycle
+  constexpr double noise = 100;                       // error of a return, in tolerances
+  constexpr double closed = 1e-6, near_cycle = 1e-3;  // farther away the derivative is not the cycle's
   const VectorXd scale = map.scale();
   const auto begin = y;
   std::optional<MatrixXd> derivative;
   double before = infinity;
   for (int k = 0; k < most_steps; ++k) {
-    const auto passage = map.follow(y, tolerance, turns, true, Derivative::across_motion, nullptr, dip_of(amplitude));
-    if (!passage.outcome.complete()) return std::nullopt;
-    const VectorXd change = map.difference(passage.end, y);
+    const auto returned =
+        map.follow(y, tolerance, returns, true, Derivative::across_motion, nullptr, dip_of(amplitude));
+    if (!returned.outcome.complete()) return std::nullopt;
+    const VectorXd change = map.difference(returned.end, y);
     const double length = map.length(change);
     if (!(length < before)) break;
     before = length;
-    derivative = passage.derivative;
+    derivative = returned.derivative;
     if (length < noise * tolerance * std::min(1.0, amplitude)) break;
     const MatrixXd I = MatrixXd::Identity(scale.size(), scale.size());
     const VectorXd step =
@@ -93,17 +94,17 @@ std::optional<MatrixXd> derivative_at_fixed_point(ReturnMap& map, std::vector<do
     y = map.moved(y, step, 1);
   }
   const double size = std::min(1.0, amplitude);
-  if (closes && !(before < closed * size && map.distance(y, begin) < beside * size)) return std::nullopt;
+  if (closes && !(before < closed * size && map.distance(y, begin) < near_cycle * size)) return std::nullopt;
   return derivative;
 }
 
 }  // namespace
 
-Multipliers cycle_multipliers(ReturnMap& map, std::vector<double> y, int turns, double amplitude, bool closes) {
+Multipliers cycle_multipliers(ReturnMap& map, std::vector<double> y, int returns, double amplitude, bool closes) {
   std::vector<Complex> found[2];
   const double tolerances[] = {1e-9, 1e-11};
   for (int k = 0; k < 2; ++k) {
-    const auto derivative = derivative_at_fixed_point(map, y, tolerances[k], turns, amplitude, closes);
+    const auto derivative = derivative_at_fixed_point(map, y, tolerances[k], returns, amplitude, closes);
     if (!derivative)
       return {
           {},

@@ -1,5 +1,4 @@
-/// The search for the fixed point of the map of onsets: plain periods, leaps along what they have in common, Newton's
-/// method.
+/// The search for the fixed point of the onset map: plain periods, extrapolation from them, and Newton's method.
 #include "analysis/cycles/onset_map.hpp"
 
 #include <algorithm>
@@ -15,110 +14,113 @@ namespace rosin::analysis::cycles {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The way to the onset that repeats itself. Plain periods lead to what attracts; where they come in, what they have in
-/// common leads there faster (a leap). Many slow states, such as the temperatures of deep layers, come in one after the
-/// other; Newton's method turns them all at once, and the fast ones follow within a few periods. Where leaps lead
-/// astray again and again it is not waited for so long.
-class OnsetMap::Search {
+/// The iteration to the fixed point of the onset map. Plain periods converge to an attracting one; extrapolation from
+/// several (Anderson mixing) gets there sooner. Many slow states, such as the temperatures of deep layers, converge one
+/// after the other; a step of Newton's method moves all of them at once, and the fast states follow within a few
+/// periods. After repeated failures of the extrapolation Newton's method is tried earlier.
+class OnsetMap::OnsetSearch {
  public:
-  Search(OnsetMap& map, VectorXd onset) : map_(map), z_(std::move(onset)) {}
+  OnsetSearch(OnsetMap& map, VectorXd onset) : map_(map), z_(std::move(onset)) {}
 
   /// Where the next period begins.
   const VectorXd& onset() const { return z_; }
-  /// True if a leap or Newton's method led there, that have not been judged yet.
-  bool led() const { return leapt_at_ >= 0 || k_ <= judged_at_; }
-  /// True once Newton's method has had a part in where this is.
-  bool turned() const { return judged_at_ >= 0; }
+  /// True if the onset comes from an extrapolation or a Newton step that has not yet been judged.
+  bool extrapolated() const { return extrapolated_at_ >= 0 || k_ <= newton_judged_at_; }
+  /// True once a Newton step has been taken and kept.
+  bool used_newton() const { return newton_judged_at_ >= 0; }
 
   /// Takes the onset that ends the period.
   void add(const VectorXd& image) {
     onsets_.push_back(z_), changes_.push_back(image - z_);
     now_ = map_.size_of_step(changes_.back(), z_);
-    onward_ = accelerated();
-    // Onsets before a leap say nothing of those after it.
-    together_ = std::min<std::size_t>(onsets_.size(), k_ - last_leap_);
-    scatters_ = scatter_in(std::span(changes_).last(together_));
+    extrapolation_ = accelerated();
+    // Changes before and after an extrapolation are not comparable.
+    comparable_ = std::min<std::size_t>(onsets_.size(), k_ - last_extrapolation_);
+    scatters_ = scatter_in(std::span(changes_).last(comparable_));
     if (now_ < 0.5 * nearest_) nearest_ = now_, nearest_at_ = k_;
-    comes_in_slowly_ = k_ > 3 && now_ < 1e3 * known() && !(now_ < 0.5 * change_);
-    settled_ = now_ < 10 * known() || comes_in_slowly_;
-    // What neither leads closer, and changes to and fro, is as close as rounding lets it come.
-    no_nearer_ = k_ - nearest_at_ >= 2 * patience && now_ < 100 * nearest_ && !led() && scatters_;
+    converges_slowly_ = k_ > 3 && now_ < 1e3 * resolution() && !(now_ < 0.5 * change_);
+    settled_ = now_ < 10 * resolution() || converges_slowly_;
+    // Changes that alternate without shrinking have reached rounding error.
+    stagnates_ = k_ - nearest_at_ >= 2 * patience && now_ < 100 * nearest_ && !extrapolated() && scatters_;
   }
-  /// True if `period`, the last one, is as close to what repeats itself as plain periods come.
-  bool has_arrived(const StickSlipPeriod& period) const {
-    // States that count the time at rest scatter as the times at which slip stops, and what has all but decayed as the
-    // rounding of what it came from. Then the metrics of two periods that both do show what is left.
-    const bool unshaken = now_ < 10 * closest_;  // by a leap
-    return settled_ || std::max(now_, change_) < 3 * map_.scatter(period) || (unshaken && go_nowhere()) || no_nearer_;
+  /// True if `period`, the last one, is as close to the fixed point as plain periods come.
+  bool has_converged(const StickSlipPeriod& period) const {
+    // States that measure the time at rest scatter with the times at which slip stops, and states that have nearly
+    // decayed scatter with the rounding error of their first values. The metrics of two such periods then show the
+    // remaining error.
+    const bool unshaken = now_ < 10 * closest_;  // by an extrapolation
+    return settled_ || std::max(now_, change_) < 3 * map_.scatter(period) || (unshaken && changes_cancel()) ||
+           stagnates_;
   }
-  /// What is left of the way, relative, where metrics `changed` by so much in the last period.
-  double open(double changed) const {
+  /// Remaining relative distance to the fixed point, where metrics `changed` by this in the last period.
+  double remaining_distance(double changed) const {
     if (!settled_) return 10 * changed;
-    // Metrics may change by more than states do, as stick does that ends the sooner the hotter the contact is.
+    // Metrics may change by more than the states, as stick that ends the sooner the hotter the contact is.
     const double moved = onsets_.size() > 1 ? map_.size_of_step(z_ - onsets_.end()[-2], z_) : infinity;
-    return (moved > 0 ? std::max(changed / moved, 1.0) : 1) * away();
+    return (moved > 0 ? std::max(changed / moved, 1.0) : 1) * distance_left();
   }
-  /// True if plain periods may have stopped short of what repeats itself.
-  bool may_be_short() const {
-    constexpr double many = 1e3;  // periods from what repeats itself, or rounding says so
-    return map_.kind_ == Onset::reversed || comes_in_slowly_ || no_nearer_ || (settled_ && away() > many * now_);
+  /// True if plain periods may have stalled short of the fixed point.
+  bool may_have_stalled() const {
+    constexpr double many = 1e3;  // periods to the fixed point; beyond this the estimate may be rounding error
+    return map_.kind_ == Onset::reversed || converges_slowly_ || stagnates_ ||
+           (settled_ && distance_left() > many * now_);
   }
-  /// To which no state is known better.
-  double known() const { return std::max(map_.tolerance_, 1e-14); }
-  /// The number of kinds of slip, two or more, that follow each other by turns: a period then holds as many. Else 1.
-  int alternating() const {
+  /// Relative accuracy of the states, at best.
+  double resolution() const { return std::max(map_.tolerance_, 1e-14); }
+  /// Number of slips, two or more, after which the slips repeat: a period holds that many. Else 1.
+  int slips_in_pattern() const {
     constexpr std::size_t enough = 8, most = 8;
     constexpr double alike = 1e-3, apart = 1e-3;
-    const auto last = std::span(onsets_).last(together_);
+    const auto last = std::span(onsets_).last(comparable_);
     const VectorXd image = z_ + changes_.back();
     for (std::size_t n = 2; n <= most && last.size() >= enough + n && now_ > apart; ++n)
       if (map_.size_of_step(image - last[last.size() - n], image) < alike * now_) return int(n);
     return 1;
   }
-  bool asks_for_newton() const { return k_ >= turn_at_ && k_ > judged_at_ && !scatters_; }
+  bool wants_newton() const { return k_ >= newton_at_ && k_ > newton_judged_at_ && !scatters_; }
 
-  /// Takes Newton's way, or where there is none puts the next try off and goes on without.
-  void turn(const std::optional<VectorXd>& way) {
-    if (!way) {
-      turn_at_ = k_ + patience;
-      return go_on();
+  /// Takes Newton's step. Where there is none, the next attempt is 24 periods later and a plain period follows.
+  void take_newton_step(const std::optional<VectorXd>& step) {
+    if (!step) {
+      newton_at_ = k_ + patience;
+      return next_period();
     }
-    come_closer();
+    keep_best();
     onsets_.clear(), changes_.clear();
-    z_ += *way;
+    z_ += *step;
     change_ = infinity;
-    leapt_at_ = -1;
-    judged_at_ = k_ + 1 + grace;
-    turn_at_ = judged_at_ + plain;
+    extrapolated_at_ = -1;
+    newton_judged_at_ = k_ + 1 + grace;
+    newton_at_ = newton_judged_at_ + plain;
     ++k_;
   }
-  /// Goes on from where the last period ended, or leaps.
-  void go_on() {
-    // What a leap does to fast states is gone within a few periods.
-    const bool farther = now_ > 2 * closest_, waits = leapt_at_ >= 0 && k_ <= leapt_at_ + grace;
-    if (farther && !waits && (leapt_at_ >= 0 || k_ == judged_at_)) {
-      go_back();
+  /// Continues from the end of the last period, or from an extrapolation.
+  void next_period() {
+    // Fast states recover from an extrapolation within a few periods.
+    const bool farther = now_ > 2 * closest_, waits = extrapolated_at_ >= 0 && k_ <= extrapolated_at_ + grace;
+    if (farther && !waits && (extrapolated_at_ >= 0 || k_ == newton_judged_at_)) {
+      restore_best();
     } else {
-      if (!farther) leapt_at_ = -1;
-      come_closer();
-      constexpr double comes_in = 1 - 1e-7;
-      const bool leaps = leapt_at_ < 0 && k_ > plain_until_ && k_ > judged_at_ &&
-                         std::max(now_ / change_, change_ / change_before_) < comes_in;
-      if (leaps) leapt_at_ = last_leap_ = k_;
-      z_ += leaps ? onward_ : changes_.back();
+      if (!farther) extrapolated_at_ = -1;
+      keep_best();
+      constexpr double converging = 1 - 1e-7;
+      const bool extrapolates = extrapolated_at_ < 0 && k_ > plain_periods_until_ && k_ > newton_judged_at_ &&
+                                std::max(now_ / change_, change_ / change_before_) < converging;
+      if (extrapolates) extrapolated_at_ = last_extrapolation_ = k_;
+      z_ += extrapolates ? extrapolation_ : changes_.back();
     }
     change_before_ = change_;
     change_ = now_;
     ++k_;
   }
-  /// Where slip led to finds no end: beyond where it comes to rest, to which periods by themselves may never lead.
-  void stray() {
-    go_back();
-    if (constexpr int most_strays = 5; strays_ > most_strays) plain_until_ = most_periods;
+  /// Returns to the best onset so far, after an extrapolation to states from which slip never comes to rest.
+  void return_to_best() {
+    restore_best();
+    if (constexpr int most_failures = 5; failures_ > most_failures) plain_periods_until_ = most_periods;
     ++k_;
   }
-  /// Periods hold another number of slips from here on.
-  void begin_anew(const VectorXd& onset) {
+  /// Restarts at `onset`, with another number of slips in a period.
+  void restart(const VectorXd& onset) {
     z_ = onset;
     onsets_.clear(), changes_.clear();
     closest_ = change_ = infinity;
@@ -130,21 +132,22 @@ class OnsetMap::Search {
  private:
   static constexpr int most_periods = 400, plain = 6, patience = 24, grace = 4;
 
-  double away() const { return std::max(now_, map_.size_of_step(onward_, z_)); }
-  void come_closer() {
+  double distance_left() const { return std::max(now_, map_.size_of_step(extrapolation_, z_)); }
+  void keep_best() {
     if (now_ < closest_) closest_ = now_, closest_image_ = z_ + changes_.back();
   }
-  void go_back() {
+  void restore_best() {
     constexpr int again = 2;
     onsets_.clear(), changes_.clear();
     z_ = closest_image_;
-    const bool turned = k_ <= judged_at_;
-    plain_until_ = k_ + ++strays_ * plain;
-    if (turned || strays_ >= again) turn_at_ = k_ + (turned ? patience : plain);
-    leapt_at_ = judged_at_ = -1;
+    const bool used_newton = k_ <= newton_judged_at_;
+    plain_periods_until_ = k_ + ++failures_ * plain;
+    if (used_newton || failures_ >= again) newton_at_ = k_ + (used_newton ? patience : plain);
+    extrapolated_at_ = newton_judged_at_ = -1;
   }
-  /// The way from the last onset to the one that repeats itself: Anderson mixing of the last periods, and no farther
-  /// than half of what each state is.
+  /// Anderson mixing: the step from the last onset to the fixed point, extrapolated from the last periods and limited
+  /// to
+  /// half of each state.
   VectorXd accelerated() const {
     constexpr std::size_t depth = 6;
     const VectorXd z = onsets_.back(), step = changes_.back(), sizes = map_.sizes_at(z);
@@ -157,15 +160,16 @@ class OnsetMap::Search {
       differed.col(i) = (changes_[at] - changes_[at - 1]).cwiseQuotient(sizes);
     }
     const VectorXd share = least_squares(differed, step.cwiseQuotient(sizes));
-    VectorXd onward = step - ((moved + differed) * share).cwiseProduct(sizes);
-    if (!onward.allFinite()) return step;
-    const auto farthest = [&](const VectorXd& way) { return way.cwiseQuotient(sizes).cwiseAbs().maxCoeff(); };
+    VectorXd extrapolation = step - ((moved + differed) * share).cwiseProduct(sizes);
+    if (!extrapolation.allFinite()) return step;
+    const auto farthest = [&](const VectorXd& d) { return d.cwiseQuotient(sizes).cwiseAbs().maxCoeff(); };
     constexpr double most = 0.5;
-    // Changes that differ by rounding alone, as where heat only adds up, point anywhere.
-    if (onward.cwiseQuotient(sizes).dot(step.cwiseQuotient(sizes)) < 0) onward = step * (most / farthest(step));
-    return farthest(onward) > most ? VectorXd(onward * (most / farthest(onward))) : onward;
+    // Changes that differ by rounding error alone, as where heat only accumulates, give a random direction.
+    if (extrapolation.cwiseQuotient(sizes).dot(step.cwiseQuotient(sizes)) < 0)
+      extrapolation = step * (most / farthest(step));
+    return farthest(extrapolation) > most ? VectorXd(extrapolation * (most / farthest(extrapolation))) : extrapolation;
   }
-  /// True if the last changes do not add up, as those of slow states would: rounding makes them.
+  /// True if the last changes cancel in their sum, as rounding error does and slow convergence does not.
   bool scatter_in(std::span<const VectorXd> changes) const {
     constexpr std::size_t few = 3, most = 6;
     if (changes.size() < few) return false;
@@ -175,8 +179,8 @@ class OnsetMap::Search {
       sum += change, sizes += map_.size_of_step(change, z_);
     return map_.size_of_step(sum, z_) < 0.5 * sizes;
   }
-  /// True if small changes of the last periods have not led away from where they began, as slow ones of one sign do.
-  bool go_nowhere() const {
+  /// True if the small changes of the last periods have cancelled, which slow changes of one sign would not.
+  bool changes_cancel() const {
     constexpr std::size_t periods = 8;
     constexpr double small = 1e-2, nowhere = 3;
     if (onsets_.size() < periods) return false;
@@ -190,21 +194,21 @@ class OnsetMap::Search {
 
   OnsetMap& map_;
   VectorXd z_;
-  std::vector<VectorXd> onsets_, changes_;  ///< of the last periods, as long as they belong together
-  int k_ = 0;                               ///< the number of the period that begins at z
-  double now_ = 0, change_ = infinity, change_before_ = infinity;  ///< of the last periods, relative
-  VectorXd onward_;                                                ///< where the last ones lead
-  std::size_t together_ = 0;                                       ///< number of periods since a leap
-  bool scatters_ = false, comes_in_slowly_ = false, settled_ = false, no_nearer_ = false;
-  double closest_ = infinity;  ///< change of a period that no leap has made larger yet
-  VectorXd closest_image_;     ///< the onset that ends it
+  std::vector<VectorXd> onsets_, changes_;                         ///< in the last periods, since the last restart
+  int k_ = 0;                                                      ///< number of the period that starts at z
+  double now_ = 0, change_ = infinity, change_before_ = infinity;  ///< relative changes in the last three periods
+  VectorXd extrapolation_;                                         ///< step to the extrapolated fixed point
+  std::size_t comparable_ = 0;                                     ///< number of periods since an extrapolation
+  bool scatters_ = false, converges_slowly_ = false, settled_ = false, stagnates_ = false;
+  double closest_ = infinity;  ///< smallest change of a period since the last restart
+  VectorXd closest_image_;     ///< the onset at the end of that period
   double nearest_ = infinity;  ///< smallest change so far
   int nearest_at_ = 0;
-  int leapt_at_ = -1;   ///< the period before a leap that has not led closer yet
-  int last_leap_ = -1;  ///< the period before it
-  int plain_until_ = plain - 1, strays_ = 0;
-  int turn_at_ = patience - 1;  ///< the period after which Newton's method is next asked
-  int judged_at_ = -1;          ///< the period by which it must have led closer
+  int extrapolated_at_ = -1;     ///< period before an extrapolation that has not yet reduced the change
+  int last_extrapolation_ = -1;  ///< period before the last extrapolation
+  int plain_periods_until_ = plain - 1, failures_ = 0;
+  int newton_at_ = patience - 1;  ///< period after which Newton's method is next tried
+  int newton_judged_at_ = -1;     ///< period by which its step must have reduced the change
 };
 
 OnsetMap::OnsetMap(const Model& model, double tolerance, double stick_threshold, Onset kind, int slips)
@@ -218,52 +222,52 @@ OnsetMap::OnsetMap(const Model& model, double tolerance, double stick_threshold,
   const std::vector<double> rest(system_.size());
   system_.scale(rest.data(), s.data());
   if (kind == Onset::reversed) {
-    returning_.push_back(displacement);
+    mapped_.push_back(displacement);
     s[displacement] = model.drive.speed.level() * std::sqrt(model.slider.mass / model.slider.stiffness);
   }
-  for (int i = mechanical; i < system_.size(); ++i) returning_.push_back(i);
+  for (int i = mechanical; i < system_.size(); ++i) mapped_.push_back(i);
   scale_ = gather(s);
 }
 
 StickSlipPeriod OnsetMap::cycle(const std::vector<double>* reversed) {
   auto period = stick_slip_period(model_, tolerance_, stick_threshold_, reversed, 1, kind_);
-  if (!period.found || scale_.size() == 0) return period;  // without memory stick forgets the past
+  if (!period.found || scale_.size() == 0) return period;  // without memory, stick forgets the past
   long steps = period.steps, evaluations = period.evaluations;
   constexpr long most_steps = longest_period;
-  Search search(*this, gather(period.onset));
+  OnsetSearch search(*this, gather(period.onset));
   while (search.goes_on() && steps < most_steps) {
-    constexpr long alike = 20, few = 1000;  // steps: a period that takes many more is of another kind
-    StickSlipPeriod next = period_from(search.onset(), search.led() ? alike * period.steps + few : most_steps);
+    constexpr long alike = 20, few = 1000;  // steps: a period with many more is another motion
+    StickSlipPeriod next = period_from(search.onset(), search.extrapolated() ? alike * period.steps + few : most_steps);
     steps += next.steps, evaluations += next.evaluations;
-    if (!next.found && search.led()) {
-      search.stray();
+    if (!next.found && search.extrapolated()) {
+      search.return_to_best();
       continue;
     }
     const Metrics before = std::exchange(period, std::move(next)).metrics;
     if (!period.found) return period;
     search.add(gather(period.onset));
-    if (search.has_arrived(period)) {
-      if (fewer_slips_do(search.onset(), 1e3 * search.known())) {
-        search.begin_anew(search.onset());
+    if (search.has_converged(period)) {
+      if (reduce_to_fewer_slips(search.onset(), 1e3 * search.resolution())) {
+        search.restart(search.onset());
         continue;
       }
-      const double open = search.open(largest_change(before, period.metrics));
-      if (search.may_be_short())
-        period = closer(std::move(period), search.onset(), open, steps, evaluations);
+      const double remaining = search.remaining_distance(largest_change(before, period.metrics));
+      if (search.may_have_stalled())
+        period = refined_by_newton(std::move(period), search.onset(), remaining, steps, evaluations);
       else
-        period.closure += open;
+        period.closure += remaining;
       period.steps = steps, period.evaluations = evaluations, period.slips = slips_;
-      period.turned = search.turned();
+      period.used_newton = search.used_newton();
       return period;
     }
-    if (const int kinds = slips_ == 1 ? search.alternating() : 1; kinds > 1) {
+    if (const int kinds = slips_ == 1 ? search.slips_in_pattern() : 1; kinds > 1) {
       slips_ = kinds;
-      search.begin_anew(search.onset() + search.change());
-    } else if (search.asks_for_newton()) {
+      search.restart(search.onset() + search.change());
+    } else if (search.wants_newton()) {
       steps += 2 * scale_.size() * period.steps;  // about
-      search.turn(newton_step(search.onset(), search.change()));
+      search.take_newton_step(newton_step(search.onset(), search.change()));
     } else {
-      search.go_on();
+      search.next_period();
     }
   }
   period.found = false;
@@ -279,8 +283,8 @@ std::vector<std::complex<double>> OnsetMap::multipliers(const std::vector<double
 }
 
 VectorXd OnsetMap::gather(const std::vector<double>& y) const {
-  VectorXd z(returning_.size());
-  for (std::size_t k = 0; k < returning_.size(); ++k) z[k] = y[returning_[k]];
+  VectorXd z(mapped_.size());
+  for (std::size_t k = 0; k < mapped_.size(); ++k) z[k] = y[mapped_[k]];
   return z;
 }
 
@@ -300,9 +304,9 @@ double OnsetMap::scatter(const StickSlipPeriod& period) {
   system_.evaluate(0, period.onset.data(), f.data());
   system_.mass(0, mass.data());
   system_.set_mode(0, ContactMode::forward);
-  VectorXd open(scale_.size());
-  for (int k = 0; k < open.size(); ++k) open[k] = period.landing * f[returning_[k]] / mass[returning_[k]];
-  return size_of_step(open, gather(period.onset));
+  VectorXd error(scale_.size());
+  for (int k = 0; k < error.size(); ++k) error[k] = period.stop_time_error * f[mapped_[k]] / mass[mapped_[k]];
+  return size_of_step(error, gather(period.onset));
 }
 
 double OnsetMap::largest_change(const Metrics& a, const Metrics& b) const {
@@ -315,7 +319,7 @@ double OnsetMap::largest_change(const Metrics& a, const Metrics& b) const {
 
 StickSlipPeriod OnsetMap::period_from(const VectorXd& z, long most_steps) const {
   std::vector<double> onset(system_.size());
-  for (std::size_t k = 0; k < returning_.size(); ++k) onset[returning_[k]] = z[k];
+  for (std::size_t k = 0; k < mapped_.size(); ++k) onset[mapped_[k]] = z[k];
   if (kind_ == Onset::held) onset = system_.loaded_at_rest(system_.observe(0, onset.data()).state, 1);
   return stick_slip_period(model_, tolerance_, stick_threshold_, &onset, slips_, kind_, most_steps);
 }
@@ -340,35 +344,35 @@ std::optional<VectorXd> OnsetMap::newton_step(const VectorXd& z, const VectorXd&
   const VectorXd sizes = sizes_at(z);
   const MatrixXd D = sizes.cwiseInverse().asDiagonal() * derivative(z) * sizes.asDiagonal();
   if (!D.allFinite()) return std::nullopt;
-  VectorXd onward = solve_linear(MatrixXd::Identity(z.size(), z.size()) - D, step.cwiseQuotient(sizes));
-  if (!onward.allFinite()) return std::nullopt;
+  VectorXd extrapolation = solve_linear(MatrixXd::Identity(z.size(), z.size()) - D, step.cwiseQuotient(sizes));
+  if (!extrapolation.allFinite()) return std::nullopt;
   constexpr double most = 0.5;
-  onward = onward.cwiseMax(-most);
-  return VectorXd(onward.cwiseProduct(sizes));
+  extrapolation = extrapolation.cwiseMax(-most);
+  return VectorXd(extrapolation.cwiseProduct(sizes));
 }
 
-StickSlipPeriod OnsetMap::closer(StickSlipPeriod period, VectorXd z, double open, long& steps,
-                                 long& evaluations) const {
+StickSlipPeriod OnsetMap::refined_by_newton(StickSlipPeriod period, VectorXd z, double without_newton, long& steps,
+                                            long& evaluations) const {
   constexpr double farthest = 0.5, last_digits = 1e-15;
-  double way = infinity, times = 1;  // what is left; and by how much more metrics change
-  while (const auto turn = newton_step(z, gather(period.onset) - z)) {
+  double left = infinity, times = 1;  // distance to the fixed point; change of metrics over that of the states
+  while (const auto step = newton_step(z, gather(period.onset) - z)) {
     steps += 2 * z.size() * period.steps;  // about
-    const double left = size_of_step(*turn, z);
-    const bool leads = left < std::min(0.5 * way, farthest);
-    way = std::min(left, way);
-    if (!leads || way < last_digits) break;
-    auto next = period_from(z + *turn);
+    const double length = size_of_step(*step, z);
+    const bool halves = length < std::min(0.5 * left, farthest);
+    left = std::min(length, left);
+    if (!halves || left < last_digits) break;
+    auto next = period_from(z + *step);
     steps += next.steps, evaluations += next.evaluations;
     if (!next.found) break;
-    times = std::max(times, largest_change(period.metrics, next.metrics) / left);
-    z += *turn;
+    times = std::max(times, largest_change(period.metrics, next.metrics) / length);
+    z += *step;
     period = std::move(next);
   }
-  period.closure += way < infinity ? times * way : open;
+  period.closure += left < infinity ? times * left : without_newton;
   return period;
 }
 
-bool OnsetMap::fewer_slips_do(const VectorXd& z, double same) {
+bool OnsetMap::reduce_to_fewer_slips(const VectorXd& z, double same) {
   const int all = slips_;
   for (slips_ = 1; slips_ < all; ++slips_) {
     if (all % slips_ != 0) continue;

@@ -1,4 +1,4 @@
-/// Differences, rounding and tolerances as errors.
+/// Errors from differences, rounding error and tolerances.
 #include "analysis/cycles/refinement.hpp"
 
 #include <fmt/format.h>
@@ -13,8 +13,8 @@ namespace rosin::analysis::cycles {
 
 double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolerance, double closure, double V,
                        bool stick_is_ill_conditioned, Metrics& error, std::string& worst, double caution) {
-  // A periodic motion slips as far as its drive moves. Where it does not, by more than its steps explain, it has not
-  // closed, and no metric is known better than that.
+  // In a period the slider slips as far as the drive moves. A mismatch beyond the errors of the steps means that the
+  // motion has not closed, and bounds the accuracy of every metric.
   const double mean_size = size_of(find_metric("slip_rate_mean"), fine, V);
   const double explained =
       3 * caution * std::abs(coarse.slip_rate_mean - fine.slip_rate_mean) / mean_size + 3 * tolerance;
@@ -23,17 +23,17 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
   double largest = 0;
   for (const auto& metric : metric_names()) {
     const double size = size_of(metric, fine, V), value = fine.*metric.member;
-    // The loop integral scatters with the division of its steps; three times its difference was seen to fall short.
+    // The loop integral scatters with the division of its steps; three times its difference proved too small.
     double e = caution * (is_loop(metric) ? 6 : 3) * std::abs(coarse.*metric.member - value);
-    // The lowest slip rate is held to its own size, unless slip reverses; in slow stick it is as good as the error
-    // estimate of the steps only, and changes e-fold where friction does by its direct effect.
+    // The error of the lowest slip rate is relative to that rate, unless slip reverses. In near-stick it is 100
+    // tolerances, because the rate changes e-fold with friction through the direct effect.
     constexpr double slow = 1e-3;
     const bool sticks = std::abs(value) < slow * V;
-    const double times = sticks ? 100 : 10, open = sticks && closure > tolerance ? times * closure : closure;
+    const double times = sticks ? 100 : 10, stick_closure = sticks && closure > tolerance ? times * closure : closure;
     if (value != 0)
-      e += metric.member == &Metrics::slip_rate_min && value > 0 ? (times * tolerance + 5e-14 + open) * value
+      e += metric.member == &Metrics::slip_rate_min && value > 0 ? (times * tolerance + 5e-14 + stick_closure) * value
                                                                  : (3 * tolerance + 5e-14 + closure) * size;
-    // Slip backwards by the last digits of the highest slip rate is rounding.
+    // Reverse slip below 1e-14 of the highest slip rate is rounding error.
     constexpr double digits = 1e-14;
     if (metric.member == &Metrics::slip_rate_min && value < 0 && -value < digits * fine.slip_rate_max)
       e += 2 * std::abs(value);
@@ -49,9 +49,9 @@ double estimate_errors(const Metrics& coarse, const Metrics& fine, double tolera
   return largest;
 }
 
-void state_with_caution(Metrics& error, const Metrics& metrics, double asked, double V) {
+void state_with_caution(Metrics& error, const Metrics& metrics, double requested, double V) {
   for (const auto& metric : metric_names())
-    error.*metric.member = motion::with_caution(error.*metric.member, size_of(metric, metrics, V), asked);
+    error.*metric.member = motion::with_caution(error.*metric.member, size_of(metric, metrics, V), requested);
 }
 
 bool Sharpening::next() {
@@ -64,16 +64,16 @@ bool Sharpening::next() {
   return true;
 }
 
-bool Sharpening::ease(const Outcome& outcome) {
-  if (outcome.ending != Ending::budget_spent || eased_) return false;
+bool Sharpening::loosen(const Outcome& outcome) {
+  if (outcome.ending != Ending::budget_spent || loosened_) return false;
   tolerance_ = std::sqrt(before_ * tolerance_);
-  return eased_ = true;
+  return loosened_ = true;
 }
 
 Outcome Sharpening::judge(double reached, const std::string& worst) {
-  if (reached <= asked_) return {};
-  // Errors of moderately stiff unknowns follow the estimate, which is the tolerance to the power 2/3.
-  factor_ = std::clamp(0.3 * std::pow(asked_ / reached, 1.5), 1e-4, 0.01);
+  if (reached <= requested_) return {};
+  // Errors of moderately stiff unknowns go with the tolerance to the power 2/3.
+  factor_ = std::clamp(0.3 * std::pow(requested_ / reached, 1.5), 1e-4, 0.01);
   return {Ending::tolerance_not_met, fmt::format("{} is known to {:.1e} only", worst, reached)};
 }
 

@@ -1,4 +1,4 @@
-/// Passages through the section v = V, their derivative, and the metrics recorded on the way.
+/// Returns to the section v = V, their derivative, and the metrics recorded in them.
 #include "analysis/cycles/return_map.hpp"
 
 #include <fmt/format.h>
@@ -36,14 +36,14 @@ double polynomial(const Samples& samples, Quantity quantity, double theta) {
 }
 }  // namespace
 
-/// Where the polynomial of a quantity turns within the step.
-std::vector<Recorder::Turn> Recorder::turns(const std::vector<Sample>& samples, double Sample::*quantity) {
+/// Extrema of the polynomial of a quantity within the step.
+std::vector<Recorder::Extremum> Recorder::extrema(const std::vector<Sample>& samples, double Sample::*quantity) {
   constexpr int fine = 8;
   const auto slope = [&](double theta) {
     constexpr double d = 1e-5;
     return polynomial(samples, quantity, theta + d) - polynomial(samples, quantity, theta - d);
   };
-  std::vector<Turn> found;
+  std::vector<Extremum> found;
   double before = slope(0);
   for (int i = 1; i <= fine; ++i) {
     const double after = slope(double(i) / fine);
@@ -61,15 +61,16 @@ std::vector<Recorder::Turn> Recorder::turns(const std::vector<Sample>& samples, 
   return found;
 }
 
-void Recorder::extreme(Collocation& solver, const std::vector<Sample>& samples, const std::vector<Turn>& turns,
+void Recorder::extreme(Collocation& solver, const std::vector<Sample>& samples, const std::vector<Extremum>& extrema,
                        double Sample::*quantity, double& low, double& high) {
   for (const auto& sample : samples) {
     low = std::min(low, sample.*quantity);
     high = std::max(high, sample.*quantity);
   }
-  // An extreme between nodes: the polynomial says about where, parabolas through the step solved again say how much.
+  // The polynomial gives the rough place of an extremum between nodes, parabolas through the step solved again its
+  // value.
   const auto solved = [&](double theta) { return sample_at(solver, theta).*quantity; };
-  for (const auto& [place, guess, is_maximum] : turns) {
+  for (const auto& [place, guess, is_maximum] : extrema) {
     double theta = place, width = 0.02;
     const double reach = 1e-3 * (high - low);
     const bool matters = is_maximum ? guess + reach > high : guess - reach < low;
@@ -84,7 +85,7 @@ void Recorder::extreme(Collocation& solver, const std::vector<Sample>& samples, 
       low = std::min({low, l, r});
       high = std::max({high, l, r});
       if (bend == 0) break;
-      // Swings that are all but alike turn within each other's reach: most turn out to be no extreme.
+      // Most of several nearly equal extrema prove not to be the highest after the first parabola.
       const double rise = (l - r) * (l - r) / (8 * std::abs(bend));
       if (is_maximum ? middle + 2 * rise < high : middle - 2 * rise > low) break;
       theta += inside * std::clamp(0.5 * (l - r) / bend, -2.0, 2.0);
@@ -92,7 +93,7 @@ void Recorder::extreme(Collocation& solver, const std::vector<Sample>& samples, 
   }
 }
 
-/// Absolute accuracy asked of one step's part in the loop area.
+/// Requested absolute tolerance of one step's part in the loop area.
 double Recorder::loop_tolerance() const {
   const double size = std::max(sums_.slip_rate_max, std::abs(system_.model().drive.speed.level()));
   return 2e-3 * std::max(tolerance_, 1e-13) * size * std::max(sums_.friction_max, 0.01);
@@ -120,7 +121,7 @@ Recorder::Loop Recorder::loop(const std::vector<Sample>& samples) const {
   Loop result{0, 0, 0};
   for (int i = 0; i < s; ++i) {
     const Sample& at = samples[i + 1];
-    // dv/dθ from the polynomial: the force balance would lose it to cancellation in near-stick.
+    // dv/dθ from the polynomial: in near-stick the force balance loses it to cancellation.
     double rate = 0;
     for (int j = 0; j < s; ++j) rate += tableau.a_inverse[i][j] * (samples[j + 1].slip_rate - samples[0].slip_rate);
     const double steady = system_.model().law->steady_friction({loop_slip_rate(at.slip_rate, V), N}).friction;
@@ -141,14 +142,14 @@ double Recorder::refined_loop(Collocation& solver, double begin, double end, dou
   };
   const double middle = 0.5 * (begin + end), left = part(begin, middle), right = part(middle, end);
   const double change = std::abs(left + right - coarse);
-  // Small parts that no longer change less are at rounding.
+  // In small parts a change that no longer shrinks is rounding error.
   const bool rounding = end - begin < 0.01 && change > 0.5 * last_change;
   if (change <= loop_tolerance() || rounding || --divisions_left_ < 0) return left + right;
   return refined_loop(solver, begin, middle, left, change) + refined_loop(solver, middle, end, right, change);
 }
 
-double Recorder::time_within(Collocation& solver, const std::vector<Sample>& samples, const std::vector<Turn>& turns,
-                             double threshold) const {
+double Recorder::time_within(Collocation& solver, const std::vector<Sample>& samples,
+                             const std::vector<Extremum>& extrema, double threshold) const {
   const double h = solver.length();
   std::vector<double> marks{0.0};
   for (const double level : {threshold, -threshold}) {
@@ -161,18 +162,19 @@ double Recorder::time_within(Collocation& solver, const std::vector<Sample>& sam
     };
     for (std::size_t i = 1; i < samples.size(); ++i) {
       const Sample &from = samples[i - 1], &to = samples[i];
-      // A turn between nodes may reach across the level and back.
-      const auto across = std::find_if(turns.begin(), turns.end(), [&](const Turn& turn) {
-        return turn.theta > from.theta && turn.theta < to.theta && (turn.value < level) != (from.slip_rate < level) &&
-               (turn.value < level) != (to.slip_rate < level);
+      // An extremum between nodes may lie across the level.
+      const auto across = std::find_if(extrema.begin(), extrema.end(), [&](const Extremum& extremum) {
+        return extremum.theta > from.theta && extremum.theta < to.theta &&
+               (extremum.value < level) != (from.slip_rate < level) &&
+               (extremum.value < level) != (to.slip_rate < level);
       });
-      if (across == turns.end()) {
+      if (across == extrema.end()) {
         mark(from, to);
         continue;
       }
-      const Sample turn = sample_at(solver, across->theta);
-      mark(from, turn);
-      mark(turn, to);
+      const Sample extremum = sample_at(solver, across->theta);
+      mark(from, extremum);
+      mark(extremum, to);
     }
   }
   marks.push_back(1.0);
@@ -216,19 +218,19 @@ void Recorder::step(Collocation& solver) {
     const bool resolved = std::pow(ratio, 2.5) * whole.magnitude <= loop_tolerance();
     sums_.loop_area += resolved ? whole.integral : refined_loop(solver, 0, 1, whole.integral, infinity);
   }
-  const auto slip_turns = turns(samples, &Sample::slip_rate);
-  extreme(solver, samples, slip_turns, &Sample::slip_rate, sums_.slip_rate_min, sums_.slip_rate_max);
-  extreme(solver, samples, turns(samples, &Sample::friction), &Sample::friction, sums_.friction_min,
+  const auto slip_extrema = extrema(samples, &Sample::slip_rate);
+  extreme(solver, samples, slip_extrema, &Sample::slip_rate, sums_.slip_rate_min, sums_.slip_rate_max);
+  extreme(solver, samples, extrema(samples, &Sample::friction), &Sample::friction, sums_.friction_min,
           sums_.friction_max);
   const double V = std::abs(system_.model().drive.speed.level());
-  sums_.slow_fraction += time_within(solver, samples, slip_turns, threshold_[0] * V);
-  sums_.stick_fraction_001 += time_within(solver, samples, slip_turns, threshold_[1] * V);
-  sums_.stick_fraction_05 += time_within(solver, samples, slip_turns, threshold_[2] * V);
+  sums_.slow_fraction += time_within(solver, samples, slip_extrema, threshold_[0] * V);
+  sums_.stick_fraction_001 += time_within(solver, samples, slip_extrema, threshold_[1] * V);
+  sums_.stick_fraction_05 += time_within(solver, samples, slip_extrema, threshold_[2] * V);
   elapsed_ += h;
   friction_ = samples.back().friction;
 }
 
-void Recorder::linger(double time) {
+void Recorder::add_rest(double time) {
   sums_.friction_mean += time * friction_;
   for (auto within : {&Metrics::slow_fraction, &Metrics::stick_fraction_001, &Metrics::stick_fraction_05})
     sums_.*within += time;
@@ -241,7 +243,7 @@ Metrics Recorder::finish(double period) const {
   m.friction_mean /= period;
   m.slip_rate_mean /= period;
   m.slow_fraction /= period;
-  m.stick_fraction = m.slow_fraction;  // of smooth laws; set-valued ones know their rest
+  m.stick_fraction = m.slow_fraction;  // for smooth laws; set-valued laws overwrite it with the time of exact stick
   m.stick_fraction_001 /= period;
   m.stick_fraction_05 /= period;
   m.loop_area = std::abs(m.loop_area);
@@ -264,7 +266,7 @@ ReturnMap::ReturnMap(const Model& model) : system_(model), speed_(model.drive.sp
     if (mass[i] > 0) differential_.push_back(i);
   scale_.resize(differential_.size());
   for (std::size_t i = 0; i < differential_.size(); ++i) scale_[i] = scale[differential_[i]];
-  // No passage takes longer than many natural periods and many times the loading of the spring to the friction force.
+  // No return takes longer than many natural periods and many times the loading of the spring to the friction force.
   const auto& s = model.slider;
   const double N = model.drive.normal_load.level();
   const auto& contact = model.contact_stiffness;
@@ -280,18 +282,20 @@ ReturnMap::ReturnMap(const Model& model) : system_(model), speed_(model.drive.sp
           "for {:.3g} s",
           ringing, loading);
   }
-  longest_passage_ = 1e3 * (natural + loading + s.damping / std::max(s.stiffness, 1e-300));
+  longest_return_ = 1e3 * (natural + loading + s.damping / std::max(s.stiffness, 1e-300));
 }
 
 std::vector<double> ReturnMap::stick(double aged_at) const {
   const auto& model = system_.model();
   const double N = model.drive.normal_load.level(), f = model.drive.force.level(), u = 1e-3 * speed_;
-  // Without its own clock the state is that of the slip rate; friction of any other would call for slip at 1e-100 m/s.
+  // With λ = 0 the state follows the slip rate at once; any other state would need slip at 1e-100 m/s for this
+  // friction.
   const auto state = model.law->steady({model.lambda == 0 ? u : aged_at, N});
   const double F = N * model.law->friction({u, N}, state);
   if (system_.mechanics() == Mechanics::inertial && !system_.rigid()) {
-    // While the contact sticks, its spring and the slider's share the motion of the drive. Any other start rings, and
-    // nothing might damp it.
+    // While the contact sticks, its spring and the slider's share the motion of the drive. Any other start rings,
+    // perhaps
+    // without damping.
     const auto& s = model.slider;
     const double k_t = 1 / model.contact_stiffness.compliance(N);
     const double imposed = speed_ * s.stiffness / (s.stiffness + k_t);
@@ -325,10 +329,10 @@ double friction_over_swing(const Model& model) {
   return model.drive.normal_load.level() / (V * std::sqrt(model.slider.stiffness * model.slider.mass));
 }
 
-/// Time in which slip that slows down under a mass loses a good part of itself. The direct effect turns friction over
-/// within a tiny part of the slip rate before a reversal, which a step from far above takes at random. Bristles take
-/// longer, but where friction is weak a step may pass over a whole reversal.
-double ReturnMap::landing_time(const Collocation& solver) const {
+/// Longest step (s) of decelerating slip: the slip rate falls by 80 % at most. The direct effect reverses friction
+/// within a tiny slip rate, and a step from far above would end there at random. Bristles reverse more slowly, but
+/// where friction is weak a step may pass over a whole reversal.
+double ReturnMap::reversal_step(const Collocation& solver) const {
   const int at = system_.slip_rate_index();
   const bool direct = system_.carries_friction();
   if (at < 0 || !system_.rigid() || solver.count().steps == 0 ||
@@ -339,14 +343,14 @@ double ReturnMap::landing_time(const Collocation& solver) const {
   const double u = solver.state()[at];
   if (!(u * rate[at] < 0)) return infinity;
   constexpr double share = 0.8;
-  const double landed = direct ? 1e-13 : 1e-6;
-  const double clock = 1e-28 * solver.time();  // of which a step must be a part that counts
-  return std::max(std::max(share * std::abs(u), landed * speed_) / std::abs(rate[at]), clock);
+  const double near_rest = direct ? 1e-13 : 1e-6;
+  const double clock = 1e-28 * solver.time();  // the step stays above rounding error of the time
+  return std::max(std::max(share * std::abs(u), near_rest * speed_) / std::abs(rate[at]), clock);
 }
 
-/// Time derivatives of the differential unknowns at the end of the last step: M⁻¹f, but where the terms of f cancel to
-/// rounding, as those of a slider so damped that its mass hardly counts, those of the solution, known to a small part
-/// of the tolerance.
+/// Time derivatives of the differential unknowns at the end of the last step: M⁻¹f, or the derivative of the
+/// collocation polynomial where the terms of f cancel to rounding error, as for a slider so damped that its mass hardly
+/// counts.
 std::vector<double> ReturnMap::rates_at_end(const Collocation& solver, double tolerance) const {
   const int n = system_.size();
   const auto& y = solver.state();
@@ -363,7 +367,7 @@ std::vector<double> ReturnMap::rates_at_end(const Collocation& solver, double to
   return rate;
 }
 
-/// Takes out of the columns of S what lies along the motion, at the end of the last step.
+/// Removes the component along the motion from the columns of S, at the end of the last step.
 void ReturnMap::take_out_motion(std::vector<double>& S, int columns, const Collocation& solver,
                                 double tolerance) const {
   const auto rate = rates_at_end(solver, tolerance);
@@ -377,17 +381,17 @@ void ReturnMap::take_out_motion(std::vector<double>& S, int columns, const Collo
   }
 }
 
-ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double tolerance, int turns, bool from_section,
-                                     Derivative derivative, PassageObserver* observer, double dip) {
-  Passage passage;
+ReturnMap::Return ReturnMap::follow(const std::vector<double>& y0, double tolerance, int returns, bool from_section,
+                                    Derivative derivative, StepObserver* observer, double dip) {
+  Return returned;
   const int n = system_.size(), columns = int(differential_.size());
   const bool across = derivative == Derivative::across_motion;
   system_.mark_reversals(across);
   Collocation solver(system_, tolerance);
   if (!solver.start(0, y0)) {
-    passage.outcome = {Ending::not_finite, "the start cannot be made consistent"};
-    passage.end = y0;
-    return passage;
+    returned.outcome = {Ending::not_finite, "the start cannot be made consistent"};
+    returned.end = y0;
+    return returned;
   }
   std::vector<double> S, work(n);
   if (derivative != Derivative::none) {
@@ -395,23 +399,23 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     for (int c = 0; c < columns; ++c) S[differential_[c] * columns + c] = 1;
   }
   const auto section = [&](double t, const double* y) { return system_.contact_slip_rate(t, y) - speed_; };
-  // Below the section by more than rounding: from then on a rising zero is a passage.
+  // Motion that has been below the section by more than rounding error returns at its next rising zero.
   const double noise = dip * speed_;
   bool below = !from_section && section(0, solver.state().data()) < -noise;
-  const long allowed = std::min(turns * allowed_, most_steps);
-  while (turns > 0) {
-    // An implicit step over many turns of an oscillation that grows would damp it.
+  const long allowed = std::min(returns * allowed_, most_steps);
+  while (returns > 0) {
+    // An implicit step over many periods of a growing oscillation would damp it.
     const bool near_steady = std::abs(section(solver.time(), solver.state().data())) < 0.9 * speed_;
     const double growing = near_steady && spirals_ ? growth_time_ : infinity;
-    solver.bound_step(std::min({growing, landing_time(solver), landing_.time(solver)}));
-    const Outcome outcome = solver.step(longest_passage_);
+    solver.bound_step(std::min({growing, reversal_step(solver), reversal_steps_.longest(solver)}));
+    const Outcome outcome = solver.step(longest_return_);
     if (!outcome.complete()) {
       const auto end = motion::why_motion_ends(system_, solver.time(), solver.state().data());
-      passage.outcome = end ? Outcome{Ending::none_exists, *end} : outcome;
+      returned.outcome = end ? Outcome{Ending::none_exists, *end} : outcome;
       break;
     }
     if (const auto away = motion::why_slip_runs_away(system_, solver.time(), solver.state().data())) {
-      passage.outcome = {Ending::none_exists, *away};
+      returned.outcome = {Ending::none_exists, *away};
       break;
     }
     const double t0 = solver.time_before();
@@ -420,16 +424,16 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     for (int i = 0; i < Collocation::stages && !passed; ++i) {
       solver.stage(i, work.data());
       const double theta = solver.node(i), value = section(solver.stage_time(i), work.data());
-      passage.amplitude = std::max(passage.amplitude, std::abs(value) / speed_);
+      returned.amplitude = std::max(returned.amplitude, std::abs(value) / speed_);
       if (below && value >= 0) {
         const auto located = solver.locate(section, low, theta, std::min(low_value, -1e-300), value);
-        if (--turns == 0 && (!located || !solver.shorten(*located))) {
+        if (--returns == 0 && (!located || !solver.shorten(*located))) {
           const auto end = motion::why_motion_ends(system_, solver.time(), solver.state().data());
-          passage.outcome =
+          returned.outcome =
               end ? Outcome{Ending::none_exists, *end} : Outcome{Ending::not_finite, "while locating the section"};
-          turns = 0;
+          returns = 0;
         }
-        passed = turns == 0;
+        passed = returns == 0;
         below = false;
       }
       if (value < -noise) below = true;
@@ -438,17 +442,17 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
     if (derivative != Derivative::none) solver.propagate(S, columns);
     if (across) take_out_motion(S, columns, solver, tolerance);
     if (observer) observer->step(solver);
-    // Nothing that moves at all takes so many steps to grow.
-    const bool at_rest = passage.amplitude < 1e-9 && solver.count().steps > 2'000;
-    if (turns > 0 && (at_rest || solver.time() >= longest_passage_ || solver.count().steps > allowed)) {
+    // Any growing motion is above 1e-9 after 2 000 steps.
+    const bool at_rest = returned.amplitude < 1e-9 && solver.count().steps > 2'000;
+    if (returns > 0 && (at_rest || solver.time() >= longest_return_ || solver.count().steps > allowed)) {
       if (const auto never = motion::why_nothing_slips_again(system_, solver.time(), solver.state().data())) {
-        passage.outcome = {Ending::none_exists, *never};
+        returned.outcome = {Ending::none_exists, *never};
         break;
       }
       const auto end = motion::why_rest_lasts(system_, solver.time(), solver.state().data());
-      passage.outcome = {Ending::budget_spent,
-                         fmt::format("no passage through v = V within {:.3g} s and {} steps{}", solver.time(),
-                                     solver.count().steps, end ? ": " + *end : ringing_)};
+      returned.outcome = {Ending::budget_spent,
+                          fmt::format("no passage through v = V within {:.3g} s and {} steps{}", solver.time(),
+                                      solver.count().steps, end ? ": " + *end : ringing_)};
       break;
     }
   }
@@ -456,28 +460,29 @@ ReturnMap::Passage ReturnMap::follow(const std::vector<double>& y0, double toler
   cost_.steps += solver.count().steps;
   cost_.evaluations += solver.count().evaluations + solver.count().linearisations;
   ++cost_.cycles;
-  passage.duration = solver.time();
-  passage.end = solver.state();
-  passage.ringing.assign(solver.ringing_errors().begin(), solver.ringing_errors().end());
-  for (const double x : passage.end)
-    if (!std::isfinite(x) && passage.outcome.complete()) passage.outcome = {Ending::not_finite, "at the section"};
-  if (derivative != Derivative::none && passage.outcome.complete()) {
+  returned.duration = solver.time();
+  returned.end = solver.state();
+  returned.ringing.assign(solver.ringing_errors().begin(), solver.ringing_errors().end());
+  for (const double x : returned.end)
+    if (!std::isfinite(x) && returned.outcome.complete()) returned.outcome = {Ending::not_finite, "at the section"};
+  if (derivative != Derivative::none && returned.outcome.complete()) {
     // Projection along the flow onto the section: D = S − ẏ (∇v·S)/(∇v·ẏ).
     std::vector<double> gradient(n);
     const auto rate = rates_at_end(solver, tolerance);
-    system_.slip_rate_gradient(0, passage.end.data(), gradient.data());
+    system_.slip_rate_gradient(0, returned.end.data(), gradient.data());
     double along = 0;
     for (int i = 0; i < n; ++i) along += gradient[i] * rate[i];
-    passage.derivative.resize(columns, columns);
+    returned.derivative.resize(columns, columns);
     for (int c = 0; c < columns; ++c) {
       double cross = 0;
       for (int i = 0; i < n; ++i) cross += gradient[i] * S[i * columns + c];
       for (int r = 0; r < columns; ++r)
-        passage.derivative(r, c) = S[differential_[r] * columns + c] - rate[differential_[r]] * cross / along;
+        returned.derivative(r, c) = S[differential_[r] * columns + c] - rate[differential_[r]] * cross / along;
     }
-    if (!passage.derivative.allFinite()) passage.outcome = {Ending::not_finite, "in the derivative of the return map"};
+    if (!returned.derivative.allFinite())
+      returned.outcome = {Ending::not_finite, "in the derivative of the return map"};
   }
-  return passage;
+  return returned;
 }
 
 }  // namespace rosin::analysis::cycles

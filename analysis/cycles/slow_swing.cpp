@@ -1,4 +1,4 @@
-/// The work of friction on a swing, and where it vanishes.
+/// The work of friction on a free oscillation, and the amplitude at which it vanishes.
 #include "analysis/cycles/slow_swing.hpp"
 
 #include <algorithm>
@@ -13,12 +13,12 @@ using oscillators::Mechanics;
 
 namespace {
 
-constexpr double rounding = 1e-14;                  // of the work, by what cancels in it
-constexpr double digits = 4e-16;                    // of the mean friction, whose work a turn takes back
-constexpr double searched = 1e-7, closely = 1e-15;  // parts of the stretch to which a balance is found
+constexpr double rounding = 1e-14;  // relative error of the work, by cancellation
+constexpr double digits = 4e-16;    // rounding error of the mean friction, whose work over a period cancels
+constexpr double searched = 1e-7, closely = 1e-15;  // relative errors of a balanced amplitude
 constexpr int at_displacement = 0, mechanical = 2;  // unknowns of a slider with mass: x, v, then those of its contact
 
-/// |v − V|/V of a free swing of that stretch.
+/// |v − V|/V of a free oscillation of this amplitude.
 double amplitude_of(const ReturnMap& map, double stretch) {
   const auto& s = map.system().model().slider;
   return std::sqrt(s.stiffness / s.mass) * std::abs(stretch) / map.drive_speed();
@@ -30,12 +30,12 @@ double middle_of(const ReturnMap& map, double friction) {
   return (friction + model.drive.force.level()) / model.slider.stiffness;
 }
 
-/// Between swings that grow and that decay: where growth vanishes.
+/// The swing of zero growth between one that grows and one that decays.
 struct Root {
   SlowSwing swing;
-  double within;  ///< how far off it may be, as a part of its stretch
+  double within;  ///< relative error of its amplitude
 };
-/// Nothing if some swing on the way does not come round, or the map would have to take more steps than `last_step`.
+/// Nothing if a swing in between does not return, or the map would take more steps than `last_step`.
 std::optional<Root> root_between(ReturnMap& map, const SlowSwing& low, const SlowSwing& high, double tolerance,
                                  double known, long last_step) {
   const double from = low.y[at_displacement], width = high.y[at_displacement] - from;
@@ -57,8 +57,8 @@ std::optional<Root> root_between(ReturnMap& map, const SlowSwing& low, const Slo
   return Root{here, (b - a) * width / low.stretch};
 }
 
-/// The swing at a part of its stretch from `swing`.
-std::optional<SlowSwing> beside(ReturnMap& map, const SlowSwing& swing, double part, double tolerance) {
+/// The neighbour of `swing` whose stretch differs by a relative `part`.
+std::optional<SlowSwing> neighbour_at(ReturnMap& map, const SlowSwing& swing, double part, double tolerance) {
   return swing_at(map, swing, swing.y[at_displacement] + part * swing.stretch, tolerance);
 }
 
@@ -92,9 +92,9 @@ double SwingWork::turnover(double stretch) const {
 
 std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double displacement, double tolerance) {
   const auto& model = map.system().model();
-  constexpr double another = 0.3;  // of the amplitude: the motion is no swing of this stretch
+  constexpr double another = 0.3;  // relative difference of the amplitude beyond which the motion is another one
   constexpr int most = 16;
-  constexpr double forgets = 0.1, gone = 1e-12;           // part of a change that is left after a turn; scales
+  constexpr double forgets = 0.1, gone = 1e-12;           // part of a change left after a period; scales
   constexpr double settled = 1e-3, state_settled = 1e-3;  // part of the growth; scales
   constexpr double noisy = 0.3;                           // part of the turnover
   SlowSwing swing = near;
@@ -106,19 +106,19 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
     swing.stretch = displacement - swing.middle;
     const double expected = amplitude_of(map, swing.stretch);
     SwingWork work(map.system(), model.slider.stiffness * swing.middle - model.drive.force.level());
-    const auto passage = map.follow(swing.y, tolerance, 1, true, leads ? Derivative::of_steps : Derivative::none, &work,
-                                    dip_of(expected));
-    if (!passage.outcome.complete() || !(std::abs(passage.amplitude - expected) < another * expected))
+    const auto returned = map.follow(swing.y, tolerance, 1, true, leads ? Derivative::of_steps : Derivative::none,
+                                     &work, dip_of(expected));
+    if (!returned.outcome.complete() || !(std::abs(returned.amplitude - expected) < another * expected))
       return std::nullopt;
     swing.growth = work.growth(swing.stretch);
     swing.turnover = work.turnover(swing.stretch);
-    swing.amplitude = passage.amplitude;
+    swing.amplitude = returned.amplitude;
     swing.middle = middle_of(map, work.mean_friction());
     if (!std::isfinite(swing.growth)) return std::nullopt;
-    auto change = map.difference(passage.end, swing.y);
+    auto change = map.difference(returned.end, swing.y);
     const auto states = change.size() - mechanical;
     if (leads) {
-      swing.state_derivative = passage.derivative.bottomRightCorner(states, states);
+      swing.state_derivative = returned.derivative.bottomRightCorner(states, states);
       const Eigen::VectorXd scale = map.scale().tail(states);
       const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(states, states);
       const Eigen::MatrixXd A = scale.cwiseInverse().asDiagonal() * (I - swing.state_derivative) * scale.asDiagonal();
@@ -133,7 +133,7 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
         std::max({settled * std::abs(swing.growth), std::max(tolerance, rounding) * swing.turnover, nothing});
     const bool forgotten = moved < std::max(forgets * moved_last, gone);
     const bool state_is = (leads || forgotten) && moved < state_settled;
-    // Steps that fall now so, now so, on a reversal tell its work to so many digits only.
+    // The position of the steps about a reversal varies from period to period, and with it the error of the work.
     const double differs = std::abs(swing.growth - last);
     scatter = state_is ? std::max(std::isfinite(scatter) ? 0.5 * scatter : 0, differs) : infinity;
     if (turn > 0 && state_is && differs <= enough) return swing;
@@ -141,7 +141,7 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
       swing.scatter = scatter;
       return swing;
     }
-    leads = leads || !forgotten;  // what a turn does not forget is solved for
+    leads = leads || !forgotten;  // states that a period does not forget are solved for by Newton's method
     last = swing.growth;
     moved_last = moved;
   }
@@ -155,9 +155,9 @@ std::optional<SlowSwing> slow_swing_from(ReturnMap& map, const std::vector<doubl
   swing.y = y;
   SwingWork work(system, 0);
   const double about_steady = y[at_displacement] - system.steady(0)[at_displacement];
-  const auto passage =
+  const auto returned =
       map.follow(y, tolerance, 1, true, Derivative::none, &work, dip_of(amplitude_of(map, about_steady)));
-  if (!passage.outcome.complete()) return std::nullopt;
+  if (!returned.outcome.complete()) return std::nullopt;
   swing.middle = middle_of(map, work.mean_friction());
   const auto found = swing_at(map, swing, y[at_displacement], tolerance);
   constexpr double small = 0.1;
@@ -166,26 +166,26 @@ std::optional<SlowSwing> slow_swing_from(ReturnMap& map, const std::vector<doubl
 }
 
 SlowEnd follow_slow_swing(ReturnMap& map, const SlowSwing& start, double tolerance) {
-  constexpr double first = 0.05, widening = 1.2, widest = 0.7, least = 1e-3;  // ways in ln stretch
+  constexpr double first = 0.05, widening = 1.2, widest = 0.7, least = 1e-3;  // steps in ln stretch
   constexpr double farthest = 50, fast = 0.3, at_rest = 1e-4;
   const long last_step = map.cost().steps + 200'000;
   const double sign = start.growth > 0 ? 1 : -1;
   SlowSwing here = start;
-  double way = first, turns = 0;
+  double step = first, periods = 0;
   while (std::abs(std::log(here.stretch / start.stretch)) < farthest && std::abs(here.growth) < fast &&
          here.amplitude > at_rest && map.cost().steps < last_step) {
-    const auto next = swing_at(map, here, here.middle + here.stretch * std::exp(sign * way), tolerance);
+    const auto next = swing_at(map, here, here.middle + here.stretch * std::exp(sign * step), tolerance);
     if (!next) {
-      way *= 0.5;
-      if (way < least) break;
+      step *= 0.5;
+      if (step < least) break;
       continue;
     }
     if (next->growth * sign > 0) {
-      // About as of a power of the stretch.
+      // Between the two the growth follows roughly a power of the stretch.
       const double ratio = next->growth / here.growth;
-      turns += way / std::abs(here.growth) * (std::abs(ratio - 1) < 1e-6 ? 1 : (1 - 1 / ratio) / std::log(ratio));
+      periods += step / std::abs(here.growth) * (std::abs(ratio - 1) < 1e-6 ? 1 : (1 - 1 / ratio) / std::log(ratio));
       here = *next;
-      way = std::min(widening * way, widest);
+      step = std::min(widening * step, widest);
       continue;
     }
     constexpr double clear = 3;
@@ -194,20 +194,22 @@ SlowEnd follow_slow_swing(ReturnMap& map, const SlowSwing& start, double toleran
         root_between(map, sign > 0 ? here : *next, sign > 0 ? *next : here, tolerance, searched, last_step);
     if (!root) break;
     constexpr double aside = 100 * searched;
-    const auto low = beside(map, root->swing, -aside, tolerance), high = beside(map, root->swing, aside, tolerance);
+    const auto low = neighbour_at(map, root->swing, -aside, tolerance),
+               high = neighbour_at(map, root->swing, aside, tolerance);
     if (!low || !high || !(high->growth < low->growth)) break;
     return {.balance = root->swing,
             .slope = (high->growth - low->growth) / (2 * aside),
-            // By what the slopes of both sides differ by.
+            // Half the difference of the slopes on both sides.
             .slope_error = (std::abs(high->growth + low->growth) / 2 + high->scatter + low->scatter) / aside,
             .last = {},
-            .turns = turns};
+            .periods = periods};
   }
-  return {.balance = {}, .last = here, .turns = turns};
+  return {.balance = {}, .last = here, .periods = periods};
 }
 
-std::optional<Return> return_after(ReturnMap& map, const SlowSwing& last, const SlowSwing& first, double tolerance) {
-  constexpr int places = 4, most_passages = 300, relaxed = 4;
+std::optional<AfterStick> swing_after_stick(ReturnMap& map, const SlowSwing& last, const SlowSwing& first,
+                                            double tolerance) {
+  constexpr int places = 4, most_returns = 300, relaxed = 4;
   constexpr double jump = 1.5, as_large = 0.3;
   const long most_steps = map.cost().steps + 300'000;
   double least = infinity, largest = -infinity, growth = 0;
@@ -217,12 +219,12 @@ std::optional<Return> return_after(ReturnMap& map, const SlowSwing& last, const 
     double amplitude = last.amplitude;
     bool jumped = false;
     for (int k = 0, since = 0; !jumped || since < relaxed || amplitude < as_large * first.amplitude; ++k, ++since) {
-      if (k == most_passages || map.cost().steps > most_steps) return std::nullopt;
-      const auto passage = map.follow(y, tolerance, 1, true, Derivative::none, nullptr, dip_of(amplitude));
-      if (!passage.outcome.complete()) return std::nullopt;
-      if (passage.amplitude > jump * amplitude) jumped = true, since = 0;
-      y = passage.end;
-      amplitude = passage.amplitude;
+      if (k == most_returns || map.cost().steps > most_steps) return std::nullopt;
+      const auto returned = map.follow(y, tolerance, 1, true, Derivative::none, nullptr, dip_of(amplitude));
+      if (!returned.outcome.complete()) return std::nullopt;
+      if (returned.amplitude > jump * amplitude) jumped = true, since = 0;
+      y = returned.end;
+      amplitude = returned.amplitude;
     }
     const auto next = slow_swing_from(map, y, tolerance);
     if (!next) return std::nullopt;
@@ -230,14 +232,15 @@ std::optional<Return> return_after(ReturnMap& map, const SlowSwing& last, const 
     const double size = std::log(next->stretch);
     least = std::min(least, size), largest = std::max(largest, size);
   }
-  return Return{largest - least, growth};
+  return AfterStick{largest - least, growth};
 }
 
 std::optional<double> balance_closely(ReturnMap& map, SlowEnd& end, double tolerance) {
   constexpr double first = 1e-9, widest = 1e-3;
   const long last_step = map.cost().steps + 500'000;  // a reversal under stiff friction may take 20 000 at a time
   for (double aside = first; aside < widest; aside *= 10) {
-    const auto low = beside(map, *end.balance, -aside, tolerance), high = beside(map, *end.balance, aside, tolerance);
+    const auto low = neighbour_at(map, *end.balance, -aside, tolerance),
+               high = neighbour_at(map, *end.balance, aside, tolerance);
     if (!low || !high || map.cost().steps > last_step) return std::nullopt;
     if (low->growth < 0 || high->growth > 0) continue;
     const auto root = root_between(map, *low, *high, tolerance, closely, last_step);

@@ -1,4 +1,4 @@
-/// The cycle that the search found, refined until its metrics are known.
+/// The cycle of a smooth law: search, then refinement to the requested tolerance.
 #include "analysis/cycles/smooth_cycle.hpp"
 
 #include <fmt/format.h>
@@ -27,14 +27,16 @@ namespace {
 /// Metrics of the cycle through `point` at one tolerance; moves the point onto the cycle.
 struct Refined {
   Metrics metrics;
-  double closure;  ///< remaining change of the section point, in scales
+  double closure;  ///< last change of the section point, in scales
   std::vector<CyclePoint> orbit;
   Outcome outcome;
-  Metrics passed_over = {};      ///< what oscillations that steps passed over would change
-  std::vector<double> led = {};  ///< s, how long each passage took that led to a swing which friction leaves alone
+  Metrics passed_over = {};               ///< errors from oscillations that steps passed over
+  std::vector<double> return_times = {};  ///< s, durations of the returns before a neutral oscillation
 };
-/// What oscillations of the unknowns, so large, change of metrics; of the loop only as a slow one would.
-Metrics changed_by(const std::vector<double>& ringing, const SliderSystem& system, const Metrics& metrics) {
+/// Change of the metrics by oscillations of the unknowns with amplitudes `ringing`. The loop area changes as if the
+/// oscillation were slow.
+Metrics metrics_changed_by_ringing(const std::vector<double>& ringing, const SliderSystem& system,
+                                   const Metrics& metrics) {
   Metrics change;
   double friction = 0, slip_rate = 0;
   if (system.carries_friction()) friction = ringing[system.first_state() - 1];
@@ -46,12 +48,12 @@ Metrics changed_by(const std::vector<double>& ringing, const SliderSystem& syste
   change.loop_area_normalised = change.loop_area / (metrics.slip_rate_max * metrics.friction_max);
   return change;
 }
-/// The part of an error that a passage forgets; of a swing that friction changes by little in a turn, of an error of
-/// the work that friction does. A swing that it leaves alone adds none.
+/// The part of an error that decays in a return. For a slow swing the error counts in the work of friction; for a
+/// neutral oscillation errors do not grow.
 double attraction(const FixedPoint& point, const ReturnMap& map) {
   if (point.free) return 1;
   if (point.swing) {
-    // Steps that follow the motion take little notice of friction that hardly moves it.
+    // Weak friction hardly enters the error estimate of a step.
     constexpr double least_notice = 1e-6;
     const double turnover = point.swing->balance->turnover;
     return std::min(1.0, -point.swing->slope / turnover) * std::clamp(turnover, least_notice, 1.0);
@@ -59,15 +61,15 @@ double attraction(const FixedPoint& point, const ReturnMap& map) {
   return std::min(1.0, 1 - spectral_radius(point, map));
 }
 
-/// Of the passage from `point` as it is.
+/// Metrics of the return from `point`, without moving it.
 Refined record(ReturnMap& map, const FixedPoint& point, double tolerance, const CycleOptions& options,
                bool keep_orbit) {
   Recorder recorder(map.system(), tolerance, options.stick_threshold, keep_orbit);
-  const auto passage =
-      map.follow(point.y, tolerance, point.turns, true, Derivative::none, &recorder, dip_of(point.amplitude));
-  const Metrics metrics = recorder.finish(passage.duration);
-  return {metrics, infinity, std::move(recorder.orbit), passage.outcome,
-          passage.ringing.empty() ? Metrics{} : changed_by(passage.ringing, map.system(), metrics)};
+  const auto returned =
+      map.follow(point.y, tolerance, point.returns, true, Derivative::none, &recorder, dip_of(point.amplitude));
+  const Metrics metrics = recorder.finish(returned.duration);
+  return {metrics, infinity, std::move(recorder.orbit), returned.outcome,
+          returned.ringing.empty() ? Metrics{} : metrics_changed_by_ringing(returned.ringing, map.system(), metrics)};
 }
 Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleOptions& options, bool keep_orbit) {
   Refined result{{}, infinity, {}, {}};
@@ -77,58 +79,59 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
     return MatrixXd(scale.cwiseInverse().asDiagonal() * (I - point.derivative) * scale.asDiagonal()).partialPivLu();
   };
   auto lu = factorised();
-  bool leads = true;  // the derivative does; that of slips at 10¹⁰ V may be all rounding
+  bool newton_converges = true;  // false where the derivative is all rounding error, as after slips at 10¹⁰ V
   bool renew = false;
   double before = infinity, at_renewal = infinity;
-  std::vector<double> onward;  // where the last passage ended
+  std::vector<double> last_end;  // end of the last return
   for (int iteration = 0; iteration < 12; ++iteration) {
-    const auto passage = map.follow(point.y, tolerance, point.turns, true,
-                                    renew ? Derivative::of_steps : Derivative::none, nullptr, dip_of(point.amplitude));
-    if (renew && passage.outcome.complete()) {
+    const auto returned = map.follow(point.y, tolerance, point.returns, true,
+                                     renew ? Derivative::of_steps : Derivative::none, nullptr, dip_of(point.amplitude));
+    if (renew && returned.outcome.complete()) {
       FixedPoint renewed = point;
-      renewed.derivative = passage.derivative;
+      renewed.derivative = returned.derivative;
       renew = false;
       constexpr double as_before = 0.1;
       const double attracts = 1 - spectral_radius(point, map);
-      if (1 - spectral_radius(renewed, map) > as_before * attracts) {  // else rounding
-        point.derivative = passage.derivative;
+      if (1 - spectral_radius(renewed, map) > as_before * attracts) {  // a smaller distance from 1 is rounding error
+        point.derivative = returned.derivative;
         lu = factorised();
         result.closure = infinity;
       }
     }
-    const double change = passage.outcome.complete() ? map.distance(passage.end, point.y) : infinity;
-    // What the steps of one passage differ by from those of another is no sign of a wrong derivative.
+    const double change = returned.outcome.complete() ? map.distance(returned.end, point.y) : infinity;
+    // A growth within 100 tolerances is the scatter of the steps, and no sign of a wrong derivative.
     constexpr double astray = 10, noise = 100;
-    if (leads && change > astray * std::max(before, noise * std::max(tolerance, 1e-14))) {
-      point.y = onward;
-      leads = false;
+    if (newton_converges && change > astray * std::max(before, noise * std::max(tolerance, 1e-14))) {
+      point.y = last_end;
+      newton_converges = false;
       result.closure = infinity;
       continue;
     }
-    if (!passage.outcome.complete()) {
-      result.outcome = passage.outcome;
+    if (!returned.outcome.complete()) {
+      result.outcome = returned.outcome;
       return result;
     }
-    VectorXd step = map.difference(passage.end, point.y);
-    if (leads) step = scale.asDiagonal() * lu.solve(scale.cwiseInverse().asDiagonal() * step);
-    // What is not led there comes nearer by the part that a passage forgets.
-    const double length = map.length(step) / (leads ? 1 : std::max(attraction(point, map), 1e-14));
+    VectorXd step = map.difference(returned.end, point.y);
+    if (newton_converges) step = scale.asDiagonal() * lu.solve(scale.cwiseInverse().asDiagonal() * step);
+    // Plain returns approach the fixed point only by the part of the distance that decays in each.
+    const double length = map.length(step) / (newton_converges ? 1 : std::max(attraction(point, map), 1e-14));
     if (!std::isfinite(length)) break;
     if (length > 0.5 * result.closure) {
-      // The derivative is that of the point that was first found, and where slip only just reverses it changes soon.
-      constexpr double enough = 1e-3;  // of what is asked: friction about a reversal is that much more sensitive
+      // The derivative belongs to the first point; where slip only just reverses it varies strongly.
+      constexpr double enough =
+          1e-3;  // of the requested tolerance: friction about a reversal is that much more sensitive
       const bool wrong = length > std::max(enough * options.tolerance, noise * tolerance);
-      if (leads && wrong && !point.by_differences && length < 0.5 * at_renewal) {
+      if (newton_converges && wrong && !point.by_differences && length < 0.5 * at_renewal) {
         renew = true;
         at_renewal = length;
         continue;
       }
-      // Rounding reached: as large as this, or a few times it.
+      // The step has stopped shrinking: rounding error, of a few times its length.
       result.closure = std::max(result.closure, 3 * length);
       break;
     }
     point.y = map.moved(point.y, step, 1);
-    onward = passage.end;
+    last_end = returned.end;
     before = change;
     result.closure = length;
     if (length < 0.1 * tolerance * std::min(1.0, point.amplitude)) break;
@@ -139,7 +142,7 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
   return result;
 }
 
-/// The same of a swing that friction changes by little in a turn.
+/// The same for a swing, whose amplitude friction changes by little in a period.
 Refined refine_swing(ReturnMap& map, FixedPoint& point, double tolerance, const CycleOptions& options,
                      bool keep_orbit) {
   const auto off = balance_closely(map, *point.swing, tolerance);
@@ -150,28 +153,29 @@ Refined refine_swing(ReturnMap& map, FixedPoint& point, double tolerance, const 
   return result;
 }
 
-/// The same of a swing that friction all but leaves alone: it is what the start made it.
+/// The same for a nearly neutral oscillation, whose amplitude the start has set.
 Refined refine_free(ReturnMap& map, FixedPoint& point, double tolerance, const CycleOptions& options, bool keep_orbit) {
   auto y = point.free->start;
-  std::vector<double> led;
-  for (int k = 0; k < point.free->passages; ++k) {
-    const auto passage = map.follow(y, tolerance, 1, k > 0, Derivative::none, nullptr, dip_of(point.amplitude));
-    if (!passage.outcome.complete()) return {{}, infinity, {}, passage.outcome};
-    y = passage.end;
-    led.push_back(passage.duration);
+  std::vector<double> return_times;
+  for (int k = 0; k < point.free->returns; ++k) {
+    const auto returned = map.follow(y, tolerance, 1, k > 0, Derivative::none, nullptr, dip_of(point.amplitude));
+    if (!returned.outcome.complete()) return {{}, infinity, {}, returned.outcome};
+    y = returned.end;
+    return_times.push_back(returned.duration);
   }
   const auto swing = slow_swing_from(map, y, tolerance);
   if (!swing) return {{}, infinity, {}, {Ending::budget_spent, "the swing does not come round in one turn"}};
   point.y = swing->y;
   Refined result = record(map, point, tolerance, options, keep_orbit);
   result.closure = 0;
-  result.led = std::move(led);
+  result.return_times = std::move(return_times);
   return result;
 }
 
-/// The largest difference between the passages that led to such a swing at two tolerances, as part of their time: where
-/// a start is about to slip, errors of steps may decide whether it does or heals. Nought if they are the same ones.
-double led_astray(const std::vector<double>& a, const std::vector<double>& b) {
+/// The largest difference in duration between returns before such an oscillation at two tolerances, over their total
+/// time. From a start on the verge of slip, errors of the steps may decide whether it slips or heals. 0 if the returns
+/// are the same.
+double differing_transients(const std::vector<double>& a, const std::vector<double>& b) {
   constexpr double same = 1e-2;
   double largest = 0, time = 0;
   for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
@@ -181,9 +185,9 @@ double led_astray(const std::vector<double>& a, const std::vector<double>& b) {
   return largest > same * time ? largest / time : 0;
 }
 
-/// What the last digits of the forces leave of the slip rate of a slider on a contact spring, where damping and not
-/// inertia balances them, m/s.
-double slip_rate_digits(const SliderSystem& system) {
+/// Rounding error of the slip rate (m/s) of an overdamped slider on a contact spring: rounding error of the forces over
+/// the damping.
+double slip_rate_rounding(const SliderSystem& system) {
   const auto& model = system.model();
   const auto& s = model.slider;
   if (system.rigid() || !(s.damping > std::sqrt(s.stiffness * s.mass))) return 0;
@@ -192,68 +196,69 @@ double slip_rate_digits(const SliderSystem& system) {
          s.damping;
 }
 
-/// The last digits of the unknowns at y, in scales.
-double last_digits(const ReturnMap& map, const std::vector<double>& y) {
+/// Rounding error of the unknowns at y, in scales.
+double rounding_of_unknowns(const ReturnMap& map, const std::vector<double>& y) {
   double largest = 0;
   for (std::size_t k = 0; k < map.differential().size(); ++k)
     largest = std::max(largest, std::abs(y[map.differential()[k]]) / map.scale()[k]);
   return std::numeric_limits<double>::epsilon() * largest;
 }
 
-/// What metrics change by as the point leaves the cycle by `off`, in scales, along the way that is forgotten last.
-Metrics off_the_cycle(ReturnMap& map, const FixedPoint& point, const Metrics& there, double off, double tolerance,
-                      const CycleOptions& options) {
+/// Change of the metrics at a distance `off` (in scales) from the cycle, along the eigenvector that decays slowest.
+Metrics metric_change_off_cycle(ReturnMap& map, const FixedPoint& point, const Metrics& there, double off,
+                                double tolerance, const CycleOptions& options) {
   const VectorXd scale = map.scale();
   const auto pairs = eigenpairs(scale.cwiseInverse().asDiagonal() * point.derivative * scale.asDiagonal(), true);
   Eigen::Index slowest = 0;
   pairs.values.cwiseAbs().maxCoeff(&slowest);
-  const VectorXd way = pairs.vectors.col(slowest).real().normalized();
-  const double far = std::max(off, 1e-6);
-  FixedPoint beside = point;
-  beside.y = map.moved(point.y, scale.asDiagonal() * way, far);
-  const auto seen = record(map, beside, tolerance, options, false);
+  const VectorXd slowest_direction = pairs.vectors.col(slowest).real().normalized();
+  const double distance = std::max(off, 1e-6);
+  FixedPoint neighbour = point;
+  neighbour.y = map.moved(point.y, scale.asDiagonal() * slowest_direction, distance);
+  const auto seen = record(map, neighbour, tolerance, options, false);
   Metrics change;
   for (const auto& metric : metric_names())
-    change.*metric.member =
-        seen.outcome.complete() ? std::abs(seen.metrics.*metric.member - there.*metric.member) * off / far : infinity;
+    change.*metric.member = seen.outcome.complete()
+                                ? std::abs(seen.metrics.*metric.member - there.*metric.member) * off / distance
+                                : infinity;
   return change;
 }
 
-/// Several turns that were taken together, because each seemed to differ from the next, may prove to be one and the
-/// same. True if so; `point` is known to be on the cycle within `closure`, in scales.
-bool fewer_turns_do(ReturnMap& map, FixedPoint& point, double tolerance, double closure) {
-  constexpr double steps = 100, largest = 1e-2;  // what the steps of one passage differ by from those of another
+/// True if the period has fewer returns than the search took it for; `point` then has that number. Returns that differ
+/// in the search may prove to be the same on the cycle. `closure`: distance of `point` from the cycle, in scales.
+bool reduce_to_fewer_returns(ReturnMap& map, FixedPoint& point, double tolerance, double closure) {
+  constexpr double steps = 100, largest = 1e-2;  // scatter of the steps between returns, in tolerances
   const double size = map.distance(point.y, map.system().steady(0));
   const double same = std::min(std::max(10 * closure, steps * tolerance * size), largest * size);
-  for (int fewer = 1; 2 * fewer <= point.turns; ++fewer) {
-    if (point.turns % fewer != 0) continue;
-    const auto passage =
+  for (int fewer = 1; 2 * fewer <= point.returns; ++fewer) {
+    if (point.returns % fewer != 0) continue;
+    const auto returned =
         map.follow(point.y, tolerance, fewer, true, !point.by_differences ? Derivative::of_steps : Derivative::none,
                    nullptr, dip_of(point.amplitude));
-    if (!passage.outcome.complete()) continue;
+    if (!returned.outcome.complete()) continue;
     FixedPoint candidate = point;
-    candidate.turns = fewer;
+    candidate.returns = fewer;
     if (point.by_differences)
-      candidate.derivative.setZero();  // bounded by that of all turns, which forget what they began with
+      candidate.derivative.setZero();  // bounded by the derivative over all returns
     else
-      candidate.derivative = passage.derivative;
-    // What contracts has a fixed point within twice the distance by which it moves a point.
+      candidate.derivative = returned.derivative;
+    // A contraction by 1/2 has a fixed point within twice the distance by which it moves a point.
     const bool contracts = !point.by_differences && spectral_radius(candidate, map) < 0.5;
-    if (map.distance(passage.end, point.y) > (contracts ? largest * size : same)) continue;
+    if (map.distance(returned.end, point.y) > (contracts ? largest * size : same)) continue;
     point = std::move(candidate);
     return true;
   }
   return false;
 }
 
-/// Of the cycle at the point, whose period is known to a part; of a swing that friction hardly changes in a turn, by
-/// the work of friction.
+/// Multipliers of the cycle at the point, whose period has the relative error `known_to`. For a slow swing the first
+/// follows from the work of friction.
 Multipliers multipliers_of_cycle(ReturnMap& map, const FixedPoint& point, double known_to) {
-  constexpr double well_known = 1e-3;  // else an orbit that closes nearby is another one
+  constexpr double well_known = 1e-3;  // with a larger error a closed orbit nearby may be another one
   if (!(known_to < well_known))
     return {{}, {}, fmt::format("multipliers left out: the period is known to {:.1g} of itself only", known_to)};
   if (point.free) return {{}, {}, "multipliers left out: friction leaves the swing as its start made it"};
-  auto known = cycle_multipliers(map, point.y, point.turns, point.amplitude, !point.swing);
+  auto known = cycle_multipliers(map, point.y, point.returns, point.amplitude, !point.swing);
   if (!point.swing) return known;
   const auto& [slope, error] = std::pair(point.swing->slope, point.swing->slope_error);
   if (known.values.empty()) known.values.emplace_back(), known.errors.emplace_back();
@@ -266,15 +271,16 @@ Multipliers multipliers_of_cycle(ReturnMap& map, const FixedPoint& point, double
 
 Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   Cycle cycle;
-  // Growth in one turn of the leading oscillation; of one e-folding time where it does not oscillate.
+  // Period of the leading oscillation of steady sliding; its e-folding time where it does not oscillate.
   const auto leading = steady::stability(model).eigenvalues.front();
-  const double turn = 2 * std::numbers::pi / std::max(std::abs(leading.imag()), std::abs(leading.real()));
+  const double period_about_steady =
+      2 * std::numbers::pi / std::max(std::abs(leading.imag()), std::abs(leading.real()));
   ReturnMap map(model);
   if (map.differential().size() < 2) {
     cycle.outcome = {Ending::none_exists, "one unknown alone evolves, and that cannot oscillate (no mass, no memory)"};
     return cycle;
   }
-  auto search = search_cycle(map, leading.real() * turn, options);
+  auto search = search_cycle(map, leading.real() * period_about_steady, options);
   cycle.cost = map.cost();
   if (!search.point) {
     cycle.outcome = search.outcome;
@@ -282,9 +288,9 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   }
   FixedPoint& point = *search.point;
   const double V = map.drive_speed();
-  // Small or weakly attracting cycles magnify errors by 1/A and 1/(1 − ρ).
+  // Small or weakly attracting cycles magnify relative errors by 1/A and 1/(1 − ρ).
   const double magnified = std::min(1.0, point.amplitude) * attraction(point, map);
-  const double digits = slip_rate_digits(map.system());  // that of the contact follows from friction
+  const double digits = slip_rate_rounding(map.system());  // the contact's slip rate follows from friction
   Sharpening sharpening(options.tolerance, 0.2 * options.tolerance * magnified);
   const auto refined = [&](bool keep_orbit) {
     const auto how = point.free ? refine_free : point.swing ? refine_swing : refine;
@@ -295,27 +301,28 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     sharpening = Sharpening(options.tolerance, 100 * sharpening.tolerance());
     coarse = refined(false);
   }
-  // Asked at each tolerance: turns that differ at one may be the same at a closer one, where slip begins as it must.
+  // Every tolerance is tested: returns that differ at one may agree at a tighter one, which resolves the onset of slip.
   bool fewer = false;
-  const auto took_too_many = [&](const Refined& known) {
+  const auto period_is_shorter = [&](const Refined& known) {
     constexpr double tells = 1e-3;  // of the size
     if (!known.outcome.complete() || known.closure > tells * map.distance(point.y, map.system().steady(0)) ||
-        !fewer_turns_do(map, point, sharpening.tolerance(), known.closure))
+        !reduce_to_fewer_returns(map, point, sharpening.tolerance(), known.closure))
       return false;
     return fewer = true;
   };
-  if (took_too_many(coarse)) coarse = refined(false);
+  if (period_is_shorter(coarse)) coarse = refined(false);
   std::string worst;
   while (sharpening.next()) {
     Refined fine = refined(true);
-    if (coarse.outcome.complete() && sharpening.ease(fine.outcome)) fine = refined(true);
-    if (took_too_many(fine)) {
+    if (coarse.outcome.complete() && sharpening.loosen(fine.outcome)) fine = refined(true);
+    if (period_is_shorter(fine)) {
       sharpening = Sharpening(options.tolerance, 100 * sharpening.tolerance());
       coarse = refined(false);
       continue;
     }
     if (!coarse.outcome.complete() || !fine.outcome.complete()) {
-      const bool known = cycle.metrics.period > 0 && fine.outcome.ending == Ending::budget_spent;  // as it was before
+      const bool known =
+          cycle.metrics.period > 0 && fine.outcome.ending == Ending::budget_spent;  // the last refinement stays
       if (!known) cycle.outcome = coarse.outcome.complete() ? fine.outcome : coarse.outcome;
       break;
     }
@@ -324,16 +331,16 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     for (const double e : {options.stick_threshold, 0.01, 0.5})
       if (std::abs(std::abs(lowest) - e * V) < 1e-4 * e * V) stick_is_ill_conditioned = true;
     Metrics error;
-    // Rounding in one passage returns with every one that the cycle takes to forget it. Metrics are those of a motion
-    // that may be small beside the scales.
-    const double rounding = std::max(1e-14, last_digits(map, point.y));
+    // Rounding error of every return adds up over the returns in which it decays. Metrics are relative to the size of
+    // the motion, which may be small compared with the scales.
+    const double rounding = std::max(1e-14, rounding_of_unknowns(map, point.y));
     const double forgetting = rounding / (point.swing ? 1 : std::max(attraction(point, map), 1e-14));
     const double size = map.distance(point.y, map.system().steady(0));
     const double closure = (fine.closure + forgetting) * std::max(1.0, std::min(1.0, point.amplitude) / size) +
-                           led_astray(coarse.led, fine.led);
+                           differing_transients(coarse.return_times, fine.return_times);
     double reached = estimate_errors(coarse.metrics, fine.metrics, sharpening.tolerance(), closure, V,
                                      stick_is_ill_conditioned, error, worst);
-    const auto beside = [&](const Metrics& errors) {
+    const auto add_errors = [&](const Metrics& errors) {
       for (const auto& metric : metric_names()) {
         error.*metric.member += errors.*metric.member;
         if (is_stick(metric) && stick_is_ill_conditioned) continue;
@@ -341,11 +348,11 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
         if (ratio > reached) reached = ratio, worst = metric.name;
       }
     };
-    beside(fine.passed_over);
+    add_errors(fine.passed_over);
     constexpr double weak = 1e-2;
     if (!point.swing && !point.free && !point.by_differences && attraction(point, map) < weak)
-      // Rounding may be all that two tolerances differ by, and metrics more sensitive to it than the point is.
-      beside(off_the_cycle(map, point, fine.metrics, closure, sharpening.tolerance(), options));
+      // Two tolerances may differ by rounding error only, to which metrics may be more sensitive than the point.
+      add_errors(metric_change_off_cycle(map, point, fine.metrics, closure, sharpening.tolerance(), options));
     error.slip_rate_min += digits, error.slip_rate_max += digits;
     const Outcome outcome = sharpening.judge(reached, worst);
     if (sharpening.supersedes(cycle, fine.metrics, error, reached)) {
@@ -368,8 +375,8 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
     cycle.multipliers_left_out = std::move(known.left_out);
   }
   if (point.free) cycle.growth = point.free->growth;
-  // The search goes on until the motion attracts; of fewer turns than differences were taken over, and of a swing that
-  // friction leaves alone, its derivative tells nothing.
+  // The search accepts attracting motion only. The derivative is unknown for fewer returns than the differences were
+  // taken over, and for a neutral oscillation.
   const bool unknown = (fewer && point.by_differences) || point.bounded || point.free;
   cycle.stable =
       cycle.multipliers.empty() ? unknown || spectral_radius(point, map) < 1 : std::abs(cycle.multipliers.front()) < 1;

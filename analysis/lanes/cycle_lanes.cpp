@@ -340,7 +340,7 @@ class Settling final : public PassageQueue {
     p.slider = &search.map.system();
     p.growth_time = search.map.growth_time();
     // Slip that has not come to rest after many free swings will not: that is another kind of cycle.
-    p.longest = (search.sticks ? 0.03 : 1.0) * search.map.longest_passage();
+    p.longest = (search.sticks ? 0.03 : 1.0) * search.map.longest_return();
     p.first_step = 1e-4 * std::min(1.0, p.growth_time);
     if (search.hinted) {
       search.stage = Search::Stage::coarse;

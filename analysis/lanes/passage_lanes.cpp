@@ -6,7 +6,7 @@
 
 #include "analysis/cycles/loop_area.hpp"
 #include "analysis/cycles/stick_slip_period.hpp"
-#include "analysis/motion/landing.hpp"
+#include "analysis/motion/reversal_steps.hpp"
 #include "core/instruction_set.hpp"
 #include "core/stop.hpp"
 #include "oscillators/time_scales.hpp"
@@ -127,7 +127,7 @@ bool PassageLanes::take(int lane, PassageQueue& queue) {
     sliders_.load(lane, *passage.slider);
     at.loaded = passage.slider;
     at.V = passage.slider->model().drive.speed.level();
-    landed_.set(lane, motion::LandingSteps::part * motion::narrow_slip_rate(*passage.slider));
+    landed_.set(lane, motion::ReversalSteps::near_rest_share * motion::near_rest_slip_rate(*passage.slider));
   }
   if (switches_)
     begin_mode(lane, passage.from_section ? 1 : 0, passage.y.data());
@@ -509,7 +509,7 @@ void PassageLanes::see() {
       bounds.pack[p] = select(grows, ensemble_.length().pack[p] * foldings / log(v / before), bounds.pack[p]);
       const Pack landed = landed_.pack[p];
       const Mask slows = good & (landed > zero) & (v * before > zero) & (abs(v) < abs(before));
-      const Pack loses = max(motion::LandingSteps::share * abs(v), landed);
+      const Pack loses = max(motion::ReversalSteps::share * abs(v), landed);
       bounds.pack[p] =
           select(slows, min(bounds.pack[p], ensemble_.length().pack[p] * loses / abs(before - v)), bounds.pack[p]);
       update(creep_, v);

@@ -14,8 +14,8 @@
 
 #include "analysis/motion/algorithm_run.hpp"
 #include "analysis/motion/exact_run.hpp"
-#include "analysis/motion/landing.hpp"
 #include "analysis/motion/motion_end.hpp"
+#include "analysis/motion/reversal_steps.hpp"
 #include "analysis/motion/slider_swings.hpp"
 #include "analysis/motion/stated_error.hpp"
 #include "analysis/steady/stability.hpp"
@@ -456,9 +456,9 @@ class Pass {
   Outcome with_collocation(const std::vector<double>& y, double tolerance) {
     Collocation solver(system_, tolerance);
     solver.resolve_starts();
-    const LandingSteps landing(system_);
+    const ReversalSteps reversal_steps(system_);
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
-      solver.bound_step(landing.time(solver));
+      solver.bound_step(reversal_steps.longest(solver));
       const Outcome o = taken(solver, limit);
       if (!o.complete()) return o;
       look_at(solver, true);
@@ -505,7 +505,7 @@ class Pass {
     std::vector<double> z(n), state_before(n), rate(n);
     lost_.assign(n, 0);
     constexpr double one_ahead = 0.2;  // CVODE has chosen the next step before the bound comes
-    const LandingSteps landing(system_, one_ahead);
+    const ReversalSteps reversal_steps(system_, one_ahead);
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       const double before = solver.time();
       state_before = solver.state();
@@ -515,8 +515,8 @@ class Pass {
       for (int i = 0; i < n; ++i)
         if (solver.state()[i] == state_before[i]) lost_[i] += (solver.time() - before) * rate[i];
       const double clock = 1e-10 * solver.time();  // shorter steps would be a matter of its last digits
-      solver.bound_step(std::max(clock, landing.time(before, state_before.data(), solver.time(), solver.state().data(),
-                                                     solver.time() - before)));
+      solver.bound_step(std::max(clock, reversal_steps.longest(before, state_before.data(), solver.time(),
+                                                               solver.state().data(), solver.time() - before)));
       sample_until(solver.time(), false, [&](double t) {
         solver.interpolate(t, z.data());
         return z.data();

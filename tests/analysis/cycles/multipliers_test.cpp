@@ -143,7 +143,7 @@ Reference by_cvode(const ReturnMap& map, const std::vector<double>& y, int turns
   solver.start(0, start);
   bool below = false;
   for (long steps = 0; steps < 200'000; ++steps) {
-    if (!solver.step(map.longest_passage()).complete()) return {};
+    if (!solver.step(map.longest_return()).complete()) return {};
     const auto& roots = solver.root_found();
     if (relative(solver.time(), solver.state().data()) < 1 - dip_of(amplitude)) below = true;
     if (roots.empty()) continue;
@@ -187,7 +187,7 @@ void compare(const Model& model, Compared& compared) {
   const auto search = search_cycle(map, leading.real() * turn, {.tolerance = 1e-8});
   if (!search.point || search.point->swing || search.point->free) return;
   auto y = search.point->y;
-  const int turns = search.point->turns, n = int(map.scale().size());
+  const int turns = search.point->returns, n = int(map.scale().size());
   const VectorXd scale = map.scale();
   for (int k = 0; k < 8; ++k) {  // Newton's method
     const auto passage =
