@@ -1,4 +1,4 @@
-/// Assembly of the slider: right-hand side, Jacobian, masses, starts and what is observed.
+/// Assembly of the slider: right-hand side, Jacobian, masses, starts and observed quantities.
 #include "oscillators/slider_system.hpp"
 
 #include <fmt/format.h>
@@ -23,12 +23,12 @@ double compliance_at(const SeriesSpring& spring, double N) {
   return spring.compliance + spring.compliance_per_load / N;
 }
 
-constexpr double nearly_stuck = 1e-6;  ///< of the reference speed: below it the slip rate is read from friction
+constexpr double nearly_stuck = 1e-6;  ///< over the reference speed; below it the slip rate follows from friction
 }  // namespace
 
 SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(model)) {
   model_.check();
-  // Without load the contact bears nothing, and nor does a spring in series with it.
+  // Without load neither the contact nor a spring in series with it carries a force.
   if (const auto& load = model_.drive.normal_load; load.constant() && load.level() == 0) model_.contact_stiffness = {};
   const auto& law = *model_.law;
   mechanics_ = mechanics_of(model_.slider);
@@ -42,12 +42,13 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
     if (law.has_slip_rate())
       setup_.compliance = own_compliance;
     else
-      setup_.spring.compliance += own_compliance;  // the two springs are one, because no damper lies beside either
+      setup_.spring.compliance +=
+          own_compliance;  // the two springs act as one, because neither has a damper in parallel
   } else {
     setup_.compliance = 1 / spring.tangential + own_compliance;
     setup_.compliance_per_load = 1 / spring.per_load;
   }
-  // A friction unknown carries an undamped spring in series, and answers for a slip rate that is not a coordinate.
+  // A friction unknown covers an undamped spring in series, and a slip rate that is no coordinate.
   const bool needs_friction = !rigid() || mechanics_ == Mechanics::damped;
   setup_.unknowns =
       law.has_slip_rate() && (unknowns == Unknowns::friction || needs_friction) ? Unknowns::friction : Unknowns::states;
@@ -65,7 +66,7 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
     constant_ = {d.speed.level(), 0, d.normal_load.level(), 0, d.force.level(), 0};
     constant_in_lanes_ = LaneForcing(constant_);
   }
-  // A flow needs rates of the states, no inertia (which is stiff in near-stick), and a force that some spring answers.
+  // A flow needs rates of the states, no inertia (which is stiff in near-stick), and a spring that balances the force.
   state_clock_ = 1 / setup_.lambda;
   const bool flows =
       carries_friction() && setup_.lambda > 0 && !setup_.spring.present() && setup_.load_memory == 0 &&
@@ -92,9 +93,10 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   const double friction_scale = carries_friction() ? contact_scale_[0] : 0.1;
   const auto& s = model_.slider;
   if (mechanics_ == Mechanics::inertial && rigid() && carries_friction()) {
-    // Slip beside the law's at the friction of steady sliding, as part of the reference speed: without memory a start
-    // from rest slips by 1e-14 of it, which must not show it. Friction that is all but gone in steady sliding may hold
-    // much in stick.
+    // Additional creep at the friction of steady sliding, over the reference speed. Without memory a start from rest
+    // slips
+    // at 1e-14 of that speed, and the creep stays below it. Friction that nearly vanishes in steady sliding may be
+    // large in stick.
     const auto [share, stuck] = model_.lambda == 0 ? std::pair(1e-28, 1e-14) : std::pair(1e-14, 1e-3);
     const double held = law.steady_friction({stuck * reference_speed_, start.load}).friction;
     creep_ = share * reference_speed_ / std::max({std::abs(z[0]), 0.1 * friction_scale, std::abs(held)});
@@ -124,7 +126,7 @@ double SliderSystem::swing_power(double t, const double* y) const {
   return 2 * velocity * (friction - s.damping * velocity) / s.stiffness;
 }
 
-void SliderSystem::last(double duration) {
+void SliderSystem::limit_creep_for(double duration) {
   constexpr double share = 1e-12;
   if (creep_ > 0 && duration > 0)
     creep_ = std::min(creep_, share * duration * model_.drive.normal_load.level() / model_.slider.mass);
@@ -264,11 +266,11 @@ void SliderSystem::flow(const Pack& t, const Pack* y, Pack* rate, Pack& pace) co
   const int nz = flow_->unknowns();
   const Pack* z = y + mechanical_;
   Pack* z_rate = rate + mechanical_;
-  // The slip rate is the law's: in creep it is far below the rounding of V − (N μ + f − k x)/c.
+  // The slip rate comes from the law: in creep it is far below rounding error of V − (N μ + f − k x)/c.
   Pack v, v_z[most], g_z[most * most];
   flow_->slip(now.load, z, v, z_rate + 1, v_z, g_z);
   run_on_lanes([&] {
-    Pack v_rate = 0.0;  // of the states' change
+    Pack v_rate = 0.0;  // rate of v by the change of the states
     Pack turnover = 0.0;
     const double a = direct_effect();
     for (int i = 1; i < nz; ++i) {
@@ -279,7 +281,7 @@ void SliderSystem::flow(const Pack& t, const Pack* y, Pack* rate, Pack& pace) co
       for (int j = 1; j < nz; ++j) sum = sum + slopes[j] * slopes[j];
       turnover = turnover + z_rate[i] * z_rate[i] + sum * (state_clock_ * state_clock_);
     }
-    // How fast states change and respond: never zero while the contact slips or heals, and smooth.
+    // The pace, at which states change and respond, is smooth and never zero while the contact slips or heals.
     pace = sqrt(turnover);
     if (mechanics_ == Mechanics::damped) {
       // k x = N μ + f − c (V − v), differentiated.
@@ -303,10 +305,10 @@ void SliderSystem::restore(double t, double* y) const {
   const double balanced =
       ((friction - origin_.friction) + (now.force - origin_.force) - (s.damping * (now.speed - v) - origin_.drag)) /
       s.stiffness;
-  // Under a strong damper large forces leave little to the spring: what lies within their last digits is known better
-  // by integration.
+  // Under a strong damper the spring force is a small difference of large forces: within their rounding error
+  // integration gives the better value.
   constexpr double digits = 4 * std::numeric_limits<double>::epsilon();
-  const double slip = std::abs(v * y[1]) / direct_effect() + std::abs(now.speed);  // v answers to μ by v/a
+  const double slip = std::abs(v * y[1]) / direct_effect() + std::abs(now.speed);  // ∂v/∂μ = v/a
   const double known = digits * (std::abs(friction) + std::abs(now.force) + s.damping * slip) / s.stiffness;
   if (!(std::abs(balanced - y[0]) <= known)) y[0] = balanced;
 }
@@ -368,13 +370,14 @@ void SliderSystem::slip_rate_gradient(double t, const double* y, double* gradien
 
 void SliderSystem::scale(const double* y, double* s) const {
   if (mechanical_ > 0) s[0] = displacement_scale_;
-  if (model_.slider.stiffness == 0 && mechanical_ > 0)  // nothing answers to the way of a slider without spring
+  if (model_.slider.stiffness == 0 &&
+      mechanical_ > 0)  // no force depends on the displacement of a slider without spring
     s[0] = std::max(displacement_scale_, std::abs(y[0]));
   if (mechanical_ > 1) s[1] = std::max(reference_speed_, std::abs(y[1]));
   for (int i = mechanical_; i < size(); ++i) s[i] = contact_scale_[i - mechanical_];
-  // Friction that is all but gone in steady sliding may hold much elsewhere.
+  // Friction that nearly vanishes in steady sliding may be large elsewhere.
   if (carries_friction()) s[mechanical_] = std::max(contact_scale_[0], 0.01 * std::abs(y[mechanical_]));
-  // A linear state may grow far beyond its natural size: its own last digits are then what can be known.
+  // A linear state may grow far beyond its natural size: its own rounding error then limits its accuracy.
   for (int i = 0; i < states_; ++i)
     if (model_.law->states()[i].scale == Scale::linear)
       s[first_state() + i] = std::max(s[first_state() + i], std::abs(y[first_state() + i]));
@@ -441,7 +444,7 @@ std::vector<double> SliderSystem::unknowns_at(double t, double x, double u, std:
   y.resize(size());
   if (states_ > 0) write_states(state, y.data() + first);
   if (setup_.spring.present()) {
-    // Unless the contact spring stretches, the contact slips as the slider does.
+    // While the contact spring does not stretch, the contact slips at the slider's rate.
     const double N = std::max(now.load, 1e-300);
     y.back() = friction * compliance_at(setup_.spring, N);
     if (const int v = contact_slip_rate_index(); v >= 0) y[v] = u;
@@ -450,8 +453,8 @@ std::vector<double> SliderSystem::unknowns_at(double t, double x, double u, std:
   return y;
 }
 
-/// Solves the algebraic row of a contact behind a spring: for friction, or for the contact's own slip rate. Left as it
-/// was where that is a solution but for rounding, or where the row has no solution in sight.
+/// Solves the algebraic row of a contact behind a spring, for friction or for the contact's own slip rate. The unknown
+/// keeps its value where that is a solution to rounding error, or where no solution is near.
 void SliderSystem::settle(double t, double* y) const {
   const int n = size(), row = carries_friction() ? mechanical_ : contact_slip_rate_index();
   std::vector<double> m(n), f(n), jacobian(n * n);
@@ -461,10 +464,10 @@ void SliderSystem::settle(double t, double* y) const {
   const double start = x, size_of_x = std::max(contact_scale_[row - mechanical_], std::abs(start));
   constexpr double close = 1e-10, rounding = 1e-14;
   linearise(t, y, f.data(), jacobian.data());
-  double open = close * size_of_x * std::abs(jacobian[row * n + row]);
-  for (int j = 0; j < n; ++j) open += rounding * std::abs(jacobian[row * n + j] * y[j]);
-  if (std::abs(f[row]) <= open) return;
-  const auto residual = [&](double trial) {  // falls with x
+  double allowed = close * size_of_x * std::abs(jacobian[row * n + row]);
+  for (int j = 0; j < n; ++j) allowed += rounding * std::abs(jacobian[row * n + j] * y[j]);
+  if (std::abs(f[row]) <= allowed) return;
+  const auto residual = [&](double trial) {  // decreases with x
     x = trial;
     evaluate(t, y, f.data());
     return f[row];
@@ -517,7 +520,7 @@ double SliderSystem::friction_coefficient(double t, const double* y) const {
   if (carries_friction()) return y[mechanical_];
   if (sticking()) return holding_force(t, y) / forcing(t).load;
   const Forcing now = forcing(t);
-  const double load = now.load > 0 ? now.load : 1;  // so that the coefficient exists for N = 0 too
+  const double load = now.load > 0 ? now.load : 1;  // the coefficient exists for N = 0 too
   if (const int v = contact_slip_rate_index(); v >= 0)
     return model_.law->friction({y[v], load}, states_at(load, y, y[v]));
   double g[Slopes<double>::capacity], F;
@@ -540,7 +543,7 @@ double SliderSystem::slip_rate(double t, const double* y) const {
   if (mechanics_ == Mechanics::damped && setup_.spring.present())
     return imposed_slip_rate(now, y, now.load * y[mechanical_]);
   if (setup_.spring.present() && std::isinf(model_.slider.stiffness)) return now.speed;
-  if (contact_slip_rate_index() >= 0) {  // elastic: the slider's spring takes its share of the deflection
+  if (contact_slip_rate_index() >= 0) {  // elastic: the slider's spring shares the deflection
     std::vector<double> f(size());
     evaluate(t, y, f.data());
     const double compliance = compliance_at(setup_.spring, now.load);
@@ -549,22 +552,22 @@ double SliderSystem::slip_rate(double t, const double* y) const {
     return now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
   }
   if (!carries_friction()) return imposed_slip_rate(now, y, 0);
-  // Without mass the contact's own slip rate is known from friction, free of the cancellation in V − ẋ.
+  // Without mass the contact's own slip rate follows from friction, without the cancellation in V − ẋ.
   const double* z = y + mechanical_;
   double state[Slopes<double>::capacity];
   read_states(z + 1, state);
   const double v = model_.law->slip_rate(z[0], now.load, {state, model_.law->states().size()});
   if (!model_.contact_stiffness.present()) return v;
   if (mechanics_ == Mechanics::damped) return imposed_slip_rate(now, y, now.load * z[0]);
-  // u = v + Ḟ_t/k_t, the spring of the contact and that of the slider in series.
+  // u = v + Ḟ_t/k_t, with the springs of contact and slider in series.
   double g[Slopes<double>::capacity], m[Slopes<double>::capacity], F;
   contact_->evaluate({imposed_slip_rate(now, y, 0), now.load, now.load_rate, sign(mode_)}, z, g, F);
   contact_->mass(now.load, m);
   const double F_rate = now.load * g[0] / m[0] + now.load_rate * z[0];
   const double u = now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
   if (!setup_.spring.present() || now.load_rate != 0 || now.force_rate != 0) return u;
-  // A weak damper beside the contact's spring tells its rate from the difference of two forces. Where that is within
-  // their last digits, the damper has relaxed, and both springs follow friction.
+  // A weak damper parallel to the contact's spring gives its rate from the difference of two forces. Where that is
+  // rounding error, the damper has relaxed, and both springs follow friction.
   const double share = model_.slider.stiffness * compliance_at(setup_.spring, now.load);
   const double relaxed = (v + share * now.speed) / (1 + share);
   const double digits = 100 * std::numeric_limits<double>::epsilon() * std::abs(now.load * z[0]) /
@@ -593,13 +596,13 @@ double SliderSystem::holding_limit(double t, const double* y) const {
   return N * law.static_limit(N, {state, law.states().size()});
 }
 
-double SliderSystem::holding_digits(double t, const double* y) const {
+double SliderSystem::holding_rounding(double t, const double* y) const {
   constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
   return digits * (holding_limit(t, y) + model_.slider.stiffness * std::abs(y[0]));
 }
 
 void SliderSystem::held(double t, const double* y, Held* held) const {
-  held[0] = {holding_force(t, y), holding_limit(t, y), holding_digits(t, y)};
+  held[0] = {holding_force(t, y), holding_limit(t, y), holding_rounding(t, y)};
 }
 
 void SliderSystem::slip_accelerations(double t, const double* y, double* acceleration) const {
@@ -609,7 +612,7 @@ void SliderSystem::slip_accelerations(double t, const double* y, double* acceler
 }
 
 void SliderSystem::release(int, double t, double* y) const {
-  const double k = model_.slider.stiffness, sure = holding_digits(t, y);
+  const double k = model_.slider.stiffness, sure = holding_rounding(t, y);
   std::vector<double> f(size());
   evaluate(t, y, f.data());
   const double driving = sign(mode_) * f[1];
@@ -625,7 +628,7 @@ void SliderSystem::stop(int, double* y) const {
   write_states(model_.law->after_stop(state), y + mechanical_);
 }
 
-/// Natural states; at λ = 0 those that follow the slip rate v of the contact.
+/// Natural states; at λ = 0 the states of steady sliding at the slip rate v of the contact.
 std::vector<double> SliderSystem::states_at(double load, const double* y, double v) const {
   if (states_ == 0 && model_.law->has_states()) return model_.law->steady({v, load});
   std::vector<double> state(states_);

@@ -16,7 +16,7 @@ enum class Mechanics {
   elastic,   ///< none: no mass, no damper; k x = F + f, the spring acts in series with the contact
 };
 
-/// What can be seen of the slider at one instant.
+/// Observable quantities of the slider at one instant.
 struct Observation {
   double displacement, velocity, slip_rate, friction_force, friction_coefficient;
   std::vector<double> state;  ///< natural units
@@ -25,7 +25,7 @@ struct Observation {
 /// A slider with one contact. u = V − ẋ is the slip rate that the slider imposes.
 class SliderSystem final : public SwitchingSystem {
  public:
-  /// `unknowns`: those of the contact; Unknowns::friction is replaced by states for laws without explicit slip rate.
+  /// `unknowns`: unknowns of the contact; states replace Unknowns::friction for laws without explicit slip rate.
   explicit SliderSystem(Model model, Unknowns unknowns = Unknowns::friction);
 
   int size() const override { return mechanical_ + contact_->unknowns(); }
@@ -36,17 +36,18 @@ class SliderSystem final : public SwitchingSystem {
   std::string unknown(int i) const override;
   double next_break(double t) const override;
   void cross_break(double t, double* y) const override;
-  /// For motions that last so long (s) in all. Friction lags behind a change of load by the time in which a mass takes
-  /// up the slip beside the law's; the shorter the motion, the less of that there is.
-  void last(double duration);
-  /// Where forces balance in y at t = 0, in slip, displacements among the unknowns count from there from now on, and
-  /// each force by its change: exactly balanced, where k x − F would keep the rounding of both. Sets the displacement
-  /// of y to 0. Does nothing where they do not.
+  /// Limits the additional creep (see creep_) for a motion of this duration (s). The creep makes friction lag behind a
+  /// change of load by creep_·m/N, the time in which the mass takes up the creep rate; the limit keeps this lag below
+  /// 1e-12 of the duration.
+  void limit_creep_for(double duration);
+  /// Takes y at t = 0 as the origin of displacement and forces if the forces balance in it during slip. The balance is
+  /// then
+  /// exact, where k x − F would keep the rounding error of both. Sets the displacement of y to 0; does nothing where
+  /// forces do not balance.
   void measure_from_balance(std::vector<double>& y);
   bool autonomous() const override { return is_constant_; }
   double kink(const double* y) const override;
-  /// From now on a slip rate of the contact that changes its sign counts as a kink, as it is one of the rates of
-  /// states.
+  /// Sets whether a reversal of the contact's slip counts as a kink, because the rates of states have one there.
   void mark_reversals(bool yes) { marks_reversals_ = yes; }
   double resolution() const override;
   bool has_flow() const override { return flow_ != nullptr; }
@@ -56,14 +57,14 @@ class SliderSystem final : public SwitchingSystem {
   const Model& model() const { return model_; }
   Mechanics mechanics() const { return mechanics_; }
   const ContactSetup& contact_setup() const { return setup_; }
-  /// Index of the slip rate among the unknowns, or −1 where it is none.
+  /// Index of the slip rate among the unknowns, or −1 where it is no unknown.
   int slip_rate_index() const { return mechanics_ == Mechanics::inertial ? 1 : -1; }
-  /// Index of the contact's own slip rate among the unknowns, or −1 where it is none.
+  /// Index of the contact's own slip rate among the unknowns, or −1 where it is no unknown.
   int contact_slip_rate_index() const { return setup_.spring.present() && !carries_friction() ? size() - 2 : -1; }
   /// Index of the first state among the unknowns, if states are unknowns.
   int first_state() const { return mechanical_ + (carries_friction() ? 1 : 0); }
   bool carries_friction() const { return setup_.unknowns == Unknowns::friction; }
-  /// The natural size of changes of friction that is carried, v·∂μ/∂v in steady sliding.
+  /// Direct effect v·∂μ/∂v in steady sliding, the natural size of changes of a friction unknown.
   double direct_effect() const { return contact_scale_[0] / 10; }
   bool rigid() const { return setup_.compliance == 0 && setup_.compliance_per_load == 0 && !setup_.spring.present(); }
 
@@ -72,22 +73,22 @@ class SliderSystem final : public SwitchingSystem {
   std::vector<double> unknowns_at(double t, double x, double u, std::span<const double> state, double friction) const;
   /// Steady sliding at time t.
   std::vector<double> steady(double t) const;
-  /// At rest on a steady drive under a set-valued law, with natural `state`, loaded to `share` of what the contact can
-  /// hold.
+  /// Rest on a steady drive under a set-valued law, with natural `state`, loaded to `share` of the contact's limit.
   std::vector<double> loaded_at_rest(std::span<const double> state, double share) const;
-  /// As scale() at rest, but states that hardly matter to friction are measured by it, up to ten times looser: for
-  /// methods whose stiff unknowns are no better than their error estimate.
+  /// As scale() at rest, with scales up to ten times larger for states that hardly affect friction. For methods whose
+  /// stiff unknowns are no more accurate than their error estimate.
   void relevance_scale(double* s) const;
   /// Makes friction in y agree with slip rate and states where it is algebraic; for constant drives.
   void make_consistent(double* y) const { cross_break(0, y); }
-  /// What is seen at time t in y.
+  /// Observable quantities at time t in y.
   Observation observe(double t, const double* y) const;
-  /// Coefficient of friction, by the unknown or by the law.
+  /// Coefficient of friction, from the unknown or from the law.
   double friction_coefficient(double t, const double* y) const;
   /// Slip rate u at time t in y.
   double slip_rate(double t, const double* y) const;
-  /// The slip rate of the contact itself, u where the contact is rigid. Behind a contact spring the slider rings, and
-  /// u passes the drive speed many times in one stick; this does not.
+  /// The slip rate of the contact itself, equal to u where the contact is rigid. Behind a contact spring the slider
+  /// rings,
+  /// and u crosses the drive speed many times during one stick, which the contact's slip rate does not.
   double contact_slip_rate(double t, const double* y) const;
 
   /// Second and third derivative of f along a direction d: d²f(y + ε d)/dε² and d³f(y + ε d)/dε³ at ε = 0.
@@ -96,7 +97,7 @@ class SliderSystem final : public SwitchingSystem {
   void slip_rate_gradient(double t, const double* y, double* gradient) const;
 
   int contacts() const override { return set_valued_ ? 1 : 0; }
-  /// Without meaning for laws that are not set-valued, except under a spring of infinite stiffness: the drive's.
+  /// The mode of a set-valued law; under a spring of infinite stiffness the direction of the drive.
   ContactMode mode(int = 0) const override { return mode_; }
   void set_mode(int, ContactMode mode) override { mode_ = mode; }
   int slip_rate_unknown(int) const override { return slip_rate_index(); }
@@ -105,16 +106,16 @@ class SliderSystem final : public SwitchingSystem {
   void slip_accelerations(double t, const double* y, double* acceleration) const override;
   void stop(int, double* y) const override;
   void release(int, double t, double* y) const override;
-  /// Of `held`, alone.
+  /// The force and the limit of `held`.
   double holding_force(double t, const double* y) const;
   double holding_limit(double t, const double* y) const;
 
-  /// True where slip swings nearly free between rest and rest, so that its energy tells where it ends.
+  /// True where slip between two stops is a nearly free oscillation (a swing), whose end follows from its energy.
   bool swings_freely() const { return swings_freely_; }
-  /// Displacement from that of steady sliding (m), and the place for another.
+  /// Displacement from steady sliding (m), and its assignment.
   double swing(const double* y) const { return y[0] - swing_center_; }
   void set_swing(double swing, double* y) const { y[0] = swing_center_ + swing; }
-  /// Rate at which friction and damping change the square of the swing that the slider has at rest, m²/s.
+  /// Rate at which friction and damping change the squared amplitude of the oscillation, m²/s.
   double swing_power(double t, const double* y) const;
 
  private:
@@ -148,35 +149,37 @@ class SliderSystem final : public SwitchingSystem {
 
   Model model_;
   Mechanics mechanics_;
-  int mechanical_ = 0, states_ = 0;  ///< unknowns of the mechanics; states among those of the contact
+  int mechanical_ = 0, states_ = 0;  ///< number of mechanical unknowns; number of states among the contact's
   ContactSetup setup_;
   std::unique_ptr<Contact<double>> contact_;
   std::unique_ptr<ContactValues<Tower>> tower_;
-  std::unique_ptr<ContactFlow> flow_;  ///< none where the system cannot be followed as a flow
+  std::unique_ptr<ContactFlow> flow_;  ///< null where the system has no form as a flow
   ContactMode mode_ = ContactMode::forward;
   double reference_speed_;
   std::vector<double> contact_scale_;
   double displacement_scale_ = 1, state_clock_ = 1;
-  /// Slip beside the law's, δ per unit of friction coefficient (m/s), far below what any result shows. The direct
-  /// effect turns friction over within e^(−μ/a) of the slip rate, which no arithmetic resolves where a mass reverses;
-  /// with δ the turn is as wide as rounding.
+  /// Additional creep of the contact, δ per unit of friction coefficient (m/s), far below the accuracy of any result.
+  /// The
+  /// direct effect reverses friction within e^(−μ/a) of the slip rate, which no arithmetic resolves where a mass
+  /// reverses; with δ friction reverses within a range as wide as rounding error.
   double creep_ = 0;
   struct Origin {
     double displacement, friction, force, drag;
   };
-  Origin origin_{};  ///< where the displacement among the unknowns is 0, and the forces that balance there
+  Origin origin_{};  ///< origin of the displacement unknown, and the forces that balance there
   Forcing constant_{};
   LaneForcing constant_in_lanes_{};
   bool is_constant_, set_valued_, marks_reversals_ = false;
   bool swings_freely_ = false;
-  /// Displacement and coefficient of friction in steady sliding, where swings are free.
+  /// Displacement and coefficient of friction in steady sliding, set where swings_freely_.
   double swing_center_ = 0, steady_coefficient_ = 0;
   bool sticking() const { return set_valued_ && mode_ == ContactMode::stick; }
-  double holding_digits(double t, const double* y) const;
+  double holding_rounding(double t, const double* y) const;
 };
 
-/// What inertia couples: the rows of displacement and slip rate of a slider with mass, and their columns in the rows of
-/// its contact. `jacobian`: of these two and the contact's unknowns, row-major; other entries stay as they are.
+/// Fills in the entries of a Jacobian that inertia couples: the rows of displacement and slip rate of a slider with
+/// mass, and their columns in the rows of its contact. `jacobian`: derivative by these two and the contact's unknowns,
+/// row-major; other entries stay as they are.
 void couple_by_inertia(const Slider&, const Slopes<double>& contact, int contact_unknowns, double* jacobian);
 
 }  // namespace rosin::oscillators

@@ -21,7 +21,7 @@ struct Coexistence {
   std::string reason;
 };
 
-/// The fold of cycles below a subcritical Hopf load: the lowest load at which cycles exist beside stable sliding.
+/// The fold of cycles below a subcritical Hopf load: the lowest load at which cycles exist next to stable sliding.
 struct Fold {
   double log_ratio = 0;  ///< ln(N_fold/N_Hopf), negative; 0: could not be followed
   double error = 0;      ///< absolute error of log_ratio

@@ -46,18 +46,18 @@ const MetricName& find_metric(std::string_view name) {
 double size_of(const MetricName& metric, const Metrics& m, double V) {
   const double value = std::abs(m.*metric.member);
   if (metric.member == &Metrics::slip_rate_min || metric.member == &Metrics::slip_rate_max) {
-    constexpr double digits = 1e-8;  // of the fastest slip, whose rounding the slowest keeps
+    constexpr double digits = 1e-8;  // of the fastest slip, whose rounding error carries over to the slowest
     return std::max({value, V, digits * std::max(std::abs(m.slip_rate_min), std::abs(m.slip_rate_max))});
   }
   if (metric.member == &Metrics::slip_rate_mean) {
-    constexpr double digits = 1e-3;  // of slip to and fro, which all but cancels
+    constexpr double digits = 1e-3;  // of reversing slip, whose mean nearly cancels
     return std::max({value, V, digits * std::min(-m.slip_rate_min, m.slip_rate_max)});
   }
   if (metric.member == &Metrics::friction_min || metric.member == &Metrics::friction_max)
     return std::max({1.0, std::abs(m.friction_min), std::abs(m.friction_max)});
   if (metric.member == &Metrics::friction_mean) return std::max(1.0, value);
   if (is_stick(metric)) return 1;
-  constexpr double all_but_gone = 0.01;  // friction, of which a loop is not asked to be known better than friction is
+  constexpr double all_but_gone = 0.01;  // coefficient, below which the loop's accuracy is relative to friction
   if (metric.member == &Metrics::loop_area)
     return std::max(value, 0.1 * m.slip_rate_max * std::max(m.friction_max, all_but_gone));
   if (metric.member == &Metrics::loop_area_normalised)
@@ -75,8 +75,8 @@ bool is_stick(const MetricName& metric) {
 
 namespace {
 
-/// The same slider under the set-valued law that its own is without a clock, where slip can stick under it. A contact
-/// spring, or friction against a spring alone, would need more than that law says.
+/// The same slider under its law at λ = 0, a set-valued one, where slip can stick under it. Nothing with a contact
+/// spring or without mass, where that law leaves the motion undetermined.
 std::optional<Model> without_clock(const Model& model) {
   if (model.lambda != 0 || !(model.slider.mass > 0) || model.contact_stiffness.present()) return std::nullopt;
   auto curve = model.law->without_clock(model.drive.normal_load.level());
@@ -86,7 +86,7 @@ std::optional<Model> without_clock(const Model& model) {
   same.lambda = 1;
   return same;
 }
-/// What that law does not carry.
+/// Adds the states, which the set-valued law does not have.
 void add_states(Cycle& cycle, const FrictionLaw& law, double normal_load) {
   cycle.section_state = law.steady({0, normal_load});
   for (auto& point : cycle.orbit) point.state = law.steady({point.slip_rate, normal_load});

@@ -46,14 +46,14 @@ bool is_loop(const MetricName&);
 bool is_stick(const MetricName&);
 
 struct CycleOptions {
-  double tolerance = 1e-8;       ///< relative accuracy asked of every metric
+  double tolerance = 1e-8;       ///< requested relative accuracy of every metric
   double stick_threshold = 0.1;  ///< ε
   bool multipliers = true;
   int max_cycles = 10'000;  ///< transient cycles integrated before giving up
   std::optional<motion::Start> start =
-      std::nullopt;  ///< where the search starts; else from stick. Set-valued laws: always from stick
-  /// Unknowns on the section that may lie near the cycle, of a smooth law under a drive with V > 0: looked at before
-  /// any motion is waited for; empty: none.
+      std::nullopt;  ///< start of the search; none: stick. Set-valued laws always start from stick
+  /// Unknowns on the section that may lie near the cycle, for a smooth law under a drive with V > 0: the first start of
+  /// the search; empty: none.
   std::vector<double> near = {};
 };
 
@@ -70,10 +70,10 @@ struct Cycle {
   /// Floquet, largest modulus first; without the trivial 1; and their absolute errors.
   std::vector<std::complex<double>> multipliers;
   std::vector<double> multiplier_errors;
-  std::string multipliers_left_out;  ///< why some or all are not known; empty: all that are asked for are
+  std::string multipliers_left_out;  ///< the reason why some or all are not known; empty: all requested ones are
   bool stable = false;
-  /// Of a swing that friction changes by less than 1e-12 of its amplitude in a period: by how much, ln. It is as its
-  /// start made it, and its metrics hold for as many periods as that lets them.
+  /// Amplitude growth per period (ln) of a nearly neutral oscillation, below 1e-12 in magnitude. Its start sets its
+  /// amplitude, and its metrics hold until the growth has added up.
   std::optional<double> growth = std::nullopt;
   double section_displacement = 0;  ///< at v = V with v rising (slip onset for set-valued laws)
   std::vector<double> section_state;
@@ -87,7 +87,7 @@ struct Cycle {
 /// coexisting cycles are found.
 Cycle find_cycle(const Model&, const CycleOptions& = {});
 
-/// True if nothing feeds an oscillation: friction nowhere falls with slip rate, and what rings on the deflected contact
+/// True if nothing feeds an oscillation: friction nowhere falls with slip rate, and ringing on the deflected contact
 /// dies out, however slowly.
 bool only_rings(const Model&);
 

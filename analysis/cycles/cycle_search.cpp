@@ -441,7 +441,7 @@ class CycleSearch {
   }
 
   enum class Attempt { goes_on, ends };
-  /// Tests after return k for a cycle: wherever the motion nearly repeats itself, and now and then elsewhere.
+  /// Tests after return k for a cycle: wherever the motion nearly repeats itself, and from time to time elsewhere.
   Attempt attempt(int k, double amplitude, bool extrapolating) {
     const auto& y = ends_.back();
     const int known = int(ends_.size()) - 1;  // returns since the start or the last extrapolation
@@ -481,13 +481,13 @@ class CycleSearch {
 
   /// The fixed point of motion that sticks and repeats itself to rounding error. Stick forgets the oscillation before
   /// it, and after slips at 10¹⁰ V the propagated derivative holds only rounding error, so that the repetition itself
-  /// must tell: four periods that return to within rounding error and add up to no change.
+  /// must show the cycle: four periods that return to within rounding error and add up to no change.
   std::optional<FixedPoint> recurring_point(double amplitude) const {
     const auto& slider = map_.system().model().slider;
     const auto& y = ends_.back();
     const int last = int(ends_.size()) - 1;
     if (map_.system().mechanics() != oscillators::Mechanics::inertial) return std::nullopt;
-    // Two periods that agree to 1e-9 tell as much as four that scatter within 1e-5.
+    // Two periods that agree to 1e-9 are as good a proof as four that scatter within 1e-5.
     constexpr double rounding = 1e-5, last_digits = 1e-9, nowhere = 2, longer_than_swings = 1.5;
     const double swing = 2 * std::numbers::pi * std::sqrt(slider.mass / slider.stiffness);
     const double size = distance_from_steady(y);
@@ -500,7 +500,7 @@ class CycleSearch {
     for (int returns = 1; 2 * returns <= last; ++returns) {
       if (!repeats(returns, 2, last_digits) && !(4 * returns <= last && repeats(returns, 4, rounding))) continue;
       if (*std::max_element(durations_.end() - returns, durations_.end()) < longer_than_swings * swing) continue;
-      if (returns == 1) return std::nullopt;  // neighbouring returns tell attraction from slow change
+      if (returns == 1) return std::nullopt;  // neighbouring returns distinguish attraction from slow change
       const auto n = map_.scale().size();
       constexpr double at_most = 0.5;  // a larger part left of a disturbance per period would show in these periods
       return FixedPoint{.y = y,

@@ -1,4 +1,4 @@
-/// The swing between two sticks.
+/// The free oscillation between two sticks, in closed form.
 #include "analysis/cycles/dry_cycle.hpp"
 
 #include <boost/math/tools/roots.hpp>
@@ -12,8 +12,8 @@ namespace rosin::analysis::cycles {
 
 namespace {
 
-/// Slip from rest at the static limit; τ is the time less the period of the free swing, about which it ends.
-/// m ẇ = k ξ − r w, ξ̇ = −w, with w the slip rate less V and ξ the displacement less that of steady sliding.
+/// Slip from rest at the static limit; τ is the time less the period of the free oscillation, near which slip ends.
+/// m ẇ = k ξ − r w, ξ̇ = −w, with w the slip rate less V and ξ the displacement from steady sliding.
 template <class Real>
 class Swing {
  public:
@@ -33,25 +33,25 @@ class Swing {
     frequency_ = std::sqrt(square);
     const Real onset = N_ * (static_ - dynamic_) / m;  // acceleration
     sine_ = (onset - decay_ * V_) / frequency_;
-    const Real phase = std::atan2(onset, V_ * frequency_ - decay_ * sine_);  // of the turns of the slip rate
+    const Real phase = std::atan2(onset, V_ * frequency_ - decay_ * sine_);  // phase of the extrema of the slip rate
     const Real full = 2 * std::numbers::pi_v<Real> / frequency_;
     highest_ = -full / 2 - phase / frequency_;
     lowest_ = -phase / frequency_;
-    // Comes it to rest?
+    // Slip that stays above zero, or never starts, does not stick.
     if (!(onset > 0) || slip_rate(lowest_) >= 0) return;
     end_ = root(0, highest_, lowest_);
-    // Without friction in motion it would go on backwards.
+    // A holding force at −μs N, as without friction in motion, would start slip backwards.
     constexpr Real surely = 1 - 1e-9L;
     sticks_ = holding(stretch(end_)) > -surely * static_ * N_;
   }
   bool sticks() const { return sticks_; }
 
-  /// The slip rate, as a sum in which nothing cancels but what must.
+  /// The slip rate, as a sum without avoidable cancellation.
   Real slip_rate(Real tau) const {
     const Real t = tau + full(), fade = std::exp(-decay_ * t), half = std::sin(frequency_ * tau / 2);
     return V_ * (-std::expm1(-decay_ * t) + fade * 2 * half * half) + fade * sine_ * std::sin(frequency_ * tau);
   }
-  /// Metrics of the period; slow is what slides no faster than `threshold` V.
+  /// Metrics of the period; slip up to `threshold` V counts as slow.
   Metrics metrics(Real threshold) const {
     Metrics m;
     const Real stretched = start() - stretch(end_), stick = stretched / V_, slip = end_ + full(), period = slip + stick;
@@ -72,7 +72,7 @@ class Swing {
     m.stick_fraction_001 = below(Real(0.01));
     m.stick_fraction_05 = below(Real(0.5));
     m.slip_rate_mean = double(V_);
-    return m;  // no loop area: friction in slip is that of steady sliding
+    return m;  // no loop area: friction in slip equals steady friction
   }
   double onset_displacement() const { return double(displacement(start())); }
 
@@ -106,19 +106,19 @@ class Swing {
   Real displacement(Real xi) const { return xi + (N_ * dynamic_ + viscous_ * V_ + f_) / k_; }
   /// Friction force that holds at rest, N.
   Real holding(Real xi) const { return k_ * displacement(xi) + c_ * V_ - f_; }
-  /// Where the slip rate is `value`, between its turns; NaN where rounding has it on one side of that at both.
+  /// τ at which the slip rate is `value`, between two extrema; NaN where rounding error puts both on one side of it.
   Real root(Real value, Real low, Real high) const {
-    const auto beside = [&](Real tau) { return slip_rate(tau) - value; };
-    if (!(low < high) || sign(beside(low)) * sign(beside(high)) > 0) return std::numeric_limits<Real>::quiet_NaN();
+    const auto excess = [&](Real tau) { return slip_rate(tau) - value; };
+    if (!(low < high) || sign(excess(low)) * sign(excess(high)) > 0) return std::numeric_limits<Real>::quiet_NaN();
     std::uintmax_t most = 200;
     const auto [a, b] =
-        boost::math::tools::toms748_solve(beside, low, high, boost::math::tools::eps_tolerance<Real>(), most);
+        boost::math::tools::toms748_solve(excess, low, high, boost::math::tools::eps_tolerance<Real>(), most);
     return (a + b) / 2;
   }
 
   Real V_, N_, f_, k_, c_, viscous_, static_, dynamic_;
   Real decay_ = 0, frequency_ = 1, sine_ = 0;  ///< w = e^{−γt} (−V cos ωt + sine · sin ωt)
-  Real highest_ = 0, lowest_ = 0, end_ = 0;    ///< τ where the slip rate turns, and where slip ends
+  Real highest_ = 0, lowest_ = 0, end_ = 0;    ///< τ of the extrema of the slip rate, and of the end of slip
   bool sticks_ = false;
 };
 

@@ -7,12 +7,12 @@
 
 namespace rosin::analysis::cycles {
 
-/// One slip, a free damped swing from the static limit until it comes to rest, and the stick that loads the spring
-/// again. Multiplier 0: stick forgets the past. Errors are what extended arithmetic changes. Nothing if slip does not
-/// come to rest in its first swing, or extended arithmetic has another opinion of that.
+/// One slip, a free damped oscillation from the static limit until it comes to rest, and the stick that loads the spring
+/// again. The multiplier is 0, because stick forgets the past. Errors are the differences to extended arithmetic.
+/// Nothing if slip does not come to rest in its first oscillation, or double and extended arithmetic disagree on it.
 ///
-/// Written so that nothing cancels where friction is weak beside the drive: slip that comes to rest for 10⁻⁹ of its
-/// period does so by 10⁻¹⁸ of its speed.
+/// The sums avoid cancellation where friction is weak compared with the drive: a rest of 10⁻⁹ of the period depends on
+/// 10⁻¹⁸ of the slip rate.
 std::optional<Cycle> find_dry_cycle(const solvers::stick_slip::DryOscillator&, const CycleOptions&);
 
 }  // namespace rosin::analysis::cycles

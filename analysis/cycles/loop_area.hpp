@@ -1,4 +1,4 @@
-/// What is taken off friction where the area of the friction-velocity loop is summed.
+/// The steady friction that is subtracted in the area of the friction-velocity loop.
 #pragma once
 #include <cmath>
 
@@ -11,9 +11,9 @@ inline bool follows_steady_curve(const oscillators::SliderSystem& slider) {
   return slider.rigid() && (slider.model().lambda == 0 || !slider.model().law->has_states());
 }
 
-/// The slip rate at which ∮ (μ − μ_ss) dv asks for μ_ss: v, but for slip much slower than the drive V > 0 near a tenth
-/// of it. Any function of v may be taken off, as none has an area; this one is smooth where slip reverses, so that no
-/// step of a solver has to see the steady curve turn over.
+/// The slip rate of μ_ss in ∮ (μ − μ_ss) dv: v for fast slip, and near V/10 for slip much slower than the drive V > 0.
+/// Any function of v may be subtracted, because its loop integral is zero; this one is smooth where slip reverses, so
+/// that no step of a solver has to resolve the reversal of the steady curve.
 inline double loop_slip_rate(double v, double V) { return std::sqrt(v * v + 0.01 * (V * V)); }
 
 }  // namespace rosin::analysis::cycles

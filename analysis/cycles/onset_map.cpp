@@ -354,7 +354,7 @@ std::optional<VectorXd> OnsetMap::newton_step(const VectorXd& z, const VectorXd&
 StickSlipPeriod OnsetMap::refined_by_newton(StickSlipPeriod period, VectorXd z, double without_newton, long& steps,
                                             long& evaluations) const {
   constexpr double farthest = 0.5, last_digits = 1e-15;
-  double left = infinity, times = 1;  // distance to the fixed point; change of metrics over that of the states
+  double left = infinity, times = 1;  // distance to the fixed point; change of the metrics over change of the states
   while (const auto step = newton_step(z, gather(period.onset) - z)) {
     steps += 2 * z.size() * period.steps;  // about
     const double length = size_of_step(*step, z);

@@ -213,7 +213,8 @@ void Recorder::step(Collocation& solver) {
   }
   if (!follows_steady_curve_) {
     const Loop whole = loop(samples);
-    // Orders 10 and 4: the relative error of the full rule is about that of the part to the power 2.5.
+    // Orders 10 and 4: the relative error of the full rule is about the relative error of the partial rule to the
+    // power 2.5.
     const double ratio = std::abs(whole.integral - whole.check) / std::max(whole.magnitude, 1e-300);
     const bool resolved = std::pow(ratio, 2.5) * whole.magnitude <= loop_tolerance();
     sums_.loop_area += resolved ? whole.integral : refined_loop(solver, 0, 1, whole.integral, infinity);

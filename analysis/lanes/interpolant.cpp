@@ -1,4 +1,4 @@
-/// Polynomials through evenly spaced nodes, and what becomes of them in each form.
+/// Polynomials through evenly spaced nodes, and their values and errors in each form.
 #include "analysis/lanes/interpolant.hpp"
 
 #include <algorithm>
@@ -11,13 +11,13 @@ namespace rosin::analysis::lanes {
 
 namespace {
 
-/// Extends numbers from the nodes where they are known to the others, by the polynomial that fits best, most of all
-/// where little is `left` before the threshold. \returns whether they are known at enough nodes.
+/// Extrapolates numbers from the nodes where they are known to the others, by a least-squares polynomial with most
+/// weight where little is `left` before the threshold. \returns whether they are known at enough nodes.
 bool continue_smoothly(const std::vector<int>& x, const std::vector<int>& y, const std::vector<double>& left,
                        NodeValues& numbers) {
   const int nodes = int(left.size()), columns = int(x.size());
   const auto known = [&](int k) { return left[k] > 0; };
-  // As many terms as the known nodes determine well; of all products of powers those of the least total degree.
+  // As many terms as the known nodes determine well: the products of powers of the lowest total degree.
   const auto most = std::ranges::count_if(left, [](double l) { return l > 0; }) * 3 / 5;
   std::vector<std::pair<int, int>> terms;
   for (int degree = 0; std::ssize(terms) < most; ++degree) {
@@ -112,7 +112,7 @@ Interpolant Interpolant::logarithm(NodeValues values) {
 
 std::optional<Interpolant> Interpolant::root(const std::vector<int>& x, const std::vector<int>& y, NodeValues values,
                                              const Interpolant& helper, double threshold) {
-  // Where hardly anything is left the factor is lost in the helper's error, and better continued too.
+  // Close to the threshold the factor is lost in the helper's error, and extrapolation is better.
   constexpr double known = 50;  // over the helper's error
   std::vector<double> left;
   for (std::size_t k = 0; k < values.value.size(); ++k) {

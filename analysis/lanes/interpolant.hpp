@@ -6,7 +6,7 @@
 
 namespace rosin::analysis::lanes {
 
-/// What the nodes of each column and of each row count at a place.
+/// Weights of the nodes of each column and of each row at a place.
 struct NodeWeights {
   std::vector<double> x, y;
 };
@@ -18,29 +18,29 @@ std::vector<double> lagrange_weights(const std::vector<int>& nodes, int place);
 struct NodeValues {
   std::vector<double> value, error;
   double at(const NodeWeights&) const;
-  /// What the errors of the nodes make at a place, if chance distributes them: what they have in common is not
-  /// magnified. Twice its standard deviation.
+  /// Error at a place from random errors of the nodes: twice the standard deviation. A common error is not magnified.
   double error_at(const NodeWeights&) const;
 };
 
-/// A quantity and a form: as it is, as its logarithm, or as √(threshold − helper) times something smooth, which is
-/// nothing beyond the threshold.
+/// A quantity in one of three forms: itself, its logarithm, or √(threshold − helper) times a smooth factor, which is
+/// zero beyond the threshold.
 class Interpolant {
  public:
   static Interpolant plain(NodeValues);
   /// Values must be positive.
   static Interpolant logarithm(NodeValues);
-  /// On columns x and rows y of pixels. `helper` is plain and must outlive this. Where the root begins amid the nodes,
-  /// the smooth factor is continued beyond; nothing if too few nodes lie before it.
+  /// The root form on columns x and rows y of pixels. `helper` is plain and must outlive the result. Where the
+  /// threshold
+  /// lies between the nodes, the smooth factor is extrapolated beyond it; nothing if too few nodes lie before it.
   static std::optional<Interpolant> root(const std::vector<int>& x, const std::vector<int>& y, NodeValues,
                                          const Interpolant& helper, double threshold);
 
   double at(const NodeWeights&) const;
   double error_at(const NodeWeights&) const;
-  /// The error of the polynomial itself, as found, over the larger one of 1 and the value; of helpers.
+  /// For helpers: measured error of the polynomial, over the larger one of 1 and the value.
   double shown = 0;
-  /// Notes a place where it has been compared with what it stands for. That shows what the helper's polynomial is wrong
-  /// by as well, where no more is left before the threshold.
+  /// Notes a place where the interpolant has been compared with the quantity. The comparison covers the error of the
+  /// helper's polynomial too, wherever threshold − helper is no smaller.
   void compared_at(const NodeWeights&);
   const NodeValues& nodes() const { return nodes_; }
 
@@ -50,7 +50,7 @@ class Interpolant {
   NodeValues nodes_;
   const Interpolant* helper_ = nullptr;
   double threshold_ = 0;
-  double compared_ = std::numeric_limits<double>::infinity();  ///< least that was left where it was compared
+  double compared_ = std::numeric_limits<double>::infinity();  ///< smallest threshold − helper at a compared place
 };
 
 }  // namespace rosin::analysis::lanes

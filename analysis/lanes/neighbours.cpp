@@ -54,7 +54,7 @@ std::vector<Tile::Neighbour> Tile::line(int point, bool along_row) const {
 }
 
 std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Neighbour>> lines) const {
-  constexpr double farthest = 3;  // sum of weights: extrapolation beyond it misleads
+  constexpr double farthest = 3;  // sum of absolute weights beyond which extrapolation is unreliable
   struct Adviser {
     double weight;
     const KnownCycle* cycle;
@@ -65,7 +65,7 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
     MatrixXd value;
     double error;
   };
-  std::vector<Derivative> derivatives;  // as each line has it
+  std::vector<Derivative> derivatives;  // one for each line
   for (auto line : lines) {
     std::erase_if(line, [&](const Neighbour& n) { return !points_[n.point].cycle; });
     if (line.size() < 2) continue;
@@ -88,7 +88,7 @@ std::optional<KnownCycle> Tile::advice(int point, std::span<const std::vector<Ne
       return sum;
     };
     const MatrixXd all = derivative_through(line.size());
-    // What one more point changes, or half of what there is to change.
+    // The change by one more point, or half of the value.
     double error = 0.5 * (known(0).derivative - known(1).derivative).norm();
     if (line.size() > 2) error = std::min(error, (all - derivative_through(line.size() - 1)).norm());
     for (std::size_t k = 0; k < line.size(); ++k) error = std::max(error, known(k).derivative_error);

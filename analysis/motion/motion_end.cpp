@@ -1,4 +1,4 @@
-/// The reasons, from the law's limits and from the speed reached.
+/// The reasons why a motion ends, from the limits of the law and from the slip rate reached.
 #include "analysis/motion/motion_end.hpp"
 
 #include <fmt/format.h>
@@ -17,11 +17,11 @@ constexpr double nearly_rest = 1e-140;  // m/s: ages L/v and their slopes stay f
 
 double reference_speed(const oscillators::Model& model) { return std::max(std::abs(model.drive.speed.level()), 1e-12); }
 
-/// True where the force that slip of the contact meets has come to its largest or least, beyond which the contact's own
-/// slip rate cannot follow the force in the spring: within a share of that slip rate the resistance passes through
-/// zero. Steps end that far from it where the last digits of the forces decide, or beyond it, with forces out of
+/// True where the force against slip of the contact is at an extremum in the slip rate, beyond which the contact's slip
+/// rate cannot follow the spring force and must jump. The resistance ∂F/∂v then passes through zero within a share of
+/// that slip rate: steps end that close to it by rounding error of the forces, or beyond it, with forces out of
 /// balance.
-bool slip_rate_turns_back(const oscillators::SliderSystem& system, double t, const double* y) {
+bool slip_rate_must_jump(const oscillators::SliderSystem& system, double t, const double* y) {
   const int n = system.size(), at = system.contact_slip_rate_index();
   if (at < 0) return false;
   std::vector<double> there(y, y + n), f(n), jacobian(n * n);
@@ -33,17 +33,17 @@ bool slip_rate_turns_back(const oscillators::SliderSystem& system, double t, con
   const double here = resistance(1), to_balance = f[at] / (here * y[at]);
   constexpr double near = 0.1, about = 0.5, digits = 1e4 * std::numeric_limits<double>::epsilon();
   if (resistance(1 - near) * resistance(1 + near) < 0 || resistance(0) * here < 0) return true;
-  // Farther off by what the last digits of the forces may hide.
+  // Rounding error of the forces may hide a zero farther away.
   for (const double share : {1 - about, 1 + about})
     if (resistance(share) * here < 0 && std::abs(f[at]) < digits * size_of_terms(&jacobian[at * n], y, n)) return true;
-  for (const double way : {0.1, 0.25, 0.5, 1.0, 2.0})
-    if (resistance(1 + way * to_balance) * here < 0) return true;
+  for (const double distance : {0.1, 0.25, 0.5, 1.0, 2.0})
+    if (resistance(1 + distance * to_balance) * here < 0) return true;
   // A law of |v| has another resistance on the other side of a reversal.
   constexpr double at_reversal = 1e-4;  // of the drive speed
   return std::abs(y[at]) < at_reversal * reference_speed(system.model()) && resistance(-1) * here < 0;
 }
 
-/// Nothing where friction has grown beyond all numbers.
+/// Steady friction close to rest; nothing where it overflows.
 std::optional<FrictionLaw::Steady> close_to_rest(const FrictionLaw& law, double normal_load) {
   try {
     return law.steady_friction({nearly_rest, normal_load});
@@ -110,9 +110,9 @@ std::string reaches_infinite_speed(double t) {
 
 std::optional<std::string> why_slip_runs_away(const oscillators::SliderSystem& system, double t, const double* y) {
   const auto& model = system.model();
-  const bool constant = system.autonomous();  // a drive that reverses is at rest at times
+  const bool constant = system.autonomous();  // a drive that reverses is at rest for moments
   if (system.mechanics() != oscillators::Mechanics::elastic || model.lambda == 0 || !constant) return std::nullopt;
-  // Without inertia a spring never overshoots: slip so fast against the drive is what a step finds beyond infinity.
+  // Without inertia a spring never overshoots: slip so fast against the drive comes from a step across infinite slip.
   const double along = system.contact_slip_rate(t, y) * (model.drive.speed.level() < 0 ? -1 : 1);
   if (along > -out_of_hand * reference_speed(model)) return std::nullopt;
   return reaches_infinite_speed(t);
@@ -122,7 +122,7 @@ std::optional<std::string> why_motion_ends(const oscillators::SliderSystem& syst
   const auto& model = system.model();
   const auto& law = *model.law;
   if (!law.has_states()) return std::nullopt;
-  if (slip_rate_turns_back(system, t, y))
+  if (slip_rate_must_jump(system, t, y))
     return fmt::format(
         "friction falls with the slip rate of the contact faster than its damping resists: at t = {:.9g} s that slip "
         "rate, {:.3g} m/s, would have to jump; give the contact more damping (law.contact_stiffness.damping) or none "

@@ -1,4 +1,4 @@
-/// Models whose motion ends in finite time, though every number in them is in range.
+/// Reasons why a motion ends in finite time although every parameter is in range.
 #pragma once
 #include <optional>
 #include <string>
@@ -15,22 +15,22 @@ bool unbounded_at_rest(const FrictionLaw&, double normal_load);
 /// rest, without which nothing does.
 bool jumps_at_rest(const FrictionLaw&, double normal_load);
 
-/// Why the unknowns y at time t, if they are at rest under λ = 0 and a curve that rises without bound toward rest,
-/// never slip again.
+/// The reason why slip never starts again from y at time t, under λ = 0 and a curve that rises without bound toward
+/// rest; nothing where it may.
 std::optional<std::string> why_nothing_slips_again(const oscillators::SliderSystem&, double t, const double* y);
 
-/// That, or why they do not get away from rest under λ = 0 and a curve that jumps there.
+/// The same, or the reason why rest lasts under λ = 0 and a curve that jumps at rest.
 std::optional<std::string> why_rest_lasts(const oscillators::SliderSystem&, double t, const double* y);
 
-/// Why slip in the unknowns y at time t has run away, if it has under a constant drive: neither mass nor damping
-/// between friction and a spring, and slip against the drive, 10⁸ times as fast. A step may pass over the moment at
+/// The reason why slip in y at time t has run away under a constant drive: neither mass nor damping lies between
+/// friction and a spring, and slip goes against the drive at over 10⁸ times its speed. A step may pass over the time at
 /// which slip is infinite, to slip of any speed and direction.
 std::optional<std::string> why_slip_runs_away(const oscillators::SliderSystem&, double t, const double* y);
 
-/// Why no integration gets beyond the unknowns y at time t, or nothing where the equations give no reason:
+/// The reason why the motion ends at y at time t, or nothing where the equations give none:
 /// - λ = 0 under a curve that rises without bound toward rest: once at rest, nothing slips again;
-/// - λ = 0 under a curve that jumps at rest: what holds there is the deflection alone;
-/// - λ = 0 under a weakening curve with no mass between it and a spring: where the curve turns back, slip would jump;
+/// - λ = 0 under a curve that jumps at rest: only the deflection holds there;
+/// - λ = 0 under a weakening curve with no mass between it and a spring: at the extremum of the curve slip would jump;
 /// - friction of a law that answers to the slip rate at once (a bristle with damping) falls with the slip rate of a
 ///   contact behind a spring faster than damping resists: that rate would have to jump;
 /// - neither mass nor damping between friction and a spring: slip that weakens faster than the spring unloads reaches

@@ -1,4 +1,5 @@
-/// Initial-value problems: the chosen solver, samples at the asked times, events, and errors by a second tolerance.
+/// Initial-value problems: choice of the solver, samples at the requested times, events, and errors by a second
+/// tolerance.
 #include "analysis/motion/run.hpp"
 
 #include <fmt/format.h>
@@ -40,7 +41,7 @@ namespace {
 /// Columns before those of the states.
 enum Column : std::size_t { displacement, velocity, slip_rate, friction_force, friction_coefficient, before_states };
 
-/// Explicit steps until stability holds them, from there to the next break of the drive collocation.
+/// Explicit steps until stability limits them, then collocation up to the next break of the drive.
 class WhileNotStiff {
  public:
   WhileNotStiff(const SliderSystem& system, double tolerance, bool may_hand_over)
@@ -82,7 +83,7 @@ class WhileNotStiff {
   double first_handover_ = 0;
 };
 
-/// Eigenvalues of steady sliding; none where it is not what the drive is about.
+/// Eigenvalues of steady sliding; none where the drive has no steady sliding.
 std::vector<std::complex<double>> eigenvalues_of(const Model& model) {
   if (!model.drive.constant() || model.drive.speed.level() == 0) return {};
   try {
@@ -92,25 +93,25 @@ std::vector<std::complex<double>> eigenvalues_of(const Model& model) {
   }
 }
 
-/// How often the fastest oscillation turns until the end, if that is what takes the steps.
-std::string turns_until(const Model& model, double end) {
+/// Remark on the number of oscillations of the fastest mode until the end, if these take the steps.
+std::string ringing_remark(const Model& model, double end) {
   double fastest = 0;
   for (const auto& e : eigenvalues_of(model))
     if (std::abs(e.imag()) > 10 * std::abs(e.real())) fastest = std::max(fastest, std::abs(e.imag()));
-  const double turns = fastest * end / (2 * std::numbers::pi);
-  return turns > 1e4 ? fmt::format(
-                           ": about steady sliding it rings with {:.3g} rad/s, hardly damped, and turns {:.2g} "
-                           "times until t = {:.3g} s; run.duration may be shorter",
-                           fastest, turns, end)
-                     : "";
+  const double oscillations = fastest * end / (2 * std::numbers::pi);
+  return oscillations > 1e4 ? fmt::format(
+                                  ": about steady sliding it rings with {:.3g} rad/s, hardly damped, and turns {:.2g} "
+                                  "times until t = {:.3g} s; run.duration may be shorter",
+                                  fastest, oscillations, end)
+                            : "";
 }
 
-/// Why a run from steady sliding may be known to little: what departs from rounding doubles again and again.
-std::string departure(const Model& model, const RunOptions& options, double end) {
+/// Remark on a run from unstable steady sliding, where rounding error grows to the size of the motion.
+std::string rounding_remark(const Model& model, const RunOptions& options, double end) {
   if (options.start.kind != Start::Kind::steady) return "";
   const auto eigenvalues = eigenvalues_of(model);
   const double growth = eigenvalues.empty() ? 0 : eigenvalues.front().real();
-  constexpr double digits = 36;  // e-foldings from rounding to the motion itself
+  constexpr double digits = 36;  // e-foldings from rounding error to the size of the motion
   return growth * end > digits
              ? fmt::format(
                    ": steady sliding, from which it starts, is unstable with {:.3g} 1/s, so that rounding decides "
@@ -119,8 +120,8 @@ std::string departure(const Model& model, const RunOptions& options, double end)
              : "";
 }
 
-/// Of a run that stays in steady sliding; empty where that is stable, or not known to be unstable.
-std::string what_would_grow(const Model& model) {
+/// Remark on a run that stays in unstable steady sliding; empty where sliding is stable, or its stability not known.
+std::string instability_remark(const Model& model) {
   try {
     const auto sliding = steady::stability(model);
     if (sliding.stable || sliding.marginal) return "";
@@ -133,7 +134,7 @@ std::string what_would_grow(const Model& model) {
   }
 }
 
-/// True where the motion starts in steady sliding under a constant drive, and by the equations nothing changes.
+/// True where the motion starts in steady sliding under a constant drive and all rates vanish.
 bool stays_steady(const Model& model, const RunOptions& options) {
   if (options.start.kind != Start::Kind::steady || !model.drive.constant()) return false;
   SliderSystem system(model);
@@ -151,11 +152,12 @@ bool stays_steady(const Model& model, const RunOptions& options) {
   return true;
 }
 
-/// A start in balance that friction falling with the slip rate lets go at once leaves along what the drive and the
-/// states do to the balance, at first by less than the last digits of friction, which would decide the way. Takes y so
-/// far along that they do not. \returns the time at which it is there (s). `duration`: of the run. The system is that
-/// of friction that answers to the slip rate at once: with other friction nothing grows so fast.
-double let_go(SliderSystem& system, std::vector<double>& y, double duration) {
+/// Moves y along the fastest growing mode of an unstable balance of forces, from a start where friction falls with the
+/// slip rate. The changes of drive and states set the direction of the mode, but at first by less than rounding error
+/// of friction, which would choose a random direction. The mode is followed in closed form to 10⁴ times that error.
+/// \returns the time at which it gets there (s). `duration`: duration of the run. Friction must respond to the slip
+/// rate at once; other friction lets no mode grow that fast.
+double leave_unstable_balance(SliderSystem& system, std::vector<double>& y, double duration) {
   using Eigen::MatrixXd, Eigen::VectorXd;
   const int n = system.size(), u = system.slip_rate_index();
   std::vector<double> f(n);
@@ -172,12 +174,12 @@ double let_go(SliderSystem& system, std::vector<double>& y, double duration) {
   Eigen::Index fastest = 0;
   modes.values.real().maxCoeff(&fastest);
   const double growth = modes.values[fastest].real();
-  constexpr double digits = 36;  // e-foldings from rounding to the motion itself
+  constexpr double digits = 36;  // e-foldings from rounding error to the size of the motion
   if (!(growth * duration > digits) || modes.values[fastest].imag() != 0) return 0;
-  VectorXd rate(moving.size());  // in scales
+  VectorXd rate(moving.size());  // in units of the scales
   for (std::size_t i = 0; i < moving.size(); ++i) rate[i] = f[moving[i]] / (mass[moving[i]] * scale[moving[i]]);
   const Eigen::MatrixXcd left = modes.vectors.inverse();
-  const VectorXd mode = (modes.vectors.col(fastest) / modes.vectors(slip, fastest)).real();  // by the change of u
+  const VectorXd mode = (modes.vectors.col(fastest) / modes.vectors(slip, fastest)).real();  // per unit change of u
   const double driven = (left.row(fastest) * rate)(0).real() * modes.vectors(slip, fastest).real() * scale[u];
   // The mode grows as driven/growth·e^{growth t}.
   constexpr double beyond = 1e4, digit = std::numeric_limits<double>::epsilon();
@@ -199,18 +201,18 @@ class Pass {
         times_(times),
         system_(model, solver == "cvode" ? Unknowns::states : Unknowns::friction),
         solver_(solver) {
-    system_.last(times.back());
+    system_.limit_creep_for(times.back());
     columns_.resize(before_states + model.law->states().size());
     for (auto& c : columns_) c.reserve(times.size());
   }
 
-  /// `other_digits`: from a start whose last digits differ, and with rests where they are in doubt, so that what hangs
-  /// on either differs from pass to pass.
-  void run(double tolerance, bool other_digits) {
+  /// `perturbed`: the start differs by rounding error, and a grazing stop is decided differently, so that quantities
+  /// sensitive to either differ from pass to pass.
+  void run(double tolerance, bool perturbed) {
     tolerance_ = tolerance;
     try {
-      outcome_ = follow(other_digits);
-    } catch (const Stopped&) {  // samples until then are good
+      outcome_ = follow(perturbed);
+    } catch (const Stopped&) {  // samples until then are valid
       outcome_ = {Ending::interrupted, fmt::format("{} of {} samples are kept", columns_[0].size(), times_.size())};
     }
   }
@@ -220,23 +222,23 @@ class Pass {
   std::vector<RunEvent> events_;
   Run::Cost cost_;
   std::map<std::string, double> metrics_;
-  std::string handover_;          ///< where explicit steps gave way to collocation
-  double slip_rate_follows_ = 0;  ///< m/s, what errors of the unknowns by the tolerance make of the slip rate
-  double slip_rate_rounded_ = 0;  ///< m/s, what the last digits of forces make of it where damping holds them
-  /// m, what the last digits of the unknowns, by the slip rate that follows, make of the displacement.
-  double displacement_follows_ = 0;
-  std::array<double, before_states> ringing_{};  ///< of the columns: Collocation::ringing_errors()
+  std::string handover_;           ///< message on the change from explicit steps to collocation
+  double slip_rate_error_ = 0;     ///< m/s, error of the slip rate from errors of the unknowns by the tolerance
+  double slip_rate_rounding_ = 0;  ///< m/s, error of the slip rate from rounding of the forces, over the damping
+  /// m, error of the displacement from rounding of the slip rate.
+  double displacement_rounding_ = 0;
+  std::array<double, before_states> ringing_{};  ///< error of each column, from Collocation::ringing_errors()
 
  private:
-  Outcome follow(bool other_digits) {
+  Outcome follow(bool perturbed) {
     auto y = starting_point(system_, options_.start);
-    if (other_digits && solver_ != "explicit")  // which such digits, as they decay, would seem stiff to
+    if (perturbed && solver_ != "explicit")  // a decaying perturbation would look stiff to explicit steps
       for (double& value : y) value *= 1 + 2 * std::numeric_limits<double>::epsilon();
     if (options_.start.kind != Start::Kind::rest && !options_.start.displacement) {
       system_.measure_from_balance(y);
       const bool at_once =
           options_.start.kind == Start::Kind::given && (solver_ == "events" || system_.model().lambda == 0);
-      if (at_once && system_.slip_rate(0, y.data()) != 0) begin_ = let_go(system_, y, times_.back());
+      if (at_once && system_.slip_rate(0, y.data()) != 0) begin_ = leave_unstable_balance(system_, y, times_.back());
     }
     if (solver_ == "steady") system_.set_mode(0, slip_along(system_.model().drive.speed.level()));
     if (system_.size() == 0 || solver_ == "steady") {
@@ -244,7 +246,7 @@ class Pass {
       for (const double t : times_) record(t, y.data());
       return {};
     }
-    if (solver_ == "events") return with_events(y, tolerance_, other_digits);
+    if (solver_ == "events") return with_events(y, tolerance_, perturbed);
     if (solver_ == "cvode") return with_cvode(y, tolerance_);
     if (solver_ == "explicit") return while_not_stiff(y, tolerance_);
     return with_collocation(y, tolerance_);
@@ -270,7 +272,7 @@ class Pass {
       ringing_[friction_coefficient] = errors[system_.first_state() - 1];
       ringing_[friction_force] = ringing_[friction_coefficient] * load;
     }
-    // Without mass or damping the displacement is no unknown: the spring bears friction.
+    // Without mass or damping the displacement is no unknown: the spring force equals friction.
     ringing_[displacement] = system_.mechanics() == Mechanics::elastic
                                  ? ringing_[friction_force] / system_.model().slider.stiffness
                                  : errors[0];
@@ -280,26 +282,28 @@ class Pass {
     const auto seen = system_.observe(t, y);
     constexpr double digit = std::numeric_limits<double>::epsilon();
     if (solver_ == "explicit") {
-      slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, 0));
-      const double rounded = slip_rate_known(t, y, seen.slip_rate, 0, 4 * digit);
-      displacement_follows_ = std::max(displacement_follows_, rounded * t);
+      slip_rate_error_ = std::max(slip_rate_error_, slip_rate_error(t, y, seen.slip_rate, tolerance_, 0));
+      const double rounded = slip_rate_error(t, y, seen.slip_rate, 0, 4 * digit);
+      displacement_rounding_ = std::max(displacement_rounding_, rounded * t);
     } else if (solver_ == "cvode") {
-      // BDF adds up short steps, each of which loses a last digit.
+      // BDF adds up short steps with a rounding error each.
       const double digits = 3 * digit * std::sqrt(double(steps_));
       if (system_.mechanics() != Mechanics::inertial || system_.contact_setup().spring.present())
-        slip_rate_follows_ = std::max(slip_rate_follows_, slip_rate_known(t, y, seen.slip_rate, tolerance_, digits));
+        slip_rate_error_ = std::max(slip_rate_error_, slip_rate_error(t, y, seen.slip_rate, tolerance_, digits));
     }
-    if (system_.mechanics() == Mechanics::damped && solver_ == "collocation")  // the damper bears what forces differ by
-      slip_rate_rounded_ = std::max(slip_rate_rounded_, slip_rate_known(t, y, seen.slip_rate, 0, digit));
+    if (system_.mechanics() == Mechanics::damped &&
+        solver_ == "collocation")  // the damper carries the difference of the forces
+      slip_rate_rounding_ = std::max(slip_rate_rounding_, slip_rate_error(t, y, seen.slip_rate, 0, digit));
     if (system_.mechanics() == Mechanics::inertial && solver_ != "steady") {
-      const auto [sum, largest, lost, damping, swing] = balance_at(t, y, seen);
-      const double inertia = system_.model().slider.mass / times_.back();  // all that resists where nothing else does
-      const double resists = std::max({damping, swing, inertia});
-      const bool from_balance = options_.start.kind == Start::Kind::steady;  // of forces, to their last digits
-      if (solver_ == "cvode")  // which moves slip by what is left of the balance, and so rings too
-        slip_rate_follows_ = std::max(slip_rate_follows_, (digit * largest + lost) / resists);
-      else if (damping > swing || from_balance)
-        slip_rate_rounded_ = std::max(slip_rate_rounded_, digit * largest / resists);
+      const auto [sum, largest, loss, damping, swing_impedance] = balance_at(t, y, seen);
+      const double inertia =
+          system_.model().slider.mass / times_.back();  // the impedance where there is no damping and no spring
+      const double resists = std::max({damping, swing_impedance, inertia});
+      const bool from_balance = options_.start.kind == Start::Kind::steady;  // forces balance to rounding error
+      if (solver_ == "cvode")  // whose steps excite ringing by the residual of the balance
+        slip_rate_error_ = std::max(slip_rate_error_, (digit * largest + loss) / resists);
+      else if (damping > swing_impedance || from_balance)
+        slip_rate_rounding_ = std::max(slip_rate_rounding_, digit * largest / resists);
     }
     const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
                              seen.friction_coefficient};
@@ -307,19 +311,20 @@ class Pass {
     for (std::size_t i = 0; i < seen.state.size(); ++i) columns_[before_states + i].push_back(seen.state[i]);
   }
 
-  /// Where the slip rate is no unknown it follows from friction and states, or from the difference of forces, and is
-  /// known to less than they are. \returns m/s; `tolerance`: to which unknowns are known, in scales, and `digits`, as a
-  /// part of each, but for what steps have lost of them.
-  double slip_rate_known(double t, const double* y, double slip_rate, double tolerance, double digits) const {
-    std::vector<double> beside(y, y + system_.size()), scale(system_.size());
+  /// Error of a slip rate (m/s) that is no unknown but follows from friction and states, or from the difference of
+  /// forces.
+  /// `tolerance`: error of the unknowns in their scales; `digits`: their relative rounding error. The rounding losses
+  /// of the steps add.
+  double slip_rate_error(double t, const double* y, double slip_rate, double tolerance, double digits) const {
+    std::vector<double> neighbour(y, y + system_.size()), scale(system_.size());
     system_.scale(y, scale.data());
     double sum = 0;
     for (std::size_t i = 0; i < scale.size(); ++i) {
-      const double lost = lost_.empty() ? 0 : std::abs(lost_[i]);
-      beside[i] = y[i] + std::max(tolerance * scale[i], digits * std::abs(y[i])) + lost;
-      if (const double moved = std::abs(system_.slip_rate(t, beside.data()) - slip_rate); std::isfinite(moved))
+      const double loss = rounding_loss_.empty() ? 0 : std::abs(rounding_loss_[i]);
+      neighbour[i] = y[i] + std::max(tolerance * scale[i], digits * std::abs(y[i])) + loss;
+      if (const double moved = std::abs(system_.slip_rate(t, neighbour.data()) - slip_rate); std::isfinite(moved))
         sum += moved;
-      beside[i] = y[i];
+      neighbour[i] = y[i];
     }
     return sum;
   }
@@ -338,7 +343,7 @@ class Pass {
           if (const auto end = why_rest_lasts(system_, solver.time(), solver.state().data()))
             return {Ending::none_exists, *end};
           return {Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s{}", options_.most_steps, solver.time(),
-                                                    turns_until(system_.model(), end))};
+                                                    ringing_remark(system_.model(), end))};
         }
         if (const Outcome outcome = advance(limit); !outcome.complete()) return outcome;
         if (options_.progress) options_.progress(solver.time() / end);
@@ -355,17 +360,17 @@ class Pass {
       }
     }
   }
-  /// A step that failed, with the reason if that lies in the motion.
+  /// The outcome of a failed step, with the reason if the motion ends there.
   template <class Solver>
-  Outcome explained(const Outcome& outcome, const Solver& solver) const {
+  Outcome with_reason(const Outcome& outcome, const Solver& solver) const {
     const auto end = why_motion_ends(system_, solver.time(), solver.state().data());
     return end ? Outcome{Ending::none_exists, *end} : outcome;
   }
-  /// A step, unless slip runs away in it.
+  /// Takes a step; slip that runs away in it is an outcome.
   template <class Solver>
-  Outcome taken(Solver& solver, double limit) {
+  Outcome take_step(Solver& solver, double limit) {
     const Outcome outcome = solver.step(limit);
-    if (!outcome.complete()) return explained(outcome, solver);
+    if (!outcome.complete()) return with_reason(outcome, solver);
     const auto away = why_slip_runs_away(system_, solver.time(), solver.state().data());
     return away ? Outcome{Ending::none_exists, *away} : outcome;
   }
@@ -379,9 +384,9 @@ class Pass {
     return true;
   }
 
-  /// Sample and, for smooth laws, find reversals in the last step of a collocation.
-  void look_at(Collocation& step, bool reversals) {
-    std::vector<double>& y = looked_at_;  // of the pass: a step allocates nothing
+  /// Records samples and, for smooth laws, reversals in the last step of a collocation.
+  void record_step(Collocation& step, bool reversals) {
+    std::vector<double>& y = record_point_;  // kept between steps, so that a step allocates nothing
     y.resize(system_.size());
     const double t0 = step.time_before(), h = step.length();
     if (reversals) {
@@ -404,9 +409,10 @@ class Pass {
     });
   }
 
-  /// The same for an explicit step. Under a constant drive slip turns over at most once in a step, so that its ends
-  /// tell; else a few points of the dense output are looked at too.
-  void look_at(solvers::steps::Explicit& step) {
+  /// The same for an explicit step. Under a constant drive slip reverses at most once in a step, and the signs at its
+  /// ends
+  /// show it; else a few points of the dense output count too.
+  void record_step(solvers::steps::Explicit& step) {
     std::vector<double> y(system_.size());
     const double t0 = step.time_before(), t1 = step.time();
     const auto slip_rate_at = [&](double t) {
@@ -435,12 +441,12 @@ class Pass {
   Outcome while_not_stiff(const std::vector<double>& y, double tolerance) {
     WhileNotStiff solver(system_, tolerance, options_.solver == "auto");
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
-      const Outcome o = taken(solver, limit);
+      const Outcome o = take_step(solver, limit);
       if (!o.complete()) return o;
       if (solver.implicit())
-        look_at(solver.implicit_steps(), true);
+        record_step(solver.implicit_steps(), true);
       else
-        look_at(solver.explicit_steps());
+        record_step(solver.explicit_steps());
       return o;
     });
     const auto& few = solver.explicit_steps().count();
@@ -459,9 +465,9 @@ class Pass {
     const ReversalSteps reversal_steps(system_);
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       solver.bound_step(reversal_steps.longest(solver));
-      const Outcome o = taken(solver, limit);
+      const Outcome o = take_step(solver, limit);
       if (!o.complete()) return o;
-      look_at(solver, true);
+      record_step(solver, true);
       return o;
     });
     cost_ = {solver.count().steps, solver.count().evaluations + solver.count().linearisations};
@@ -469,8 +475,9 @@ class Pass {
     return outcome;
   }
 
-  /// Slip that turns up again within its error of rest has come to rest, or has not: two passes that differ in
-  /// `rest_in_doubt` differ by what hangs on it.
+  /// Whether slip with a minimum within its error of rest sticks there is uncertain (grazing). Two passes that differ
+  /// in
+  /// `rest_in_doubt` decide differently, and their difference shows the effect.
   Outcome with_events(const std::vector<double>& y, double tolerance, bool rest_in_doubt) {
     const SliderSwings swings(system_);
     solvers::stick_slip::StickSlip solver(system_, tolerance, swings.present());
@@ -480,8 +487,8 @@ class Pass {
       const bool sticking_before = system_.mode() == ContactMode::stick;
       solvers::stick_slip::Switch switched;
       const Outcome o = solver.step(limit, switched);
-      if (!o.complete()) return explained(o, solver);
-      look_at(solver.stepper(), false);
+      if (!o.complete()) return with_reason(o, solver);
+      record_step(solver.stepper(), false);
       const bool sticking = system_.mode() == ContactMode::stick;
       if (sticking && !sticking_before) stuck_since = solver.stepper().time_before();
       if (sticking) {
@@ -503,18 +510,18 @@ class Pass {
                                  [&](double t, const double* z, double* value) { *value = system_.slip_rate(t, z); });
     const int n = system_.size();
     std::vector<double> z(n), state_before(n), rate(n);
-    lost_.assign(n, 0);
-    constexpr double one_ahead = 0.2;  // CVODE has chosen the next step before the bound comes
+    rounding_loss_.assign(n, 0);
+    constexpr double one_ahead = 0.2;  // share of a step: CVODE has chosen the next one before the bound is set
     const ReversalSteps reversal_steps(system_, one_ahead);
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       const double before = solver.time();
       state_before = solver.state();
       const Outcome o = solver.step(limit);
-      if (!o.complete()) return explained(o, solver);
+      if (!o.complete()) return with_reason(o, solver);
       solver.rate(rate.data());
       for (int i = 0; i < n; ++i)
-        if (solver.state()[i] == state_before[i]) lost_[i] += (solver.time() - before) * rate[i];
-      const double clock = 1e-10 * solver.time();  // shorter steps would be a matter of its last digits
+        if (solver.state()[i] == state_before[i]) rounding_loss_[i] += (solver.time() - before) * rate[i];
+      const double clock = 1e-10 * solver.time();  // shorter steps would be at rounding error of the time
       solver.bound_step(std::max(clock, reversal_steps.longest(before, state_before.data(), solver.time(),
                                                                solver.state().data(), solver.time() - before)));
       sample_until(solver.time(), false, [&](double t) {
@@ -536,14 +543,14 @@ class Pass {
       return o;
     });
     cost_ = {solver.count().steps, solver.count().evaluations};
-    // Shorter steps would lose more.
-    if (outcome.complete() && loses_motion_)
+    // Shorter steps would lose more to rounding.
+    if (outcome.complete() && loses_small_changes_)
       return {Ending::tolerance_not_met,
               "steps move the spring or friction by less than the last digit of their force; use 'collocation'"};
     return outcome;
   }
 
-  /// True if a step of that length damps what grows.
+  /// True if a step of this length damps a growing mode.
   bool damps_growth(const solvers::steps::Cvode& solver, double step) {
     const int n = system_.size();
     std::vector<double> f(n), mass(n), J(n * n);
@@ -552,29 +559,31 @@ class Pass {
     return step > 0 && solvers::steps::GrowthTest(n).faster_than(1 / step, mass, J);
   }
 
-  /// Of a slider with mass: the sum and the largest of its forces and what lost motion is missing in them (N), and what
-  /// they meet as its slip rate changes, damping with that of friction and the impedance of a free swing (N s/m).
-  struct Balance {
-    double sum, largest, lost, damping, swing;
+  /// Balance of a slider with mass: sum and largest of its forces and rounding loss in them (N), damping with
+  /// friction's,
+  /// and impedance √(k m) of its free oscillation (N s/m).
+  struct ForceBalance {
+    double sum, largest, loss, damping, swing_impedance;
   };
-  Balance balance_at(double t, const double* y, const oscillators::Observation& seen) {
+  ForceBalance balance_at(double t, const double* y, const oscillators::Observation& seen) {
     const int n = system_.size(), u = system_.slip_rate_index();
     const auto& slider = system_.model().slider;
     work_.resize(n + n * n);
     double *f = work_.data(), *J = f + n;
     system_.linearise(t, y, f, J);
-    double lost = 0;
-    for (std::size_t i = 0; i < lost_.size(); ++i) lost += std::abs(J[u * n + i] * lost_[i]);
+    double loss = 0;
+    for (std::size_t i = 0; i < rounding_loss_.size(); ++i) loss += std::abs(J[u * n + i] * rounding_loss_[i]);
     double damping = std::abs(J[u * n + u]);
     if (const int mu = system_.first_state() - 1; system_.rigid() && mu > u && J[mu * n + mu] != 0)
       damping += std::abs(J[u * n + mu] * J[mu * n + u] / J[mu * n + mu]);  // the direct effect
-    return {f[u], std::max(std::abs(seen.friction_force), std::abs(slider.stiffness * y[0])), lost, damping,
+    return {f[u], std::max(std::abs(seen.friction_force), std::abs(slider.stiffness * y[0])), loss, damping,
             std::sqrt(slider.stiffness * slider.mass)};
   }
 
-  /// In deep stick friction hangs on digits of the slip rate that natural unknowns do not hold to any tolerance. False
-  /// where motion has left the balance of forces for good; notes where a spring or friction under large forces does not
-  /// show in its last digit what short steps move it by.
+  /// In deep stick friction depends on the slip rate below the resolution of natural unknowns. False where the motion
+  /// has
+  /// left the balance of forces for good. Notes where short steps change the spring force or friction by less than
+  /// rounding error.
   bool in_balance(const solvers::steps::Cvode& solver, const std::vector<double>& rate, double tolerance) {
     if (system_.mechanics() != oscillators::Mechanics::inertial) return true;
     constexpr double gone = 0.3;
@@ -583,9 +592,9 @@ class Pass {
     std::vector<double> mass(n), scale(n);
     system_.mass(t, mass.data());
     system_.scale(y, scale.data());
-    const auto [sum, largest, lost, damping, swing] = balance_at(t, y, system_.observe(t, y));
-    const double impedance = std::max(damping, swing);
-    loses_motion_ = loses_motion_ || lost > tolerance * impedance * scale[u];
+    const auto [sum, largest, loss, damping, swing_impedance] = balance_at(t, y, system_.observe(t, y));
+    const double impedance = std::max(damping, swing_impedance);
+    loses_small_changes_ = loses_small_changes_ || loss > tolerance * impedance * scale[u];
     return std::abs(sum - mass[u] * rate[u]) <= gone * largest;
   }
 
@@ -595,61 +604,62 @@ class Pass {
   std::string solver_;
   double tolerance_ = 0;
   std::vector<double> work_;
-  std::vector<double> looked_at_;  ///< scratch
+  std::vector<double> record_point_;  ///< scratch
   std::size_t next_ = 0;
-  double begin_ = 0;  ///< s, of the steps
+  double begin_ = 0;  ///< s, start of the steps
   long steps_ = 0;
-  std::vector<double> lost_;   ///< of each unknown, in steps of CVODE that moved it by less than its last digit
-  bool loses_motion_ = false;  ///< more of it than the tolerance leaves
+  std::vector<double> rounding_loss_;  ///< change of each unknown that CVODE's steps lost to rounding
+  bool loses_small_changes_ = false;   ///< the rounding loss exceeds the tolerance
 };
 
 struct Choice {
   std::string solver, why;
 };
 Choice choose_solver(const Model& model, const RunOptions& options) {
-  const std::string& asked = options.solver;
+  const std::string& requested = options.solver;
   const auto known = solver_names();
-  if (std::find(known.begin(), known.end(), asked) == known.end()) {
-    const auto near = nearest_name(asked, known);
-    throw InputError(fmt::format("unknown solver '{}' (known: {}){}", asked, fmt::join(known, ", "),
+  if (std::find(known.begin(), known.end(), requested) == known.end()) {
+    const auto near = nearest_name(requested, known);
+    throw InputError(fmt::format("unknown solver '{}' (known: {}){}", requested, fmt::join(known, ", "),
                                  near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)));
   }
-  if (asked == "auto" && stays_steady(model, options))
+  if (requested == "auto" && stays_steady(model, options))
     return {"steady", "it starts in steady sliding, and under a constant drive nothing changes: nothing is integrated"};
   const bool set_valued = model.law->set_valued();
-  if (solvers::force_algorithms::is_algorithm(asked)) {
+  if (solvers::force_algorithms::is_algorithm(requested)) {
     const auto form = dry_oscillator(model);
     if (const auto* why_not = std::get_if<std::string>(&form))
-      throw InputError(fmt::format("solver '{}' is for Coulomb friction on a mass and a spring: {}", asked, *why_not));
-    return {asked, "as asked, with steps of its own; its errors are the differences to the exact motion"};
+      throw InputError(
+          fmt::format("solver '{}' is for Coulomb friction on a mass and a spring: {}", requested, *why_not));
+    return {requested, "as asked, with steps of its own; its errors are the differences to the exact motion"};
   }
   if (set_valued && std::isinf(model.slider.stiffness)) {
-    if (asked != "auto" && asked != "collocation")
-      throw InputError(fmt::format("solver '{}' does not fit an imposed slip rate; use 'collocation'", asked));
+    if (requested != "auto" && requested != "collocation")
+      throw InputError(fmt::format("solver '{}' does not fit an imposed slip rate; use 'collocation'", requested));
     return {"collocation", SliderSystem(model).size() == 0
                                ? "the slip rate is imposed and friction follows at once: nothing is integrated"
                                : "the slip rate is imposed and keeps its sign: nothing sticks"};
   }
-  if (set_valued && (asked == "auto" || asked == "exact")) {
+  if (set_valued && (requested == "auto" || requested == "exact")) {
     const auto form = dry_oscillator(model);
     const auto* why_not = std::get_if<std::string>(&form);
     if (!why_not)
       return {"exact", "motion is linear between events: its closed form, with events that cannot be missed"};
-    if (asked == "exact") throw InputError(fmt::format("solver 'exact' has no closed form here: {}", *why_not));
+    if (requested == "exact") throw InputError(fmt::format("solver 'exact' has no closed form here: {}", *why_not));
     return {"events", "the law is set-valued at rest: switches are located events; no closed form: " + *why_not};
   }
-  if (asked != "auto" && set_valued != (asked == "events"))
-    throw InputError(fmt::format("solver '{}' does not fit law '{}', which is {} at rest; use '{}'", asked,
+  if (requested != "auto" && set_valued != (requested == "events"))
+    throw InputError(fmt::format("solver '{}' does not fit law '{}', which is {} at rest; use '{}'", requested,
                                  model.law->card().name, set_valued ? "set-valued" : "smooth",
                                  set_valued ? "events" : "collocation"));
-  if (asked != "auto" && asked != "explicit") return {asked, "as asked"};
+  if (requested != "auto" && requested != "explicit") return {requested, "as asked"};
   const bool has_flow = SliderSystem(model).has_flow();
-  if (asked == "explicit") {
+  if (requested == "explicit") {
     if (!has_flow)
       throw InputError(
           "solver 'explicit' needs a slider without mass on a spring, a law with explicit slip rate and lambda > 0 "
           "(with a damper: a rigid contact and a constant load); use 'collocation'");
-    return {asked, "as asked, also where stability holds its steps"};
+    return {requested, "as asked, also where stability holds its steps"};
   }
   if (!has_flow) return {"collocation", "the motion is stiff, or may be"};
   constexpr double explicit_least = 1e-11;
@@ -657,15 +667,15 @@ Choice choose_solver(const Model& model, const RunOptions& options) {
   return {"explicit", "no inertia, friction and logarithmic states change evenly: explicit steps while none is stiff"};
 }
 
-/// What a column is measured by at least, because it may pass zero or be nothing but rounding: the slip rate of a mass,
-/// and the velocity that is the drive's speed less it, by the drive's speed; states by their natural size; friction
-/// that such a state carries by that of steady sliding.
+/// Smallest reference size of each column, which may pass zero or hold only rounding error: the drive speed for slip
+/// rate and velocity of a mass, the natural size for states, and friction in steady sliding where a state carries
+/// friction.
 std::vector<double> least_sizes(const Model& model) {
   const SliderSystem system(model);
   const auto& law = *model.law;
   const double V = std::abs(model.drive.speed.level()), N = model.drive.normal_load.level();
   std::vector<double> sizes(before_states + law.states().size());
-  // Without mass the slip rate follows from friction, to its own last digit.
+  // Without mass the slip rate follows from friction, to its own rounding error.
   if (model.slider.mass > 0) sizes[velocity] = sizes[slip_rate] = V;
   if (law.deflects() && V > 0) {
     sizes[friction_coefficient] = std::abs(law.steady_friction({V, N}).friction);
@@ -680,12 +690,13 @@ std::vector<double> least_sizes(const Model& model) {
   return sizes;
 }
 
-/// The size that errors in each column are measured by: the largest value in it, and at least `least`. Samples may all
-/// fall on zeros of the displacement: it is at least as large as what the slider moves by within `swing` (s).
-std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, std::vector<double> least, double swing) {
+/// Reference size for the errors of each column: its largest value, and at least `least`. All samples may fall on zeros
+/// of the displacement, whose size is at least the motion within `swing_time` (s) at the highest velocity.
+std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, std::vector<double> least,
+                             double swing_time) {
   double fastest = 0;
   for (const double v : columns[velocity]) fastest = std::max(fastest, std::abs(v));
-  least[displacement] = swing * fastest;
+  least[displacement] = swing_time * fastest;
   for (std::size_t c = 0; c < columns.size(); ++c)
     for (const double x : columns[c]) least[c] = std::max(least[c], std::abs(x));
   least[velocity] = std::max(least[velocity], least[slip_rate]);
@@ -710,16 +721,16 @@ std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
 
 /// Two passes of a stepping solver, the finer of which is kept; their difference is the error.
 void run_twice(const Model& model, const RunOptions& options, const std::vector<double>& times, Run& result) {
-  // BDF's errors exceed its tolerance about tenfold; collocation mostly stays below it. What is asked is asked of the
-  // error found: the pair of passes is tightened until it meets the tolerance.
+  // BDF's errors exceed its tolerance about tenfold; collocation mostly stays below it. The measured error, not the
+  // solver's, must meet the requested tolerance: the pair of passes is tightened until it does.
   const double least = result.solver == "cvode"      ? 3e-15
                        : result.solver == "explicit" ? solvers::steps::Explicit::least_tolerance
                                                      : Collocation::least_tolerance;
   double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
   const auto least_size = least_sizes(model);
   const auto& slider = model.slider;
-  const double stiffness = std::abs(slider.stiffness);  // of −0 too
-  const double swing = slider.mass > 0 ? std::min(std::sqrt(slider.mass / stiffness), times.back()) : 0;
+  const double stiffness = std::abs(slider.stiffness);  // −0 counts as 0
+  const double swing_time = slider.mass > 0 ? std::min(std::sqrt(slider.mass / stiffness), times.back()) : 0;
   auto coarse = std::make_unique<Pass>(model, options, result.solver, times);
   coarse->run(tolerance, true);
   std::unique_ptr<Pass> fine;
@@ -728,7 +739,7 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     fine = std::make_unique<Pass>(model, options, result.solver, times);
     fine->run(tolerance, attempt % 2 == 1);
     if (fine->outcome_.ending == Ending::interrupted && fine->columns_[0].size() < coarse->columns_[0].size()) {
-      fine = std::move(coarse);  // which came further
+      fine = std::move(coarse);  // the coarse pass came further
       fine->outcome_ = {Ending::interrupted, fmt::format("{} of {} samples are kept, without errors",
                                                          fine->columns_[0].size(), times.size())};
       coarse = std::make_unique<Pass>(model, options, result.solver, times);
@@ -736,18 +747,18 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     result.outcome = fine->outcome_;
     result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
     result.cost.evaluations += fine->cost_.evaluations + (attempt == 0 ? coarse->cost_.evaluations : 0);
-    const auto& sizes = result.column_size = sizes_of(fine->columns_, least_size, swing);
-    // Two passes may agree by chance: no more than a hundredth of what was asked is claimed.
+    const auto& sizes = result.column_size = sizes_of(fine->columns_, least_size, swing_time);
+    // Two passes may agree by chance: the stated error is at least a hundredth of the requested tolerance.
     const double least_claimed = std::max((result.solver == "cvode" ? 30 : 3) * tolerance, 0.01 * options.tolerance);
     result.column_error = differences(coarse->columns_, fine->columns_, sizes, least_claimed);
     for (std::size_t c = 0; c < before_states; ++c) result.column_error[c] += fine->ringing_[c];
-    result.column_error[displacement] += fine->displacement_follows_;
-    constexpr double exceed = 10;  // the tolerance: errors of unknowns do, at most
+    result.column_error[displacement] += fine->displacement_rounding_;
+    constexpr double exceed = 10;  // largest error of the unknowns, in tolerances
     for (const Column c : {velocity, slip_rate})
-      result.column_error[c] += exceed * fine->slip_rate_follows_ + fine->slip_rate_rounded_;
+      result.column_error[c] += exceed * fine->slip_rate_error_ + fine->slip_rate_rounding_;
     const bool last_attempt = attempt == 3 || tolerance <= least;
     const auto ended = [](const Pass& pass) { return pass.outcome_.ending == Ending::none_exists; };
-    if (ended(*fine) && !ended(*coarse) && !last_attempt) continue;  // an end that one pass alone came to
+    if (ended(*fine) && !ended(*coarse) && !last_attempt) continue;  // only one pass came to an end
     if (!result.outcome.complete()) break;
     std::size_t worst = 0;
     std::vector<double> ratio;
@@ -763,7 +774,7 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
     if (last_attempt) {
       result.outcome = {Ending::tolerance_not_met,
                         fmt::format("{} is known to {:.1e} of its size only{}", result.column_names[worst],
-                                    ratio[worst], departure(model, options, times.back()))};
+                                    ratio[worst], rounding_remark(model, options, times.back()))};
       break;
     }
   }
@@ -805,7 +816,7 @@ Run run(const Model& model, const RunOptions& options) {
   const Choice choice = choose_solver(model, options);
   result.solver = choice.solver;
   result.why = choice.why;
-  if (choice.solver == "steady") result.remark = what_would_grow(model);
+  if (choice.solver == "steady") result.remark = instability_remark(model);
   const auto times = sample_times(options);
   result.column_names = {"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"};
   result.column_units = {"m", "m/s", "m/s", "N", "1"};
@@ -821,13 +832,13 @@ Run run(const Model& model, const RunOptions& options) {
   else
     run_twice(model, options, times, result);
   if (result.outcome.ending == Ending::tolerance_not_met && result.solver == "explicit" && options.solver == "auto") {
-    // Explicit steps come no closer than 1e-14 of the unknowns, which slips that follow each other may magnify.
-    Run closer = empty;
-    closer.solver = "collocation";
-    closer.why = "explicit steps come too little close";
-    run_twice(model, options, times, closer);
-    closer.cost.steps += result.cost.steps, closer.cost.evaluations += result.cost.evaluations;
-    if (closer.outcome.complete()) result = std::move(closer);
+    // Explicit steps are accurate to 1e-14 of the unknowns at best, and successive slips may magnify that error.
+    Run tighter = empty;
+    tighter.solver = "collocation";
+    tighter.why = "explicit steps come too little close";
+    run_twice(model, options, times, tighter);
+    tighter.cost.steps += result.cost.steps, tighter.cost.evaluations += result.cost.evaluations;
+    if (tighter.outcome.complete()) result = std::move(tighter);
   }
   result.time.assign(times.begin(), times.begin() + result.columns[0].size());
   for (std::size_t c = 0; c < before_states && !result.time.empty(); ++c) {

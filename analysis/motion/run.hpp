@@ -17,18 +17,18 @@ struct RunOptions {
   int samples = 1000;
   Start start;
   double tolerance = 1e-8;
-  long most_steps = 5'000'000;                   ///< of one pass
+  long most_steps = 5'000'000;                   ///< steps of one pass
   std::string solver = "auto";                   ///< one of solver_names()
-  solvers::force_algorithms::Options algorithm;  ///< of the force algorithms
-  /// Called after each step with the part of the motion, 0 … 1, that the present pass has followed.
+  solvers::force_algorithms::Options algorithm;  ///< options of the force algorithms
+  /// Called after each step with the completed part, 0 … 1, of the present pass.
   std::function<void(double part)> progress = {};
 };
 
 struct RunEvent {
   double time;
   std::string kind;                         ///< "stick", "slip", "reversal"
-  double displacement, displacement_y = 0;  ///< m; the second in the plane
-  int contact = 0;                          ///< of a structure with several, from 1; else 0
+  double displacement, displacement_y = 0;  ///< m; displacement_y in the plane
+  int contact = 0;                          ///< number of the contact in a structure with several, from 1; else 0
 };
 
 struct Run {
@@ -39,21 +39,21 @@ struct Run {
   std::vector<std::string> column_units;
   std::vector<std::vector<double>> columns;  ///< [column][sample]
   std::vector<double> column_error;          ///< largest absolute difference to a run at a smaller tolerance
-  std::vector<double> column_size;           ///< that it is measured by, of a run in two tolerances; else empty
+  std::vector<double> column_size;  ///< reference size of column_error, for a run at two tolerances; else empty
   std::vector<RunEvent> events;
-  std::map<std::string, double> metrics;  ///< of the record: extremes, means, stick time
-  std::string solver;                     ///< the one used
-  std::string why;                        ///< why this one; where it handed over to another
-  std::string remark;                     ///< what the reader should know of the motion; mostly nothing
+  std::map<std::string, double> metrics;  ///< metrics of the record: extremes, means, stick time
+  std::string solver;                     ///< the solver used
+  std::string why;                        ///< reason for this solver; time of a handover to another
+  std::string remark;                     ///< a remark on the motion; mostly empty
   struct Cost {
     long steps = 0, evaluations = 0;
   } cost;
 };
 
-/// When a run is sampled. \throws InputError for times that do not ascend from 0 or later.
+/// The sample times of a run. \throws InputError for times that do not ascend from 0 or later.
 std::vector<double> sample_times(const RunOptions&);
 
-/// "auto", then what can be asked for by name.
+/// "auto", then the solvers by name.
 std::vector<std::string> solver_names();
 
 /// \throws InputError for a start that does not fit the model or an unknown solver.

@@ -1,4 +1,4 @@
-/// Starts in natural quantities turned into unknowns.
+/// Conversion of a start in natural quantities to unknowns.
 #include "analysis/motion/start.hpp"
 
 #include <fmt/format.h>
@@ -36,7 +36,7 @@ std::vector<double> starting_point(const SliderSystem& system, const Start& star
   if (start.kind == Start::Kind::rest) {
     state = law.rest(N);
     if (model.lambda == 0 && ages_without_end(law, N)) {
-      // A mass is let go with slip that no result shows; a loaded contact spring would show it.
+      // A mass starts with a slip rate of 1e-14 V, too small to show; a loaded contact spring would show it.
       if (!(system.mechanics() == Mechanics::inertial && system.rigid()))
         throw InputError(fmt::format(
             "start = \"rest\" with law.lambda = 0: the state of '{}' has no value at rest; start from a slip rate, or "
@@ -65,7 +65,7 @@ std::vector<double> starting_point(const SliderSystem& system, const Start& star
       state[at - known.begin()] = value;
     }
     F = u == 0 ? 0 : N * law.friction({u, N}, state);
-    // Without inertia the displacement is the spring's, and the spring carries the friction force.
+    // Without inertia the spring force equals the friction force, which sets the displacement.
     x = start.displacement.value_or(model.slider.stiffness > 0 && std::isfinite(model.slider.stiffness)
                                         ? (F + f - model.slider.damping * (V - u)) / model.slider.stiffness
                                         : 0);

@@ -18,9 +18,9 @@ struct Start {
   std::map<std::string, double> states;                     ///< given: by name; missing ones are steady
 };
 
-/// The start as unknowns of the system. "rest": the slider moves with the drive, the spring is unstretched, states are
-/// those that the law states for long rest, by default those of steady creep at 1e-12 m/s. What is not given is taken
-/// from steady sliding, and from rest for a contact that may stick and starts without slip.
+/// The start as unknowns of the system. "rest": the slider moves with the drive, the spring is unstretched, and states
+/// have the law's values for long rest, by default those of steady creep at 1e-12 m/s. Missing values come from steady
+/// sliding, or from rest for a contact that may stick and starts without slip.
 /// \throws InputError for unknown states, values out of range, and "steady" without a drive.
 std::vector<double> starting_point(const oscillators::SliderSystem&, const Start&);
 

@@ -16,11 +16,11 @@ namespace rosin::solvers::steps {
 namespace {
 constexpr int s = Collocation::stages;
 constexpr double rounding = 2.3e-16;
-constexpr int step_iterations = 12;     ///< more are not worth it: a shorter step converges faster
-constexpr int patient_iterations = 60;  ///< where the length is given
-constexpr int corner_attempt = 4;       ///< failures of Newton's method after which a corner is looked for
-/// In scales: digits that cancel leave less than their bound, which may be large. The second serves where no step
-/// succeeds with the first.
+constexpr int step_iterations = 12;     ///< beyond these a shorter step converges faster
+constexpr int patient_iterations = 60;  ///< for a step of given length
+constexpr int corner_attempt = 4;       ///< failures of Newton's method before the search for a corner
+/// Accepted rounding error in scales. The bound of the rounding error may be large while the error itself is small: the
+/// second value serves where no step succeeds with the first.
 constexpr double most_rounding[] = {1e-6, 0.1};
 constexpr int rounding_attempt = 12;
 constexpr double least_factor = 0.1, greatest_factor = 8, safety = 0.85;
@@ -36,9 +36,10 @@ Collocation::Collocation(const System& system, double tolerance)
       most_rounding_(most_rounding[0]) {
   if (s * n_ > largest_lu)
     throw InputError(fmt::format("{} unknowns are more than the collocation takes, {}", n_, largest_lu / s));
-  // The embedded estimate falls with h^6, the error of the solution with h^9: ask of the estimate what makes the
-  // solution meet the tolerance (after the idea of Hairer & Wanner 1999 for their code of variable order). Unknowns
-  // that are moderately stiff, such as the slip rate in slow stick, keep an error of the size of the estimate.
+  // The embedded estimate falls with h^6, the error of the solution with h^9. The estimate must meet tolerance^(2/3),
+  // at
+  // which the solution meets the tolerance (after the idea of Hairer & Wanner 1999 for their code of variable order).
+  // The error of moderately stiff unknowns, such as the slip rate in slow stick, stays at the size of the estimate.
   estimate_tolerance_ = std::pow(tolerance_, 2.0 / 3);
   bound_share_ = std::min(1.0, std::pow(tolerance_ / 1e-6, 1.0 / 9));
   const int n = n_;
@@ -74,7 +75,7 @@ bool Collocation::start(double t, std::span<const double> y) {
   fresh_ = true;
   rounded_ = false;
   rejections_ = 0;
-  // What a solution costs and gives must not depend on those before it.
+  // Neither cost nor result of a solution may depend on earlier ones.
   oscillations_.forget();
   system_.mass(t, mass_.data());
   if (!make_consistent()) return false;
@@ -104,38 +105,41 @@ bool Collocation::make_consistent() {
     if (!factorise_lu(a, pivot, m)) return false;
     solve_lu(a, pivot, m, r.data());
     system_.scale(y_.data(), scale_.data());
-    double change = 0, leap = 0;
+    double change = 0, jump = 0;
     for (int i = 0; i < m; ++i) {
       const double scale = scale_[rows[i]], step = std::abs(r[i]);
       change = std::max(change, step / scale);
-      leap = std::max(leap, step / std::max(scale, 0.1 * std::abs(y_[rows[i]])));
+      jump = std::max(jump, step / std::max(scale, 0.1 * std::abs(y_[rows[i]])));
     }
     if (!std::isfinite(change)) return false;
-    const double damping = std::min(1.0, 1.0 / leap);  // exponentials: no step beyond one scale, or a digit or two
+    const double damping = std::min(
+        1.0,
+        1.0 /
+            jump);  // friction is exponential in the slip rate: a step is at most one scale, or a tenth of the unknown
     for (int i = 0; i < m; ++i) y_[rows[i]] += damping * r[i];
     if (change < 1e-13) break;
   }
   return true;
 }
 
-/// At a corner of an algebraic row (|v| at v = 0) the last step may have ended short of it, but with all solutions
-/// beyond, where the row has another slope: then Newton's method goes to and fro however short the step. The last
-/// digits of the algebraic unknowns decide the side. Where the slope stays, they stay too: the row may turn there, and
-/// new digits at each step would go on for ever by ever shorter ones.
-void Collocation::look_for_corner() {
+/// An algebraic row may have a corner (|v| at v = 0) within rounding error of the last step's end. If all solutions lie
+/// beyond it, where the slope differs, Newton's method alternates at any step length. Solving the algebraic unknowns
+/// anew then moves them to the other side. They stay where the slope does not change: the row may have an extremum
+/// there, and new rounding errors at every step would shorten the steps without end.
+void Collocation::search_for_corner() {
   constexpr double corner = 0.05;  // relative change of a slope
-  const std::vector<double> arrived = y_, before = J_;
-  bool turned = false;
+  const std::vector<double> unchanged = y_, before = J_;
+  bool slope_changed = false;
   if (make_consistent()) {
     system_.linearise(t_, y_.data(), f0_.data(), J_.data());
     ++count_.linearisations;
     for (int i = 0; i < n_; ++i) {
       const double was = before[i * n_ + i];
-      turned |= mass_[i] == 0 && std::abs(J_[i * n_ + i] - was) > corner * std::abs(was);
+      slope_changed |= mass_[i] == 0 && std::abs(J_[i * n_ + i] - was) > corner * std::abs(was);
     }
   }
-  if (turned) return;
-  y_ = arrived;
+  if (slope_changed) return;
+  y_ = unchanged;
   system_.linearise(t_, y_.data(), f0_.data(), J_.data());
   ++count_.linearisations;
 }
@@ -155,19 +159,21 @@ void Collocation::factorise(double h) {
     if (!factorise_lu(pair_lu_[k], pair_pivot_[k], n)) pair_lu_[k][0] = NAN;
 }
 
-/// The rate of growth that a step of length h follows to the tolerance: z/h, with z where the method errs by so much of
-/// e^z. The error estimate does not tell while what grows is small, and beyond its pole at z = γ the method damps it.
-double Collocation::growth_followed(double h) const {
+/// The largest growth rate that a step of length h resolves: z/h, with the error of the method at z equal to the
+/// tolerance times e^z. The error estimate is blind to growth while the mode is small, and beyond its pole at z = γ the
+/// method damps the mode.
+double Collocation::resolved_growth(double h) const {
   constexpr double last_term = 2.2e-9;
   return std::min(std::pow(tolerance_ / last_term, 1.0 / (2 * s)), 0.5 * tableau_.gamma) / h;
 }
 
-/// Modes that grow in pairs escape the test where a step passes the bound of both at once: h, or the first length on
-/// the way to it from that of the last step, or at a start from far below, that passes the bound of one.
+/// The step length h, or the first shorter one at which a mode grows too fast, tried upwards from the last length (at a
+/// start from far below h). The growth test misses two modes of about the same rate if a step passes the bounds of both
+/// at once.
 double Collocation::within_growth(double h) {
   constexpr double apart = 1.5, far_below = 1e-7;
   for (double shorter = fresh_ ? far_below * h : h_last_; shorter < h; shorter *= apart)
-    if (growth_.faster_than(growth_followed(shorter), mass_, J_)) return shorter;
+    if (growth_.faster_than(resolved_growth(shorter), mass_, J_)) return shorter;
   return h;
 }
 
@@ -227,7 +233,7 @@ Collocation::Newton Collocation::solve_stages(double t, const double* y0, double
       rate = change / previous;
       if (rate < 1 && change * rate / (1 - rate) <= goal) return Newton::converged;
       if (rate > 0.99 && iteration > 2) return stalled();
-      // Will the remaining iterations suffice?
+      // The remaining iterations must suffice at the present rate.
       if (iteration > 2 && rate < 1 && change * std::pow(rate, most_iterations - 1 - iteration) / (1 - rate) > goal)
         return stalled();
     }
@@ -250,10 +256,10 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
   solve(f0_.data());
   double size = norm(e.data());
   const double ringing = oscillations_.error(
-      {h, h * growth_followed(h), y_, mass_, J_, scale_, real_lu_, real_pivot_, {e.data(), std::size_t(n)}, size});
+      {h, h * resolved_growth(h), y_, mass_, J_, scale_, real_lu_, real_pivot_, {e.data(), std::size_t(n)}, size});
   if (refine && size > estimate_tolerance_) {
-    // Filters the stiff components once more (Hairer & Wanner, IV.8). Not at a start: that would hide the transient of
-    // a start off the stiff components' own motion, which a long step skips at every tolerance alike.
+    // The estimate is filtered once more for stiff components (Hairer & Wanner, IV.8), but not at a start, where the
+    // filter would hide their transient, which a long step skips at every tolerance alike.
     for (int k = 0; k < n; ++k) work_[k] = y0[k] + e[k];
     std::vector<double>& f = residual_;
     system_.evaluate(t, work_.data(), f.data());
@@ -266,20 +272,20 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
   return std::max(size / estimate_tolerance_, std::pow(ringing / tolerance_, 0.6));
 }
 
-/// What may be wrong with f in row i by rounding.
-double Collocation::last_digits(int row) const { return last_digits_of_terms(&J_[row * n_], y_.data(), n_); }
+/// Rounding error of f in a row.
+double Collocation::rounding_of_row(int row) const { return last_digits_of_terms(&J_[row * n_], y_.data(), n_); }
 
-/// What the last digits of f leave in the embedded estimate of a step whose matrix is factorised, in scales.
+/// Rounding error of f in the embedded estimate of a step whose matrix is factorised, in scales.
 double Collocation::rounding_error() {
-  for (int i = 0; i < n_; ++i) work_[i] = last_digits(i);
+  for (int i = 0; i < n_; ++i) work_[i] = rounding_of_row(i);
   solve_lu(real_lu_, real_pivot_, n_, work_.data());
   return norm(work_.data());
 }
 
-/// The size, in scales, of what exceeds in an estimate what the last digits of algebraic rows leave there: steps of any
-/// length find that again.
+/// The size of an estimate, in scales, beyond the part from rounding error of algebraic rows, which does not depend on
+/// the length of the step.
 double Collocation::beyond_rounding(const std::vector<double>& estimate) {
-  for (int i = 0; i < n_; ++i) work_[i] = mass_[i] == 0 ? last_digits(i) : 0;
+  for (int i = 0; i < n_; ++i) work_[i] = mass_[i] == 0 ? rounding_of_row(i) : 0;
   solve_lu(real_lu_, real_pivot_, n_, work_.data());
   for (int i = 0; i < n_; ++i)
     work_[i] = std::max(std::abs(estimate[i]) - std::min(std::abs(work_[i]), most_rounding_ * scale_[i]), 0.0);
@@ -287,14 +293,14 @@ double Collocation::beyond_rounding(const std::vector<double>& estimate) {
 }
 
 double Collocation::first_step(double t_limit) {
-  // A step in which the solution changes by a tenth of its scale, from the differential rows.
+  // The solution changes by a hundredth of its scale in this step, by the differential rows.
   double fastest = 0;
   for (int i = 0; i < n_; ++i)
     if (mass_[i] > 0) fastest = std::max(fastest, std::abs(f0_[i] / mass_[i]) / scale_[i]);
-  // Stiff rows decay on 1/|J|; the step may be longer, error control decides.
+  // Stiff rows decay within 1/|J|; the step may be longer, as error control decides.
   const double guess = fastest > 0 ? 0.01 / fastest : 1e-3 * (t_limit - t_);
-  // Shorter at smaller tolerances, so that two of them never take the same steps over a transient, nor find the same
-  // samples within the first.
+  // The step is shorter at tighter tolerances, so that two tolerances never take the same steps over a transient, nor
+  // share the samples within the first.
   const double share = 0.1 * std::cbrt(tolerance_);
   double first = std::min({bound_share_ * guess, share * (t_limit - t_), system_.resolution()});
   if (resolve_starts_) {
@@ -323,8 +329,9 @@ Outcome Collocation::step(double t_limit) {
   double h = h_next_ > 0 ? h_next_ : first_step(t_limit);
   h = std::min({h, system_.resolution(), longest_step_, oscillations_.longest_step()});
   h = within_growth(h);
-  // Where nothing depends on time, steps may be shorter than the clock shows, as in a fast slip after a long stick, or
-  // while friction turns over in a reversal.
+  // Where nothing depends on time, a step may be below rounding error of the time, as in a fast slip after a long
+  // stick,
+  // or while friction reverses.
   const double shortest = (system_.autonomous() ? 1e-30 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
   bool rejected = false;
   constexpr int shortened = 3;
@@ -339,8 +346,8 @@ Outcome Collocation::step(double t_limit) {
     if (h >= remaining * (1 - 1e-12) && remaining <= longest_step_)
       h = remaining, last = true;
     else if (h > 0.5 * remaining)
-      h = 0.5 * remaining;  // no sliver at the end
-    while (h >= shortest && growth_.faster_than(growth_followed(h), mass_, J_)) h *= 0.5, last = false;
+      h = 0.5 * remaining;  // two equal steps avoid a tiny last one
+    while (h >= shortest && growth_.faster_than(resolved_growth(h), mass_, J_)) h *= 0.5, last = false;
     if (h < shortest || attempt > 200 || !(h > 0)) {
       int worst = 0;
       for (int i = 1; i < n; ++i)
@@ -349,7 +356,7 @@ Outcome Collocation::step(double t_limit) {
               fmt::format("at t = {:.9g} s the step fell to {:.3g} s in '{}'", t_, h, system_.unknown(worst))};
     }
     factorise(h);
-    // Start from the polynomial of the last step, extrapolated.
+    // Newton's method starts from the extrapolated polynomial of the last step.
     if (fresh_ || rejected) {
       std::fill(Z_trial_.begin(), Z_trial_.end(), 0.0);
     } else {
@@ -357,15 +364,16 @@ Outcome Collocation::step(double t_limit) {
         interpolate(1 + tableau_.c[i] * h / h_last_, &Z_trial_[i * n]);
         for (int k = 0; k < n; ++k) Z_trial_[i * n + k] -= y_[k];
       }
-      // An extrapolation that jumps by more than a scale is no help to Newton.
+      // An extrapolation over more than a scale is a worse start than none.
       if (!(norm(&Z_trial_[(s - 1) * n]) < 1)) std::fill(Z_trial_.begin(), Z_trial_.end(), 0.0);
     }
-    // What shorter steps have not made smaller may be what the last digits of the forces leave; but where slip is about
-    // to jump, all steps that the clock shows are too long.
+    // A residual that shorter steps have not reduced may be rounding error of the forces; but where slip is about to
+    // jump,
+    // every step above rounding error of the time is too long.
     const bool to_rounding = rejections_ >= shortened && h > 4 * rounding * std::abs(t_);
     const Newton newton = solve_stages(t_, y_.data(), h, step_iterations, to_rounding);
     if (newton == Newton::slow || newton == Newton::not_finite) {
-      if (attempt == corner_attempt) look_for_corner();
+      if (attempt == corner_attempt) search_for_corner();
       ++count_.rejected;
       ++rejections_;
       h *= newton == Newton::not_finite ? 0.25 : 0.4;
@@ -382,14 +390,14 @@ Outcome Collocation::step(double t_limit) {
       rejected = true;
       continue;
     }
-    // Shorter steps would not have helped against rounding, and its part of the error has no trend.
+    // Shorter steps do not reduce rounding error, and its part of the estimate has no trend.
     const bool was_rounded = rounded_;
     rounded_ = newton == Newton::rounded;
     if (attempt == 0 && !rounded_) rejections_ = 0;
-    // Predictive control (Gustafsson): the trend of the error over two steps.
+    // Predictive control (Gustafsson) uses the trend of the error over two steps.
     if (!fresh_ && error_last_ > 0 && !rounded_ && !was_rounded)
       factor = std::min(factor, factor * (h / h_last_) * std::pow(error_last_ / std::max(error, 1e-12), 1.0 / (s + 1)));
-    // Steps that Newton barely managed are not lengthened, else the next one fails.
+    // After slow convergence of Newton's method the step is not lengthened, or the next one would fail.
     const double manageable = iterations_ >= 8 ? 0.95 : iterations_ >= 6 ? 1.15 : greatest_factor;
     factor = std::clamp(factor, least_factor, rejected ? 1.0 : manageable);
     error_last_ = std::max(error, 1e-3);
@@ -404,7 +412,7 @@ Outcome Collocation::step(double t_limit) {
     }
     t_ = last ? t_limit : t_ + h;
     h_last_ = h;
-    // A step cut by the limit says nothing against the longer one that was planned.
+    // A step cut by the limit leaves the longer planned one valid.
     h_next_ = last && h_next_ > h ? std::max(h_next_, h * factor) : h * factor;
     if (rounded_) h_next_ = std::max(h_next_, planned);
     fresh_ = false;
@@ -415,10 +423,10 @@ Outcome Collocation::step(double t_limit) {
   }
 }
 
-/// A step over a kink is of no order, and neither its estimate nor the difference of two tolerances can be trusted to
-/// show what it misses: it ends there instead, and the next begins anew.
+/// Ends the step at a kink; the next begins anew there. A step over a kink loses its order, and neither its estimate
+/// nor the difference of two tolerances shows the error reliably.
 void Collocation::end_at_kink() {
-  constexpr double across = 1e-13;  // more than the rounding of a step that ended there
+  constexpr double across = 1e-13;  // above rounding error of a step that ended there
   const double end = system_.kink(y_.data());
   if (kink_side_ == 0 && std::abs(end) > across) kink_side_ = end > 0 ? 1 : -1;
   if (!(kink_side_ * end < -across)) return;
@@ -461,7 +469,7 @@ bool Collocation::solve_at(double theta, double* y) {
   const double h = theta * h_last_;
   system_.mass(t_before_, mass_.data());
   interpolate(theta, y);
-  // With the Jacobian at the start of the step, or, where Newton's method does not come to an end so, at theta.
+  // The Jacobian comes from the start of the step, or from theta where Newton's method does not converge with that.
   for (const bool at_start : {true, false}) {
     system_.linearise(at_start ? t_before_ : t_before_ + h, at_start ? y_before_.data() : y, f0_.data(), J_.data());
     ++count_.linearisations;
@@ -473,8 +481,8 @@ bool Collocation::solve_at(double theta, double* y) {
     const Newton newton = solve_stages(t_before_, y_before_.data(), h, patient_iterations);
     const double* change = &Z_trial_[(s - 1) * n];
     for (int k = 0; k < n; ++k) work_[k] = y_before_[k] + change[k] - y[k];
-    constexpr double astray = 0.1;  // scales: where it may end otherwise
-    if (newton == Newton::not_finite || (newton == Newton::slow && !(norm(work_.data()) < astray))) continue;
+    constexpr double same_solution = 0.1;  // in scales: slow convergence counts if it ends this close to the polynomial
+    if (newton == Newton::not_finite || (newton == Newton::slow && !(norm(work_.data()) < same_solution))) continue;
     for (int k = 0; k < n; ++k) y[k] = y_before_[k] + change[k];
     return true;
   }
@@ -504,7 +512,7 @@ void Collocation::propagate(std::vector<double>& S, int columns, const Forcing& 
   J_stage_.resize(n * n);
   for (int i = 0; i < s; ++i) {
     const double t = stage_time(i);
-    // Slopes at a kink are those of the side that the step comes from.
+    // At a kink the slopes are taken on the side of the step.
     constexpr double before_kink = 1 - 1e-7;
     if (ended_at_kink_ && i == s - 1)
       interpolate(before_kink, work_.data());

@@ -1,6 +1,6 @@
 /// Five-stage Radau IIA collocation (order 9) for stiff systems M·ẏ = f with algebraic rows.
-///
-/// One-step, so that return maps are smooth; stiffly accurate, so that near-stick and rigid contacts cost no order.
+/// A one-step method keeps return maps smooth; a stiffly accurate one keeps its order in near-stick and on rigid
+/// contacts.
 /// Events and kinks of the system are located by solving the step again with a shorter length, at the full order of the
 /// method.
 #pragma once
@@ -23,23 +23,24 @@ namespace rosin::solvers::steps {
 class Collocation {
  public:
   static constexpr int stages = RadauTableau::stages;
-  /// Smaller tolerances bring no more accuracy: the estimate is then held to 1e-12.
+  /// Smaller tolerances bring no more accuracy: the error estimate is then at 1e-12.
   static constexpr double least_tolerance = 1e-18;
 
-  /// `tolerance`: relative accuracy aimed at for the solution, in units of the system's scale.
+  /// `tolerance`: requested relative accuracy of the solution, in units of the system's scale.
   /// \throws InputError for more than 64 unknowns.
   Collocation(const System&, double tolerance);
 
-  /// Begins at (t, y); algebraic unknowns are made consistent by Newton's method where they are not.
+  /// Begins at (t, y); Newton's method makes algebraic unknowns consistent.
   /// \returns false if that fails.
   bool start(double t, std::span<const double> y);
   /// Takes one step, not past `t_limit`. On anything but reached_end the state is unchanged.
   Outcome step(double t_limit);
-  /// No step may be longer; infinity to lift the bound. At tolerances below 1e-6 the bound shrinks as steps do: if it
-  /// alone set the length, two tolerances would take the same steps and their difference would show no error.
+  /// Bounds the length of steps; infinity lifts the bound. Below tolerances of 1e-6 the bound shrinks as steps do. If
+  /// it
+  /// alone set the length, two tolerances would take the same steps, and their difference would show no error.
   void bound_step(double longest) { longest_step_ = longest * bound_share_; }
-  /// Starts begin within the fastest time of the Jacobian, so that a transient is seen even if a start excites it
-  /// weakly and a longer step would damp it out of sight. Costs a few steps more where there is none.
+  /// The first step after a start stays within the fastest time of the Jacobian. A weakly excited transient is then
+  /// resolved, which a longer step would damp unnoticed. Without a transient this costs a few steps.
   void resolve_starts(bool yes = true) { resolve_starts_ = yes; }
   /// Shortens the last step to `theta` of its length (0 < theta <= 1), solved again at full order.
   bool shorten(double theta);
@@ -53,12 +54,12 @@ class Collocation {
   double node(int i) const { return tableau_.c[i]; }
   double stage_time(int i) const { return node_time(t_before_, tableau_.c[i] * h_last_); }
   double time_at(double theta) const { return theta >= 1 ? t_ : node_time(t_before_, theta * h_last_); }
-  /// Length of the last step; time() − time_before() but for the rounding of the clock.
+  /// Length of the last step; time() − time_before() to within rounding error of the time.
   double length() const { return h_last_; }
   /// The collocation polynomial of the last step, at time_before() + theta·length (order 5).
   void interpolate(double theta, double* y) const;
   /// The solution at time_before() + theta·length at the full order, by a step of that length from the last start.
-  /// \returns false if that step cannot be solved; y is then of the collocation polynomial.
+  /// \returns false if that step cannot be solved; y is then the value of the collocation polynomial.
   bool solve_at(double theta, double* y);
 
   /// The part θ of the last step at which f(t, y) changes sign, given brackets in θ and the values there; solved at the
@@ -68,15 +69,18 @@ class Collocation {
 
   /// ∂f/∂p at (t, y), size × columns, row-major.
   using Forcing = std::function<void(double t, const double* y, double* f_p)>;
-  /// Carries the columns of S (size × columns, row-major, differential unknowns) across the last step: multiplies them
-  /// by its derivative with respect to its start, and adds that with respect to the numbers p of a column's own.
+  /// Propagates the columns of S (size × columns, row-major, differential unknowns) across the last step: multiplies
+  /// them
+  /// by the derivative of the step with respect to its start, and adds the derivative with respect to each column's
+  /// parameter p.
   void propagate(std::vector<double>& S, int columns, const Forcing& forcing = {});
   /// Derivative of the solution in time at the end of the last step, algebraic unknowns included.
   void rate(double* rate) const;
 
-  /// What steps have been wrong by in oscillations that they passed over, for each unknown and at most: the sum of
-  /// their errors since the solver was made. Each is within the tolerance, but an oscillation that a long step damps at
-  /// once leaves nothing behind, at this tolerance or a larger one, for their difference to show.
+  /// Upper bound, for each unknown, of the errors by oscillations that steps passed over, summed since construction.
+  /// Each
+  /// error is within the tolerance. The difference of two tolerances does not show them, because a long step damps such
+  /// an oscillation at either.
   std::span<const double> ringing_errors() const { return oscillations_.passed_over(); }
 
   struct Count {
@@ -85,20 +89,20 @@ class Collocation {
   const Count& count() const { return count_; }
 
  private:
-  /// t + dt, but before the limit of the step: a drive that jumps there must not be seen early.
+  /// t + dt, kept before the limit of the step, where the drive may jump.
   double node_time(double t, double dt) const { return std::min(t + dt, last_moment_); }
-  /// `rounded`: converged as far as the last digits of the forces tell.
+  /// `rounded`: converged to within rounding error of the forces.
   enum class Newton { converged, rounded, slow, not_finite };
   /// Solves the algebraic rows for the algebraic unknowns of y_. \returns false where that fails.
   bool make_consistent();
-  void look_for_corner();
+  void search_for_corner();
   void end_at_kink();
   void factorise(double h);
-  double growth_followed(double h) const;
+  double resolved_growth(double h) const;
   double within_growth(double h);
   Newton solve_stages(double t, const double* y0, double h, int most_iterations, bool to_rounding = false);
   double estimate_error(double t, const double* y0, double h, bool refine);
-  double last_digits(int row) const;
+  double rounding_of_row(int row) const;
   double rounding_error();
   double beyond_rounding(const std::vector<double>& estimate);
   double norm(const double* v) const;
@@ -110,24 +114,25 @@ class Collocation {
   double tolerance_, estimate_tolerance_;
   GrowthTest growth_;
   Oscillations oscillations_;
-  double most_rounding_;  ///< what the last digits of forces may leave of an unknown, in scales
+  double most_rounding_;  ///< largest accepted rounding error of an unknown, in scales
   double longest_step_ = infinity, bound_share_;
-  double last_moment_ = infinity;  ///< just before the limit of the last step
+  double last_moment_ = infinity;  ///< the last time before the limit of the last step
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
   bool resolve_starts_ = false;
   bool has_kink_ = false;       ///< the system has a kink
-  double kink_side_ = 0;        ///< sign of its function where y_ belongs; 0: the next step tells
-  bool ended_at_kink_ = false;  ///< the last step did
-  bool fresh_ = true;           ///< no polynomial of an earlier step to start from
-  std::vector<double> carry_;   ///< what rounding left out of y_: a load that creeps up must not stand still
+  double kink_side_ = 0;        ///< sign of the kink function on the side of y_; 0: the next step decides
+  bool ended_at_kink_ = false;  ///< the last step ended at a kink
+  bool fresh_ = true;           ///< no polynomial of an earlier step to extrapolate
+  std::vector<double>
+      carry_;  ///< rounding error of y_ (compensated sum), without which a slowly rising load would stand still
   std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;
   std::vector<double> real_lu_, real_right_;
   std::vector<std::complex<double>> pair_lu_[2], pair_right_[2];
   std::vector<int> real_pivot_, pair_pivot_[2];
   std::vector<double> big_, big_right_, f_stage_, J_stage_;
   std::vector<int> big_pivot_;
-  int iterations_ = 0;    ///< of the last Newton solution
-  bool rounded_ = false;  ///< the last step came as far as the last digits of the forces tell
+  int iterations_ = 0;    ///< iterations of the last Newton solution
+  bool rounded_ = false;  ///< the last step converged to rounding error of the forces only
   int rejections_ = 0;    ///< attempts since the last step that succeeded at once
   Count count_;
 };

@@ -15,21 +15,22 @@ namespace {
 constexpr int s = GaussTableau::stages;
 constexpr double rounding = 2.3e-16;
 constexpr double safety = 0.75, least_factor = 0.3, greatest_factor = 2;
-/// The part of the way to the limit from which on steps are taken in time, so that the limit is met exactly.
+/// Steps are taken in time, to end exactly at the limit, once the step times this factor reaches the limit.
 constexpr double close = 1.3;
 constexpr int most_sweeps = 18;
-/// Steps at which errors of the stages fall by this in a sweep take the fewest sweeps for a way.
+/// Contraction of the stages' errors in a sweep that needs the fewest sweeps per length.
 constexpr double best_contraction = 0.3;
 constexpr double too_slow = 0.8;
-constexpr double little = 0.03;  ///< of the scale
-/// Power of the step that the estimate goes with.
+constexpr double little = 0.03;  ///< change over the scale
+/// The estimate falls with this power of the step.
 constexpr double estimate_order = 15;
 
 ROSIN_INLINE double sum_of(const Pack& x) {
   const Block& b = x.block;
   return ((b[0] + b[4]) + (b[1] + b[5])) + ((b[2] + b[6]) + (b[3] + b[7]));
 }
-/// Σ_j w_j f_j: what the values f at the nodes add to each lane. In four sums, which wait less for each other.
+/// Σ_j w_j f_j in each lane, from the values f at the nodes; four partial sums shorten the chain of dependent
+/// additions.
 ROSIN_INLINE Pack weighted(const std::array<Pack, s>& w, const Pack& f) {
   Pack sum[4];
   ROSIN_UNROLL
@@ -49,7 +50,7 @@ Explicit::Explicit(const System& system, double tolerance)
 
 void Explicit::start(double t, std::span<const double> y) {
   t_ = t_before_ = t;
-  t_low_ = 0;
+  t_carry_ = 0;
   std::copy(y.begin(), y.end(), y_.begin());
   y_[n_] = 0;
   y_before_ = y_;
@@ -123,7 +124,7 @@ void Explicit::advance(const double* y, double h, const Pack* f, double* to) con
 
 /// A smooth motion's Legendre coefficients on a step fall as C q^k. Known are C, the size of the slopes, and the
 /// coefficients of the two highest degrees, s − 1 and s − 2, of which one may vanish by chance. The error of the end of
-/// the step is of the size of C q^(2s); what is asked to meet the tolerance is C q^(2(s − 1)).
+/// the step is of the size of C q^(2s); the estimate C q^(2(s − 1)) must meet the tolerance.
 double Explicit::estimate_error(const Pack* f, double h) {
   double size = 0, highest = 0, second = 0;
   for (int i = 0; i <= n_; ++i) {
@@ -178,14 +179,14 @@ Outcome Explicit::step(double t_limit) {
       }
   }
   system_.scale(y_.data(), scale_.data());
-  double digits = 0;  // of the unknowns, in scales
+  double digits = 0;  // rounding error of the unknowns, in scales
   for (int i = 0; i < n_; ++i) {
     weight_[i] = 1 / scale_[i];
     digits = std::max(digits, std::abs(y_[i]) / scale_[i]);
   }
   goal_ = std::max(0.1 * tolerance_, 2 * rounding * digits);
   if (h_next_ == 0) h_next_ = first_step(t_limit);
-  const double remaining = t_limit - t_ - t_low_, planned = h_next_ * start_dt_;
+  const double remaining = t_limit - t_ - t_carry_, planned = h_next_ * start_dt_;
   if (close * planned >= remaining)
     set_clock(Clock::time);
   else if (4 * close * planned < remaining)
@@ -202,7 +203,7 @@ Outcome Explicit::step(double t_limit) {
       else if (h > 0.5 * remaining)
         h = 0.5 * remaining;
     }
-    // Where nothing depends on time, steps may be shorter than the clock shows.
+    // Where nothing depends on time, a step may be below rounding error of the time.
     const double shortest = 4 * rounding * (system_.autonomous() ? 1e-9 : 1) * std::max(std::abs(t_), 1e-300);
     if (!(h * start_dt_ > shortest) || attempt > 100)
       return {Ending::tolerance_not_met, fmt::format("at t = {:.9g} s the step fell to {:.3g} s", t_, h * start_dt_)};
@@ -236,7 +237,7 @@ Outcome Explicit::step(double t_limit) {
     }
     const double converging = best_contraction / contraction_;
     const double factor = std::clamp(std::min(factor_now, converging), least_factor, rejected ? 1.0 : greatest_factor);
-    // Convergence sets the step, though little happens in it.
+    // Convergence limits the step, although the unknowns hardly change in it.
     if ((slow || converging < std::min(factor_now, 1.5)) && change_ < little) {
       ++stiff_steps_;
       easy_steps_ = 0;
@@ -248,9 +249,9 @@ Outcome Explicit::step(double t_limit) {
     y_.swap(y_trial_);
     slopes_.swap(slopes_trial_);
     t_before_ = t_;
-    const double advanced = y_[n_] + t_low_;
+    const double advanced = y_[n_] + t_carry_;
     t_ = last ? t_limit : t_before_ + advanced;
-    t_low_ = last ? 0 : advanced - (t_ - t_before_);
+    t_carry_ = last ? 0 : advanced - (t_ - t_before_);
     h_last_ = h;
     clock_last_ = clock_;
     h_next_ = last && h_next_ > h ? std::max(h_next_, h * factor) : h * factor;
@@ -308,7 +309,7 @@ void Explicit::interpolate(double t, double* y) {
     std::copy_n(t >= t_ ? y_.data() : y_before_.data(), n_, y);
     return;
   }
-  // The polynomial of the last step is of half its order: it is where a shorter step from the same start begins.
+  // The polynomial of the last step has half its order: it starts the iteration of a shorter step from the same start.
   const Clock clock = std::exchange(clock_, clock_last_);
   const double whole = t - t_before_;
   double theta = part_of_step(t);
@@ -322,7 +323,7 @@ void Explicit::interpolate(double t, double* y) {
     }
     advance(y_before_.data(), h, slopes_trial_.data(), y_trial_.data());
     if (clock_ == Clock::time) break;
-    // Time is met by the slope at the end, or by another length where its square would be seen.
+    // The missing time is added by the slope at the end, or by another length of the step where its square matters.
     const double missing = (whole - y_trial_[n_]) / sum_of(tableau_.end * slopes_trial_[n_]);
     if (missing * missing <= 0.01 * tolerance_ || i == 3) {
       for (int k = 0; k < n_; ++k) y_trial_[k] += missing * sum_of(tableau_.end * slopes_trial_[k]);

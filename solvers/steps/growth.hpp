@@ -1,4 +1,4 @@
-/// Whether something grows faster than a step of an implicit method can follow.
+/// Test for modes that grow faster than an implicit step resolves.
 #pragma once
 #include <vector>
 
@@ -6,10 +6,11 @@
 
 namespace rosin::solvers::steps {
 
-/// Implicit steps damp what grows too fast for them: their stages lie on a slow motion that the solution leaves at
-/// once, the same at every tolerance. Tells so without eigenvalues. For moving unknowns with masses mᵢ and rates λᵢ,
-/// det(r M − J) = det(−J_aa) Π mᵢ (r − λᵢ) with J_aa of the algebraic ones, so that the signs of two determinants
-/// differ where an odd number of real rates exceeds r. Modes that grow in pairs are told by asking at rates between.
+/// Implicit steps damp modes that grow too fast for them: their stages follow a slow motion, which the true solution
+/// leaves at once, at every tolerance alike. The test needs no eigenvalues. For moving unknowns with masses mᵢ and
+/// rates λᵢ, det(r M − J) = det(−J_aa) Π mᵢ (r − λᵢ) with J_aa for the algebraic ones, so that the signs of two
+/// determinants differ where an odd number of real rates exceeds r. A rate r between the rates of two growing modes
+/// shows both.
 class GrowthTest {
  public:
   explicit GrowthTest(int unknowns) : pivot_(unknowns) { matrix_.reserve(unknowns * unknowns); }
@@ -33,7 +34,7 @@ class GrowthTest {
   }
 
  private:
-  /// Of the determinant of the matrix; 0 where it cannot be told.
+  /// Sign of the determinant of the matrix; 0 where the matrix is singular.
   int sign(int rows) { return factorise_lu(matrix_, pivot_, rows) ? determinant_sign(matrix_, pivot_, rows) : 0; }
   std::vector<double> matrix_;
   std::vector<int> pivot_;

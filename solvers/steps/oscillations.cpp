@@ -1,4 +1,4 @@
-/// Modes beside a step, kept while they serve; those that ring, and the errors that the step makes in them.
+/// The modes at a step, kept while they hold; the ringing ones, and the errors of the step in them.
 #include "solvers/steps/oscillations.hpp"
 
 #include <Eigen/LU>
@@ -15,18 +15,18 @@ namespace rosin::solvers::steps {
 using Complex = std::complex<double>;
 using Modes = Eigen::Map<const Eigen::MatrixXd>;
 
-/// The unknowns with a rate of their own, and what follows them at once, δy_a = −J_aa⁻¹ J_am δy_m.
+/// The unknowns with a rate of their own, and the algebraic ones, which follow by δy_a = −J_aa⁻¹ J_am δy_m.
 struct Oscillations::Moving {
   explicit Moving(const std::vector<double>& mass) {
     for (int i = 0; i < int(mass.size()); ++i) (mass[i] != 0 ? unknowns[m++] : following[a++]) = i;
   }
-  /// Eliminates what follows from J.
+  /// Eliminates the algebraic unknowns from J.
   void reduce(const Step&);
 
   std::array<int, most_small_rows> unknowns, following;
-  int m = 0, a = 0;            ///< numbers of them
+  int m = 0, a = 0;            ///< numbers of moving and algebraic unknowns
   SmallMatrix<double> follow;  ///< a × m
-  SmallMatrix<double> rates;   ///< over the step, m × m
+  SmallMatrix<double> rates;   ///< rates times the step's length, m × m
 };
 
 void Oscillations::Moving::reduce(const Step& step) {
@@ -69,40 +69,40 @@ void Oscillations::accept() {
   for (std::size_t k = 0; k < in_step_.size(); ++k) passed_over_[k] += in_step_[k];
 }
 
-/// That the solution is better than the estimate holds for motion of the size of the scale alone. A weak oscillation
-/// y' = λy, on a stiff spring say, is followed by a long step to nothing at once while the estimate is still small. But
-/// for it both are known: with z = hλ the method errs by |R(z) − e^z| and estimates |ρ(z)|, each times the amplitude,
-/// so that the part of the estimate in the mode times κ(z) = |R − e^z|/|ρ| is the error. Modes with |Im z| < |Re z| die
-/// out within a turn.
+/// The solution is more accurate than the estimate only for motion of the size of the scale. A weak oscillation y' =
+/// λy, for example on a stiff spring, is damped to nothing by one long step while the estimate is still small. For a
+/// mode both are known: with z = hλ the error is |R(z) − e^z| and the estimate |ρ(z)|, each times the amplitude. The
+/// part of the estimate in the mode times κ(z) = |R − e^z|/|ρ| is therefore the error. Modes with |Im z| < |Re z| die
+/// out within a period.
 double Oscillations::error(const Step& step) {
   std::fill(in_step_.begin(), in_step_.end(), 0.0);
   longest_step_ = infinity;
   Moving moving(step.mass);
-  if (moving.m < 2 || !(step.size > 0)) return 0;  // nothing that could ring
+  if (moving.m < 2 || !(step.size > 0)) return 0;  // a single mode cannot ring
   moving.reduce(step);
   const auto& rates = moving.rates;
   if (const double apart = rates(0, 0) - rates(1, 1);
       moving.m == 2 && apart * apart + 4 * rates(0, 1) * rates(1, 0) >= 0)
     return 0;  // both real
   outgrown_ = false;
-  if (!known_serve(step, moving)) {
+  if (!known_modes_hold(step, moving)) {
     ringing_.clear();
-    if (!find(step, moving)) return 0;
+    if (!find_modes(step, moving)) return 0;
     for (int k = 0; k < moving.m; ++k) {
       const bool pair = rates_[k].imag() > 0;
-      note(step, k, pair, step.length * rates_[k], 0);
+      note_mode(step, k, pair, step.length * rates_[k], 0);
       k += pair;
     }
   }
   return outgrown_ ? infinity : sum_of_errors(step, moving);
 }
 
-/// Notes a mode if it rings, with z within `radius`. \returns false if that is not to be told so.
-bool Oscillations::note(const Step& step, int mode, bool pair, Complex z, double radius) {
+/// Notes a mode if it rings, with z known to within `radius`. \returns false if `radius` is too large to decide.
+bool Oscillations::note_mode(const Step& step, int mode, bool pair, Complex z, double radius) {
   constexpr double notably = 0.05;
   if (pair && z.real() - radius > notably * std::abs(z.imag())) {
-    longest_step_ = std::min(longest_step_, step.length * step.followed / std::abs(z));
-    outgrown_ = outgrown_ || std::abs(z) - radius > step.followed;
+    longest_step_ = std::min(longest_step_, step.length * step.resolved_growth / std::abs(z));
+    outgrown_ = outgrown_ || std::abs(z) - radius > step.resolved_growth;
   }
   const double least = RadauTableau::size_below(0.1 * tolerance_ / step.size);
   if (std::abs(z) + radius < least || std::abs(z.real()) - std::abs(z.imag()) > std::sqrt(2) * radius) return true;
@@ -111,10 +111,11 @@ bool Oscillations::note(const Step& step, int mode, bool pair, Complex z, double
   return true;
 }
 
-/// True if the modes of an earlier step tell what rings. In their vectors J is nearly diagonal, and each rate is within
-/// the sum of its row's other entries from the diagonal (Gershgorin): as long as no rate that may lie where κ matters
-/// is surrounded by a tenth of its size, or is one of those that did not ring, they serve.
-bool Oscillations::known_serve(const Step& step, const Moving& moving) {
+/// True if the modes of an earlier step still decide which ones ring. In their basis J is nearly diagonal, and each
+/// rate lies within a radius of its diagonal entry, the sum of the row's other entries (Gershgorin). The modes hold as
+/// long as this radius is below a tenth of the rate for every rate where κ matters, and these rates belong to ringing
+/// modes.
+bool Oscillations::known_modes_hold(const Step& step, const Moving& moving) {
   const int m = moving.m;
   ringing_.clear();
   if (int(rates_.size()) != m) return false;
@@ -131,16 +132,16 @@ bool Oscillations::known_serve(const Step& step, const Moving& moving) {
       z = {0.5 * (B(k, k) + B(last, last)), 0.5 * (B(k, last) - B(last, k))};
       radius += 0.5 * std::hypot(B(k, k) - B(last, last), B(k, last) + B(last, k));
     }
-    if (!note(step, k, pair, z, radius)) return false;
+    if (!note_mode(step, k, pair, z, radius)) return false;
     k = last;
   }
   return true;
 }
 
-/// The modes from the answers of the filter that the embedded estimate has passed: (γM/h − J)⁻¹ M r = r h/(γ − z) where
-/// J r = λ M r and z = hλ. That keeps the digits of slow modes beside those of a stuck contact, which J does not.
-/// \returns false where there are none to be had.
-bool Oscillations::find(const Step& step, const Moving& moving) {
+/// The modes from the filter of the embedded estimate: (γM/h − J)⁻¹ M r = r h/(γ − z) where J r = λ M r and z = hλ. The
+/// filter keeps the accuracy of slow modes next to the fast ones of a stuck contact, which J itself loses. \returns
+/// false where the eigenvalues are not finite.
+bool Oscillations::find_modes(const Step& step, const Moving& moving) {
   const int m = moving.m, n = m + moving.a;
   const auto size = [&](int i) { return step.scale[moving.unknowns[i]]; };
   std::array<double, most_small_rows * most_small_rows> columns;
@@ -156,7 +157,7 @@ bool Oscillations::find(const Step& step, const Moving& moving) {
   if (!pairs.values.allFinite()) return false;
   for (int k = 0; k < m; ++k) {
     const bool pair = pairs.values[k].imag() != 0;
-    const int first = pairs.values[k].imag() > 0 ? k : k - 1;  // Eigen puts it before its conjugate
+    const int first = pairs.values[k].imag() > 0 ? k : k - 1;  // Eigen puts the positive frequency before its conjugate
     rates_.push_back(tableau_.gamma / step.length - 1.0 / pairs.values[pair ? first : k]);
     for (int i = 0; i < m; ++i) {
       const auto part = pairs.vectors(i, pair ? first : k) * size(i);
@@ -164,7 +165,7 @@ bool Oscillations::find(const Step& step, const Moving& moving) {
     }
   }
   modes_.assign(vectors.data(), vectors.data() + m * m);
-  // The inverse by way of scales, in which the vectors are of one size.
+  // The inverse is computed in scales, in which the vectors have similar sizes.
   for (int i = 0; i < m; ++i) vectors.row(i) /= size(i);
   SmallMatrix<double> inverse = vectors.inverse();
   for (int i = 0; i < m; ++i) inverse.col(i) /= size(i);
@@ -172,24 +173,24 @@ bool Oscillations::find(const Step& step, const Moving& moving) {
   return true;
 }
 
-/// Of all modes that ring, in scales. What a step passes over of them is noted for each unknown.
+/// Sum of the errors of all ringing modes, in scales. The errors of passed-over modes are kept for each unknown.
 double Oscillations::sum_of_errors(const Step& step, const Moving& moving) {
   const int m = moving.m, a = moving.a, n = m + a;
   const Modes vectors(modes_.data(), m, m), inverse(inverse_.data(), m, m);
   std::array<double, most_small_rows * most_small_rows> noise;
   double sum = 0;
-  bool heard = false;
+  bool noise_known = false;
   for (const auto& [k, z] : ringing_) {
     const double kappa = tableau_.error_over_estimate(z);
     if (!(kappa * step.size > 0.1 * tolerance_)) continue;
-    if (!heard) {
-      // Beside the estimate the estimates of what rounding leaves of forces that balance, which rings at every start.
+    if (!noise_known) {
+      // The estimate holds rounding error of balanced forces, which rings at every start; its part is subtracted.
       std::fill_n(noise.begin(), n * n, 0.0);
       for (int i = 0; i < n; ++i) noise[i * n + i] = last_digits_of_terms(&step.jacobian[i * n], step.y.data(), n);
       solve_lu(step.filter, step.pivot, n, noise.data(), n);
-      heard = true;
+      noise_known = true;
     }
-    const auto part = [&, k = k](const double* source, int stride) {  // in the pair of modes
+    const auto part = [&, k = k](const double* source, int stride) {  // amplitude in the pair of modes
       double real = 0, imaginary = 0;
       for (int j = 0; j < m; ++j) {
         real += inverse(k, j) * source[moving.unknowns[j] * stride];
@@ -201,9 +202,9 @@ double Oscillations::sum_of_errors(const Step& step, const Moving& moving) {
     for (int i = 0; i < n; ++i) amplitude -= part(&noise[i], n);
     if (!(amplitude > 0)) continue;
     const double error = kappa * amplitude;
-    constexpr double part_of_turn = 3;  // longer steps damp it e-fold within five thousand turns
-    const bool passed_over = std::abs(z) > part_of_turn;
-    double square = 0;  // of the vector, in scales
+    constexpr double most_phase = 3;  // radians: longer steps damp it e-fold within five thousand periods
+    const bool passed_over = std::abs(z) > most_phase;
+    double square = 0;  // squared size of the vector, in scales
     const auto add = [&](int i, double real, double imaginary) {
       const double length = std::hypot(real, imaginary);
       square += length * length / (step.scale[i] * step.scale[i]);

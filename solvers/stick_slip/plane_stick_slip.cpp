@@ -1,4 +1,4 @@
-/// Slip in logarithmic speed, its two ends, and the release from stick.
+/// Slip in logarithmic speed, its start and end, and the release from stick.
 #include "solvers/stick_slip/plane_stick_slip.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@
 namespace rosin::solvers::stick_slip {
 
 namespace {
-constexpr double least_speed = 1e-10;  ///< of the speed scale: below it the rest of a stop is taken in closed form
+constexpr double least_speed = 1e-10;  ///< over the speed scale: below it a closed form completes the stop
 enum Unknown { time_, x_0, x_1, log_speed, angle, rubbed, path, supply, unknowns };
 
 template <class Real>
@@ -31,7 +31,7 @@ double plain(const Dual<double, n>& x) {
 }
 }  // namespace
 
-/// The equations of slip: unknowns t, x, ln |w|, the angle of w, and what was done, over s with dt = |w| ds.
+/// The equations of slip: unknowns t, x, ln |w|, the angle of w, and work and distance so far, over s with dt = |w| ds.
 class PlaneStickSlip::Slip final : public System {
  public:
   Slip(const PlaneMass& mass, double fastest, double speed) : mass_(mass), fastest_(fastest), speed_(speed) {}
@@ -91,14 +91,14 @@ PlaneStickSlip::PlaneStickSlip(PlaneMass mass, double tolerance) : mass_(std::mo
   const auto& m = mass_;
   fastest_ = 0;
   double force = m.dynamic_friction * m.load.level();
-  const auto look_at = [&](const Signal& signal) {
+  const auto include_frequencies = [&](const Signal& signal) {
     for (const auto& term : signal.piece(0).terms) fastest_ = std::max(fastest_, term.angular_frequency);
   };
-  look_at(m.load);
+  include_frequencies(m.load);
   double slowest = infinity;
   for (int d = 0; d < 2; ++d) {
     if (!(m.mass > 0 && m.stiffness[d] > 0)) throw InputError("a plane slider needs a mass and two springs above 0");
-    look_at(m.force[d]);
+    include_frequencies(m.force[d]);
     const double natural = std::sqrt(m.stiffness[d] / m.mass);
     fastest_ = std::max(fastest_, natural), slowest = std::min(slowest, natural);
     force += std::abs(m.force[d].level());
@@ -151,7 +151,8 @@ void PlaneStickSlip::start(double t, PlaneVector x, PlaneVector v) {
   energy_at_start_ = energy(x, v);
 }
 
-/// Unknowns of slip from (t1_, x_, v_) on; from rest by the series of speed and direction over a first short time.
+/// Sets the unknowns of slip from (t1_, x_, v_) on; from rest by a series of speed and direction over a first short
+/// time.
 void PlaneStickSlip::begin_slip(double t, double end, bool from_rest, const PlaneVector& direction) {
   const auto& V = mass_.surface_velocity;
   std::vector<double> y(unknowns, 0.0);
@@ -159,7 +160,7 @@ void PlaneStickSlip::begin_slip(double t, double end, bool from_rest, const Plan
   if (!from_rest) {
     y[log_speed] = std::log(length<2>(direction)), y[angle] = std::atan2(direction[1], direction[0]);
   } else {
-    // R + Ṙ t + R̈ t²/2 along e = R/|R| and across it; friction takes μd N from the part along.
+    // R + Ṙ t + R̈ t²/2 along e = R/|R| and across it; friction subtracts μd N from the part along e.
     const double m = mass_.mass, muk = mass_.dynamic_friction, h = std::min(1e-5 / fastest_, (end - t) / 2),
                  r = length<2>(direction);
     const PlaneVector e = {direction[0] / r, direction[1] / r};
@@ -174,12 +175,12 @@ void PlaneStickSlip::begin_slip(double t, double end, bool from_rest, const Plan
     const double along = dot<2>(first, e), across = first[1] * e[0] - first[0] * e[1];
     const double jerk = (along - muk * N[1]) / m;
     for (int d = 0; d < 2; ++d) second[d] -= mass_.damping[d] * jerk * e[d];
-    const double turn = across / (r + m * a);  // of the direction, rad/s
-    // What turns away from e no longer pulls along it: |R|'s second rate has across²/r where the direction follows.
+    const double turn = across / (r + m * a);  // rate of the direction, rad/s
+    // Second derivative of the part of R along the direction of slip, which rotates at the rate `turn`.
     const double snap = (dot<2>(second, e) + 2 * turn * across - turn * turn * r - muk * N[2]) / m;
     const double s = h * (a + h * (jerk / 2 + h * snap / 6));
     const double moved = h * h * (a / 2 + h * (jerk / 6 + h * snap / 24));
-    // The direction lags behind R by what the speed still weighs.
+    // With inertia the direction of slip lags behind R.
     const double lag = a > 0 ? 0 : across / r * m * s / r;
     const double phi = std::atan2(e[1], e[0]) + turn * h - lag;
     y[time_] = t + h;
@@ -194,7 +195,7 @@ void PlaneStickSlip::begin_slip(double t, double end, bool from_rest, const Plan
   collocation_->start(0, y);
 }
 
-/// The first time in (from, to] at which stick gives way, or infinity.
+/// The first time in (from, to] at which stick ends, or infinity.
 double PlaneStickSlip::release(double from, double to) const {
   using Form = ClosedForm<double>;
   Form N(mass_.load.piece(from), from), R[2];
@@ -254,7 +255,7 @@ Outcome PlaneStickSlip::advance(double limit, Switch& switched) {
       v_[d] = V[d];
     }
     stick_time_ += t1_ - t0_;
-    for (int d = 0; d < 2; ++d) {  // a surface that moves works against spring and damper
+    for (int d = 0; d < 2; ++d) {  // a moving surface works against spring and damper
       supplied_ += mass_.stiffness[d] * (x_[d] * x_[d] - stick_x_[d] * stick_x_[d]) / 2;
     }
     if (until <= end) {
@@ -279,7 +280,7 @@ Outcome PlaneStickSlip::advance(double limit, Switch& switched) {
                                             before[unknown] - value, now[unknown] - value);
     return theta && collocation_->shorten(*theta);
   };
-  // Slip may begin below the speed that ends it: then it rises.
+  // Slip may begin below the speed that ends it; its speed then rises.
   const double lowest = collocation_->state()[log_speed];
   bool stops = lowest < stop && lowest < before[log_speed];
   if (stops && before[log_speed] > stop && !until(log_speed, stop))
@@ -328,7 +329,7 @@ PlaneStickSlip::Seen PlaneStickSlip::at(double t) {
     for (double& F : seen.friction) F = -F;
     return seen;
   }
-  // The point of the step at which its clock shows t.
+  // The point of the step at time t.
   std::vector<double> y(unknowns);
   const auto& last = collocation_->state();
   const auto clock = [&](double theta) {
@@ -337,7 +338,7 @@ PlaneStickSlip::Seen PlaneStickSlip::at(double t) {
   };
   Seen seen{x_, v_, {}};
   double phi = last[angle];
-  if (t <= collocation_->state_before()[time_]) {  // within the series that slip began with
+  if (t <= collocation_->state_before()[time_]) {  // within the series at the start of slip
     const auto& first = collocation_->state_before();
     const double s = std::exp(first[log_speed]);
     phi = first[angle];
@@ -349,7 +350,7 @@ PlaneStickSlip::Seen PlaneStickSlip::at(double t) {
   } else if (t < last[time_]) {
     double low = 0, high = 1, theta = 0.5;
     for (int i = 0; i < 60 && high - low > 1e-15; ++i) (clock(theta = 0.5 * (low + high)) < t ? low : high) = theta;
-    // The polynomial is of lower order than the step: corrected by Newton's method at full order.
+    // The polynomial has a lower order than the step: Newton's method corrects it at full order.
     for (int i = 0; i < 3; ++i) {
       collocation_->solve_at(theta, y.data());
       const double rate = std::exp(y[log_speed]) * collocation_->length();

@@ -1,4 +1,5 @@
-/// Stick–slip in the plane, by events on smooth pieces of slip: the reference where no closed form exists.
+/// Stick–slip in the plane, with located events between smooth pieces of slip: the reference where no closed form
+/// exists.
 #pragma once
 #include <memory>
 
@@ -11,22 +12,23 @@ namespace rosin::solvers::stick_slip {
 using PlaneMass = DryMass<2>;
 using PlaneVector = Vector<2>;
 
-/// Follows m ẍᵢ + cᵢ ẋᵢ + kᵢ xᵢ = fᵢ(t) − μd N(t) wᵢ/|w|, w the velocity on a surface of constant velocity.
-///
-/// Slip is integrated by collocation in the logarithm of speed and the angle of w over a clock with dt = |w| ds: there
-/// the equations are smooth up to rest, which is reached in finite time but infinite s, along the direction of the
-/// force. Slip ends where the speed is negligible, with the rest of the way in closed form; it begins along R, the
-/// force that friction cannot hold, by a series. Release is the certain first zero of (μs N)² − |R|².
+/// Solves m ẍᵢ + cᵢ ẋᵢ + kᵢ xᵢ = fᵢ(t) − μd N(t) wᵢ/|w|, with w the velocity on a surface of constant velocity.
+/// Slip is integrated by collocation in the logarithm of speed and the angle of w over s, with dt = |w| ds. In these
+/// variables the equations are smooth up to rest, which slip reaches in finite time but infinite s, along the direction
+/// of the force. Slip ends where the speed is negligible, and the remaining distance follows in closed form. Slip
+/// begins along R, the force that friction cannot hold, by a series. Release is the certain first zero of (μs N)² −
+/// |R|².
 class PlaneStickSlip {
  public:
-  /// `tolerance`: relative, of displacements and times. \throws InputError for what is not above 0, and loads that
-  /// fall to 0 or below.
+  /// `tolerance`: relative tolerance of displacements and times. \throws InputError for parameters that are not above
+  /// 0,
+  /// and loads that fall to 0 or below.
   explicit PlaneStickSlip(PlaneMass, double tolerance = 1e-12);
   ~PlaneStickSlip();
 
   /// Begins at (t, x, v).
   void start(double t, PlaneVector x, PlaneVector v);
-  /// One step of slip, or a whole stick, not past the limit. `switched` tells whether it ended in a switch, at time().
+  /// One step of slip, or a whole stick, not past the limit. `switched`: the switch at its end, if any, at time().
   Outcome advance(double limit, Switch& switched);
 
   double time() const { return t1_; }
@@ -36,14 +38,15 @@ class PlaneStickSlip {
   struct Seen {
     PlaneVector displacement, velocity, friction;
   };
-  /// At a time passed over by the last call.
+  /// The motion at a time within the last call of advance().
   Seen at(double t);
 
   double stick_time() const { return stick_time_; }
   double friction_work() const { return friction_work_; }  ///< J
-  double path_length() const { return path_length_; }      ///< m, on the surface
-  /// Kinetic and elastic energy + friction − work of forces and of the surface − start; relative to what was turned
-  /// over.
+  double path_length() const { return path_length_; }      ///< slip distance on the surface, m
+  /// Kinetic and elastic energy + friction work − work of forces and of the surface − energy at the start, over the sum
+  /// of
+  /// these energies.
   double energy_residual() const;
   long steps() const;
 

@@ -127,7 +127,7 @@ TEST_CASE("every law in all its surroundings is served by lanes, within the stat
     INFO(model.law->card().name << " with " << model.law->states().size() << " states, lambda " << model.lambda
                                 << ", spring " << model.contact_stiffness.tangential << ", "
                                 << model.contact_stiffness.per_load);
-    REQUIRE(PassageLanes::serves(rosin::oscillators::SliderSystem(model)));
+    REQUIRE(ReturnLanes::serves(rosin::oscillators::SliderSystem(model)));
     const auto lane = find_cycles(std::span(&model, 1), every_metric()).front();
     if (!lane.found) continue;
     const auto cycle = cycles::find_cycle(model, {.tolerance = 1e-8, .multipliers = false});

@@ -1,5 +1,5 @@
-/// Following motions from section to section in lanes: events by taking the step again so that it ends on them.
-#include "analysis/lanes/passage_lanes.hpp"
+/// Returns to the section in lanes. A step that holds an event is retaken so that it ends there.
+#include "analysis/lanes/return_lanes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,22 +19,22 @@ using oscillators::SliderSystem;
 
 namespace {
 constexpr int slip_rate_index = 1;
-/// A landing that misses by more of the step than this is no landing.
+/// Largest distance of a retaken step's end from its event, over the step.
 constexpr double largest_miss = 0.02;
-constexpr double almost_all = 1 - 1e-12;  ///< of a step: what happens at its very end is landed on too
-constexpr double differences = 1e-4;      ///< of a step: differentiates what is no polynomial, and not across its ends
+constexpr double almost_all = 1 - 1e-12;  ///< part of a step; an event at its very end counts too
+constexpr double differences = 1e-4;      ///< part of a step, for numerical derivatives inside it
 constexpr double rest = 1e-11;            ///< slip rates below this part of V are rounding noise at a switch
-/// Slip that comes closer to rest than this many times the tolerance of V, or would have gone no further beyond, only
-/// just sticks or just does not: one at a time is followed more closely.
+/// Grazing: a lowest slip rate within this many tolerances of V about rest. Lanes give such a motion up, and
+/// find_cycle() resolves it.
 constexpr double grazing = 100;
-/// Slip that the load brings back from stick grows many times within a step that is short for all else, and an error
-/// estimate says nothing of that: from where it is felt, it is followed through no more e-foldings in a step.
-constexpr double felt = 1e-3, followed = 1.5;  ///< of the tolerance, as part of V; e-foldings
-/// A turn of the slip rate this close to a threshold, as part of it, may lie on either side.
+/// Slip out of stick can grow by many e-foldings within a step whose error estimate stays small. From `resolved_growth`
+/// tolerances of V a step spans at most `most_foldings` e-foldings.
+constexpr double resolved_growth = 1e-3, most_foldings = 1.5;  ///< tolerances of V; e-foldings
+/// An extremum of the slip rate this close to a threshold, relative to it, may lie on either side.
 constexpr double touches = 1e-3;
 }  // namespace
 
-bool PassageLanes::serves(const SliderSystem& slider) {
+bool ReturnLanes::serves(const SliderSystem& slider) {
   const auto& law = *slider.model().law;
   const auto& drive = slider.model().drive;
   const bool can_stick_and_slip =
@@ -43,7 +43,7 @@ bool PassageLanes::serves(const SliderSystem& slider) {
          (!law.set_valued() || can_stick_and_slip) && slider.size() <= solvers::lanes::Ensemble::capacity;
 }
 
-PassageLanes::PassageLanes(const SliderSystem& pattern, const Recording& recording)
+ReturnLanes::ReturnLanes(const SliderSystem& pattern, const Recording& recording)
     : sliders_(pattern),
       ensemble_(sliders_),
       recording_(recording),
@@ -56,9 +56,9 @@ PassageLanes::PassageLanes(const SliderSystem& pattern, const Recording& recordi
   if (recording.stick_fraction_05) levels_.push_back({0.5, &cycles::Metrics::stick_fraction_05});
 }
 
-/// Where the law has no answer the motion is given up: one at a time will say why.
+/// Gives the motion up outside the range of the law; find_cycle() gives the reason.
 template <class Question>
-PassageLanes::Arrival PassageLanes::answered(Question question) {
+ReturnLanes::Arrival ReturnLanes::give_up_on_input_error(Question question) {
   try {
     return question();
   } catch (const InputError&) {
@@ -67,8 +67,8 @@ PassageLanes::Arrival PassageLanes::answered(Question question) {
 }
 
 template <class F>
-double PassageLanes::bisect(F f, double low, double high) {
-  constexpr int halvings = 26;  // steps are taken again to land there, and end by Newton's method
+double ReturnLanes::bisect(F f, double low, double high) {
+  constexpr int halvings = 26;  // the retaken step and Newton's method refine the place
   const bool rising = f(low) < 0;
   for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (low + high);
@@ -78,20 +78,20 @@ double PassageLanes::bisect(F f, double low, double high) {
 }
 
 /// Contact slip rate less V at `theta` of the last step.
-double PassageLanes::section_value(int lane, double theta) const {
+double ReturnLanes::section_value(int lane, double theta) const {
   if (rigid_) return ensemble_.interpolate(lane, slip_rate_index, theta) - lanes_[lane].V;
   std::array<double, solvers::lanes::Ensemble::capacity> y;
   interpolate(lane, theta, y.data());
   return lanes_[lane].loaded->contact_slip_rate(0, y.data()) - lanes_[lane].V;
 }
 
-void PassageLanes::interpolate(int lane, double theta, double* y) const {
+void ReturnLanes::interpolate(int lane, double theta, double* y) const {
   for (int i = 0; i < sliders_.size(); ++i) y[i] = ensemble_.interpolate(lane, i, theta);
 }
 
 template <std::size_t n>
-void PassageLanes::interpolate(const double (&theta)[n],
-                               std::array<Lanes, solvers::lanes::Ensemble::capacity> (&y)[n]) const {
+void ReturnLanes::interpolate(const double (&theta)[n],
+                              std::array<Lanes, solvers::lanes::Ensemble::capacity> (&y)[n]) const {
   run_on_lanes([&] {
     for (int p = 0; p < lane_packs; ++p)
       for (int i = 0; i < sliders_.size(); ++i) {
@@ -102,8 +102,8 @@ void PassageLanes::interpolate(const double (&theta)[n],
   });
 }
 
-/// Of a slipping lane.
-double PassageLanes::friction_at(int lane, double theta) const {
+/// Coefficient of friction of a slipping lane.
+double ReturnLanes::friction_at(int lane, double theta) const {
   std::array<double, solvers::lanes::Ensemble::capacity> y;
   interpolate(lane, theta, y.data());
   const SliderSystem& slider = *lanes_[lane].loaded;
@@ -111,53 +111,53 @@ double PassageLanes::friction_at(int lane, double theta) const {
   return model.law->friction({y[slip_rate_index], model.drive.normal_load.level()}, slider.observe(0, y.data()).state);
 }
 
-double PassageLanes::holding_margin(int lane, double theta) const {
+double ReturnLanes::holding_margin(int lane, double theta) const {
   std::array<double, solvers::lanes::Ensemble::capacity> y;
   interpolate(lane, theta, y.data());
   const SliderSystem& slider = *lanes_[lane].loaded;
   return slider.holding_limit(0, y.data()) - std::abs(slider.holding_force(0, y.data()));
 }
 
-bool PassageLanes::take(int lane, PassageQueue& queue) {
+bool ReturnLanes::take(int lane, ReturnQueue& queue) {
   Lane& at = lanes_[lane];
-  at.passage = queue.next();
-  if (!at.passage) return false;
-  LanePassage& passage = *at.passage;
-  if (at.loaded != passage.slider) {
-    sliders_.load(lane, *passage.slider);
-    at.loaded = passage.slider;
-    at.V = passage.slider->model().drive.speed.level();
-    landed_.set(lane, motion::ReversalSteps::near_rest_share * motion::near_rest_slip_rate(*passage.slider));
+  at.task = queue.next();
+  if (!at.task) return false;
+  LaneReturn& task = *at.task;
+  if (at.loaded != task.slider) {
+    sliders_.load(lane, *task.slider);
+    at.loaded = task.slider;
+    at.V = task.slider->model().drive.speed.level();
+    near_rest_.set(lane, motion::ReversalSteps::near_rest_share * motion::near_rest_slip_rate(*task.slider));
   }
   if (switches_)
-    begin_mode(lane, passage.from_section ? 1 : 0, passage.y.data());
+    begin_mode(lane, task.from_section ? 1 : 0, task.y.data());
   else
-    ensemble_.start(lane, passage.y.data(), passage.tolerance, passage.first_step);
-  at.landing = {};
+    ensemble_.start(lane, task.y.data(), task.tolerance, task.first_step);
+  at.target = {};
   at.begun = attempts_;
   at.elapsed = at.stuck = 0;
-  at.grazes = false;
-  const double v = passage.slider->contact_slip_rate(0, passage.y.data());
+  at.may_graze = false;
+  const double v = task.slider->contact_slip_rate(0, task.y.data());
   V_.set(lane, at.V);
-  floor_.set(lane, switches_ ? -infinity : at.V * (1 - passage.dip));
-  growth_time_.set(lane, passage.growth_time);
-  felt_.set(lane, felt * passage.tolerance * at.V);
+  floor_.set(lane, switches_ ? -infinity : at.V * (1 - task.dip));
+  growth_time_.set(lane, task.growth_time);
+  growth_floor_.set(lane, resolved_growth * task.tolerance * at.V);
   creep_.set(lane, v);
-  longest_.set(lane, passage.longest);
+  longest_.set(lane, task.longest);
   active_.set(lane, 1);
-  landing_.set(lane, 0);
+  has_target_.set(lane, 0);
   amplitude_.set(lane, 0);
-  records_.set(lane, passage.record);
-  below_.set(lane, !passage.from_section && v < floor_[lane]);
+  records_.set(lane, task.record);
+  below_.set(lane, !task.from_section && v < floor_[lane]);
   armed_.set(lane, 0);
   if (switches_) {
-    swing_.set(lane, 0.1 * oscillators::swing_time(passage.slider->model()));
-    landing_floor_.set(lane, 0.1 * passage.tolerance * at.V);
+    swing_.set(lane, 0.1 * oscillators::swing_time(task.slider->model()));
+    rest_floor_.set(lane, 0.1 * task.tolerance * at.V);
   }
-  if (passage.record) {
-    const double u = passage.y[slip_rate_index], mu = passage.slider->friction_coefficient(0, passage.y.data());
-    passage.metrics = {};
-    passage.touches_threshold = false;
+  if (task.record) {
+    const double u = task.y[slip_rate_index], mu = task.slider->friction_coefficient(0, task.y.data());
+    task.metrics = {};
+    task.touches_threshold = false;
     for (Lanes* extreme : {&slip_rate_max_, &slip_rate_min_}) extreme->set(lane, u);
     for (Lanes* extreme : {&friction_max_, &friction_min_}) extreme->set(lane, mu);
     for (std::size_t k = 0; k < levels_.size(); ++k) {
@@ -170,38 +170,38 @@ bool PassageLanes::take(int lane, PassageQueue& queue) {
   return true;
 }
 
-PassageLanes::Event PassageLanes::look_for_events(int lane) {
+ReturnLanes::Event ReturnLanes::first_event(int lane) {
   Lane& at = lanes_[lane];
   Event first;
-  const auto consider = [&](Landing kind, int level, double theta) {
+  const auto consider = [&](EventKind kind, int level, double theta) {
     if (theta < first.theta) first = {kind, level, theta};
   };
   if (switches_) {
-    const Event ends = look_for_switch(lane);
+    const Event ends = first_switch(lane);
     consider(ends.kind, 0, ends.theta);
   }
   if (below_[lane] > 0 && section_[lane] >= at.V)
-    consider(Landing::section, 0, bisect([&](double theta) { return section_value(lane, theta); }, 0, 1));
-  if (!at.passage->record) return first;
-  const Event crosses = look_for_level(lane);
+    consider(EventKind::section, 0, bisect([&](double theta) { return section_value(lane, theta); }, 0, 1));
+  if (!at.task->record) return first;
+  const Event crosses = first_level_crossing(lane);
   consider(crosses.kind, crosses.level, crosses.theta);
   if (recording_.extremes) {
-    // Only turns that reach beyond what was seen so far: in deep stick, rounding turns at every step.
-    const auto consider_turn = [&](Landing kind, const Lanes* slopes, const Lanes& highest, const Lanes& lowest,
-                                   double size, auto value, auto slope, double edge = 0) {
+    // Only extrema beyond those so far count: in deep stick rounding error makes one in every step.
+    const auto consider_extremum = [&](EventKind kind, const Lanes* slopes, const Lanes& highest, const Lanes& lowest,
+                                       double size, auto value, auto slope, double edge = 0) {
       if ((slopes[0][lane] > 0) == (slopes[1][lane] > 0)) return;
       const double theta = bisect(slope, edge, 1 - edge), peak = value(theta);
-      const double least = 1e-3 * at.passage->tolerance * size;
+      const double least = 1e-3 * at.task->tolerance * size;
       if (peak > highest[lane] + least || peak < lowest[lane] - least) consider(kind, 0, theta);
     };
     const auto slip_rate = ensemble_.polynomial(lane, slip_rate_index);
-    consider_turn(
-        Landing::slip_rate_extreme, slip_rate_slope_, slip_rate_max_, slip_rate_min_,
+    consider_extremum(
+        EventKind::slip_rate_extreme, slip_rate_slope_, slip_rate_max_, slip_rate_min_,
         std::max(at.V, std::abs(ensemble_.unknown(slip_rate_index)[lane])),
         [&](double t) { return slip_rate.value(t); }, [&](double t) { return slip_rate.slope(t); });
     const auto consider_friction = [&](auto... how) {
-      consider_turn(Landing::friction_extreme, friction_slope_, friction_max_, friction_min_,
-                    friction_max_[lane] - friction_min_[lane], how...);
+      consider_extremum(EventKind::friction_extreme, friction_slope_, friction_max_, friction_min_,
+                        friction_max_[lane] - friction_min_[lane], how...);
     };
     if (friction_index_ >= 0) {
       const auto friction = ensemble_.polynomial(lane, friction_index_);
@@ -215,8 +215,8 @@ PassageLanes::Event PassageLanes::look_for_events(int lane) {
   return first;
 }
 
-/// Where the slip rate first crosses one of the levels in the last step, which it may do and come back.
-PassageLanes::Event PassageLanes::look_for_level(int lane) {
+/// The first crossing of a level by the slip rate in the last step, which may cross and come back.
+ReturnLanes::Event ReturnLanes::first_level_crossing(int lane) {
   Event first;
   struct Point {
     double theta, u;
@@ -233,23 +233,22 @@ PassageLanes::Event PassageLanes::look_for_level(int lane) {
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     const double threshold = thresholds_[k][lane];
     const bool inside = inside_[k][lane] > 0;
-    if (count == 3)
-      lanes_[lane].passage->touches_threshold |= std::abs(std::abs(points[1].u) / threshold - 1) < touches;
+    if (count == 3) lanes_[lane].task->touches_threshold |= std::abs(std::abs(points[1].u) / threshold - 1) < touches;
     for (std::size_t i = 1; i < count; ++i) {
       const Point &a = points[i - 1], &b = points[i];
       const bool begins_inside = std::abs(a.u) <= threshold, ends_inside = std::abs(b.u) <= threshold;
       const bool through = (a.u < 0) != (b.u < 0);
       if (inside ? ends_inside : !ends_inside && !through) continue;
-      // After a landing a step may begin a little short of the threshold; then it may only have grazed it.
+      // A step that begins at an event may begin just short of the threshold, and then only graze it.
       const bool grazed = inside ? !begins_inside && !through : begins_inside;
       if (!grazed) {
         const double level = (inside ? b.u : a.u) > 0 ? threshold : -threshold;
         const double theta = bisect([&](double t) { return q.value(t) - level; }, a.theta, b.theta);
-        if (theta < first.theta) first = {Landing::level, int(k), theta};
+        if (theta < first.theta) first = {EventKind::level, int(k), theta};
       } else if (!inside || std::abs(b.u) > std::abs(a.u)) {
         cross(lane, int(k), now(lane) - ensemble_.length()[lane]);
       } else {
-        continue;  // still on its way in
+        continue;  // not yet inside
       }
       break;
     }
@@ -257,15 +256,15 @@ PassageLanes::Event PassageLanes::look_for_level(int lane) {
   return first;
 }
 
-PassageLanes::Event PassageLanes::look_for_switch(int lane) {
+ReturnLanes::Event ReturnLanes::first_switch(int lane) {
   const double direction = sliders_.direction()[lane];
   if (direction == 0) {
     if (holding_margin(lane, 1) >= 0) return {};
     const double theta = bisect([&](double t) { return holding_margin(lane, t); }, 0, 1);
-    return {Landing::release, 0, std::min(theta, almost_all)};
+    return {EventKind::release, 0, std::min(theta, almost_all)};
   }
   if (!(armed_[lane] > 0)) return {};
-  const double V = lanes_[lane].V, close = grazing * lanes_[lane].passage->tolerance * V;
+  const double V = lanes_[lane].V, close = grazing * lanes_[lane].task->tolerance * V;
   const auto q = ensemble_.polynomial(lane, slip_rate_index);
   const auto slip = [&](double theta) { return direction * q.value(theta); };
   double end = 1;
@@ -274,19 +273,19 @@ PassageLanes::Event PassageLanes::look_for_switch(int lane) {
     if (!(direction * q.slope(0) < 0 && direction * q.slope(1) > 0)) return {};
     end = bisect([&](double theta) { return q.slope(theta); }, 0, 1);
     if (!(slip(end) < 0)) {
-      lanes_[lane].grazes |= slip(end) < close;
+      lanes_[lane].may_graze |= slip(end) < close;
       return {};
     }
   }
   const double theta = bisect(slip, 0, end);
-  // Beyond rest it would have gone on to where the spring stops it.
+  // Without stick slip would continue below rest, until the spring stops it.
   const auto& slider = lanes_[lane].loaded->model().slider;
   const double rate = q.slope(theta) / ensemble_.length()[lane];
-  lanes_[lane].grazes |= 0.5 * rate * rate < close * V * slider.stiffness / slider.mass;
-  return {Landing::stop, 0, std::min(theta, almost_all)};
+  lanes_[lane].may_graze |= 0.5 * rate * rate < close * V * slider.stiffness / slider.mass;
+  return {EventKind::stop, 0, std::min(theta, almost_all)};
 }
 
-void PassageLanes::begin_mode(int lane, double direction, const double* y) {
+void ReturnLanes::begin_mode(int lane, double direction, const double* y) {
   constexpr double begins = 1e-4;
   const auto& model = lanes_[lane].loaded->model();
   const auto& s = model.slider;
@@ -297,10 +296,10 @@ void PassageLanes::begin_mode(int lane, double direction, const double* y) {
   }
   sliders_.set_direction(lane, direction);
   armed_.set(lane, 0);
-  ensemble_.start(lane, y, lanes_[lane].passage->tolerance, first_step);
+  ensemble_.start(lane, y, lanes_[lane].task->tolerance, first_step);
 }
 
-PassageLanes::Arrival PassageLanes::change_mode(int lane) {
+ReturnLanes::Arrival ReturnLanes::change_mode(int lane) {
   Lane& at = lanes_[lane];
   const SliderSystem& slider = *at.loaded;
   const auto& model = slider.model();
@@ -318,7 +317,7 @@ PassageLanes::Arrival PassageLanes::change_mode(int lane) {
   const bool has_states = sliders_.size() > slip_rate_index + 1;
   const bool released = (ended == 0 && force > 0) || (sticks && !has_states);
   if (sticks && !has_states) {
-    // Nothing happens but that the drive loads the spring.
+    // During this stick the drive loads the spring, and no state evolves.
     const double N = model.drive.normal_load.level(), time = (limit - force) / (model.slider.stiffness * at.V);
     y[0] += at.V * time;
     at.elapsed += time;
@@ -328,23 +327,23 @@ PassageLanes::Arrival PassageLanes::change_mode(int lane) {
     friction_min_.set(lane, std::min(friction_min_[lane], force / N));
   }
   begin_mode(lane, released ? 1 : sticks ? 0 : force > 0 ? 1 : -1, y.data());
-  return released ? Arrival::finished : Arrival::go_on;
+  return released ? Arrival::finished : Arrival::continues;
 }
 
-void PassageLanes::cross(int lane, int level, double moment) {
+void ReturnLanes::cross(int lane, int level, double moment) {
   Lane& at = lanes_[lane];
   const bool inside = inside_[level][lane] > 0;
   if (inside)
-    at.passage->metrics.*levels_[level].member += moment - at.entered[level];
+    at.task->metrics.*levels_[level].member += moment - at.entered[level];
   else
     at.entered[level] = moment;
   inside_[level].set(lane, !inside);
 }
 
-PassageLanes::Arrival PassageLanes::arrive(int lane) {
+ReturnLanes::Arrival ReturnLanes::arrive(int lane) {
   Lane& at = lanes_[lane];
-  const Event event = at.landing;
-  // Where exactly the event lies, near the end of the step.
+  const Event event = at.target;
+  // Newton's method refines the place of the event near the end of the step.
   double theta = 1;
   const auto newton = [&](auto value, auto slope) {
     for (int i = 0; i < 4; ++i) theta -= value(theta) / slope(theta);
@@ -353,44 +352,44 @@ PassageLanes::Arrival PassageLanes::arrive(int lane) {
     const auto q = ensemble_.polynomial(lane, slip_rate_index);
     newton([&](double t) { return q.value(t) - level; }, [&](double t) { return q.slope(t); });
   };
-  if (event.kind == Landing::section) {
+  if (event.kind == EventKind::section) {
     constexpr double d = differences;
     if (rigid_)
       land_on(at.V);
     else
       newton([&](double t) { return section_value(lane, t); },
              [&](double t) { return (section_value(lane, t + d) - section_value(lane, t - d)) / (2 * d); });
-  } else if (event.kind == Landing::stop) {
+  } else if (event.kind == EventKind::stop) {
     land_on(0);
-  } else if (event.kind == Landing::release) {
+  } else if (event.kind == EventKind::release) {
     constexpr double d = differences;
     newton([&](double t) { return holding_margin(lane, t); },
            [&](double t) { return (holding_margin(lane, t + d) - holding_margin(lane, t - d)) / (2 * d); });
-  } else if (event.kind == Landing::level) {
+  } else if (event.kind == EventKind::level) {
     const double threshold = thresholds_[event.level][lane];
     land_on(ensemble_.unknown(slip_rate_index)[lane] > 0 ? threshold : -threshold);
   }
   if (!(std::abs(theta - 1) < largest_miss)) {
-    if (theta > 0 && theta < 1) {  // passed already: shorter
+    if (theta > 0 && theta < 1) {  // the event lies before the step's end: retake it shorter
       ensemble_.retake(lane, theta);
       return Arrival::retaken;
     }
-    at.landing = {};  // not yet there: the next step will cross
-    return Arrival::go_on;
+    at.target = {};  // the event lies in the next step
+    return Arrival::continues;
   }
-  at.landing = {};
-  if (event.kind == Landing::level) cross(lane, event.level, now(lane) + (theta - 1) * ensemble_.length()[lane]);
-  const bool switched = event.kind == Landing::stop || event.kind == Landing::release;
-  if (event.kind != Landing::section && !switched) return Arrival::go_on;
+  at.target = {};
+  if (event.kind == EventKind::level) cross(lane, event.level, now(lane) + (theta - 1) * ensemble_.length()[lane]);
+  const bool switched = event.kind == EventKind::stop || event.kind == EventKind::release;
+  if (event.kind != EventKind::section && !switched) return Arrival::continues;
   end_step_at(lane, theta);
   return switched ? Arrival::switched : Arrival::finished;
 }
 
-/// The step is summed to its end; what was to be landed on lies a little off.
-void PassageLanes::end_step_at(int lane, double theta) {
+/// Moves the sums of the last step from its end to the event at `theta`.
+void ReturnLanes::end_step_at(int lane, double theta) {
   const SliderSystem& slider = *lanes_[lane].loaded;
-  const bool sticks = switches_ && sliders_.direction()[lane] == 0, records = lanes_[lane].passage->record;
-  if (sticks) {  // the contact never bore more than its limit
+  const bool sticks = switches_ && sliders_.direction()[lane] == 0, records = lanes_[lane].task->record;
+  if (sticks) {  // friction never exceeds the limit of the contact
     std::array<double, solvers::lanes::Ensemble::capacity> y;
     interpolate(lane, theta, y.data());
     friction_[1].set(lane, slider.holding_force(0, y.data()) / slider.model().drive.normal_load.level());
@@ -415,9 +414,9 @@ void PassageLanes::end_step_at(int lane, double theta) {
   ensemble_.adjust(lane, theta);
 }
 
-/// Slip that feeds its own growth is followed step by step, and so is slip that comes to rest: friction may turn over
-/// within a small part of V.
-void PassageLanes::bound_switching_steps() {
+/// Bounds the steps of slip that grows out of rest to its growth time, and of slip that comes to rest to half its time
+/// to rest, because friction may reverse within a small part of V.
+void ReturnLanes::bound_switching_steps() {
   Lanes bounds, growth_rate, acceleration;
   sliders_.pace(ensemble_.unknowns(), growth_rate, acceleration);
   run_on_lanes([&] {
@@ -425,16 +424,16 @@ void PassageLanes::bound_switching_steps() {
     for (int p = 0; p < lane_packs; ++p) {
       const Pack u = ensemble_.unknown(slip_rate_index).pack[p], rate = acceleration.pack[p];
       const Mask slips = abs(sliders_.direction().pack[p]) > zero;
-      const Mask slows = (u * rate < zero) & (abs(u) > landing_floor_.pack[p]);
+      const Mask slows = (u * rate < zero) & (abs(u) > rest_floor_.pack[p]);
       const Pack growth = select(growth_rate.pack[p] > zero, 1.0 / growth_rate.pack[p], unbounded);
-      const Pack landing = select(slows, 0.5 * abs(u / rate), unbounded);
-      bounds.pack[p] = select(slips, min(min(swing_.pack[p], growth), landing), unbounded);
+      const Pack stopping = select(slows, 0.5 * abs(u / rate), unbounded);
+      bounds.pack[p] = select(slips, min(min(swing_.pack[p], growth), stopping), unbounded);
     }
   });
   ensemble_.bound_steps(bounds);
 }
 
-void PassageLanes::screen() {
+void ReturnLanes::flag_events() {
   const int levels = int(levels_.size());
   const bool extremes = recording_.extremes;
   run_on_lanes([&] {
@@ -457,7 +456,7 @@ void PassageLanes::screen() {
         if (extremes)
           event =
               event | turns | (records & ((friction_slope_[0].pack[p] > zero) ^ (friction_slope_[1].pack[p] > zero)));
-        // The turn may reach across a threshold; in deep stick, where rounding turns at every step, it does not.
+        // An extremum may lie across a threshold; the extrema of rounding error in deep stick do not.
         const Pack farthest = max(abs(s0), abs(s1)), low = min(abs(u0), abs(u1)), high = max(abs(u0), abs(u1));
         for (int k = 0; k < levels; ++k) {
           const Pack threshold = thresholds_[k].pack[p];
@@ -473,15 +472,15 @@ void PassageLanes::screen() {
       }
       const Mask late = ensemble_.times().pack[p] > longest_.pack[p];
       const Mask active = holds(active_);
-      const Mask special = active & (late | holds(landing_) | (accepted & event));
+      const Mask special = active & (late | holds(has_target_) | (accepted & event));
       flagged_.pack[p] = select(special, one, zero);
       counted_.pack[p] = select(active & accepted & records & !special, one, zero);
     }
   });
 }
 
-/// Takes note of where the last step has led, in the lanes that are not flagged any more.
-void PassageLanes::see() {
+/// Updates extremes and step bounds after the last step, in the lanes without a pending event.
+void ReturnLanes::update_extremes() {
   Lanes bounds;
   run_on_lanes([&] {
     const Pack zero = 0.0, one = 1.0;
@@ -505,11 +504,11 @@ void PassageLanes::see() {
       bounds.pack[p] = select(departure < 0.9 * V, growth_time_.pack[p], Pack(infinity));
       const Pack before = creep_.pack[p];
       const Mask grows = good & (before > zero) & (v > before) & (v < 0.1 * V);
-      const Pack foldings = max(log(felt_.pack[p] / v), Pack(followed));
+      const Pack foldings = max(log(growth_floor_.pack[p] / v), Pack(most_foldings));
       bounds.pack[p] = select(grows, ensemble_.length().pack[p] * foldings / log(v / before), bounds.pack[p]);
-      const Pack landed = landed_.pack[p];
-      const Mask slows = good & (landed > zero) & (v * before > zero) & (abs(v) < abs(before));
-      const Pack loses = max(motion::ReversalSteps::share * abs(v), landed);
+      const Pack near_rest = near_rest_.pack[p];
+      const Mask slows = good & (near_rest > zero) & (v * before > zero) & (abs(v) < abs(before));
+      const Pack loses = max(motion::ReversalSteps::share * abs(v), near_rest);
       bounds.pack[p] =
           select(slows, min(bounds.pack[p], ensemble_.length().pack[p] * loses / abs(before - v)), bounds.pack[p]);
       update(creep_, v);
@@ -518,45 +517,45 @@ void PassageLanes::see() {
   if (!switches_) ensemble_.bound_steps(bounds);
 }
 
-void PassageLanes::end(int lane, PassageQueue& queue) {
+void ReturnLanes::end(int lane, ReturnQueue& queue) {
   Lane& at = lanes_[lane];
-  LanePassage& passage = *at.passage;
-  passage.tries = attempts_ - at.begun;
-  passage.amplitude = amplitude_[lane];
-  passage.duration = now(lane);
-  passage.last_step = ensemble_.next_length(lane);
-  for (int i = 0; i < sliders_.size(); ++i) passage.y[i] = ensemble_.unknown(i)[lane];
-  if (rigid_ && !switches_ && passage.ending == Ending::reached_end) passage.y[slip_rate_index] = at.V;
-  if (passage.record) {
-    cycles::Metrics& m = passage.metrics;
-    m.period = passage.duration;
+  LaneReturn& task = *at.task;
+  task.tries = attempts_ - at.begun;
+  task.amplitude = amplitude_[lane];
+  task.duration = now(lane);
+  task.last_step = ensemble_.next_length(lane);
+  for (int i = 0; i < sliders_.size(); ++i) task.y[i] = ensemble_.unknown(i)[lane];
+  if (rigid_ && !switches_ && task.ending == Ending::reached_end) task.y[slip_rate_index] = at.V;
+  if (task.record) {
+    cycles::Metrics& m = task.metrics;
+    m.period = task.duration;
     m.slip_rate_max = slip_rate_max_[lane];
     m.slip_rate_min = slip_rate_min_[lane];
     m.friction_max = friction_max_[lane];
     m.friction_min = friction_min_[lane];
     for (std::size_t k = 0; k < levels_.size(); ++k) {
       double& stuck = m.*levels_[k].member;
-      if (inside_[k][lane] > 0) stuck += passage.duration - at.entered[k];
-      stuck /= passage.duration;
+      if (inside_[k][lane] > 0) stuck += task.duration - at.entered[k];
+      stuck /= task.duration;
     }
     m.stick_fraction = m.slow_fraction;
     if (switches_) {
-      m.stick_fraction = at.stuck / passage.duration;
-      // Stick is rest, which slip comes to within its rounding.
+      m.stick_fraction = at.stuck / task.duration;
+      // Stick is rest, which slip reaches to within rounding error.
       if (std::abs(m.slip_rate_min) < std::max(1e-10 * at.V, 1e-15 * m.slip_rate_max)) m.slip_rate_min = 0;
     }
     m.loop_area = cycles::follows_steady_curve(*at.loaded) ? 0 : std::abs(loop_[lane]);
-    m.friction_mean = friction_sum_[lane] / passage.duration;
-    m.slip_rate_mean = slip_rate_sum_[lane] / passage.duration;
+    m.friction_mean = friction_sum_[lane] / task.duration;
+    m.slip_rate_mean = slip_rate_sum_[lane] / task.duration;
     m.loop_area_normalised = m.loop_area / (m.slip_rate_max * m.friction_max);
   }
-  at.passage = nullptr;
+  at.task = nullptr;
   active_.set(lane, 0);
-  queue.finished(passage);
+  queue.finished(task);
 }
 
 /// Slopes of slip rate and friction at both ends of the last step.
-void PassageLanes::measure_steps() {
+void ReturnLanes::measure_steps() {
   run_on_lanes([&] {
     for (int p = 0; p < lane_packs; ++p) {
       const auto slip_rate = ensemble_.polynomial_of_pack(p, slip_rate_index);
@@ -584,10 +583,10 @@ void PassageLanes::measure_steps() {
   }
 }
 
-/// Adds the integrals over the last step of the lanes that count. Where friction is an unknown, ∫ μ dv is that of the
-/// dense output; functions of v, which ∮ (μ − μ_ss) dv is free to take off, would change it by rounding alone, or where
-/// they bend near rest by more than the tolerance.
-void PassageLanes::accumulate() {
+/// Adds the integrals over the last step in the lanes of `counted_`. Where friction is an unknown, ∫ μ dv comes from
+/// the dense output. μ_ss(v) is left out of ∮ (μ − μ_ss) dv, where its integral vanishes; it would add only rounding
+/// error, or near rest, where it bends, more than the tolerance.
+void ReturnLanes::accumulate() {
   if (friction_index_ < 0) return accumulate_at_nodes();
   run_on_lanes([&] {
     for (int p = 0; p < lane_packs; ++p) {
@@ -607,7 +606,7 @@ void PassageLanes::accumulate() {
 }
 
 /// The same by Gauss's rule with three nodes on the dense output.
-void PassageLanes::accumulate_at_nodes() {
+void ReturnLanes::accumulate_at_nodes() {
   constexpr int nodes = 3;
   constexpr double node[nodes] = {0.1127016653792583, 0.5, 0.8872983346207417};
   constexpr double weight[nodes] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
@@ -642,29 +641,29 @@ void PassageLanes::accumulate_at_nodes() {
   });
 }
 
-PassageLanes::Arrival PassageLanes::follow(int lane) {
+ReturnLanes::Arrival ReturnLanes::follow(int lane) {
   Lane& at = lanes_[lane];
-  if (ensemble_.time(lane) > at.passage->longest || attempts_ - at.begun > most_tries) return Arrival::given_up;
+  if (ensemble_.time(lane) > at.task->longest || attempts_ - at.begun > most_tries) return Arrival::given_up;
   if (!ensemble_.accepted(lane)) {
-    at.landing = {};  // a step that was to land has failed: look again
-    landing_.set(lane, 0);
+    at.target = {};  // the retaken step failed: events are searched for again
+    has_target_.set(lane, 0);
     return Arrival::retaken;
   }
-  if (at.landing.kind != Landing::none) {
+  if (at.target.kind != EventKind::none) {
     const Arrival arrival = arrive(lane);
-    if (arrival != Arrival::retaken) landing_.set(lane, 0);
+    if (arrival != Arrival::retaken) has_target_.set(lane, 0);
     return arrival;
   }
-  const Event event = look_for_events(lane);
-  if (at.grazes) return Arrival::given_up;
-  if (!(event.theta < 1)) return Arrival::go_on;
+  const Event event = first_event(lane);
+  if (at.may_graze) return Arrival::given_up;
+  if (!(event.theta < 1)) return Arrival::continues;
   ensemble_.retake(lane, std::max(event.theta, 1e-6));
-  at.landing = event;
-  landing_.set(lane, 1);
+  at.target = event;
+  has_target_.set(lane, 1);
   return Arrival::retaken;
 }
 
-void PassageLanes::run(PassageQueue& queue) {
+void ReturnLanes::run(ReturnQueue& queue) {
   int working = 0;
   for (int lane = 0; lane < lane_count; ++lane) working += take(lane, queue);
   while (working > 0) {
@@ -674,18 +673,18 @@ void PassageLanes::run(PassageQueue& queue) {
     ++attempts_;
     sliders_.contact_slip_rate(ensemble_.unknowns(), section_);
     if (switches_ || ((recording_.extremes || !levels_.empty()) && any(records_))) measure_steps();
-    screen();
+    flag_events();
     std::array<bool, lane_count> ended{}, switched{};
     bool any_ended = false, any_switched = false;
     const auto ends = [&](int lane, Ending how) {
-      lanes_[lane].passage->ending = how;
+      lanes_[lane].task->ending = how;
       any_ended = ended[lane] = true;
     };
     for (int lane = 0; lane < lane_count; ++lane) {
       const Lane& at = lanes_[lane];
-      if (at.passage && attempts_ - at.begun > most_tries) flagged_.set(lane, 1);
+      if (at.task && attempts_ - at.begun > most_tries) flagged_.set(lane, 1);
       if (!(flagged_[lane] > 0)) continue;
-      const Arrival arrival = answered([&] { return follow(lane); });
+      const Arrival arrival = give_up_on_input_error([&] { return follow(lane); });
       if (arrival == Arrival::retaken) continue;
       if (arrival == Arrival::given_up) {
         ends(lane, Ending::budget_spent);
@@ -696,19 +695,19 @@ void PassageLanes::run(PassageQueue& queue) {
       flagged_.set(lane, 0);
       counted_.set(lane, records_[lane]);
     }
-    see();
+    update_extremes();
     if ((recording_.loop_area || recording_.means) && any(counted_)) accumulate();
     for (int lane = 0; any_switched && lane < lane_count; ++lane) {
       if (!switched[lane]) continue;
-      const Arrival arrival = answered([&] { return change_mode(lane); });
-      if (arrival != Arrival::go_on)
+      const Arrival arrival = give_up_on_input_error([&] { return change_mode(lane); });
+      if (arrival != Arrival::continues)
         ends(lane, arrival == Arrival::finished ? Ending::reached_end : Ending::budget_spent);
     }
     if (!any_ended) continue;
     for (int lane = 0; lane < lane_count; ++lane)
       if (ended[lane]) end(lane, queue);
     for (int lane = 0; lane < lane_count; ++lane)
-      if (ended[lane] || !lanes_[lane].passage) working += take(lane, queue) - ended[lane];
+      if (ended[lane] || !lanes_[lane].task) working += take(lane, queue) - ended[lane];
   }
 }
 
