@@ -488,7 +488,7 @@ class CycleSearch {
     const int last = int(ends_.size()) - 1;
     if (map_.system().mechanics() != oscillators::Mechanics::inertial) return std::nullopt;
     // Two periods that agree to 1e-9 are as good a proof as four that scatter within 1e-5.
-    constexpr double rounding = 1e-5, last_digits = 1e-9, nowhere = 2, longer_than_swings = 1.5;
+    constexpr double rounding = 1e-5, agreement = 1e-9, nowhere = 2, longer_than_swings = 1.5;
     const double swing = 2 * std::numbers::pi * std::sqrt(slider.mass / slider.stiffness);
     const double size = distance_from_steady(y);
     const auto repeats = [&](int returns, int periods, double within) {
@@ -498,7 +498,7 @@ class CycleSearch {
       return farthest <= within * size && map_.distance(y, ends_[last - periods * returns]) <= nowhere * farthest;
     };
     for (int returns = 1; 2 * returns <= last; ++returns) {
-      if (!repeats(returns, 2, last_digits) && !(4 * returns <= last && repeats(returns, 4, rounding))) continue;
+      if (!repeats(returns, 2, agreement) && !(4 * returns <= last && repeats(returns, 4, rounding))) continue;
       if (*std::max_element(durations_.end() - returns, durations_.end()) < longer_than_swings * swing) continue;
       if (returns == 1) return std::nullopt;  // neighbouring returns distinguish attraction from slow change
       const auto n = map_.scale().size();
@@ -515,14 +515,14 @@ class CycleSearch {
 
   /// Follows the growth of a slowly changing oscillation through y to its end. Nothing if y belongs to none.
   std::optional<Attempt> follow_swing(const std::vector<double>& y) {
-    constexpr double closely = 1e-9, dead = 0.02;
-    const auto swing = slow_swing_from(map_, y, closely);
+    constexpr double tolerance = 1e-9, dead = 0.02;
+    const auto swing = slow_swing_from(map_, y, tolerance);
     if (!swing) return std::nullopt;
-    const auto end = follow_slow_swing(map_, *swing, closely);
+    const auto end = follow_slow_swing(map_, *swing, tolerance);
     constexpr double leaves_alone = 1e-12;  // metrics to 1e-6 then hold for a million periods
     // The work per period of a contact with memory is known to rounding error of the oscillation's energy.
-    const bool tells = swing->turnover > leaves_alone || !oscillators::remembers(map_.system().model());
-    if (end.balance && tells) return accept_swing(end);
+    const bool conclusive = swing->turnover > leaves_alone || !oscillators::remembers(map_.system().model());
+    if (end.balance && conclusive) return accept_swing(end);
     if (steady_is_stable()) return end.last->amplitude < dead ? Attempt::ends : Attempt::goes_on;
     if (std::abs(swing->growth) < leaves_alone) {
       point = FixedPoint{.y = swing->y, .derivative = {}, .amplitude = swing->amplitude};
@@ -544,9 +544,9 @@ class CycleSearch {
   /// True if the oscillation decays until the slider sticks, and the next amplitude depends on the phase of the stop by
   /// more than many periods of decay: no two periods are alike.
   bool sticks_at_random(const SlowEnd& end, const SlowSwing& swing) {
-    constexpr double closely = 1e-11, noise = 1e3 * closely, many = 10;
+    constexpr double tolerance = 1e-11, noise = 1e3 * tolerance, many = 10;
     if (swing.growth > 0) return false;
-    const auto again = swing_after_stick(map_, *end.last, swing, closely);
+    const auto again = swing_after_stick(map_, *end.last, swing, tolerance);
     if (!again || !(again->spread > std::max(noise, many * std::abs(again->growth)))) return false;
     outcome = {Ending::none_exists,
                fmt::format("no two periods are alike: a swing decays over {:.1g} turns until the slider sticks, and "

@@ -353,14 +353,14 @@ std::optional<VectorXd> OnsetMap::newton_step(const VectorXd& z, const VectorXd&
 
 StickSlipPeriod OnsetMap::refined_by_newton(StickSlipPeriod period, VectorXd z, double without_newton, long& steps,
                                             long& evaluations) const {
-  constexpr double farthest = 0.5, last_digits = 1e-15;
+  constexpr double farthest = 0.5, rounding = 1e-15;
   double left = infinity, times = 1;  // distance to the fixed point; change of the metrics over change of the states
   while (const auto step = newton_step(z, gather(period.onset) - z)) {
     steps += 2 * z.size() * period.steps;  // about
     const double length = size_of_step(*step, z);
     const bool halves = length < std::min(0.5 * left, farthest);
     left = std::min(length, left);
-    if (!halves || left < last_digits) break;
+    if (!halves || left < rounding) break;
     auto next = period_from(z + *step);
     steps += next.steps, evaluations += next.evaluations;
     if (!next.found) break;

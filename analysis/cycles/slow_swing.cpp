@@ -40,11 +40,11 @@ std::optional<Root> root_between(ReturnMap& map, const SlowSwing& low, const Slo
                                  double known, long last_step) {
   const double from = low.y[at_displacement], width = high.y[at_displacement] - from;
   SlowSwing here = low;
-  bool lost = false;
+  bool failed = false;
   const auto growth = [&](double part) {
-    if (lost || map.cost().steps > last_step) return lost = true, 0.0;
+    if (failed || map.cost().steps > last_step) return failed = true, 0.0;
     const auto at = swing_at(map, here, from + part * width, tolerance);
-    if (!at) return lost = true, 0.0;
+    if (!at) return failed = true, 0.0;
     here = *at;
     return at->growth;
   };
@@ -53,7 +53,7 @@ std::optional<Root> root_between(ReturnMap& map, const SlowSwing& low, const Slo
   const auto [a, b] = boost::math::tools::toms748_solve(
       growth, 0.0, 1.0, low.growth, high.growth, [&](double l, double r) { return r - l < enough; }, iterations);
   growth(0.5 * (a + b));
-  if (lost) return std::nullopt;
+  if (failed) return std::nullopt;
   return Root{here, (b - a) * width / low.stretch};
 }
 
@@ -101,12 +101,12 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
   swing.scatter = 0;
   swing.y[at_displacement] = displacement;
   double last = infinity, moved_last = infinity, scatter = infinity;
-  bool leads = false;
-  for (int turn = 0; turn < most; ++turn) {
+  bool use_newton = false;
+  for (int period = 0; period < most; ++period) {
     swing.stretch = displacement - swing.middle;
     const double expected = amplitude_of(map, swing.stretch);
     SwingWork work(map.system(), model.slider.stiffness * swing.middle - model.drive.force.level());
-    const auto returned = map.follow(swing.y, tolerance, 1, true, leads ? Derivative::of_steps : Derivative::none,
+    const auto returned = map.follow(swing.y, tolerance, 1, true, use_newton ? Derivative::of_steps : Derivative::none,
                                      &work, dip_of(expected));
     if (!returned.outcome.complete() || !(std::abs(returned.amplitude - expected) < another * expected))
       return std::nullopt;
@@ -117,7 +117,7 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
     if (!std::isfinite(swing.growth)) return std::nullopt;
     auto change = map.difference(returned.end, swing.y);
     const auto states = change.size() - mechanical;
-    if (leads) {
+    if (use_newton) {
       swing.state_derivative = returned.derivative.bottomRightCorner(states, states);
       const Eigen::VectorXd scale = map.scale().tail(states);
       const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(states, states);
@@ -132,16 +132,16 @@ std::optional<SlowSwing> swing_at(ReturnMap& map, const SlowSwing& near, double 
     const double enough =
         std::max({settled * std::abs(swing.growth), std::max(tolerance, rounding) * swing.turnover, nothing});
     const bool forgotten = moved < std::max(forgets * moved_last, gone);
-    const bool state_is = (leads || forgotten) && moved < state_settled;
+    const bool state_is = (use_newton || forgotten) && moved < state_settled;
     // The position of the steps about a reversal varies from period to period, and with it the error of the work.
     const double differs = std::abs(swing.growth - last);
     scatter = state_is ? std::max(std::isfinite(scatter) ? 0.5 * scatter : 0, differs) : infinity;
-    if (turn > 0 && state_is && differs <= enough) return swing;
-    if (turn == most - 1 && scatter < noisy * swing.turnover) {
+    if (period > 0 && state_is && differs <= enough) return swing;
+    if (period == most - 1 && scatter < noisy * swing.turnover) {
       swing.scatter = scatter;
       return swing;
     }
-    leads = leads || !forgotten;  // states that a period does not forget are solved for by Newton's method
+    use_newton = use_newton || !forgotten;  // states that a period does not forget are solved for by Newton's method
     last = swing.growth;
     moved_last = moved;
   }

@@ -100,8 +100,8 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
     }
     const double change = returned.outcome.complete() ? map.distance(returned.end, point.y) : infinity;
     // A growth within 100 tolerances is the scatter of the steps, and no sign of a wrong derivative.
-    constexpr double astray = 10, noise = 100;
-    if (newton_converges && change > astray * std::max(before, noise * std::max(tolerance, 1e-14))) {
+    constexpr double diverging = 10, noise = 100;
+    if (newton_converges && change > diverging * std::max(before, noise * std::max(tolerance, 1e-14))) {
       point.y = last_end;
       newton_converges = false;
       result.closure = infinity;
@@ -304,8 +304,8 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   // Every tolerance is tested: returns that differ at one may agree at a tighter one, which resolves the onset of slip.
   bool fewer = false;
   const auto period_is_shorter = [&](const Refined& known) {
-    constexpr double tells = 1e-3;  // of the size
-    if (!known.outcome.complete() || known.closure > tells * map.distance(point.y, map.system().steady(0)) ||
+    constexpr double well_known = 1e-3;  // of the size
+    if (!known.outcome.complete() || known.closure > well_known * map.distance(point.y, map.system().steady(0)) ||
         !reduce_to_fewer_returns(map, point, sharpening.tolerance(), known.closure))
       return false;
     return fewer = true;

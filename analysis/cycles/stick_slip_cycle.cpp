@@ -208,10 +208,10 @@ bool StickSlipSearch::reversing_period_attracts() {
 }
 
 Outcome StickSlipSearch::why_none(const StickSlipPeriod& period) const {
-  constexpr double rounding = 1e-13, by_a_hair = 1e-5;
+  constexpr double rounding = 1e-13, grazing = 1e-5;
   if (kind_ != Kind::without_stick && period.lowest_slip < rounding) return grazing_outcome(period.lowest_slip);
   if (oscillators::remembers(model_) && !period.settles &&
-      (period.lowest_slip < by_a_hair || !(sliding_.stable || sliding_.marginal)))
+      (period.lowest_slip < grazing || !(sliding_.stable || sliding_.marginal)))
     return {Ending::budget_spent,
             "slip started from stick has come neither to rest again nor to steady sliding, nor back to where it began"};
   return {Ending::none_exists, "slip started from stick neither sticks again nor keeps an amplitude"};
@@ -242,9 +242,9 @@ void StickSlipSearch::compare(const StickSlipPeriod& fine) {
   // at other tolerances. The difference of two tolerances then understates the error.
   const bool kinks = std::ranges::any_of(model_.law->parameters(), [](const auto& p) { return p.is_list; });
   const double caution = kinks || kind_ == Kind::reversing ? 10 : 1;
-  constexpr double last_digits = 1e-15;  // relative rounding error of the reversal's displacement
+  constexpr double rounding = 1e-15;  // relative rounding error of the reversal's displacement
   if (kind_ == Kind::reversing) update_attraction(fine);
-  const double closure = fine.closure + last_digits / std::max(std::abs(attraction_), last_digits);
+  const double closure = fine.closure + rounding / std::max(std::abs(attraction_), rounding);
   Metrics error;
   double reached = estimate_errors(coarse_.metrics, fine.metrics, sharpening_.tolerance(), closure, V_, false, error,
                                    worst_, caution);

@@ -332,8 +332,8 @@ StickSlipPeriod PeriodSearch::from(const std::vector<double>* onset) {
   began_ = onset != nullptr;
   const double natural = 2 * std::numbers::pi * std::sqrt(s_.mass / s_.stiffness);
   longest_slip_ = 300 * natural + 10 * std::abs(system_.loaded_at_rest(rest, 1)[0]) / V_;
-  constexpr double last_digits = 8 * std::numeric_limits<double>::epsilon();
-  rounding_slip_rate_ = slip_rate_of_rounding(last_digits, sliding_.steady.displacement);
+  constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+  rounding_slip_rate_ = slip_rate_of_rounding(rounding, sliding_.steady.displacement);
   solver_.rewind_at_switches();  // slip may be far shorter than the rounding error of the time of stick before it
   // Friction that falls with slip distance alone lets slip end just at rest, to within rounding error of the slip rate.
   // Without memory the choice between stick and another oscillation as wide decides between a cycle and none.

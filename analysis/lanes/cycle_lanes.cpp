@@ -99,7 +99,7 @@ struct LaneSearch {
   VectorXd coarse;                   ///< metrics at the previous tolerance
   VectorXd fixed_point;              ///< fixed point at the tightest tolerance so far
   double amplitude = 1;              ///< |v − V|/V, predicted by neighbours
-  bool hinted = false;               ///< started from the neighbours' prediction
+  bool predicted = false;            ///< started from the neighbours' prediction
   bool probed = false;               ///< only the attraction of the cycle is being tested
   double probe_offset = infinity;    ///< distance from the fixed point after the previous return
   VectorXd error_rate;               ///< relative errors over the tolerance
@@ -113,8 +113,8 @@ struct LaneSearch {
     derivative_error = advice.derivative_error;
     slowest = largest_multiplier();
     amplitude = advice.amplitude;
-    hinted = slowest < 1;
-    if (!hinted) return;
+    predicted = slowest < 1;
+    if (!predicted) return;
     inherited = advice.error_rate;
     expected_rate = advice.expected_rate;
   }
@@ -313,8 +313,8 @@ class CycleQueue final : public ReturnQueue {
   }
   /// Restarts from stick after a wrong prediction by neighbours.
   bool begin_without_advice(LaneSearch& search) const {
-    if (!search.hinted) return false;
-    search.hinted = false;
+    if (!search.predicted) return false;
+    search.predicted = false;
     search.inherited.resize(0);
     search.expected_rate = 0;
     return begin(search);
@@ -343,7 +343,7 @@ class CycleQueue final : public ReturnQueue {
     // Slip that has not come to rest after many free oscillations belongs to another kind of cycle.
     p.longest = (search.sticks ? 0.03 : 1.0) * search.map.longest_return();
     p.first_step = 1e-4 * std::min(1.0, p.growth_time);
-    if (search.hinted) {
+    if (search.predicted) {
       search.stage = LaneSearch::Stage::coarse;
       p.amplitude = search.amplitude;
       p.from_section = true;
@@ -476,7 +476,7 @@ class CycleQueue final : public ReturnQueue {
                       task.tolerance * size};
     search.learn(visit);
     if (search.probed) return probe(search, image, cycle);
-    const bool unlearned = search.hinted ? search.returns == 1 : search.derivative_error == 1;
+    const bool unlearned = search.predicted ? search.returns == 1 : search.derivative_error == 1;
     if (unlearned && !search.sticks && hides_contraction(search, visit)) {
       // The next start differs in amplitude.
       const double distance =
@@ -530,7 +530,7 @@ class CycleQueue final : public ReturnQueue {
       if (reached <= search.requested) {
         const auto [multiplier, direction] = slowest_mode(search);
         constexpr double surely = 0.9;
-        const bool neighbours_certify = search.hinted && !hides_contraction(search, visit);
+        const bool neighbours_certify = search.predicted && !hides_contraction(search, visit);
         cycle.found = !search.deflects &&
                       (neighbours_certify || (multiplier < surely && (search.sticks || !may_be_neutral(search))));
         if (cycle.found) return false;
@@ -603,7 +603,7 @@ class CycleQueue final : public ReturnQueue {
 
   /// True if contraction may be slow in a direction that the returns so far do not show.
   static bool hides_contraction(const LaneSearch& search, const Visit& visit) {
-    if (search.hinted) return search.derivative_error > 0.3 * (1 - search.slowest);
+    if (search.predicted) return search.derivative_error > 0.3 * (1 - search.slowest);
     return weakly_coupled(search) || (visit.image - visit.start).norm() < LaneSearch::least_move * 2 * visit.noise;
   }
   /// True if friction may change the amplitude in a period by so little that the learned derivative is noise.

@@ -444,31 +444,32 @@ void ReturnLanes::flag_events() {
       const Pack u0 = ensemble_.unknown_before(slip_rate_index).pack[p];
       const Pack u1 = ensemble_.unknown(slip_rate_index).pack[p];
       const Mask accepted = ensemble_.accepted_of_pack(p), records = holds(records_);
-      const Mask turned = (u0 < zero) ^ (u1 < zero);
+      const Mask reversed = (u0 < zero) ^ (u1 < zero);
       Mask event = holds(below_) & !(v < V);
       for (int k = 0; k < levels; ++k) {
         const Mask inside = holds(inside_[k]), now = !(abs(u1) > thresholds_[k].pack[p]);
-        event = event | (records & (inside ^ now)) | (records & !inside & turned);
+        event = event | (records & (inside ^ now)) | (records & !inside & reversed);
       }
       if (levels > 0 || extremes) {
         const Pack s0 = slip_rate_slope_[0].pack[p], s1 = slip_rate_slope_[1].pack[p];
-        const Mask turns = records & ((s0 > zero) ^ (s1 > zero));
+        const Mask has_extremum = records & ((s0 > zero) ^ (s1 > zero));
         if (extremes)
-          event =
-              event | turns | (records & ((friction_slope_[0].pack[p] > zero) ^ (friction_slope_[1].pack[p] > zero)));
+          event = event | has_extremum |
+                  (records & ((friction_slope_[0].pack[p] > zero) ^ (friction_slope_[1].pack[p] > zero)));
         // An extremum may lie across a threshold; the extrema of rounding error in deep stick do not.
         const Pack farthest = max(abs(s0), abs(s1)), low = min(abs(u0), abs(u1)), high = max(abs(u0), abs(u1));
         for (int k = 0; k < levels; ++k) {
           const Pack threshold = thresholds_[k].pack[p];
           const Mask inside = holds(inside_[k]);
-          event =
-              event | (turns & ((inside & (high + farthest > threshold)) | ((!inside) & (low - farthest < threshold))));
+          event = event | (has_extremum &
+                           ((inside & (high + farthest > threshold)) | ((!inside) & (low - farthest < threshold))));
         }
       }
       if (switches_) {
         const Pack along = sliders_.direction().pack[p];
-        const Mask turns = (along * slip_rate_slope_[0].pack[p] < zero) & (along * slip_rate_slope_[1].pack[p] > zero);
-        event = event | !(abs(along) > zero) | (along * u1 < zero) | turns;
+        const Mask has_extremum =
+            (along * slip_rate_slope_[0].pack[p] < zero) & (along * slip_rate_slope_[1].pack[p] > zero);
+        event = event | !(abs(along) > zero) | (along * u1 < zero) | has_extremum;
       }
       const Mask late = ensemble_.times().pack[p] > longest_.pack[p];
       const Mask active = holds(active_);

@@ -175,14 +175,14 @@ void PlaneStickSlip::begin_slip(double t, double end, bool from_rest, const Plan
     const double along = dot<2>(first, e), across = first[1] * e[0] - first[0] * e[1];
     const double jerk = (along - muk * N[1]) / m;
     for (int d = 0; d < 2; ++d) second[d] -= mass_.damping[d] * jerk * e[d];
-    const double turn = across / (r + m * a);  // rate of the direction, rad/s
-    // Second derivative of the part of R along the direction of slip, which rotates at the rate `turn`.
-    const double snap = (dot<2>(second, e) + 2 * turn * across - turn * turn * r - muk * N[2]) / m;
+    const double turn_rate = across / (r + m * a);  // rate of the direction, rad/s
+    // Second derivative of the part of R along the direction of slip, which rotates at the rate `turn_rate`.
+    const double snap = (dot<2>(second, e) + 2 * turn_rate * across - turn_rate * turn_rate * r - muk * N[2]) / m;
     const double s = h * (a + h * (jerk / 2 + h * snap / 6));
     const double moved = h * h * (a / 2 + h * (jerk / 6 + h * snap / 24));
     // With inertia the direction of slip lags behind R.
     const double lag = a > 0 ? 0 : across / r * m * s / r;
-    const double phi = std::atan2(e[1], e[0]) + turn * h - lag;
+    const double phi = std::atan2(e[1], e[0]) + turn_rate * h - lag;
     y[time_] = t + h;
     for (int d = 0; d < 2; ++d) y[x_0 + d] += V[d] * h + moved * e[d];
     y[log_speed] = std::log(std::max(s, 1e-3 * least_speed * speed_scale_)), y[angle] = phi;
