@@ -94,9 +94,8 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
   const auto& s = model_.slider;
   if (mechanics_ == Mechanics::inertial && rigid() && carries_friction()) {
     // Additional creep at the friction of steady sliding, over the reference speed. Without memory a start from rest
-    // slips
-    // at 1e-14 of that speed, and the creep stays below it. Friction that nearly vanishes in steady sliding may be
-    // large in stick.
+    // slips at 1e-14 of that speed, and the creep stays below it. Friction that nearly vanishes in steady sliding may
+    // be large in stick.
     const auto [share, stuck] = model_.lambda == 0 ? std::pair(1e-28, 1e-14) : std::pair(1e-14, 1e-3);
     const double held = law.steady_friction({stuck * reference_speed_, start.load}).friction;
     creep_ = share * reference_speed_ / std::max({std::abs(z[0]), 0.1 * friction_scale, std::abs(held)});

@@ -41,9 +41,8 @@ class SliderSystem final : public SwitchingSystem {
   /// 1e-12 of the duration.
   void limit_creep_for(double duration);
   /// Takes y at t = 0 as the origin of displacement and forces if the forces balance in it during slip. The balance is
-  /// then
-  /// exact, where k x − F would keep the rounding error of both. Sets the displacement of y to 0; does nothing where
-  /// forces do not balance.
+  /// then exact, where k x − F would keep the rounding error of both. Sets the displacement of y to 0; does nothing
+  /// where forces do not balance.
   void measure_from_balance(std::vector<double>& y);
   bool autonomous() const override { return is_constant_; }
   double kink(const double* y) const override;
@@ -87,8 +86,7 @@ class SliderSystem final : public SwitchingSystem {
   /// Slip rate u at time t in y.
   double slip_rate(double t, const double* y) const;
   /// The slip rate of the contact itself, equal to u where the contact is rigid. Behind a contact spring the slider
-  /// rings,
-  /// and u crosses the drive speed many times during one stick, which the contact's slip rate does not.
+  /// rings, and u crosses the drive speed many times during one stick, which the contact's slip rate does not.
   double contact_slip_rate(double t, const double* y) const;
 
   /// Second and third derivative of f along a direction d: d²f(y + ε d)/dε² and d³f(y + ε d)/dε³ at ε = 0.
@@ -159,8 +157,7 @@ class SliderSystem final : public SwitchingSystem {
   std::vector<double> contact_scale_;
   double displacement_scale_ = 1, state_clock_ = 1;
   /// Additional creep of the contact, δ per unit of friction coefficient (m/s), far below the accuracy of any result.
-  /// The
-  /// direct effect reverses friction within e^(−μ/a) of the slip rate, which no arithmetic resolves where a mass
+  /// The direct effect reverses friction within e^(−μ/a) of the slip rate, which no arithmetic resolves where a mass
   /// reverses; with δ friction reverses within a range as wide as rounding error.
   double creep_ = 0;
   struct Origin {

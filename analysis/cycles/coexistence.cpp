@@ -77,8 +77,7 @@ class LoadOfCycle {
     return true;
   }
   /// Residual: the change in one return from the given size, in units of the size, and |direction|² − 1. `at`:
-  /// direction,
-  /// in the scale of the section, and ln(N/N_H).
+  /// direction, in the scale of the section, and ln(N/N_H).
   bool miss(double size, const Eigen::VectorXd& at, Eigen::VectorXd& residual) const {
     const Eigen::Index n = at.size() - 1;
     const Eigen::VectorXd start = at.head(n);

@@ -146,8 +146,7 @@ class OnsetMap::OnsetSearch {
     extrapolated_at_ = newton_judged_at_ = -1;
   }
   /// Anderson mixing: the step from the last onset to the fixed point, extrapolated from the last periods and limited
-  /// to
-  /// half of each state.
+  /// to half of each state.
   VectorXd accelerated() const {
     constexpr std::size_t depth = 6;
     const VectorXd z = onsets_.back(), step = changes_.back(), sizes = map_.sizes_at(z);

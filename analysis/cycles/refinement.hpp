@@ -31,9 +31,8 @@ class Sharpening {
   /// Judges the largest ratio of error to size, `reached`, of the metric `worst`. \returns the cycle's outcome.
   Outcome judge(double reached, const std::string& worst);
   /// True if a refinement replaces the `known` cycle: its largest error ratio `reached` is smaller, or the two differ
-  /// by
-  /// more than their errors. Finer steps are not always better: they may resolve ringing that coarser ones pass over,
-  /// or only add rounding error.
+  /// by more than their errors. Finer steps are not always better: they may resolve ringing that coarser ones pass
+  /// over, or only add rounding error.
   bool supersedes(const Cycle& known, const Metrics&, const Metrics& error, double reached);
 
  private:

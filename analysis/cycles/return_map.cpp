@@ -295,8 +295,7 @@ std::vector<double> ReturnMap::stick(double aged_at) const {
   const double F = N * model.law->friction({u, N}, state);
   if (system_.mechanics() == Mechanics::inertial && !system_.rigid()) {
     // While the contact sticks, its spring and the slider's share the motion of the drive. Any other start rings,
-    // perhaps
-    // without damping.
+    // perhaps without damping.
     const auto& s = model.slider;
     const double k_t = 1 / model.contact_stiffness.compliance(N);
     const double imposed = speed_ * s.stiffness / (s.stiffness + k_t);

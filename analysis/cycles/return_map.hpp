@@ -87,8 +87,7 @@ class ReturnMap {
     std::vector<double> ringing;  ///< amplitude for each unknown, from Collocation::ringing_errors()
   };
   /// Follows the motion from y through `returns` returns. `from_section`: y lies on the section. Motion less than
-  /// `dip`·V
-  /// below V has not left the section, because after a slip at 10¹⁰ V rounding error alone crosses it again.
+  /// `dip`·V below V has not left the section, because after a slip at 10¹⁰ V rounding error alone crosses it again.
   Return follow(const std::vector<double>& y, double tolerance, int returns, bool from_section,
                 Derivative derivative = Derivative::none, StepObserver* observer = nullptr, double dip = least_dip);
   static constexpr double least_dip = 1e-10;

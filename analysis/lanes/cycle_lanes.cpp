@@ -158,8 +158,7 @@ struct LaneSearch {
   VectorXd start;
 
   /// Multipliers of states much slower than a period, taken from their decay in steady sliding over as long, because
-  /// these
-  /// states hardly move in the returns from which the derivative is learned.
+  /// these states hardly move in the returns from which the derivative is learned.
   MatrixXd kept_by_slow_states() const {
     constexpr double slow = 0.3;  // part of a disturbance that decays in a period
     const auto& system = map.system();
@@ -416,8 +415,7 @@ class CycleQueue final : public ReturnQueue {
   }
 
   /// Tests, after motion from stick has found no cycle, whether all smaller amplitudes decay onto steady sliding. True
-  /// if
-  /// another return is wanted.
+  /// if another return is wanted.
   bool descend(LaneSearch& search, LaneCycle& cycle) const {
     constexpr int settling = 2;    // returns in which the fast directions relax
     constexpr double lower = 0.8;  // from one amplitude to the next
@@ -561,9 +559,8 @@ class CycleQueue final : public ReturnQueue {
   }
 
   /// Tests whether motion next to the cycle comes back to it; true if another return is wanted. After one return the
-  /// motion
-  /// lies along the least attracting direction. The residual of the last return over the measured attraction is the
-  /// distance from the cycle: beyond the Newton step and the tolerance, the cycle is not known.
+  /// motion lies along the least attracting direction. The residual of the last return over the measured attraction is
+  /// the distance from the cycle: beyond the Newton step and the tolerance, the cycle is not known.
   bool probe(LaneSearch& search, const VectorXd& image, LaneCycle& cycle) const {
     const double before = search.probe_offset, size = search.size_at(search.fixed_point);
     search.probe_offset = (image - search.fixed_point).norm();
@@ -678,9 +675,8 @@ class CycleQueue final : public ReturnQueue {
   }
 
   /// Factor from the relative error of the slip rate to that of friction at the stop. The time of the stop has the
-  /// error
-  /// of the slip rate over the deceleration, which is small where friction has changed little, and the drive loads the
-  /// spring at its speed for that time.
+  /// error of the slip rate over the deceleration, which is small where friction has changed little, and the drive
+  /// loads the spring at its speed for that time.
   static double stop_friction_factor(const oscillators::SliderSystem& system, const cycles::Metrics& m) {
     const auto& model = system.model();
     const double N = model.drive.normal_load.level(), V = model.drive.speed.level();

@@ -30,8 +30,8 @@ class Interpolant {
   /// Values must be positive.
   static Interpolant logarithm(NodeValues);
   /// The root form on columns x and rows y of pixels. `helper` is plain and must outlive the result. Where the
-  /// threshold
-  /// lies between the nodes, the smooth factor is extrapolated beyond it; nothing if too few nodes lie before it.
+  /// threshold lies between the nodes, the smooth factor is extrapolated beyond it; nothing if too few nodes lie before
+  /// it.
   static std::optional<Interpolant> root(const std::vector<int>& x, const std::vector<int>& y, NodeValues,
                                          const Interpolant& helper, double threshold);
 

@@ -91,8 +91,7 @@ class Neighbours {
   std::span<const GridPlace> places_;
   std::map<std::size_t, Member> members_;
   /// Order by phase, and within a phase the slider with the slowest neighbours first, so that no lane is left alone
-  /// with
-  /// a slow one at the end.
+  /// with a slow one at the end.
   struct Ready {
     int phase;
     long tries;

@@ -410,8 +410,7 @@ class Pass {
   }
 
   /// The same for an explicit step. Under a constant drive slip reverses at most once in a step, and the signs at its
-  /// ends
-  /// show it; else a few points of the dense output count too.
+  /// ends show it; else a few points of the dense output count too.
   void record_step(solvers::steps::Explicit& step) {
     std::vector<double> y(system_.size());
     const double t0 = step.time_before(), t1 = step.time();
@@ -476,8 +475,7 @@ class Pass {
   }
 
   /// Whether slip with a minimum within its error of rest sticks there is uncertain (grazing). Two passes that differ
-  /// in
-  /// `rest_in_doubt` decide differently, and their difference shows the effect.
+  /// in `rest_in_doubt` decide differently, and their difference shows the effect.
   Outcome with_events(const std::vector<double>& y, double tolerance, bool rest_in_doubt) {
     const SliderSwings swings(system_);
     solvers::stick_slip::StickSlip solver(system_, tolerance, swings.present());
@@ -560,8 +558,7 @@ class Pass {
   }
 
   /// Balance of a slider with mass: sum and largest of its forces and rounding loss in them (N), damping with
-  /// friction's,
-  /// and impedance √(k m) of its free oscillation (N s/m).
+  /// friction's, and impedance √(k m) of its free oscillation (N s/m).
   struct ForceBalance {
     double sum, largest, loss, damping, swing_impedance;
   };
@@ -581,8 +578,7 @@ class Pass {
   }
 
   /// In deep stick friction depends on the slip rate below the resolution of natural unknowns. False where the motion
-  /// has
-  /// left the balance of forces for good. Notes where short steps change the spring force or friction by less than
+  /// has left the balance of forces for good. Notes where short steps change the spring force or friction by less than
   /// rounding error.
   bool in_balance(const solvers::steps::Cvode& solver, const std::vector<double>& rate, double tolerance) {
     if (system_.mechanics() != oscillators::Mechanics::inertial) return true;

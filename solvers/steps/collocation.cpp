@@ -37,9 +37,9 @@ Collocation::Collocation(const System& system, double tolerance)
   if (s * n_ > largest_lu)
     throw InputError(fmt::format("{} unknowns are more than the collocation takes, {}", n_, largest_lu / s));
   // The embedded estimate falls with h^6, the error of the solution with h^9. The estimate must meet tolerance^(2/3),
-  // at
-  // which the solution meets the tolerance (after the idea of Hairer & Wanner 1999 for their code of variable order).
-  // The error of moderately stiff unknowns, such as the slip rate in slow stick, stays at the size of the estimate.
+  // at which the solution meets the tolerance (after the idea of Hairer & Wanner 1999 for their code of variable
+  // order). The error of moderately stiff unknowns, such as the slip rate in slow stick, stays at the size of the
+  // estimate.
   estimate_tolerance_ = std::pow(tolerance_, 2.0 / 3);
   bound_share_ = std::min(1.0, std::pow(tolerance_ / 1e-6, 1.0 / 9));
   const int n = n_;
@@ -330,8 +330,7 @@ Outcome Collocation::step(double t_limit) {
   h = std::min({h, system_.resolution(), longest_step_, oscillations_.longest_step()});
   h = within_growth(h);
   // Where nothing depends on time, a step may be below rounding error of the time, as in a fast slip after a long
-  // stick,
-  // or while friction reverses.
+  // stick, or while friction reverses.
   const double shortest = (system_.autonomous() ? 1e-30 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
   bool rejected = false;
   constexpr int shortened = 3;
@@ -368,8 +367,7 @@ Outcome Collocation::step(double t_limit) {
       if (!(norm(&Z_trial_[(s - 1) * n]) < 1)) std::fill(Z_trial_.begin(), Z_trial_.end(), 0.0);
     }
     // A residual that shorter steps have not reduced may be rounding error of the forces; but where slip is about to
-    // jump,
-    // every step above rounding error of the time is too long.
+    // jump, every step above rounding error of the time is too long.
     const bool to_rounding = rejections_ >= shortened && h > 4 * rounding * std::abs(t_);
     const Newton newton = solve_stages(t_, y_.data(), h, step_iterations, to_rounding);
     if (newton == Newton::slow || newton == Newton::not_finite) {

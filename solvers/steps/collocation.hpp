@@ -36,8 +36,7 @@ class Collocation {
   /// Takes one step, not past `t_limit`. On anything but reached_end the state is unchanged.
   Outcome step(double t_limit);
   /// Bounds the length of steps; infinity lifts the bound. Below tolerances of 1e-6 the bound shrinks as steps do. If
-  /// it
-  /// alone set the length, two tolerances would take the same steps, and their difference would show no error.
+  /// it alone set the length, two tolerances would take the same steps, and their difference would show no error.
   void bound_step(double longest) { longest_step_ = longest * bound_share_; }
   /// The first step after a start stays within the fastest time of the Jacobian. A weakly excited transient is then
   /// resolved, which a longer step would damp unnoticed. Without a transient this costs a few steps.
@@ -70,17 +69,15 @@ class Collocation {
   /// ∂f/∂p at (t, y), size × columns, row-major.
   using Forcing = std::function<void(double t, const double* y, double* f_p)>;
   /// Propagates the columns of S (size × columns, row-major, differential unknowns) across the last step: multiplies
-  /// them
-  /// by the derivative of the step with respect to its start, and adds the derivative with respect to each column's
-  /// parameter p.
+  /// them by the derivative of the step with respect to its start, and adds the derivative with respect to each
+  /// column's parameter p.
   void propagate(std::vector<double>& S, int columns, const Forcing& forcing = {});
   /// Derivative of the solution in time at the end of the last step, algebraic unknowns included.
   void rate(double* rate) const;
 
   /// Upper bound, for each unknown, of the errors by oscillations that steps passed over, summed since construction.
-  /// Each
-  /// error is within the tolerance. The difference of two tolerances does not show them, because a long step damps such
-  /// an oscillation at either.
+  /// Each error is within the tolerance. The difference of two tolerances does not show them, because a long step damps
+  /// such an oscillation at either.
   std::span<const double> ringing_errors() const { return oscillations_.passed_over(); }
 
   struct Count {

@@ -53,8 +53,7 @@ class Oscillations {
   bool outgrown_ = false;         ///< an oscillation, however small, grows faster than the step resolves
   std::vector<Ringing> ringing_;  ///< ringing modes at the last step
   /// Eigenvectors of the moving unknowns in columns, their inverse, both column-major, and rates (1/s). A complex pair
-  /// is
-  /// stored as real and imaginary part of the vector with positive frequency, whose rate stands twice.
+  /// is stored as real and imaginary part of the vector with positive frequency, whose rate stands twice.
   std::vector<double> modes_, inverse_;
   std::vector<std::complex<double>> rates_;
   std::vector<double> passed_over_, in_step_;  ///< for each unknown

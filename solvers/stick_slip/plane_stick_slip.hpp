@@ -21,8 +21,7 @@ using PlaneVector = Vector<2>;
 class PlaneStickSlip {
  public:
   /// `tolerance`: relative tolerance of displacements and times. \throws InputError for parameters that are not above
-  /// 0,
-  /// and loads that fall to 0 or below.
+  /// 0, and loads that fall to 0 or below.
   explicit PlaneStickSlip(PlaneMass, double tolerance = 1e-12);
   ~PlaneStickSlip();
 
@@ -45,8 +44,7 @@ class PlaneStickSlip {
   double friction_work() const { return friction_work_; }  ///< J
   double path_length() const { return path_length_; }      ///< slip distance on the surface, m
   /// Kinetic and elastic energy + friction work − work of forces and of the surface − energy at the start, over the sum
-  /// of
-  /// these energies.
+  /// of these energies.
   double energy_residual() const;
   long steps() const;
 
