@@ -17,8 +17,7 @@ class SwingWork final : public StepObserver {
   SwingWork(const oscillators::SliderSystem&, double reference);
   void step(solvers::steps::Collocation&) override;
   /// ln of the growth per period of the `stretch`, the amplitude (m) about the point where the spring holds the
-  /// reference;
-  /// and the same if all work had one sign.
+  /// reference; and the same if all work had one sign.
   double growth(double stretch) const;
   double turnover(double stretch) const;
   double mean_friction() const { return impulse_ / time_; }
