@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "analysis/steady/structure_stability.hpp"
 #include "core/stop.hpp"
 #include "oscillators/structure_system.hpp"
 #include "solvers/stick_slip/stick_slip_solver.hpp"
@@ -242,6 +243,20 @@ double compare(const Pass& fine, const Pass& coarse, double tolerance, std::vect
   return worst;
 }
 
+/// A motion from steady sliding stays there by the equations, though whatever disturbed it might grow.
+std::string why_nothing_grows(const StructureModel& model) {
+  if (model.start.kind != Start::Kind::steady || !model.structure.constant()) return "";
+  for (const auto& contact : model.structure.contacts)
+    if (contact.speed.level() == 0) return "";
+  const auto sliding = steady::stability(model.structure);
+  if (sliding.stable || sliding.marginal) return "";
+  return fmt::format(
+      "steady sliding is unstable: what disturbs it grows with {:.3g} 1/s, but nothing does; to see it grow, start "
+      "beside "
+      "it, run.start = {{ coordinates = [ … ] }}",
+      sliding.modes.front().growth_rate());
+}
+
 }  // namespace
 
 std::string velocity_name(const std::string& coordinate) {
@@ -274,6 +289,7 @@ Run run_structure(const StructureModel& model, const RunOptions& options) {
   result.outcome = fine->outcome;
   result.solver = "events";
   result.why = "smooth pieces of slip by collocation of order 9, switches of each contact located to rounding";
+  result.remark = why_nothing_grows(model);
   result.column_names = fine->columns.names;
   result.column_units = fine->columns.units;
   result.columns = fine->columns.values;

@@ -142,6 +142,11 @@ TEST_CASE("a steady start stays steady, and is refused where nothing holds the s
   REQUIRE(run.outcome.complete());
   const auto& x = column(run, "second_displacement");
   CHECK(x.back() == Approx(x.front()).epsilon(1e-9));
+  CHECK(run.remark.empty());
+  auto falling = model;
+  falling.structure.contacts[0].law = laws::find_law("hyperbolic");
+  falling.structure.C.setZero();
+  CHECK_THAT(run_structure(falling, options).remark, Catch::Contains("steady sliding is unstable"));
   model.structure = oscillators::two_mass_belt({{1, 4, 5}, {2, 0, 5}}, contact, 0.5);
   CHECK_THROWS_WITH(run_structure(model, options), Catch::Contains("no steady sliding"));
   RunOptions other = options;
