@@ -11,7 +11,8 @@ namespace rosin::tests {
 
 /// \param one, other with metrics and their errors. \param members of the metrics that are compared; none: all
 template <class One, class Other>
-void check_agreement(const One& one, const Other& other, std::vector<double analysis::cycles::Metrics::*> members = {}) {
+void check_agreement(const One& one, const Other& other,
+                     std::vector<double analysis::cycles::Metrics::*> members = {}) {
   for (const auto& metric : analysis::cycles::metric_names()) {
     if (!members.empty() && std::ranges::find(members, metric.member) == members.end()) continue;
     INFO(metric.name << " " << one.metrics.*metric.member << " and " << other.metrics.*metric.member);
