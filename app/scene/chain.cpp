@@ -32,7 +32,7 @@ void read(SceneReader& reader, Table table, bool) {
       oscillators::chain(chain, std::vector<oscillators::FrictionContact>(n, contact_of(reader.scene.model)));
 }
 
-void read_drive(SceneReader& reader, Table drive, bool complete) {
+void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
   read_structure_drive(reader, drive, complete, false);
   auto& structure = reader.scene.structure->structure;
   for (auto& contact : structure.contacts) {
@@ -58,6 +58,6 @@ void read_drive(SceneReader& reader, Table drive, bool complete) {
 
 }  // namespace
 
-OscillatorType chain_type() { return {"chain", {"run", "stability"}, read, read_drive}; }
+OscillatorType chain_type() { return {"chain", {"run", "stability"}, read, read_drive_and_contacts}; }
 
 }  // namespace rosin::app::scene

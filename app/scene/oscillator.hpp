@@ -21,6 +21,9 @@ const std::vector<OscillatorType>& oscillator_types();
 /// That of the scene; the slider where it names none. \throws InputError for a name that is none, or not of the verb.
 const OscillatorType& oscillator_type(SceneReader&, const toml::node& oscillator);
 
+/// [drive] of a slider: speed, normal load and force, one signal each.
+void read_drive(SceneReader&, Table drive, bool complete);
+
 /// A parameter of slider, drive or contact by its path. \throws std::logic_error if there is none.
 Quantity mechanical(std::string_view path);
 

@@ -26,7 +26,7 @@ void read(SceneReader& reader, Table table, bool) {
   mass.dynamic_friction = friction->constant;
 }
 
-void read_drive(SceneReader& reader, Table drive, bool) {
+void read_plane_drive(SceneReader& reader, Table drive, bool) {
   auto& mass = reader.scene.plane->mass;
   drive.expect({"speed", "normal_load", "force"});
   if (drive.find("speed")) mass.surface_velocity = both(drive, "speed", mechanical("drive.speed"));
@@ -40,6 +40,6 @@ void read_drive(SceneReader& reader, Table drive, bool) {
 
 }  // namespace
 
-OscillatorType plane_slider_type() { return {"plane-slider", {"run"}, read, read_drive}; }
+OscillatorType plane_slider_type() { return {"plane-slider", {"run"}, read, read_plane_drive}; }
 
 }  // namespace rosin::app::scene

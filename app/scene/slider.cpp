@@ -22,6 +22,8 @@ void read(SceneReader& reader, Table table, bool complete) {
   table.finish();
 }
 
+}  // namespace
+
 void read_drive(SceneReader& reader, Table table, bool complete) {
   auto& drive = reader.scene.model.drive;
   table.expect({"speed", "normal_load", "force"});
@@ -35,8 +37,6 @@ void read_drive(SceneReader& reader, Table table, bool complete) {
   table.finish();
   reader.scene.curve.normal_load = drive.normal_load.level();
 }
-
-}  // namespace
 
 OscillatorType slider_type() { return {"slider", {}, read, read_drive}; }
 

@@ -27,19 +27,9 @@ std::vector<double> one_or_list(Table& table, std::string_view key, std::size_t 
 }
 
 void read_structure_drive(SceneReader& reader, Table table, bool complete, bool takes_force) {
-  auto& drive = reader.scene.model.drive;
-  table.expect({"speed", "normal_load", "force"});
-  if (complete) {
-    table.required("speed", "m/s");
-    table.required("normal_load", "N");
-  }
-  if (const auto* force = table.find("force"); force && !takes_force)
+  if (const auto* force = takes_force ? nullptr : table.find("force"))
     fail(force->source(), "drive.force has no place on this oscillator; type 'structure' takes oscillator.force");
-  for (const auto& [key, signal] : {std::pair{"speed", &drive.speed}, std::pair{"normal_load", &drive.normal_load},
-                                    std::pair{"force", &drive.force}})
-    if (const auto* node = table.find(key)) *signal = read_signal(*node, mechanical(table.path(key)), reader.folder);
-  table.finish();
-  reader.scene.curve.normal_load = drive.normal_load.level();
+  read_drive(reader, std::move(table), complete);
 }
 
 void read_drive_of_one(SceneReader& reader, Table drive, bool complete) {
@@ -141,7 +131,7 @@ void read(SceneReader& reader, Table table, bool) {
 }
 
 /// Contacts come after the drive, which says what they do not.
-void read_drive(SceneReader& reader, Table drive, bool complete) {
+void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
   read_structure_drive(reader, drive, complete, false);
   auto& structure = reader.scene.structure->structure;
   const auto& contacts = *reader.document.at_path("oscillator.contacts").node();
@@ -177,7 +167,7 @@ void read_drive(SceneReader& reader, Table drive, bool complete) {
 
 }  // namespace
 
-OscillatorType structure_type() { return {"structure", {"run", "stability"}, read, read_drive}; }
+OscillatorType structure_type() { return {"structure", {"run", "stability"}, read, read_drive_and_contacts}; }
 
 analysis::motion::StructureStart read_structure_start(const toml::node& node, const std::string& path,
                                                       const Structure& structure) {

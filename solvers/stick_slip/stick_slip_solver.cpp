@@ -42,6 +42,12 @@ bool StickSlip::slips() const {
   return false;
 }
 
+bool StickSlip::sticks() const {
+  for (int i = 0; i < int(contacts_.size()); ++i)
+    if (system_.mode(i) == ContactMode::stick) return true;
+  return false;
+}
+
 /// Time in which the slip that slows down first halves. Friction may turn over within a small part of the reference
 /// speed just before rest, which a step from far above would not see.
 double StickSlip::landing_time() {
@@ -71,12 +77,16 @@ double StickSlip::landing_time() {
   return soonest;
 }
 
-/// Positive while the present mode of the contact lasts.
+/// Positive while the present mode of the contact lasts. `held_` is of y where it sticks.
+double StickSlip::indicator_of_held(int contact, const double* y) const {
+  const ContactMode mode = system_.mode(contact);
+  return mode == ContactMode::stick ? held_[contact].limit - std::abs(held_[contact].force)
+                                    : sign(mode) * y[system_.slip_rate_unknown(contact)];
+}
+
 double StickSlip::indicator(int contact, double t, const double* y) {
-  if (system_.mode(contact) != ContactMode::stick)
-    return sign(system_.mode(contact)) * y[system_.slip_rate_unknown(contact)];
-  system_.held(t, y, held_.data());
-  return held_[contact].limit - std::abs(held_[contact].force);
+  if (system_.mode(contact) == ContactMode::stick) system_.held(t, y, held_.data());
+  return indicator_of_held(contact, y);
 }
 
 /// True if a stop in y leaves the contact more than rounding short of its limit.
@@ -152,13 +162,8 @@ void StickSlip::read_indicators() {
     const double t = node == 0 ? collocation_.time_before() : collocation_.stage_time(node - 1);
     if (node > 0) collocation_.stage(node - 1, work_.data());
     const double* y = node == 0 ? collocation_.state_before().data() : work_.data();
-    bool held = false;
-    for (int i = 0; i < int(contacts_.size()); ++i) {
-      const ContactMode mode = system_.mode(i);
-      if (mode == ContactMode::stick && !held) system_.held(t, y, held_.data()), held = true;
-      contacts_[i].indicator[node] = mode == ContactMode::stick ? held_[i].limit - std::abs(held_[i].force)
-                                                                : sign(mode) * y[system_.slip_rate_unknown(i)];
-    }
+    if (sticks()) system_.held(t, y, held_.data());
+    for (int i = 0; i < int(contacts_.size()); ++i) contacts_[i].indicator[node] = indicator_of_held(i, y);
   }
 }
 

@@ -77,7 +77,9 @@ class StickSlip {
     std::optional<double> at;  ///< part of the step after which the mode ends
     bool found() const { return high >= 0 || touched; }
   };
-  bool slips() const;
+  bool slips() const;   ///< some contact does
+  bool sticks() const;  ///< some contact does
+  double indicator_of_held(int contact, const double* y) const;
   double indicator(int contact, double t, const double* y);
   bool holds(int contact, double t, std::vector<double> y);
   double landing_time();
