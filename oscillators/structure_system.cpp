@@ -150,7 +150,11 @@ void StructureSystem::follow_modes() {
   if (is_diagonal_) {  // exactly: rounding must couple no masses
     acceleration_ = B;
   }
-  for (const int j : stuck_) acceleration_.row(at_[j].row).setZero();
+  acceleration_of_surfaces_ = row_mass_.asDiagonal() * B * inverse_mass_ * T * holding_of_surface_;
+  for (const int j : stuck_) {
+    acceleration_.row(at_[j].row).setZero();
+    acceleration_of_surfaces_.row(at_[j].row).setZero();
+  }
 }
 
 StructureSystem::Load StructureSystem::load(int contact, double t) const {
@@ -201,6 +205,13 @@ double StructureSystem::kink(const double* y) const {
   return product;
 }
 
+/// V̇ under the contacts that stick.
+Eigen::VectorXd StructureSystem::accelerations_of_surfaces(double t) const {
+  VectorXd rates(stuck_.size());
+  for (std::size_t s = 0; s < stuck_.size(); ++s) rates[Eigen::Index(s)] = structure_.contacts[stuck_[s]].speed.rate(t);
+  return rates;
+}
+
 /// V of the contacts at their rows, 0 at the others.
 Eigen::VectorXd StructureSystem::speeds_of_surfaces(double t) const {
   VectorXd V = VectorXd::Zero(n_);
@@ -249,21 +260,7 @@ void StructureSystem::evaluate(double t, const double* y, double* f) const {
   rate.noalias() = acceleration_ * R;
   for (int j = 0; j < friction_contacts(); ++j)
     if (at_[j].row >= 0 && !sticks(j)) rate[at_[j].row] += row_mass_[at_[j].row] * structure_.contacts[j].speed.rate(t);
-  if (is_diagonal_ || stuck_.empty()) return;
-  // Surfaces that accelerate pull through the contacts that stick.
-  VectorXd pull(stuck_.size());
-  for (std::size_t s = 0; s < stuck_.size(); ++s) pull[s] = structure_.contacts[stuck_[s]].speed.rate(t);
-  if (pull.isZero(0)) return;
-  const VectorXd F = holding_of_surface_ * pull;
-  VectorXd on_coordinates = VectorXd::Zero(n_);
-  for (std::size_t s = 0; s < stuck_.size(); ++s) on_coordinates += F[s] * structure_.contacts[stuck_[s]].tangential;
-  VectorXd change = inverse_mass_ * on_coordinates;
-  for (int j = 0; j < friction_contacts(); ++j)
-    if (at_[j].row >= 0 && !sticks(j)) rate[at_[j].row] -= structure_.contacts[j].tangential.dot(change);
-  for (int i = 0; i < n_; ++i) {
-    const bool of_contact = std::any_of(at_.begin(), at_.end(), [&](const At& at) { return at.row == i; });
-    if (!of_contact) rate[i] += change[i];
-  }
+  if (!stuck_.empty()) rate += acceleration_of_surfaces_ * accelerations_of_surfaces(t);
 }
 
 void StructureSystem::linearise(double t, const double* y, double* f, double* jacobian) const {
@@ -317,9 +314,7 @@ void StructureSystem::held(double t, const double* y, Held* held) const {
   if (stuck_.empty()) return;
   constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
   const VectorXd R = forces_without_stick(t, y, nullptr);
-  VectorXd pull(stuck_.size());
-  for (std::size_t s = 0; s < stuck_.size(); ++s) pull[s] = structure_.contacts[stuck_[s]].speed.rate(t);
-  const VectorXd F = holding_ * R + holding_of_surface_ * pull;
+  const VectorXd F = holding_ * R + holding_of_surface_ * accelerations_of_surfaces(t);
   const VectorXd terms = structure_.K.cwiseAbs() * Eigen::Map<const VectorXd>(y, n_).cwiseAbs();
   const VectorXd rounding = holding_.cwiseAbs() * terms;
   for (std::size_t s = 0; s < stuck_.size(); ++s) {

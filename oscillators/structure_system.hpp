@@ -98,6 +98,7 @@ class StructureSystem final : public SwitchingSystem {
   const FrictionLaw& law(int contact) const { return *structure_.contacts[contact].law; }
   bool sticks(int contact) const { return at_[contact].sticks(law(contact)); }
   Eigen::VectorXd speeds_of_surfaces(double t) const;
+  Eigen::VectorXd accelerations_of_surfaces(double t) const;
   Eigen::VectorXd forces_without_stick(double t, const double* y, double* contact_rows) const;
   double read_state(int contact, int i, double unknown) const;
   void write_states(int contact, std::span<const double> state, double* z) const;
@@ -109,9 +110,11 @@ class StructureSystem final : public SwitchingSystem {
   std::vector<int> switching_;         ///< contacts under set-valued laws
   Eigen::MatrixXd velocity_of_speed_;  ///< ∂q̇/∂w
   Eigen::MatrixXd inverse_mass_;
-  Eigen::VectorXd row_mass_;            ///< of the rows of the speeds
-  bool is_diagonal_;                    ///< each speed belongs to a mass of its own
-  Eigen::MatrixXd acceleration_;        ///< what forces on coordinates add to row_mass·ẇ in the present modes
+  Eigen::VectorXd row_mass_;      ///< of the rows of the speeds
+  bool is_diagonal_;              ///< each speed belongs to a mass of its own
+  Eigen::MatrixXd acceleration_;  ///< what forces on coordinates add to row_mass·ẇ in the present modes
+  /// What surfaces that accelerate add to it through the contacts that stick.
+  Eigen::MatrixXd acceleration_of_surfaces_;
   std::vector<int> stuck_;              ///< contacts that stick
   Eigen::MatrixXd holding_;             ///< forces on them for R, −G⁻¹ Tᵀ M⁻¹
   Eigen::MatrixXd holding_of_surface_;  ///< and for V̇, G⁻¹

@@ -1,6 +1,7 @@
 /// A structure's equations against the slider's, and its switches against independent event-driven integrations.
 #include "oscillators/structure_system.hpp"
 
+#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <random>
 #include <sstream>
@@ -222,6 +223,20 @@ TEST_CASE("the Jacobian of contacts that share masses is that of differences, in
           INFO(system.unknown(i) << " by " << system.unknown(j));
           CHECK((there[i] - f[i]) / h == Approx(J[i * n + j]).epsilon(1e-4).margin(1e-4));
         }
+      }
+      // M q̈ = −K q − C q̇ + Σ t F gives the rates of all speeds, also where a surface that accelerates pulls by stick.
+      std::vector<double> force(3);
+      system.friction_forces(0.1, y.data(), force.data());
+      const Eigen::Map<const VectorXd> q(y.data(), 3);
+      VectorXd R = -structure.K * q - structure.C * system.velocity(0.1, y.data());
+      for (int j = 0; j < 3; ++j) R += force[j] * structure.contacts[j].tangential;
+      const VectorXd acceleration = structure.M.inverse() * R;
+      for (int i = 0; i < 3; ++i) {
+        double expected = acceleration[i];
+        for (int c = 0; c < 2; ++c)
+          if (system.slip_rate_unknown(c) == 3 + i)
+            expected = structure.contacts[c].speed.rate(0.1) - structure.contacts[c].tangential.dot(acceleration);
+        CHECK(f[3 + i] == Approx(expected).margin(1e-12));
       }
       // A contact that sticks keeps its slip rate, and the force that does so balances V̇ − tᵀ M⁻¹ (R + t F).
       for (int c = 0; c < 2; ++c)
