@@ -7,6 +7,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace rosin::oscillators {
 
@@ -56,6 +57,59 @@ void Structure::check() const {
         "{} contacts that stick have directions that depend on each other: stick leaves their forces open; give them "
         "laws that creep, or contact stiffness",
         set_valued.cols()));
+}
+
+FrictionContact contact_of(const Model& model) {
+  FrictionContact contact;
+  contact.law = model.law;
+  contact.lambda = model.lambda;
+  contact.stiffness = model.contact_stiffness;
+  contact.load_memory = model.load_memory;
+  contact.tangential = Eigen::VectorXd::Ones(1);
+  contact.speed = model.drive.speed;
+  contact.normal_load = model.drive.normal_load;
+  return contact;
+}
+
+Structure one_slider(const Model& model) {
+  Structure structure;
+  structure.M = Eigen::MatrixXd::Constant(1, 1, model.slider.mass);
+  structure.C = Eigen::MatrixXd::Constant(1, 1, model.slider.damping);
+  structure.K = Eigen::MatrixXd::Constant(1, 1, model.slider.stiffness);
+  structure.force = {model.drive.force};
+  structure.names = {"displacement"};
+  structure.contacts = {contact_of(model)};
+  structure.check();
+  return structure;
+}
+
+double common_period(const Structure& structure) {
+  std::vector<double> frequencies;
+  const auto take = [&](const Signal& signal, const char* what) {
+    const auto terms = signal.piece(0).terms;
+    if (terms.empty() && !signal.constant())
+      throw InputError(fmt::format("{} has no period; a periodic motion needs a drive that is constant or a sum of "
+                                   "harmonics",
+                                   what));
+    for (const auto& term : terms)
+      if (term.amplitude != 0) frequencies.push_back(std::abs(term.angular_frequency));
+  };
+  for (const auto& force : structure.force) take(force, "the force");
+  for (const auto& contact : structure.contacts)
+    take(contact.speed, "the speed"), take(contact.normal_load, "the normal load");
+  if (frequencies.empty()) return 0;
+  const double slowest = *std::ranges::min_element(frequencies);
+  constexpr int most_turns = 1000;
+  constexpr double same = 1e-9;
+  for (int turns = 1; turns <= most_turns; ++turns)
+    if (std::ranges::all_of(frequencies, [&](double w) {
+          const double of_this = turns * w / slowest;
+          return std::abs(of_this - std::round(of_this)) <= same * of_this;
+        }))
+      return turns * 2 * std::numbers::pi / slowest;
+  throw InputError(fmt::format("the angular frequencies of the drive have no common period within {} of the slowest "
+                               "({} rad/s)",
+                               most_turns, slowest));
 }
 
 Structure two_mass_belt(const TwoMassBelt& belt, const FrictionContact& contact, const Signal& force) {

@@ -48,6 +48,14 @@ struct Structure {
   void check() const;
 };
 
+/// A slider's contact, along the first coordinate of a structure of one.
+FrictionContact contact_of(const Model&);
+/// A slider as a structure of one coordinate. \throws InputError for a slider without mass.
+Structure one_slider(const Model&);
+
+/// The period of all drives: that of constant ones is 0. \throws InputError where they have none in common, or break.
+double common_period(const Structure&);
+
 /// Block on a belt (mass, spring, damper) before a second mass that is held by a spring and a damper of its own:
 /// m ẍ = −k (x − y) − c (ẋ − ẏ) + F + f, m₂ ÿ = k (x − y) + c (ẋ − ẏ) − k₂ y − c₂ ẏ.
 struct TwoMassBelt {

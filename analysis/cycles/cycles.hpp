@@ -2,3 +2,4 @@
 #pragma once
 #include "analysis/cycles/cycle.hpp"
 #include "analysis/cycles/return_map.hpp"
+#include "analysis/cycles/structure_cycle.hpp"

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <memory>
 
+#include "analysis/motion/follower.hpp"
+#include "analysis/motion/structure_record.hpp"
 #include "analysis/steady/structure_stability.hpp"
 #include "core/stop.hpp"
-#include "oscillators/structure_system.hpp"
-#include "solvers/stick_slip/stick_slip_solver.hpp"
 
 namespace rosin::analysis::motion {
 
@@ -19,78 +19,6 @@ using oscillators::Structure;
 using oscillators::StructureSystem;
 
 namespace {
-
-std::vector<double> start_of(const StructureSystem& system, const StructureStart& start) {
-  const int n = system.coordinates();
-  std::vector<double> steady;
-  if (start.kind == Start::Kind::steady) steady = system.steady(0);
-  VectorXd q = VectorXd::Zero(n), velocity = VectorXd::Zero(n);
-  if (!steady.empty()) q = Eigen::Map<const VectorXd>(steady.data(), n);
-  bool given = false;
-  const auto take = [&](const std::vector<std::optional<double>>& values, VectorXd& into) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      if (values[i]) into[i] = *values[i], given = true;
-  };
-  take(start.coordinates, q);
-  take(start.velocities, velocity);
-  if (!given && !steady.empty()) return steady;
-  // At rest no contact slips: slip rates and the speeds of other coordinates are 0.
-  if (start.kind == Start::Kind::rest) velocity = system.velocity(0, std::vector<double>(system.size()).data());
-  return system.unknowns_at(0, q, velocity);
-}
-
-/// Names, units and values of what a record holds.
-class Columns {
- public:
-  explicit Columns(const StructureSystem& system) : system_(system), force_(system.friction_contacts()) {
-    const Structure& structure = system.structure();
-    const auto add = [&](std::string name, std::string unit) {
-      names.push_back(std::move(name));
-      units.push_back(std::move(unit));
-    };
-    for (const auto& name : structure.names) add(name, "m");
-    for (const auto& name : structure.names) add(velocity_name(name), "m/s");
-    mechanical = int(names.size());
-    const int contacts = system.friction_contacts();
-    for (int j = 0; j < contacts; ++j) {
-      const std::string number = contacts > 1 ? fmt::format("_{}", j + 1) : "";
-      add("slip_rate" + number, "m/s");
-      add("friction_force" + number, "N");
-      add("friction_coefficient" + number, "1");
-      if (shows_load(j)) add("normal_load" + number, "N");
-      for (const auto& state : structure.contacts[j].law->states()) add(state.name + number, state.unit);
-    }
-    values.resize(names.size());
-  }
-
-  void record(double t, const double* y) {
-    std::size_t next = 0;
-    const auto add = [&](double value) { values[next++].push_back(value); };
-    const int n = system_.coordinates(), contacts = system_.friction_contacts();
-    for (int i = 0; i < n; ++i) add(y[i]);
-    for (const double v : system_.velocity(t, y)) add(v);
-    system_.friction_forces(t, y, force_.data());
-    for (int j = 0; j < contacts; ++j) {
-      const double N = system_.normal_load(j, t, y);
-      add(system_.slip_rate(j, t, y));
-      add(force_[j]);
-      add(N > 0 ? force_[j] / N : 0);
-      if (shows_load(j)) add(N);
-      for (const double state : system_.states(j, t, y)) add(state);
-    }
-  }
-
-  std::vector<std::string> names, units;
-  std::vector<std::vector<double>> values;
-  int mechanical = 0;  ///< columns of coordinates and velocities, the first
-
- private:
-  bool shows_load(int contact) const {
-    return system_.friction_contacts() > 1 || system_.structure().contacts[contact].normal.size() > 0;
-  }
-  const StructureSystem& system_;
-  std::vector<double> force_;
-};
 
 /// Kinetic and elastic energy against the works of all forces that change it, by the quadrature of each step.
 class EnergyAudit {
@@ -147,7 +75,7 @@ class EnergyAudit {
 /// One pass at one tolerance.
 struct Pass {
   StructureSystem system;
-  Columns columns;
+  StructureRecord columns;
   EnergyAudit energy;
   std::vector<RunEvent> events;
   std::vector<double> stick_time;  ///< s, of each set-valued contact
@@ -159,7 +87,7 @@ struct Pass {
   Pass(const StructureModel& model, const RunOptions& options, const std::vector<double>& times, double tolerance)
       : system(model.structure), columns(system), energy(system), stick_time(system.contacts()) {
     try {
-      follow(start_of(system, model.start), options, times, tolerance);
+      follow(starting_point(system, model.start), options, times, tolerance);
     } catch (const Stopped&) {  // samples until then are good
       outcome = {Ending::interrupted, fmt::format("{} of {} samples are kept", columns.values[0].size(), times.size())};
     }
@@ -167,57 +95,34 @@ struct Pass {
 
  private:
   void follow(std::vector<double> y, const RunOptions& options, const std::vector<double>& times, double tolerance) {
-    using namespace solvers::stick_slip;
     const double end = std::max(options.duration, times.back());
-    StickSlip solver(system, tolerance);
     std::size_t next = 0;
     std::vector<double> seen(system.size());
     energy.begin(0, y.data());
-    double t = 0;
-    while (t < end) {
-      if (!solver.start(t, y)) {
-        outcome = {Ending::not_finite, fmt::format("at the start of a piece, t = {:.9g} s", t)};
-        return;
+    Follower follower(system, tolerance);
+    follower.most_steps = options.most_steps;
+    follower.observe = [&](Follower::Step& step, std::span<const Follower::Event> switches,
+                           const std::vector<double>& behind) {
+      energy.add(step);
+      for (int c = 0; c < system.contacts(); ++c)
+        if (system.mode(c) == ContactMode::stick) stick_time[c] += step.length();
+      for (; next < times.size() && times[next] < step.time(); ++next) {
+        const double theta = (times[next] - step.time_before()) / step.length();
+        if (times[next] == step.time_before())
+          seen = step.state_before();
+        else
+          step.solve_at(theta, seen.data());
+        columns.record(times[next], seen.data());
       }
-      const double limit = std::min(end, system.next_break(t));
-      while (solver.time() < limit) {
-        end_if_stopped();
-        if (solver.stepper().count().steps >= options.most_steps) {
-          outcome = {Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s", options.most_steps, solver.time())};
-          return;
-        }
-        Switch switched;
-        outcome = solver.step(limit, switched);
-        if (!outcome.complete()) return;
-        auto& step = solver.stepper();
-        energy.add(step);
-        for (int c = 0; c < system.contacts(); ++c)
-          if (system.mode(c) == ContactMode::stick) stick_time[c] += step.length();
-        for (; next < times.size() && times[next] < solver.time(); ++next) {
-          const double theta = (times[next] - step.time_before()) / step.length();
-          if (times[next] == step.time_before())
-            seen = step.state_before();
-          else
-            step.solve_at(theta, seen.data());
-          columns.record(times[next], seen.data());
-        }
-        for (const auto& [contact, what] : solver.events()) {
-          const int j = system.friction_contact(contact);
-          const auto& direction = system.structure().contacts[j].tangential;
-          const Eigen::Map<const VectorXd> q(solver.state().data(), system.coordinates());
-          events.push_back({solver.time(), name(what), direction.dot(q) / direction.squaredNorm(), 0,
-                            system.friction_contacts() > 1 ? j + 1 : 0});
-        }
-        if (options.progress) options.progress(solver.time() / end);
-      }
-      energy_residual = energy.residual(solver.time(), solver.state().data());
-      y = solver.state();
-      t = limit;
-      if (t < end) system.cross_break(t, y.data());
-    }
+      for (const auto& [contact, what] : switches) events.push_back(event_of(system, contact, what, step.time(), behind));
+      if (options.progress) options.progress(step.time() / end);
+    };
+    outcome = follower.follow(0, y, end);
+    cost = {follower.count().steps, follower.count().evaluations};
+    choices = follower.count().choices;
+    if (!outcome.complete()) return;
+    energy_residual = energy.residual(end, y.data());
     for (; next < times.size(); ++next) columns.record(times[next], y.data());
-    cost = {solver.stepper().count().steps, solver.stepper().count().evaluations};
-    choices = solver.choices();
   }
 };
 
@@ -258,13 +163,6 @@ std::string why_nothing_grows(const StructureModel& model) {
 }
 
 }  // namespace
-
-std::string velocity_name(const std::string& coordinate) {
-  const std::string word = "displacement";
-  const auto at = coordinate.find(word);
-  return at == std::string::npos ? "velocity_of_" + coordinate
-                                 : coordinate.substr(0, at) + "velocity" + coordinate.substr(at + word.size());
-}
 
 Run run_structure(const StructureModel& model, const RunOptions& options) {
   require(options.tolerance, {1e-12, 0.1}, "tolerance", "relative accuracy of a run", "1");

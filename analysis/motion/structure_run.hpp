@@ -1,28 +1,9 @@
 /// The motion of a structure from a start, with its record, the switches of its contacts and its balance of energy.
 #pragma once
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "analysis/motion/run.hpp"
-#include "oscillators/structure.hpp"
+#include "analysis/motion/structure_start.hpp"
 
 namespace rosin::analysis::motion {
-
-/// A start by its kind; what is not given is taken from steady sliding, or 0 where there is none.
-struct StructureStart {
-  Start::Kind kind = Start::Kind::steady;
-  std::vector<std::optional<double>> coordinates, velocities;  ///< m, m/s; of the first coordinates, or of all
-};
-
-struct StructureModel {
-  oscillators::Structure structure;
-  StructureStart start;
-};
-
-/// Names of the columns of velocities: "second_velocity" for the coordinate "second_displacement".
-std::string velocity_name(const std::string& coordinate);
 
 /// Columns: coordinates, velocities, then for each contact slip rate, friction force, coefficient and states, numbered
 /// from 1 where there are several, with the normal load. Errors are the difference of two passes, at a tenth and at

@@ -248,6 +248,56 @@ splot 'cycle.csv' using ($2*X):($3*V):5 with lines linestyle 1
   return {"cycle-steady.csv", "cycle.gp"};
 }
 
+/// For each contact a row: slip rate in time, and the plane of its coordinate and velocity, with stick marked.
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
+                                       const analysis::cycles::StructureCycle& cycle) {
+  const auto& structure = scene.structure->structure;
+  const auto column = [&](const std::string& name) {
+    return std::size_t(std::ranges::find(cycle.column_names, name) - cycle.column_names.begin());
+  };
+  const auto size = [&](std::size_t c) {
+    const auto [low, high] = std::ranges::minmax(cycle.columns[c]);
+    return std::max(std::abs(low), std::abs(high));
+  };
+  constexpr std::size_t most_rows = 5;
+  const std::size_t contacts = structure.contacts.size(), rows = std::min(contacts, most_rows);
+  constexpr int row_height = 300, margin = 110;
+  const int height = margin + row_height * int(rows);
+  std::string script = preamble("cycle", "One periodic motion: slip rate in time, and the phase plane", 940, height);
+  script += fmt::format("set multiplot layout {},2 title {} margins 0.10,0.97,{:.4f},{:.4f} spacing 0.13,{:.4f}\n", rows,
+                        single_quoted(scene.title), 60.0 / height, 1 - 70.0 / height, 70.0 / height);
+  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at graph 1,1.02 right bottom horizontal\n";
+  const auto time = scaled("s", cycle.metrics.at("period").value);
+  for (std::size_t j = 0; j < rows; ++j) {
+    // The coordinate that the contact's direction is most along.
+    int i = 0;
+    structure.contacts[j].tangential.cwiseAbs().maxCoeff(&i);
+    const std::size_t place = std::size_t(i), speed = column(cycle.column_names[structure.names.size() + place]),
+                      slip = column(contacts > 1 ? fmt::format("slip_rate_{}", j + 1) : "slip_rate");
+    const auto rate = scaled("m/s", size(slip)), way = scaled("m", size(place)), velocity = scaled("m/s", size(speed));
+    const bool has_stick = std::ranges::any_of(cycle.columns[slip], [](double u) { return u == 0; });
+    script += fmt::format("\nset xlabel 'time ({})'\nset ylabel {}\n", time.unit,
+                          label(readable(cycle.column_names[slip]), rate.unit));
+    script += fmt::format("plot 'cycle.csv' using ($1*{0}):(${1}*{2}) with lines linestyle 1 notitle", time.factor,
+                          slip + 2, rate.factor);
+    const std::string marked = "with lines linecolor '#B0560F' linewidth 5";
+    if (has_stick)
+      script += fmt::format(", \\\n     'cycle.csv' using ($1*{0}):(${1} == 0 ? 0 : NaN) {2} title 'stick'", time.factor,
+                            slip + 2, marked);
+    script += fmt::format("\n\nset xlabel {}\nset ylabel {}\n", label(readable(cycle.column_names[place]), way.unit),
+                          label(readable(cycle.column_names[speed]), velocity.unit));
+    script += fmt::format("plot 'cycle.csv' using (${0}*{1}):(${2}*{3}) with lines linestyle 1 notitle", place + 2,
+                          way.factor, speed + 2, velocity.factor);
+    if (has_stick)
+      script += fmt::format(", \\\n     'cycle.csv' using (${0}*{1}):(${4} == 0 ? ${2}*{3} : NaN) {5} title 'stick'",
+                            place + 2, way.factor, speed + 2, velocity.factor, slip + 2, marked);
+    script += '\n';
+  }
+  script += "unset multiplot\n";
+  write_whole(folder / "cycle.gp", script);
+  return {"cycle.gp"};
+}
+
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const std::vector<analysis::lab::Panel>& panels) {
   const int count = static_cast<int>(panels.size());

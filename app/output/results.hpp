@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/steady/curve.hpp"
 #include "analysis/steady/stability.hpp"
 #include "app/scene/scene.hpp"

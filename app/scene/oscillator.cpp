@@ -35,7 +35,7 @@ const OscillatorType& oscillator_type(SceneReader& reader, const toml::node& osc
     fail(type->source(), "oscillator.type = '{}' is not available in this version; use 'slider' or 'structure'", name);
   const auto& verbs = found->verbs;
   if (!verbs.empty() && std::ranges::find(verbs, reader.request.verb) == verbs.end())
-    fail(type->source(), "oscillator.type = '{}' serves {} only, not '{}'", name, fmt::join(verbs, " and "),
+    fail(type->source(), "oscillator.type = '{}' serves {} only, not '{}'", name, fmt::join(verbs, ", "),
          reader.request.verb);
   return *found;
 }

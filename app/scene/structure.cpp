@@ -5,12 +5,14 @@
 
 #include <algorithm>
 
+#include "analysis/motion/structure_record.hpp"
 #include "app/scene/law.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/signal.hpp"
 
 namespace rosin::app::scene {
 
+using oscillators::contact_of;
 using oscillators::FrictionContact;
 using oscillators::Structure;
 
@@ -38,17 +40,6 @@ void read_drive_of_one(SceneReader& reader, Table drive, bool complete) {
   const auto& own = reader.scene.model.drive;
   structure.contacts[0].speed = own.speed, structure.contacts[0].normal_load = own.normal_load;
   structure.force[0] = own.force;
-}
-
-FrictionContact contact_of(const oscillators::Model& model) {
-  FrictionContact contact;
-  contact.law = model.law;
-  contact.lambda = model.lambda;
-  contact.stiffness = model.contact_stiffness;
-  contact.load_memory = model.load_memory;
-  contact.speed = model.drive.speed;
-  contact.normal_load = model.drive.normal_load;
-  return contact;
 }
 
 void read_contact(SceneReader& reader, Table& table, FrictionContact& contact) {
@@ -167,7 +158,7 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
 
 }  // namespace
 
-OscillatorType structure_type() { return {"structure", {"run", "stability"}, read, read_drive_and_contacts}; }
+OscillatorType structure_type() { return {"structure", {"run", "stability", "cycle"}, read, read_drive_and_contacts}; }
 
 analysis::motion::StructureStart read_structure_start(const toml::node& node, const std::string& path,
                                                       const Structure& structure) {

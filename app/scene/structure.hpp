@@ -17,8 +17,6 @@ void read_structure_drive(SceneReader&, Table drive, bool complete, bool takes_f
 /// The same for a block with one contact, its first coordinate along the belt: the force acts on it.
 void read_drive_of_one(SceneReader&, Table drive, bool complete);
 
-/// A contact under the scene's law and drive.
-oscillators::FrictionContact contact_of(const oscillators::Model&);
 /// Changes the contact by the tables law, speed, normal_load and load_factor of its own.
 void read_contact(SceneReader&, Table&, oscillators::FrictionContact&);
 

@@ -9,7 +9,9 @@
 #include "app/output/pictures.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/start.hpp"
+#include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
+#include "app/verbs/structure_cycle.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
@@ -20,6 +22,16 @@ namespace {
 
 void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
+  if (scene.structure) {
+    const auto path = table.path("start");
+    if (const auto* start = table.find("start"))
+      scene.structure->start = scene::read_structure_start(*start, path, scene.structure->structure);
+    if (const auto* threshold = table.find("stick_threshold"))
+      scene::fail(threshold->source(),
+                  "cycle.stick_threshold has no effect here: stick of several contacts, or under a drive that varies, "
+                  "is exact rest");
+    return table.finish();
+  }
   table.read("stick_threshold", scene.cycle.stick_threshold,
              {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
   if (const auto* start = table.find("start")) {
@@ -56,8 +68,22 @@ std::string document_of(const scene::Scene& scene, const analysis::cycles::Cycle
   return output::text(document);
 }
 
+/// A slider under a drive that varies is a structure of one coordinate: its periodic motions are those of a structure.
+void read(scene::SceneReader& reader) {
+  auto& scene = reader.scene;
+  reader.law();
+  reader.oscillator();
+  if (!scene.structure && scene.model.drive.constant()) return read_tables_of_models(reader);
+  if (!scene.structure)
+    scene.structure.emplace().structure = scene::located(
+        reader.root.find("drive")->source(), [&] { return oscillators::one_slider(scene.model); });
+  scene.structure->start.kind = analysis::motion::Start::Kind::rest;
+  if (auto table = reader.root.table("cycle")) read_table(*table, reader);
+}
+
 Status perform(Job& job) {
   auto& scene = job.scene();
+  if (scene.structure) return perform_structure_cycle(job);
   scene.cycle.tolerance = job.request().tolerance.value_or(scene.cycle.tolerance);
   job.explain_model();
   job.explain("the cycle that is reached from stick, tolerance {} of every metric, at most {} cycles of transient",
@@ -121,7 +147,7 @@ Verb cycle_verb() {
           .needs = model_tables({{"cycle", "stick threshold, and where the search starts", true}}),
           .options = scene_options(),
           .tables = {{"cycle", read_table}},
-          .read = read_model,
+          .read = read,
           .perform = perform};
 }
 

@@ -16,18 +16,6 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 
 namespace {
 
-FrictionContact contact_of(const Model& model) {
-  FrictionContact contact;
-  contact.law = model.law;
-  contact.lambda = model.lambda;
-  contact.stiffness = model.contact_stiffness;
-  contact.load_memory = model.load_memory;
-  contact.tangential = VectorXd::Ones(1);
-  contact.speed = model.drive.speed;
-  contact.normal_load = model.drive.normal_load;
-  return contact;
-}
-
 Structure of_one_coordinate(const Model& model) {
   return {.M = MatrixXd::Constant(1, 1, model.slider.mass),
           .C = MatrixXd::Constant(1, 1, model.slider.damping),

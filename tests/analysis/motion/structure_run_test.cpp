@@ -10,6 +10,7 @@
 
 using namespace rosin;
 using namespace rosin::analysis::motion;
+using rosin::oscillators::contact_of;
 using rosin::oscillators::FrictionContact;
 using rosin::oscillators::Model;
 using rosin::oscillators::StructureSystem;
@@ -30,15 +31,6 @@ RunOptions short_run(double duration, double tolerance) {
   RunOptions options;
   options.duration = duration, options.samples = 2 * int(duration), options.tolerance = tolerance;
   return options;
-}
-
-FrictionContact contact_of(const Model& model) {
-  FrictionContact contact;
-  contact.law = model.law;
-  contact.stiffness = model.contact_stiffness;
-  contact.speed = model.drive.speed;
-  contact.normal_load = model.drive.normal_load;
-  return contact;
 }
 
 /// Three blocks that move as one: each on the slider's spring, and coupled to its neighbours.

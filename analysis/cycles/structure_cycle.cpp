@@ -1,0 +1,482 @@
+/// Recurrence of a structure's motion, Newton's method on its return map, and what is measured on the period.
+#include "analysis/cycles/structure_cycle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "analysis/cycles/multipliers.hpp"
+#include "analysis/cycles/section_map.hpp"
+#include "analysis/motion/structure_record.hpp"
+#include "core/linear_solve.hpp"
+
+namespace rosin::analysis::cycles {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+using motion::Follower;
+using oscillators::Structure;
+using oscillators::StructureSystem;
+using solvers::steps::RadauTableau;
+
+namespace {
+
+constexpr int most_returns = 32;  ///< in a period that is looked for
+
+/// Size of each unknown in a motion: the range that it has gone through, which a coordinate that hardly moves shares
+/// with the largest.
+class Range {
+ public:
+  explicit Range(const StructureSystem& system) : system_(system) {}
+  void begin(const std::vector<double>& y) { low_ = high_ = y; }
+  void add(const std::vector<double>& y) {
+    for (std::size_t i = 0; i < y.size(); ++i) low_[i] = std::min(low_[i], y[i]), high_[i] = std::max(high_[i], y[i]);
+  }
+  /// Half ranges, at least 1e-3 of those of the largest coordinate and speed.
+  VectorXd size() const {
+    const int n = system_.coordinates();
+    VectorXd half(low_.size());
+    for (std::size_t i = 0; i < low_.size(); ++i) half[Eigen::Index(i)] = 0.5 * (high_[i] - low_[i]);
+    std::vector<double> natural(low_.size());
+    system_.scale(high_.data(), natural.data());
+    constexpr double least = 1e-3, least_of_natural = 1e-9;
+    for (const auto& [first, count] : {std::pair{0, n}, std::pair{n, n}}) {
+      const double largest = half.segment(first, count).maxCoeff();
+      for (int i = first; i < first + count; ++i) half[i] = std::max(half[i], least * largest);
+    }
+    for (Eigen::Index i = 0; i < half.size(); ++i) half[i] = std::max(half[i], least_of_natural * natural[i]);
+    for (Eigen::Index i = 2 * n; i < half.size(); ++i) half[i] = std::max(half[i], least * natural[i]);
+    return half;
+  }
+  /// The coordinate that moves most, as a part of its natural size.
+  int widest() const {
+    std::vector<double> natural(low_.size());
+    system_.scale(std::vector<double>(low_.size()).data(), natural.data());
+    int best = 0;
+    const auto part = [&](int i) { return (high_[i] - low_[i]) / natural[i]; };
+    for (int i = 1; i < system_.coordinates(); ++i)
+      if (part(i) > part(best)) best = i;
+    return best;
+  }
+
+ private:
+  const StructureSystem& system_;
+  std::vector<double> low_, high_;
+};
+
+double distance(const std::vector<double>& a, const std::vector<double>& b, const VectorXd& size) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    largest = std::max(largest, std::abs(a[i] - b[i]) / size[Eigen::Index(i)]);
+  return largest;
+}
+
+/// A point of the section that returns to itself, by Newton's method.
+struct Closed {
+  bool found = false;
+  double change = infinity;  ///< the last correction, in sizes
+  std::vector<double> y;
+  MatrixXd derivative;
+};
+
+Closed close(SectionMap& map, std::vector<double> y, int returns, double tolerance, const VectorXd& size) {
+  constexpr int most_iterations = 12;
+  constexpr double near = 0.3, enough = 1e3;  // corrections: of a start that is near, and tolerances that may be left
+  Closed best;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    auto arrived = map.follow(y, tolerance, returns, true);
+    if (arrived.outcome.ending != Ending::event || !arrived.derivative.allFinite()) break;
+    const Eigen::Index n = arrived.derivative.rows();
+    VectorXd residual(n);
+    for (Eigen::Index i = 0; i < n; ++i) residual[i] = (arrived.y[std::size_t(i)] - y[std::size_t(i)]) / size[i];
+    const MatrixXd slopes = size.cwiseInverse().asDiagonal() * arrived.derivative * size.asDiagonal();
+    const VectorXd correction = solve_linear(MatrixXd::Identity(n, n) - slopes, residual);
+    if (!correction.allFinite()) break;
+    const double change = correction.cwiseAbs().maxCoeff();
+    const bool better = change < 0.5 * best.change;
+    if (change < best.change) best = {false, change, y, arrived.derivative};
+    if (iteration == 0 && change > near) break;
+    if (change < 0.1 * tolerance || (iteration > 1 && !better)) break;
+    for (Eigen::Index i = 0; i < n; ++i) y[std::size_t(i)] += size[i] * correction[i];
+  }
+  best.found = best.change < enough * tolerance;
+  return best;
+}
+
+/// What one period shows, at one tolerance.
+struct Period {
+  Closed closed;
+  double duration = 0;
+  std::map<std::string, StructureCycle::Measure> metrics;
+  std::vector<double> coordinate_max, coordinate_min;
+  std::vector<motion::RunEvent> events;
+  std::vector<double> time;
+  motion::StructureRecord record;
+  std::vector<std::complex<double>> multipliers;
+
+  Period(SectionMap& map, Closed at, int returns, double tolerance)
+      : closed(std::move(at)), record(map.system()), map_(map), steps_(record.names.size()) {
+    const StructureSystem& system = map.system();
+    high_.assign(record.names.size(), -infinity), low_.assign(record.names.size(), infinity);
+    mean_.assign(record.names.size(), 0.0);
+    stick_.assign(system.contacts(), 0.0);
+    force_.resize(system.friction_contacts());
+    last_ = closed.y;
+    const auto arrived = map.follow(closed.y, tolerance, returns, false,
+                                    [this](Follower::Step& step, std::span<const Follower::Event> switches,
+                                           const std::vector<double>& behind) { add(step, switches, behind); });
+    duration = arrived.duration;
+    evaluate();
+    const Eigen::Index wanted = map.moving_unknowns() - (map.driven() ? 0 : 1);
+    auto values = by_modulus(closed.derivative);
+    values.resize(std::size_t(std::min<Eigen::Index>(wanted, Eigen::Index(values.size()))));
+    multipliers = values;
+  }
+
+ private:
+  /// Values of all columns at the start and the stages of the step, their extremes and means.
+  void add(Follower::Step& step, std::span<const Follower::Event> switches, const std::vector<double>& behind) {
+    const StructureSystem& system = map_.system();
+    const auto& tableau = RadauTableau::get();
+    constexpr int nodes = Follower::Step::stages + 1;
+    std::vector<double> y(system.size()), row;
+    if (time.empty()) time.push_back(0), record.record(step.time_before(), step.state_before().data());
+    for (int node = 0; node < nodes; ++node) {
+      const double t = node == 0 ? step.time_before() : step.stage_time(node - 1);
+      if (node == 0)
+        y = step.state_before();
+      else
+        step.stage(node - 1, y.data());
+      record.observe(t, y.data(), row);
+      for (std::size_t c = 0; c < row.size(); ++c) steps_[c][node] = row[c];
+      if (node == 0) continue;
+      for (std::size_t c = 0; c < row.size(); ++c) mean_[c] += tableau.b[node - 1] * step.length() * row[c];
+      system.friction_forces(t, y.data(), force_.data());
+      for (int j = 0; j < system.friction_contacts(); ++j)
+        heat_ += tableau.b[node - 1] * step.length() * force_[j] * system.slip_rate(j, t, y.data());
+    }
+    for (std::size_t c = 0; c < steps_.size(); ++c) {
+      for (const double value : steps_[c]) high_[c] = std::max(high_[c], value), low_[c] = std::min(low_[c], value);
+      high_[c] = std::max(high_[c], look_between(step, c, +1));
+      low_[c] = std::min(low_[c], -look_between(step, c, -1));
+    }
+    for (int c = 0; c < system.contacts(); ++c)
+      if (system.mode(c) == ContactMode::stick) stick_[c] += step.length();
+    moment_ += step.length();
+    for (const auto& [contact, what] : switches) events.push_back(motion::event_of(system, contact, what, moment_, behind));
+    time.push_back(moment_);
+    record.record(step.time(), step.state().data());
+  }
+
+  /// The largest value of `sign` times a column within the step, at the full order, where it is above what is known.
+  double look_between(Follower::Step& step, std::size_t column, double sign) {
+    const auto& tableau = RadauTableau::get();
+    constexpr int fine = 16;
+    const auto by_polynomial = [&](double theta) { return sign * tableau.interpolate(steps_[column], theta); };
+    double at = 0;
+    for (int i = 1; i <= fine; ++i)
+      if (by_polynomial(double(i) / fine) > by_polynomial(at)) at = double(i) / fine;
+    const double known = sign > 0 ? high_[column] : -low_[column];
+    const double range = *std::ranges::max_element(steps_[column]) - *std::ranges::min_element(steps_[column]);
+    constexpr double counts = 1e-13;
+    if (at == 0 || at == 1 || !(by_polynomial(at) + 0.1 * range > known + counts * std::abs(known))) return known;
+    double left = at - 1.0 / fine, right = at + 1.0 / fine;
+    for (int i = 0; i < 30; ++i) {
+      const double a = left + (right - left) / 3, b = right - (right - left) / 3;
+      if (by_polynomial(a) > by_polynomial(b))
+        right = b;
+      else
+        left = a;
+    }
+    std::vector<double> y(map_.system().size()), row;
+    const auto exactly = [&](double theta) {
+      step.solve_at(theta, y.data());
+      record.observe(step.time_at(theta), y.data(), row);
+      return sign * row[column];
+    };
+    double theta = 0.5 * (left + right), best = exactly(theta);
+    for (const double aside : {1e-2, 1e-3}) {  // vertices of parabolas
+      const double centre = std::clamp(theta, aside, 1 - aside), a = exactly(centre - aside), b = exactly(centre),
+                   c = exactly(centre + aside), bend = a - 2 * b + c;
+      best = std::max({best, a, b, c});
+      if (!(bend < 0)) break;
+      theta = std::clamp(centre + 0.5 * aside * (a - c) / bend, 0.0, 1.0);
+      best = std::max(best, b - 0.125 * (a - c) * (a - c) / bend);
+    }
+    return std::max(best, known);
+  }
+
+  void evaluate() {
+    const auto add = [this](const std::string& name, double value, const std::string& unit) {
+      metrics[name] = {value, infinity, unit};
+    };
+    add("period", duration, "s");
+    for (std::size_t c = 0; c < record.names.size(); ++c) {
+      std::string name = record.names[c];
+      const auto& unit = record.units[c];
+      const std::string coefficient = "friction_coefficient";
+      if (name.starts_with(coefficient)) name = "friction" + name.substr(coefficient.size());
+      add(name + "_max", high_[c], unit), add(name + "_min", low_[c], unit);
+      add(name + "_amplitude", 0.5 * (high_[c] - low_[c]), unit), add(name + "_mean", mean_[c] / duration, unit);
+    }
+    const StructureSystem& system = map_.system();
+    coordinate_max.assign(high_.begin(), high_.begin() + system.coordinates());
+    coordinate_min.assign(low_.begin(), low_.begin() + system.coordinates());
+    for (int c = 0; c < system.contacts(); ++c)
+      add(system.friction_contacts() > 1 ? fmt::format("stick_fraction_{}", system.friction_contact(c) + 1)
+                                         : "stick_fraction",
+          stick_[c] / duration, "1");
+    add("friction_work", heat_, "J");
+  }
+
+  SectionMap& map_;
+  std::vector<std::array<double, Follower::Step::stages + 1>> steps_;
+  std::vector<double> high_, low_, mean_, stick_, force_, last_;
+  double heat_ = 0, moment_ = 0;
+};
+
+/// What recurs: a point of the section and the returns after which the motion is near it again.
+struct Recurrence {
+  Outcome outcome;
+  int returns = 0;
+  Closed closed;
+  VectorXd size;
+};
+
+class RecurrenceSearch {
+ public:
+  RecurrenceSearch(SectionMap& map, const motion::StructureModel& model, const StructureCycleOptions& options)
+      : map_(map), model_(model), options_(options), range_(map.system()) {}
+
+  Recurrence search() {
+    std::vector<double> y = motion::starting_point(map_.system(), model_.start);
+    range_.begin(y);
+    const auto observe = [this](Follower::Step& step, std::span<const Follower::Event>, const std::vector<double>&) {
+      range_.add(step.state());
+      if (map_.driven()) return;
+      for (int c = 0; c < map_.system().contacts(); ++c)
+        if (map_.system().mode(c) == ContactMode::stick) sticks_ = true;
+    };
+    if (!map_.driven()) {
+      try {
+        steady_ = map_.system().steady(0);
+      } catch (const InputError&) {  // a structure that no spring holds
+      }
+      choose_section(y, observe);
+    }
+    Outcome outcome = map_.follow_crossings(
+        y, tolerance_, [this](int crossing, double, const std::vector<double>& there) { return look(crossing, there); },
+        observe);
+    if (result_.returns > 0) return result_;
+    if (outcome.ending == Ending::reached_end || (outcome.ending == Ending::event && settled_))
+      outcome = {Ending::none_exists, "steady sliding is reached, or rest"};
+    else if (outcome.ending == Ending::event)
+      outcome = {Ending::budget_spent,
+                 fmt::format("no period within {} returns: the motion is irregular, or settles slowly (the nearest "
+                             "return is {:.1e} of its range away)",
+                             crossings_, nearest_)};
+    result_.outcome = outcome;
+    return result_;
+  }
+  long crossings() const { return crossings_; }
+
+ private:
+  /// The coordinate that moves most in the first returns.
+  void choose_section(std::vector<double>& y, const SectionMap::Observer& observe) {
+    Follower follower(map_.system(), tolerance_);
+    follower.observe = observe;
+    constexpr double of_patience = 0.02;
+    std::vector<double> ahead = y;
+    follower.follow(0, ahead, of_patience * map_.patience());
+    map_.watch(range_.widest());
+    range_.begin(y);
+  }
+
+  /// True where the search ends.
+  bool look(int crossing, const std::vector<double>& y) {
+    crossings_ = crossing;
+    past_.push_back(y);
+    if (int(past_.size()) > most_returns + 1) past_.pop_front();
+    if (crossing % renewal == 0) {  // what the transient went through is forgotten
+      size_ = range_.size();
+      range_.begin(y);
+    }
+    if (crossing >= options_.max_cycles) return true;
+    if (crossing < 2) return false;
+    if (crossing < renewal) size_ = range_.size();
+    if (settles(y)) return settled_ = true;
+    if (crossing < next_try_) return false;
+    const int last = int(past_.size()) - 1;
+    nearest_ = infinity;
+    int returns = 0;
+    for (int m = 1; m <= last; ++m) {
+      const double apart = distance(past_[last], past_[last - m], size_);
+      nearest_ = std::min(nearest_, apart);
+      if (apart < near_) {
+        returns = m;
+        break;
+      }
+    }
+    if (returns == 0) return false;
+    auto closed = close(map_, y, returns, tolerance_, size_);
+    if (closed.found && moves(closed.y) &&
+        (by_modulus(closed.derivative).empty() || std::abs(by_modulus(closed.derivative).front()) < 1 + 1e-3)) {
+      result_.returns = returns, result_.closed = std::move(closed), result_.size = size_;
+      return true;
+    }
+    // Further on the motion is nearer to what it settles on.
+    next_try_ = crossing + std::max(2, crossing / 4);
+    near_ = std::max(0.5 * std::min(near_, nearest_), 1e-12);
+    return false;
+  }
+
+  /// An oscillation about steady sliding that dies out.
+  bool settles(const std::vector<double>& y) {
+    if (steady_.empty()) return false;
+    const int n = map_.system().coordinates();
+    std::vector<double> natural(y.size());
+    map_.system().scale(steady_.data(), natural.data());
+    double away = 0;
+    for (int i = 0; i < n; ++i) away = std::max(away, std::abs(y[i] - steady_[i]) / natural[i]);
+    const bool smaller = away < last_away_ && !std::exchange(sticks_, false);
+    last_away_ = away;
+    decays_ = smaller ? decays_ + 1 : 0;
+    constexpr double small = 1e-6;
+    constexpr int long_enough = 10;
+    return away < small && decays_ >= long_enough;
+  }
+  /// Not steady sliding itself.
+  bool moves(const std::vector<double>& y) const {
+    if (steady_.empty()) return true;
+    std::vector<double> natural(y.size());
+    map_.system().scale(steady_.data(), natural.data());
+    double away = 0;
+    for (int i = 0; i < map_.system().coordinates(); ++i)
+      away = std::max(away, std::abs(y[i] - steady_[i]) / natural[i]);
+    constexpr double least = 1e-5;
+    return away > least;
+  }
+
+  static constexpr int renewal = 8;
+  static constexpr double tolerance_ = 1e-7;
+  SectionMap& map_;
+  const motion::StructureModel& model_;
+  const StructureCycleOptions& options_;
+  Range range_;
+  VectorXd size_;
+  std::deque<std::vector<double>> past_;
+  std::vector<double> steady_;
+  double near_ = 1e-3, nearest_ = infinity, last_away_ = infinity;
+  int next_try_ = 3, decays_ = 0;
+  long crossings_ = 0;
+  bool settled_ = false, sticks_ = false;
+  Recurrence result_;
+};
+
+/// Does the drive reverse after half its period?
+bool drive_is_antisymmetric(const Structure& structure, double period) {
+  constexpr int moments = 37;
+  constexpr double rounding = 1e-9;
+  const auto reverses = [&](const Signal& signal, double sign) {
+    double size = 0, left = 0;
+    for (int i = 0; i < moments; ++i) {
+      const double t = period * i / moments, a = signal.value(t), b = signal.value(t + period / 2);
+      size = std::max(size, std::abs(a)), left = std::max(left, std::abs(a - sign * b));
+    }
+    return left <= rounding * size;
+  };
+  return std::ranges::all_of(structure.force, [&](const Signal& f) { return reverses(f, -1); }) &&
+         std::ranges::all_of(structure.contacts, [&](const oscillators::FrictionContact& c) {
+           return reverses(c.speed, -1) && reverses(c.normal_load, 1) && c.normal.size() == 0;
+         });
+}
+
+/// Whether coordinates and velocities are reversed after half the period of the motion.
+std::string symmetry_of(SectionMap& map, const Closed& closed, int returns, double tolerance, const VectorXd& size) {
+  if (!map.driven() || returns % 2 == 0 ||  // an even number of drive periods has no half that reverses the drive
+      !drive_is_antisymmetric(map.system().structure(), map.drive_period()))
+    return "";
+  std::vector<double> y = closed.y;
+  Follower follower(map.system(), tolerance);
+  Outcome outcome;
+  for (int turn = 0; turn < returns / 2 && outcome.complete(); ++turn) outcome = follower.follow(0, y, map.drive_period());
+  if (outcome.complete()) outcome = follower.follow(0, y, 0.5 * map.drive_period());
+  if (!outcome.complete()) return "";
+  const auto& system = map.system();
+  const int n = system.coordinates();
+  const VectorXd before = system.velocity(0, closed.y.data()), after = system.velocity(0.5 * map.drive_period(), y.data());
+  double apart = 0;
+  for (int i = 0; i < n; ++i)
+    apart = std::max({apart, std::abs(y[i] + closed.y[i]) / size[i], std::abs(after[i] + before[i]) / size[n + i]});
+  constexpr double same = 1e-5;
+  return apart < std::max(same, 1e3 * tolerance) ? "symmetric" : "twin";
+}
+
+}  // namespace
+
+StructureCycle find_cycle(const motion::StructureModel& model, const StructureCycleOptions& options) {
+  require(options.tolerance, {1e-11, 0.1}, "tolerance", "relative accuracy of a cycle", "1");
+  SectionMap map(model.structure);
+  map.most_steps = options.most_steps;
+  if (!map.driven() && std::ranges::all_of(model.structure.contacts,
+                                           [](const auto& contact) { return contact.speed.level() == 0; }))
+    throw InputError("nothing drives the structure: no surface moves, and no force varies (drive.speed, m/s)");
+  StructureCycle result;
+  RecurrenceSearch search(map, model, options);
+  auto recurrence = search.search();
+  result.cost = {map.count.steps, map.count.evaluations, search.crossings()};
+  result.outcome = recurrence.outcome;
+  if (recurrence.returns == 0) return result;
+  // Two passes show the error of the coarser; where that is above the tolerance, a third shows that of the second.
+  constexpr double finer = 1.0 / 30, least = 3e-14;
+  constexpr int most_passes = 4;
+  double tolerance = 0.1 * options.tolerance, worst = infinity;
+  std::optional<Period> coarse, fine;
+  std::vector<double> near = recurrence.closed.y;
+  for (int pass = 0; pass < most_passes && worst > options.tolerance; ++pass) {
+    auto closed = close(map, near, recurrence.returns, tolerance, recurrence.size);
+    if (!closed.found) {
+      result.outcome = {Ending::tolerance_not_met,
+                        fmt::format("Newton's method closes the period to {:.1e} of its range only", closed.change)};
+      break;
+    }
+    near = closed.y;
+    if (fine) coarse.emplace(std::move(*fine));
+    fine.emplace(map, std::move(closed), recurrence.returns, tolerance);
+    if (coarse) {
+      double longest = 0;  // range of the widest coordinate, for those that hardly move
+      for (auto& [name, measure] : fine->metrics)
+        measure.error = std::abs(measure.value - coarse->metrics.at(name).value) + tolerance * std::abs(measure.value);
+      for (std::size_t i = 0; i < fine->coordinate_max.size(); ++i)
+        longest = std::max(longest, fine->coordinate_max[i] - fine->coordinate_min[i]);
+      worst = fine->metrics["period"].error / fine->duration;
+      for (std::size_t i = 0; i < fine->coordinate_max.size(); ++i)
+        worst = std::max({worst, std::abs(fine->coordinate_max[i] - coarse->coordinate_max[i]) / longest,
+                          std::abs(fine->coordinate_min[i] - coarse->coordinate_min[i]) / longest});
+    }
+    if (tolerance <= least) break;
+    tolerance = std::max(tolerance * finer, least);
+  }
+  result.cost.steps = map.count.steps, result.cost.evaluations = map.count.evaluations;
+  if (!fine) return result;
+  result.returns = recurrence.returns;
+  result.metrics = fine->metrics;
+  result.coordinate_max = fine->coordinate_max, result.coordinate_min = fine->coordinate_min;
+  result.events = fine->events;
+  result.start = fine->closed.y;
+  result.column_names = fine->record.names, result.column_units = fine->record.units;
+  result.time = fine->time, result.columns = fine->record.values;
+  result.symmetry = symmetry_of(map, fine->closed, recurrence.returns, tolerance, recurrence.size);
+  if (options.multipliers && coarse) {
+    auto known = known_multipliers(coarse->multipliers, fine->multipliers);
+    result.multipliers = std::move(known.values), result.multiplier_errors = std::move(known.errors);
+    result.multipliers_left_out = std::move(known.left_out);
+  }
+  result.stable = !fine->multipliers.empty() && std::abs(fine->multipliers.front()) < 1;
+  if (result.outcome.complete() && worst > options.tolerance)
+    result.outcome = {Ending::tolerance_not_met, fmt::format("the period is known to {:.1e} only", worst)};
+  return result;
+}
+
+}  // namespace rosin::analysis::cycles

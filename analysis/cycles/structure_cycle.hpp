@@ -1,0 +1,55 @@
+/// Periodic motion of a structure: that which it settles on, or its answer to a periodic drive.
+#pragma once
+#include <complex>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "analysis/motion/run.hpp"
+#include "analysis/motion/structure_start.hpp"
+
+namespace rosin::analysis::cycles {
+
+struct StructureCycleOptions {
+  double tolerance = 1e-8;  ///< relative, of period and extremes
+  int max_cycles = 10'000;  ///< returns of the transient before giving up
+  bool multipliers = true;
+  long most_steps = 5'000'000;  ///< of all that is followed
+};
+
+struct StructureCycle {
+  Outcome outcome;  ///< none_exists: the motion settles on steady sliding, or comes to rest
+  int returns = 0;  ///< of the section in a period: periods of the drive, or maxima of the coordinate; 0: none found
+  struct Measure {
+    double value, error;  ///< absolute
+    std::string unit;
+  };
+  /// Of one period: "period"; of each column of the record "…_max", "…_min", "…_mean" and "…_amplitude", half its range
+  /// (friction coefficients as "friction_max" or "friction_1_max"); "stick_fraction" of each contact; "friction_work",
+  /// the heat of friction.
+  std::map<std::string, Measure> metrics;
+  std::vector<double> coordinate_max, coordinate_min;  ///< m
+  /// Floquet, largest modulus first, without the trivial 1 of a structure that is not driven; of what stick forgets 0.
+  std::vector<std::complex<double>> multipliers;
+  std::vector<double> multiplier_errors;
+  std::string multipliers_left_out;
+  bool stable = false;
+  /// "symmetric": after half a period all coordinates are reversed; "twin": the drive has that symmetry but the motion
+  /// has not, so that its mirror image is another motion; "": the drive has none.
+  std::string symmetry;
+  std::vector<motion::RunEvent> events;  ///< of one period, by the time since its start
+  std::vector<double> start;             ///< unknowns at the start of the period
+  std::vector<std::string> column_names, column_units;
+  std::vector<double> time;                  ///< at the ends of the solver's steps
+  std::vector<std::vector<double>> columns;  ///< [column][moment]
+  struct Cost {
+    long steps = 0, evaluations = 0, cycles = 0;
+  } cost;
+};
+
+/// The motion from the start is followed until it recurs after some returns; Newton's method on the map of a period,
+/// with its exact derivative, then closes it at two tolerances, whose difference is the error.
+/// \throws InputError where the drive has no period, and for a start that does not fit.
+StructureCycle find_cycle(const motion::StructureModel&, const StructureCycleOptions&);
+
+}  // namespace rosin::analysis::cycles

@@ -1,0 +1,66 @@
+/// The one loop that follows a structure: from break to break of its drive, from switch to switch of its contacts, and
+/// to a section; with the derivative of the motion with respect to its start, if asked.
+#pragma once
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "oscillators/structure_system.hpp"
+#include "solvers/stick_slip/stick_slip_solver.hpp"
+
+namespace rosin::analysis::motion {
+
+/// A surface in the space of unknowns. A motion crosses it where the value falls through 0.
+struct Section {
+  std::function<double(double t, const double* y)> value;
+  double scale = 1;  ///< a size of the value, > 0
+  /// Called at each crossing. True: the motion ends there.
+  std::function<bool(double t, const std::vector<double>& y)> crossed;
+};
+
+class Follower {
+ public:
+  using Step = solvers::steps::Collocation;
+  using Event = solvers::stick_slip::StickSlip::Event;
+
+  /// \param system  outlives this; its modes are set
+  Follower(oscillators::StructureSystem& system, double tolerance) : system_(system), tolerance_(tolerance) {}
+
+  /// Called after each step, while the system is still in the modes of it: the step, the switches that it ended in, and
+  /// the unknowns behind them.
+  std::function<void(Step&, std::span<const Event>, const std::vector<double>& behind)> observe;
+  /// Carries the columns of `tangent` (size × columns, row-major): a disturbance of the start at fixed time becomes that
+  /// of the end. At a switch it jumps by the saltation matrix (Aizerman & Gantmakher 1958; Leine & Nijmeijer 2004,
+  /// chapter 7): the time of the switch depends on the disturbance, and stick forgets that of the slip rate. Drives with
+  /// breaks are not for this.
+  void carry(std::vector<double>* tangent, int columns) { tangent_ = tangent, columns_ = columns; }
+
+  /// Follows from (t, y) to `end` or to where the section says; then y is there, and time() too.
+  Outcome follow(double t, std::vector<double>& y, double end, const Section* section = nullptr);
+  double time() const { return time_; }
+
+  long most_steps = 5'000'000;  ///< of all that this follows
+  struct Count {
+    long steps = 0, evaluations = 0, choices = 0;
+  };
+  const Count& count() const { return count_; }
+
+ private:
+  bool cross_section(Step&, const Section&);
+  void carry_across(Step&);
+  void carry_across_switches(const solvers::stick_slip::StickSlip&);
+  void jump(const std::vector<double>& before, const std::vector<double>& after, const std::vector<double>& gradient,
+            double rate, int ended, const std::vector<double>& y);
+  /// Rates of the differential unknowns in the system's present modes.
+  std::vector<double> rates(double t, const std::vector<double>& y) const;
+
+  oscillators::StructureSystem& system_;
+  double tolerance_, time_ = 0;
+  std::vector<double>* tangent_ = nullptr;
+  int columns_ = 0;
+  bool armed_ = false;        ///< the section may be crossed: the motion has left it since its start
+  double section_value_ = 0;  ///< at the end of the last step
+  Count count_;
+};
+
+}  // namespace rosin::analysis::motion

@@ -1,0 +1,71 @@
+/// Columns of a structure's record.
+#include "analysis/motion/structure_record.hpp"
+
+#include <fmt/format.h>
+
+namespace rosin::analysis::motion {
+
+using oscillators::Structure;
+using oscillators::StructureSystem;
+
+std::string velocity_name(const std::string& coordinate) {
+  const std::string word = "displacement";
+  const auto at = coordinate.find(word);
+  return at == std::string::npos ? "velocity_of_" + coordinate
+                                 : coordinate.substr(0, at) + "velocity" + coordinate.substr(at + word.size());
+}
+
+StructureRecord::StructureRecord(const StructureSystem& system) : system_(system), force_(system.friction_contacts()) {
+  const Structure& structure = system.structure();
+  const auto add = [&](std::string name, std::string unit) {
+    names.push_back(std::move(name));
+    units.push_back(std::move(unit));
+  };
+  for (const auto& name : structure.names) add(name, "m");
+  for (const auto& name : structure.names) add(velocity_name(name), "m/s");
+  const int contacts = system.friction_contacts();
+  for (int j = 0; j < contacts; ++j) {
+    const std::string number = contacts > 1 ? fmt::format("_{}", j + 1) : "";
+    add("slip_rate" + number, "m/s");
+    add("friction_force" + number, "N");
+    add("friction_coefficient" + number, "1");
+    if (shows_load(j)) add("normal_load" + number, "N");
+    for (const auto& state : structure.contacts[j].law->states()) add(state.name + number, state.unit);
+  }
+  values.resize(names.size());
+}
+
+void StructureRecord::observe(double t, const double* y, std::vector<double>& row) {
+  row.clear();
+  const int n = system_.coordinates(), contacts = system_.friction_contacts();
+  row.insert(row.end(), y, y + n);
+  for (const double v : system_.velocity(t, y)) row.push_back(v);
+  system_.friction_forces(t, y, force_.data());
+  for (int j = 0; j < contacts; ++j) {
+    const double N = system_.normal_load(j, t, y);
+    row.push_back(system_.slip_rate(j, t, y));
+    row.push_back(force_[j]);
+    row.push_back(N > 0 ? force_[j] / N : 0);
+    if (shows_load(j)) row.push_back(N);
+    for (const double state : system_.states(j, t, y)) row.push_back(state);
+  }
+}
+
+void StructureRecord::record(double t, const double* y) {
+  observe(t, y, row_);
+  for (std::size_t c = 0; c < row_.size(); ++c) values[c].push_back(row_[c]);
+}
+
+bool StructureRecord::shows_load(int contact) const {
+  return system_.friction_contacts() > 1 || system_.structure().contacts[contact].normal.size() > 0;
+}
+
+RunEvent event_of(const StructureSystem& system, int contact, solvers::stick_slip::Switch what, double t,
+                  const std::vector<double>& y) {
+  const int j = system.friction_contact(contact);
+  const auto& direction = system.structure().contacts[j].tangential;
+  const Eigen::Map<const Eigen::VectorXd> q(y.data(), system.coordinates());
+  return {t, name(what), direction.dot(q) / direction.squaredNorm(), 0, system.friction_contacts() > 1 ? j + 1 : 0};
+}
+
+}  // namespace rosin::analysis::motion

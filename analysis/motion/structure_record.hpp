@@ -1,0 +1,37 @@
+/// What is recorded of the motion of a structure: coordinates, velocities, and each contact's slip rate and forces.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "analysis/motion/run.hpp"
+#include "oscillators/structure_system.hpp"
+#include "solvers/stick_slip/stick_slip_solver.hpp"
+
+namespace rosin::analysis::motion {
+
+/// Names of the columns of velocities: "second_velocity" for the coordinate "second_displacement".
+std::string velocity_name(const std::string& coordinate);
+
+/// Names and units of the columns, and their values at moments.
+class StructureRecord {
+ public:
+  explicit StructureRecord(const oscillators::StructureSystem&);
+  /// The columns at (t, y).
+  void observe(double t, const double* y, std::vector<double>& row);
+  /// Adds them to `values`.
+  void record(double t, const double* y);
+
+  std::vector<std::string> names, units;
+  std::vector<std::vector<double>> values;  ///< [column][moment]
+
+ private:
+  bool shows_load(int contact) const;
+  const oscillators::StructureSystem& system_;
+  std::vector<double> force_, row_;
+};
+
+/// A switch of a contact, behind which the unknowns are y.
+RunEvent event_of(const oscillators::StructureSystem&, int contact, solvers::stick_slip::Switch, double t,
+                  const std::vector<double>& y);
+
+}  // namespace rosin::analysis::motion
