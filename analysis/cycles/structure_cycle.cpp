@@ -104,6 +104,16 @@ Closed close(SectionMap& map, std::vector<double> y, int returns, double toleran
   return best;
 }
 
+std::string short_name(const std::string& column) {
+  const std::string coefficient = "friction_coefficient";
+  return column.starts_with(coefficient) ? "friction" + column.substr(coefficient.size()) : column;
+}
+
+std::string name_of_stick(const StructureSystem& system, int contact) {
+  return system.friction_contacts() > 1 ? fmt::format("stick_fraction_{}", system.friction_contact(contact) + 1)
+                                        : "stick_fraction";
+}
+
 /// What one period shows, at one tolerance.
 struct Period {
   Closed closed;
@@ -213,20 +223,15 @@ struct Period {
     };
     add("period", duration, "s");
     for (std::size_t c = 0; c < record.names.size(); ++c) {
-      std::string name = record.names[c];
+      const auto name = short_name(record.names[c]);
       const auto& unit = record.units[c];
-      const std::string coefficient = "friction_coefficient";
-      if (name.starts_with(coefficient)) name = "friction" + name.substr(coefficient.size());
       add(name + "_max", high_[c], unit), add(name + "_min", low_[c], unit);
       add(name + "_amplitude", 0.5 * (high_[c] - low_[c]), unit), add(name + "_mean", mean_[c] / duration, unit);
     }
     const StructureSystem& system = map_.system();
     coordinate_max.assign(high_.begin(), high_.begin() + system.coordinates());
     coordinate_min.assign(low_.begin(), low_.begin() + system.coordinates());
-    for (int c = 0; c < system.contacts(); ++c)
-      add(system.friction_contacts() > 1 ? fmt::format("stick_fraction_{}", system.friction_contact(c) + 1)
-                                         : "stick_fraction",
-          stick_[c] / duration, "1");
+    for (int c = 0; c < system.contacts(); ++c) add(name_of_stick(system, c), stick_[c] / duration, "1");
     add("friction_work", heat_, "J");
   }
 
@@ -271,6 +276,9 @@ class RecurrenceSearch {
     if (result_.returns > 0) return result_;
     if (outcome.ending == Ending::reached_end || (outcome.ending == Ending::event && settled_))
       outcome = {Ending::none_exists, "steady sliding is reached, or rest"};
+    else if (unbounded_)
+      outcome = {Ending::none_exists, fmt::format("the motion grows without bound, to {:.3g} m after {} returns",
+                                                  ranges_.back(), crossings_)};
     else if (outcome.ending == Ending::event)
       outcome = {Ending::budget_spent,
                  fmt::format("no period within {} returns: the motion is irregular, or settles slowly (the nearest "
@@ -300,7 +308,9 @@ class RecurrenceSearch {
     if (int(past_.size()) > most_returns + 1) past_.pop_front();
     if (crossing % renewal == 0) {  // what the transient went through is forgotten
       size_ = range_.size();
+      ranges_.push_back(size_.head(map_.system().coordinates()).maxCoeff());
       range_.begin(y);
+      if (grows_without_bound()) return true;
     }
     if (crossing >= options_.max_cycles) return true;
     if (crossing < 2) return false;
@@ -320,6 +330,15 @@ class RecurrenceSearch {
     }
     if (returns == 0) return false;
     auto closed = close(map_, y, returns, tolerance_, size_);
+    // An alternating transient is nearer after two returns, although one would close it.
+    for (int part = 1; closed.found && part <= returns / 2; ++part) {
+      if (returns % part != 0) continue;
+      const auto there = map_.follow(closed.y, tolerance_, part, false);
+      constexpr double same = 1e-4;
+      if (there.outcome.ending != Ending::event || distance(there.y, closed.y, size_) > same) continue;
+      if (auto shorter = close(map_, closed.y, part, tolerance_, size_); shorter.found)
+        closed = std::move(shorter), returns = part;
+    }
     if (closed.found && moves(closed.y) &&
         (by_modulus(closed.derivative).empty() || std::abs(by_modulus(closed.derivative).front()) < 1 + 1e-3)) {
       result_.returns = returns, result_.closed = std::move(closed), result_.size = size_;
@@ -329,6 +348,17 @@ class RecurrenceSearch {
     next_try_ = crossing + std::max(2, crossing / 4);
     near_ = std::max(0.5 * std::min(near_, nearest_), 1e-12);
     return false;
+  }
+
+  /// At a resonance that friction does not hold the range grows by as much in each renewal.
+  bool grows_without_bound() {
+    constexpr std::size_t renewals = 20;
+    constexpr double as_much = 0.97;
+    if (ranges_.size() <= renewals) return false;
+    const auto last = ranges_.end() - 1, first = last - long(renewals), middle = last - long(renewals / 2);
+    if (!std::is_sorted(first, ranges_.end()) || *last < 2 * *first) return false;
+    unbounded_ = *last - *middle > as_much * (*middle - *first);
+    return unbounded_;
   }
 
   /// An oscillation about steady sliding that dies out.
@@ -370,7 +400,8 @@ class RecurrenceSearch {
   double near_ = 1e-3, nearest_ = infinity, last_away_ = infinity;
   int next_try_ = 3, decays_ = 0;
   long crossings_ = 0;
-  bool settled_ = false, sticks_ = false;
+  bool settled_ = false, sticks_ = false, unbounded_ = false;
+  std::vector<double> ranges_;  ///< of the widest coordinate, one for each renewal
   Recurrence result_;
 };
 
@@ -414,6 +445,18 @@ std::string symmetry_of(SectionMap& map, const Closed& closed, int returns, doub
 }
 
 }  // namespace
+
+std::vector<std::pair<std::string, std::string>> cycle_metrics_of(const Structure& structure) {
+  const StructureSystem system(structure);
+  const motion::StructureRecord record(system);
+  std::vector<std::pair<std::string, std::string>> metrics = {{"period", "s"}};
+  for (std::size_t c = 0; c < record.names.size(); ++c)
+    for (const char* kind : {"_max", "_min", "_amplitude", "_mean"})
+      metrics.emplace_back(short_name(record.names[c]) + kind, record.units[c]);
+  for (int c = 0; c < system.contacts(); ++c) metrics.emplace_back(name_of_stick(system, c), "1");
+  metrics.emplace_back("friction_work", "J");
+  return metrics;
+}
 
 StructureCycle find_cycle(const motion::StructureModel& model, const StructureCycleOptions& options) {
   require(options.tolerance, {1e-11, 0.1}, "tolerance", "relative accuracy of a cycle", "1");

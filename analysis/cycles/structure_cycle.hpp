@@ -47,6 +47,9 @@ struct StructureCycle {
   } cost;
 };
 
+/// Names and units of the metrics of a structure's cycles.
+std::vector<std::pair<std::string, std::string>> cycle_metrics_of(const oscillators::Structure&);
+
 /// The motion from the start is followed until it recurs after some returns; Newton's method on the map of a period,
 /// with its exact derivative, then closes it at two tolerances, whose difference is the error.
 /// \throws InputError where the drive has no period, and for a start that does not fit.

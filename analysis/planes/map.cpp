@@ -20,6 +20,15 @@
 
 namespace rosin::analysis::planes {
 
+std::vector<PlaneMetric> metrics_of_slider(const std::vector<std::string>& names) {
+  std::vector<PlaneMetric> metrics;
+  for (const auto& wanted : names) {
+    const auto& metric = cycles::find_metric(wanted);
+    metrics.push_back({metric.name, metric.unit, metric.meaning, metric.member});
+  }
+  return metrics;
+}
+
 std::string name(Regime regime) {
   switch (regime) {
     case Regime::stable:
@@ -258,7 +267,7 @@ void compute(const Model& model, const MapOptions& options, const MapHooks& hook
   map.x = options.x;
   map.y = options.y;
   if (map.x.parameter == map.y.parameter) throw InputError(fmt::format("both map axes are '{}'", map.x.parameter));
-  for (const auto& metric : options.metrics) cycles::find_metric(metric);
+  map.metrics = metrics_of_slider(options.metrics);
   if (!model.drive.constant())
     throw InputError(
         "a map is computed under a constant drive, but drive.speed, drive.normal_load or drive.force varies");

@@ -51,8 +51,23 @@ struct MapPoint {
   Origin origin = Origin::decided;
   bool done = false;
   cycles::Metrics metrics, error;  ///< NaN where there is no cycle
-  std::string why;                 ///< of a failure
+  /// The same for structures, in the order of the map's metrics.
+  std::vector<double> measures = {}, measure_errors = {};
+  std::string why;  ///< of a failure
 };
+
+/// A metric of a plane: a member of a slider's metrics, or one of the measures of a structure.
+struct PlaneMetric {
+  std::string name, unit, meaning;
+  double cycles::Metrics::*member = nullptr;
+  std::size_t place = 0;  ///< among the measures, where there is no member
+  double& value(MapPoint& point) const { return member ? point.metrics.*member : point.measures[place]; }
+  double& error(MapPoint& point) const { return member ? point.error.*member : point.measure_errors[place]; }
+  double value(const MapPoint& point) const { return member ? point.metrics.*member : point.measures[place]; }
+  double error(const MapPoint& point) const { return member ? point.error.*member : point.measure_errors[place]; }
+};
+/// Of a slider's cycles, by their names. \throws InputError for an unknown name.
+std::vector<PlaneMetric> metrics_of_slider(const std::vector<std::string>& names);
 
 /// A point of which nothing is known yet.
 MapPoint undecided_point();
@@ -64,6 +79,7 @@ struct Polyline {
 
 struct Map {
   Axis x, y;
+  std::vector<PlaneMetric> metrics;
   std::vector<MapPoint> points;  ///< row by row: [iy * x.size + ix]
   Polyline threshold;            ///< of steady sliding, located to rounding on the grid lines
   /// Folds of cycles below the border where it is subcritical in normal load and the load is one of the axes: between

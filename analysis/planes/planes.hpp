@@ -1,3 +1,4 @@
 /// Regimes, metrics and borders over a plane of two parameters.
 #pragma once
 #include "analysis/planes/map.hpp"
+#include "analysis/planes/structure_map.hpp"

@@ -3,3 +3,4 @@
 #include "analysis/steady/curve.hpp"
 #include "analysis/steady/stability.hpp"
 #include "analysis/steady/structure_stability.hpp"
+#include "analysis/steady/thresholds.hpp"

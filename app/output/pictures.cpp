@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <numbers>
 
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
@@ -246,6 +247,63 @@ splot 'cycle.csv' using ($2*X):($3*V):5 with lines linestyle 1
   script += "unset multiplot\n";
   write_whole(folder / "cycle.gp", script);
   return {"cycle-steady.csv", "cycle.gp"};
+}
+
+/// Frequencies and growth rates of all modes along the parameter, with the thresholds.
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
+                                       const analysis::steady::Scan& scan) {
+  const auto& [parameter, axis] = *scene.stability_scan;
+  std::size_t branches = 0;
+  for (const auto& values : scan.eigenvalues) branches = std::max(branches, values.size());
+  std::vector<std::vector<double>> columns(1 + 2 * branches);
+  std::vector<std::string> names = {column_header(parameter.name, parameter.unit)};
+  for (std::size_t b = 0; b < branches; ++b) {
+    names.push_back(fmt::format("frequency_{} (Hz)", b + 1));
+    names.push_back(fmt::format("growth_rate_{} (1/s)", b + 1));
+  }
+  double fastest = 0;
+  for (std::size_t i = 0; i < scan.values.size(); ++i) {
+    columns[0].push_back(scan.values[i]);
+    for (std::size_t b = 0; b < branches; ++b) {
+      const bool there = b < scan.eigenvalues[i].size() && scan.eigenvalues[i][b].imag() >= 0;
+      const double frequency = there ? scan.eigenvalues[i][b].imag() / (2 * std::numbers::pi) : NAN;
+      columns[1 + 2 * b].push_back(frequency);
+      columns[2 + 2 * b].push_back(there ? scan.eigenvalues[i][b].real() : NAN);
+      if (there) fastest = std::max(fastest, frequency);
+    }
+  }
+  std::vector<Column> table;
+  for (std::size_t c = 0; c < columns.size(); ++c) table.push_back({names[c], columns[c]});
+  write_csv(folder / "stability.csv", table);
+  std::string script = preamble("stability", "Frequencies and growth rates of the modes along a parameter", 820, 640);
+  script += fmt::format("set multiplot layout 2,1 title {} margins 0.13,0.97,0.11,0.89 spacing 0,0.05\n",
+                        single_quoted(scene.title));
+  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at screen 0.97,0.93 top right horizontal\n";
+  script += axis_scale('x', axis.logarithmic) + '\n';
+  script += fmt::format("set xrange [{}:{}]\n", scan.values.front(), scan.values.back());
+  for (std::size_t k = 0; k < scan.thresholds.size(); ++k)
+    script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead linecolor '#888888' dashtype {1}\n",
+                          scan.thresholds[k].value, scan.thresholds[k].onset ? "(6,4)" : "(2,3)");
+  const auto hertz = scaled("Hz", fastest);
+  const auto plot = [&](std::size_t first, double factor, std::string thresholds) {
+    std::vector<std::string> curves;
+    for (std::size_t b = 0; b < branches; ++b)
+      curves.push_back(fmt::format("'stability.csv' using 1:(${}*{}) with points pointtype 7 pointsize 0.35 linecolor "
+                                   "'#00336F' notitle",
+                                   first + 2 * b, factor));
+    if (!thresholds.empty()) curves.push_back(std::move(thresholds));
+    return fmt::format("plot {}\n", fmt::join(curves, ", \\\n     "));
+  };
+  script += fmt::format("set ylabel 'frequency ({})'\nset format x ''\n{}", hertz.unit,
+                        plot(2, hertz.factor,
+                             scan.thresholds.empty()
+                                 ? ""
+                                 : "NaN with lines linecolor '#888888' dashtype (6,4) title 'threshold'"));
+  script += fmt::format("set xlabel {}\nset ylabel 'growth rate (1/s)'\nset format x '%g'\n",
+                        label(parameter.name + ", " + parameter.meaning, parameter.unit));
+  script += plot(3, 1, "0 with lines linecolor '#000000' linewidth 0.6 notitle");
+  write_whole(folder / "stability.gp", script + "unset multiplot\n");
+  return {"stability.csv", "stability.gp"};
 }
 
 /// For each contact a row: slip rate in time, and the plane of its coordinate and velocity, with stick marked.

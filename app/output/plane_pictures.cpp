@@ -89,13 +89,12 @@ constexpr int finest_boxes = 160;
 bool drawn_as_image(const analysis::planes::Map& map) { return std::max(map.x.regular, map.y.regular) > finest_boxes; }
 
 /// Cells as boxes. Of a plane that is drawn as an image those outside its scales only.
-void write_cells(const fs::path& path, const scene::Scene& scene, const analysis::planes::Map& map, const DrawnAxis& x,
-                 const DrawnAxis& y) {
+void write_cells(const fs::path& path, const analysis::planes::Map& map, const DrawnAxis& x, const DrawnAxis& y) {
   const auto width = map.x.values.size();
   const bool image = drawn_as_image(map);
   std::vector<std::string> names = {"x", "y", "x_low", "x_high", "y_low", "y_high"};
   const auto geometry = names.size();
-  names.insert(names.end(), scene.map.metrics.begin(), scene.map.metrics.end());
+  for (const auto& metric : map.metrics) names.push_back(metric.name);
   std::vector<std::vector<double>> columns(names.size());
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     const auto ix = i % width, iy = i / width;
@@ -107,9 +106,8 @@ void write_cells(const fs::path& path, const scene::Scene& scene, const analysis
                            y.centre(iy) - y.half_width(iy),
                            y.centre(iy) + y.half_width(iy)};
     for (std::size_t c = 0; c < geometry; ++c) columns[c].push_back(cell[c]);
-    for (std::size_t m = 0; m < scene.map.metrics.size(); ++m)
-      columns[geometry + m].push_back(map.points[i].metrics.*
-                                      analysis::cycles::find_metric(scene.map.metrics[m]).member);
+    for (std::size_t m = 0; m < map.metrics.size(); ++m)
+      columns[geometry + m].push_back(map.metrics[m].value(map.points[i]));
   }
   std::vector<Column> table;
   for (std::size_t c = 0; c < columns.size(); ++c) table.push_back({names[c], columns[c]});
@@ -117,14 +115,13 @@ void write_cells(const fs::path& path, const scene::Scene& scene, const analysis
 }
 
 /// The metrics on the scales of both axes, one after the other, as doubles in rows from the lower left.
-void write_grid(const fs::path& path, const scene::Scene& scene, const analysis::planes::Map& map, const DrawnAxis& x,
-                const DrawnAxis& y) {
+void write_grid(const fs::path& path, const analysis::planes::Map& map, const DrawnAxis& x, const DrawnAxis& y) {
   std::string bytes;
-  for (const auto& name : scene.map.metrics)
+  for (const auto& metric : map.metrics)
     for (int j = 0; j < map.y.regular; ++j)
       for (int i = 0; i < map.x.regular; ++i) {
         const auto& point = map.points[y.rising(j) * map.x.values.size() + x.rising(i)];
-        const double value = point.metrics.*analysis::cycles::find_metric(name).member;
+        const double value = metric.value(point);
         bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
       }
   write_whole(path, bytes);
@@ -166,13 +163,13 @@ void write_line(const fs::path& path, const analysis::planes::Polyline& line, co
 }
 
 /// The colour scale of a metric: from zero for fractions, decades where the values span some.
-std::string colour_scale(const analysis::planes::Map& map, const analysis::cycles::MetricName& metric) {
-  const bool fraction = std::string_view(metric.unit) == "1";
+std::string colour_scale(const analysis::planes::Map& map, const analysis::planes::PlaneMetric& metric) {
+  const bool fraction = metric.unit == "1";
   double low = infinity, high = -infinity, least = infinity;
   for (const auto& point : map.points)
-    if (const double value = point.metrics.*metric.member; std::isfinite(value)) {
+    if (const double value = metric.value(point); std::isfinite(value)) {
       low = std::min(low, value), high = std::max(high, value);
-      if (value > point.error.*metric.member) least = std::min(least, value);  // of those that are not nought
+      if (value > metric.error(point)) least = std::min(least, value);  // of those that are not nought
     }
   const bool decades = !fraction && low >= 0 && spans_decades(least, high);
   const auto range = !std::isfinite(low)    ? std::string("[0:1]")
@@ -201,7 +198,11 @@ Marks marks(const analysis::planes::Map& map, double key_height) {
                        {Regime::bistable, "pointtype 7 pointsize 0.55 linecolor '#FFFFFF'", ""},
                        {Regime::bistable, "pointtype 6 pointsize 0.55 linewidth 1.2 linecolor '#000000'", "bistable"},
                        {Regime::failed, "pointtype 2 pointsize 0.7 linewidth 1.8 linecolor '#D01C00'", "failed"}};
+  const auto all = [&](Regime regime) {
+    return std::ranges::all_of(map.points, [&](const auto& point) { return point.regime == regime; });
+  };
   Marks result;
+  if (all(Regime::cycle)) return result;  // nothing to tell apart
   double at = 0.05;  // of the key's entries, across the picture
   for (const auto& mark : list) {
     if (std::ranges::none_of(map.points, [&](const auto& point) { return point.regime == mark.regime; })) continue;
@@ -226,7 +227,7 @@ Marks marks(const analysis::planes::Map& map, double key_height) {
   if (!map.threshold.x.empty()) {
     line("map-threshold.csv", "solid", "threshold of steady sliding", 0.3);
     if (!map.fold.x.empty()) line("map-fold.csv", "(6,4)", "fold of cycles", 0.2);
-  } else if (result.curves.empty()) {
+  } else if (all(Regime::stable)) {
     result.key = fmt::format("set label 'steady sliding is stable everywhere here' at screen {:.3f},{:.4f} left\n", at,
                              key_height);
   }
@@ -250,7 +251,7 @@ struct PlanePanels {
     script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
     script += fmt::format("set xtics {}\nset ytics {}\n", x.ticks(), y.ticks());
     const auto axis_label = [&](const analysis::planes::Axis& axis) {
-      const auto quantity = scene.model.describe(axis.parameter);
+      const auto quantity = scene.describe(axis.parameter);
       return label(quantity.meaning, quantity.unit);
     };
     script += fmt::format("set xlabel {}\nset ylabel {}\n", axis_label(x_axis), axis_label(y_axis));
@@ -270,9 +271,9 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   write_marks(folder / "map-marks.csv", map, x, y);
   write_line(folder / "map-threshold.csv", map.threshold, x, y);
   write_line(folder / "map-fold.csv", map.fold, x, y);
-  if (boxes) write_cells(folder / files.emplace_back("map-cells.csv"), scene, map, x, y);
-  if (image) write_grid(folder / files.emplace_back("map-grid.bin"), scene, map, x, y);
-  const int count = static_cast<int>(scene.map.metrics.size());
+  if (boxes) write_cells(folder / files.emplace_back("map-cells.csv"), map, x, y);
+  if (image) write_grid(folder / files.emplace_back("map-grid.bin"), map, x, y);
+  const int count = static_cast<int>(map.metrics.size());
   auto [height, script] = PlanePanels("map", "Metrics over a parameter plane", scene, map.x, map.y, count, 105, 50, 80);
   const auto [x_low, x_high] = x.ends();
   const auto [y_low, y_high] = y.ends();
@@ -282,7 +283,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const auto [curves, key] = marks(map, 24.0 / height);
   script += key;
   for (int m = 0; m < count; ++m) {
-    script += '\n' + colour_scale(map, analysis::cycles::find_metric(scene.map.metrics[static_cast<std::size_t>(m)]));
+    script += '\n' + colour_scale(map, map.metrics[static_cast<std::size_t>(m)]);
     std::vector<std::string> layers;
     if (image)
       layers.push_back(fmt::format(

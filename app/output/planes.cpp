@@ -80,10 +80,10 @@ std::string whole_path(std::string path) {
 }
 
 int write_axis(const Plane& plane, const std::string& name, const analysis::planes::Axis& axis,
-               const oscillators::Model& model) {
+               const scene::Scene& scene) {
   const int dimension = plane.dimension(name, axis.values.size());
   const int variable = plane.variable(name, NC_DOUBLE, {dimension});
-  const auto quantity = model.describe(axis.parameter);
+  const auto quantity = scene.describe(axis.parameter);
   plane.attribute(variable, "path", axis.parameter);
   plane.attribute(variable, "units", quantity.unit);
   plane.attribute(variable, "long_name", quantity.meaning);
@@ -105,7 +105,7 @@ void write_plane(const std::filesystem::path& path, const scene::Scene& scene, c
 
   auto x_name = last_part(map.x.parameter), y_name = last_part(map.y.parameter);
   if (x_name == y_name) x_name = whole_path(map.x.parameter), y_name = whole_path(map.y.parameter);
-  const int x = write_axis(plane, x_name, map.x, scene.model), y = write_axis(plane, y_name, map.y, scene.model);
+  const int x = write_axis(plane, x_name, map.x, scene), y = write_axis(plane, y_name, map.y, scene);
 
   std::vector<signed char> regimes;
   for (const auto& point : map.points) regimes.push_back(static_cast<signed char>(point.regime));
@@ -116,19 +116,17 @@ void write_plane(const std::filesystem::path& path, const scene::Scene& scene, c
   plane.values(regime, regimes);
 
   std::vector<double> column(map.points.size());
-  const auto write_metric = [&](const std::string& name, const analysis::cycles::MetricName& metric,
-                                analysis::cycles::Metrics analysis::planes::MapPoint::*part,
-                                const std::string& meaning) {
-    for (std::size_t i = 0; i < column.size(); ++i) column[i] = map.points[i].*part.*metric.member;
+  const auto write_metric = [&](const std::string& name, const std::string& unit, const std::string& meaning) {
     const int variable = plane.variable(name, NC_DOUBLE, {y, x});
-    plane.attribute(variable, "units", std::string(metric.unit));
+    plane.attribute(variable, "units", unit);
     plane.attribute(variable, "long_name", meaning);
     plane.values(variable, column);
   };
-  for (const auto& wanted : scene.map.metrics) {
-    const auto& metric = analysis::cycles::find_metric(wanted);
-    write_metric(wanted, metric, &analysis::planes::MapPoint::metrics, metric.meaning);
-    write_metric(wanted + "_error", metric, &analysis::planes::MapPoint::error, "absolute error of " + wanted);
+  for (const auto& metric : map.metrics) {
+    for (std::size_t i = 0; i < column.size(); ++i) column[i] = metric.value(map.points[i]);
+    write_metric(metric.name, metric.unit, metric.meaning);
+    for (std::size_t i = 0; i < column.size(); ++i) column[i] = metric.error(map.points[i]);
+    write_metric(metric.name + "_error", metric.unit, "absolute error of " + metric.name);
   }
 
   const auto write_line = [&](const std::string& name, const std::string& dimension,
@@ -140,7 +138,7 @@ void write_plane(const std::filesystem::path& path, const scene::Scene& scene, c
          {std::tuple{"_x", &map.x, any ? &line.x : &none}, std::tuple{"_y", &map.y, any ? &line.y : &none}}) {
       const int variable = plane.variable(name + suffix, NC_DOUBLE, {vertices});
       plane.attribute(variable, "path", axis->parameter);
-      plane.attribute(variable, "units", scene.model.describe(axis->parameter).unit);
+      plane.attribute(variable, "units", scene.describe(axis->parameter).unit);
       plane.attribute(variable, "long_name", meaning + "; NaN between separate lines");
       plane.values(variable, *coordinates);
     }

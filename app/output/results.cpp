@@ -26,9 +26,9 @@ ordered_json metrics(const analysis::cycles::Metrics& values) {
   return object;
 }
 
-ordered_json axis(const analysis::planes::Axis& axis, const oscillators::Model& model) {
+ordered_json axis(const analysis::planes::Axis& axis, const scene::Scene& scene) {
   return {{"parameter", axis.parameter},
-          {"unit", model.describe(axis.parameter).unit},
+          {"unit", scene.describe(axis.parameter).unit},
           {"scale", axis.logarithmic ? "log" : "linear"},
           {"values", axis.values}};
 }

@@ -9,6 +9,7 @@
 #include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/steady/curve.hpp"
 #include "analysis/steady/stability.hpp"
+#include "analysis/steady/thresholds.hpp"
 #include "app/scene/scene.hpp"
 
 namespace rosin::app::output {

@@ -143,9 +143,10 @@ void read_law(Table law, oscillators::Model& model) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     auto quantity = prototype->parameters()[i];
     const auto* node = law.find(quantity.name);
-    if (!node) continue;
     quantity.name = law.path(quantity.name);
-    if (quantity.is_list)
+    if (!node)
+      NumbersAsked::note(quantity);
+    else if (quantity.is_list)
       values[i] = numbers(*node, quantity);
     else
       values[i] = number(*node, quantity);

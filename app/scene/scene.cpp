@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "app/scene/family.hpp"
 #include "app/scene/law.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
@@ -34,6 +35,8 @@ void SceneReader::note_unread(std::initializer_list<std::string_view> paths, std
   for (const auto path : paths)
     if (document.at_path(path)) scene.notes.push_back(fmt::format("{} has no effect: {}", path, why));
 }
+
+Quantity Scene::describe(const std::string& of) const { return family ? family->describe(of) : model.describe(of); }
 
 std::string Scene::placed(const std::string& text) const {
   if (text.starts_with(path) || text.starts_with(override_mark)) return text;

@@ -1,6 +1,7 @@
 /// Scenes: what a user asks of a model, read from a TOML file and `--set` overrides, and checked before any work.
 #pragma once
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -87,6 +88,14 @@ struct FitTask {
   analysis::inference::FitOptions options;
 };
 
+class Family;
+
+/// A parameter along which the stability of a structure is followed.
+struct StabilityScan {
+  Quantity parameter;
+  analysis::planes::Axis axis;
+};
+
 struct Scene {
   std::string path;  ///< as the user gave it
   std::string title;
@@ -94,8 +103,10 @@ struct Scene {
   std::optional<analysis::motion::PlaneModel>
       plane;  ///< a slider in the plane, in place of the model's; for the verb run
   std::optional<analysis::motion::StructureModel> structure;  ///< in place of the model's slider
+  std::shared_ptr<const Family> family;                       ///< of it, where a number of the scene is varied
   CurveOptions curve;
   std::vector<std::string> hopf_parameters;  ///< paths asked for besides the usual ones
+  std::optional<StabilityScan> stability_scan;
   analysis::motion::RunOptions run;
   analysis::cycles::CycleOptions cycle;
   analysis::planes::MapOptions map;
@@ -114,6 +125,8 @@ struct Scene {
   std::vector<std::string> notes;             ///< what was read but has no effect
   std::map<std::string, std::string> places;  ///< of keys by their paths: "scene.toml:7:5"
 
+  /// The parameter at a path: of the family where there is one, else of the model.
+  Quantity describe(const std::string& path) const;
   /// A refusal with the place of the first key that it names in front, or that of the key's table, or the file.
   std::string placed(const std::string& refusal) const;
 };

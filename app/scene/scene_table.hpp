@@ -73,8 +73,29 @@ inline std::string_view kind(const toml::node& node) {
   fail(node.source(), "{} is {}, but {} is needed", path, kind(node), wanted);
 }
 
+/// While it lives, the numbers that are asked for in this thread are noted with their paths, there or not: what a scene
+/// may hold, for whoever varies one of them.
+class NumbersAsked {
+ public:
+  NumbersAsked() : before_(std::exchange(current(), this)) {}
+  ~NumbersAsked() { current() = before_; }
+  NumbersAsked(const NumbersAsked&) = delete;
+  static void note(const Quantity& quantity) {
+    if (auto* asked = current()) asked->quantities.push_back(quantity);
+  }
+  std::vector<Quantity> quantities;
+
+ private:
+  static NumbersAsked*& current() {
+    static thread_local NumbersAsked* now = nullptr;
+    return now;
+  }
+  NumbersAsked* before_;
+};
+
 /// A number in SI units: plain, or a text with a unit.
 inline double number(const toml::node& node, const Quantity& quantity) {
+  NumbersAsked::note(quantity);
   double value = 0;
   if (const auto* text = node.as_string())
     value = located(node.source(), [&] {
@@ -170,11 +191,17 @@ class Table {
   /// Reads a number into `target` if the key is there.
   void read(std::string_view key, double& target, Quantity quantity) {
     quantity.name = path(key);
-    if (const auto* node = find(key)) target = number(*node, quantity);
+    if (const auto* node = find(key))
+      target = number(*node, quantity);
+    else
+      NumbersAsked::note(quantity);
   }
   void read(std::string_view key, std::optional<double>& target, Quantity quantity) {
     quantity.name = path(key);
-    if (const auto* node = find(key)) target = number(*node, quantity);
+    if (const auto* node = find(key))
+      target = number(*node, quantity);
+    else
+      NumbersAsked::note(quantity);
   }
   void read(std::string_view key, int& target, int low, int high, std::string_view meaning) {
     if (const auto* node = find(key)) target = count(*node, path(key), low, high, meaning);

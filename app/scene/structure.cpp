@@ -19,7 +19,10 @@ using oscillators::Structure;
 std::vector<double> one_or_list(Table& table, std::string_view key, std::size_t size, Quantity quantity, double usual) {
   quantity.name = table.path(key);
   const auto* node = table.find(key);
-  if (!node) return std::vector<double>(size, usual);
+  if (!node) {
+    NumbersAsked::note(quantity);
+    return std::vector<double>(size, usual);
+  }
   if (!node->is_array()) return std::vector<double>(size, number(*node, quantity));
   auto values = numbers(*node, quantity);
   if (values.size() != size)
@@ -158,7 +161,21 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
 
 }  // namespace
 
-OscillatorType structure_type() { return {"structure", {"run", "stability", "cycle"}, read, read_drive_and_contacts}; }
+OscillatorType structure_type() { return {"structure", {"run", "stability", "cycle", "map"}, read, read_drive_and_contacts}; }
+
+void read_structure_model(SceneReader& reader) {
+  auto& scene = reader.scene;
+  reader.law();
+  reader.oscillator();
+  if (scene.plane) return;
+  if (!scene.structure)
+    scene.structure.emplace().structure =
+        located(reader.root.find("oscillator")->source(), [&] { return oscillators::one_slider(scene.model); });
+  scene.structure->start.kind = analysis::motion::Start::Kind::rest;
+  if (auto cycle = reader.root.table("cycle"))
+    if (const auto* start = cycle->find("start"))
+      scene.structure->start = read_structure_start(*start, cycle->path("start"), scene.structure->structure);
+}
 
 analysis::motion::StructureStart read_structure_start(const toml::node& node, const std::string& path,
                                                       const Structure& structure) {

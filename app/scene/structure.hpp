@@ -17,6 +17,9 @@ void read_structure_drive(SceneReader&, Table drive, bool complete, bool takes_f
 /// The same for a block with one contact, its first coordinate along the belt: the force acts on it.
 void read_drive_of_one(SceneReader&, Table drive, bool complete);
 
+/// Law, oscillator and drive as a structure, of one coordinate for a slider, with the start of [cycle], else from rest.
+void read_structure_model(SceneReader&);
+
 /// Changes the contact by the tables law, speed, normal_load and load_factor of its own.
 void read_contact(SceneReader&, Table&, oscillators::FrictionContact&);
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -123,22 +124,43 @@ void apply_override(toml::table& scene, const std::string& given) {
     parsed["value"].as_string()->get() = value;
   }
 
-  toml::table* table = &scene;
+  toml::node* at = &scene;  // a table, or a list, whose entries are numbered from 1
+  const auto entry = [&](toml::array& list, std::size_t begin, std::size_t end) {
+    const auto key = path.substr(begin, end - begin);
+    std::size_t number = 0;
+    const auto [rest, problem] = std::from_chars(key.data(), key.data() + key.size(), number);
+    if (problem != std::errc{} || rest != key.data() + key.size() || number < 1 || number > list.size())
+      throw InputError(fmt::format("{}: {} is a list of {}; an entry of it has a number from 1, not '{}'", origin,
+                                   path.substr(0, begin - 1), list.size(), key));
+    return number - 1;
+  };
   std::size_t begin = 0;
   for (std::size_t dot; (dot = path.find('.', begin)) != std::string::npos; begin = dot + 1) {
     const auto key = path.substr(begin, dot - begin);
-    if (!table->contains(key)) {
-      auto empty = toml::parse("value = {}", origin);
-      place_at(*table, key, *empty.get("value"));
-      table->get(key)->as_table()->is_inline(false);
+    toml::node* next;
+    if (auto* list = at->as_array()) {
+      next = list->get(entry(*list, begin, dot));
+    } else {
+      auto& table = *at->as_table();
+      if (!table.contains(key)) {
+        auto empty = toml::parse("value = {}", origin);
+        place_at(table, key, *empty.get("value"));
+        table.get(key)->as_table()->is_inline(false);
+      }
+      next = table.get(key);
     }
-    auto* next = table->get_as<toml::table>(key);
-    if (!next)
-      throw InputError(fmt::format("{}: {} is {}, not a table", origin, path.substr(0, dot), kind(*table->get(key))));
-    table = next;
+    if (!next->is_table() && !next->is_array())
+      throw InputError(fmt::format("{}: {} is {}, not a table", origin, path.substr(0, dot), kind(*next)));
+    at = next;
   }
   if (begin == path.size()) throw InputError(fmt::format("{}: the path ends with a dot", origin));
-  place_at(*table, path.substr(begin), *parsed.get("value"));
+  toml::node& changed = *parsed.get("value");
+  if (auto* list = at->as_array())
+    changed.visit([&](auto& is) {
+      list->replace(list->begin() + long(entry(*list, begin, path.size())), std::move(is));
+    });
+  else
+    place_at(*at->as_table(), path.substr(begin), changed);
 }
 
 void write_table(std::string& out, const toml::table& table, std::string_view name) {

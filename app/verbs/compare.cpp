@@ -203,8 +203,8 @@ std::string document_of(const scene::Scene& scene, const output::Comparison& com
   }
   if (!comparison.maps.empty()) {
     const auto& first = comparison.maps.front();
-    document["x"] = output::axis(first.x, scene.model);
-    document["y"] = output::axis(first.y, scene.model);
+    document["x"] = output::axis(first.x, scene);
+    document["y"] = output::axis(first.y, scene);
     auto& planes = document["planes"] = ordered_json::object();
     for (std::size_t k = 0; k < comparison.maps.size(); ++k) {
       const auto& map = comparison.maps[k];
@@ -238,8 +238,8 @@ std::string document_of(const scene::Scene& scene, const output::DesignResult& r
   auto& noise = document["noise"] = ordered_json::object();
   for (const auto& n : scene.compare.noise) noise[n.metric] = {{"absolute", n.absolute}, {"relative", n.relative}};
   document["confidence"] = scene.compare.confidence;
-  document["x"] = output::axis(design.x, scene.model);
-  document["y"] = output::axis(design.y, scene.model);
+  document["x"] = output::axis(design.x, scene);
+  document["y"] = output::axis(design.y, scene);
   const auto plane = [&](const std::vector<double>& numbers) {
     return output::grid(design, [&](std::size_t i) { return numbers[i]; });
   };

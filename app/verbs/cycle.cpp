@@ -23,9 +23,7 @@ namespace {
 void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   if (scene.structure) {
-    const auto path = table.path("start");
-    if (const auto* start = table.find("start"))
-      scene.structure->start = scene::read_structure_start(*start, path, scene.structure->structure);
+    table.expect({"start", "stick_threshold"});
     if (const auto* threshold = table.find("stick_threshold"))
       scene::fail(threshold->source(),
                   "cycle.stick_threshold has no effect here: stick of several contacts, or under a drive that varies, "
@@ -70,14 +68,11 @@ std::string document_of(const scene::Scene& scene, const analysis::cycles::Cycle
 
 /// A slider under a drive that varies is a structure of one coordinate: its periodic motions are those of a structure.
 void read(scene::SceneReader& reader) {
-  auto& scene = reader.scene;
+  const auto& scene = reader.scene;
   reader.law();
   reader.oscillator();
   if (!scene.structure && scene.model.drive.constant()) return read_tables_of_models(reader);
-  if (!scene.structure)
-    scene.structure.emplace().structure = scene::located(
-        reader.root.find("drive")->source(), [&] { return oscillators::one_slider(scene.model); });
-  scene.structure->start.kind = analysis::motion::Start::Kind::rest;
+  scene::read_structure_model(reader);
   if (auto table = reader.root.table("cycle")) read_table(*table, reader);
 }
 

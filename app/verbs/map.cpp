@@ -1,6 +1,8 @@
 /// The verb map: regimes and metrics over a parameter plane.
 #include "analysis/planes/map.hpp"
 
+#include "analysis/planes/structure_map.hpp"
+
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -12,7 +14,9 @@
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/planes.hpp"
+#include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/partial.hpp"
 #include "app/verbs/progress.hpp"
@@ -27,11 +31,11 @@ namespace {
 
 using analysis::planes::Regime;
 
-analysis::planes::Axis read_axis(scene::Table table, const oscillators::Model& model) {
+analysis::planes::Axis read_axis(scene::Table table, const scene::Scene& scene) {
   table.expect({"parameter", "from", "to", "points", "scale", "extra"});
   const auto& parameter = table.required("parameter", "path, such as drive.normal_load");
   const auto path = scene::text(parameter, table.path("parameter"));
-  auto quantity = scene::located(parameter.source(), [&] { return model.describe(path); });
+  auto quantity = scene::located(parameter.source(), [&] { return scene.describe(path); });
   quantity.meaning = path + ", " + quantity.meaning;
   table.required("from", quantity.meaning);
   table.required("to", quantity.meaning);
@@ -59,22 +63,35 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& map = scene.map;
   table.expect({"x", "y", "metrics", "stick_threshold"});
   const auto &x = table.required("x", "first axis"), &y = table.required("y", "second axis");
-  map.x = read_axis(scene::Table(x, table.path("x")), scene.model);
-  map.y = read_axis(scene::Table(y, table.path("y")), scene.model);
+  map.x = read_axis(scene::Table(x, table.path("x")), scene);
+  map.y = read_axis(scene::Table(y, table.path("y")), scene);
   if (map.x.parameter == map.y.parameter)
     scene::fail(y.source(), "map.x and map.y are the same parameter, {}", map.y.parameter);
   if (map.x.values.size() > scene::most_points / map.y.values.size())
     scene::fail(table.source(), "map has {} x {} points, more than {}", map.x.values.size(), map.y.values.size(),
                 scene::most_points);
+  const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
   map.metrics = {"stick_fraction", "loop_area_normalised"};
+  if (structure) map.metrics = {analysis::cycles::cycle_metrics_of(*structure)[1].first};
+  const auto check = [&](const std::string& name) {
+    if (structure)
+      analysis::planes::metrics_of_structure(*structure, {name});
+    else
+      analysis::cycles::find_metric(name);
+  };
   if (const auto* metrics = table.find("metrics")) {
     map.metrics = scene::texts(*metrics, table.path("metrics"));
     for (std::size_t i = 0; i < map.metrics.size(); ++i)
-      scene::located(metrics->as_array()->get(i)->source(), [&] { analysis::cycles::find_metric(map.metrics[i]); });
+      scene::located(metrics->as_array()->get(i)->source(), [&] { check(map.metrics[i]); });
     for (auto name = map.metrics.begin(); name != map.metrics.end(); ++name)
       if (std::find(map.metrics.begin(), name, *name) != name)
         scene::fail(metrics->source(), "map.metrics names '{}' twice", *name);
     if (map.metrics.empty()) scene::fail(metrics->source(), "map.metrics is empty");
+  }
+  if (structure) {
+    if (const auto* threshold = table.find("stick_threshold"))
+      scene::fail(threshold->source(), "map.stick_threshold has no effect on a structure, whose stick is exact rest");
+    return table.finish();
   }
   map.stick_threshold = scene.cycle.stick_threshold;
   table.read("stick_threshold", map.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
@@ -87,24 +104,31 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   table.finish();
 }
 
+/// A plane of a slider's own parameters under a constant drive has shortcuts; any other is that of a structure.
+bool is_of_slider(const scene::SceneReader& reader) {
+  return !reader.scene.structure && reader.scene.model.drive.constant();
+}
+
 void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
-  reader.need("map", "the two axes and the metrics");
-  read_tables_of_models(reader);
+  auto& map = reader.need("map", "the two axes and the metrics");
+  if (reader.scene.plane || is_of_slider(reader)) return read_tables_of_models(reader);
+  scene::read_structure_model(reader);
+  reader.scene.family = std::make_shared<scene::Family>(reader);
+  read_table(scene::Table(map, "map"), reader);
 }
 
 std::string document_of(const scene::Scene& scene, const output::MapResult& result) {
   const auto& map = result.map;
   auto document = output::begin(scene, "map", map.outcome);
-  document["x"] = output::axis(map.x, scene.model);
-  document["y"] = output::axis(map.y, scene.model);
+  document["x"] = output::axis(map.x, scene);
+  document["y"] = output::axis(map.y, scene);
   document["regime"] = output::rows(map, [](const auto& point) { return name(point.regime); });
   auto values = ordered_json::object(), error = values;
-  for (const auto& wanted : scene.map.metrics) {
-    const auto member = analysis::cycles::find_metric(wanted).member;
-    values[wanted] = output::rows(map, [=](const auto& point) { return point.metrics.*member; });
-    error[wanted] = output::rows(map, [=](const auto& point) { return point.error.*member; });
+  for (const auto& metric : map.metrics) {
+    values[metric.name] = output::rows(map, [&](const auto& point) { return metric.value(point); });
+    error[metric.name] = output::rows(map, [&](const auto& point) { return metric.error(point); });
   }
   document["metrics"] = std::move(values);
   document["error"] = std::move(error);
@@ -132,8 +156,9 @@ std::string document_of(const scene::Scene& scene, const output::MapResult& resu
 std::string map_key(const scene::Scene& scene) {
   std::string key = fmt::format("rosin {}\ntolerance {}\n{}\n", ROSIN_VERSION, scene.map.tolerance,
                                 scene.map.exact ? "exact" : "adaptive");
-  for (const auto& quantity : scene.model.parameters())
-    key += fmt::format("{} = {}\n", quantity.name, scene.model.get(quantity.name));
+  if (!scene.structure)
+    for (const auto& quantity : scene.model.parameters())
+      key += fmt::format("{} = {}\n", quantity.name, scene.model.get(quantity.name));
   return key + scene.resolved;
 }
 
@@ -145,28 +170,36 @@ Status perform(Job& job) {
   options.threads = request.threads;
   options.exact = request.exact;
   const auto nx = options.x.values.size(), ny = options.y.values.size(), total = nx * ny;
-  job.explain_model();
+  const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
+  const auto metrics = structure ? analysis::planes::metrics_of_structure(*structure, options.metrics)
+                                 : analysis::planes::metrics_of_slider(options.metrics);
+  if (!structure) job.explain_model();
   job.explain("{} x {} points of {} and {}, tolerance {} of {}", nx, ny, options.x.parameter, options.y.parameter,
               options.tolerance, fmt::join(options.metrics, ", "));
-  job.explain("where steady sliding is stable and no cycle can exist beside it, nothing is integrated");
-  job.explain("{}", analysis::planes::interpolates(options)
+  if (!structure) job.explain("where steady sliding is stable and no cycle can exist beside it, nothing is integrated");
+  job.explain("{}", structure ? "every point is followed from its start until the motion recurs"
+                    : analysis::planes::interpolates(options)
                         ? "points are computed where they are needed, and the others interpolated to the tolerance"
                     : options.exact ? "every point is computed, as asked"
                                     : "every point is computed: interpolation would gain nothing here");
 
-  Partial partial(job.folder() / "map.partial", map_key(scene), total, options.metrics);
+  Partial partial(job.folder() / "map.partial", map_key(scene), total, metrics);
   if (!partial.lost().empty()) job.note(partial.lost());
   if (const auto known = partial.known_count()) job.note(fmt::format("going on from {} finished points", known));
   const auto begin = std::chrono::steady_clock::now();
   output::MapResult result;
   {
     Progress progress(request.quiet);
-    result.map = analysis::planes::compute_map(
-        scene.model, options,
-        {.known = [&](std::size_t i) { return partial.known(i); },
-         .finished = [&](std::span<const std::size_t> indices,
-                         const std::vector<analysis::planes::MapPoint>& points) { partial.append(indices, points); },
-         .progress = progress.of_map()});
+    const analysis::planes::MapHooks hooks = {
+        .known = [&](std::size_t i) { return partial.known(i); },
+        .finished = [&](std::span<const std::size_t> indices,
+                        const std::vector<analysis::planes::MapPoint>& points) { partial.append(indices, points); },
+        .progress = progress.of_map()};
+    const auto at = [&](double x, double y) {
+      return scene.family->with({{options.x.parameter, x}, {options.y.parameter, y}});
+    };
+    result.map = structure ? analysis::planes::compute_structure_map(at, options, metrics, hooks)
+                           : analysis::planes::compute_map(scene.model, options, hooks);
   }
   auto& map = result.map;
   result.seconds = seconds_since(begin);
@@ -193,12 +226,12 @@ Status perform(Job& job) {
           between, map.skipped);
   for (const Regime regime : {Regime::stable, Regime::cycle, Regime::bistable, Regime::failed})
     if (const auto count = regimes[static_cast<std::size_t>(regime)]) job.say("  {:<9} {}", name(regime), count);
-  for (const auto& wanted : options.metrics) {
-    const auto& metric = analysis::cycles::find_metric(wanted);
-    const bool fraction = analysis::cycles::is_stick(metric);
+  for (const auto& metric : map.metrics) {
+    const auto& wanted = metric.name;
+    const bool fraction = wanted.find("fraction") != std::string::npos;
     std::vector<double> errors;
     for (const auto& point : map.points) {
-      const double value = fraction ? 1 : std::abs(point.metrics.*metric.member), error = point.error.*metric.member;
+      const double value = fraction ? 1 : std::abs(metric.value(point)), error = metric.error(point);
       if (std::isfinite(error) && value > 0) errors.push_back(error / value);
     }
     if (errors.empty()) continue;

@@ -43,10 +43,10 @@ std::string header(const std::string& key) {
 }  // namespace
 
 Partial::Partial(std::filesystem::path path, const std::string& key, std::size_t points,
-                 const std::vector<std::string>& metrics)
+                 const std::vector<analysis::planes::PlaneMetric>& metrics)
     : path_(std::move(path)),
       file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666)) {
-  for (const auto& name : metrics) kept_.push_back(analysis::cycles::find_metric(name).member);
+  kept_ = metrics;
   const auto refuse = [&](std::string_view why) {
     if (file_ >= 0) ::close(file_);
     throw InputError(fmt::format("{}: {}", path_.string(), why));
@@ -100,10 +100,11 @@ std::size_t Partial::take(std::string_view bytes, std::size_t points) {
   point.regime = static_cast<analysis::planes::Regime>(record.regime);
   point.origin = static_cast<analysis::planes::Origin>(record.origin);
   const char* at = bytes.data() + sizeof record;
-  for (auto* numbers : {&point.metrics, &point.error})
-    for (const auto member : kept_) std::memcpy(&(numbers->*member), at, sizeof(double)), at += sizeof(double);
-  for (const auto member : kept_)
-    if (std::isinf(point.metrics.*member) || point.error.*member < 0) return 0;
+  point.measures.resize(kept_.size()), point.measure_errors.resize(kept_.size());
+  for (const auto& metric : kept_) std::memcpy(&metric.value(point), at, sizeof(double)), at += sizeof(double);
+  for (const auto& metric : kept_) std::memcpy(&metric.error(point), at, sizeof(double)), at += sizeof(double);
+  for (const auto& metric : kept_)
+    if (std::isinf(metric.value(point)) || metric.error(point) < 0) return 0;
   point.why = std::string(bytes.substr(length - record.reason_length));
   known_.insert_or_assign(record.index, std::move(point));
   return length;
@@ -128,8 +129,9 @@ void Partial::append(std::span<const std::size_t> indices, const std::vector<Map
     record.origin = static_cast<std::uint8_t>(point.origin);
     const std::size_t begin = bytes.size();
     bytes.append(reinterpret_cast<const char*>(&record), sizeof record);
-    for (const auto* numbers : {&point.metrics, &point.error})
-      for (const auto member : kept_) bytes.append(reinterpret_cast<const char*>(&(numbers->*member)), sizeof(double));
+    const auto append = [&](double number) { bytes.append(reinterpret_cast<const char*>(&number), sizeof number); };
+    for (const auto& metric : kept_) append(metric.value(point));
+    for (const auto& metric : kept_) append(metric.error(point));
     bytes += reason;
     record.checksum = checksum(body(std::string_view(bytes).substr(begin)));
     std::memcpy(bytes.data() + begin, &record.checksum, sizeof record.checksum);

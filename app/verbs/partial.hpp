@@ -15,10 +15,10 @@ namespace rosin::app::verbs {
 class Partial {
  public:
   /// Takes over the records of an earlier run with the same key, up to the first damaged one; else starts afresh.
-  /// `metrics`: names of those that are kept. \throws InputError if another process is computing into the same file,
+  /// `metrics`: those that are kept. \throws InputError if another process is computing into the same file,
   /// and if what stands there is no journal, which is left as it is.
   Partial(std::filesystem::path path, const std::string& key, std::size_t points,
-          const std::vector<std::string>& metrics);
+          const std::vector<analysis::planes::PlaneMetric>& metrics);
   ~Partial();
   Partial(const Partial&) = delete;
 
@@ -37,7 +37,7 @@ class Partial {
 
   std::filesystem::path path_;
   int file_;
-  std::vector<double analysis::cycles::Metrics::*> kept_;
+  std::vector<analysis::planes::PlaneMetric> kept_;
   std::unordered_map<std::size_t, analysis::planes::MapPoint> known_;
   std::string lost_;
 };

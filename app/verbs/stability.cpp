@@ -6,8 +6,12 @@
 #include <algorithm>
 
 #include "analysis/steady/structure_stability.hpp"
+#include "analysis/steady/thresholds.hpp"
 #include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/verb.hpp"
 
@@ -17,6 +21,30 @@ using nlohmann::ordered_json;
 
 namespace {
 
+scene::StabilityScan read_scan(scene::Table table, scene::SceneReader& reader) {
+  scene::StabilityScan scan;
+  const auto& family = *(reader.scene.family = std::make_shared<scene::Family>(reader));
+  table.expect({"parameter", "from", "to", "points", "scale"});
+  const auto& parameter = table.required("parameter", "path of a number, such as law.mu_d");
+  scan.parameter = scene::located(
+      parameter.source(), [&] { return family.describe(scene::text(parameter, table.path("parameter"))); });
+  const auto meaning = scan.parameter.name + ", " + scan.parameter.meaning;
+  double from = 0, to = 0;
+  int points = 60;
+  table.required("from", meaning), table.required("to", meaning);
+  table.read("from", from, scan.parameter), table.read("to", to, scan.parameter);
+  table.read("points", points, 2, 100'000, "number of values");
+  bool logarithmic = false;
+  if (const auto* scale = table.find("scale"))
+    logarithmic = scene::choice(*scale, table.path("scale"), {"log", "linear"}) == "log";
+  table.finish();
+  scan.axis = scene::located(table.source(), [&] {
+    return analysis::planes::make_axis(scan.parameter.name, std::min(from, to), std::max(from, to), points, logarithmic,
+                                       {});
+  });
+  return scan;
+}
+
 void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   if (const auto* parameters = table.find("parameters")) {
@@ -24,6 +52,7 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
     for (std::size_t i = 0; i < scene.hopf_parameters.size(); ++i)
       scene::located(parameters->as_array()->get(i)->source(), [&] { scene.model.describe(scene.hopf_parameters[i]); });
   }
+  if (const auto* scan = table.find("scan")) scene.stability_scan = read_scan(scene::Table(*scan, table.path("scan")), reader);
   table.finish();
 }
 
@@ -51,9 +80,7 @@ std::string document_of(const scene::Scene& scene, const output::StabilityResult
   return output::text(document);
 }
 
-std::string document_of(const scene::Scene& scene, const analysis::steady::StructureStability& result) {
-  auto document = output::begin(scene, "stability");
-  const auto& structure = scene.structure->structure;
+ordered_json steady_of(const oscillators::Structure& structure, const analysis::steady::StructureStability& result) {
   auto coordinates = ordered_json::object();
   for (std::size_t i = 0; i < result.coordinates.size(); ++i) coordinates[structure.names[i]] = result.coordinates[i];
   auto contacts = ordered_json::array();
@@ -61,7 +88,14 @@ std::string document_of(const scene::Scene& scene, const analysis::steady::Struc
     contacts.push_back({{"normal_load", contact.normal_load},
                         {"friction_force", contact.friction_force},
                         {"slip_rate", contact.slip_rate}});
-  document["steady"] = {{"coordinates", coordinates}, {"contacts", contacts}};
+  return {{"coordinates", coordinates}, {"contacts", contacts}};
+}
+
+std::string document_of(const scene::Scene& scene, const analysis::steady::StructureStability& result,
+                        const analysis::steady::Scan* scan) {
+  auto document = output::begin(scene, "stability");
+  const auto& structure = scene.structure->structure;
+  document["steady"] = steady_of(structure, result);
   document["eigenvalues"] = output::pairs(result.eigenvalues);
   document["stable"] = result.stable;
   document["marginal"] = result.marginal;
@@ -72,6 +106,19 @@ std::string document_of(const scene::Scene& scene, const analysis::steady::Struc
                      {"damping_ratio", mode.damping_ratio()},
                      {"shape", output::pairs(mode.shape)},
                      {"error", {{"eigenvalue", mode.error}}}});
+  if (scan) {
+    document["parameter"] = scene.stability_scan->parameter.name;
+    auto& thresholds = document["thresholds"] = ordered_json::array();
+    for (const auto& threshold : scan->thresholds)
+      thresholds.push_back({{"value", threshold.value},
+                            {"kind", threshold.onset ? "onset" : "end"},
+                            {"angular_frequency", threshold.angular_frequency},
+                            {"error", threshold.error},
+                            {"steady", steady_of(structure, threshold.at)}});
+    auto branches = ordered_json::array();
+    for (const auto& values : scan->eigenvalues) branches.push_back(output::pairs(values));
+    document["path"] = {{"value", scan->values}, {"eigenvalues", branches}};
+  }
   document["notes"] = scene.notes;
   return output::text(document);
 }
@@ -82,7 +129,8 @@ Status perform_on_structure(Job& job) {
   job.explain("eigenvalues of the linearised structure of {} coordinates and {} contacts; no integration",
               structure.size(), structure.contacts.size());
   if (!scene.hopf_parameters.empty())
-    throw InputError("stability.parameters has no meaning for a structure: its thresholds are not located yet");
+    throw InputError(
+        "stability.parameters serves sliders; of a structure give stability.scan = { parameter, from, to }");
   if (!structure.constant()) job.note("the drive varies: stability is that of its mean, or of its start");
   const auto result = analysis::steady::stability(structure);
   for (std::size_t j = 0; j < result.contacts.size(); ++j)
@@ -97,8 +145,33 @@ Status perform_on_structure(Job& job) {
     job.say("  {:>14.8g} {:>+16.8g} {:>12.4g}", mode.frequency(), mode.growth_rate(), mode.damping_ratio());
     reached.add(std::abs(mode.eigenvalue), mode.error);
   }
+  if (!scene.stability_scan) {
+    job.manifest().tolerance_reached = reached.value();
+    return job.finish(document_of(scene, result, nullptr), {}, {});
+  }
+  const auto& [parameter, axis] = *scene.stability_scan;
+  job.explain("{} values of {}, with the eigenvalues of each; thresholds between them located to rounding",
+              axis.values.size(), parameter.name);
+  const auto scan = analysis::steady::scan(
+      [&](double value) {
+        return analysis::steady::stability(scene.family->with({{parameter.name, value}}).structure);
+      },
+      axis.values);
+  for (const auto& threshold : scan.thresholds) {
+    reached.add(threshold.value, threshold.error);
+    job.say("{} of instability at {} = {}, {:.10g} rad/s", threshold.onset ? "onset" : "end", parameter.name,
+            justified(threshold.value, threshold.error, parameter.unit), threshold.angular_frequency);
+  }
+  if (scan.thresholds.empty()) job.say("no threshold in {} from {:g} to {:g}", parameter.name, axis.values.front(), axis.values.back());
   job.manifest().tolerance_reached = reached.value();
-  return job.finish(document_of(scene, result), {}, {});
+  auto files = output::write_picture(job.folder(), scene, scan);
+  return job.finish(document_of(scene, result, &scan), std::move(files), {});
+}
+
+/// A scan is of a structure; a slider is one of one coordinate.
+void read(scene::SceneReader& reader) {
+  read_model(reader);
+  if (reader.scene.stability_scan && !reader.scene.structure) scene::read_structure_model(reader);
 }
 
 Status perform(Job& job) {
@@ -145,10 +218,10 @@ Verb stability_verb() {
           .help = "steady sliding, its eigenvalues and Hopf points",
           .example = "rosin stability examples/bristol-board-cycle.toml --set law.lambda=30",
           .operands = {scene_operand},
-          .needs = model_tables({{"stability", "further parameters for Hopf points", true}}),
+          .needs = model_tables({{"stability", "further parameters for Hopf points, or a scan of one", true}}),
           .options = scene_options(),
           .tables = {{"stability", read_table}},
-          .read = read_model,
+          .read = read,
           .perform = perform};
 }
 

@@ -1,0 +1,129 @@
+/// Points of a structure's plane, shared out to threads.
+#include "analysis/planes/structure_map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "analysis/cycles/structure_cycle.hpp"
+#include "analysis/planes/map_point.hpp"
+#include "analysis/steady/structure_stability.hpp"
+#include "core/workers.hpp"
+
+namespace rosin::analysis::planes {
+
+namespace {
+
+constexpr const char *growth_rate = "growth_rate", *largest_multiplier = "largest_multiplier", *returns = "returns";
+
+MapPoint compute_point(const motion::StructureModel& model, const MapOptions& options,
+                       const std::vector<PlaneMetric>& metrics) {
+  MapPoint point = undecided_point();
+  point.measures.assign(metrics.size(), NAN), point.measure_errors.assign(metrics.size(), NAN);
+  const auto set = [&](std::string_view name, double value, double error) {
+    for (const auto& metric : metrics)
+      if (metric.name == name) metric.value(point) = value, metric.error(point) = error;
+  };
+  const bool driven = common_period(model.structure) > 0;
+  const bool slides = std::ranges::all_of(model.structure.contacts,
+                                          [](const auto& contact) { return contact.speed.level() != 0; });
+  bool stable = false;
+  if (slides) {
+    const auto sliding = steady::stability(model.structure);
+    stable = sliding.stable || sliding.marginal;
+    set(growth_rate, sliding.modes.front().growth_rate(), sliding.modes.front().error);
+  }
+  point.done = true;
+  if (std::ranges::all_of(metrics, [](const auto& metric) { return metric.name == growth_rate; })) {
+    point.regime = stable ? Regime::stable : Regime::cycle;
+    return point;
+  }
+  cycles::StructureCycleOptions how;
+  how.tolerance = options.tolerance;
+  const auto cycle = cycles::find_cycle(model, how);
+  point.origin = Origin::computed;
+  if (cycle.returns > 0) {
+    point.regime = stable && !driven ? Regime::bistable : Regime::cycle;
+    for (const auto& [name, measure] : cycle.metrics) set(name, measure.value, measure.error);
+    set(returns, cycle.returns, 0);
+    if (!cycle.multipliers.empty())
+      set(largest_multiplier, std::abs(cycle.multipliers.front()), cycle.multiplier_errors.front());
+  }
+  if (!cycle.outcome.complete()) {
+    point.regime = cycle.outcome.ending == Ending::none_exists ? Regime::stable : Regime::failed;
+    point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
+  }
+  return point;
+}
+
+}  // namespace
+
+std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& structure,
+                                              const std::vector<std::string>& names) {
+  auto known = cycles::cycle_metrics_of(structure);
+  known.insert(known.end(), {{growth_rate, "1/s"}, {largest_multiplier, "1"}, {returns, "1"}});
+  std::vector<std::string> all;
+  for (const auto& [name, unit] : known) all.push_back(name);
+  std::vector<PlaneMetric> metrics;
+  for (const auto& name : names) {
+    const auto found = std::ranges::find(all, name);
+    if (found == all.end()) {
+      const auto near = nearest_name(name, all);
+      throw InputError(fmt::format("'{}' is no metric of this structure{}", name,
+                                   near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
+    }
+    std::string meaning = name;
+    std::ranges::replace(meaning, '_', ' ');
+    metrics.push_back({name, known[std::size_t(found - all.begin())].second, meaning, nullptr, metrics.size()});
+  }
+  return metrics;
+}
+
+Map compute_structure_map(const StructureFamily& family, const MapOptions& options,
+                          const std::vector<PlaneMetric>& metrics, const MapHooks& hooks) {
+  require(options.threads, {1, 4096}, "threads", "number of threads", "1");
+  Map map;
+  map.x = options.x, map.y = options.y, map.metrics = metrics;
+  const std::size_t width = map.x.values.size(), total = width * map.y.values.size();
+  auto blank = undecided_point();
+  blank.measures.assign(metrics.size(), NAN), blank.measure_errors.assign(metrics.size(), NAN);
+  map.points.assign(total, blank);
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < total; ++i) {
+    const MapPoint* known = hooks.known ? hooks.known(i) : nullptr;
+    if (known)
+      map.points[i] = *known;
+    else
+      missing.push_back(i);
+  }
+  std::mutex finishing;
+  std::size_t done = 0;
+  try {
+    in_parallel(options.threads, missing.size(), [&](std::size_t k) {
+      const std::size_t i = missing[k];
+      MapPoint point = blank;
+      try {
+        point = compute_point(family(map.x.values[i % width], map.y.values[i / width]), options, metrics);
+      } catch (const InputError& error) {
+        point.done = true, point.regime = Regime::failed, point.why = error.what();
+      }
+      const std::scoped_lock lock(finishing);
+      map.points[i] = std::move(point);
+      ++done;
+      if (hooks.finished) hooks.finished(std::span(&i, 1), map.points);
+      if (hooks.progress)
+        hooks.progress({total - missing.size() + done, total, double(done) / double(missing.size())});
+    });
+  } catch (const Stopped&) {
+    map.outcome = {Ending::interrupted, fmt::format("{} of {} points are done", total - missing.size() + done, total)};
+    return map;
+  }
+  for (const auto& point : map.points) (point.origin == Origin::computed ? map.integrated : map.skipped) += 1;
+  if (std::ranges::all_of(map.points, [](const auto& p) { return p.regime == Regime::failed; }))
+    map.outcome = {Ending::none_exists, "every point failed; the first: " + map.points.front().why};
+  return map;
+}
+
+}  // namespace rosin::analysis::planes

@@ -1,0 +1,23 @@
+/// A parameter plane of a structure, or of a slider under a drive that varies: each point computed by itself.
+#pragma once
+#include <functional>
+
+#include "analysis/motion/structure_start.hpp"
+#include "analysis/planes/map.hpp"
+
+namespace rosin::analysis::planes {
+
+/// The metrics of a structure's cycles by their names, and "growth_rate" (1/s, the largest of steady sliding),
+/// "largest_multiplier" (modulus) and "returns" of the cycle. \throws InputError for an unknown name.
+std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure&, const std::vector<std::string>& names);
+
+/// The structure at values of x and y.
+using StructureFamily = std::function<motion::StructureModel(double x, double y)>;
+
+/// Regimes and metrics of the motion from the family's start. Where the drive is periodic each point is its periodic
+/// response; else steady sliding is judged first, and "bistable" is a cycle beside stable sliding. Points that end
+/// short are "failed", with the reason. Only growth rates asked: nothing is integrated.
+Map compute_structure_map(const StructureFamily&, const MapOptions&, const std::vector<PlaneMetric>&,
+                          const MapHooks& = {});
+
+}  // namespace rosin::analysis::planes

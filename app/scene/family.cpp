@@ -1,0 +1,85 @@
+/// Numbers of a scene by their paths, and the structure read with others.
+#include "app/scene/family.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "app/scene/structure.hpp"
+#include "app/scene/toml_document.hpp"
+
+namespace rosin::app::scene {
+
+namespace {
+
+/// Without the numbers of entries of lists, and without the mean of a signal, which goes by the signal's own name.
+std::string without_numbers(const std::string& path) {
+  std::string kept;
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const auto dot = std::min(path.find('.', begin), path.size());
+    const auto key = path.substr(begin, dot - begin);
+    const bool is_number =
+        !key.empty() && std::ranges::all_of(key, [](unsigned char c) { return std::isdigit(c) != 0; });
+    if (!is_number && key != "mean") kept += (kept.empty() ? "" : ".") + key;
+    begin = dot + 1;
+  }
+  return kept;
+}
+
+Scene read(const Request& request, const toml::table& document, const std::filesystem::path& folder) {
+  Scene scene;
+  scene.path = request.target;
+  SceneReader reader{request, document, Table(document, ""), scene, folder, {}};
+  read_structure_model(reader);
+  return scene;
+}
+
+}  // namespace
+
+Family::Family(const SceneReader& like) : request_(like.request), document_(like.document), folder_(like.folder) {
+  const NumbersAsked asked;
+  read(request_, document_, folder_);
+  known_ = asked.quantities;
+}
+
+std::string Family::in_full(const std::string& path) const {
+  std::string full = path.starts_with("contacts.") ? "oscillator." + path : path;
+  const auto dot = full.rfind('.');
+  if (dot != std::string::npos) {
+    const auto key = full.substr(dot + 1), signal = full.substr(0, dot);
+    const auto* node = document_.at_path(signal).node();
+    if ((key == "amplitude" || key == "angular_frequency" || key == "phase") && node && node->is_table() &&
+        node->as_table()->contains("harmonics"))
+      full = signal + ".harmonics.1." + key;
+  }
+  // A signal's mean goes by the name of the signal.
+  const auto* node = document_.at_path(full).node();
+  if (node && node->is_table() && node->as_table()->contains("mean")) full += ".mean";
+  return full;
+}
+
+Quantity Family::describe(const std::string& path) const {
+  const std::string full = in_full(path), wanted = without_numbers(full);
+  std::vector<std::string> names;
+  for (const auto& quantity : known_) {
+    if (without_numbers(quantity.name) == wanted) {
+      auto found = quantity;
+      found.name = full;
+      // That it can be set shows where the path leads through the document.
+      auto document = document_;
+      apply_override(document, full + "=1");
+      return found;
+    }
+    names.push_back(quantity.name);
+  }
+  throw InputError(fmt::format("'{}' is no number of this scene{}", path, suggestion(path, names)));
+}
+
+analysis::motion::StructureModel Family::with(const std::vector<std::pair<std::string, double>>& values) const {
+  auto document = document_;
+  for (const auto& [path, value] : values) apply_override(document, fmt::format("{}={}", in_full(path), value));
+  return *read(request_, document, folder_).structure;
+}
+
+}  // namespace rosin::app::scene

@@ -1,0 +1,31 @@
+/// Scenes that differ from one in numbers: any number that a scene may hold is a parameter, by its path.
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/scene/reader.hpp"
+
+namespace rosin::app::scene {
+
+class Family {
+ public:
+  /// Of the scene that is being read, whose structure (and start of [cycle]) is read anew for each value.
+  explicit Family(const SceneReader&);
+
+  /// The number at a path: name (in full), unit, range, meaning. Lists are numbered from 1; "drive.force.amplitude" is
+  /// that of the first harmonic. \throws InputError for a path that holds no number, with the nearest.
+  Quantity describe(const std::string& path) const;
+  /// The structure with numbers in place of those of the scene. \throws InputError as a scene with them would.
+  analysis::motion::StructureModel with(const std::vector<std::pair<std::string, double>>& values) const;
+
+ private:
+  std::string in_full(const std::string& path) const;
+
+  Request request_;
+  toml::table document_;
+  std::filesystem::path folder_;
+  std::vector<Quantity> known_;
+};
+
+}  // namespace rosin::app::scene
