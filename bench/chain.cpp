@@ -35,7 +35,7 @@ struct Smooth {
 ChainProblem problem_of(int blocks) {
   ChainProblem problem;
   for (int i = 0; i < blocks; ++i) problem.start.push_back(0.3 + 0.2 * std::sin(2.3 * i) + 0.1 * std::sin(0.11 * i));
-  problem.duration = 4;
+  problem.duration = std::min(4.0, 200.0 / blocks);  // friction turns over in some block all the time
   return problem;
 }
 
@@ -163,8 +163,9 @@ Record bench_chain(const Settings& settings, const std::filesystem::path& curves
           other.microseconds / ours.microseconds;
     }
   }
-  say(settings, "\nSmooth friction over {} s, largest error of a displacement over the largest start\n",
-      problem_of(1).duration);
+  say(settings,
+      "\nSmooth friction over 200 s divided by the number of blocks, largest error of a displacement over the "
+      "largest start\n");
   print(settings, rows, {"q"});
   record.content["rows"] = as_json(rows, {"q"});
   record.content["time_to_reach"] = times_to_reach(settings, rows, "A chain under smooth friction");

@@ -136,6 +136,21 @@ TEST_CASE("a chain of equal blocks switches as one block, all contacts at the sa
   for (const double q : many.q) CHECK(q == Approx(single.q[0]).margin(1e-8));
 }
 
+TEST_CASE("equal light blocks that weakening friction carries away from steady sliding leave it in large chains too") {
+  // All modes grow within one per cent of N |∂μ/∂v|/m, an even number of them.
+  const auto contact = under("hyperbolic", {1, 3}, 0.2);
+  const auto leaves = [&](int n) {
+    auto row = row_of(n, contact);
+    row.M *= 1e-4;
+    StructureSystem system(row);
+    const auto start = system.unknowns_at(0, VectorXd::Constant(n, 1 / 1.6), VectorXd::Constant(n, 1e-12));
+    const auto motion = follow(system, start, 3e-3, 1e-6);
+    REQUIRE(motion.switches.size() >= std::size_t(n));
+    return motion.switches.front().first;
+  };
+  CHECK(leaves(100) == Approx(leaves(1)).epsilon(1e-3));
+}
+
 TEST_CASE("rate-and-state friction: a hundred equal blocks in a row move as one") {
   // Four unknowns a block, one of them algebraic.
   auto contact = under("ageing", {}, 1e-3);
