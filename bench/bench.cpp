@@ -120,7 +120,7 @@ bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
 }  // namespace
 
 const std::vector<std::string>& names() {
-  static const std::vector<std::string> list = {"cycle", "history", "plane", "response", "stick-slip"};
+  static const std::vector<std::string> list = {"chain", "cycle", "history", "plane", "response", "stick-slip"};
   return list;
 }
 
@@ -145,7 +145,11 @@ bool run(const Settings& settings) {
   curves.replace_extension(".dat");
   Record record;
   std::vector<Panel> panels;
-  if (settings.what == "cycle") {
+  if (settings.what == "chain") {
+    record = bench_chain(settings, curves);
+    panels = {{curves, "Chain of 200 blocks under smooth friction",
+               "largest true error of a displacement over the largest start", "processor time (s)"}};
+  } else if (settings.what == "cycle") {
     record = bench_cycle(settings, scipy, curves);
     panels = {{curves, "One cycle: N = 10^{−4} m g, λ = 10",
                "largest true error of period, stick fraction, loop area (relative)", "processor time (s)"}};

@@ -26,6 +26,9 @@ class SwitchingSystem : public System {
   /// A speed that the contact's slip rates are measured against, > 0.
   virtual double reference_speed(int contact) const = 0;
 
+  /// True if the force that holds a contact does not depend on the modes of others: then each decides alone.
+  virtual bool contacts_decide_alone() const { return false; }
+
   /// The force that keeps a contact from slipping, positive where it would slip forward without it; the largest that
   /// the contact bears; and what rounding leaves open of the two (newton).
   struct Held {

@@ -1,12 +1,27 @@
 /// What a solver advances in time: M(t)·ẏ = f(t, y) with a diagonal M whose zero rows are algebraic.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "core/pack.hpp"
 #include "core/parameters.hpp"
 
 namespace rosin {
+
+/// Where entries of a Jacobian may stand, row by row: row i has the columns column[row_begin[i]] … column[row_begin[i +
+/// 1] − 1], which ascend, its own among them.
+struct Pattern {
+  std::vector<int> row_begin, column;
+  int size() const { return int(row_begin.size()) - 1; }
+  int entries() const { return int(column.size()); }
+  /// Place of an entry among all.
+  int place(int row, int of) const {
+    return int(std::lower_bound(column.begin() + row_begin[row], column.begin() + row_begin[row + 1], of) -
+               column.begin());
+  }
+};
 
 /// A system of ordinary differential and algebraic equations of index 1. Immutable during a solution.
 class System {
@@ -19,6 +34,10 @@ class System {
   virtual void evaluate(double t, const double* y, double* f) const = 0;
   /// f and ∂f/∂y, row-major size × size.
   virtual void linearise(double t, const double* y, double* f, double* jacobian) const = 0;
+  /// Where entries of ∂f/∂y may stand; nullptr: anywhere, as of every small system.
+  virtual const Pattern* pattern() const { return nullptr; }
+  /// f, and the entries of ∂f/∂y at the places of pattern(), which is not nullptr.
+  virtual void linearise_entries(double /*t*/, const double* /*y*/, double* /*f*/, double* /*entries*/) const {}
   /// The sizes by which errors in each unknown are measured, at y.
   virtual void scale(const double* y, double* s) const = 0;
   /// Name of an unknown for messages.
@@ -51,10 +70,19 @@ inline double size_of_terms(const double* row, const double* y, int n) {
   for (int j = 0; j < n; ++j) sum += std::abs(row[j] * y[j]);
   return sum;
 }
+inline double size_of_terms(const Pattern& pattern, const double* entries, int row, const double* y) {
+  double sum = 0;
+  for (int e = pattern.row_begin[row]; e < pattern.row_begin[row + 1]; ++e)
+    sum += std::abs(entries[e] * y[pattern.column[e]]);
+  return sum;
+}
 /// What may be wrong with a row of f by that.
-inline double last_digits_of_terms(const double* row, const double* y, int n) {
+inline double last_digits_of_terms(double size_of_terms) {
   constexpr double rounding = 2.3e-16;
-  return 4 * rounding * size_of_terms(row, y, n);
+  return 4 * rounding * size_of_terms;
+}
+inline double last_digits_of_terms(const double* row, const double* y, int n) {
+  return last_digits_of_terms(size_of_terms(row, y, n));
 }
 
 }  // namespace rosin

@@ -17,6 +17,29 @@ bool Structure::constant() const {
                      [](const FrictionContact& c) { return c.speed.constant() && c.normal_load.constant(); });
 }
 
+namespace {
+bool depend_on_each_other(const std::vector<FrictionContact>& contacts, const std::vector<std::size_t>& chosen) {
+  if (chosen.empty()) return false;
+  const auto n = contacts.front().tangential.size();
+  // Directions along one coordinate each, as of a chain, do only where that is the same.
+  std::vector<bool> taken(n);
+  bool along_one_each = true, twice = false;
+  for (const std::size_t j : chosen) {
+    const Eigen::VectorXd& t = contacts[j].tangential;
+    along_one_each = along_one_each && (t.array() != 0).count() == 1;
+    Eigen::Index row = 0;
+    t.cwiseAbs().maxCoeff(&row);
+    twice = twice || taken[row];
+    taken[row] = true;
+  }
+  if (along_one_each) return twice;
+  Eigen::MatrixXd directions(n, chosen.size());
+  for (std::size_t s = 0; s < chosen.size(); ++s)
+    directions.col(Eigen::Index(s)) = contacts[chosen[s]].tangential.normalized();
+  return Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(directions).rank() < directions.cols();
+}
+}  // namespace
+
 void Structure::check() const {
   const int n = size();
   const auto square = [&](const Eigen::MatrixXd& A, const char* name) {
@@ -28,11 +51,13 @@ void Structure::check() const {
   square(M, "M");
   square(C, "C");
   square(K, "K");
-  if (!M.isApprox(M.transpose(), 1e-12) || Eigen::LLT<Eigen::MatrixXd>(M).info() != Eigen::Success)
-    throw InputError("M is not symmetric and positive definite (mass matrix, kg)");
+  const bool is_positive =
+      M.isDiagonal(0) ? (M.diagonal().array() > 0).all()
+                      : M.isApprox(M.transpose(), 1e-12) && Eigen::LLT<Eigen::MatrixXd>(M).info() == Eigen::Success;
+  if (!is_positive) throw InputError("M is not symmetric and positive definite (mass matrix, kg)");
   if (!force.empty() && int(force.size()) != n)
     throw InputError(fmt::format("{} forces for {} coordinates", force.size(), n));
-  Eigen::MatrixXd set_valued(n, 0);
+  std::vector<std::size_t> set_valued;
   for (std::size_t j = 0; j < contacts.size(); ++j) {
     const FrictionContact& contact = contacts[j];
     if (contact.tangential.size() != n)
@@ -49,14 +74,13 @@ void Structure::check() const {
             "contact {}: a load that follows motion does not go with contact stiffness and load memory", j + 1));
     }
     if (!contact.law->set_valued()) continue;
-    set_valued.conservativeResize(n, set_valued.cols() + 1);
-    set_valued.rightCols(1) = contact.tangential.normalized();
+    set_valued.push_back(j);
   }
-  if (set_valued.cols() > 0 && Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(set_valued).rank() < set_valued.cols())
+  if (depend_on_each_other(contacts, set_valued))
     throw InputError(fmt::format(
         "{} contacts that stick have directions that depend on each other: stick leaves their forces open; give them "
         "laws that creep, or contact stiffness",
-        set_valued.cols()));
+        set_valued.size()));
 }
 
 FrictionContact contact_of(const Model& model) {

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace rosin::oscillators {
 
@@ -18,6 +20,15 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 /// largest; −1 where nothing is left of it.
 std::vector<int> rows_of_contacts(const std::vector<FrictionContact>& contacts) {
   std::vector<int> rows;
+  // Directions along one coordinate each depend on each other only where that is the same.
+  if (std::ranges::all_of(contacts, [](const auto& c) { return (c.tangential.array() != 0).count() == 1; })) {
+    for (const FrictionContact& contact : contacts) {
+      int row = 0;
+      contact.tangential.cwiseAbs().maxCoeff(&row);
+      rows.push_back(std::ranges::find(rows, row) == rows.end() ? row : -1);
+    }
+    return rows;
+  }
   std::vector<VectorXd> cleared;
   for (const FrictionContact& contact : contacts) {
     VectorXd t = contact.tangential.normalized();
@@ -30,6 +41,24 @@ std::vector<int> rows_of_contacts(const std::vector<FrictionContact>& contacts) 
     cleared.push_back(t);
   }
   return rows;
+}
+
+/// x of K x = f, or nothing where K has no inverse; sparse where a dense factorisation would take long.
+std::optional<VectorXd> solve_stiffness(const MatrixXd& K, const VectorXd& f) {
+  constexpr Eigen::Index most_dense = 32;  // rows
+  if (K.rows() <= most_dense) {
+    const Eigen::FullPivLU<MatrixXd> lu(K);
+    return lu.isInvertible() ? std::optional<VectorXd>(lu.solve(f)) : std::nullopt;
+  }
+  const Eigen::SparseMatrix<double> entries = K.sparseView();
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(entries);
+  if (lu.info() != Eigen::Success) return std::nullopt;
+  const VectorXd x = lu.solve(f);
+  // Where nothing holds, rounding does: displacements are those of springs 10⁻¹³ times as stiff.
+  constexpr double rounding = 1e-13;
+  const double force = f.cwiseAbs().maxCoeff(), terms = (entries.cwiseAbs() * x.cwiseAbs()).maxCoeff();
+  if (!x.allFinite() || rounding * terms > force) return std::nullopt;
+  return x;
 }
 }  // namespace
 
@@ -48,16 +77,38 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
   at_.resize(contacts.size());
   for (std::size_t i = 0; i < order.size(); ++i) at_[order[i]].row = rows[i];
 
+  K_ = SparseRows(structure_.K), C_ = SparseRows(structure_.C);
+  MatrixXd directions(at_.size(), n_), normals = MatrixXd::Zero(Eigen::Index(at_.size()), n_);
+  for (int j = 0; j < friction_contacts(); ++j) {
+    directions.row(j) = contacts[j].tangential;
+    if (follows_motion(j)) normals.row(j) = contacts[j].normal;
+  }
+  tangential_ = SparseRows(directions), normal_ = SparseRows(normals);
+  along_ = VectorXd::Ones(n_);
+  contact_of_row_.assign(n_, -1);
+  is_diagonal_ = structure_.M.isDiagonal(0);
+  for (int j = 0; j < friction_contacts(); ++j)
+    if (const int row = at_[j].row; row >= 0) {
+      along_[row] = -1, contact_of_row_[row] = j;
+      const auto t = tangential_[j];
+      is_diagonal_ = is_diagonal_ && t.end() - t.begin() == 1 && t.begin()->value == 1;
+    }
   // q̇ = B⁻¹ (V − w of contacts, w of the others), B the unit matrix with t in the contacts' rows.
-  MatrixXd B = MatrixXd::Identity(n_, n_);
-  VectorXd direction = VectorXd::Ones(n_);
-  for (std::size_t j = 0; j < at_.size(); ++j)
-    if (const int row = at_[j].row; row >= 0) B.row(row) = contacts[j].tangential, direction[row] = -1;
-  velocity_of_speed_ = B.inverse() * direction.asDiagonal();
-  is_diagonal_ = structure_.M.isDiagonal(0) && B.isIdentity(0);
-  inverse_mass_ = is_diagonal_ ? MatrixXd(structure_.M.diagonal().cwiseInverse().asDiagonal())
-                               : MatrixXd(structure_.M.llt().solve(MatrixXd::Identity(n_, n_)));
-  row_mass_ = is_diagonal_ ? VectorXd(structure_.M.diagonal()) : VectorXd::Ones(n_);
+  if (is_diagonal_) {
+    row_mass_ = structure_.M.diagonal();
+    for (int j = 0; j < friction_contacts(); ++j) {
+      const double by_root = 1 / std::sqrt(mobility(j));
+      holding_of_surface_alone_.push_back(by_root * by_root);
+      holding_alone_.push_back(-holding_of_surface_alone_[j] * mobility(j));
+    }
+  } else {
+    MatrixXd B = MatrixXd::Identity(n_, n_);
+    for (int j = 0; j < friction_contacts(); ++j)
+      if (const int row = at_[j].row; row >= 0) B.row(row) = contacts[j].tangential;
+    velocity_of_speed_ = B.inverse() * along_.asDiagonal();
+    inverse_mass_ = structure_.M.llt().solve(MatrixXd::Identity(n_, n_));
+    row_mass_ = VectorXd::Ones(n_);
+  }
   speed_scale_ = VectorXd::Zero(n_);
   coordinate_scale_ = VectorXd::Zero(n_);
 
@@ -88,7 +139,7 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     const double holds = law.set_valued() && !law.has_states() ? N * law.static_limit(N) : N * 0.5;
     // Without a drive slip is as fast as what the contact holds makes the structure.
     const double of_friction =
-        holds * std::sqrt(t.dot(inverse_mass_ * t) / std::max(t.dot(structure_.K * t) / t.squaredNorm(), 1e-300));
+        holds * std::sqrt(mobility(int(j)) / std::max(stiffness_along(int(j)) / t.squaredNorm(), 1e-300));
     at.reference_speed = std::max(std::abs(contact.speed.value(0)), std::abs(contact.speed.level()));
     if (at.reference_speed == 0)
       at.reference_speed = std::isfinite(of_friction) && of_friction > 0 ? of_friction : 1e-9;
@@ -96,13 +147,12 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     double z[Slopes<double>::capacity];
     at.contact->steady(0, at.reference_speed, N, z, at.weight.data());
     const double coefficient = at.carries_friction() ? at.weight[0] : 0.1;
-    for (int i = 0; i < n_; ++i)
-      if (t[i] != 0) {
-        speed_scale_[i] = std::max(speed_scale_[i], at.reference_speed);
-        if (const double k = stiffness_at(i); k > 0)
-          coordinate_scale_[i] = std::max(coordinate_scale_[i], at.reference_speed * std::sqrt(structure_.M(i, i) / k) +
-                                                                    std::abs(t[i]) * N * coefficient / k);
-      }
+    for (const auto& [i, value] : tangential_[int(j)]) {
+      speed_scale_[i] = std::max(speed_scale_[i], at.reference_speed);
+      if (const double k = stiffness_at(i); k > 0)
+        coordinate_scale_[i] = std::max(coordinate_scale_[i], at.reference_speed * std::sqrt(structure_.M(i, i) / k) +
+                                                                  std::abs(value) * N * coefficient / k);
+    }
   }
   size_ = next;
   const double largest_speed = speed_scale_.maxCoeff() > 0 ? speed_scale_.maxCoeff() : 1;
@@ -113,7 +163,37 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
                                  ? speed_scale_[i] * std::sqrt(structure_.M(i, i) / structure_.K(i, i))
                                  : speed_scale_[i];
   }
+  for (int i = 0; i < n_; ++i) is_held_.push_back(stiffness_at(i) > 0);
+  if (is_diagonal_) find_pattern();
   follow_modes();
+}
+
+/// q̇ of one coordinate whose speed is its own.
+double StructureSystem::velocity_of(int i, double t, const double* y) const {
+  const int j = contact_of_row_[i];
+  return j >= 0 ? structure_.contacts[j].speed.value(t) - y[n_ + i] : y[n_ + i];
+}
+
+double StructureSystem::approach_rate(int contact, double t, const double* y) const {
+  if (!is_diagonal_) return structure_.contacts[contact].normal.dot(velocity(t, y));
+  double rate = 0;
+  for (const auto& [i, value] : normal_[contact]) rate += value * velocity_of(i, t, y);
+  return rate;
+}
+
+double StructureSystem::mobility(int contact) const {
+  const VectorXd& t = structure_.contacts[contact].tangential;
+  if (!is_diagonal_) return t.dot(inverse_mass_ * t);
+  double sum = 0;
+  for (const auto& [i, value] : tangential_[contact]) sum += value * (1 / structure_.M(i, i) * value);
+  return sum;
+}
+
+double StructureSystem::stiffness_along(int contact) const {
+  double sum = 0;
+  for (const auto& [i, value] : tangential_[contact])
+    sum += value * K_[i].times(structure_.contacts[contact].tangential);
+  return sum;
 }
 
 /// Of the springs and contacts that hold a coordinate while the others rest, N/m.
@@ -134,6 +214,7 @@ void StructureSystem::set_mode(int contact, ContactMode mode) {
 
 /// Matrices that depend on which contacts stick.
 void StructureSystem::follow_modes() {
+  if (is_diagonal_) return;
   stuck_.clear();
   for (const int j : switching_)
     if (at_[j].mode == ContactMode::stick) stuck_.push_back(j);
@@ -147,9 +228,6 @@ void StructureSystem::follow_modes() {
   for (std::size_t j = 0; j < at_.size(); ++j)
     if (at_[j].row >= 0) B.row(at_[j].row) = -structure_.contacts[j].tangential;
   acceleration_ = row_mass_.asDiagonal() * B * inverse_mass_ * (MatrixXd::Identity(n_, n_) + T * holding_);
-  if (is_diagonal_) {  // exactly: rounding must couple no masses
-    acceleration_ = B;
-  }
   acceleration_of_surfaces_ = row_mass_.asDiagonal() * B * inverse_mass_ * T * holding_of_surface_;
   for (const int j : stuck_) {
     acceleration_.row(at_[j].row).setZero();
@@ -166,7 +244,7 @@ StructureSystem::Load StructureSystem::load(int contact, double t, const double*
   const auto preload = load(contact, t);
   if (!follows_motion(contact)) return preload;
   const auto& at = structure_.contacts[contact];
-  const double a = at.normal.dot(Eigen::Map<const VectorXd>(y, n_)), rate = at.normal.dot(velocity(t, y));
+  const double a = approach(contact, y), rate = approach_rate(contact, t, y);
   const double N = preload.level + (at.support.stiffness + at.support.cubic * a * a) * a + at.support.damping * rate;
   // A law never sees the rate of a load that holds accelerations: what would ask for it is refused.
   return {at.support.lift_off ? std::max(N, 0.0) : N, 0};
@@ -175,7 +253,7 @@ StructureSystem::Load StructureSystem::load(int contact, double t, const double*
 StructureSystem::Support StructureSystem::support(int contact, double t, const double* y) const {
   const auto& at = structure_.contacts[contact];
   if (!follows_motion(contact) || (at.support.lift_off && load(contact, t, y).level == 0)) return {0, 0};
-  const double a = at.normal.dot(Eigen::Map<const VectorXd>(y, n_));
+  const double a = approach(contact, y);
   return {at.support.stiffness + 3 * at.support.cubic * a * a, at.support.damping};
 }
 
@@ -184,8 +262,7 @@ double StructureSystem::normal_load(int contact, double t, const double* y) cons
 double StructureSystem::normal_power(double t, const double* y) const {
   double power = 0;
   for (int j = 0; j < friction_contacts(); ++j)
-    if (follows_motion(j))
-      power -= (load(j, t, y).level - load(j, t).level) * structure_.contacts[j].normal.dot(velocity(t, y));
+    if (follows_motion(j)) power -= (load(j, t, y).level - load(j, t).level) * approach_rate(j, t, y);
   return power;
 }
 
@@ -195,11 +272,10 @@ double StructureSystem::kink(const double* y) const {
   for (int j = 0; j < friction_contacts(); ++j) {
     const auto& at = structure_.contacts[j];
     if (!follows_motion(j) || !at.support.lift_off || !at.normal_load.constant()) continue;
-    const double N0 = load(j, 0).level, a = at.normal.dot(Eigen::Map<const VectorXd>(y, n_));
+    const double N0 = load(j, 0).level, a = approach(j, y);
     if (N0 == 0) continue;
-    const double part = 1 + ((at.support.stiffness + at.support.cubic * a * a) * a +
-                             at.support.damping * at.normal.dot(velocity(0, y))) /
-                                N0;
+    const double part =
+        1 + ((at.support.stiffness + at.support.cubic * a * a) * a + at.support.damping * approach_rate(j, 0, y)) / N0;
     product = std::isnan(product) ? part : product * part;
   }
   return product;
@@ -222,27 +298,34 @@ Eigen::VectorXd StructureSystem::speeds_of_surfaces(double t) const {
 
 /// q̇ = ∂q̇/∂w (w − V): its columns of contacts have the sign of −1.
 Eigen::VectorXd StructureSystem::velocity(double t, const double* y) const {
+  if (is_diagonal_) return VectorXd::NullaryExpr(n_, [&](Eigen::Index i) { return velocity_of(int(i), t, y); });
   return velocity_of_speed_ * (Eigen::Map<const VectorXd>(y + n_, n_) - speeds_of_surfaces(t));
 }
 
 double StructureSystem::slip_rate(int contact, double t, const double* y) const {
   if (at_[contact].row >= 0) return y[n_ + at_[contact].row];
-  return structure_.contacts[contact].speed.value(t) - structure_.contacts[contact].tangential.dot(velocity(t, y));
+  const double V = structure_.contacts[contact].speed.value(t);
+  if (!is_diagonal_) return V - structure_.contacts[contact].tangential.dot(velocity(t, y));
+  double along = 0;
+  for (const auto& [i, value] : tangential_[contact]) along += value * velocity_of(i, t, y);
+  return V - along;
 }
 
 /// R: all forces on the coordinates but those of contacts that stick. `contact_rows`: g of every contact, if asked.
 Eigen::VectorXd StructureSystem::forces_without_stick(double t, const double* y, double* f) const {
   const Eigen::Map<const VectorXd> q(y, n_);
-  VectorXd R = -structure_.K * q - structure_.C * velocity(t, y);
+  VectorXd R = -(K_ * q) - C_ * velocity(t, y);
   for (std::size_t i = 0; i < structure_.force.size(); ++i) R[i] += structure_.force[i].value(t);
   for (int j = 0; j < friction_contacts(); ++j) {
     const auto [N, rate] = load(j, t, y);
-    if (follows_motion(j)) R -= (N - load(j, t).level) * structure_.contacts[j].normal;
+    if (follows_motion(j))
+      for (const auto& [i, value] : normal_[j]) R[i] -= (N - load(j, t).level) * value;
     double F, g[Slopes<double>::capacity];
     const bool stuck = sticks(j);
     at_[j].contact->evaluate({stuck ? 0 : slip_rate(j, t, y), N, rate, sign(at_[j].mode)}, y + at_[j].first,
                              f ? f + at_[j].first : g, F);
-    if (!stuck) R += F * structure_.contacts[j].tangential;
+    if (stuck) continue;
+    for (const auto& [i, value] : tangential_[j]) R[i] += F * value;
   }
   return R;
 }
@@ -257,16 +340,29 @@ void StructureSystem::evaluate(double t, const double* y, double* f) const {
   const VectorXd R = forces_without_stick(t, y, f);
   Eigen::Map<VectorXd>(f, n_) = velocity(t, y);
   Eigen::Map<VectorXd> rate(f + n_, n_);
-  rate.noalias() = acceleration_ * R;
+  if (is_diagonal_) {
+    rate = along_.cwiseProduct(R);
+    for (const int j : switching_)
+      if (sticks(j)) rate[at_[j].row] = 0;
+  } else {
+    rate.noalias() = acceleration_ * R;
+  }
   for (int j = 0; j < friction_contacts(); ++j)
     if (at_[j].row >= 0 && !sticks(j)) rate[at_[j].row] += row_mass_[at_[j].row] * structure_.contacts[j].speed.rate(t);
   if (!stuck_.empty()) rate += acceleration_of_surfaces_ * accelerations_of_surfaces(t);
 }
 
 void StructureSystem::linearise(double t, const double* y, double* f, double* jacobian) const {
-  evaluate(t, y, f);
   Eigen::Map<RowMajor> J(jacobian, size_, size_);
   J.setZero();
+  if (is_diagonal_) {
+    std::vector<double> entries(pattern_.entries());
+    linearise_entries(t, y, f, entries.data());
+    for (int i = 0; i < size_; ++i)
+      for (int e = pattern_.row_begin[i]; e < pattern_.row_begin[i + 1]; ++e) J(i, pattern_.column[e]) = entries[e];
+    return;
+  }
+  evaluate(t, y, f);
   J.block(0, n_, n_, n_) = velocity_of_speed_;
   MatrixXd R_q = -structure_.K, R_w = -structure_.C * velocity_of_speed_;
   for (int j = 0; j < friction_contacts(); ++j) {
@@ -311,14 +407,20 @@ void StructureSystem::linearise(double t, const double* y, double* f, double* ja
 }
 
 void StructureSystem::held(double t, const double* y, Held* held) const {
-  if (stuck_.empty()) return;
+  const bool any = std::ranges::any_of(switching_, [&](int j) { return sticks(j); });
+  if (!any) return;
   constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
   const VectorXd R = forces_without_stick(t, y, nullptr);
-  const VectorXd F = holding_ * R + holding_of_surface_ * accelerations_of_surfaces(t);
-  const VectorXd terms = structure_.K.cwiseAbs() * Eigen::Map<const VectorXd>(y, n_).cwiseAbs();
-  const VectorXd rounding = holding_.cwiseAbs() * terms;
-  for (std::size_t s = 0; s < stuck_.size(); ++s) {
-    const int j = stuck_[s];
+  const VectorXd terms = K_.size_of_terms(Eigen::Map<const VectorXd>(y, n_));
+  VectorXd F, rounding;
+  if (!is_diagonal_) {
+    F = holding_ * R + holding_of_surface_ * accelerations_of_surfaces(t);
+    rounding = holding_.cwiseAbs() * terms;
+  }
+  int s = 0;  // among those that stick
+  for (int i = 0; i < contacts(); ++i) {
+    const int j = switching_[i];
+    if (!sticks(j)) continue;
     const double N = load(j, t, y).level;
     const FrictionLaw& law = this->law(j);
     double limit;
@@ -329,8 +431,14 @@ void StructureSystem::held(double t, const double* y, Held* held) const {
     } else {
       limit = N * law.static_limit(N, states(j, t, y));
     }
-    const auto i = std::find(switching_.begin(), switching_.end(), j) - switching_.begin();
-    held[i] = {F[s], limit, digits * (limit + rounding[s])};
+    if (is_diagonal_) {
+      const int row = at_[j].row;
+      held[i] = {holding_alone_[j] * R[row] + holding_of_surface_alone_[j] * structure_.contacts[j].speed.rate(t),
+                 limit, digits * (limit + std::abs(holding_alone_[j]) * terms[row])};
+    } else {
+      held[i] = {F[s], limit, digits * (limit + rounding[s])};
+    }
+    ++s;
   }
 }
 
@@ -359,19 +467,24 @@ void StructureSystem::release(int contact, double t, double* y) const {
   const VectorXd& direction = structure_.contacts[j].tangential;
   std::vector<double> acceleration(contacts());
   slip_accelerations(t, y, acceleration.data());
-  const double effective_mass = 1 / direction.dot(inverse_mass_ * direction);
+  const double effective_mass = 1 / mobility(j);
   const double N = load(j, t, y).level, along = sign(mode(contact));
   constexpr double digits = 8 * std::numeric_limits<double>::epsilon();
-  const VectorXd terms = structure_.K.cwiseAbs() * Eigen::Map<const VectorXd>(y, n_).cwiseAbs();
-  const double sure = digits * (N * law(j).steady_friction({reference_speed(contact), N}).friction +
-                                effective_mass * (inverse_mass_ * direction).cwiseAbs().dot(terms));
-  const double driving = along * effective_mass * acceleration[contact], k = direction.dot(structure_.K * direction);
+  const VectorXd terms = K_.size_of_terms(Eigen::Map<const VectorXd>(y, n_));
+  double rounding = 0;  // of the acceleration
+  if (is_diagonal_)
+    for (const auto& [i, value] : tangential_[j]) rounding += std::abs(value / structure_.M(i, i)) * terms[i];
+  else
+    rounding = (inverse_mass_ * direction).cwiseAbs().dot(terms);
+  const double sure =
+      digits * (N * law(j).steady_friction({reference_speed(contact), N}).friction + effective_mass * rounding);
+  const double driving = along * effective_mass * acceleration[contact], k = stiffness_along(j);
   if (k > 0 && driving < sure) Eigen::Map<VectorXd>(y, n_) += along * (sure - driving) / k * direction;
 }
 
 void StructureSystem::scale(const double* y, double* s) const {
   for (int i = 0; i < n_; ++i) {
-    s[i] = std::max(coordinate_scale_[i], stiffness_at(i) > 0 ? 0 : std::abs(y[i]));
+    s[i] = std::max(coordinate_scale_[i], is_held_[i] ? 0 : std::abs(y[i]));
     s[n_ + i] = std::max(speed_scale_[i], std::abs(y[n_ + i]));
   }
   for (int j = 0; j < friction_contacts(); ++j) {
@@ -479,8 +592,7 @@ std::vector<double> StructureSystem::unknowns_at(double t, const VectorXd& q, co
   Eigen::Map<VectorXd>(y.data(), n_) = q;
   Eigen::Map<VectorXd>(y.data() + n_, n_) = velocity;
   for (int j = 0; j < friction_contacts(); ++j)
-    if (at_[j].row >= 0)
-      y[n_ + at_[j].row] = structure_.contacts[j].speed.value(t) - structure_.contacts[j].tangential.dot(velocity);
+    if (at_[j].row >= 0) y[n_ + at_[j].row] = structure_.contacts[j].speed.value(t) - along(j, velocity);
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
     const double N = load(j, t, y.data()).level, u = slip_rate(j, t, y.data());
@@ -508,7 +620,7 @@ std::vector<double> StructureSystem::steady(double t) const {
   constexpr int most_iterations = 50;
   constexpr double rounding = 1e-13, aside = 1e-6;
   for (int iteration = 0;; ++iteration) {
-    VectorXd residual = -structure_.K * q, size = structure_.K.cwiseAbs() * q.cwiseAbs();
+    VectorXd residual = -(K_ * q), size = K_.size_of_terms(q);
     MatrixXd slope = structure_.K;
     for (std::size_t i = 0; i < structure_.force.size(); ++i) {
       residual[i] += structure_.force[i].value(t);
@@ -517,8 +629,7 @@ std::vector<double> StructureSystem::steady(double t) const {
     for (int j = 0; j < friction_contacts(); ++j) {
       const auto& contact = structure_.contacts[j];
       const double N = load(j, t, y.data()).level, F = friction(j, N);
-      residual += F * contact.tangential;
-      size += std::abs(F) * contact.tangential.cwiseAbs();
+      for (const auto& [i, value] : tangential_[j]) residual[i] += F * value, size[i] += std::abs(F) * std::abs(value);
       if (!follows_motion(j)) continue;
       const double away = N - load(j, t).level;
       residual -= away * contact.normal;
@@ -528,15 +639,15 @@ std::vector<double> StructureSystem::steady(double t) const {
                contact.normal.transpose();
     }
     if (iteration > 0 && (residual.cwiseAbs() - rounding * size).maxCoeff() <= 0) break;
-    const Eigen::FullPivLU<MatrixXd> lu(slope);
-    if (!lu.isInvertible())
+    const auto change = solve_stiffness(slope, residual);
+    if (!change)
       throw InputError("K has no inverse: a structure that no spring holds has no steady sliding (stiffness, N/m)");
     if (iteration == most_iterations || !residual.allFinite())
       throw InputError(
           fmt::format("no steady sliding was found: after {} steps of Newton's method forces are {:.1e} N "
                       "apart",
                       iteration, residual.cwiseAbs().maxCoeff()));
-    q += lu.solve(residual);
+    q += *change;
   }
   auto start = unknowns_at(t, q, VectorXd::Zero(n_));
   for (int j = 0; j < friction_contacts(); ++j) {

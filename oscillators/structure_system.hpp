@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/switching.hpp"
+#include "oscillators/sparse_rows.hpp"
 #include "oscillators/structure.hpp"
 
 namespace rosin::oscillators {
@@ -17,6 +18,9 @@ namespace rosin::oscillators {
 ///
 /// A contact that sticks exerts the force that keeps its slip rate 0. Where masses are shared these forces depend on
 /// each other, G F = V̇ − Tᵀ M⁻¹ R with G = Tᵀ M⁻¹ T over the contacts that stick and R all other forces.
+///
+/// Where each speed belongs to a mass of its own, as in chains and belts, nothing of this is a matrix: an evaluation
+/// takes a time that is linear in the entries of K and C, and the Jacobian has a pattern.
 class StructureSystem final : public SwitchingSystem {
  public:
   /// \throws InputError by Structure::check().
@@ -26,6 +30,8 @@ class StructureSystem final : public SwitchingSystem {
   void mass(double t, double* m) const override;
   void evaluate(double t, const double* y, double* f) const override;
   void linearise(double t, const double* y, double* f, double* jacobian) const override;
+  const Pattern* pattern() const override { return is_diagonal_ ? &pattern_ : nullptr; }
+  void linearise_entries(double t, const double* y, double* f, double* entries) const override;
   void scale(const double* y, double* s) const override;
   std::string unknown(int i) const override;
   double next_break(double t) const override;
@@ -39,6 +45,7 @@ class StructureSystem final : public SwitchingSystem {
   void set_mode(int contact, ContactMode mode) override;
   int slip_rate_unknown(int contact) const override { return n_ + at_[switching_[contact]].row; }
   double reference_speed(int contact) const override { return at_[switching_[contact]].reference_speed; }
+  bool contacts_decide_alone() const override { return is_diagonal_; }
   void held(double t, const double* y, Held* held) const override;
   void slip_accelerations(double t, const double* y, double* acceleration) const override;
   void stop(int contact, double* y) const override;
@@ -50,6 +57,13 @@ class StructureSystem final : public SwitchingSystem {
   /// Velocities q̇ (m/s), from the speeds of y.
   Eigen::VectorXd velocity(double t, const double* y) const;
   double slip_rate(int friction_contact, double t, const double* y) const;
+  /// What t of a contact takes of a vector of the coordinates, tᵀ x.
+  template <class Vector>
+  double along(int friction_contact, const Vector& x) const {
+    return tangential_[friction_contact].times(x);
+  }
+  const SparseRows& stiffness() const { return K_; }
+  const SparseRows& damping() const { return C_; }
   /// Forces of the contacts on the structure, each along its t (N): friction_contacts() entries.
   void friction_forces(double t, const double* y, double* force) const;
   /// What presses a contact (N), by its preload and by motion along its normal.
@@ -94,6 +108,12 @@ class StructureSystem final : public SwitchingSystem {
   };
   Support support(int contact, double t, const double* y) const;
   double stiffness_at(int coordinate) const;
+  double velocity_of(int coordinate, double t, const double* y) const;
+  double approach(int contact, const double* y) const { return normal_[contact].times(y); }  ///< nᵀ q
+  double approach_rate(int contact, double t, const double* y) const;                        ///< nᵀ q̇
+  double mobility(int contact) const;                                                        ///< tᵀ M⁻¹ t
+  double stiffness_along(int contact) const;                                                 ///< tᵀ K t
+  void find_pattern();
   bool follows_motion(int contact) const { return structure_.contacts[contact].normal.size() > 0; }
   const FrictionLaw& law(int contact) const { return *structure_.contacts[contact].law; }
   bool sticks(int contact) const { return at_[contact].sticks(law(contact)); }
@@ -107,18 +127,24 @@ class StructureSystem final : public SwitchingSystem {
   Structure structure_;
   int n_, size_ = 0;
   std::vector<At> at_;
-  std::vector<int> switching_;         ///< contacts under set-valued laws
-  Eigen::MatrixXd velocity_of_speed_;  ///< ∂q̇/∂w
+  std::vector<int> switching_;              ///< contacts under set-valued laws
+  SparseRows K_, C_, tangential_, normal_;  ///< directions of contacts, a row each
+  Eigen::VectorXd along_;                   ///< −1 where a speed is a contact's slip rate, else 1
+  std::vector<int> contact_of_row_;         ///< −1: none
+  Pattern pattern_;
+  Eigen::MatrixXd velocity_of_speed_;  ///< ∂q̇/∂w; here and below, nothing where is_diagonal_
   Eigen::MatrixXd inverse_mass_;
   Eigen::VectorXd row_mass_;      ///< of the rows of the speeds
   bool is_diagonal_;              ///< each speed belongs to a mass of its own
   Eigen::MatrixXd acceleration_;  ///< what forces on coordinates add to row_mass·ẇ in the present modes
   /// What surfaces that accelerate add to it through the contacts that stick.
   Eigen::MatrixXd acceleration_of_surfaces_;
-  std::vector<int> stuck_;              ///< contacts that stick
-  Eigen::MatrixXd holding_;             ///< forces on them for R, −G⁻¹ Tᵀ M⁻¹
-  Eigen::MatrixXd holding_of_surface_;  ///< and for V̇, G⁻¹
+  std::vector<int> stuck_;                                        ///< contacts that stick
+  Eigen::MatrixXd holding_;                                       ///< forces on them for R, −G⁻¹ Tᵀ M⁻¹
+  Eigen::MatrixXd holding_of_surface_;                            ///< and for V̇, G⁻¹
+  std::vector<double> holding_alone_, holding_of_surface_alone_;  ///< of each contact where is_diagonal_: −1 and m
   Eigen::VectorXd coordinate_scale_, speed_scale_;
+  std::vector<bool> is_held_;  ///< coordinates, by springs or contacts
   bool is_constant_;
 };
 

@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/stop.hpp"
@@ -31,11 +29,8 @@ Collocation::Collocation(const System& system, double tolerance)
       tableau_(RadauTableau::get()),
       n_(system.size()),
       tolerance_(std::max(tolerance, least_tolerance)),
-      growth_(n_),
-      oscillations_(tableau_, n_, tolerance_),
+      algebra_(stage_algebra(system, tableau_, tolerance_)),
       most_rounding_(most_rounding[0]) {
-  if (s * n_ > largest_lu)
-    throw InputError(fmt::format("{} unknowns are more than the collocation takes, {}", n_, largest_lu / s));
   // The embedded estimate falls with h^6, the error of the solution with h^9. The estimate must meet tolerance^(2/3),
   // at which the solution meets the tolerance (after the idea of Hairer & Wanner 1999 for their code of variable
   // order). The error of moderately stiff unknowns, such as the slip rate in slow stick, stays at the size of the
@@ -45,15 +40,8 @@ Collocation::Collocation(const System& system, double tolerance)
   const int n = n_;
   for (auto* v : {&carry_, &y_, &y_before_, &f0_, &mass_, &scale_, &work_}) v->assign(n, 0.0);
   for (auto* v : {&Z_, &Z_trial_, &residual_, &stage_mass_}) v->assign(s * n, 0.0);
-  J_.assign(n * n, 0.0);
-  real_lu_.assign(n * n, 0.0);
-  real_pivot_.assign(n, 0);
   real_right_.assign(n, 0.0);
-  for (int k = 0; k < 2; ++k) {
-    pair_lu_[k].assign(n * n, 0.0);
-    pair_right_[k].assign(n, 0.0);
-    pair_pivot_[k].assign(n, 0);
-  }
+  for (auto& right : pair_right_) right.assign(n, 0.0);
   f_stage_.assign(n, 0.0);
 }
 
@@ -76,7 +64,7 @@ bool Collocation::start(double t, std::span<const double> y) {
   rounded_ = false;
   rejections_ = 0;
   // Neither cost nor result of a solution may depend on earlier ones.
-  oscillations_.forget();
+  algebra_->forget();
   system_.mass(t, mass_.data());
   if (!make_consistent()) return false;
   y_before_ = y_;
@@ -91,32 +79,26 @@ bool Collocation::make_consistent() {
   std::vector<int> rows;
   for (int i = 0; i < n_; ++i)
     if (mass_[i] == 0) rows.push_back(i);
-  const int m = int(rows.size());
-  if (m == 0) return true;
-  std::vector<double> a(m * m), r(m);
-  std::vector<int> pivot(m);
+  if (rows.empty()) return true;
+  std::vector<double>& r = work_;
   for (int iteration = 0; iteration < 200; ++iteration) {
-    system_.linearise(t_, y_.data(), f0_.data(), J_.data());
+    algebra_->linearise(t_, y_.data(), f0_.data());
     ++count_.linearisations;
-    for (int i = 0; i < m; ++i) {
-      r[i] = -f0_[rows[i]];
-      for (int j = 0; j < m; ++j) a[i * m + j] = J_[rows[i] * n_ + rows[j]];
-    }
-    if (!factorise_lu(a, pivot, m)) return false;
-    solve_lu(a, pivot, m, r.data());
+    for (const int i : rows) r[i] = -f0_[i];
+    if (!algebra_->solve_algebraic(mass_, r.data())) return false;
     system_.scale(y_.data(), scale_.data());
     double change = 0, jump = 0;
-    for (int i = 0; i < m; ++i) {
-      const double scale = scale_[rows[i]], step = std::abs(r[i]);
+    for (const int i : rows) {
+      const double scale = scale_[i], step = std::abs(r[i]);
       change = std::max(change, step / scale);
-      jump = std::max(jump, step / std::max(scale, 0.1 * std::abs(y_[rows[i]])));
+      jump = std::max(jump, step / std::max(scale, 0.1 * std::abs(y_[i])));
     }
     if (!std::isfinite(change)) return false;
     const double damping = std::min(
         1.0,
         1.0 /
             jump);  // friction is exponential in the slip rate: a step is at most one scale, or a tenth of the unknown
-    for (int i = 0; i < m; ++i) y_[rows[i]] += damping * r[i];
+    for (const int i : rows) y_[i] += damping * r[i];
     if (change < 1e-13) break;
   }
   return true;
@@ -128,35 +110,20 @@ bool Collocation::make_consistent() {
 /// there, and new rounding errors at every step would shorten the steps without end.
 void Collocation::search_for_corner() {
   constexpr double corner = 0.05;  // relative change of a slope
-  const std::vector<double> unchanged = y_, before = J_;
+  const std::vector<double> unchanged = y_;
+  std::vector<double> before(n_);
+  for (int i = 0; i < n_; ++i) before[i] = algebra_->own_slope(i);
   bool slope_changed = false;
   if (make_consistent()) {
-    system_.linearise(t_, y_.data(), f0_.data(), J_.data());
+    algebra_->linearise(t_, y_.data(), f0_.data());
     ++count_.linearisations;
-    for (int i = 0; i < n_; ++i) {
-      const double was = before[i * n_ + i];
-      slope_changed |= mass_[i] == 0 && std::abs(J_[i * n_ + i] - was) > corner * std::abs(was);
-    }
+    for (int i = 0; i < n_; ++i)
+      slope_changed |= mass_[i] == 0 && std::abs(algebra_->own_slope(i) - before[i]) > corner * std::abs(before[i]);
   }
   if (slope_changed) return;
   y_ = unchanged;
-  system_.linearise(t_, y_.data(), f0_.data(), J_.data());
+  algebra_->linearise(t_, y_.data(), f0_.data());
   ++count_.linearisations;
-}
-
-void Collocation::factorise(double h) {
-  const int n = n_;
-  ++count_.factorisations;
-  for (int i = 0; i < n * n; ++i) real_lu_[i] = -J_[i];
-  for (int k = 0; k < 2; ++k)
-    for (int i = 0; i < n * n; ++i) pair_lu_[k][i] = -J_[i];
-  for (int i = 0; i < n; ++i) {
-    real_lu_[i * n + i] += tableau_.gamma / h * mass_[i];
-    for (int k = 0; k < 2; ++k) pair_lu_[k][i * n + i] += tableau_.pair[k] / h * mass_[i];
-  }
-  if (!factorise_lu(real_lu_, real_pivot_, n)) real_lu_[0] = NAN;
-  for (int k = 0; k < 2; ++k)
-    if (!factorise_lu(pair_lu_[k], pair_pivot_[k], n)) pair_lu_[k][0] = NAN;
 }
 
 /// The largest growth rate that a step of length h resolves: z/h, with the error of the method at z equal to the
@@ -173,7 +140,7 @@ double Collocation::resolved_growth(double h) const {
 double Collocation::within_growth(double h) {
   constexpr double apart = 1.5, far_below = 1e-7;
   for (double shorter = fresh_ ? far_below * h : h_last_; shorter < h; shorter *= apart)
-    if (growth_.faster_than(resolved_growth(shorter), mass_, J_)) return shorter;
+    if (algebra_->grows_faster(resolved_growth(shorter), mass_)) return shorter;
   return h;
 }
 
@@ -207,14 +174,14 @@ Collocation::Newton Collocation::solve_stages(double t, const double* y0, double
       real_part[k] = 0;
       for (int i = 0; i < s; ++i) real_part[k] += tableau_.real_row[i] * residual_[i * n + k];
     }
-    solve_lu(real_lu_, real_pivot_, n, real_part.data());
+    algebra_->solve_real(real_part.data());
     auto& w = pair_right_;
     for (int p = 0; p < 2; ++p) {
       for (int k = 0; k < n; ++k) {
         w[p][k] = 0;
         for (int i = 0; i < s; ++i) w[p][k] += tableau_.pair_row[p][i] * residual_[i * n + k];
       }
-      solve_lu(pair_lu_[p], pair_pivot_[p], n, w[p].data());
+      algebra_->solve_pair(p, w[p].data());
     }
     for (int i = 0; i < s; ++i) {
       for (int k = 0; k < n; ++k) {
@@ -251,12 +218,12 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
       for (int i = 0; i < s; ++i) sum += tableau_.error_weights[i] * Z_trial_[i * n + k];
       e[k] = f[k] + tableau_.gamma / h * mass_[k] * sum;
     }
-    solve_lu(real_lu_, real_pivot_, n, e.data());
+    algebra_->solve_real(e.data());
   };
   solve(f0_.data());
   double size = norm(e.data());
-  const double ringing = oscillations_.error(
-      {h, h * resolved_growth(h), y_, mass_, J_, scale_, real_lu_, real_pivot_, {e.data(), std::size_t(n)}, size});
+  const double ringing =
+      algebra_->error_of_oscillations({h, h * resolved_growth(h), y_, mass_, scale_, {e.data(), std::size_t(n)}, size});
   if (refine && size > estimate_tolerance_) {
     // The estimate is filtered once more for stiff components (Hairer & Wanner, IV.8), but not at a start, where the
     // filter would hide their transient, which a long step skips at every tolerance alike.
@@ -273,12 +240,14 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
 }
 
 /// Rounding error of f in a row.
-double Collocation::rounding_of_row(int row) const { return last_digits_of_terms(&J_[row * n_], y_.data(), n_); }
+double Collocation::rounding_of_row(int row) const {
+  return last_digits_of_terms(algebra_->size_of_terms(row, y_.data()));
+}
 
 /// Rounding error of f in the embedded estimate of a step whose matrix is factorised, in scales.
 double Collocation::rounding_error() {
   for (int i = 0; i < n_; ++i) work_[i] = rounding_of_row(i);
-  solve_lu(real_lu_, real_pivot_, n_, work_.data());
+  algebra_->solve_real(work_.data());
   return norm(work_.data());
 }
 
@@ -286,7 +255,7 @@ double Collocation::rounding_error() {
 /// the length of the step.
 double Collocation::beyond_rounding(const std::vector<double>& estimate) {
   for (int i = 0; i < n_; ++i) work_[i] = mass_[i] == 0 ? rounding_of_row(i) : 0;
-  solve_lu(real_lu_, real_pivot_, n_, work_.data());
+  algebra_->solve_real(work_.data());
   for (int i = 0; i < n_; ++i)
     work_[i] = std::max(std::abs(estimate[i]) - std::min(std::abs(work_[i]), most_rounding_ * scale_[i]), 0.0);
   return norm(work_.data());
@@ -306,8 +275,7 @@ double Collocation::first_step(double t_limit) {
   if (resolve_starts_) {
     double response = 0;  // largest sum of a row of M⁻¹ J, in scales
     for (int i = 0; i < n_; ++i) {
-      double sum = 0;
-      for (int j = 0; j < n_; ++j) sum += std::abs(J_[i * n_ + j]) * scale_[j];
+      const double sum = algebra_->size_of_terms(i, scale_.data());
       if (mass_[i] > 0) response = std::max(response, sum / (mass_[i] * scale_[i]));
     }
     if (response > 0 && std::isfinite(response)) first = std::min(first, bound_share_ / response);
@@ -320,14 +288,14 @@ Outcome Collocation::step(double t_limit) {
   const int n = n_;
   last_moment_ = std::nextafter(t_limit, t_);
   system_.mass(t_, mass_.data());
-  system_.linearise(t_, y_.data(), f0_.data(), J_.data());
+  algebra_->linearise(t_, y_.data(), f0_.data());
   ++count_.linearisations;
   system_.scale(y_.data(), scale_.data());
   for (int i = 0; i < n; ++i)
     if (!std::isfinite(f0_[i]))
       return {Ending::not_finite, fmt::format("at t = {:.9g} s in '{}'", t_, system_.unknown(i))};
   double h = h_next_ > 0 ? h_next_ : first_step(t_limit);
-  h = std::min({h, system_.resolution(), longest_step_, oscillations_.longest_step()});
+  h = std::min({h, system_.resolution(), longest_step_, algebra_->longest_step()});
   h = within_growth(h);
   // Where nothing depends on time, a step may be below rounding error of the time, as in a fast slip after a long
   // stick, or while friction reverses.
@@ -346,7 +314,7 @@ Outcome Collocation::step(double t_limit) {
       h = remaining, last = true;
     else if (h > 0.5 * remaining)
       h = 0.5 * remaining;  // two equal steps avoid a tiny last one
-    while (h >= shortest && growth_.faster_than(resolved_growth(h), mass_, J_)) h *= 0.5, last = false;
+    while (h >= shortest && algebra_->grows_faster(resolved_growth(h), mass_)) h *= 0.5, last = false;
     if (h < shortest || attempt > 200 || !(h > 0)) {
       int worst = 0;
       for (int i = 1; i < n; ++i)
@@ -354,7 +322,8 @@ Outcome Collocation::step(double t_limit) {
       return {Ending::tolerance_not_met,
               fmt::format("at t = {:.9g} s the step fell to {:.3g} s in '{}'", t_, h, system_.unknown(worst))};
     }
-    factorise(h);
+    algebra_->factorise(h, mass_);
+    ++count_.factorisations;
     // Newton's method starts from the extrapolated polynomial of the last step.
     if (fresh_ || rejected) {
       std::fill(Z_trial_.begin(), Z_trial_.end(), 0.0);
@@ -383,8 +352,8 @@ Outcome Collocation::step(double t_limit) {
     if (!(error <= 1)) {
       ++count_.rejected;
       ++rejections_;
-      h = oscillations_.longest_step() < h ? oscillations_.longest_step()
-                                           : h * (std::isfinite(error) ? std::clamp(factor, least_factor, 0.9) : 0.2);
+      h = algebra_->longest_step() < h ? algebra_->longest_step()
+                                       : h * (std::isfinite(error) ? std::clamp(factor, least_factor, 0.9) : 0.2);
       rejected = true;
       continue;
     }
@@ -402,7 +371,7 @@ Outcome Collocation::step(double t_limit) {
     Z_.swap(Z_trial_);
     y_before_ = y_;
     t_before_ = t_;
-    oscillations_.accept();
+    algebra_->accept();
     for (int k = 0; k < n; ++k) {
       const double change = Z_[(s - 1) * n + k] + carry_[k];
       y_[k] += change;
@@ -469,9 +438,10 @@ bool Collocation::solve_at(double theta, double* y) {
   interpolate(theta, y);
   // The Jacobian comes from the start of the step, or from theta where Newton's method does not converge with that.
   for (const bool at_start : {true, false}) {
-    system_.linearise(at_start ? t_before_ : t_before_ + h, at_start ? y_before_.data() : y, f0_.data(), J_.data());
+    algebra_->linearise(at_start ? t_before_ : t_before_ + h, at_start ? y_before_.data() : y, f0_.data());
     ++count_.linearisations;
-    factorise(h);
+    algebra_->factorise(h, mass_);
+    ++count_.factorisations;
     for (int i = 0; i < s; ++i) {
       interpolate(theta * tableau_.c[i], &Z_trial_[i * n]);
       for (int k = 0; k < n; ++k) Z_trial_[i * n + k] -= y_before_[k];
@@ -504,6 +474,8 @@ bool Collocation::shorten(double theta) {
 void Collocation::propagate(std::vector<double>& S, int columns, const Forcing& forcing) {
   // (A⁻¹⊗M/h − J_i) δZ = J_i δy₀ + ∂f/∂p stage by stage, with the exact Jacobians of the converged stages.
   const int n = n_, m = s * n;
+  if (m > largest_lu)
+    throw InputError(fmt::format("the derivative of steps is known up to {} unknowns, not of {}", largest_lu / s, n));
   big_.assign(m * m, 0.0);
   big_right_.assign(m * columns, 0.0);
   big_pivot_.resize(m);

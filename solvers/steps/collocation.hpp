@@ -8,15 +8,15 @@
 #include <cmath>
 #include <complex>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "core/error.hpp"
 #include "core/system.hpp"
-#include "solvers/steps/growth.hpp"
-#include "solvers/steps/oscillations.hpp"
 #include "solvers/steps/radau_tableau.hpp"
+#include "solvers/steps/stage_algebra.hpp"
 
 namespace rosin::solvers::steps {
 
@@ -27,7 +27,7 @@ class Collocation {
   static constexpr double least_tolerance = 1e-18;
 
   /// `tolerance`: requested relative accuracy of the solution, in units of the system's scale.
-  /// \throws InputError for more than 64 unknowns.
+  /// \throws InputError for more than 64 unknowns of a system without a pattern, or of one with far couplings.
   Collocation(const System&, double tolerance);
 
   /// Begins at (t, y); Newton's method makes algebraic unknowns consistent.
@@ -71,6 +71,7 @@ class Collocation {
   /// Propagates the columns of S (size × columns, row-major, differential unknowns) across the last step: multiplies
   /// them by the derivative of the step with respect to its start, and adds the derivative with respect to each
   /// column's parameter p.
+  /// \throws InputError for more than 64 unknowns.
   void propagate(std::vector<double>& S, int columns, const Forcing& forcing = {});
   /// Derivative of the solution in time at the end of the last step, algebraic unknowns included.
   void rate(double* rate) const;
@@ -78,7 +79,7 @@ class Collocation {
   /// Upper bound, for each unknown, of the errors by oscillations that steps passed over, summed since construction.
   /// Each error is within the tolerance. The difference of two tolerances does not show them, because a long step damps
   /// such an oscillation at either.
-  std::span<const double> ringing_errors() const { return oscillations_.passed_over(); }
+  std::span<const double> ringing_errors() const { return algebra_->passed_over(); }
 
   struct Count {
     long steps = 0, rejected = 0, evaluations = 0, linearisations = 0, factorisations = 0;
@@ -94,7 +95,6 @@ class Collocation {
   bool make_consistent();
   void search_for_corner();
   void end_at_kink();
-  void factorise(double h);
   double resolved_growth(double h) const;
   double within_growth(double h);
   Newton solve_stages(double t, const double* y0, double h, int most_iterations, bool to_rounding = false);
@@ -109,8 +109,7 @@ class Collocation {
   const RadauTableau& tableau_;
   int n_;
   double tolerance_, estimate_tolerance_;
-  GrowthTest growth_;
-  Oscillations oscillations_;
+  std::unique_ptr<StageAlgebra> algebra_;
   double most_rounding_;  ///< largest accepted rounding error of an unknown, in scales
   double longest_step_ = infinity, bound_share_;
   double last_moment_ = infinity;  ///< the last time before the limit of the last step
@@ -122,10 +121,9 @@ class Collocation {
   bool fresh_ = true;           ///< no polynomial of an earlier step to extrapolate
   std::vector<double>
       carry_;  ///< rounding error of y_ (compensated sum), without which a slowly rising load would stand still
-  std::vector<double> y_, y_before_, f0_, J_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;
-  std::vector<double> real_lu_, real_right_;
-  std::vector<std::complex<double>> pair_lu_[2], pair_right_[2];
-  std::vector<int> real_pivot_, pair_pivot_[2];
+  std::vector<double> y_, y_before_, f0_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;
+  std::vector<double> real_right_;
+  std::vector<std::complex<double>> pair_right_[2];
   std::vector<double> big_, big_right_, f_stage_, J_stage_;
   std::vector<int> big_pivot_;
   int iterations_ = 0;    ///< iterations of the last Newton solution

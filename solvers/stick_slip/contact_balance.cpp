@@ -43,8 +43,10 @@ class Decision {
       ask();
       int overloaded = 0;
       const int first = next_to_give_way(overloaded);
-      if (overloaded > 1) balance.had_choice = true;
-      if (first >= 0) {
+      if (overloaded > 1 && !system_.contacts_decide_alone()) balance.had_choice = true;
+      if (first >= 0 && system_.contacts_decide_alone()) {
+        let_all_go();
+      } else if (first >= 0) {
         next_[first] = slip_along(held_[first].force);
       } else if (const int back = most_backward(); back >= 0) {
         hold_again(back);
@@ -96,6 +98,13 @@ class Decision {
       if (part > most_part) most = i, most_part = part;
     }
     return most;
+  }
+
+  /// Of contacts that each decide alone: together, for in one after another each would ask all.
+  void let_all_go() {
+    for (const int i : at_rest_)
+      if (next_[i] == ContactMode::stick && (is_overloaded(i) || (!any_held_again_ && ended_[i] == Ended::stick)))
+        next_[i] = slip_along(held_[i].force);
   }
 
   /// Of the contacts let go, the one that accelerates most against its direction, or −1. One that is alone accelerates

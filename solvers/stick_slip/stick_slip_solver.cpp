@@ -12,7 +12,28 @@ namespace rosin::solvers::stick_slip {
 namespace {
 constexpr double rest = 1e-11;     ///< slip rates below this part of the reference speed are rounding noise at a switch
 constexpr double doubtful = 1e-4;  ///< or below this one may be rest: no solution is worse
+constexpr std::size_t few_ends = 4;  ///< of modes in one step, which are all located
 constexpr double last_digits = 4 * std::numeric_limits<double>::epsilon();  ///< below which part no energy tells more
+
+/// How far a polynomial through the nodes of a step falls below the lowest of them, at most, as a part of the distance
+/// to the highest: the largest sum of negative weights.
+double below_nodes() {
+  static const double most = [] {
+    constexpr int fine = 1000;
+    double largest = 0;
+    for (int i = 0; i <= fine; ++i) {
+      double sum = 0;
+      for (std::size_t node = 0; node <= steps::Collocation::stages; ++node) {
+        std::array<double, steps::Collocation::stages + 1> values{};
+        values[node] = 1;
+        sum += std::max(0.0, -steps::RadauTableau::get().interpolate(values, double(i) / fine));
+      }
+      largest = std::max(largest, sum);
+    }
+    return 1.01 * largest;
+  }();
+  return most;
+}
 }  // namespace
 
 void StickSlip::rest_in_doubt(bool even_if_not_held) {
@@ -31,7 +52,7 @@ StickSlip::StickSlip(SwitchingSystem& system, double tolerance, const FreeSwings
       upcoming_(system.contacts()),
       held_(system.contacts()),
       work_(system.size()),
-      jacobian_(system.size() * system.size()),
+      jacobian_(system.pattern() ? system.pattern()->entries() : system.size() * system.size()),
       mass_(system.size()) {
   events_.reserve(contacts_.size());
 }
@@ -52,6 +73,7 @@ bool StickSlip::sticks() const {
 /// speed just before rest, which a step from far above would not see.
 double StickSlip::landing_time() {
   const int n = system_.size();
+  const Pattern* pattern = system_.pattern();
   bool asked = false;
   double soonest = infinity;
   for (int contact = 0; contact < int(contacts_.size()); ++contact) {
@@ -60,13 +82,18 @@ double StickSlip::landing_time() {
     if (system_.mode(contact) == ContactMode::stick || !(std::abs(u) > 1e-8 * system_.reference_speed(contact)))
       continue;
     if (!asked) {
-      system_.linearise(time(), state().data(), work_.data(), jacobian_.data());
+      if (pattern)
+        system_.linearise_entries(time(), state().data(), work_.data(), jacobian_.data());
+      else
+        system_.linearise(time(), state().data(), work_.data(), jacobian_.data());
       system_.mass(time(), mass_.data());
       asked = true;
     }
     double rate = 0;  // of the slip rate
     constexpr double rounding = 1e-14;
-    if (std::abs(work_[i]) >= rounding * size_of_terms(&jacobian_[i * n], state().data(), n))
+    const double terms = pattern ? size_of_terms(*pattern, jacobian_.data(), i, state().data())
+                                 : size_of_terms(&jacobian_[i * n], state().data(), n);
+    if (std::abs(work_[i]) >= rounding * terms)
       rate = work_[i] / mass_[i];
     else if (collocation_.length() > 0)  // of forces that balance but for their last digits the step before tells
       rate = (u - collocation_.state_before()[i]) / collocation_.length();
@@ -201,17 +228,22 @@ Outcome StickSlip::look_between_nodes(End& end) {
   const bool sticks = system_.mode(contact) == ContactMode::stick;
   const double reference = system_.reference_speed(contact);
   constexpr int fine = 32;
+  constexpr double low_beside_highest = 0.05;
+  const auto [least, highest_node] = std::ranges::minmax(at.indicator);
+  if (const double surely = least - below_nodes() * (highest_node - least);
+      surely > low_beside_highest * highest_node && (sticks || surely > doubtful * reference))
+    return {};
   const auto between = [&](double theta) { return steps::RadauTableau::get().interpolate(at.indicator, theta); };
   double lowest = 0;
   for (int i = 1; i < fine; ++i)
     if (between(double(i) / fine) < between(lowest)) lowest = double(i) / fine;
   // In the first part too, where slip still slows down, and in steps so short that slip hardly changes in them.
-  constexpr double beside = 1e-3 / fine, low_beside_highest = 0.05;
+  constexpr double beside = 1e-3 / fine;
   const bool sinks_at_first = at.had_left && between(beside) < between(0),
              rises_at_last = between(1 - beside) < between(1);
-  const double value_there = between(lowest), highest = *std::max_element(at.indicator.begin(), at.indicator.end());
-  const bool is_low =
-      value_there < low_beside_highest * highest || (!sticks && rises_at_last && value_there < doubtful * reference);
+  const double value_there = between(lowest);
+  const bool is_low = value_there < low_beside_highest * highest_node ||
+                      (!sticks && rises_at_last && value_there < doubtful * reference);
   if (!((lowest > 0 || sinks_at_first) && is_low)) return {};
   double left = std::max(0.0, lowest - 1.0 / fine), right = lowest + 1.0 / fine;
   for (int i = 0; i < 40; ++i) {  // ternary search
@@ -241,6 +273,45 @@ Outcome StickSlip::look_between_nodes(End& end) {
   return {};
 }
 
+/// Adds an end to those that are located; `first` is the part of the step after which a mode ends.
+bool StickSlip::locate(End& end, double& first) {
+  if (!end.touched)
+    end.at = collocation_.locate([&](double t, const double* y) { return indicator(end.contact, t, y); }, end.low,
+                                 end.high, std::max(end.low_value, 0.0), end.high_value);
+  if (!end.at) return false;
+  first = std::min(first, *end.at);
+  ends_.push_back(end);
+  return true;
+}
+
+/// The end that comes first by the secant is located; one solution there tells which others have come before it. To
+/// locate each would take ten solutions for each.
+bool StickSlip::locate_first_of_many(double& first) {
+  const auto secant = [](const End& end) {
+    const double low = std::max(end.low_value, 0.0);
+    return end.touched ? *end.at : end.low + (end.high - end.low) * low / (low - end.high_value);
+  };
+  while (!found_.empty()) {
+    const auto next = std::ranges::min_element(found_, {}, secant);
+    if (!locate(*next, first)) return false;
+    found_.erase(next);
+    if (!collocation_.solve_at(first, work_.data())) return false;
+    if (sticks()) system_.held(collocation_.time_at(first), work_.data(), held_.data());
+    std::erase_if(found_, [&](End& end) {
+      if (end.touched) return *end.at >= first;
+      if (end.low >= first) return true;
+      end.high = std::min(end.high, first), end.high_value = indicator_of_held(end.contact, work_.data());
+      return end.high_value >= -noise(end.contact);  // what ends at the same instant switch_at finds
+    });
+  }
+  return true;
+}
+
+/// Below which an indicator may be rounding. `held_` is of the same place where the contact sticks.
+double StickSlip::noise(int contact) const {
+  return system_.mode(contact) == ContactMode::stick ? held_[contact].digits : rest * system_.reference_speed(contact);
+}
+
 Outcome StickSlip::step(double t_limit, Switch& switched) {
   switched = Switch::none;
   const bool had_begun = !switched_ && collocation_.length() > 0;
@@ -251,8 +322,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   if (Outcome outcome = collocation_.step(t_limit); !outcome.complete()) return outcome;
 
   read_indicators();
-  double first = infinity;  // part of the step after which a mode ends
-  ends_.clear();
+  found_.clear();
   for (int i = 0; i < int(contacts_.size()); ++i) {
     ContactState& at = contacts_[i];
     const bool sticks = system_.mode(i) == ContactMode::stick;
@@ -261,13 +331,15 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
     End end = look_at_nodes(i);
     if (!end.found() && (sticks || at.armed))
       if (Outcome outcome = look_between_nodes(end); !outcome.complete()) return outcome;
-    if (!end.found() || end.low > first) continue;
-    if (!end.touched)
-      end.at = collocation_.locate([&](double t, const double* y) { return indicator(i, t, y); }, end.low, end.high,
-                                   std::max(end.low_value, 0.0), end.high_value);
-    if (!end.at) return {Ending::not_finite, "while locating a switch"};
-    first = std::min(first, *end.at);
-    ends_.push_back(end);
+    if (end.found()) found_.push_back(end);
+  }
+  double first = infinity;  // part of the step after which a mode ends
+  ends_.clear();
+  if (found_.size() > few_ends) {
+    if (!locate_first_of_many(first)) return {Ending::not_finite, "while locating a switch"};
+  } else {
+    for (End& end : found_)
+      if (end.low <= first && !locate(end, first)) return {Ending::not_finite, "while locating a switch"};
   }
   if (ends_.empty()) {
     energy_.add(collocation_);
@@ -285,14 +357,12 @@ Outcome StickSlip::switch_at(double theta, Switch& switched) {
   const double t = collocation_.time();
   for (const End& end : ends_)
     if (*end.at <= theta + same_instant) contacts_[end.contact].ended = ended_mode(end.contact);
+  if (sticks()) system_.held(t, collocation_.state().data(), held_.data());
   for (int i = 0; i < count; ++i) {
     ContactState& at = contacts_[i];
-    const bool sticks = system_.mode(i) == ContactMode::stick;
-    if (at.ended == Ended::nothing && count > 1 && (sticks || at.armed)) {
-      const double value = indicator(i, t, collocation_.state().data());
-      const double noise = sticks ? held_[i].digits : rest * system_.reference_speed(i);
-      if (value <= noise) at.ended = ended_mode(i);
-    }
+    if (at.ended == Ended::nothing && count > 1 && (system_.mode(i) == ContactMode::stick || at.armed) &&
+        indicator_of_held(i, collocation_.state().data()) <= noise(i))
+      at.ended = ended_mode(i);
     if (at.ended == Ended::stick) behind_switch_[system_.slip_rate_unknown(i)] = 0;
     if (at.ended == Ended::slip) system_.stop(i, behind_switch_.data());
   }

@@ -88,6 +88,9 @@ class StickSlip {
   void read_indicators();
   End look_at_nodes(int contact);
   Outcome look_between_nodes(End&);
+  bool locate(End&, double& first);
+  bool locate_first_of_many(double& first);
+  double noise(int contact) const;
   Ended ended_mode(int contact) const {
     return system_.mode(contact) == ContactMode::stick ? Ended::stick : Ended::slip;
   }
@@ -103,7 +106,7 @@ class StickSlip {
   std::vector<ContactState> contacts_;
   std::vector<ContactMode> upcoming_;
   std::vector<Event> events_;
-  std::vector<End> ends_;  ///< of modes within the last step
+  std::vector<End> found_, ends_;  ///< of modes within the last step: seen, and located
   std::vector<Ended> ended_;
   std::vector<SwitchingSystem::Held> held_;
   std::optional<SlipEnergy::Rest> rest_;

@@ -7,6 +7,7 @@
 
 #include "analysis/motion/run.hpp"
 #include "oscillators/slider_lanes.hpp"
+#include "oscillators/structure_system.hpp"
 #include "solvers/lanes/ensemble.hpp"
 #include "solvers/steps/collocation.hpp"
 #include "solvers/steps/cvode.hpp"
@@ -144,6 +145,29 @@ TEST_CASE("no solver allocates inside a step", "[cost]") {
             return true;
           }) == 0);
   }
+}
+
+TEST_CASE("a step of a chain makes no more room for a thousand blocks than for a hundred", "[cost]") {
+  const auto in_steps = [](std::size_t n) {
+    oscillators::FrictionContact contact;
+    contact.law = laws::find_law("coulomb")->with({0.6, 0.4});
+    contact.speed = 0.1;
+    oscillators::StructureSystem system(oscillators::chain({.mass = std::vector<double>(n, 1.0),
+                                                            .coupling_stiffness = std::vector<double>(n - 1, 25.0),
+                                                            .coupling_damping = std::vector<double>(n - 1, 0.0),
+                                                            .pull_stiffness = std::vector<double>(n, 1.0),
+                                                            .pull_damping = std::vector<double>(n, 0.0)},
+                                                           std::vector<oscillators::FrictionContact>(n, contact)));
+    solvers::stick_slip::StickSlip solver(system, 1e-8);
+    std::vector<double> q(n);
+    for (std::size_t i = 0; i < n; ++i) q[i] = 0.3 + 0.05 * std::sin(0.1 * double(i));
+    REQUIRE(solver.start(0, system.unknowns_at(0, Eigen::Map<const Eigen::VectorXd>(q.data(), long(n)),
+                                               Eigen::VectorXd::Zero(long(n)))));
+    solvers::stick_slip::Switch switched;
+    return allocations_of(20, [&] { return solver.step(100, switched).complete(); });
+  };
+  CHECK(in_steps(100) == 0);
+  CHECK(in_steps(1000) == 0);
 }
 
 TEST_CASE("recording, events and wrappers cost what they use", "[cost]") {

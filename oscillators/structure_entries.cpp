@@ -1,0 +1,101 @@
+/// Where entries of a structure's Jacobian stand if each speed belongs to a mass of its own, and the entries.
+#include <algorithm>
+
+#include "oscillators/structure_system.hpp"
+
+namespace rosin::oscillators {
+
+namespace {
+void sort_rows(const std::vector<std::vector<int>>& rows, Pattern& pattern) {
+  pattern.row_begin = {0};
+  for (std::vector<int> row : rows) {
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+    pattern.column.insert(pattern.column.end(), row.begin(), row.end());
+    pattern.row_begin.push_back(int(pattern.column.size()));
+  }
+}
+}  // namespace
+
+void StructureSystem::find_pattern() {
+  std::vector<std::vector<int>> rows(size_);
+  for (int i = 0; i < size_; ++i) rows[i].push_back(i);
+  for (int i = 0; i < n_; ++i) {
+    rows[i].push_back(n_ + i);
+    for (const auto& [k, value] : K_[i]) rows[n_ + i].push_back(k);
+    for (const auto& [k, value] : C_[i]) rows[n_ + i].push_back(n_ + k);
+  }
+  for (int j = 0; j < friction_contacts(); ++j) {
+    const At& at = at_[j];
+    std::vector<int> own, by_motion;  // rows of the contact's unknowns, and columns that its slip rate and load are of
+    for (int a = 0; a < at.contact->unknowns(); ++a) own.push_back(at.first + a);
+    if (at.row >= 0)
+      by_motion.push_back(n_ + at.row);
+    else
+      for (const auto& [k, value] : tangential_[j]) by_motion.push_back(n_ + k);
+    for (const auto& [k, value] : normal_[j]) by_motion.push_back(k), by_motion.push_back(n_ + k);
+    const auto add = [&](int row, const std::vector<int>& columns) {
+      rows[row].insert(rows[row].end(), columns.begin(), columns.end());
+    };
+    for (const int row : own) add(row, own), add(row, by_motion);
+    for (const auto& [i, value] : tangential_[j]) add(n_ + i, own), add(n_ + i, by_motion);
+    for (const auto& [i, value] : normal_[j]) add(n_ + i, by_motion);
+  }
+  sort_rows(rows, pattern_);
+}
+
+void StructureSystem::linearise_entries(double t, const double* y, double* f, double* entries) const {
+  evaluate(t, y, f);
+  std::fill(entries, entries + pattern_.entries(), 0.0);
+  const auto entry = [&](int row, int column) -> double& { return entries[pattern_.place(row, column)]; };
+  // Rows of the speeds first as forces on the coordinates.
+  for (int i = 0; i < n_; ++i) {
+    entry(i, n_ + i) = along_[i];
+    for (const auto& [k, value] : K_[i]) entry(n_ + i, k) = -value;
+    for (const auto& [k, value] : C_[i]) entry(n_ + i, n_ + k) = -value * along_[k];
+  }
+  for (int j = 0; j < friction_contacts(); ++j) {
+    const At& at = at_[j];
+    const int nz = at.contact->unknowns();
+    const auto [N, rate] = load(j, t, y);
+    const bool stuck = sticks(j);
+    double F, g[Slopes<double>::capacity];
+    Slopes<double> slopes;
+    at.contact->linearise({stuck ? 0 : slip_rate(j, t, y), N, rate, sign(at.mode)}, y + at.first, g, F, slopes);
+    for (int a = 0; a < nz; ++a)
+      for (int b = 0; b < nz; ++b) entry(at.first + a, at.first + b) = slopes.g_z[a * nz + b];
+    if (follows_motion(j)) {
+      const auto [by_approach, by_rate] = support(j, t, y);
+      for (const auto& [k, normal] : normal_[j]) {
+        const double N_q = by_approach * normal, N_w = by_rate * normal * along_[k];
+        for (const auto& [i, value] : normal_[j]) entry(n_ + i, k) -= value * N_q, entry(n_ + i, n_ + k) -= value * N_w;
+        if (!stuck)
+          for (const auto& [i, value] : tangential_[j])
+            entry(n_ + i, k) += slopes.F_N * value * N_q, entry(n_ + i, n_ + k) += slopes.F_N * value * N_w;
+        for (int a = 0; a < nz; ++a)
+          entry(at.first + a, k) += slopes.g_N[a] * N_q, entry(at.first + a, n_ + k) += slopes.g_N[a] * N_w;
+      }
+    }
+    if (stuck) continue;
+    const auto by_slip_rate = [&](int speed, double u_w) {
+      for (const auto& [i, value] : tangential_[j]) entry(n_ + i, n_ + speed) += slopes.F_u * value * u_w;
+      for (int a = 0; a < nz; ++a) entry(at.first + a, n_ + speed) += slopes.g_u[a] * u_w;
+    };
+    if (at.row >= 0)
+      by_slip_rate(at.row, 1);
+    else
+      for (const auto& [k, value] : tangential_[j]) by_slip_rate(k, -value * along_[k]);
+    for (const auto& [i, value] : tangential_[j])
+      for (int a = 0; a < nz; ++a) entry(n_ + i, at.first + a) = value * slopes.F_z[a];
+  }
+  const auto scale_row = [&](int row, double factor) {
+    for (int e = pattern_.row_begin[row]; e < pattern_.row_begin[row + 1]; ++e) entries[e] *= factor;
+  };
+  for (int i = 0; i < n_; ++i) scale_row(n_ + i, along_[i]);
+  for (int j = 0; j < friction_contacts(); ++j)
+    if (sticks(j))
+      std::fill_n(entries + pattern_.row_begin[n_ + at_[j].row],
+                  pattern_.row_begin[n_ + at_[j].row + 1] - pattern_.row_begin[n_ + at_[j].row], 0.0);
+}
+
+}  // namespace rosin::oscillators
