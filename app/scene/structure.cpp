@@ -54,7 +54,7 @@ FrictionContact contact_of(const oscillators::Model& model) {
 void read_contact(SceneReader& reader, Table& table, FrictionContact& contact) {
   if (const auto* law = table.find("law")) {
     oscillators::Model own;
-    read_law(Table(*law, table.path("law")), own);
+    read_law(reader, Table(*law, table.path("law")), own);
     own.drive.speed = contact.speed, own.drive.normal_load = contact.normal_load;
     auto changed = contact_of(own);
     changed.tangential = contact.tangential;

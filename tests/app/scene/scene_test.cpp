@@ -435,3 +435,61 @@ TEST_CASE("wrong overrides are refused with the override as their place") {
   CHECK_THAT(refuse("law.L=5 MPa"), Catch::StartsWith("--set law.L=5 MPa: law.L: '5 MPa' is in MPa"));
   CHECK_THAT(refuse("law.type=slipp"), Catch::Contains("did you mean 'slip'?"));
 }
+
+TEST_CASE("a smoothing of the solver makes every set-valued law of the scene smooth", "[app][scene]") {
+  const std::string tanh = "[solver]\nsmoothing = { type = 'tanh', width = '2 mm/s' }\n";
+  const std::string coulomb = "[law]\ntype = 'coulomb'\n";
+  for (const char* verb : {"run", "cycle", "stability", "curve", "map", "compare"}) {
+    CAPTURE(verb);
+    const auto scene = read(coulomb + slider + tanh + "[run]\nduration = 1\n" +
+                                "[map]\nx = { parameter = 'drive.speed', from = 1e-3, to = 1, points = 2 }\n"
+                                "y = { parameter = 'law.mu_d', from = 1e-2, to = 1, points = 2 }\n"
+                                "[compare]\nmembers = [{ name = 'a' }, { name = 'b', law = { type = 'stribeck' } }, "
+                                "{ name = 'c', law = { type = 'spinodal' } }]\n",
+                            verb);
+    CHECK_FALSE(scene.model.law->set_valued());
+    CHECK(scene.model.law->friction({2e-3, 1}, {}) == Approx(0.3 * std::tanh(1.0)).epsilon(1e-14));
+    for (const auto& member : scene.compare.members) CHECK_FALSE(member.model.law->set_valued());
+    // What holds at rest is lost, which a note says of each law.
+    REQUIRE(scene.notes.size() >= 1);
+    CHECK_THAT(scene.notes.front(),
+               Catch::Contains("0.4 at rest of law 'coulomb' has no effect") && Catch::Contains("rises to 0.3"));
+  }
+  const std::string chain =
+      "[oscillator]\ntype = 'chain'\nblocks = 3\nmass = 1\nstiffness = 1\npull_stiffness = 1\n"
+      "[[oscillator.contacts]]\nblock = 2\nlaw = { type = 'hyperbolic' }\n"
+      "[drive]\nspeed = 0.2\nnormal_load = 1\n[run]\nduration = 1\n";
+  const auto of_chain = read(spinodal + chain + tanh, "run").structure->structure;
+  REQUIRE(of_chain.contacts.size() == 3);
+  for (const auto& contact : of_chain.contacts) CHECK_FALSE(contact.law->set_valued());
+  CHECK(of_chain.contacts[1].law->friction({2e-3, 1}, {}) == Approx(0.4 / 1.006 * std::tanh(1.0)).epsilon(1e-14));
+  CHECK(read("[law]\ntype = 'coulomb'\nheating = { resistance = 1, time = 1, softening = 1 }\n" + slider + tanh +
+                 "[run]\nduration = 1\n",
+             "run")
+            .model.law->friction({2e-3, 1}, std::vector{1.0}) == Approx(0.15 * std::tanh(1.0)).epsilon(1e-14));
+}
+
+TEST_CASE("a smoothing that is none, or without effect, is refused at its place", "[app][scene]") {
+  const auto asked = [](const std::string& smoothing, const std::string& law = "coulomb") {
+    return refusal("[law]\ntype = '" + law + "'\n" + slider + "[run]\nduration = 1\n[solver]\nsmoothing = " + smoothing,
+                   "run");
+  };
+  CHECK_THAT(asked("{ type = 'arctn', width = 1e-3 }"),
+             Catch::Contains("scene.toml:12:22: solver.smoothing.type = 'arctn'") &&
+                 Catch::Contains("did you mean 'arctan'?"));
+  for (const char* type : {"switch", "multi-region"})
+    CHECK_THAT(asked("{ type = '" + std::string(type) + "', width = 1e-3 }"),
+               Catch::Contains("scene.toml:12:22") && Catch::Contains("needs the force that would hold") &&
+                   Catch::Contains("use one of tanh, arctan, linear, parabolic"));
+  CHECK_THAT(
+      asked("{ type = 'tanh', width = 0 }"),
+      Catch::Contains("scene.toml:12:38") && Catch::Contains("solver.smoothing.width = 0 is outside 1e-09 … 1000"));
+  CHECK_THAT(asked("{ type = 'tanh', width = '1 mm' }"), Catch::Contains("m/s"));
+  CHECK_THAT(asked("{ type = 'tanh' }"), Catch::Contains("no 'width' (slip rate over which friction rises, m/s)"));
+  CHECK_THAT(asked("{ type = 'tanh', width = 1e-3, withd = 2 }"), Catch::Contains("did you mean 'width'?"));
+  CHECK_THAT(
+      asked("{ type = 'tanh', width = 1e-3 }", "spinodal"),
+      Catch::Contains("scene.toml:12:13: solver.smoothing has no effect: no law here is set-valued, 'spinodal' is"));
+  CHECK_THAT(asked("{ type = 'tanh', width = 1e-3 }\ntype = 'events'"),
+             Catch::Contains("accepted"));  // what fits is known when it runs
+}
