@@ -3,6 +3,7 @@
 #pragma once
 #include <memory>
 
+#include "core/contact.hpp"
 #include "solvers/steps/collocation.hpp"
 #include "solvers/stick_slip/dry_mass.hpp"
 #include "solvers/stick_slip/stick_slip_solver.hpp"
@@ -12,17 +13,19 @@ namespace rosin::solvers::stick_slip {
 using PlaneMass = DryMass<2>;
 using PlaneVector = Vector<2>;
 
-/// Solves m ẍᵢ + cᵢ ẋᵢ + kᵢ xᵢ = fᵢ(t) − μd N(t) wᵢ/|w|, with w the velocity on a surface of constant velocity.
-/// Slip is integrated by collocation in the logarithm of speed and the angle of w over s, with dt = |w| ds. In these
-/// variables the equations are smooth up to rest, which slip reaches in finite time but infinite s, along the direction
-/// of the force. Slip ends where the speed is negligible, and the remaining distance follows in closed form. Slip
-/// begins along R, the force that friction cannot hold, by a series. Release is the certain first zero of (μs N)² −
-/// |R|².
+/// Solves m ẍᵢ + cᵢ ẋᵢ + kᵢ xᵢ = fᵢ(t) − F wᵢ/|w|, with w the velocity on a surface of constant velocity, and F = μd
+/// N(t) or a function of |w| and N. Slip is integrated by collocation in the logarithm of speed and the angle of w over
+/// s, with dt = |w| ds. In these variables the equations are smooth up to rest, which slip reaches in finite time but
+/// infinite s, along the direction of the force. Slip ends where the speed is negligible, and the remaining distance
+/// follows in closed form. Slip begins along R, the force that friction cannot hold, by a series. Release is the
+/// certain first zero of (μs N)² − |R|².
 class PlaneStickSlip {
  public:
-  /// `tolerance`: relative tolerance of displacements and times. \throws InputError for parameters that are not above
-  /// 0, and loads that fall to 0 or below.
-  explicit PlaneStickSlip(PlaneMass, double tolerance = 1e-12);
+  /// `tolerance`: relative tolerance of displacements and times. `contact`: without unknowns, gives F where it depends
+  /// on the slip rate; the mass's dynamic friction is then that of the slowest slip. \throws InputError for parameters
+  /// that are not above 0, and loads that fall to 0 or below.
+  explicit PlaneStickSlip(PlaneMass, double tolerance = 1e-12,
+                          std::shared_ptr<const Contact<double>> contact = nullptr);
   ~PlaneStickSlip();
 
   /// Begins at (t, x, v).
@@ -50,12 +53,19 @@ class PlaneStickSlip {
 
  private:
   class Slip;
+  /// Friction of slip at a speed and load, and its slopes.
+  struct Friction {
+    double force, by_speed, by_load;
+  };
+  Friction friction(double speed, double load) const;
   PlaneVector balance(double t, const PlaneVector& x, const PlaneVector& v) const;
   double energy(const PlaneVector& x, const PlaneVector& v) const;
+  double while_friction_is_linear(double t, double a) const;
   void begin_slip(double t, double end, bool from_rest, const PlaneVector& direction);
   double release(double from, double to) const;
 
   PlaneMass mass_;
+  std::shared_ptr<const Contact<double>> contact_;  ///< null: Coulomb friction
   double tolerance_, fastest_, speed_scale_;
   std::unique_ptr<Slip> slip_;
   std::unique_ptr<steps::Collocation> collocation_;

@@ -354,8 +354,10 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
        "[drive]\nnormal_load = 1\nforce = [0, 0]\n[run]\nduration = 1",
        "scene.toml:6:13: oscillator.stiffness has 1 entries, but 2 are needed"},
       {"run",
-       "[law]\ntype = 'hyperbolic'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nnormal_load = 1\n[run]\nduration = 1",
-       "is for Coulomb friction"},
+       "[law]\ntype = 'ageing'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nnormal_load = 1\n[run]\nduration = 1",
+       "scene.toml:1:1: oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone and holds "
+       "at "
+       "rest, as of coulomb, stribeck, hyperbolic; law 'ageing' has states"},
       {"study", "[study]\ndimensions = 3", "scene.toml:2:14: study.dimensions = 3 is outside 1"},
       {"study", "[study]\ncases = 0", "scene.toml:2:9: study.cases = 0 is outside 1"},
       {"study", "[study]\nstepps_per_period = 1000", "did you mean 'steps_per_period'?"},
@@ -492,4 +494,27 @@ TEST_CASE("a smoothing that is none, or without effect, is refused at its place"
       Catch::Contains("scene.toml:12:13: solver.smoothing has no effect: no law here is set-valued, 'spinodal' is"));
   CHECK_THAT(asked("{ type = 'tanh', width = 1e-3 }\ntype = 'events'"),
              Catch::Contains("accepted"));  // what fits is known when it runs
+}
+
+TEST_CASE("a slider in the plane takes laws of the slip rate, and no force", "[app][scene]") {
+  const auto text = [](const std::string& law) {
+    return "[law]\n" + law +
+           "[oscillator]\ntype = 'plane-slider'\nmass = 1\nstiffness = [1, 2]\ndamping = [0, 0]\n[run]\nduration = 1\n";
+  };
+  const auto rising = read(text("type = 'stribeck'\nmu_s = 0.1\nmu_d = 0.3\n") + "[drive]\nnormal_load = 1\n", "run");
+  REQUIRE(rising.plane);
+  CHECK(rising.plane->law == rising.model.law);
+  CHECK(rising.plane->mass.static_friction == 0.1);
+  CHECK(rising.plane->mass.dynamic_friction == Approx(0.1).epsilon(1e-15));
+  for (const auto& force : rising.plane->mass.force) CHECK(force.value(1) == 0);
+  CHECK_FALSE(read(text("type = 'coulomb'\n") + "[drive]\nnormal_load = 1\n", "run").plane->law);
+  const std::string of_load =
+      "type = 'formula'\n[law.formula]\nfriction = '0.3 + 0.01 / (1 + N * c)'\n"
+      "static_limit = '0.4 + 0.01 / (1 + N * c)'\nparameters = { c = { default = 1, unit = '1/N' } }\n";
+  CHECK_NOTHROW(read(text(of_load) + "[drive]\nnormal_load = 1\n", "run"));
+  CHECK_THAT(
+      refusal(text(of_load) + "[drive]\nnormal_load = { mean = 2, harmonics = [{ amplitude = 1, angular_frequency "
+                              "= 1 }] }\n",
+              "run"),
+      Catch::Contains("law 'formula' depends on the load, which of a plane slider must then be constant"));
 }
