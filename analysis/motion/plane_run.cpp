@@ -31,8 +31,10 @@ struct Pass {
   long steps;
 
   Pass(const PlaneModel& model, const std::vector<double>& times, double end, long most_steps, double tolerance) {
-    PlaneStickSlip solver(model.mass, tolerance,
-                          model.law ? model.law->contact({.unknowns = Unknowns::states}) : nullptr);
+    solvers::stick_slip::SlipFriction friction;
+    if (const auto& law = model.law)
+      friction = {law->contact({.unknowns = Unknowns::states}), [law](double v) { return law->slip_kink(v); }};
+    PlaneStickSlip solver(model.mass, tolerance, std::move(friction));
     solver.start(0, model.displacement, model.velocity);
     std::size_t next = 0;
     const auto sample_until = [&](double t, bool closed) {

@@ -9,8 +9,8 @@ namespace rosin::analysis::motion {
 struct PlaneModel {
   solvers::force_algorithms::DryMass<2> mass;
   solvers::force_algorithms::Vector<2> displacement{}, velocity{};
-  /// Set-valued and without states, where friction depends on the slip rate; the mass then has its coefficients at rest
-  /// and in the slowest slip. Null: Coulomb friction with the mass's coefficients.
+  /// Without states, where friction depends on the slip rate; the mass then has its coefficients at rest and in the
+  /// slowest slip, both 0 of a law that is not set-valued. Null: Coulomb friction with the mass's coefficients.
   std::shared_ptr<const FrictionLaw> law = nullptr;
 };
 

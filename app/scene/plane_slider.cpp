@@ -16,12 +16,12 @@ void read(SceneReader& reader, Table table, bool) {
   const auto& of_law = reader.document.get("law")->source();
   if (reader.scene.model.contact_stiffness.present())
     fail(of_law, "law.contact_stiffness does not go with a plane slider, whose contact is rigid");
-  if (law->has_states() || !law->set_valued())
-    fail(
-        of_law,
-        "oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone and holds at rest, as of "
-        "coulomb, stribeck, hyperbolic; law '{}' {}",
-        law->card().name, law->has_states() ? "has states" : "does not hold");
+  if (law->has_states())
+    fail(of_law,
+         "oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone, as of coulomb, "
+         "stribeck, "
+         "hyperbolic; law '{}' has states",
+         law->card().name);
   auto& mass = reader.scene.plane.emplace().mass;
   table.expect({"type", "mass", "stiffness", "damping"});
   table.find("type");
@@ -45,6 +45,10 @@ void read_plane_drive(SceneReader& reader, Table drive, bool) {
         both(*force, quantity.name, [&](const toml::node& node) { return read_signal(node, quantity, reader.folder); });
   drive.finish();
   const auto& law = *reader.scene.model.law;
+  if (!law.set_valued()) {
+    mass.static_friction = mass.dynamic_friction = 0;
+    return;
+  }
   const auto coefficients = [&](double load) {
     const double at_rest = law.static_limit(load),
                  moving = law.friction({std::numeric_limits<double>::min(), load}, {});

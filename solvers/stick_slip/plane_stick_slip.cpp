@@ -61,6 +61,10 @@ class PlaneStickSlip::Slip final : public System {
     return names[i];
   }
   bool autonomous() const override { return true; }
+  double kink(const double* y) const override {
+    const auto& of_speed = of_.slip_friction_.kink;
+    return of_speed ? of_speed(std::exp(y[log_speed])) : NAN;
+  }
 
  private:
   template <class Real>
@@ -98,18 +102,21 @@ class PlaneStickSlip::Slip final : public System {
 };
 
 PlaneStickSlip::Friction PlaneStickSlip::friction(double speed, double load) const {
-  if (!contact_) return {mass_.dynamic_friction * load, 0, mass_.dynamic_friction};
+  if (!slip_friction_.contact) return {mass_.dynamic_friction * load, 0, mass_.dynamic_friction};
   double g[Slopes<double>::capacity], force;
   Slopes<double> slopes;
-  contact_->linearise({speed, load, 0, 1}, nullptr, g, force, slopes);
+  slip_friction_.contact->linearise({speed, load, 0, 1}, nullptr, g, force, slopes);
   return {force, slopes.F_u, slopes.F_N};
 }
 
-PlaneStickSlip::PlaneStickSlip(PlaneMass mass, double tolerance, std::shared_ptr<const Contact<double>> contact)
-    : mass_(std::move(mass)), contact_(std::move(contact)), tolerance_(tolerance) {
+PlaneStickSlip::PlaneStickSlip(PlaneMass mass, double tolerance, SlipFriction friction)
+    : mass_(std::move(mass)), slip_friction_(std::move(friction)), tolerance_(tolerance) {
   const auto& m = mass_;
   fastest_ = 0;
   double force = m.dynamic_friction * m.load.level();
+  if (slip_friction_.contact)
+    for (double speed = 1e-9; speed < 1e3; speed *= 10)
+      force = std::max(force, this->friction(speed, m.load.level()).force);
   const auto include_frequencies = [&](const Signal& signal) {
     for (const auto& term : signal.piece(0).terms) fastest_ = std::max(fastest_, term.angular_frequency);
   };
@@ -128,7 +135,8 @@ PlaneStickSlip::PlaneStickSlip(PlaneMass mass, double tolerance, std::shared_ptr
         fmt::format("in the plane the load must stay above 0; about a mean of {} N amplitudes may add up to "
                     "less than that",
                     m.load.level()));
-  if (!(m.static_friction >= m.dynamic_friction) || !(m.dynamic_friction > 0))
+  const bool holds_nothing = slip_friction_.contact && m.static_friction == 0;
+  if (!(m.static_friction >= m.dynamic_friction) || !(m.dynamic_friction > 0 || holds_nothing))
     throw InputError("in the plane 0 < dynamic friction <= static friction is needed");
   speed_scale_ = force / (m.mass * slowest);
   slip_ = std::make_unique<Slip>(*this, fastest_, speed_scale_);
@@ -172,7 +180,7 @@ void PlaneStickSlip::start(double t, PlaneVector x, PlaneVector v) {
 
 /// The time for which slip from rest at acceleration `a` changes friction in proportion to its speed, to 1e-14.
 double PlaneStickSlip::while_friction_is_linear(double t, double a) const {
-  if (!contact_) return infinity;
+  if (!slip_friction_.contact) return infinity;
   const double N = mass_.load.value(t);
   const auto rest = friction(0, N);
   // Release without acceleration is slower than that of the whole limit.
@@ -180,7 +188,7 @@ double PlaneStickSlip::while_friction_is_linear(double t, double a) const {
   double h = std::min(1e-5 / fastest_, 1e-5 * mass_.mass / std::max(std::abs(rest.by_speed), 1e-300));
   const auto bend = [&] { return std::abs(friction(fastest * h, N).force - rest.force - rest.by_speed * fastest * h); };
   constexpr double negligible = 1e-14, shortest = 1e-12;
-  while (bend() > negligible * rest.force && h > shortest / fastest_) h /= 4;
+  while (bend() > negligible * (rest.force + mass_.mass * a) && h > shortest / fastest_) h /= 4;
   return h;
 }
 
@@ -243,6 +251,7 @@ double PlaneStickSlip::release(double from, double to) const {
   const auto second = [](const auto& b) { return 2 * (b[1] * b[1] + b[0] * b[2]); };
   const double bend = mus * mus * second(bound_N) + second(bound_0) + second(bound_1);
   const double size = mus * mus * bound_N[0] * bound_N[0] + bound_0[0] * bound_0[0] + bound_1[0] * bound_1[0];
+  if (size == 0) return infinity;  // nothing holds, and nothing pulls
   double tau = 0;
   while (true) {
     const auto n = N.derivatives(tau), a = R[0].derivatives(tau), b = R[1].derivatives(tau);

@@ -1,6 +1,7 @@
 /// Stick–slip in the plane, with located events between smooth pieces of slip: the reference where no closed form
 /// exists.
 #pragma once
+#include <functional>
 #include <memory>
 
 #include "core/contact.hpp"
@@ -13,6 +14,15 @@ namespace rosin::solvers::stick_slip {
 using PlaneMass = DryMass<2>;
 using PlaneVector = Vector<2>;
 
+/// Friction of slip where it depends on the slip rate: a contact without unknowns, and a function of the slip rate
+/// that changes sign, in numbers of the size of 1, at kinks of friction, or NaN. The mass's dynamic friction is then
+/// that of the slowest slip; both of its coefficients are 0 where friction rises from 0, so that nothing holds at
+/// rest.
+struct SlipFriction {
+  std::shared_ptr<const Contact<double>> contact = nullptr;  ///< null: Coulomb friction
+  std::function<double(double)> kink = nullptr;
+};
+
 /// Solves m ẍᵢ + cᵢ ẋᵢ + kᵢ xᵢ = fᵢ(t) − F wᵢ/|w|, with w the velocity on a surface of constant velocity, and F = μd
 /// N(t) or a function of |w| and N. Slip is integrated by collocation in the logarithm of speed and the angle of w over
 /// s, with dt = |w| ds. In these variables the equations are smooth up to rest, which slip reaches in finite time but
@@ -21,11 +31,9 @@ using PlaneVector = Vector<2>;
 /// certain first zero of (μs N)² − |R|².
 class PlaneStickSlip {
  public:
-  /// `tolerance`: relative tolerance of displacements and times. `contact`: without unknowns, gives F where it depends
-  /// on the slip rate; the mass's dynamic friction is then that of the slowest slip. \throws InputError for parameters
-  /// that are not above 0, and loads that fall to 0 or below.
-  explicit PlaneStickSlip(PlaneMass, double tolerance = 1e-12,
-                          std::shared_ptr<const Contact<double>> contact = nullptr);
+  /// `tolerance`: relative tolerance of displacements and times. \throws InputError for parameters that are not above
+  /// 0, and loads that fall to 0 or below.
+  explicit PlaneStickSlip(PlaneMass, double tolerance = 1e-12, SlipFriction = {});
   ~PlaneStickSlip();
 
   /// Begins at (t, x, v).
@@ -65,7 +73,7 @@ class PlaneStickSlip {
   double release(double from, double to) const;
 
   PlaneMass mass_;
-  std::shared_ptr<const Contact<double>> contact_;  ///< null: Coulomb friction
+  SlipFriction slip_friction_;
   double tolerance_, fastest_, speed_scale_;
   std::unique_ptr<Slip> slip_;
   std::unique_ptr<steps::Collocation> collocation_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "laws/catalogue.hpp"
+#include "laws/smoothing.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis;
@@ -149,4 +150,42 @@ TEST_CASE("along one axis the plane slider sticks and slips as the slider does, 
     }
     CHECK(std::abs(in_plane.metrics.at("energy_residual")) < 1e-10);
   }
+}
+
+TEST_CASE("along one axis smoothed friction moves the plane slider as it does the slider", "[plane][smoothing]") {
+  for (const auto type :
+       {laws::Smoothing::Type::tanh, laws::Smoothing::Type::linear, laws::Smoothing::Type::parabolic}) {
+    CAPTURE(int(type));
+    const Signal force(Signal::Harmonics{0, {{1, 0.7, 0.3}}});
+    const auto law = laws::smoothed(laws::find_law("hyperbolic"), {type, 0.02});
+    PlaneModel plane{{1, {1, 2}, {0.05, 0}, 0, 0, {0.1, 0}, 1.0, {force, 0.0}}, {0.9, 0}, {0, 0}, law};
+    oscillators::Model line{.law = law};
+    line.slider = {1, 1, 0.05};
+    line.drive = {0.1, 1.0, force};
+    RunOptions options;
+    options.duration = 20, options.samples = 200, options.tolerance = 1e-9;
+    const Run in_plane = run_plane(plane, options);
+    options.start = {.kind = Start::Kind::given, .displacement = 0.9, .velocity = 0};
+    const Run on_line = run(line, options);
+    REQUIRE(in_plane.outcome.complete());
+    REQUIRE(on_line.outcome.complete());
+    for (std::size_t i = 0; i < on_line.time.size(); ++i) {
+      CHECK(std::abs(in_plane.columns[0][i] - on_line.columns[0][i]) <
+            in_plane.column_error[0] + on_line.column_error[0] + 1e-12);
+      CHECK(std::abs(in_plane.columns[2][i] - on_line.columns[1][i]) <
+            in_plane.column_error[2] + on_line.column_error[1] + 1e-12);
+    }
+    CHECK(in_plane.column_error[0] < 1e-9);
+    CHECK(std::abs(in_plane.metrics.at("energy_residual")) < 1e-10);
+  }
+
+  // Let go without a force: the springs alone tell how fast it will be.
+  PlaneModel released{{1, {1, 1}, {0, 0}, 0, 0, {0, 0}, 1.0, {}}, {1, 0.5}, {0, 0}};
+  released.law = laws::smoothed(laws::find_law("coulomb")->with({0.1, 0.1}), {laws::Smoothing::Type::tanh, 1e-3});
+  RunOptions options;
+  options.duration = 20, options.samples = 2;
+  const Run run = run_plane(released, options);
+  REQUIRE(run.outcome.complete());
+  CHECK(std::abs(run.metrics.at("energy_residual")) < 1e-9);
+  CHECK(run.columns[1][1] == Approx(run.columns[0][1] / 2).epsilon(1e-9));  // along the line on which it was let go
 }
