@@ -112,6 +112,23 @@ ROSIN_INLINE Dual<Real, n> tanh(const Dual<Real, n>& x) {
   return detail::chain(x, Real(tanh(x.value)), Real(inverse * inverse));
 }
 
+/// arctan(x), accurate to rounding: twice the angle is halved, to where few terms of the series are left.
+template <class Real>
+ROSIN_INLINE Real arctan(const Real& x) {
+  const Real size = abs(x), small = select(size > Real(1.0), Real(1.0 / size), size);  // ≤ 1
+  const Real half = small / (1.0 + sqrt(1.0 + small * small)), quarter = half / (1.0 + sqrt(1.0 + half * half));
+  const Real square = quarter * quarter;  // ≤ tan²(π/16) = 0.0396
+  Real sum = Real(1.0 / 23);
+  ROSIN_UNROLL
+  for (int k = 21; k > 0; k -= 2) sum = 1.0 / k - square * sum;
+  const Real angle = 4.0 * (quarter * sum);
+  return sign(x) * select(size > Real(1.0), Real(0.5 * std::numbers::pi - angle), angle);
+}
+template <class Real, int n>
+ROSIN_INLINE Dual<Real, n> arctan(const Dual<Real, n>& x) {
+  return detail::chain(x, Real(arctan(x.value)), Real(1.0 / (1.0 + x.value * x.value)));
+}
+
 /// ln(2 sinh p) for p > 0, without overflow.
 template <class Real>
 ROSIN_INLINE Real log_two_sinh(const Real& p) {

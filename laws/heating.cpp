@@ -400,6 +400,7 @@ class HeatedLaw final : public FrictionLaw {
     return after;
   }
   double kink(std::span<const double> state) const override { return law_->kink(state.first(own_states_)); }
+  double slip_kink(double slip_rate) const override { return law_->slip_kink(slip_rate); }
   Steady steady_friction(Sliding<double> at) const override {
     const auto [mu, slope] = law_->steady_friction(at);
     const double q = strength(at, mu), h = steady_softening(q);

@@ -97,6 +97,8 @@ class FrictionLaw {
   /// Changes sign, in numbers of the size of 1, where friction or the rates of the states have a kink in the states, at
   /// which a solver's step must end to keep its order; NaN where they have none. States are then linear.
   virtual double kink(std::span<const double> /*state*/) const { return NAN; }
+  /// The same of the slip rate, of laws that have kinks in it.
+  virtual double slip_kink(double /*slip_rate*/) const { return NAN; }
 
   /// Steady coefficient μ_ss(v) and its slope dμ_ss/dv (s/m).
   struct Steady {

@@ -528,11 +528,12 @@ double SliderSystem::friction_coefficient(double t, const double* y) const {
 }
 
 double SliderSystem::kink(const double* y) const {
-  if (states_ == 0) return NAN;
-  const double of_states = model_.law->kink({y + first_state(), std::size_t(states_)});
-  if (!marks_reversals_) return of_states;
-  const double reversal = contact_slip_rate(0, y) / reference_speed_;
-  return std::isnan(of_states) ? reversal : of_states * reversal;
+  const auto& law = *model_.law;
+  const double of_states = states_ == 0 ? NAN : law.kink({y + first_state(), std::size_t(states_)});
+  // Kinks in the slip rate are at reversals too. They matter to masses: without one friction sets the slip rate.
+  double at_slip = mechanics_ == Mechanics::inertial ? law.slip_kink(contact_slip_rate(0, y)) : NAN;
+  if (std::isnan(at_slip) && marks_reversals_ && states_ > 0) at_slip = contact_slip_rate(0, y) / reference_speed_;
+  return std::isnan(of_states) ? at_slip : std::isnan(at_slip) ? of_states : of_states * at_slip;
 }
 
 double SliderSystem::slip_rate(double t, const double* y) const {

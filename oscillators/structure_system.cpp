@@ -266,17 +266,21 @@ double StructureSystem::normal_power(double t, const double* y) const {
   return power;
 }
 
-/// Where a contact lifts off its load has a kink.
+/// Where a contact lifts off its load has a kink, and friction has those of its law.
 double StructureSystem::kink(const double* y) const {
   double product = NAN;
+  const auto add = [&](double part) {
+    product = std::isnan(product) ? part : std::isnan(part) ? product : product * part;
+  };
   for (int j = 0; j < friction_contacts(); ++j) {
+    const bool slips_behind_spring = at_[j].setup.spring.present() && !at_[j].carries_friction();
+    add(law(j).slip_kink(slips_behind_spring ? y[at_[j].first + at_[j].states] : slip_rate(j, 0, y)));
     const auto& at = structure_.contacts[j];
     if (!follows_motion(j) || !at.support.lift_off || !at.normal_load.constant()) continue;
     const double N0 = load(j, 0).level, a = approach(j, y);
     if (N0 == 0) continue;
-    const double part =
-        1 + ((at.support.stiffness + at.support.cubic * a * a) * a + at.support.damping * approach_rate(j, 0, y)) / N0;
-    product = std::isnan(product) ? part : product * part;
+    add(1 +
+        ((at.support.stiffness + at.support.cubic * a * a) * a + at.support.damping * approach_rate(j, 0, y)) / N0);
   }
   return product;
 }

@@ -5,16 +5,22 @@
 #include "laws/catalogue.hpp"
 #include "laws/formula.hpp"
 #include "laws/heating.hpp"
+#include "laws/smoothing.hpp"
 #include "oscillators/model.hpp"
 #include "tests/laws/formula_texts.hpp"
 
 namespace rosin::tests {
 
-/// Each shipped law and two from text, bare, heated, with another clock and behind springs, as far as it takes them.
+/// Each shipped law and two from text, bare, smoothed, heated, with another clock and behind springs, as far as it
+/// takes them.
 inline std::vector<oscillators::Model> surrounded_laws() {
   std::vector<oscillators::Model> models;
   auto list = laws::catalogue();
   for (const auto& text : {text::ageing(), text::stribeck()}) list.push_back(laws::make_formula(text));
+  // A width in which all slip rates of tests lie: beyond it friction falls, which behind a spring may have no answer.
+  for (std::size_t i = 0; i < laws::smoothing_names().size(); ++i)
+    list.push_back(
+        laws::smoothed(laws::find_law(i % 2 == 0 ? "hyperbolic" : "slip-weakening"), {laws::Smoothing::Type(i), 5e-3}));
   for (const auto& law : list) {
     oscillators::Model model;
     model.law = law;

@@ -5,15 +5,19 @@
 
 namespace rosin::analysis::motion {
 
-/// A plane slider under Coulomb friction, and where it starts.
+/// A plane slider, and where it starts.
 struct PlaneModel {
   solvers::force_algorithms::DryMass<2> mass;
   solvers::force_algorithms::Vector<2> displacement{}, velocity{};
+  /// Without states, where friction depends on the slip rate; the mass then has its coefficients at rest and in the
+  /// slowest slip, both 0 of a law that is not set-valued. Null: Coulomb friction with the mass's coefficients.
+  std::shared_ptr<const FrictionLaw> law = nullptr;
 };
 
 /// Columns displacement_x, displacement_y, velocity_x, velocity_y, friction_x, friction_y. Solver "auto" or "exact":
-/// smooth slip by collocation, events located, checked by a second pass at a looser tolerance; or a force algorithm,
-/// whose errors are the differences to that. \throws InputError for other solvers, and what these refuse.
+/// smooth slip by collocation, events located, checked by a second pass at a looser tolerance; or, under
+/// Coulomb friction, a force algorithm, whose errors are the differences to that. \throws InputError for other solvers,
+/// and what these refuse.
 Run run_plane(const PlaneModel&, const RunOptions&);
 
 /// Names of the solvers that serve in the plane.

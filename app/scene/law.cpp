@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
 
 #include "app/scene/oscillator.hpp"
+#include "app/scene/reader.hpp"
 #include "laws/catalogue.hpp"
 #include "laws/formula.hpp"
 #include "laws/heating.hpp"
@@ -122,9 +124,28 @@ std::shared_ptr<const FrictionLaw> read_formula(const toml::node& node) {
   return located_in_formula(node, [&] { return laws::make_formula(law); });
 }
 
+/// Notes what is lost where more friction holds at rest than resists the slowest motion.
+void smooth(SceneReader& reader, oscillators::Model& model) {
+  const auto& law = *model.law;
+  constexpr double load = 1, rounding = 1e-12;
+  const auto at_rest = law.rest(load);
+  const double holds = law.static_limit(load, at_rest),
+               moves = law.friction({std::numeric_limits<double>::min(), load}, at_rest);
+  if (holds > moves * (1 + rounding)) {
+    auto text = fmt::format(
+        "solver.smoothing: the coefficient {:.6g} at rest of law '{}' has no effect; smoothed friction near rest "
+        "rises to {:.6g}, its limit in motion",
+        holds, law.card().name, moves);
+    if (std::ranges::find(reader.scene.notes, text) == reader.scene.notes.end())
+      reader.scene.notes.push_back(std::move(text));
+  }
+  model.law = laws::smoothed(model.law, *reader.smoothing);
+  reader.smooths = true;
+}
+
 }  // namespace
 
-void read_law(Table law, oscillators::Model& model) {
+void read_law(SceneReader& reader, Table law, oscillators::Model& model) {
   const auto& type =
       law.required("type", "name of a friction law; 'rosin laws' lists them, 'formula' is one from text");
   const auto type_name = text(type, law.path("type"));
@@ -153,6 +174,7 @@ void read_law(Table law, oscillators::Model& model) {
   }
   model.law = located(law.source(), [&] { return prototype->with(std::move(values)); });
   if (formula) located_in_formula(*formula, [&] { laws::check_formula(*model.law); });
+  if (reader.smoothing && model.law->set_valued()) smooth(reader, model);
 
   if (auto heat = law.table("heating")) {
     laws::Heating heating;

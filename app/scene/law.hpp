@@ -5,7 +5,10 @@
 
 namespace rosin::app::scene {
 
-/// Sets law, lambda, contact stiffness and load memory of the model. \throws InputError with its place.
-void read_law(Table, oscillators::Model&);
+struct SceneReader;
+
+/// Sets law, lambda, contact stiffness and load memory of the model; a set-valued law is smoothed where the scene says
+/// so. \throws InputError with its place.
+void read_law(SceneReader&, Table, oscillators::Model&);
 
 }  // namespace rosin::app::scene

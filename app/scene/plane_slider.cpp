@@ -1,4 +1,8 @@
 /// A slider in the plane: springs, dampers and forces along x and y, friction against the velocity vector.
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/signal.hpp"
@@ -8,13 +12,16 @@ namespace rosin::app::scene {
 namespace {
 
 void read(SceneReader& reader, Table table, bool) {
-  const auto& law = *reader.scene.model.law;
+  const auto& law = reader.scene.model.law;
   const auto& of_law = reader.document.get("law")->source();
-  const auto friction = law.linear();
   if (reader.scene.model.contact_stiffness.present())
     fail(of_law, "law.contact_stiffness does not go with a plane slider, whose contact is rigid");
-  if (!friction || friction->slope != 0)
-    fail(of_law, "oscillator.type = 'plane-slider' is for Coulomb friction; law '{}' is another", law.card().name);
+  if (law->has_states())
+    fail(of_law,
+         "oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone, as of coulomb, "
+         "stribeck, "
+         "hyperbolic; law '{}' has states",
+         law->card().name);
   auto& mass = reader.scene.plane.emplace().mass;
   table.expect({"type", "mass", "stiffness", "damping"});
   table.find("type");
@@ -23,7 +30,8 @@ void read(SceneReader& reader, Table table, bool) {
   mass.stiffness = both(table, "stiffness", {"", "N/m", {1e-12, 1e15}, "stiffness of the springs"});
   mass.damping = both(table, "damping", {"", "N s/m", {0, 1e15}, "damping of the motion"});
   table.finish();
-  mass.dynamic_friction = friction->constant;
+  const auto linear = law->linear();
+  if (!linear || linear->slope != 0) reader.scene.plane->law = law;
 }
 
 void read_plane_drive(SceneReader& reader, Table drive, bool) {
@@ -32,10 +40,26 @@ void read_plane_drive(SceneReader& reader, Table drive, bool) {
   if (drive.find("speed")) mass.surface_velocity = both(drive, "speed", mechanical("drive.speed"));
   mass.load = read_signal(drive.required("normal_load", "N"), mechanical("drive.normal_load"), reader.folder);
   const auto quantity = mechanical("drive.force");
-  mass.force = both(drive.required("force", "two signals, N"), quantity.name,
-                    [&](const toml::node& node) { return read_signal(node, quantity, reader.folder); });
+  if (const auto* force = drive.find("force"))
+    mass.force =
+        both(*force, quantity.name, [&](const toml::node& node) { return read_signal(node, quantity, reader.folder); });
   drive.finish();
-  mass.static_friction = reader.scene.model.law->static_limit(mass.load.level());
+  const auto& law = *reader.scene.model.law;
+  if (!law.set_valued()) {
+    mass.static_friction = mass.dynamic_friction = 0;
+    return;
+  }
+  const auto coefficients = [&](double load) {
+    const double at_rest = law.static_limit(load),
+                 moving = law.friction({std::numeric_limits<double>::min(), load}, {});
+    return std::pair{at_rest, std::min(moving, at_rest)};  // rounding may leave them the other way
+  };
+  const double load = mass.load.level();
+  std::tie(mass.static_friction, mass.dynamic_friction) = coefficients(load);
+  if (!mass.load.constant() && coefficients(2 * load) != coefficients(load))
+    fail(reader.document.get("law")->source(),
+         "law '{}' depends on the load, which of a plane slider must then be constant; drive.normal_load varies",
+         law.card().name);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "app/command_line.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/scene_table.hpp"
+#include "laws/smoothing.hpp"
 
 namespace rosin::app::scene {
 
@@ -15,8 +16,10 @@ struct SceneReader {
   const toml::table& document;
   Table root;
   Scene& scene;
-  std::filesystem::path folder;               ///< in which files that the scene names are looked for
-  std::set<std::string, std::less<>> needed;  ///< tables without which the verb has nothing to do
+  std::filesystem::path folder;                   ///< in which files that the scene names are looked for
+  std::set<std::string, std::less<>> needed;      ///< tables without which the verb has nothing to do
+  std::optional<laws::Smoothing> smoothing = {};  ///< of every set-valued law of the scene
+  bool smooths = false;                           ///< it has met one
 
   /// Of a table that must be there. \throws InputError that says what would stand in it.
   const toml::node& need(const std::string& table, std::string_view meaning) {
@@ -25,6 +28,10 @@ struct SceneReader {
   }
   bool needs(std::string_view table) const { return needed.contains(table); }
 
+  /// solver.smoothing, before any law.
+  void find_smoothing();
+  /// \throws InputError where smoothing was asked for and has met no set-valued law.
+  void require_smoothing_to_matter() const;
   /// [law], which must be there.
   void law();
   /// [oscillator] and [drive], which must be there, and fit together.

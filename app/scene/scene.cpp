@@ -14,7 +14,41 @@
 
 namespace rosin::app::scene {
 
-void SceneReader::law() { read_law(Table(need("law", "the friction law"), "law"), scene.model); }
+namespace {
+constexpr std::string_view smoothing_path = "solver.smoothing";
+}
+
+void SceneReader::find_smoothing() {
+  const auto found = document.at_path(smoothing_path);
+  if (!found) return;
+  Table table(*found.node(), std::string(smoothing_path));
+  table.expect({"type", "width"});
+  const auto names = laws::smoothing_names();
+  std::vector<std::string> known(names.begin(), names.end());
+  const std::vector<std::string> reserved = {"switch", "multi-region"};
+  known.insert(known.end(), reserved.begin(), reserved.end());
+  const auto& type = table.required("type", fmt::format("one of {}", fmt::join(names, ", ")));
+  const auto name = choice(type, table.path("type"), known);
+  if (std::ranges::find(reserved, name) != reserved.end())
+    fail(type.source(),
+         "{} = '{}' is not available in this version: it needs the force that would hold the contact, not friction "
+         "alone; use one of {}",
+         table.path("type"), name, fmt::join(names, ", "));
+  smoothing.emplace().type = laws::Smoothing::Type(std::ranges::find(names, name) - names.begin());
+  const auto& width = laws::smoothing_width();
+  smoothing->width = number(table.required("width", width.meaning + ", m/s"), width);
+  table.finish();
+}
+
+void SceneReader::require_smoothing_to_matter() const {
+  if (!smoothing || smooths) return;
+  const auto& source = document.at_path(smoothing_path).node()->source();
+  if (!scene.model.law) fail(source, "{} has no effect: the scene has no friction law", smoothing_path);
+  fail(source, "{} has no effect: no law here is set-valued, '{}' is smooth as it is; leave it out", smoothing_path,
+       scene.model.law->card().name);
+}
+
+void SceneReader::law() { read_law(*this, Table(need("law", "the friction law"), "law"), scene.model); }
 
 void SceneReader::oscillator() {
   const auto& node = need("oscillator", "mass, stiffness and damping of the slider");

@@ -48,7 +48,7 @@ void read_drive_of_one(SceneReader& reader, Table drive, bool complete) {
 void read_contact(SceneReader& reader, Table& table, FrictionContact& contact) {
   if (const auto* law = table.find("law")) {
     oscillators::Model own;
-    read_law(Table(*law, table.path("law")), own);
+    read_law(reader, Table(*law, table.path("law")), own);
     own.drive.speed = contact.speed, own.drive.normal_load = contact.normal_load;
     auto changed = contact_of(own);
     changed.tangential = contact.tangential;

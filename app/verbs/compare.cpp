@@ -61,15 +61,15 @@ std::vector<analysis::inference::Property> read_properties(const toml::node& nod
 }
 
 /// The scene's model with what a member changes.
-scene::CompareOptions::Member read_member(const toml::node& node, const oscillators::Model& model) {
+scene::CompareOptions::Member read_member(scene::SceneReader& reader, const toml::node& node) {
   scene::Table table(node, "compare.members");
   table.expect({"name", "law", "set"});
   scene::CompareOptions::Member member{
-      scene::text(table.required("name", "of the member"), "compare.members.name"), model, {}, 0};
+      scene::text(table.required("name", "of the member"), "compare.members.name"), reader.scene.model, {}, 0};
   if (const auto* law = table.find("law")) {
     member.model.lambda = 1;
     member.model.contact_stiffness = {};
-    scene::read_law(scene::Table(*law, "compare.members.law"), member.model);
+    scene::read_law(reader, scene::Table(*law, "compare.members.law"), member.model);
   }
   if (const auto* set = table.find("set")) {
     if (!set->is_table())
@@ -116,7 +116,7 @@ void read_comparison(scene::Table table, scene::SceneReader& reader) {
   const bool of_parameter = design && !compare.parameter.empty();
   if (const auto* members = table.find("members"))
     for (const auto& element : scene::list(*members, "compare.members", "tables", scene::most_names))
-      compare.members.push_back(read_member(element, scene.model));
+      compare.members.push_back(read_member(reader, element));
   if (!of_parameter && compare.members.size() < 2)
     scene::fail(table.source(),
                 "compare.members needs two members or more, each a table with a name and what it changes");

@@ -123,7 +123,7 @@ void read_fit(scene::Table table, scene::SceneReader& reader) {
       candidate.model.contact_stiffness = {};
       candidate.model.load_memory = 0;
       const auto& law = keys.required("law", "the friction law");
-      scene::read_law(scene::Table(law, "fit.candidates.law"), candidate.model);
+      scene::read_law(reader, scene::Table(law, "fit.candidates.law"), candidate.model);
       candidate.name = candidate.model.law->card().name;
       if (const auto* name = keys.find("name")) candidate.name = scene::text(*name, keys.path("name"));
       candidate.parameters =

@@ -111,7 +111,7 @@ void read_solver(scene::Table table, scene::SceneReader& reader) {
     algorithm.restart_before = scene::choice(*node, table.path("restart"), {"before", "at"}) == "before";
   value("transition_speed", algorithm.transition_speed,
         {"", "m/s", {1e-15, 1e4}, "speed of slip below which friction falls to zero"}, "vlfm svlfm");
-  table.refuse("smoothing");
+  table.find("smoothing");  // of every verb
   table.finish();
 }
 

@@ -112,7 +112,9 @@ scene::Scene read_scene(const Request& request) {
     for (const auto& other : verbs())
       for (const auto& need : other.needs) reader.root.find(need.table);
     if (const auto* title = reader.root.find("title")) scene.title = scene::text(*title, "title");
+    reader.find_smoothing();
     verb.read(reader);
+    reader.require_smoothing_to_matter();
     reader.root.finish();
   } catch (const scene::PlacedError&) {
     throw;

@@ -34,7 +34,8 @@ double plain(const Dual<double, n>& x) {
 /// The equations of slip: unknowns t, x, ln |w|, the angle of w, and work and distance so far, over s with dt = |w| ds.
 class PlaneStickSlip::Slip final : public System {
  public:
-  Slip(const PlaneMass& mass, double fastest, double speed) : mass_(mass), fastest_(fastest), speed_(speed) {}
+  Slip(const PlaneStickSlip& of, double fastest, double speed)
+      : of_(of), mass_(of.mass_), fastest_(fastest), speed_(speed) {}
 
   int size() const override { return unknowns; }
   void mass(double, double* m) const override { std::fill(m, m + unknowns, 1.0); }
@@ -60,6 +61,10 @@ class PlaneStickSlip::Slip final : public System {
     return names[i];
   }
   bool autonomous() const override { return true; }
+  double kink(const double* y) const override {
+    const auto& of_speed = of_.slip_friction_.kink;
+    return of_speed ? of_speed(std::exp(y[log_speed])) : NAN;
+  }
 
  private:
   template <class Real>
@@ -68,7 +73,7 @@ class PlaneStickSlip::Slip final : public System {
     const auto at = [&](const Signal& signal) { return lifted(signal.value(t), signal.rate(t), y[time_]); };
     const double sine = std::sin(plain(y[angle])), cosine = std::cos(plain(y[angle]));
     const Real e[2] = {lifted(cosine, -sine, y[angle]), lifted(sine, cosine, y[angle])};
-    const Real s = exp(y[log_speed]), limit = mass_.dynamic_friction * at(mass_.load);
+    const Real s = exp(y[log_speed]), limit = friction(s, at(mass_.load));
     Real R[2], supplied = 0.0;
     for (int d = 0; d < 2; ++d) {
       const Real v = s * e[d] + mass_.surface_velocity[d], force = at(mass_.force[d]);
@@ -83,14 +88,35 @@ class PlaneStickSlip::Slip final : public System {
     f[path] = s * s;
     f[supply] = supplied * s;
   }
+  template <class Real>
+  Real friction(const Real& speed, const Real& load) const {
+    const auto [force, by_speed, by_load] = of_.friction(plain(speed), plain(load));
+    if constexpr (std::is_same_v<Real, double>)
+      return force;
+    else
+      return detail::chain(speed, load, force, by_speed, by_load);
+  }
+  const PlaneStickSlip& of_;
   const PlaneMass& mass_;
   double fastest_, speed_;
 };
 
-PlaneStickSlip::PlaneStickSlip(PlaneMass mass, double tolerance) : mass_(std::move(mass)), tolerance_(tolerance) {
+PlaneStickSlip::Friction PlaneStickSlip::friction(double speed, double load) const {
+  if (!slip_friction_.contact) return {mass_.dynamic_friction * load, 0, mass_.dynamic_friction};
+  double g[Slopes<double>::capacity], force;
+  Slopes<double> slopes;
+  slip_friction_.contact->linearise({speed, load, 0, 1}, nullptr, g, force, slopes);
+  return {force, slopes.F_u, slopes.F_N};
+}
+
+PlaneStickSlip::PlaneStickSlip(PlaneMass mass, double tolerance, SlipFriction friction)
+    : mass_(std::move(mass)), slip_friction_(std::move(friction)), tolerance_(tolerance) {
   const auto& m = mass_;
   fastest_ = 0;
   double force = m.dynamic_friction * m.load.level();
+  if (slip_friction_.contact)
+    for (double speed = 1e-9; speed < 1e3; speed *= 10)
+      force = std::max(force, this->friction(speed, m.load.level()).force);
   const auto include_frequencies = [&](const Signal& signal) {
     for (const auto& term : signal.piece(0).terms) fastest_ = std::max(fastest_, term.angular_frequency);
   };
@@ -109,10 +135,11 @@ PlaneStickSlip::PlaneStickSlip(PlaneMass mass, double tolerance) : mass_(std::mo
         fmt::format("in the plane the load must stay above 0; about a mean of {} N amplitudes may add up to "
                     "less than that",
                     m.load.level()));
-  if (!(m.static_friction >= m.dynamic_friction) || !(m.dynamic_friction > 0))
+  const bool holds_nothing = slip_friction_.contact && m.static_friction == 0;
+  if (!(m.static_friction >= m.dynamic_friction) || !(m.dynamic_friction > 0 || holds_nothing))
     throw InputError("in the plane 0 < dynamic friction <= static friction is needed");
   speed_scale_ = force / (m.mass * slowest);
-  slip_ = std::make_unique<Slip>(mass_, fastest_, speed_scale_);
+  slip_ = std::make_unique<Slip>(*this, fastest_, speed_scale_);
   collocation_ = std::make_unique<steps::Collocation>(*slip_, tolerance_);
 }
 PlaneStickSlip::~PlaneStickSlip() = default;
@@ -151,6 +178,20 @@ void PlaneStickSlip::start(double t, PlaneVector x, PlaneVector v) {
   energy_at_start_ = energy(x, v);
 }
 
+/// The time for which slip from rest at acceleration `a` changes friction in proportion to its speed, to 1e-14.
+double PlaneStickSlip::while_friction_is_linear(double t, double a) const {
+  if (!slip_friction_.contact) return infinity;
+  const double N = mass_.load.value(t);
+  const auto rest = friction(0, N);
+  // Release without acceleration is slower than that of the whole limit.
+  const double fastest = a > 0 ? a : rest.force / mass_.mass;
+  double h = std::min(1e-5 / fastest_, 1e-5 * mass_.mass / std::max(std::abs(rest.by_speed), 1e-300));
+  const auto bend = [&] { return std::abs(friction(fastest * h, N).force - rest.force - rest.by_speed * fastest * h); };
+  constexpr double negligible = 1e-14, shortest = 1e-12;
+  while (bend() > negligible * (rest.force + mass_.mass * a) && h > shortest / fastest_) h /= 4;
+  return h;
+}
+
 /// Sets the unknowns of slip from (t1_, x_, v_) on; from rest by a series of speed and direction over a first short
 /// time.
 void PlaneStickSlip::begin_slip(double t, double end, bool from_rest, const PlaneVector& direction) {
@@ -160,12 +201,12 @@ void PlaneStickSlip::begin_slip(double t, double end, bool from_rest, const Plan
   if (!from_rest) {
     y[log_speed] = std::log(length<2>(direction)), y[angle] = std::atan2(direction[1], direction[0]);
   } else {
-    // R + Ṙ t + R̈ t²/2 along e = R/|R| and across it; friction subtracts μd N from the part along e.
-    const double m = mass_.mass, muk = mass_.dynamic_friction, h = std::min(1e-5 / fastest_, (end - t) / 2),
-                 r = length<2>(direction);
+    // R + Ṙ t + R̈ t²/2 along e = R/|R| and across it; friction subtracts μd N + F' |w| from the part along e.
+    const double m = mass_.mass, muk = mass_.dynamic_friction, r = length<2>(direction);
     const PlaneVector e = {direction[0] / r, direction[1] / r};
     const auto N = ClosedForm<double>(mass_.load.piece(t), t).derivatives(0);
-    const double a = std::max(0.0, (r - muk * N[0]) / m);
+    const double a = std::max(0.0, (r - muk * N[0]) / m), by_speed = friction(0, N[0]).by_speed;
+    const double h = std::min({1e-5 / fastest_, (end - t) / 2, while_friction_is_linear(t, a)});
     PlaneVector first, second;
     for (int d = 0; d < 2; ++d) {
       const auto f = ClosedForm<double>(mass_.force[d].piece(t), t).derivatives(0);
@@ -173,11 +214,12 @@ void PlaneStickSlip::begin_slip(double t, double end, bool from_rest, const Plan
       second[d] = f[2] - mass_.stiffness[d] * a * e[d];
     }
     const double along = dot<2>(first, e), across = first[1] * e[0] - first[0] * e[1];
-    const double jerk = (along - muk * N[1]) / m;
+    const double jerk = (along - muk * N[1] - by_speed * a) / m;
     for (int d = 0; d < 2; ++d) second[d] -= mass_.damping[d] * jerk * e[d];
     const double turn_rate = across / (r + m * a);  // rate of the direction, rad/s
     // Second derivative of the part of R along the direction of slip, which rotates at the rate `turn_rate`.
-    const double snap = (dot<2>(second, e) + 2 * turn_rate * across - turn_rate * turn_rate * r - muk * N[2]) / m;
+    const double snap =
+        (dot<2>(second, e) + 2 * turn_rate * across - turn_rate * turn_rate * r - muk * N[2] - by_speed * jerk) / m;
     const double s = h * (a + h * (jerk / 2 + h * snap / 6));
     const double moved = h * h * (a / 2 + h * (jerk / 6 + h * snap / 24));
     // With inertia the direction of slip lags behind R.
@@ -209,6 +251,7 @@ double PlaneStickSlip::release(double from, double to) const {
   const auto second = [](const auto& b) { return 2 * (b[1] * b[1] + b[0] * b[2]); };
   const double bend = mus * mus * second(bound_N) + second(bound_0) + second(bound_1);
   const double size = mus * mus * bound_N[0] * bound_N[0] + bound_0[0] * bound_0[0] + bound_1[0] * bound_1[0];
+  if (size == 0) return infinity;  // nothing holds, and nothing pulls
   double tau = 0;
   while (true) {
     const auto n = N.derivatives(tau), a = R[0].derivatives(tau), b = R[1].derivatives(tau);
@@ -299,16 +342,18 @@ Outcome PlaneStickSlip::advance(double limit, Switch& switched) {
   t1_ = ends ? end : y[time_];
   x_ = {y[x_0], y[x_1]};
   for (int d = 0; d < 2; ++d) v_[d] = V[d] + s * e[d];
-  const double brake = (mass_.dynamic_friction * mass_.load.value(t1_) - dot<2>(balance(t1_, x_, v_), e)) / mass_.mass;
+  const double rubbing = friction(s, mass_.load.value(t1_)).force;
+  const double brake = (rubbing - dot<2>(balance(t1_, x_, v_), e)) / mass_.mass;
   if (stops && brake > 0) {
     const double rest = s / brake;
     t1_ += rest;
     for (int d = 0; d < 2; ++d) x_[d] += rest * (V[d] + s * e[d] / 2), v_[d] = V[d];
-    friction_work_ += mass_.dynamic_friction * mass_.load.value(t1_) * s * rest / 2;
+    const double last_friction = friction(0, mass_.load.value(t1_)).force;
+    friction_work_ += last_friction * s * rest / 2;
     path_length_ += s * rest / 2;
     for (int d = 0; d < 2; ++d)
       supplied_ += (mass_.force[d].value(t1_) - mass_.damping[d] * V[d]) * (V[d] + s * e[d] / 2) * rest -
-                   mass_.dynamic_friction * mass_.load.value(t1_) * e[d] * V[d] * rest;
+                   last_friction * e[d] * V[d] * rest;
     release_direction_ = balance(t1_, x_, v_);
     next_stick_ = length<2>(release_direction_) <= mass_.static_friction * mass_.load.value(t1_);
     from_rest_ = fresh_ = true;
@@ -361,7 +406,8 @@ PlaneStickSlip::Seen PlaneStickSlip::at(double t) {
     phi = y[angle];
     seen = {{y[x_0], y[x_1]}, {V[0] + s * std::cos(phi), V[1] + s * std::sin(phi)}, {}};
   }
-  const double limit = mass_.dynamic_friction * mass_.load.value(t);
+  const double limit =
+      friction(length<2>({seen.velocity[0] - V[0], seen.velocity[1] - V[1]}), mass_.load.value(t)).force;
   seen.friction = {-limit * std::cos(phi), -limit * std::sin(phi)};
   return seen;
 }

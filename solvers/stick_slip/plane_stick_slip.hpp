@@ -1,8 +1,10 @@
 /// Stick–slip in the plane, with located events between smooth pieces of slip: the reference where no closed form
 /// exists.
 #pragma once
+#include <functional>
 #include <memory>
 
+#include "core/contact.hpp"
 #include "solvers/steps/collocation.hpp"
 #include "solvers/stick_slip/dry_mass.hpp"
 #include "solvers/stick_slip/stick_slip_solver.hpp"
@@ -12,17 +14,26 @@ namespace rosin::solvers::stick_slip {
 using PlaneMass = DryMass<2>;
 using PlaneVector = Vector<2>;
 
-/// Solves m ẍᵢ + cᵢ ẋᵢ + kᵢ xᵢ = fᵢ(t) − μd N(t) wᵢ/|w|, with w the velocity on a surface of constant velocity.
-/// Slip is integrated by collocation in the logarithm of speed and the angle of w over s, with dt = |w| ds. In these
-/// variables the equations are smooth up to rest, which slip reaches in finite time but infinite s, along the direction
-/// of the force. Slip ends where the speed is negligible, and the remaining distance follows in closed form. Slip
-/// begins along R, the force that friction cannot hold, by a series. Release is the certain first zero of (μs N)² −
-/// |R|².
+/// Friction of slip where it depends on the slip rate: a contact without unknowns, and a function of the slip rate
+/// that changes sign, in numbers of the size of 1, at kinks of friction, or NaN. The mass's dynamic friction is then
+/// that of the slowest slip; both of its coefficients are 0 where friction rises from 0, so that nothing holds at
+/// rest.
+struct SlipFriction {
+  std::shared_ptr<const Contact<double>> contact = nullptr;  ///< null: Coulomb friction
+  std::function<double(double)> kink = nullptr;
+};
+
+/// Solves m ẍᵢ + cᵢ ẋᵢ + kᵢ xᵢ = fᵢ(t) − F wᵢ/|w|, with w the velocity on a surface of constant velocity, and F = μd
+/// N(t) or a function of |w| and N. Slip is integrated by collocation in the logarithm of speed and the angle of w over
+/// s, with dt = |w| ds. In these variables the equations are smooth up to rest, which slip reaches in finite time but
+/// infinite s, along the direction of the force. Slip ends where the speed is negligible, and the remaining distance
+/// follows in closed form. Slip begins along R, the force that friction cannot hold, by a series. Release is the
+/// certain first zero of (μs N)² − |R|².
 class PlaneStickSlip {
  public:
   /// `tolerance`: relative tolerance of displacements and times. \throws InputError for parameters that are not above
   /// 0, and loads that fall to 0 or below.
-  explicit PlaneStickSlip(PlaneMass, double tolerance = 1e-12);
+  explicit PlaneStickSlip(PlaneMass, double tolerance = 1e-12, SlipFriction = {});
   ~PlaneStickSlip();
 
   /// Begins at (t, x, v).
@@ -50,12 +61,19 @@ class PlaneStickSlip {
 
  private:
   class Slip;
+  /// Friction of slip at a speed and load, and its slopes.
+  struct Friction {
+    double force, by_speed, by_load;
+  };
+  Friction friction(double speed, double load) const;
   PlaneVector balance(double t, const PlaneVector& x, const PlaneVector& v) const;
   double energy(const PlaneVector& x, const PlaneVector& v) const;
+  double while_friction_is_linear(double t, double a) const;
   void begin_slip(double t, double end, bool from_rest, const PlaneVector& direction);
   double release(double from, double to) const;
 
   PlaneMass mass_;
+  SlipFriction slip_friction_;
   double tolerance_, fastest_, speed_scale_;
   std::unique_ptr<Slip> slip_;
   std::unique_ptr<steps::Collocation> collocation_;

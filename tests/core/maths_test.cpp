@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 using namespace rosin;
 
@@ -99,4 +100,20 @@ TEST_CASE("asinh, sign, x ln x and powers at their limits", "[core][maths]") {
   CHECK(power(0.0, 2.0) == 0);
   CHECK(power(3.0, 2.5) == Approx(std::pow(3.0, 2.5)).epsilon(1e-14));
   CHECK(power(Dual<double, 1>::variable(3.0, 0), Dual<double, 1>(2.0)).slope[0] == Approx(6.0).epsilon(1e-14));
+}
+
+TEST_CASE("arctan is that of 80-bit arithmetic, with its slope", "[core][maths]") {
+  using Slope = Dual<double, 1>;
+  for (double x = 1e-300; x < 1e300; x *= 1.7) {
+    CAPTURE(x);
+    const auto exact = (long double)(x);
+    CHECK(arctan(x) == Approx(double(std::atan(exact))).epsilon(4e-16));
+    CHECK(arctan(-x) == -arctan(x));
+    if (x < 1e150)
+      CHECK(arctan(Slope::variable(x, 0)).slope[0] == Approx(double(1 / (1 + exact * exact))).epsilon(4e-16));
+  }
+  CHECK(arctan(0.0) == 0);
+  CHECK(arctan(Slope::variable(0.0, 0)).slope[0] == 1);
+  CHECK(arctan(std::numeric_limits<double>::infinity()) == std::acos(0.0));
+  CHECK(std::isnan(arctan(std::nan(""))));
 }

@@ -9,6 +9,7 @@
 #include "laws/catalogue.hpp"
 #include "laws/heating.hpp"
 #include "laws/shipped.hpp"
+#include "laws/smoothing.hpp"
 #include "tests/laws/long_double.hpp"
 
 using namespace rosin;
@@ -121,29 +122,36 @@ std::string refusal(const FrictionLaw& law, const std::string& parameter, Value 
 namespace {
 struct Subject {
   std::shared_ptr<const FrictionLaw> law;
-  bool heated;
+  std::string surroundings;  ///< empty: the law alone
 };
-/// The laws of the catalogue, and all that may be heated once more with heat.
+/// The laws of the catalogue, all that may be heated once more with heat, and all that are set-valued smoothed.
 std::vector<Subject> subjects() {
   std::vector<Subject> list;
-  for (const auto& law : laws::catalogue()) list.push_back({law, false});
+  for (const auto& law : laws::catalogue()) list.push_back({law, ""});
   for (const auto& law : laws::catalogue())
-    if (!law->deflects()) list.push_back({laws::heated(law, {30, 0.2, 5}), true});
+    if (!law->deflects()) list.push_back({laws::heated(law, {30, 0.2, 5}), ", heated,"});
   for (const char* name : {"coulomb", "spinodal", "two-state-ageing", "static-growth"})  // of each form of contact one
-    list.push_back({laws::heated(laws::find_law(name), {30, 0.2, 5, laws::disc}), true});
+    list.push_back({laws::heated(laws::find_law(name), {30, 0.2, 5, laws::disc}), ", heated as a disc,"});
+  const auto names = laws::smoothing_names();
+  std::size_t next = 0;
+  for (const auto& law : laws::catalogue()) {
+    if (!law->set_valued()) continue;
+    const auto type = next++ % names.size();
+    list.push_back(
+        {laws::smoothed(law, {laws::Smoothing::Type(type), 2e-3}), fmt::format(", smooth by {},", names[type])});
+  }
+  list.push_back({laws::heated(list.back().law, {30, 0.2, 5}), ", smooth and heated,"});
   return list;
 }
 }  // namespace
 
 TEST_CASE("every law of the catalogue keeps the promises of a friction law", "[laws]") {
   std::set<std::string_view> names;
-  for (const auto& [shared, heated] : subjects()) {
+  for (const auto& [shared, surroundings] : subjects()) {
     const FrictionLaw& law = *shared;
-    const bool of_parts = !law.states().empty() && law.states().back().name.starts_with("temperature_part");
-    const std::string label = std::string(law.card().name) + (!heated    ? ""
-                                                              : of_parts ? ", heated as a disc,"
-                                                                         : ", heated,");
-    if (!heated) CHECK(names.insert(law.card().name).second);
+    const std::string label = std::string(law.card().name) + surroundings;
+    const bool alone = surroundings.empty();
+    if (alone) CHECK(names.insert(law.card().name).second);
 
     DYNAMIC_SECTION(label << " says what it is") {
       const Card& card = law.card();
@@ -167,10 +175,9 @@ TEST_CASE("every law of the catalogue keeps the promises of a friction law", "[l
 
     DYNAMIC_SECTION(label << " accepts its defaults and presets and refuses what lies outside") {
       CHECK_NOTHROW(law.with(law.values()));
-      if (heated) continue;  // presets are the law's own
-      if (!heated) CHECK(laws::find_law(law.card().name) == shared);
+      if (!alone) continue;  // presets are the law's own
+      CHECK(laws::find_law(law.card().name) == shared);
       for (const auto& p : law.presets()) {
-        if (heated) break;  // presets are of the law alone
         const auto published = laws::preset(law, p.name);
         CHECK(p.source.size() > 5);
         CHECK(published->values() == p.values);

@@ -354,8 +354,10 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
        "[drive]\nnormal_load = 1\nforce = [0, 0]\n[run]\nduration = 1",
        "scene.toml:6:13: oscillator.stiffness has 1 entries, but 2 are needed"},
       {"run",
-       "[law]\ntype = 'hyperbolic'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nnormal_load = 1\n[run]\nduration = 1",
-       "is for Coulomb friction"},
+       "[law]\ntype = 'ageing'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nnormal_load = 1\n[run]\nduration = 1",
+       "scene.toml:1:1: oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone and holds "
+       "at "
+       "rest, as of coulomb, stribeck, hyperbolic; law 'ageing' has states"},
       {"study", "[study]\ndimensions = 3", "scene.toml:2:14: study.dimensions = 3 is outside 1"},
       {"study", "[study]\ncases = 0", "scene.toml:2:9: study.cases = 0 is outside 1"},
       {"study", "[study]\nstepps_per_period = 1000", "did you mean 'steps_per_period'?"},
@@ -434,4 +436,85 @@ TEST_CASE("wrong overrides are refused with the override as their place") {
   CHECK_THAT(refuse("law.a=1\nb=2"), Catch::Contains("more than one value"));
   CHECK_THAT(refuse("law.L=5 MPa"), Catch::StartsWith("--set law.L=5 MPa: law.L: '5 MPa' is in MPa"));
   CHECK_THAT(refuse("law.type=slipp"), Catch::Contains("did you mean 'slip'?"));
+}
+
+TEST_CASE("a smoothing of the solver makes every set-valued law of the scene smooth", "[app][scene]") {
+  const std::string tanh = "[solver]\nsmoothing = { type = 'tanh', width = '2 mm/s' }\n";
+  const std::string coulomb = "[law]\ntype = 'coulomb'\n";
+  for (const char* verb : {"run", "cycle", "stability", "curve", "map", "compare"}) {
+    CAPTURE(verb);
+    const auto scene = read(coulomb + slider + tanh + "[run]\nduration = 1\n" +
+                                "[map]\nx = { parameter = 'drive.speed', from = 1e-3, to = 1, points = 2 }\n"
+                                "y = { parameter = 'law.mu_d', from = 1e-2, to = 1, points = 2 }\n"
+                                "[compare]\nmembers = [{ name = 'a' }, { name = 'b', law = { type = 'stribeck' } }, "
+                                "{ name = 'c', law = { type = 'spinodal' } }]\n",
+                            verb);
+    CHECK_FALSE(scene.model.law->set_valued());
+    CHECK(scene.model.law->friction({2e-3, 1}, {}) == Approx(0.3 * std::tanh(1.0)).epsilon(1e-14));
+    for (const auto& member : scene.compare.members) CHECK_FALSE(member.model.law->set_valued());
+    // What holds at rest is lost, which a note says of each law.
+    REQUIRE(scene.notes.size() >= 1);
+    CHECK_THAT(scene.notes.front(),
+               Catch::Contains("0.4 at rest of law 'coulomb' has no effect") && Catch::Contains("rises to 0.3"));
+  }
+  const std::string chain =
+      "[oscillator]\ntype = 'chain'\nblocks = 3\nmass = 1\nstiffness = 1\npull_stiffness = 1\n"
+      "[[oscillator.contacts]]\nblock = 2\nlaw = { type = 'hyperbolic' }\n"
+      "[drive]\nspeed = 0.2\nnormal_load = 1\n[run]\nduration = 1\n";
+  const auto of_chain = read(spinodal + chain + tanh, "run").structure->structure;
+  REQUIRE(of_chain.contacts.size() == 3);
+  for (const auto& contact : of_chain.contacts) CHECK_FALSE(contact.law->set_valued());
+  CHECK(of_chain.contacts[1].law->friction({2e-3, 1}, {}) == Approx(0.4 / 1.006 * std::tanh(1.0)).epsilon(1e-14));
+  CHECK(read("[law]\ntype = 'coulomb'\nheating = { resistance = 1, time = 1, softening = 1 }\n" + slider + tanh +
+                 "[run]\nduration = 1\n",
+             "run")
+            .model.law->friction({2e-3, 1}, std::vector{1.0}) == Approx(0.15 * std::tanh(1.0)).epsilon(1e-14));
+}
+
+TEST_CASE("a smoothing that is none, or without effect, is refused at its place", "[app][scene]") {
+  const auto asked = [](const std::string& smoothing, const std::string& law = "coulomb") {
+    return refusal("[law]\ntype = '" + law + "'\n" + slider + "[run]\nduration = 1\n[solver]\nsmoothing = " + smoothing,
+                   "run");
+  };
+  CHECK_THAT(asked("{ type = 'arctn', width = 1e-3 }"),
+             Catch::Contains("scene.toml:12:22: solver.smoothing.type = 'arctn'") &&
+                 Catch::Contains("did you mean 'arctan'?"));
+  for (const char* type : {"switch", "multi-region"})
+    CHECK_THAT(asked("{ type = '" + std::string(type) + "', width = 1e-3 }"),
+               Catch::Contains("scene.toml:12:22") && Catch::Contains("needs the force that would hold") &&
+                   Catch::Contains("use one of tanh, arctan, linear, parabolic"));
+  CHECK_THAT(
+      asked("{ type = 'tanh', width = 0 }"),
+      Catch::Contains("scene.toml:12:38") && Catch::Contains("solver.smoothing.width = 0 is outside 1e-09 … 1000"));
+  CHECK_THAT(asked("{ type = 'tanh', width = '1 mm' }"), Catch::Contains("m/s"));
+  CHECK_THAT(asked("{ type = 'tanh' }"), Catch::Contains("no 'width' (slip rate over which friction rises, m/s)"));
+  CHECK_THAT(asked("{ type = 'tanh', width = 1e-3, withd = 2 }"), Catch::Contains("did you mean 'width'?"));
+  CHECK_THAT(
+      asked("{ type = 'tanh', width = 1e-3 }", "spinodal"),
+      Catch::Contains("scene.toml:12:13: solver.smoothing has no effect: no law here is set-valued, 'spinodal' is"));
+  CHECK_THAT(asked("{ type = 'tanh', width = 1e-3 }\ntype = 'events'"),
+             Catch::Contains("accepted"));  // what fits is known when it runs
+}
+
+TEST_CASE("a slider in the plane takes laws of the slip rate, and no force", "[app][scene]") {
+  const auto text = [](const std::string& law) {
+    return "[law]\n" + law +
+           "[oscillator]\ntype = 'plane-slider'\nmass = 1\nstiffness = [1, 2]\ndamping = [0, 0]\n[run]\nduration = 1\n";
+  };
+  const auto rising = read(text("type = 'stribeck'\nmu_s = 0.1\nmu_d = 0.3\n") + "[drive]\nnormal_load = 1\n", "run");
+  REQUIRE(rising.plane);
+  CHECK(rising.plane->law == rising.model.law);
+  CHECK(rising.plane->mass.static_friction == 0.1);
+  CHECK(rising.plane->mass.dynamic_friction == Approx(0.1).epsilon(1e-15));
+  for (const auto& force : rising.plane->mass.force) CHECK(force.value(1) == 0);
+  CHECK_FALSE(read(text("type = 'coulomb'\n") + "[drive]\nnormal_load = 1\n", "run").plane->law);
+  const std::string of_load =
+      "type = 'formula'\n[law.formula]\nfriction = '0.3 + 0.01 / (1 + N * c)'\n"
+      "static_limit = '0.4 + 0.01 / (1 + N * c)'\nparameters = { c = { default = 1, unit = '1/N' } }\n";
+  CHECK_NOTHROW(read(text(of_load) + "[drive]\nnormal_load = 1\n", "run"));
+  CHECK_THAT(
+      refusal(text(of_load) + "[drive]\nnormal_load = { mean = 2, harmonics = [{ amplitude = 1, angular_frequency "
+                              "= 1 }] }\n",
+              "run"),
+      Catch::Contains("law 'formula' depends on the load, which of a plane slider must then be constant"));
 }
