@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <utility>
 
 #include "analysis/cycles/multipliers.hpp"
 #include "analysis/cycles/section_map.hpp"
