@@ -7,11 +7,11 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/tools/roots.hpp>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include "analysis/steady/thresholds.hpp"
 #include "core/characteristic.hpp"
 #include "core/eigenpairs.hpp"
 #include "core/error.hpp"
@@ -414,61 +414,21 @@ Eigenvalue leading(const SlidingStructure& sliding) {
 /// Relative error of critical values by the rounding of a law's slopes.
 constexpr double slope_rounding = 1e-12;
 
-/// Where vibration that grows at `growing` and is marginal at `still`, within rounding, sets in: two eigenvalues merge
-/// there, or one crosses the axis beside another that stays on it. Growth rises from there as a power of the distance,
-/// ½ where two merge, and is told from rounding only beyond some distance, which the error covers.
-template <class Leading>
-CriticalValue onset_beside_marginal(const Leading& at, double still, double growing) {
-  const double scanned = growing;
-  while (std::abs(growing - still) > 4e-16 * std::abs(growing)) {
-    const double middle = 0.5 * (still + growing);
-    if (middle == still || middle == growing) break;
-    (at(middle).grows() ? growing : still) = middle;
-  }
-  const auto onset = at(growing);
-  const double range = scanned - growing;
-  double distance = std::abs(range);  // if no power is seen
-  for (double step = std::copysign(1e-9 * growing, range); std::abs(4 * step) < std::abs(range); step *= 8) {
-    const double near = at(growing + step).value.real() / onset.value.real(),
-                 far = at(growing + 4 * step).value.real() / onset.value.real();
-    constexpr double surely = 8;
-    if (!(near > surely && far > near)) continue;
-    const double power = std::log(far / near) / std::log(4.0);
-    distance = std::abs(step) / (std::pow(near, 1 / power) - 1);
-    break;
-  }
-  return {growing - std::copysign(distance, range), std::abs(onset.value.imag()),
-          distance + std::abs(growing - still) + slope_rounding * std::abs(growing)};
-}
-
 }  // namespace
 
 std::vector<CriticalValue> critical_values(const SlidingStructure& sliding, const std::string& parameter, double low,
                                            double high, int points) {
-  const auto at = [&](double value) { return leading(sliding.with(parameter, value)); };
+  std::vector<double> values;
+  for (int i = 0; i <= points; ++i)
+    values.push_back(i == points ? high : low * std::pow(high / low, double(i) / points));
+  const auto at = [&](double value) {
+    const auto first = leading(sliding.with(parameter, value));
+    return steady::Leading{first.value.real(), 4 * first.real_error, std::abs(first.value.imag())};
+  };
   std::vector<CriticalValue> found;
-  double a = low;
-  auto at_a = at(a);
-  for (int i = 1; i <= points; ++i) {
-    const double b = i == points ? high : low * std::pow(high / low, double(i) / points);
-    const auto at_b = at(b);
-    if (at_a.grows() != at_b.grows()) {
-      if (!at_a.decided() || !at_b.decided()) {
-        found.push_back(at_a.grows() ? onset_beside_marginal(at, b, a) : onset_beside_marginal(at, a, b));
-      } else {
-        std::uintmax_t iterations = 100;
-        const auto [left, right] = boost::math::tools::toms748_solve(
-            [&](double value) { return at(value).value.real(); }, a, b, at_a.value.real(), at_b.value.real(),
-            boost::math::tools::eps_tolerance<double>(51), iterations);
-        const double value = 0.5 * (left + right), beside = 1e-6 * value;
-        const auto there = at(value);
-        const double slope = std::abs(at(value + beside).value.real() - at(value - beside).value.real()) / (2 * beside);
-        found.push_back({value, std::abs(there.value.imag()),
-                         right - left + slope_rounding * right + there.real_error / std::max(slope, 1e-300)});
-      }
-    }
-    a = b, at_a = at_b;
-  }
+  for (const auto& crossing : steady::crossings(at, values))
+    found.push_back({crossing.value, crossing.angular_frequency,
+                     crossing.error + slope_rounding * std::abs(crossing.value)});
   return found;
 }
 

@@ -1,5 +1,6 @@
 /// Where steady sliding loses or regains its stability along a parameter, undamped merging of modes included.
 #pragma once
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -7,11 +8,29 @@
 
 namespace rosin::analysis::steady {
 
+/// The mode that grows fastest.
+struct Leading {
+  double growth, error;      ///< 1/s, and what rounding leaves of it
+  double angular_frequency;  ///< rad/s; 0: divergence
+  bool grows() const { return growth > error; }
+  bool is_neutral() const { return std::abs(growth) <= error; }
+};
+
 /// A value of the parameter at which the largest growth rate crosses 0.
-struct Threshold {
+struct Crossing {
   double value, error;       ///< absolute
   bool onset;                ///< unstable above the value; else below
-  double angular_frequency;  ///< rad/s, of the mode that grows; 0: divergence
+  double angular_frequency;  ///< rad/s, of the mode that grows
+};
+
+/// Crossings between neighbours of the values, ascending. Of damped structures each is a simple root of the growth
+/// rate. Where two undamped modes merge, the growth rate begins as the root of the distance: its square, continued to
+/// 0, has the simple root (Hoffmann & Gaul 2003, Z. Angew. Math. Mech. 83, 524). Two crossings between the same
+/// neighbours show only where the growth rate has a maximum there.
+std::vector<Crossing> crossings(const std::function<Leading(double)>&, const std::vector<double>& values);
+
+/// A crossing, and the structure there.
+struct Threshold : Crossing {
   StructureStability at;
 };
 
@@ -21,10 +40,7 @@ struct Scan {
   std::vector<Threshold> thresholds;                            ///< ascending
 };
 
-/// Stability at each of the values, ascending, and the thresholds between them. A threshold of a damped structure is a
-/// simple root of the growth rate. Where two undamped modes merge, the growth rate begins as the root of the distance:
-/// its square, continued to 0, has the simple root (Hoffmann & Gaul 2003, Z. Angew. Math. Mech. 83, 524). Two
-/// thresholds nearer to each other than the values show only where the growth rate has a maximum between them.
+/// Stability at each of the values, ascending, and the thresholds between them.
 Scan scan(const std::function<StructureStability(double)>& stability_at, std::vector<double> values);
 
 }  // namespace rosin::analysis::steady
