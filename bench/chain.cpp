@@ -155,8 +155,8 @@ Record bench_chain(const Settings& settings, const std::filesystem::path& curves
           });
       rows.insert(rows.end(), more.begin(), more.end());
     };
-    add("rosin", tolerances(settings, 3, 10), [&](double tolerance) { return follow(system, problem, tolerance); });
-    add("CVODE, banded", tolerances(settings, 3, 10),
+    add("rosin", tolerances(settings, 3, 11), [&](double tolerance) { return follow(system, problem, tolerance); });
+    add("CVODE, banded", tolerances(settings, 3, 11),
         [&](double tolerance) { return follow_cvode_chain(problem, tolerance); });
     for (const double error : {1e-4, 1e-6, 1e-8}) {
       const auto ours = time_at(rows, "rosin" + blocks, error), other = time_at(rows, "CVODE, banded" + blocks, error);

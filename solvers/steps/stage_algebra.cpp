@@ -205,10 +205,10 @@ class BandedAlgebra final : public StageAlgebra {
     for (int k = 0; k < n_; ++k) x[order_[k]] = complex_x_[k];
   }
   /// Signs of determinants miss modes that grow in an even number, as those of equal blocks do. What each unknown does
-  /// while the others rest shows these.
+  /// with those in its own row and column, all else at rest, shows these.
   bool grows_faster(double rate, const std::vector<double>& mass) override {
     for (int i = 0; i < n_; ++i)
-      if (mass[i] > 0 && own_slope(i) > rate * mass[i]) return true;
+      if (mass[i] > 0 && own_slope(i) > rate * mass[i] && grows_alone(i, rate, mass)) return true;
     const int all = factorise(other_, rate, mass) ? other_.determinant_sign() : 0;
     int algebraic = 1;
     if (std::find(mass.begin(), mass.end(), 0.0) != mass.end())
@@ -218,7 +218,9 @@ class BandedAlgebra final : public StageAlgebra {
 
   /// Of a mode with z = hλ the error is κ(z) = |R(z) − e^z|/|ρ(z)| times its part of the estimate. κ rises with z⁴ and
   /// stays, like (z/(γ − z))⁴, which four filters make of the estimate in all modes at once; the factor between them is
-  /// the largest of what rings. Modes that only decay are counted as well, so that the error is overestimated.
+  /// the largest of what rings. Unknowns that decay within the step by their own slope, and those that follow others,
+  /// are left out: of an oscillation that outlasts the step another unknown shows as much. Other modes that only decay
+  /// are counted, so that the error is overestimated.
   double error_of_oscillations(const Attempt& at) override {
     std::fill(in_step_.begin(), in_step_.end(), 0.0);
     if (!(at.size > 0)) return 0;
@@ -228,12 +230,12 @@ class BandedAlgebra final : public StageAlgebra {
       solve_real(noise_.data());
       for (int i = 0; i < n_; ++i) filtered_[i] = noise_[i] - filtered_[i];
     }
-    const double amplitude = norm(filtered_, at.scale);
+    const double amplitude = size_of_ringing(filtered_, at);
     if (!(most_error_ * amplitude > 0.1 * tolerance_)) return 0;
     // The estimate holds rounding error of balanced forces, which rings at every start; its part is subtracted.
     for (int i = 0; i < n_; ++i) noise_[i] = last_digits_of_terms(size_of_terms(i, at.y.data()));
     solve_real(noise_.data());
-    const double beyond = amplitude - norm(noise_, at.scale);
+    const double beyond = amplitude - size_of_ringing(noise_, at);
     if (!(beyond > 0)) return 0;
     for (int i = 0; i < n_; ++i) in_step_[i] = most_error_ * std::abs(filtered_[i]);
     return most_error_ * beyond;
@@ -248,10 +250,21 @@ class BandedAlgebra final : public StageAlgebra {
  private:
   static constexpr int filters = 4;
 
-  double norm(const std::vector<double>& v, const std::vector<double>& scale) const {
+  double size_of_ringing(const std::vector<double>& v, const Attempt& at) const {
     double sum = 0;
-    for (int i = 0; i < n_; ++i) sum += v[i] / scale[i] * (v[i] / scale[i]);
+    for (int i = 0; i < n_; ++i)
+      if (at.mass[i] > 0 && -own_slope(i) * at.length < at.mass[i]) sum += v[i] / at.scale[i] * (v[i] / at.scale[i]);
     return std::sqrt(sum / n_);
+  }
+  /// The sign of r M − J in row i once the unknowns beside it are eliminated, of which each has its own slope only.
+  bool grows_alone(int i, double rate, const std::vector<double>& mass) const {
+    double left = rate * mass[i] - own_slope(i);
+    for (int e = pattern_.row_begin[i]; e < pattern_.row_begin[i + 1]; ++e) {
+      const int j = pattern_.column[e], back = pattern_.place(j, i);
+      const bool answers = j != i && back < pattern_.row_begin[j + 1] && pattern_.column[back] == i;
+      if (answers && J_[e] * J_[back] != 0) left -= J_[e] * J_[back] / (rate * mass[j] - own_slope(j));
+    }
+    return left < 0;
   }
   template <class Number>
   bool factorise(BandedLu<Number>& lu, Number shift, const std::vector<double>& mass) {

@@ -161,6 +161,17 @@ TEST_CASE("rate-and-state friction: a hundred equal blocks in a row move as one"
   for (const double q : many.q) CHECK(q == Approx(single.q[0]).margin(1e-7));
 }
 
+TEST_CASE("uneven blocks under rate-and-state friction take about as many steps by either algebra") {
+  // Sixteen blocks have 64 unknowns. What a contact's state does by itself is no growth of its own.
+  auto contact = under("ageing", {}, 0.1);
+  const auto steps = [&](int n) {
+    StructureSystem system(row_of(n, contact));
+    return follow(system, system.unknowns_at(0, starts(0, n), VectorXd::Zero(n)), 0.01, 1e-6).steps;
+  };
+  const long dense = steps(16), banded = steps(17);
+  CHECK(banded < 1.4 * double(dense));
+}
+
 TEST_CASE("entries of the Jacobian grow with the number of blocks, steady sliding and a run of a thousand blocks") {
   const auto contact = under("stribeck", {0.6, 0.4, 0.05, 1, 0}, 0.1);
   StructureSystem small(row_of(100, contact)), large(row_of(1000, contact));
