@@ -355,9 +355,9 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
        "scene.toml:6:13: oscillator.stiffness has 1 entries, but 2 are needed"},
       {"run",
        "[law]\ntype = 'ageing'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nnormal_load = 1\n[run]\nduration = 1",
-       "scene.toml:1:1: oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone and holds "
-       "at "
-       "rest, as of coulomb, stribeck, hyperbolic; law 'ageing' has states"},
+       "scene.toml:1:1: oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone; law "
+       "'ageing' "
+       "has states, those without are coulomb, stribeck, hyperbolic, two-exponential, tabulated and formulas"},
       {"study", "[study]\ndimensions = 3", "scene.toml:2:14: study.dimensions = 3 is outside 1"},
       {"study", "[study]\ncases = 0", "scene.toml:2:9: study.cases = 0 is outside 1"},
       {"study", "[study]\nstepps_per_period = 1000", "did you mean 'steps_per_period'?"},
