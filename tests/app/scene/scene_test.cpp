@@ -469,6 +469,9 @@ TEST_CASE("a smoothing of the solver makes every set-valued law of the scene smo
                  "[run]\nduration = 1\n",
              "run")
             .model.law->friction({2e-3, 1}, std::vector{1.0}) == Approx(0.15 * std::tanh(1.0)).epsilon(1e-14));
+  const auto counting = read("[law]\ntype = 'slip-weakening'\n" + slider + tanh + "[run]\nduration = 1\n", "run").notes;
+  REQUIRE(counting.size() == 1);  // at rest after a stop it has its coefficient in the slowest motion
+  CHECK_THAT(counting.front(), Catch::Contains("'slip-weakening' count neither time at rest nor slip from a stop"));
 }
 
 TEST_CASE("a smoothing that is none, or without effect, is refused at its place", "[app][scene]") {
