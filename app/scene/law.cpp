@@ -124,21 +124,27 @@ std::shared_ptr<const FrictionLaw> read_formula(const toml::node& node) {
   return located_in_formula(node, [&] { return laws::make_formula(law); });
 }
 
-/// Notes what is lost where more friction holds at rest than resists the slowest motion.
+/// Smooths the law, with notes of what it loses by that.
 void smooth(SceneReader& reader, oscillators::Model& model) {
   const auto& law = *model.law;
+  auto& notes = reader.scene.notes;
+  const auto note = [&](std::string text) {  // once for all contacts
+    if (std::ranges::find(notes, text) == notes.end()) notes.push_back(std::move(text));
+  };
   constexpr double load = 1, rounding = 1e-12;
   const auto at_rest = law.rest(load);
   const double holds = law.static_limit(load, at_rest),
                moves = law.friction({std::numeric_limits<double>::min(), load}, at_rest);
-  if (holds > moves * (1 + rounding)) {
-    auto text = fmt::format(
-        "solver.smoothing: the coefficient {:.6g} at rest of law '{}' has no effect; smoothed friction near rest "
-        "rises to {:.6g}, its limit in motion",
-        holds, law.card().name, moves);
-    if (std::ranges::find(reader.scene.notes, text) == reader.scene.notes.end())
-      reader.scene.notes.push_back(std::move(text));
-  }
+  if (holds > moves * (1 + rounding))
+    note(
+        fmt::format("solver.smoothing: the coefficient {:.6g} at rest of law '{}' has no effect; smoothed friction "
+                    "near rest rises to {:.6g}, its limit in motion",
+                    holds, law.card().name, moves));
+  if (law.has_states())
+    note(
+        fmt::format("solver.smoothing: a contact that creeps never stops, so that states of law '{}' count neither "
+                    "time at rest nor slip from a stop",
+                    law.card().name));
   model.law = laws::smoothed(model.law, *reader.smoothing);
   reader.smooths = true;
 }

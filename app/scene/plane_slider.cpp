@@ -1,4 +1,6 @@
 /// A slider in the plane: springs, dampers and forces along x and y, friction against the velocity vector.
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <limits>
 #include <tuple>
@@ -6,6 +8,7 @@
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/signal.hpp"
+#include "laws/catalogue.hpp"
 
 namespace rosin::app::scene {
 
@@ -16,12 +19,15 @@ void read(SceneReader& reader, Table table, bool) {
   const auto& of_law = reader.document.get("law")->source();
   if (reader.scene.model.contact_stiffness.present())
     fail(of_law, "law.contact_stiffness does not go with a plane slider, whose contact is rigid");
-  if (law->has_states())
+  if (law->has_states()) {
+    std::vector<std::string_view> without;
+    for (const auto& other : laws::catalogue())
+      if (!other->has_states()) without.push_back(other->card().name);
     fail(of_law,
-         "oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone, as of coulomb, "
-         "stribeck, "
-         "hyperbolic; law '{}' has states",
-         law->card().name);
+         "oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone; law '{}' has states, "
+         "those without are {} and formulas",
+         law->card().name, fmt::join(without, ", "));
+  }
   auto& mass = reader.scene.plane.emplace().mass;
   table.expect({"type", "mass", "stiffness", "damping"});
   table.find("type");

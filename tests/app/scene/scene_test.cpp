@@ -355,9 +355,9 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
        "scene.toml:6:13: oscillator.stiffness has 1 entries, but 2 are needed"},
       {"run",
        "[law]\ntype = 'ageing'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nnormal_load = 1\n[run]\nduration = 1",
-       "scene.toml:1:1: oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone and holds "
-       "at "
-       "rest, as of coulomb, stribeck, hyperbolic; law 'ageing' has states"},
+       "scene.toml:1:1: oscillator.type = 'plane-slider' is for friction that depends on the slip rate alone; law "
+       "'ageing' "
+       "has states, those without are coulomb, stribeck, hyperbolic, two-exponential, tabulated and formulas"},
       {"study", "[study]\ndimensions = 3", "scene.toml:2:14: study.dimensions = 3 is outside 1"},
       {"study", "[study]\ncases = 0", "scene.toml:2:9: study.cases = 0 is outside 1"},
       {"study", "[study]\nstepps_per_period = 1000", "did you mean 'steps_per_period'?"},
@@ -469,6 +469,9 @@ TEST_CASE("a smoothing of the solver makes every set-valued law of the scene smo
                  "[run]\nduration = 1\n",
              "run")
             .model.law->friction({2e-3, 1}, std::vector{1.0}) == Approx(0.15 * std::tanh(1.0)).epsilon(1e-14));
+  const auto counting = read("[law]\ntype = 'slip-weakening'\n" + slider + tanh + "[run]\nduration = 1\n", "run").notes;
+  REQUIRE(counting.size() == 1);  // at rest after a stop it has its coefficient in the slowest motion
+  CHECK_THAT(counting.front(), Catch::Contains("'slip-weakening' count neither time at rest nor slip from a stop"));
 }
 
 TEST_CASE("a smoothing that is none, or without effect, is refused at its place", "[app][scene]") {
