@@ -92,7 +92,9 @@ Closed close(SectionMap& map, std::vector<double> y, int returns, double toleran
     VectorXd residual(n);
     for (Eigen::Index i = 0; i < n; ++i) residual[i] = (arrived.y[std::size_t(i)] - y[std::size_t(i)]) / size[i];
     const MatrixXd slopes = size.cwiseInverse().asDiagonal() * arrived.derivative * size.asDiagonal();
-    const VectorXd correction = solve_linear(MatrixXd::Identity(n, n) - slopes, residual);
+    // A block that never moves may rest anywhere: the least correction.
+    VectorXd correction = solve_linear(MatrixXd::Identity(n, n) - slopes, residual);
+    if (!correction.allFinite()) correction = least_squares(MatrixXd::Identity(n, n) - slopes, residual);
     if (!correction.allFinite()) break;
     const double change = correction.cwiseAbs().maxCoeff();
     const bool better = change < 0.5 * best.change;
@@ -174,10 +176,13 @@ struct Period {
     }
     for (int c = 0; c < system.contacts(); ++c)
       if (system.mode(c) == ContactMode::stick) stick_[c] += step.length();
+    for (int node = 1; node < nodes; ++node) {
+      step.stage(node - 1, y.data());
+      time.push_back(moment_ + step.node(node - 1) * step.length());
+      record.record(step.stage_time(node - 1), y.data());
+    }
     moment_ += step.length();
     for (const auto& [contact, what] : switches) events.push_back(motion::event_of(system, contact, what, moment_, behind));
-    time.push_back(moment_);
-    record.record(step.time(), step.state().data());
   }
 
   /// The largest value of `sign` times a column within the step, at the full order, where it is above what is known.

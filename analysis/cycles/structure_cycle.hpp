@@ -40,7 +40,7 @@ struct StructureCycle {
   std::vector<motion::RunEvent> events;  ///< of one period, by the time since its start
   std::vector<double> start;             ///< unknowns at the start of the period
   std::vector<std::string> column_names, column_units;
-  std::vector<double> time;                  ///< at the ends of the solver's steps
+  std::vector<double> time;                  ///< at the stages of the solver's steps
   std::vector<std::vector<double>> columns;  ///< [column][moment]
   struct Cost {
     long steps = 0, evaluations = 0, cycles = 0;

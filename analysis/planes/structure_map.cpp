@@ -52,7 +52,7 @@ MapPoint compute_point(const motion::StructureModel& model, const MapOptions& op
       set(largest_multiplier, std::abs(cycle.multipliers.front()), cycle.multiplier_errors.front());
   }
   if (!cycle.outcome.complete()) {
-    point.regime = cycle.outcome.ending == Ending::none_exists ? Regime::stable : Regime::failed;
+    point.regime = cycle.outcome.ending == Ending::none_exists && !driven ? Regime::stable : Regime::failed;
     point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
   }
   return point;

@@ -323,8 +323,9 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const int height = margin + row_height * int(rows);
   std::string script = preamble("cycle", "One periodic motion: slip rate in time, and the phase plane", 940, height);
   script += fmt::format("set multiplot layout {},2 title {} margins 0.10,0.97,{:.4f},{:.4f} spacing 0.13,{:.4f}\n", rows,
-                        single_quoted(scene.title), 60.0 / height, 1 - 70.0 / height, 70.0 / height);
+                        single_quoted(scene.title), 60.0 / height, 1 - 70.0 / height, 100.0 / height);
   script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at graph 1,1.02 right bottom horizontal\n";
+  script += "set offsets 0, 0, graph 0.05, graph 0.05\n";
   const auto time = scaled("s", cycle.metrics.at("period").value);
   for (std::size_t j = 0; j < rows; ++j) {
     // The coordinate that the contact's direction is most along.

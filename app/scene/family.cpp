@@ -48,13 +48,13 @@ std::string Family::in_full(const std::string& path) const {
   const auto dot = full.rfind('.');
   if (dot != std::string::npos) {
     const auto key = full.substr(dot + 1), signal = full.substr(0, dot);
-    const auto* node = document_.at_path(signal).node();
+    const auto* node = node_at(document_, signal);
     if ((key == "amplitude" || key == "angular_frequency" || key == "phase") && node && node->is_table() &&
         node->as_table()->contains("harmonics"))
       full = signal + ".harmonics.1." + key;
   }
   // A signal's mean goes by the name of the signal.
-  const auto* node = document_.at_path(full).node();
+  const auto* node = node_at(document_, full);
   if (node && node->is_table() && node->as_table()->contains("mean")) full += ".mean";
   return full;
 }

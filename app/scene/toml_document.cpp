@@ -163,6 +163,25 @@ void apply_override(toml::table& scene, const std::string& given) {
     place_at(*at->as_table(), path.substr(begin), changed);
 }
 
+const toml::node* node_at(const toml::table& scene, std::string_view path) {
+  const toml::node* at = &scene;
+  for (std::size_t begin = 0; at && begin <= path.size();) {
+    const auto dot = std::min(path.find('.', begin), path.size());
+    const auto key = path.substr(begin, dot - begin);
+    if (const auto* table = at->as_table()) {
+      at = table->get(key);
+    } else if (const auto* list = at->as_array()) {
+      std::size_t number = 0;
+      std::from_chars(key.data(), key.data() + key.size(), number);
+      at = number >= 1 && number <= list->size() ? list->get(number - 1) : nullptr;
+    } else {
+      at = nullptr;
+    }
+    begin = dot + 1;
+  }
+  return at;
+}
+
 void write_table(std::string& out, const toml::table& table, std::string_view name) {
   if (!name.empty()) out += fmt::format("\n[{}]\n", name);
   for (const auto& [key, value] : table) {

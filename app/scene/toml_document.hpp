@@ -13,6 +13,9 @@ toml::table read_toml(const std::string& path);
 /// Parses "path=value" and puts the value into the scene. \throws InputError with the override as its place.
 void apply_override(toml::table& scene, const std::string& given);
 
+/// What stands at a path, or nullptr. Entries of lists are numbered from 1, as in overrides.
+const toml::node* node_at(const toml::table& scene, std::string_view path);
+
 /// Values first, then a section for each table of the first level, whose own tables stand on one line.
 void write_table(std::string& out, const toml::table& table, std::string_view name);
 

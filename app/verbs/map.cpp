@@ -58,8 +58,14 @@ analysis::planes::Axis read_axis(scene::Table table, const scene::Scene& scene) 
                         [&] { return analysis::planes::make_axis(path, from, to, points, logarithmic, extra); });
 }
 
+/// A plane of a slider's own parameters under a constant drive has shortcuts; any other is that of a structure.
+bool is_of_slider(const scene::SceneReader& reader) {
+  return !reader.scene.structure && reader.scene.model.drive.constant();
+}
+
 void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
+  if (!reader.needs("map") && !is_of_slider(reader)) return;  // its paths and metrics are known to the verb map alone
   auto& map = scene.map;
   table.expect({"x", "y", "metrics", "stick_threshold"});
   const auto &x = table.required("x", "first axis"), &y = table.required("y", "second axis");
@@ -102,11 +108,6 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
         "for "
         "slow_fraction");
   table.finish();
-}
-
-/// A plane of a slider's own parameters under a constant drive has shortcuts; any other is that of a structure.
-bool is_of_slider(const scene::SceneReader& reader) {
-  return !reader.scene.structure && reader.scene.model.drive.constant();
 }
 
 void read(scene::SceneReader& reader) {

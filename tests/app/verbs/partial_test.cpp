@@ -18,7 +18,7 @@ using rosin::tests::Folder;
 namespace {
 
 namespace fs = std::filesystem;
-const std::vector<std::string> metrics = {"period"};
+const auto metrics = analysis::planes::metrics_of_slider({"period"});
 
 /// A journal with three of four points.
 fs::path journal(const Folder& folder) {
