@@ -97,7 +97,8 @@ FrictionContact contact_of(const Model& model) {
 
 Structure one_slider(const Model& model) {
   if (!(model.slider.mass > 0) || !std::isfinite(model.slider.stiffness))
-    throw InputError("what is asked needs a slider with a mass (oscillator.mass, kg) on a spring that gives way");
+    throw InputError("periodic motion under a drive that varies, a plane of it, and a scan of stability need a slider with a mass "
+        "(oscillator.mass > 0, kg) on a spring that gives way");
   Structure structure;
   structure.M = Eigen::MatrixXd::Constant(1, 1, model.slider.mass);
   structure.C = Eigen::MatrixXd::Constant(1, 1, model.slider.damping);

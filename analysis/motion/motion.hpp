@@ -3,4 +3,5 @@
 #include "analysis/motion/plane_run.hpp"
 #include "analysis/motion/run.hpp"
 #include "analysis/motion/start.hpp"
+#include "analysis/motion/structure_record.hpp"
 #include "analysis/motion/structure_run.hpp"

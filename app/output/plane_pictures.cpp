@@ -201,11 +201,15 @@ Marks marks(const analysis::planes::Map& map, double key_height) {
   const auto all = [&](Regime regime) {
     return std::ranges::all_of(map.points, [&](const auto& point) { return point.regime == regime; });
   };
+  // Where no sliding is steady all motion is periodic: nothing to tell apart.
+  const bool all_move = std::ranges::none_of(map.points, [](const auto& point) {
+    return point.regime == Regime::stable || point.regime == Regime::bistable;
+  });
   Marks result;
-  if (all(Regime::cycle)) return result;  // nothing to tell apart
   double at = 0.05;  // of the key's entries, across the picture
   for (const auto& mark : list) {
     if (std::ranges::none_of(map.points, [&](const auto& point) { return point.regime == mark.regime; })) continue;
+    if (mark.regime == Regime::cycle && all_move) continue;
     result.curves += fmt::format(", \\\n     'map-marks.csv' using 2:($1=={} ? $3 : NaN) with points {} notitle",
                                  int(mark.regime), mark.style);
     if (std::string_view(mark.title).empty()) continue;

@@ -197,11 +197,17 @@ analysis::motion::StructureStart read_structure_start(const toml::node& node, co
     if (read.size() != n) fail(values->source(), "{} has {} entries for {}", table.path(key), read.size(), n);
     std::ranges::copy(read, into.begin());
   };
-  read_all("coordinates", start.coordinates, "m");
-  read_all("velocities", start.velocities, "m/s");
+  // "displacement" is a list too where the coordinates are displacements of several masses.
+  const auto is_list = [&](const char* key) {
+    const auto* given = node.as_table()->get(key);
+    return given && given->is_array();
+  };
+  read_all(is_list("displacement") ? "displacement" : "coordinates", start.coordinates, "m");
+  read_all(is_list("velocity") ? "velocity" : "velocities", start.velocities, "m/s");
   for (std::size_t i = 0; i < n; ++i) {
     const auto by_name = [&](const std::string& name, std::optional<double>& into, const char* unit, const char* list) {
       const auto* value = table.find(name);
+      if (value && value->is_array()) return;
       if (value && into) fail(value->source(), "{}: give {} or {}, not both", path, list, name);
       table.read(name, into, {"", unit, any, name});
     };
