@@ -115,15 +115,15 @@ double common_period(const Structure& structure) {
   const auto take = [&](const Signal& signal, const char* what) {
     const auto terms = signal.piece(0).terms;
     if (terms.empty() && !signal.constant())
-      throw InputError(fmt::format("{} has no period; a periodic motion needs a drive that is constant or a sum of "
+      throw InputError(fmt::format("{} has no period: a periodic motion needs a drive that is constant or a sum of "
                                    "harmonics",
                                    what));
     for (const auto& term : terms)
       if (term.amplitude != 0) frequencies.push_back(std::abs(term.angular_frequency));
   };
-  for (const auto& force : structure.force) take(force, "the force");
+  for (const auto& force : structure.force) take(force, "drive.force");
   for (const auto& contact : structure.contacts)
-    take(contact.speed, "the speed"), take(contact.normal_load, "the normal load");
+    take(contact.speed, "drive.speed"), take(contact.normal_load, "drive.normal_load");
   if (frequencies.empty()) return 0;
   const double slowest = *std::ranges::min_element(frequencies);
   constexpr int most_turns = 1000;

@@ -71,7 +71,7 @@ Quantity Family::describe(const std::string& path) const {
       apply_override(document, full + "=1");
       return found;
     }
-    names.push_back(quantity.name);
+    if (std::ranges::find(names, quantity.name) == names.end()) names.push_back(quantity.name);
   }
   throw InputError(fmt::format("'{}' is no number of this scene{}", path, suggestion(path, names)));
 }

@@ -203,6 +203,8 @@ void read_law(SceneReader& reader, Table law, oscillators::Model& model) {
       fail(node->source(), "law.lambda has no meaning for law '{}', which has no states; leave it out",
            model.law->card().name);
     model.lambda = number(*node, mechanical("law.lambda"));
+  } else if (model.law->has_states()) {
+    NumbersAsked::note(mechanical("law.lambda"));
   }
   if (auto spring = law.table("contact_stiffness")) {
     spring->read("tangential", model.contact_stiffness.tangential, mechanical("law.contact_stiffness.tangential"));

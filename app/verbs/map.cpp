@@ -116,6 +116,7 @@ void read(scene::SceneReader& reader) {
   auto& map = reader.need("map", "the two axes and the metrics");
   if (reader.scene.plane || is_of_slider(reader)) return read_tables_of_models(reader);
   scene::read_structure_model(reader);
+  common_period(reader.scene.structure->structure);  // refuses a drive that has none
   reader.scene.family = std::make_shared<scene::Family>(reader);
   read_table(scene::Table(map, "map"), reader);
 }
