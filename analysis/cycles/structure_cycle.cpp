@@ -175,7 +175,10 @@ struct Period {
     for (int c = 0; c < system.contacts(); ++c)
       if (system.mode(c) == ContactMode::stick) stick_[c] += step.length();
     moment_ += step.length();
-    for (const auto& [contact, what] : switches) events.push_back(motion::event_of(system, contact, what, moment_, behind));
+    for (const auto& event : switches) {
+      events.push_back(motion::event_of(system, event, behind));
+      events.back().time = moment_ + (event.time - step.time());
+    }
     time.push_back(moment_);
     record.record(step.time(), step.state().data());
   }
