@@ -151,7 +151,7 @@ bool StopWatch::comes_to_rest(int stop, double t, std::vector<double>& y, Motion
   constexpr double slow = 1e-7, flat = 1e5, short_flight = 0.3;
   const bool rests = u <= slow * hardest_[stop] || rise <= flat * digits * std::abs(of.at) || flight <= 4 * digits * t;
   if (!rests || part >= 1) {
-    first_step_end_ = t + short_flight * flight;
+    first_step_end_ = std::min(horizon(t), t + short_flight * flight);
     return false;
   }
   system_.rest_on_stop(stop, t, y.data());

@@ -17,11 +17,11 @@ void check_stops(const oscillators::StructureSystem& system, const VectorXd& q, 
     const auto name = system.unknown(stop.coordinate);
     if (!stop.rigid()) continue;
     if (stop.side * (x - stop.at) > 0)
-      throw InputError(fmt::format("run.start: {} = {:.9g} m lies behind the stop at {:.9g} m; give a start {} it",
-                                   name, x, stop.at, stop.side > 0 ? "below" : "above"));
+      throw InputError(fmt::format("the start at {} = {:.9g} m lies behind the stop at {:.9g} m; give one {} it", name,
+                                   x, stop.at, stop.side > 0 ? "below" : "above"));
     if (x == stop.at && stop.side * v > 0)
-      throw InputError(fmt::format("run.start: {} starts on the stop at {:.9g} m and moves into it with {:.9g} m/s",
-                                   name, stop.at, std::abs(v)));
+      throw InputError(fmt::format("{} starts on the stop at {:.9g} m and moves into it with {:.9g} m/s", name, stop.at,
+                                   std::abs(v)));
   }
 }
 }  // namespace

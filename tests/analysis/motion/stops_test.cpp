@@ -70,7 +70,7 @@ const OneBlock forced{
 
 }  // namespace
 
-TEST_CASE("bouncing ends where the sum of all flights does") {
+TEST_CASE("bouncing ends where the sum of all flights does", "[stops]") {
   // Between impacts the belt slips: flights are arcs of a circle about F − g, 2 atan(eⁿ V/(F − g)) long.
   const OneBlock block{.speed = 0.5, .static_friction = 1.5, .kinetic_friction = 1};
   const Run run = follow(block.model({.at = 0.8, .restitution = 0.7}, 0, 0.5), 12);
@@ -93,7 +93,7 @@ TEST_CASE("bouncing ends where the sum of all flights does") {
   CHECK(run.metrics.at("impact_work") == Approx(0.5 * 0.25).margin(1e-10));  // all that it came with
 }
 
-TEST_CASE("a block on a belt is thrown back by a rigid stop and sticks again") {
+TEST_CASE("a block on a belt is thrown back by a rigid stop and sticks again", "[stops]") {
   const OneBlock block{.speed = 0.3, .static_friction = 1, .kinetic_friction = 0.4};
   const Run run = follow(block.model({.at = 0.7, .restitution = 0.8}, 0, 0.3), 17);
   check(run.events, {{2.333333333333, "impact", 0.7, 0.3},
@@ -104,7 +104,7 @@ TEST_CASE("a block on a belt is thrown back by a rigid stop and sticks again") {
                      {16.022054621146, "stick", 0.16}});
 }
 
-TEST_CASE("a spring stop is touched under stick, and the block lets go and is thrown back") {
+TEST_CASE("a spring stop is touched under stick, and the block lets go and is thrown back", "[stops]") {
   const OneBlock block{.speed = 0.3, .static_friction = 1, .kinetic_friction = 0.4};
   const Run run = follow(block.model({.at = 0.7, .stiffness = 1000}, 0, 0.3), 17);
   check(run.events, {{2.333333333333, "contact", 0.7},
@@ -121,7 +121,7 @@ TEST_CASE("a spring stop is touched under stick, and the block lets go and is th
                      {16.048525448870, "stick", 0.099550785873}});
 }
 
-TEST_CASE("a harmonic force drives a block against a rigid stop") {
+TEST_CASE("a harmonic force drives a block against a rigid stop", "[stops]") {
   const Run run = follow(forced.model({.at = 0.5, .restitution = 0.8}, 0, 0), 24);
   check(run.events, {{1.166273202949, "impact", 0.5, 0.676275099296},
                      {5.075265110848, "reversal", -1.547329226303},
@@ -137,7 +137,7 @@ TEST_CASE("a harmonic force drives a block against a rigid stop") {
                      {23.780382461474, "reversal", -0.623726644299}});
 }
 
-TEST_CASE("a lower stop mirrors an upper one") {
+TEST_CASE("a lower stop mirrors an upper one", "[stops]") {
   auto model = forced.model({.at = -0.5, .side = -1, .restitution = 0.8}, 0, 0);
   model.structure.force = {Signal(Signal::Harmonics{.mean = 0, .terms = {{-1, 0.8, 0}}})};
   check(follow(model, 8).events, {{1.166273202949, "impact", -0.5, 0.676275099296},
@@ -145,7 +145,7 @@ TEST_CASE("a lower stop mirrors an upper one") {
                                   {7.102359947811, "impact", -0.5, 1.821204792943}});
 }
 
-TEST_CASE("without friction a damped oscillator is thrown back once a period") {
+TEST_CASE("without friction a damped oscillator is thrown back once a period", "[stops]") {
   const OneBlock block{.speed = 0,
                        .static_friction = 0,
                        .kinetic_friction = 0,
@@ -167,7 +167,7 @@ TEST_CASE("without friction a damped oscillator is thrown back once a period") {
                                    {49.585430471287, "impact", 0.3, 1.856687295129}});
 }
 
-TEST_CASE("a forced block bounces to rest on its stop, and leaves where friction holds it no longer") {
+TEST_CASE("a forced block bounces to rest on its stop, and leaves where friction holds it no longer", "[stops]") {
   const OneBlock block{.speed = 0,
                        .static_friction = 0.1,
                        .kinetic_friction = 0.1,
@@ -200,7 +200,7 @@ TEST_CASE("a forced block bounces to rest on its stop, and leaves where friction
   CHECK(leaves[1] == Approx(28.474668724631).margin(2e-11));
 }
 
-TEST_CASE("a damped spring stop pushes and never pulls") {
+TEST_CASE("a damped spring stop pushes and never pulls", "[stops]") {
   // Of a free mass that comes with speed 1: ẍ = −k x − c ẋ from touch to the moment that this pushes no more.
   StructureModel model;
   auto& s = model.structure;
@@ -222,7 +222,7 @@ TEST_CASE("a damped spring stop pushes and never pulls") {
         Approx((std::cos(w * free) - decay / w * std::sin(w * free)) * std::exp(-decay * free)).margin(1e-10));
 }
 
-TEST_CASE("an elastic stop takes no energy, one without restitution all of it") {
+TEST_CASE("an elastic stop takes no energy, one without restitution all of it", "[stops]") {
   const OneBlock block{.speed = 0, .static_friction = 0, .kinetic_friction = 0};
   const Run elastic = follow(block.model({.at = 0, .restitution = 1}, -1, 0), 10);
   CHECK(elastic.metrics.at("impact_work") == 0);
@@ -233,7 +233,7 @@ TEST_CASE("an elastic stop takes no energy, one without restitution all of it") 
   CHECK(plastic.events[0].speed == Approx(0.8).margin(1e-11));
 }
 
-TEST_CASE("multipliers of periodic impacts are those of the exact return map") {
+TEST_CASE("multipliers of periodic impacts are those of the exact return map", "[stops]") {
   using Complex = std::complex<double>;
   SECTION("with dry friction") {
     const auto cycle = analysis::cycles::find_cycle(forced.model({.at = 0.5, .restitution = 0.8}, 0, 0), {});
@@ -269,7 +269,17 @@ TEST_CASE("multipliers of periodic impacts are those of the exact return map") {
   }
 }
 
-TEST_CASE("blocks that reach their stops together are all thrown back, and forget no switch of others") {
+TEST_CASE("stick-slip against a stop has the period of its exact solution", "[stops]") {
+  const OneBlock block{.speed = 0.3, .static_friction = 1, .kinetic_friction = 0.4};
+  const auto rigid = analysis::cycles::find_cycle(block.model({.at = 0.7, .restitution = 0.8}, 0, 0.3), {});
+  INFO(rigid.outcome.detail);
+  CHECK(rigid.returns == 1);
+  CHECK(rigid.metrics.at("period").value == Approx(5.162907095937).margin(1e-9));
+  const auto spring = analysis::cycles::find_cycle(block.model({.at = 0.7, .stiffness = 1000}, 0, 0.3), {});
+  CHECK(spring.metrics.at("period").value == Approx(5.238896498650).margin(1e-9));
+}
+
+TEST_CASE("blocks that reach their stops together are all thrown back, and forget no switch of others", "[stops]") {
   // Three blocks in a row that move as one, and one alone.
   const OneBlock block{.speed = 0.3, .static_friction = 1, .kinetic_friction = 0.4};
   auto one = block.model({.at = 0.7, .restitution = 0.8}, 0, 0.3), three = one;
@@ -290,7 +300,7 @@ TEST_CASE("blocks that reach their stops together are all thrown back, and forge
   }
 }
 
-TEST_CASE("a block without a spring rests on its stop until the force pulls it away from friction") {
+TEST_CASE("a block without a spring rests on its stop until the force pulls it away from friction", "[stops]") {
   // On the ground, under a force 1 − t: there by 0.4 t² − t³/6 = 0.2, and back from −0.3 on.
   auto model = OneBlock{.speed = 0, .static_friction = 0.3, .kinetic_friction = 0.2}.model({.at = 0.2}, 0, 0);
   model.structure.K.setZero();
@@ -304,10 +314,21 @@ TEST_CASE("a block without a spring rests on its stop until the force pulls it a
   CHECK(run.columns[0].back() == Approx(0.2 - 0.05 * since * since - since * since * since / 6).margin(1e-10));
 }
 
-TEST_CASE("stops that cannot be, and starts behind them, are refused") {
+TEST_CASE("a start on a stop, at rest, stays there while all else pushes", "[stops]") {
+  // A belt pushes with 1 and the spring pulls with 0.8; beside a lower stop both pull away from it.
+  const OneBlock block{.speed = 0.5, .static_friction = 1.5, .kinetic_friction = 1};
+  const Run stays = follow(block.model({.at = 0.8}, 0.8, 0), 3);
+  CHECK(stays.events.empty());
+  CHECK(stays.columns[0].back() == 0.8);
+  CHECK(stays.metrics.at("friction_work") == Approx(1.5).margin(1e-12));  // the belt slides below it
+  const Run leaves = follow(block.model({.at = 0.8, .side = -1}, 0.8, 0), 1);
+  CHECK(leaves.columns[0].back() == Approx(1 - 0.2 * std::cos(1.0)).margin(1e-11));
+}
+
+TEST_CASE("stops that cannot be, and starts behind them, are refused", "[stops]") {
   const OneBlock block{.speed = 0.3, .static_friction = 1, .kinetic_friction = 0.4};
   CHECK_THROWS_WITH(follow(block.model({.at = 0.7}, 0.8, 0), 1),
-                    "run.start: displacement = 0.8 m lies behind the stop at 0.7 m; give a start below it");
+                    "the start at displacement = 0.8 m lies behind the stop at 0.7 m; give one below it");
   CHECK_THROWS_AS(follow(block.model({.at = 0.7}, 0.7, 0.1), 1), InputError);
   auto model = block.model({.at = 0.7}, 0, 0);
   model.structure.stops.push_back({.at = 0.7, .side = -1});
