@@ -44,7 +44,7 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
       const int stop = stops_.any() ? stops_.find(step) : -1;
       if (section && cross_section(step, *section)) {
         if (tangent_) carry_across(step);
-        if (observe) observe(step, std::exchange(events_, {}), step.state());
+        if (observe) observe(step, std::exchange(events_, {}));
         y = step.state();
         return counted({Ending::event, ""});
       }
@@ -56,7 +56,7 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
       }
       if (tangent_ && !solver.events().empty()) carry_across_switches(solver);
       note_switches(solver);
-      if (observe) observe(step, events_, solver.state());
+      if (observe) observe(step, events_);
       events_.clear();
       let_go_where_contacts_slip(solver);
     }
@@ -69,6 +69,12 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
 
 bool Follower::start(StickSlip& solver, double t, const std::vector<double>& y) {
   if (!solver.start(t, y)) return false;
+  settle_modes(t, y);
+  return true;
+}
+
+/// What follows from the modes of contacts at a start.
+void Follower::settle_modes(double t, const std::vector<double>& y) {
   if (tangent_)  // no disturbance of a slip rate that stick holds
     for (int c = 0; c < system_.contacts(); ++c)
       if (system_.mode(c) == ContactMode::stick)
@@ -78,9 +84,24 @@ bool Follower::start(StickSlip& solver, double t, const std::vector<double>& y) 
     const int beside = system_.contact_beside_stop(s, t);
     if (system_.stop_mode(s) != StopMode::holds || beside < 0 || system_.mode(beside) == ContactMode::stick) continue;
     system_.set_stop_mode(s, StopMode::open);
-    events_.push_back({.kind = "leave", .time = t, .contact = -1, .stop = s, .speed = 0});
+    note_stop("leave", s, t, y);
   }
-  return true;
+}
+
+void Follower::note_stop(const char* kind, int stop, double t, const std::vector<double>& y) {
+  const double displacement = y[system_.structure().stops[stop].coordinate];
+  events_.push_back({.kind = kind, .time = t, .contact = -1, .stop = stop, .displacement = displacement, .speed = 0});
+}
+
+void Follower::note_contact(Switch what, int contact, double t, const std::vector<double>& y) {
+  const auto& direction = system_.structure().contacts[system_.friction_contact(contact)].tangential;
+  const Eigen::Map<const Eigen::VectorXd> q(y.data(), system_.coordinates());
+  events_.push_back({.kind = name(what),
+                     .time = t,
+                     .contact = contact,
+                     .stop = -1,
+                     .displacement = direction.dot(q) / direction.squaredNorm(),
+                     .speed = 0});
 }
 
 /// The start of a motion, which may be rest on stops.
@@ -107,9 +128,9 @@ void Follower::note_switches(const StickSlip& solver) {
           system_.contact_beside_stop(s, solver.time()) == contact)
         left = s;
     if (left >= 0)
-      events_.push_back({.kind = "leave", .time = solver.time(), .contact = -1, .stop = left, .speed = 0});
+      note_stop("leave", left, solver.time(), solver.state());
     else
-      events_.push_back({.kind = name(what), .time = solver.time(), .contact = contact, .stop = -1, .speed = 0});
+      note_contact(what, contact, solver.time(), solver.state());
   }
 }
 
@@ -134,32 +155,32 @@ bool Follower::pass_stops(StickSlip& solver, int first) {
   const double t = step.time();
   std::vector<double> y = step.state();
   const auto together = stops_.together_with(first, t, y);
+  const Modes modes = modes_now();
   std::vector<Event> passed;
-  std::vector<ContactMode> modes(system_.contacts());
-  for (int c = 0; c < system_.contacts(); ++c) modes[c] = system_.mode(c);
-  std::vector<StopMode> stop_modes(system_.stops());
-  for (int s = 0; s < system_.stops(); ++s) stop_modes[s] = system_.stop_mode(s);
-  auto before = rates(t, y);
+  std::vector<std::vector<double>> there, rates_there;
   for (const int s : together) {
-    const auto there = y;
+    there.push_back(y), rates_there.push_back(rates(t, y));
     passed.push_back(stops_.pass(s, t, y));
-    const auto after = rates(t, y);
-    if (tangent_) carry_across_stop(passed.back(), before, after, there);
-    before = after;
   }
   events_.insert(events_.end(), passed.begin(), passed.end());
-  // The step is told in the modes that it was taken in.
-  std::vector<ContactMode> modes_behind(system_.contacts());
-  std::vector<StopMode> stop_modes_behind(system_.stops());
-  for (int c = 0; c < system_.contacts(); ++c) modes_behind[c] = system_.mode(c), system_.set_mode(c, modes[c]);
-  for (int s = 0; s < system_.stops(); ++s)
-    stop_modes_behind[s] = system_.stop_mode(s), system_.set_stop_mode(s, stop_modes[s]);
-  if (observe) observe(step, events_, y);
+  const Modes behind = modes_now();
+  set_modes(modes);  // the step is told in the modes that it was taken in
+  if (observe) observe(step, events_);
   events_.clear();
-  for (int c = 0; c < system_.contacts(); ++c) system_.set_mode(c, modes_behind[c]);
-  for (int s = 0; s < system_.stops(); ++s) system_.set_stop_mode(s, stop_modes_behind[s]);
-  if (!start(solver, t, y)) return false;
+  set_modes(behind);
+  if (!solver.start(t, y)) return false;
   y = solver.state();
+  if (tangent_) {
+    rates_there.push_back(rates(t, y));
+    for (std::size_t k = 0; k < together.size(); ++k)
+      carry_across_stop(passed[k], rates_there[k], rates_there[k + 1], there[k]);
+  }
+  settle_modes(t, y);
+  // The force of a stop may jump, and contacts give way; an impact tears its own off without a word.
+  for (int c = 0; c < system_.contacts(); ++c)
+    if (modes.contacts[c] == ContactMode::stick && behind.contacts[c] == ContactMode::stick &&
+        system_.mode(c) != ContactMode::stick)
+      note_contact(Switch::slip, c, t, y);
   bool rests = false;
   for (const int s : together) {
     if (Event event; stops_.bounced(s) && stops_.comes_to_rest(s, t, y, event)) {
@@ -169,6 +190,18 @@ bool Follower::pass_stops(StickSlip& solver, int first) {
     }
   }
   return !rests || start(solver, t, y);
+}
+
+Follower::Modes Follower::modes_now() const {
+  Modes modes;
+  for (int c = 0; c < system_.contacts(); ++c) modes.contacts.push_back(system_.mode(c));
+  for (int s = 0; s < system_.stops(); ++s) modes.stops.push_back(system_.stop_mode(s));
+  return modes;
+}
+
+void Follower::set_modes(const Modes& modes) {
+  for (int c = 0; c < system_.contacts(); ++c) system_.set_mode(c, modes.contacts[c]);
+  for (int s = 0; s < system_.stops(); ++s) system_.set_stop_mode(s, modes.stops[s]);
 }
 
 /// Looks for crossings within the last step. True where the motion is to end at one: the step then ends there.

@@ -29,8 +29,8 @@ class Follower {
       : system_(system), tolerance_(tolerance), stops_(system) {}
 
   /// Called after each step, while the system is still in the modes of it: the step, the switches that it ended in (and
-  /// before it, what stops have come to since the last), and the unknowns behind them.
-  std::function<void(Step&, std::span<const Event>, const std::vector<double>& behind)> observe;
+  /// before it, what stops have come to since the last).
+  std::function<void(Step&, std::span<const Event>)> observe;
   /// Carries the columns of `tangent` (size × columns, row-major): a disturbance of the start at fixed time becomes
   /// that of the end. At a switch it jumps by the saltation matrix (Aizerman & Gantmakher 1958; Leine & Nijmeijer 2004,
   /// chapter 7): the time of the switch depends on the disturbance, and stick forgets that of the slip rate. Drives
@@ -52,9 +52,18 @@ class Follower {
   void carry_across(Step&);
   bool start(solvers::stick_slip::StickSlip&, double t, const std::vector<double>& y);
   bool start_on_stops(solvers::stick_slip::StickSlip&, double t, std::vector<double>& y);
+  void settle_modes(double t, const std::vector<double>& y);
+  void note_stop(const char* kind, int stop, double t, const std::vector<double>& y);
+  void note_contact(solvers::stick_slip::Switch, int contact, double t, const std::vector<double>& y);
   void note_switches(const solvers::stick_slip::StickSlip&);
   void let_go_where_contacts_slip(const solvers::stick_slip::StickSlip&);
   void forget_motion_of(int stop);
+  struct Modes {
+    std::vector<ContactMode> contacts;
+    std::vector<oscillators::StopMode> stops;
+  };
+  Modes modes_now() const;
+  void set_modes(const Modes&);
   bool pass_stops(solvers::stick_slip::StickSlip&, int first);
   void carry_across_stop(const MotionEvent&, const std::vector<double>& before, const std::vector<double>& after,
                          const std::vector<double>& y);

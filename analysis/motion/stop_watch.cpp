@@ -111,7 +111,7 @@ std::vector<int> StopWatch::together_with(int stop, double t, const std::vector<
 
 MotionEvent StopWatch::pass(int stop, double t, std::vector<double>& y) {
   const Stop& of = system_.structure().stops[stop];
-  MotionEvent event{.kind = {}, .time = t, .contact = -1, .stop = stop, .speed = 0};
+  MotionEvent event{.kind = {}, .time = t, .contact = -1, .stop = stop, .displacement = y[of.coordinate], .speed = 0};
   const StopMode mode = system_.stop_mode(stop);
   if (!of.rigid()) {
     event.kind = mode == StopMode::open ? "contact" : "free";
@@ -124,7 +124,7 @@ MotionEvent StopWatch::pass(int stop, double t, std::vector<double>& y) {
     event.speed = system_.stop_speed(stop, t, y.data());
     hardest_[stop] = std::max(hardest_[stop], event.speed);
     bounced_[stop] = true;
-    y[of.coordinate] = of.at;
+    event.displacement = y[of.coordinate] = of.at;
     system_.set_stop_speed(stop, t, -of.restitution * event.speed, of.side, y.data());
   }
   return event;
@@ -157,7 +157,8 @@ bool StopWatch::comes_to_rest(int stop, double t, std::vector<double>& y, Motion
   system_.rest_on_stop(stop, t, y.data());
   system_.set_stop_mode(stop, StopMode::holds);
   hardest_[stop] = 0;
-  event = {.kind = "rest", .time = t + flight / (1 - part), .contact = -1, .stop = stop, .speed = 0};
+  event = {
+      .kind = "rest", .time = t + flight / (1 - part), .contact = -1, .stop = stop, .displacement = of.at, .speed = 0};
   return true;
 }
 

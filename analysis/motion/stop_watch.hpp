@@ -14,7 +14,8 @@ struct MotionEvent {
   double time = 0;
   int contact = -1;  ///< among those that switch; −1: of a stop
   int stop = -1;
-  double speed = 0;  ///< before an impact, m/s
+  double displacement = 0;  ///< m, of the coordinate of a stop, or along the direction of a contact
+  double speed = 0;         ///< before an impact, m/s
 };
 
 /// Bounces on a rigid stop become ever shorter and end in rest after infinitely many. Rest is taken where the rebound

@@ -60,22 +60,14 @@ bool StructureRecord::shows_load(int contact) const {
   return system_.friction_contacts() > 1 || system_.structure().contacts[contact].normal.size() > 0;
 }
 
-RunEvent event_of(const StructureSystem& system, const MotionEvent& event, const std::vector<double>& y) {
-  if (event.stop >= 0) {
-    const auto& stop = system.structure().stops[event.stop];
-    return {.time = event.time,
-            .kind = event.kind,
-            .displacement = y[stop.coordinate],
-            .coordinate = stop.coordinate + 1,
-            .speed = event.speed};
-  }
-  const int j = system.friction_contact(event.contact);
-  const auto& direction = system.structure().contacts[j].tangential;
-  const Eigen::Map<const Eigen::VectorXd> q(y.data(), system.coordinates());
+RunEvent event_of(const StructureSystem& system, const MotionEvent& event) {
+  const bool numbered = event.contact >= 0 && system.friction_contacts() > 1;
   return {.time = event.time,
           .kind = event.kind,
-          .displacement = direction.dot(q) / direction.squaredNorm(),
-          .contact = system.friction_contacts() > 1 ? j + 1 : 0};
+          .displacement = event.displacement,
+          .contact = numbered ? system.friction_contact(event.contact) + 1 : 0,
+          .coordinate = event.stop >= 0 ? system.structure().stops[event.stop].coordinate + 1 : 0,
+          .speed = event.speed};
 }
 
 }  // namespace rosin::analysis::motion

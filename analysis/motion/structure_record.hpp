@@ -30,7 +30,7 @@ class StructureRecord {
   std::vector<double> force_, row_;
 };
 
-/// A switch of a contact or a stop, behind which the unknowns are y.
-RunEvent event_of(const oscillators::StructureSystem&, const MotionEvent&, const std::vector<double>& y);
+/// As a record numbers it: contacts only where there are several.
+RunEvent event_of(const oscillators::StructureSystem&, const MotionEvent&);
 
 }  // namespace rosin::analysis::motion

@@ -110,8 +110,7 @@ struct Pass {
     energy.begin(0, y.data());
     Follower follower(system, tolerance);
     follower.most_steps = options.most_steps;
-    follower.observe = [&](Follower::Step& step, std::span<const Follower::Event> switches,
-                           const std::vector<double>& behind) {
+    follower.observe = [&](Follower::Step& step, std::span<const Follower::Event> switches) {
       energy.add(step);
       for (int c = 0; c < system.contacts(); ++c)
         if (system.mode(c) == ContactMode::stick) stick_time[c] += step.length();
@@ -124,7 +123,7 @@ struct Pass {
         columns.record(times[next], seen.data());
       }
       for (const auto& event : switches) {
-        events.push_back(event_of(system, event, behind));
+        events.push_back(event_of(system, event));
         if (event.kind == "impact") energy.add_impact(event);
       }
       if (options.progress) options.progress(step.time() / end);

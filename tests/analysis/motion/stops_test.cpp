@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "analysis/cycles/section_map.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/motion/structure_run.hpp"
 #include "laws/catalogue.hpp"
@@ -238,6 +239,7 @@ TEST_CASE("multipliers of periodic impacts are those of the exact return map", "
   SECTION("with dry friction") {
     const auto cycle = analysis::cycles::find_cycle(forced.model({.at = 0.5, .restitution = 0.8}, 0, 0), {});
     INFO(cycle.outcome.detail);
+    CHECK(cycle.symmetry.empty());  // the stop has no mirror image
     REQUIRE(cycle.multipliers.size() == 2);
     CHECK(std::abs(Complex(cycle.multipliers[0].real(), std::abs(cycle.multipliers[0].imag())) -
                    Complex(0.06559459, 0.53557456)) < 3e-8);
@@ -277,6 +279,40 @@ TEST_CASE("stick-slip against a stop has the period of its exact solution", "[st
   CHECK(rigid.metrics.at("period").value == Approx(5.162907095937).margin(1e-9));
   const auto spring = analysis::cycles::find_cycle(block.model({.at = 0.7, .stiffness = 1000}, 0, 0.3), {});
   CHECK(spring.metrics.at("period").value == Approx(5.238896498650).margin(1e-9));
+}
+
+TEST_CASE("disturbances are carried across impacts, jumps of force and bouncing to rest", "[stops]") {
+  // Two blocks on surfaces of varying speed. A contact that sticks gives way where its damped stop is touched.
+  FrictionContact contact;
+  const double friction = GENERATE(0.4, 0.5);
+  contact.law = laws::find_law("coulomb")->with({friction, friction});
+  contact.tangential = Eigen::VectorXd::Ones(1);
+  contact.speed = Signal(Signal::Harmonics{.mean = 0.4, .terms = {{0.3, 0.9, 0.2}}});
+  contact.normal_load = 1.0;
+  auto structure = oscillators::chain({.mass = {1, 1.5},
+                                       .coupling_stiffness = {1.2},
+                                       .coupling_damping = {0.1},
+                                       .pull_stiffness = {1, 0.7},
+                                       .pull_damping = {0.02, 0.03}},
+                                      {contact, contact});
+  structure.force = {Signal(Signal::Harmonics{.mean = 0, .terms = {{1.3, 0.9, 0}}}), 0.0};
+  structure.stops = {{.coordinate = 0, .at = 0.4, .restitution = 0.6},
+                     {.coordinate = 1, .at = 0.3, .stiffness = 50, .damping = 3}};
+  analysis::cycles::SectionMap map(structure);
+  auto y = map.system().unknowns_at(0, Eigen::Vector2d(0.1, -0.2), Eigen::Vector2d(0.1, 0.05));
+  for (int period = 0; period < 3; ++period) {
+    const auto there = map.follow(y, 1e-13, 1, true);
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      constexpr double aside = 1e-6;
+      auto ahead = y, behind = y;
+      ahead[i] += aside, behind[i] -= aside;
+      const auto a = map.follow(ahead, 1e-13, 1, false).y, b = map.follow(behind, 1e-13, 1, false).y;
+      for (std::size_t k = 0; k < y.size(); ++k)
+        CHECK(there.derivative(Eigen::Index(k), Eigen::Index(i)) ==
+              Approx((a[k] - b[k]) / (2 * aside)).margin(1e-5 * there.derivative.cwiseAbs().maxCoeff()));
+    }
+    y = there.y;
+  }
 }
 
 TEST_CASE("blocks that reach their stops together are all thrown back, and forget no switch of others", "[stops]") {
