@@ -81,6 +81,36 @@ void Structure::check() const {
         "{} contacts that stick have directions that depend on each other: stick leaves their forces open; give them "
         "laws that creep, or contact stiffness",
         set_valued.size()));
+  check_stops();
+}
+
+void Structure::check_stops() const {
+  for (std::size_t s = 0; s < stops.size(); ++s) {
+    const Stop& stop = stops[s];
+    if (stop.coordinate < 0 || stop.coordinate >= size())
+      throw InputError(
+          fmt::format("stop {}: coordinate {} of a structure with {}", s + 1, stop.coordinate + 1, size()));
+    for (std::size_t other = 0; other < s; ++other) {
+      if (stops[other].coordinate != stop.coordinate) continue;
+      if (stops[other].side == stop.side)
+        throw InputError(fmt::format("stops {} and {} stand on the same side of coordinate {}", other + 1, s + 1,
+                                     stop.coordinate + 1));
+      if (stop.side * (stop.at - stops[other].at) <= 0)
+        throw InputError(
+            fmt::format("stops {} and {} leave coordinate {} no room: the upper one must stand above the "
+                        "lower ({} m, {} m)",
+                        other + 1, s + 1, stop.coordinate + 1, stops[other].at, stop.at));
+    }
+    const bool shares_impacts = !M.isDiagonal(0) || std::ranges::any_of(contacts, [](const FrictionContact& contact) {
+      return (contact.tangential.array() != 0).count() != 1 || contact.tangential.sum() != 1;
+    });
+    if (stop.rigid() && shares_impacts)
+      throw InputError(fmt::format(
+          "stop {}: a rigid stop needs a mass matrix M that is diagonal and contacts along one coordinate each "
+          "(tangential with a single entry of 1), so that its impact stops one mass alone; give the stop a stiffness "
+          "(N/m)",
+          s + 1));
+  }
 }
 
 FrictionContact contact_of(const Model& model) {

@@ -34,18 +34,36 @@ struct FrictionContact {
   NormalSupport support;
 };
 
+/// An end stop of a coordinate q, on the side +1 where q cannot go up and −1 where it cannot go down. A rigid one turns
+/// the velocity v into −restitution·v at once. One that gives way pushes back with stiffness·a + damping·ȧ where it is
+/// penetrated by a > 0, and never pulls.
+struct Stop {
+  int coordinate = 0;      ///< from 0
+  double at = 0;           ///< m
+  int side = 1;            ///< +1 or −1
+  double restitution = 0;  ///< of a rigid stop, 0 … 1
+  double stiffness = 0;    ///< N/m; 0: rigid
+  double damping = 0;      ///< N s/m
+  bool rigid() const { return stiffness == 0; }
+};
+
 /// Coordinates q (m) from the place where springs are relaxed.
 struct Structure {
   Eigen::MatrixXd M, C, K;         ///< kg, N s/m, N/m; n × n
   std::vector<Signal> force;       ///< N on each coordinate; empty: none
   std::vector<std::string> names;  ///< of the coordinates, for columns and messages
   std::vector<FrictionContact> contacts;
+  std::vector<Stop> stops;
 
   int size() const { return int(M.rows()); }
   bool constant() const;
   /// \throws InputError for sizes that do not fit, an M that is not symmetric and positive definite, contacts that
-  /// stick along directions that depend on each other, and parts of a contact that do not go together.
+  /// stick along directions that depend on each other, parts of a contact that do not go together, and rigid stops
+  /// where an impact would be shared by masses.
   void check() const;
+
+ private:
+  void check_stops() const;
 };
 
 /// A slider's contact, along the first coordinate of a structure of one.

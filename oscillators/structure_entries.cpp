@@ -25,6 +25,8 @@ void StructureSystem::find_pattern() {
     for (const auto& [k, value] : K_[i]) rows[n_ + i].push_back(k);
     for (const auto& [k, value] : C_[i]) rows[n_ + i].push_back(n_ + k);
   }
+  for (const Stop& stop : structure_.stops)
+    rows[n_ + stop.coordinate].push_back(stop.coordinate), rows[n_ + stop.coordinate].push_back(n_ + stop.coordinate);
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
     std::vector<int> own, by_motion;  // rows of the contact's unknowns, and columns that its slip rate and load are of
@@ -53,6 +55,11 @@ void StructureSystem::linearise_entries(double t, const double* y, double* f, do
     entry(i, n_ + i) = along_[i];
     for (const auto& [k, value] : K_[i]) entry(n_ + i, k) = -value;
     for (const auto& [k, value] : C_[i]) entry(n_ + i, n_ + k) = -value * along_[k];
+  }
+  for (int s = 0; s < stops(); ++s) {
+    if (stop_mode_[s] != StopMode::pushes) continue;
+    const auto& [i, at, side, restitution, k, c] = structure_.stops[s];
+    entry(n_ + i, i) -= k, entry(n_ + i, n_ + i) -= c * along_[i];
   }
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
@@ -92,10 +99,13 @@ void StructureSystem::linearise_entries(double t, const double* y, double* f, do
     for (int e = pattern_.row_begin[row]; e < pattern_.row_begin[row + 1]; ++e) entries[e] *= factor;
   };
   for (int i = 0; i < n_; ++i) scale_row(n_ + i, along_[i]);
+  const auto clear_row = [&](int row) {
+    std::fill(entries + pattern_.row_begin[row], entries + pattern_.row_begin[row + 1], 0.0);
+  };
   for (int j = 0; j < friction_contacts(); ++j)
-    if (sticks(j))
-      std::fill_n(entries + pattern_.row_begin[n_ + at_[j].row],
-                  pattern_.row_begin[n_ + at_[j].row + 1] - pattern_.row_begin[n_ + at_[j].row], 0.0);
+    if (sticks(j)) clear_row(n_ + at_[j].row);
+  for (int s = 0; s < stops(); ++s)
+    if (stop_holds(s, t)) clear_row(structure_.stops[s].coordinate), clear_row(n_ + structure_.stops[s].coordinate);
 }
 
 }  // namespace rosin::oscillators

@@ -63,7 +63,10 @@ std::optional<VectorXd> solve_stiffness(const MatrixXd& K, const VectorXd& f) {
 }  // namespace
 
 StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
-    : structure_(std::move(structure)), n_(structure_.size()), is_constant_(structure_.constant()) {
+    : structure_(std::move(structure)),
+      n_(structure_.size()),
+      is_constant_(structure_.constant()),
+      stop_mode_(structure_.stops.size(), StopMode::open) {
   structure_.check();
   const auto& contacts = structure_.contacts;
   // Contacts that stick come first, because they need a speed of their own.
@@ -138,8 +141,8 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     const VectorXd& t = contact.tangential;
     const double holds = law.set_valued() && !law.has_states() ? N * law.static_limit(N) : N * 0.5;
     // Without a drive slip is as fast as what the contact holds makes the structure.
-    const double of_friction =
-        holds * std::sqrt(mobility(int(j)) / std::max(stiffness_along(int(j)) / t.squaredNorm(), 1e-300));
+    const double of_friction = holds * std::sqrt(mobility(int(j)) / std::max(stiffness_along(int(j)) / t.squaredNorm(),
+                                                                             natural_stiffness(t, holds)));
     at.reference_speed = std::max(std::abs(contact.speed.value(0)), std::abs(contact.speed.level()));
     if (at.reference_speed == 0)
       at.reference_speed = std::isfinite(of_friction) && of_friction > 0 ? of_friction : 1e-9;
@@ -158,6 +161,9 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
   const double largest_speed = speed_scale_.maxCoeff() > 0 ? speed_scale_.maxCoeff() : 1;
   for (int i = 0; i < n_; ++i) {
     if (speed_scale_[i] == 0) speed_scale_[i] = largest_speed;
+    for (const Stop& stop : structure_.stops)  // of a coordinate that nothing else holds
+      if (stop.coordinate == i && coordinate_scale_[i] == 0 && structure_.K(i, i) == 0)
+        coordinate_scale_[i] = std::abs(stop.at);
     if (coordinate_scale_[i] == 0)
       coordinate_scale_[i] = structure_.K(i, i) > 0
                                  ? speed_scale_[i] * std::sqrt(structure_.M(i, i) / structure_.K(i, i))
@@ -279,8 +285,7 @@ double StructureSystem::kink(const double* y) const {
     if (!follows_motion(j) || !at.support.lift_off || !at.normal_load.constant()) continue;
     const double N0 = load(j, 0).level, a = approach(j, y);
     if (N0 == 0) continue;
-    add(1 +
-        ((at.support.stiffness + at.support.cubic * a * a) * a + at.support.damping * approach_rate(j, 0, y)) / N0);
+    add(1 + ((at.support.stiffness + at.support.cubic * a * a) * a + at.support.damping * approach_rate(j, 0, y)) / N0);
   }
   return product;
 }
@@ -320,6 +325,9 @@ Eigen::VectorXd StructureSystem::forces_without_stick(double t, const double* y,
   const Eigen::Map<const VectorXd> q(y, n_);
   VectorXd R = -(K_ * q) - C_ * velocity(t, y);
   for (std::size_t i = 0; i < structure_.force.size(); ++i) R[i] += structure_.force[i].value(t);
+  for (int s = 0; s < stops(); ++s)
+    if (stop_mode_[s] == StopMode::pushes)
+      R[structure_.stops[s].coordinate] -= structure_.stops[s].side * stop_push(s, t, y);
   for (int j = 0; j < friction_contacts(); ++j) {
     const auto [N, rate] = load(j, t, y);
     if (follows_motion(j))
@@ -354,6 +362,11 @@ void StructureSystem::evaluate(double t, const double* y, double* f) const {
   for (int j = 0; j < friction_contacts(); ++j)
     if (at_[j].row >= 0 && !sticks(j)) rate[at_[j].row] += row_mass_[at_[j].row] * structure_.contacts[j].speed.rate(t);
   if (!stuck_.empty()) rate += acceleration_of_surfaces_ * accelerations_of_surfaces(t);
+  for (int s = 0; s < stops(); ++s) {
+    if (!stop_holds(s, t)) continue;
+    const int i = structure_.stops[s].coordinate;
+    f[i] = 0, rate[i] = row_mass_[i] * surface_acceleration(i, t);
+  }
 }
 
 void StructureSystem::linearise(double t, const double* y, double* f, double* jacobian) const {
@@ -369,6 +382,12 @@ void StructureSystem::linearise(double t, const double* y, double* f, double* ja
   evaluate(t, y, f);
   J.block(0, n_, n_, n_) = velocity_of_speed_;
   MatrixXd R_q = -structure_.K, R_w = -structure_.C * velocity_of_speed_;
+  for (int s = 0; s < stops(); ++s) {
+    if (stop_mode_[s] != StopMode::pushes) continue;
+    const auto& [i, at, side, restitution, k, c] = structure_.stops[s];
+    R_q(i, i) -= k;
+    R_w.row(i) -= c * velocity_of_speed_.row(i);
+  }
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
     const VectorXd& direction = structure_.contacts[j].tangential;
@@ -439,6 +458,13 @@ void StructureSystem::held(double t, const double* y, Held* held) const {
       const int row = at_[j].row;
       held[i] = {holding_alone_[j] * R[row] + holding_of_surface_alone_[j] * structure_.contacts[j].speed.rate(t),
                  limit, digits * (limit + std::abs(holding_alone_[j]) * terms[row])};
+      for (int stop = 0; stop < stops(); ++stop) {
+        if (stop_mode_[stop] != StopMode::holds || structure_.stops[stop].coordinate != row) continue;
+        if (contact_beside_stop(stop, t) == i)
+          held[i].force = structure_.stops[stop].side * std::max(structure_.stops[stop].side * held[i].force, 0.0);
+        else  // the surface takes nothing along
+          held[i] = {row_mass_[row] * structure_.contacts[j].speed.rate(t), 0, 0};
+      }
     } else {
       held[i] = {F[s], limit, digits * (limit + rounding[s])};
     }
@@ -548,15 +574,21 @@ void StructureSystem::cross_break(double t, double* y) const {
     if (N != changed) at.contact->change_load(slip_rate(j, before, y), N, changed, z);
     if (at.row >= 0) y[n_ + at.row] += contact.speed.value(t) - contact.speed.value(before);
     if (!at.carries_friction()) continue;
-    if (!at.rigid()) {
-      if (at.setup.compliance_per_load == 0) z[0] *= N / changed;
-      continue;
-    }
-    const double u = slip_rate(j, t, y);
-    std::vector<double> state = at.setup.lambda == 0 ? law(j).steady({u, changed}) : states(j, t, y);
-    if (at.setup.lambda == 0) write_states(j, state, z + 1);
-    z[0] = law(j).friction({u, changed}, state);
+    if (at.rigid())
+      make_friction_fit(j, t, y);
+    else if (at.setup.compliance_per_load == 0)
+      z[0] *= N / changed;
   }
+}
+
+/// Where its friction coefficient is an unknown, of a rigid contact: that of its slip rate and states.
+void StructureSystem::make_friction_fit(int j, double t, double* y) const {
+  const At& at = at_[j];
+  double* z = y + at.first;
+  const double u = slip_rate(j, t, y), N = load(j, t, y).level;
+  std::vector<double> state = at.setup.lambda == 0 ? law(j).steady({u, N}) : states(j, t, y);
+  if (at.setup.lambda == 0) write_states(j, state, z + 1);
+  z[0] = law(j).friction({u, N}, state);
 }
 
 double StructureSystem::read_state(int contact, int i, double unknown) const {

@@ -10,6 +10,9 @@
 
 namespace rosin::oscillators {
 
+/// What a stop does: nothing, push back by its spring, or hold the coordinate at rest.
+enum class StopMode : std::int8_t { open, pushes, holds };
+
 /// Unknowns: the coordinates q; one speed for each coordinate; the contacts' own.
 ///
 /// The speeds are w = (V − tᵀ q̇ of each contact, q̇ᵢ of the other coordinates), so that slip rates are unknowns: near
@@ -18,6 +21,10 @@ namespace rosin::oscillators {
 ///
 /// A contact that sticks exerts the force that keeps its slip rate 0. Where masses are shared these forces depend on
 /// each other, G F = V̇ − Tᵀ M⁻¹ R with G = Tᵀ M⁻¹ T over the contacts that stick and R all other forces.
+///
+/// Whoever follows a structure with stops sets their modes, as those of contacts. A coordinate that a stop holds does
+/// not move, whatever its forces are. Where the surface under it rests too, friction shares in that: the stop bears
+/// what pushes into it, and friction what would pull away.
 ///
 /// Where each speed belongs to a mass of its own, as in chains and belts, nothing of this is a matrix: an evaluation
 /// takes a time that is linear in the entries of K and C, and the Jacobian has a pattern.
@@ -50,6 +57,29 @@ class StructureSystem final : public SwitchingSystem {
   void slip_accelerations(double t, const double* y, double* acceleration) const override;
   void stop(int contact, double* y) const override;
   void release(int contact, double t, double* y) const override;
+
+  int stops() const { return int(structure_.stops.size()); }
+  StopMode stop_mode(int stop) const { return stop_mode_[stop]; }
+  void set_stop_mode(int stop, StopMode);
+  double stop_gap(int stop, const double* y) const;              ///< m, negative behind the stop
+  double stop_speed(int stop, double t, const double* y) const;  ///< towards the stop, m/s
+  /// What the stop is pressed with: by its spring and damper as if it touched (negative: it would pull), or by all
+  /// other forces where it holds, +∞ where friction at rest shares in that (N).
+  double stop_push(int stop, double t, const double* y) const;
+  /// Of its coordinate towards the stop, in the present modes (m/s²).
+  double stop_acceleration(int stop, double t, const double* y) const;
+  /// V̇ of the surface whose slip rate is the speed of a coordinate, 0 where that is its own.
+  double surface_acceleration(int coordinate, double t) const;
+  /// Gives its coordinate another speed towards the stop: contacts slip by that, along `side` where their slip rate is
+  /// then 0.
+  void set_stop_speed(int stop, double t, double speed, double side, double* y);
+  /// Puts its coordinate on the stop, at rest.
+  void rest_on_stop(int stop, double t, double* y);
+  /// The contact, among those that switch, that holds the stop's coordinate together with it: its surface rests. −1:
+  /// none.
+  int contact_beside_stop(int stop, double t) const;
+  /// Power of stops that push (W).
+  double stop_power(double t, const double* y) const;
 
   const Structure& structure() const { return structure_; }
   int coordinates() const { return n_; }
@@ -114,6 +144,9 @@ class StructureSystem final : public SwitchingSystem {
   double mobility(int contact) const;                                                        ///< tᵀ M⁻¹ t
   double stiffness_along(int contact) const;                                                 ///< tᵀ K t
   void find_pattern();
+  bool stop_holds(int stop, double t) const;
+  double natural_stiffness(const Eigen::VectorXd& along, double force) const;
+  void make_friction_fit(int contact, double t, double* y) const;
   bool follows_motion(int contact) const { return structure_.contacts[contact].normal.size() > 0; }
   const FrictionLaw& law(int contact) const { return *structure_.contacts[contact].law; }
   bool sticks(int contact) const { return at_[contact].sticks(law(contact)); }
@@ -146,6 +179,7 @@ class StructureSystem final : public SwitchingSystem {
   Eigen::VectorXd coordinate_scale_, speed_scale_;
   std::vector<bool> is_held_;  ///< coordinates, by springs or contacts
   bool is_constant_;
+  std::vector<StopMode> stop_mode_;
 };
 
 }  // namespace rosin::oscillators

@@ -1,6 +1,8 @@
 /// Returns of a structure to a moment of its drive, or to the maximum of a coordinate.
 #include "analysis/cycles/section_map.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -18,7 +20,18 @@ SectionMap::SectionMap(Structure structure)
 
 Section SectionMap::section() const {
   Section section;
-  section.value = [this](double t, const double* y) { return system_.velocity(t, y)[coordinate_]; };
+  // A rigid stop turns a velocity at once: on that side there is no maximum.
+  bool above = false, below = false;
+  for (const auto& stop : system_.structure().stops)
+    if (stop.rigid() && stop.coordinate == coordinate_) (stop.side > 0 ? above : below) = true;
+  if (above && below)
+    throw InputError(
+        fmt::format("{} moves most and has rigid stops on both sides: without a periodic drive its "
+                    "motion has no section there; give one stop a stiffness (N/m)",
+                    system_.unknown(coordinate_)));
+  section.value = [this, sign = above ? -1 : 1](double t, const double* y) {
+    return sign * system_.velocity(t, y)[coordinate_];
+  };
   std::vector<double> rest(system_.size()), scale(system_.size());
   system_.scale(rest.data(), scale.data());
   section.scale = scale[system_.coordinates() + coordinate_];

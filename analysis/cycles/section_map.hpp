@@ -10,7 +10,7 @@
 namespace rosin::analysis::cycles {
 
 /// Under a periodic drive the section is a moment of it, t = 0. Else a motion crosses the section where one coordinate
-/// has a maximum.
+/// has a maximum, or a minimum where a rigid stop is above it.
 class SectionMap {
  public:
   /// \throws InputError where the drive has no period.

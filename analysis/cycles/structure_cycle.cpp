@@ -137,8 +137,7 @@ struct Period {
     force_.resize(system.friction_contacts());
     last_ = closed.y;
     const auto arrived = map.follow(closed.y, tolerance, returns, false,
-                                    [this](Follower::Step& step, std::span<const Follower::Event> switches,
-                                           const std::vector<double>& behind) { add(step, switches, behind); });
+                                    [this](Follower::Step& step, std::span<const Follower::Event> switches) { add(step, switches); });
     duration = arrived.duration;
     evaluate();
     const Eigen::Index wanted = map.moving_unknowns() - (map.driven() ? 0 : 1);
@@ -149,7 +148,7 @@ struct Period {
 
  private:
   /// Values of all columns at the start and the stages of the step, their extremes and means.
-  void add(Follower::Step& step, std::span<const Follower::Event> switches, const std::vector<double>& behind) {
+  void add(Follower::Step& step, std::span<const Follower::Event> switches) {
     const StructureSystem& system = map_.system();
     const auto& tableau = RadauTableau::get();
     constexpr int nodes = Follower::Step::stages + 1;
@@ -182,7 +181,10 @@ struct Period {
       record.record(step.stage_time(node - 1), y.data());
     }
     moment_ += step.length();
-    for (const auto& [contact, what] : switches) events.push_back(motion::event_of(system, contact, what, moment_, behind));
+    for (const auto& event : switches) {
+      events.push_back(motion::event_of(system, event));
+      events.back().time = moment_ + (event.time - step.time());
+    }
   }
 
   /// The largest value of `sign` times a column within the step, at the full order, where it is above what is known.
@@ -263,7 +265,7 @@ class RecurrenceSearch {
   Recurrence search() {
     std::vector<double> y = motion::starting_point(map_.system(), model_.start);
     range_.begin(y);
-    const auto observe = [this](Follower::Step& step, std::span<const Follower::Event>, const std::vector<double>&) {
+    const auto observe = [this](Follower::Step& step, std::span<const Follower::Event>) {
       range_.add(step.state());
       if (map_.driven()) return;
       for (int c = 0; c < map_.system().contacts(); ++c)
@@ -411,7 +413,7 @@ class RecurrenceSearch {
   Recurrence result_;
 };
 
-/// Does the drive reverse after half its period?
+/// Does the drive reverse after half its period, and has each stop a mirror image?
 bool drive_is_antisymmetric(const Structure& structure, double period) {
   constexpr int moments = 37;
   constexpr double rounding = 1e-9;
@@ -426,6 +428,13 @@ bool drive_is_antisymmetric(const Structure& structure, double period) {
   return std::ranges::all_of(structure.force, [&](const Signal& f) { return reverses(f, -1); }) &&
          std::ranges::all_of(structure.contacts, [&](const oscillators::FrictionContact& c) {
            return reverses(c.speed, -1) && reverses(c.normal_load, 1) && c.normal.size() == 0;
+         }) &&
+         std::ranges::all_of(structure.stops, [&](const oscillators::Stop& stop) {
+           return std::ranges::any_of(structure.stops, [&](const oscillators::Stop& other) {
+             return other.coordinate == stop.coordinate && other.side == -stop.side && other.at == -stop.at &&
+                    other.restitution == stop.restitution && other.stiffness == stop.stiffness &&
+                    other.damping == stop.damping;
+           });
          });
 }
 

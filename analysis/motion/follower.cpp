@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/stop.hpp"
 
 namespace rosin::analysis::motion {
 
+using oscillators::StopMode;
 using solvers::stick_slip::StickSlip;
 using solvers::stick_slip::Switch;
 
@@ -27,38 +29,179 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
     section_value_ = section->value(t, y.data());
     armed_ = std::abs(section_value_) > on_it * section->scale;
   }
-  while (t < end) {
-    if (!solver.start(t, y))
+  for (bool begins = true; t < end; begins = false) {
+    if (!(begins && stops_.any() ? start_on_stops(solver, t, y) : start(solver, t, y)))
       return counted({Ending::not_finite, fmt::format("at the start of a piece, t = {:.9g} s", t)});
-    if (tangent_)  // no disturbance of a slip rate that stick holds
-      for (int c = 0; c < system_.contacts(); ++c)
-        if (system_.mode(c) == ContactMode::stick)
-          std::fill_n(tangent_->begin() + long(system_.slip_rate_unknown(c)) * columns_, columns_, 0.0);
     const double limit = std::min(end, system_.next_break(t));
     while (solver.time() < limit) {
       end_if_stopped();
       if (before.steps + solver.stepper().count().steps >= most_steps)
         return counted({Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s", most_steps, solver.time())});
       Switch switched;
-      if (Outcome outcome = solver.step(limit, switched); !outcome.complete()) return counted(outcome);
+      if (Outcome outcome = solver.step(std::min(limit, stops_.horizon(solver.time())), switched); !outcome.complete())
+        return counted(outcome);
       Step& step = solver.stepper();
+      const int stop = stops_.any() ? stops_.find(step) : -1;
       if (section && cross_section(step, *section)) {
         if (tangent_) carry_across(step);
-        if (observe) observe(step, {}, step.state());
+        if (observe) observe(step, std::exchange(events_, {}));
         y = step.state();
         return counted({Ending::event, ""});
       }
-      if (tangent_) {
-        carry_across(step);
-        if (!solver.events().empty()) carry_across_switches(solver);
+      if (tangent_) carry_across(step);
+      if (stop >= 0) {
+        if (!pass_stops(solver, stop))
+          return counted({Ending::not_finite, fmt::format("at a stop, t = {:.9g} s", solver.time())});
+        continue;
       }
-      if (observe) observe(step, solver.events(), solver.state());
+      if (tangent_ && !solver.events().empty()) carry_across_switches(solver);
+      note_switches(solver);
+      if (observe) observe(step, events_);
+      events_.clear();
+      let_go_where_contacts_slip(solver);
     }
     y = solver.state();
     t = limit;
     if (t < end) system_.cross_break(t, y.data());
   }
   return counted({});
+}
+
+bool Follower::start(StickSlip& solver, double t, const std::vector<double>& y) {
+  if (!solver.start(t, y)) return false;
+  settle_modes(t, y);
+  return true;
+}
+
+/// What follows from the modes of contacts at a start.
+void Follower::settle_modes(double t, const std::vector<double>& y) {
+  if (tangent_)  // no disturbance of a slip rate that stick holds
+    for (int c = 0; c < system_.contacts(); ++c)
+      if (system_.mode(c) == ContactMode::stick)
+        std::fill_n(tangent_->begin() + long(system_.slip_rate_unknown(c)) * columns_, columns_, 0.0);
+  // Slip on a surface that rests is slip away from the stop.
+  for (int s = 0; s < system_.stops(); ++s) {
+    const int beside = system_.contact_beside_stop(s, t);
+    if (system_.stop_mode(s) != StopMode::holds || beside < 0 || system_.mode(beside) == ContactMode::stick) continue;
+    system_.set_stop_mode(s, StopMode::open);
+    note_stop("leave", s, t, y);
+  }
+}
+
+void Follower::note_stop(const char* kind, int stop, double t, const std::vector<double>& y) {
+  const double displacement = y[system_.structure().stops[stop].coordinate];
+  events_.push_back({.kind = kind, .time = t, .contact = -1, .stop = stop, .displacement = displacement, .speed = 0});
+}
+
+void Follower::note_contact(Switch what, int contact, double t, const std::vector<double>& y) {
+  const auto& direction = system_.structure().contacts[system_.friction_contact(contact)].tangential;
+  const Eigen::Map<const Eigen::VectorXd> q(y.data(), system_.coordinates());
+  events_.push_back({.kind = name(what),
+                     .time = t,
+                     .contact = contact,
+                     .stop = -1,
+                     .displacement = direction.dot(q) / direction.squaredNorm(),
+                     .speed = 0});
+}
+
+/// The start of a motion, which may be rest on stops.
+bool Follower::start_on_stops(StickSlip& solver, double t, std::vector<double>& y) {
+  const auto may_hold = stops_.begin(t, y);
+  if (!start(solver, t, y)) return false;
+  if (may_hold.empty()) return true;
+  for (const int s : may_hold) {
+    if (system_.contact_beside_stop(s, t) < 0 && !(system_.stop_push(s, t, solver.state().data()) >= 0)) continue;
+    system_.set_stop_mode(s, StopMode::holds);
+    system_.rest_on_stop(s, t, y.data());
+    forget_motion_of(s);
+  }
+  const bool good = start(solver, t, y);
+  events_.clear();  // what does not hold has not rested
+  return good;
+}
+
+void Follower::note_switches(const StickSlip& solver) {
+  for (const auto& [contact, what] : solver.events()) {
+    int left = -1;
+    for (int s = 0; s < system_.stops(); ++s)
+      if (what == Switch::slip && system_.stop_mode(s) == StopMode::holds &&
+          system_.contact_beside_stop(s, solver.time()) == contact)
+        left = s;
+    if (left >= 0)
+      note_stop("leave", left, solver.time(), solver.state());
+    else
+      note_contact(what, contact, solver.time(), solver.state());
+  }
+}
+
+void Follower::let_go_where_contacts_slip(const StickSlip& solver) {
+  for (const auto& [contact, what] : solver.events())
+    for (int s = 0; s < system_.stops(); ++s)
+      if (what == Switch::slip && system_.stop_mode(s) == StopMode::holds &&
+          system_.contact_beside_stop(s, solver.time()) == contact)
+        system_.set_stop_mode(s, StopMode::open);
+}
+
+void Follower::forget_motion_of(int stop) {
+  if (!tangent_) return;
+  const int i = system_.structure().stops[stop].coordinate;
+  for (const int row : {i, system_.coordinates() + i})
+    std::fill_n(tangent_->begin() + long(row) * columns_, columns_, 0.0);
+}
+
+/// Where the last step ends, a stop switches: then the solution begins anew.
+bool Follower::pass_stops(StickSlip& solver, int first) {
+  Step& step = solver.stepper();
+  const double t = step.time();
+  std::vector<double> y = step.state();
+  const auto together = stops_.together_with(first, t, y);
+  const Modes modes = modes_now();
+  std::vector<Event> passed;
+  std::vector<std::vector<double>> there, rates_there;
+  for (const int s : together) {
+    there.push_back(y), rates_there.push_back(rates(t, y));
+    passed.push_back(stops_.pass(s, t, y));
+  }
+  events_.insert(events_.end(), passed.begin(), passed.end());
+  const Modes behind = modes_now();
+  set_modes(modes);  // the step is told in the modes that it was taken in
+  if (observe) observe(step, events_);
+  events_.clear();
+  set_modes(behind);
+  if (!solver.start(t, y)) return false;
+  y = solver.state();
+  if (tangent_) {
+    rates_there.push_back(rates(t, y));
+    for (std::size_t k = 0; k < together.size(); ++k)
+      carry_across_stop(passed[k], rates_there[k], rates_there[k + 1], there[k]);
+  }
+  settle_modes(t, y);
+  // The force of a stop may jump, and contacts give way; an impact tears its own off without a word.
+  for (int c = 0; c < system_.contacts(); ++c)
+    if (modes.contacts[c] == ContactMode::stick && behind.contacts[c] == ContactMode::stick &&
+        system_.mode(c) != ContactMode::stick)
+      note_contact(Switch::slip, c, t, y);
+  bool rests = false;
+  for (const int s : together) {
+    if (Event event; stops_.bounced(s) && stops_.comes_to_rest(s, t, y, event)) {
+      events_.push_back(event);
+      forget_motion_of(s);
+      rests = true;
+    }
+  }
+  return !rests || start(solver, t, y);
+}
+
+Follower::Modes Follower::modes_now() const {
+  Modes modes;
+  for (int c = 0; c < system_.contacts(); ++c) modes.contacts.push_back(system_.mode(c));
+  for (int s = 0; s < system_.stops(); ++s) modes.stops.push_back(system_.stop_mode(s));
+  return modes;
+}
+
+void Follower::set_modes(const Modes& modes) {
+  for (int c = 0; c < system_.contacts(); ++c) system_.set_mode(c, modes.contacts[c]);
+  for (int s = 0; s < system_.stops(); ++s) system_.set_stop_mode(s, modes.stops[s]);
 }
 
 /// Looks for crossings within the last step. True where the motion is to end at one: the step then ends there.
@@ -133,6 +276,26 @@ void Follower::jump(const std::vector<double>& before, const std::vector<double>
     for (int c = 0; c < columns_; ++c) S[i * columns_ + c] += (after[i] - turned[i]) * along[c];
 }
 
+/// Where a gap closes: as a switch, with the velocity reversed by an impact. \param y  before it
+void Follower::carry_across_stop(const Event& event, const std::vector<double>& before,
+                                 const std::vector<double>& after, const std::vector<double>& y) {
+  if (event.kind != "impact" && event.kind != "contact") return;  // else forces are continuous
+  const auto& stop = system_.structure().stops[event.stop];
+  const int i = stop.coordinate, row = system_.coordinates() + i, n = int(y.size());
+  std::vector<double>& S = *tangent_;
+  std::vector<double> along(columns_), turned = before;
+  const double v = stop.side * system_.stop_speed(event.stop, event.time, y.data());
+  for (int c = 0; c < columns_; ++c) along[c] = S[i * columns_ + c] / v;
+  if (event.kind == "impact") {
+    // Of the slip rate V − v the surface keeps V.
+    const double e = stop.restitution, surface = system_.surface_acceleration(i, event.time);
+    for (int c = 0; c < columns_; ++c) S[row * columns_ + c] *= -e;
+    turned[row] = -e * before[row] + (1 + e) * surface;
+  }
+  for (int k = 0; k < n; ++k)
+    for (int c = 0; c < columns_; ++c) S[k * columns_ + c] += (after[k] - turned[k]) * along[c];
+}
+
 /// Where several contacts come to rest at one instant each jumps in turn, and what they make others do goes with the
 /// last of them.
 void Follower::carry_across_switches(const StickSlip& solver) {
@@ -189,8 +352,7 @@ void Follower::carry_across_switches(const StickSlip& solver) {
       for (int i = 0; i < n; ++i) {
         ahead = behind = y;
         ahead[i] += aside * scale[i], behind[i] -= aside * scale[i];
-        gradient[i] =
-            (margin(t, ahead.data(), released) - margin(t, behind.data(), released)) / (2 * aside * scale[i]);
+        gradient[i] = (margin(t, ahead.data(), released) - margin(t, behind.data(), released)) / (2 * aside * scale[i]);
         rate += gradient[i] * before[i];
       }
       if (const double moment = aside * system_.resolution(); std::isfinite(moment))

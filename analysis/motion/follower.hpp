@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "analysis/motion/stop_watch.hpp"
 #include "oscillators/structure_system.hpp"
 #include "solvers/stick_slip/stick_slip_solver.hpp"
 
@@ -21,18 +22,19 @@ struct Section {
 class Follower {
  public:
   using Step = solvers::steps::Collocation;
-  using Event = solvers::stick_slip::StickSlip::Event;
+  using Event = MotionEvent;
 
   /// \param system  outlives this; its modes are set
-  Follower(oscillators::StructureSystem& system, double tolerance) : system_(system), tolerance_(tolerance) {}
+  Follower(oscillators::StructureSystem& system, double tolerance)
+      : system_(system), tolerance_(tolerance), stops_(system) {}
 
-  /// Called after each step, while the system is still in the modes of it: the step, the switches that it ended in, and
-  /// the unknowns behind them.
-  std::function<void(Step&, std::span<const Event>, const std::vector<double>& behind)> observe;
-  /// Carries the columns of `tangent` (size × columns, row-major): a disturbance of the start at fixed time becomes that
-  /// of the end. At a switch it jumps by the saltation matrix (Aizerman & Gantmakher 1958; Leine & Nijmeijer 2004,
-  /// chapter 7): the time of the switch depends on the disturbance, and stick forgets that of the slip rate. Drives with
-  /// breaks are not for this.
+  /// Called after each step, while the system is still in the modes of it: the step, the switches that it ended in (and
+  /// before it, what stops have come to since the last).
+  std::function<void(Step&, std::span<const Event>)> observe;
+  /// Carries the columns of `tangent` (size × columns, row-major): a disturbance of the start at fixed time becomes
+  /// that of the end. At a switch it jumps by the saltation matrix (Aizerman & Gantmakher 1958; Leine & Nijmeijer 2004,
+  /// chapter 7): the time of the switch depends on the disturbance, and stick forgets that of the slip rate. Drives
+  /// with breaks are not for this.
   void carry(std::vector<double>* tangent, int columns) { tangent_ = tangent, columns_ = columns; }
 
   /// Follows from (t, y) to `end` or to where the section says; then y is there, and time() too.
@@ -48,6 +50,23 @@ class Follower {
  private:
   bool cross_section(Step&, const Section&);
   void carry_across(Step&);
+  bool start(solvers::stick_slip::StickSlip&, double t, const std::vector<double>& y);
+  bool start_on_stops(solvers::stick_slip::StickSlip&, double t, std::vector<double>& y);
+  void settle_modes(double t, const std::vector<double>& y);
+  void note_stop(const char* kind, int stop, double t, const std::vector<double>& y);
+  void note_contact(solvers::stick_slip::Switch, int contact, double t, const std::vector<double>& y);
+  void note_switches(const solvers::stick_slip::StickSlip&);
+  void let_go_where_contacts_slip(const solvers::stick_slip::StickSlip&);
+  void forget_motion_of(int stop);
+  struct Modes {
+    std::vector<ContactMode> contacts;
+    std::vector<oscillators::StopMode> stops;
+  };
+  Modes modes_now() const;
+  void set_modes(const Modes&);
+  bool pass_stops(solvers::stick_slip::StickSlip&, int first);
+  void carry_across_stop(const MotionEvent&, const std::vector<double>& before, const std::vector<double>& after,
+                         const std::vector<double>& y);
   void carry_across_switches(const solvers::stick_slip::StickSlip&);
   void jump(const std::vector<double>& before, const std::vector<double>& after, const std::vector<double>& gradient,
             double rate, int ended, const std::vector<double>& y);
@@ -58,8 +77,10 @@ class Follower {
   double tolerance_, time_ = 0;
   std::vector<double>* tangent_ = nullptr;
   int columns_ = 0;
-  bool armed_ = false;        ///< the section may be crossed: the motion has left it since its start
-  double section_value_ = 0;  ///< at the end of the last step
+  StopWatch stops_;
+  std::vector<Event> events_;  ///< that were not told yet
+  bool armed_ = false;         ///< the section may be crossed: the motion has left it since its start
+  double section_value_ = 0;   ///< at the end of the last step
   Count count_;
 };
 

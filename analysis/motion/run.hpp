@@ -26,9 +26,11 @@ struct RunOptions {
 
 struct RunEvent {
   double time;
-  std::string kind;                         ///< "stick", "slip", "reversal"
+  std::string kind;                         ///< "stick", "slip", "reversal"; of stops as in MotionEvent
   double displacement, displacement_y = 0;  ///< m; displacement_y in the plane
   int contact = 0;                          ///< number of the contact in a structure with several, from 1; else 0
+  int coordinate = 0;                       ///< of a stop: the number of its coordinate, from 1; else 0
+  double speed = 0;                         ///< m/s, before an impact
 };
 
 struct Run {

@@ -60,12 +60,14 @@ bool StructureRecord::shows_load(int contact) const {
   return system_.friction_contacts() > 1 || system_.structure().contacts[contact].normal.size() > 0;
 }
 
-RunEvent event_of(const StructureSystem& system, int contact, solvers::stick_slip::Switch what, double t,
-                  const std::vector<double>& y) {
-  const int j = system.friction_contact(contact);
-  const auto& direction = system.structure().contacts[j].tangential;
-  const Eigen::Map<const Eigen::VectorXd> q(y.data(), system.coordinates());
-  return {t, name(what), direction.dot(q) / direction.squaredNorm(), 0, system.friction_contacts() > 1 ? j + 1 : 0};
+RunEvent event_of(const StructureSystem& system, const MotionEvent& event) {
+  const bool numbered = event.contact >= 0 && system.friction_contacts() > 1;
+  return {.time = event.time,
+          .kind = event.kind,
+          .displacement = event.displacement,
+          .contact = numbered ? system.friction_contact(event.contact) + 1 : 0,
+          .coordinate = event.stop >= 0 ? system.structure().stops[event.stop].coordinate + 1 : 0,
+          .speed = event.speed};
 }
 
 }  // namespace rosin::analysis::motion

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "analysis/motion/run.hpp"
+#include "analysis/motion/stop_watch.hpp"
 #include "oscillators/structure_system.hpp"
-#include "solvers/stick_slip/stick_slip_solver.hpp"
 
 namespace rosin::analysis::motion {
 
@@ -30,8 +30,7 @@ class StructureRecord {
   std::vector<double> force_, row_;
 };
 
-/// A switch of a contact, behind which the unknowns are y.
-RunEvent event_of(const oscillators::StructureSystem&, int contact, solvers::stick_slip::Switch, double t,
-                  const std::vector<double>& y);
+/// As a record numbers it: contacts only where there are several.
+RunEvent event_of(const oscillators::StructureSystem&, const MotionEvent&);
 
 }  // namespace rosin::analysis::motion

@@ -9,7 +9,8 @@ namespace rosin::analysis::motion {
 /// from 1 where there are several, with the normal load. Errors are the difference of two passes, at a tenth and at
 /// 1/300 of the tolerance; where that is above the tolerance, passes go on at 1/30 each, up to four in all. Metrics:
 /// stick_time of each contact; friction_work, what friction has turned into heat; energy_residual, what the balance of
-/// kinetic and elastic energy with all works leaves open, as a part of what was turned over; event_time_error, infinite
+/// kinetic and elastic energy with all works leaves open, as a part of what was turned over; impact_work, what rigid
+/// stops have taken of it, where there are stops; event_time_error, infinite
 /// where the passes count other switches; choices, switches in which the order that contacts give way in decides
 /// (balance_contacts). \throws InputError for a start that does not fit, a solver other than "auto" and "events", and a
 /// steady start

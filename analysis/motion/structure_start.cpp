@@ -1,9 +1,30 @@
 /// Unknowns of a structure at its start.
 #include "analysis/motion/structure_start.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 namespace rosin::analysis::motion {
 
 using Eigen::VectorXd;
+
+namespace {
+/// \throws InputError for a start behind a rigid stop, or on it and moving into it.
+void check_stops(const oscillators::StructureSystem& system, const VectorXd& q, const VectorXd& velocity) {
+  for (const auto& stop : system.structure().stops) {
+    const double x = q[stop.coordinate], v = velocity[stop.coordinate];
+    const auto name = system.unknown(stop.coordinate);
+    if (!stop.rigid()) continue;
+    if (stop.side * (x - stop.at) > 0)
+      throw InputError(fmt::format("the start at {} = {:.9g} m lies behind the stop at {:.9g} m; give one {} it", name,
+                                   x, stop.at, stop.side > 0 ? "below" : "above"));
+    if (x == stop.at && stop.side * v > 0)
+      throw InputError(fmt::format("{} starts on the stop at {:.9g} m and moves into it with {:.9g} m/s", name, stop.at,
+                                   std::abs(v)));
+  }
+}
+}  // namespace
 
 std::vector<double> starting_point(const oscillators::StructureSystem& system, const StructureStart& start) {
   const int n = system.coordinates();
@@ -18,9 +39,10 @@ std::vector<double> starting_point(const oscillators::StructureSystem& system, c
   };
   take(start.coordinates, q);
   take(start.velocities, velocity);
-  if (!given && !steady.empty()) return steady;
   // At rest no contact slips: slip rates and the speeds of other coordinates are 0.
   if (start.kind == Start::Kind::rest) velocity = system.velocity(0, std::vector<double>(system.size()).data());
+  check_stops(system, q, velocity);
+  if (!given && !steady.empty()) return steady;
   return system.unknowns_at(0, q, velocity);
 }
 

@@ -20,7 +20,7 @@ struct StructureModel {
 };
 
 /// The start as unknowns of the system at t = 0. "rest": all contacts move with their surfaces, other coordinates rest.
-/// \throws InputError for a steady start without steady sliding.
+/// \throws InputError for a steady start without steady sliding, and for one behind a rigid stop.
 std::vector<double> starting_point(const oscillators::StructureSystem&, const StructureStart&);
 
 }  // namespace rosin::analysis::motion

@@ -49,6 +49,12 @@ ordered_json rows(const analysis::planes::Map& map, F f) {
   return grid(map, [&](std::size_t i) { return f(map.points[i]); });
 }
 
+/// What an event says if it is one of a stop.
+inline void add_stop(ordered_json& entry, const analysis::motion::RunEvent& event) {
+  if (event.coordinate > 0) entry["coordinate"] = event.coordinate;
+  if (event.kind == "impact") entry["speed"] = event.speed;
+}
+
 /// What every document of a scene begins with.
 inline ordered_json begin(const scene::Scene& scene, const char* verb, const Outcome& outcome = {}) {
   ordered_json document{{"title", scene.title}, {"verb", verb}};

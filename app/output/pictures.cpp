@@ -59,6 +59,22 @@ int contact_of_column(const std::string& name) {
   return is_number ? std::stoi(name.substr(bar + 1)) : 0;
 }
 
+namespace {
+/// Whether an event says that the one contact sticks from then on, or slips: at a stop an impact tears it off, and rest
+/// and leave are its own where the surface rests.
+bool tells_stick(const scene::Scene& scene, const analysis::motion::RunEvent& event) {
+  if (event.coordinate == 0) return true;
+  const auto& contact = scene.structure->structure.contacts.front();
+  if (contact.tangential[event.coordinate - 1] == 0) return false;
+  return event.kind == "impact" ||
+         ((event.kind == "rest" || event.kind == "leave") && contact.speed.constant() && contact.speed.level() == 0);
+}
+bool starts_stuck(const analysis::motion::Run& run) {
+  const auto slip = std::ranges::find(run.column_names, "slip_rate");
+  return slip != run.column_names.end() && run.columns[std::size_t(slip - run.column_names.begin())].front() == 0;
+}
+}  // namespace
+
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::motion::Run& run) {
   std::vector<std::size_t> shown;
@@ -76,13 +92,16 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const bool strip = run.metrics.contains("stick_time") && run.time.size() > 1;
   if (strip) {  // stick or slip over time; what the motion began with follows from its first event
     std::string steps = "time (s),stick\n";
-    const auto first = std::ranges::find_if(run.events, [](const auto& event) { return event.kind != "reversal"; });
+    const auto stays = [&](const auto& event) { return event.kind == "reversal" || !tells_stick(scene, event); };
+    const auto first = std::ranges::find_if_not(run.events, stays);
     const double stuck = run.metrics.at("stick_time");
-    bool stick = first == run.events.end() ? stuck > 0 : first->kind == "slip";
+    bool stick = first == run.events.end() ? stuck > 0
+                 : first->coordinate > 0   ? starts_stuck(run)
+                                           : first->kind == "slip";
     steps += fmt::format("{},{}\n", run.time.front(), stick ? 1 : 0);
     for (const auto& event : run.events)
-      if (event.kind != "reversal") {
-        stick = event.kind == "stick";
+      if (!stays(event)) {
+        stick = event.kind == "stick" || event.kind == "rest";
         steps += fmt::format("{},{}\n", event.time, stick ? 1 : 0);
       }
     steps += fmt::format("{},{}\n", run.time.back(), stick ? 1 : 0);

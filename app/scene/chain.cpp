@@ -9,7 +9,7 @@ namespace rosin::app::scene {
 namespace {
 
 void read(SceneReader& reader, Table table, bool) {
-  table.expect({"type", "blocks", "mass", "stiffness", "damping", "pull_stiffness", "pull_damping", "contacts"});
+  table.expect({"type", "blocks", "mass", "stiffness", "damping", "pull_stiffness", "pull_damping", "contacts", "stops"});
   table.find("type");
   int blocks = 0;
   table.required("blocks", "number of blocks");
@@ -30,6 +30,7 @@ void read(SceneReader& reader, Table table, bool) {
   table.finish();
   reader.scene.structure.emplace().structure =
       oscillators::chain(chain, std::vector<oscillators::FrictionContact>(n, contact_of(reader.scene.model)));
+  read_stops(reader, table);
 }
 
 void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {

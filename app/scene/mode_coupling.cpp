@@ -7,7 +7,7 @@ namespace rosin::app::scene {
 namespace {
 
 void read(SceneReader& reader, Table table, bool) {
-  table.expect({"type", "mass", "springs", "damping", "contact"});
+  table.expect({"type", "mass", "springs", "damping", "contact", "stops"});
   table.find("type");
   oscillators::ModeCoupling model;
   const Quantity mass{"", "kg", {1e-12, 1e12}, "mass, along and into the belt"};
@@ -31,6 +31,7 @@ void read(SceneReader& reader, Table table, bool) {
   located(table.source(), [&] {
     reader.scene.structure.emplace().structure = oscillators::mode_coupling(model, contact_of(reader.scene.model), 0.0);
   });
+  read_stops(reader, table);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/signal.hpp"
+#include "app/scene/structure.hpp"
 
 namespace rosin::app::scene {
 
@@ -10,8 +11,9 @@ namespace {
 /// \param complete false where the verb has a slider of its own, of which the scene changes what it names
 void read(SceneReader& reader, Table table, bool complete) {
   auto& slider = reader.scene.model.slider;
-  table.expect({"type", "mass", "stiffness", "damping"});
+  table.expect({"type", "mass", "stiffness", "damping", "stops", "restitution"});
   table.find("type");
+  if (const auto* stops = table.find("stops")) refuse_stops_elsewhere(reader, *stops);
   if (complete) {
     table.required("mass", "kg; 0: quasi-static");
     table.required("stiffness", "N/m");
@@ -20,6 +22,12 @@ void read(SceneReader& reader, Table table, bool complete) {
   table.read("stiffness", slider.stiffness, mechanical("oscillator.stiffness"));
   table.read("damping", slider.damping, mechanical("oscillator.damping"));
   table.finish();
+}
+
+void read_drive_and_stops(SceneReader& reader, Table drive, bool complete) {
+  read_drive(reader, std::move(drive), complete);
+  if (const auto* oscillator = reader.root.find("oscillator"))
+    read_slider_stops(reader, Table(*oscillator, "oscillator"));
 }
 
 }  // namespace
@@ -38,6 +46,6 @@ void read_drive(SceneReader& reader, Table table, bool complete) {
   reader.scene.curve.normal_load = drive.normal_load.level();
 }
 
-OscillatorType slider_type() { return {"slider", {}, read, read_drive}; }
+OscillatorType slider_type() { return {"slider", {}, read, read_drive_and_stops}; }
 
 }  // namespace rosin::app::scene

@@ -103,7 +103,7 @@ Eigen::MatrixXd read_matrix(const toml::node& node, const Quantity& quantity, Ei
 
 void read(SceneReader& reader, Table table, bool) {
   auto& structure = reader.scene.structure.emplace().structure;
-  table.expect({"type", "M", "C", "K", "contacts", "force"});
+  table.expect({"type", "M", "C", "K", "contacts", "force", "stops"});
   table.find("type");
   structure.M = read_matrix(table.required("M", "mass matrix, kg"), {table.path("M"), "kg", any, "mass"}, 0);
   const auto n = structure.M.rows();
@@ -121,6 +121,7 @@ void read(SceneReader& reader, Table table, bool) {
     quantity.name = table.path("force");
     for (const auto& signal : signals) structure.force.push_back(read_signal(signal, quantity, reader.folder));
   }
+  read_stops(reader, table);
   table.finish();
 }
 

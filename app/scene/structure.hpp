@@ -23,6 +23,14 @@ void read_structure_model(SceneReader&);
 /// Changes the contact by the tables law, speed, normal_load and load_factor of its own.
 void read_contact(SceneReader&, Table&, oscillators::FrictionContact&);
 
+/// \throws InputError for a verb that follows no motion to its stops.
+void refuse_stops_elsewhere(const SceneReader&, const toml::node& stops);
+/// [[oscillator.stops]] of the structure in the scene.
+void read_stops(SceneReader&, Table& oscillator);
+/// A slider with stops = [low, high] and restitution, or tables as those above: it becomes a structure of one
+/// coordinate. Nothing where it has none.
+void read_slider_stops(SceneReader&, Table oscillator);
+
 /// How a contact answers motion along its normal: stiffness, cubic, damping, lift_off.
 oscillators::NormalSupport read_support(Table);
 

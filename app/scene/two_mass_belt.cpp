@@ -23,7 +23,7 @@ void read_both(Table& table, const std::string& key, double& block, double& seco
 }
 
 void read(SceneReader& reader, Table table, bool) {
-  table.expect({"type", "mass", "stiffness", "damping", "second_mass", "second_stiffness", "second_damping"});
+  table.expect({"type", "mass", "stiffness", "damping", "second_mass", "second_stiffness", "second_damping", "stops"});
   table.find("type");
   oscillators::TwoMassBelt belt;
   table.required("mass", "of the block on the belt, kg");
@@ -36,6 +36,7 @@ void read(SceneReader& reader, Table table, bool) {
   read_both(table, "damping", belt.block.damping, belt.second.damping, damping);
   table.finish();
   reader.scene.structure.emplace().structure = oscillators::two_mass_belt(belt, contact_of(reader.scene.model), 0.0);
+  read_stops(reader, table);
 }
 
 }  // namespace

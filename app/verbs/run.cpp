@@ -145,6 +145,7 @@ std::string document_of(const scene::Scene& scene, const analysis::motion::Run& 
                       {"displacement", scene.plane ? ordered_json{event.displacement, event.displacement_y}
                                                    : ordered_json(event.displacement)}});
     if (event.contact > 0) events.back()["contact"] = event.contact;
+    output::add_stop(events.back(), event);
   }
   document["metrics"] = run.metrics;
   document["solver"] = run.solver;

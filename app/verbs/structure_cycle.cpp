@@ -31,6 +31,7 @@ std::string document_of(const scene::Scene& scene, const StructureCycle& cycle) 
   for (const auto& event : cycle.events) {
     events.push_back({{"time", event.time}, {"kind", event.kind}, {"displacement", event.displacement}});
     if (event.contact > 0) events.back()["contact"] = event.contact;
+    output::add_stop(events.back(), event);
   }
   auto& section = document["section"] = ordered_json::object();
   for (std::size_t c = 0; c < cycle.columns.size(); ++c)
