@@ -127,7 +127,8 @@ FrictionContact contact_of(const Model& model) {
 
 Structure one_slider(const Model& model) {
   if (!(model.slider.mass > 0) || !std::isfinite(model.slider.stiffness))
-    throw InputError("periodic motion under a drive that varies, a plane of it, and a scan of stability need a slider with a mass "
+    throw InputError(
+        "periodic motion under a drive that varies, a plane of it, and a scan of stability need a slider with a mass "
         "(oscillator.mass > 0, kg) on a spring that gives way");
   Structure structure;
   structure.M = Eigen::MatrixXd::Constant(1, 1, model.slider.mass);
@@ -145,9 +146,10 @@ double common_period(const Structure& structure) {
   const auto take = [&](const Signal& signal, const char* what) {
     const auto terms = signal.piece(0).terms;
     if (terms.empty() && !signal.constant())
-      throw InputError(fmt::format("{} has no period: a periodic motion needs a drive that is constant or a sum of "
-                                   "harmonics",
-                                   what));
+      throw InputError(
+          fmt::format("{} has no period: a periodic motion needs a drive that is constant or a sum of "
+                      "harmonics",
+                      what));
     for (const auto& term : terms)
       if (term.amplitude != 0) frequencies.push_back(std::abs(term.angular_frequency));
   };
@@ -164,9 +166,10 @@ double common_period(const Structure& structure) {
           return std::abs(of_this - std::round(of_this)) <= same * of_this;
         }))
       return turns * 2 * std::numbers::pi / slowest;
-  throw InputError(fmt::format("the angular frequencies of the drive have no common period within {} of the slowest "
-                               "({} rad/s)",
-                               most_turns, slowest));
+  throw InputError(
+      fmt::format("the angular frequencies of the drive have no common period within {} of the slowest "
+                  "({} rad/s)",
+                  most_turns, slowest));
 }
 
 Structure two_mass_belt(const TwoMassBelt& belt, const FrictionContact& contact, const Signal& force) {

@@ -68,8 +68,7 @@ class Range {
 
 double distance(const std::vector<double>& a, const std::vector<double>& b, const VectorXd& size) {
   double largest = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    largest = std::max(largest, std::abs(a[i] - b[i]) / size[Eigen::Index(i)]);
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]) / size[Eigen::Index(i)]);
   return largest;
 }
 
@@ -136,8 +135,9 @@ struct Period {
     stick_.assign(system.contacts(), 0.0);
     force_.resize(system.friction_contacts());
     last_ = closed.y;
-    const auto arrived = map.follow(closed.y, tolerance, returns, false,
-                                    [this](Follower::Step& step, std::span<const Follower::Event> switches) { add(step, switches); });
+    const auto arrived =
+        map.follow(closed.y, tolerance, returns, false,
+                   [this](Follower::Step& step, std::span<const Follower::Event> switches) { add(step, switches); });
     duration = arrived.duration;
     evaluate();
     const Eigen::Index wanted = map.moving_unknowns() - (map.driven() ? 0 : 1);
@@ -426,9 +426,10 @@ bool drive_is_antisymmetric(const Structure& structure, double period) {
     return left <= rounding * size;
   };
   return std::ranges::all_of(structure.force, [&](const Signal& f) { return reverses(f, -1); }) &&
-         std::ranges::all_of(structure.contacts, [&](const oscillators::FrictionContact& c) {
-           return reverses(c.speed, -1) && reverses(c.normal_load, 1) && c.normal.size() == 0;
-         }) &&
+         std::ranges::all_of(structure.contacts,
+                             [&](const oscillators::FrictionContact& c) {
+                               return reverses(c.speed, -1) && reverses(c.normal_load, 1) && c.normal.size() == 0;
+                             }) &&
          std::ranges::all_of(structure.stops, [&](const oscillators::Stop& stop) {
            return std::ranges::any_of(structure.stops, [&](const oscillators::Stop& other) {
              return other.coordinate == stop.coordinate && other.side == -stop.side && other.at == -stop.at &&
@@ -446,12 +447,14 @@ std::string symmetry_of(SectionMap& map, const Closed& closed, int returns, doub
   std::vector<double> y = closed.y;
   Follower follower(map.system(), tolerance);
   Outcome outcome;
-  for (int turn = 0; turn < returns / 2 && outcome.complete(); ++turn) outcome = follower.follow(0, y, map.drive_period());
+  for (int turn = 0; turn < returns / 2 && outcome.complete(); ++turn)
+    outcome = follower.follow(0, y, map.drive_period());
   if (outcome.complete()) outcome = follower.follow(0, y, 0.5 * map.drive_period());
   if (!outcome.complete()) return "";
   const auto& system = map.system();
   const int n = system.coordinates();
-  const VectorXd before = system.velocity(0, closed.y.data()), after = system.velocity(0.5 * map.drive_period(), y.data());
+  const VectorXd before = system.velocity(0, closed.y.data()),
+                 after = system.velocity(0.5 * map.drive_period(), y.data());
   double apart = 0;
   for (int i = 0; i < n; ++i)
     apart = std::max({apart, std::abs(y[i] + closed.y[i]) / size[i], std::abs(after[i] + before[i]) / size[n + i]});
@@ -477,8 +480,8 @@ StructureCycle find_cycle(const motion::StructureModel& model, const StructureCy
   require(options.tolerance, {1e-11, 0.1}, "tolerance", "relative accuracy of a cycle", "1");
   SectionMap map(model.structure);
   map.most_steps = options.most_steps;
-  if (!map.driven() && std::ranges::all_of(model.structure.contacts,
-                                           [](const auto& contact) { return contact.speed.level() == 0; }))
+  if (!map.driven() &&
+      std::ranges::all_of(model.structure.contacts, [](const auto& contact) { return contact.speed.level() == 0; }))
     throw InputError("nothing drives the structure: no surface moves, and no force varies (drive.speed, m/s)");
   StructureCycle result;
   RecurrenceSearch search(map, model, options);

@@ -27,8 +27,8 @@ MapPoint compute_point(const motion::StructureModel& model, const MapOptions& op
       if (metric.name == name) metric.value(point) = value, metric.error(point) = error;
   };
   const bool driven = common_period(model.structure) > 0;
-  const bool slides = std::ranges::all_of(model.structure.contacts,
-                                          [](const auto& contact) { return contact.speed.level() != 0; });
+  const bool slides =
+      std::ranges::all_of(model.structure.contacts, [](const auto& contact) { return contact.speed.level() != 0; });
   bool stable = false;
   if (slides) {
     const auto sliding = steady::stability(model.structure);
@@ -113,8 +113,7 @@ Map compute_structure_map(const StructureFamily& family, const MapOptions& optio
       map.points[i] = std::move(point);
       ++done;
       if (hooks.finished) hooks.finished(std::span(&i, 1), map.points);
-      if (hooks.progress)
-        hooks.progress({total - missing.size() + done, total, double(done) / double(missing.size())});
+      if (hooks.progress) hooks.progress({total - missing.size() + done, total, double(done) / double(missing.size())});
     });
   } catch (const Stopped&) {
     map.outcome = {Ending::interrupted, fmt::format("{} of {} points are done", total - missing.size() + done, total)};

@@ -427,8 +427,8 @@ std::vector<CriticalValue> critical_values(const SlidingStructure& sliding, cons
   };
   std::vector<CriticalValue> found;
   for (const auto& crossing : steady::crossings(at, values))
-    found.push_back({crossing.value, crossing.angular_frequency,
-                     crossing.error + slope_rounding * std::abs(crossing.value)});
+    found.push_back(
+        {crossing.value, crossing.angular_frequency, crossing.error + slope_rounding * std::abs(crossing.value)});
   return found;
 }
 

@@ -107,8 +107,7 @@ Crossing locate(const LeadingAt& at, Point calm, Point growing) {
   // What the error of the rate leaves open, by the slope of the rate.
   const double size = std::max(std::abs(crossing.value), 1e-300), aside = 1e-6 * size;
   const double slope = (at(crossing.value + aside).growth - at(crossing.value - aside).growth) / (2 * aside);
-  crossing.error =
-      std::abs(growing.value - calm.value) + growing.leading.error / std::abs(slope) + rounding * size;
+  crossing.error = std::abs(growing.value - calm.value) + growing.leading.error / std::abs(slope) + rounding * size;
   return crossing;
 }
 
@@ -171,9 +170,8 @@ Scan scan(const std::function<StructureStability(double)>& stability_at, std::ve
     end_if_stopped();
     const auto there = stability_at(value);
     known[value] = leading(there);
-    result.eigenvalues.push_back(result.eigenvalues.empty()
-                                     ? there.eigenvalues
-                                     : in_order_of(result.eigenvalues.back(), there.eigenvalues));
+    result.eigenvalues.push_back(
+        result.eigenvalues.empty() ? there.eigenvalues : in_order_of(result.eigenvalues.back(), there.eigenvalues));
   }
   const auto at = [&](double value) {
     const auto found = known.find(value);

@@ -35,9 +35,9 @@ struct Threshold : Crossing {
 };
 
 struct Scan {
-  std::vector<double> values;                                   ///< of the parameter, ascending
+  std::vector<double> values;                                  ///< of the parameter, ascending
   std::vector<std::vector<std::complex<double>>> eigenvalues;  ///< [value]; each a branch from value to value
-  std::vector<Threshold> thresholds;                            ///< ascending
+  std::vector<Threshold> thresholds;                           ///< ascending
 };
 
 /// Stability at each of the values, ascending, and the thresholds between them.

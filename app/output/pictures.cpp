@@ -307,17 +307,17 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const auto plot = [&](std::size_t first, double factor, std::string thresholds) {
     std::vector<std::string> curves;
     for (std::size_t b = 0; b < branches; ++b)
-      curves.push_back(fmt::format("'stability.csv' using 1:(${}*{}) with points pointtype 7 pointsize 0.35 linecolor "
-                                   "'#00336F' notitle",
-                                   first + 2 * b, factor));
+      curves.push_back(
+          fmt::format("'stability.csv' using 1:(${}*{}) with points pointtype 7 pointsize 0.35 linecolor "
+                      "'#00336F' notitle",
+                      first + 2 * b, factor));
     if (!thresholds.empty()) curves.push_back(std::move(thresholds));
     return fmt::format("plot {}\n", fmt::join(curves, ", \\\n     "));
   };
-  script += fmt::format("set ylabel 'frequency ({})'\nset format x ''\n{}", hertz.unit,
-                        plot(2, hertz.factor,
-                             scan.thresholds.empty()
-                                 ? ""
-                                 : "NaN with lines linecolor '#888888' dashtype (6,4) title 'threshold'"));
+  script += fmt::format(
+      "set ylabel 'frequency ({})'\nset format x ''\n{}", hertz.unit,
+      plot(2, hertz.factor,
+           scan.thresholds.empty() ? "" : "NaN with lines linecolor '#888888' dashtype (6,4) title 'threshold'"));
   script += fmt::format("set xlabel {}\nset ylabel 'growth rate (1/s)'\nset format x '%g'\n",
                         label(parameter.name + ", " + parameter.meaning, parameter.unit));
   script += plot(3, 1, "0 with lines linecolor '#000000' linewidth 0.6 notitle");
@@ -341,8 +341,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   constexpr int row_height = 300, margin = 110;
   const int height = margin + row_height * int(rows);
   std::string script = preamble("cycle", "One periodic motion: slip rate in time, and the phase plane", 940, height);
-  script += fmt::format("set multiplot layout {},2 title {} margins 0.10,0.97,{:.4f},{:.4f} spacing 0.13,{:.4f}\n", rows,
-                        single_quoted(scene.title), 60.0 / height, 1 - 70.0 / height, 100.0 / height);
+  script += fmt::format("set multiplot layout {},2 title {} margins 0.10,0.97,{:.4f},{:.4f} spacing 0.13,{:.4f}\n",
+                        rows, single_quoted(scene.title), 60.0 / height, 1 - 70.0 / height, 100.0 / height);
   script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at graph 1,1.02 right bottom horizontal\n";
   script += "set offsets 0, 0, graph 0.05, graph 0.05\n";
   const auto time = scaled("s", cycle.metrics.at("period").value);
@@ -360,8 +360,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                           slip + 2, rate.factor);
     const std::string marked = "with lines linecolor '#B0560F' linewidth 5";
     if (has_stick)
-      script += fmt::format(", \\\n     'cycle.csv' using ($1*{0}):(${1} == 0 ? 0 : NaN) {2} title 'stick'", time.factor,
-                            slip + 2, marked);
+      script += fmt::format(", \\\n     'cycle.csv' using ($1*{0}):(${1} == 0 ? 0 : NaN) {2} title 'stick'",
+                            time.factor, slip + 2, marked);
     script += fmt::format("\n\nset xlabel {}\nset ylabel {}\n", label(readable(cycle.column_names[place]), way.unit),
                           label(readable(cycle.column_names[speed]), velocity.unit));
     script += fmt::format("plot 'cycle.csv' using (${0}*{1}):(${2}*{3}) with lines linestyle 1 notitle", place + 2,

@@ -202,9 +202,8 @@ Marks marks(const analysis::planes::Map& map, double key_height) {
     return std::ranges::all_of(map.points, [&](const auto& point) { return point.regime == regime; });
   };
   // Where no sliding is steady all motion is periodic: nothing to tell apart.
-  const bool all_move = std::ranges::none_of(map.points, [](const auto& point) {
-    return point.regime == Regime::stable || point.regime == Regime::bistable;
-  });
+  const bool all_move = std::ranges::none_of(
+      map.points, [](const auto& point) { return point.regime == Regime::stable || point.regime == Regime::bistable; });
   Marks result;
   double at = 0.05;  // of the key's entries, across the picture
   for (const auto& mark : list) {

@@ -9,7 +9,8 @@ namespace rosin::app::scene {
 namespace {
 
 void read(SceneReader& reader, Table table, bool) {
-  table.expect({"type", "blocks", "mass", "stiffness", "damping", "pull_stiffness", "pull_damping", "contacts", "stops"});
+  table.expect(
+      {"type", "blocks", "mass", "stiffness", "damping", "pull_stiffness", "pull_damping", "contacts", "stops"});
   table.find("type");
   int blocks = 0;
   table.required("blocks", "number of blocks");

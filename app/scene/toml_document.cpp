@@ -156,9 +156,8 @@ void apply_override(toml::table& scene, const std::string& given) {
   if (begin == path.size()) throw InputError(fmt::format("{}: the path ends with a dot", origin));
   toml::node& changed = *parsed.get("value");
   if (auto* list = at->as_array())
-    changed.visit([&](auto& is) {
-      list->replace(list->begin() + long(entry(*list, begin, path.size())), std::move(is));
-    });
+    changed.visit(
+        [&](auto& is) { list->replace(list->begin() + long(entry(*list, begin, path.size())), std::move(is)); });
   else
     place_at(*at->as_table(), path.substr(begin), changed);
 }

@@ -1,8 +1,6 @@
 /// The verb map: regimes and metrics over a parameter plane.
 #include "analysis/planes/map.hpp"
 
-#include "analysis/planes/structure_map.hpp"
-
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "analysis/planes/structure_map.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"

@@ -26,8 +26,8 @@ scene::StabilityScan read_scan(scene::Table table, scene::SceneReader& reader) {
   const auto& family = *(reader.scene.family = std::make_shared<scene::Family>(reader));
   table.expect({"parameter", "from", "to", "points", "scale"});
   const auto& parameter = table.required("parameter", "path of a number, such as law.mu_d");
-  scan.parameter = scene::located(
-      parameter.source(), [&] { return family.describe(scene::text(parameter, table.path("parameter"))); });
+  scan.parameter = scene::located(parameter.source(),
+                                  [&] { return family.describe(scene::text(parameter, table.path("parameter"))); });
   const auto meaning = scan.parameter.name + ", " + scan.parameter.meaning;
   double from = 0, to = 0;
   int points = 60;
@@ -52,7 +52,8 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
     for (std::size_t i = 0; i < scene.hopf_parameters.size(); ++i)
       scene::located(parameters->as_array()->get(i)->source(), [&] { scene.model.describe(scene.hopf_parameters[i]); });
   }
-  if (const auto* scan = table.find("scan")) scene.stability_scan = read_scan(scene::Table(*scan, table.path("scan")), reader);
+  if (const auto* scan = table.find("scan"))
+    scene.stability_scan = read_scan(scene::Table(*scan, table.path("scan")), reader);
   table.finish();
 }
 
@@ -162,7 +163,8 @@ Status perform_on_structure(Job& job) {
     job.say("{} of instability at {} = {}, {:.10g} rad/s", threshold.onset ? "onset" : "end", parameter.name,
             justified(threshold.value, threshold.error, parameter.unit), threshold.angular_frequency);
   }
-  if (scan.thresholds.empty()) job.say("no threshold in {} from {:g} to {:g}", parameter.name, axis.values.front(), axis.values.back());
+  if (scan.thresholds.empty())
+    job.say("no threshold in {} from {:g} to {:g}", parameter.name, axis.values.front(), axis.values.back());
   job.manifest().tolerance_reached = reached.value();
   auto files = output::write_picture(job.folder(), scene, scan);
   return job.finish(document_of(scene, result, &scan), std::move(files), {});

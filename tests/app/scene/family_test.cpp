@@ -33,7 +33,8 @@ x = { parameter = 'oscillator.K.1.2', from = 0.1, to = 0.9, points = 3, scale = 
 y = { parameter = 'contacts.2.law.mu_d', from = 0.05, to = 0.15, points = 2 }
 )";
 
-app::scene::Scene read(const std::string& text, const std::string& verb, const std::vector<std::string>& overrides = {}) {
+app::scene::Scene read(const std::string& text, const std::string& verb,
+                       const std::vector<std::string>& overrides = {}) {
   const tests::Folder folder;
   const auto path = folder.path / "scene.toml";
   std::ofstream(path) << text;
