@@ -58,6 +58,11 @@ int SectionMap::moving_unknowns() const {
   return int(std::ranges::count_if(mass, [](double m) { return m != 0; }));
 }
 
+void SectionMap::add_to_count(const Follower& follower) {
+  const auto& done = follower.count();
+  count = {count.steps + done.steps, count.evaluations + done.evaluations, count.choices + done.choices};
+}
+
 SectionMap::Return SectionMap::follow(const std::vector<double>& y, double tolerance, int returns, bool derivative,
                                       const Observer& observe) {
   const int n = system_.size();
@@ -88,8 +93,7 @@ SectionMap::Return SectionMap::follow(const std::vector<double>& y, double toler
     if (result.outcome.ending == Ending::reached_end)
       result.outcome = {Ending::none_exists, "the motion does not return"};
   }
-  const auto& done = follower.count();
-  count = {count.steps + done.steps, count.evaluations + done.evaluations, count.choices + done.choices};
+  add_to_count(follower);
   if (!derivative || result.outcome.ending != Ending::event) return result;
   result.derivative = Eigen::Map<const RowMajor>(S.data(), n, n);
   if (!driven()) {  // disturbances that arrive at another time: P = 1 − f ∇gᵀ/(∇g f)
@@ -132,8 +136,7 @@ Outcome SectionMap::follow_crossings(
       t = follower.time();
     }
   }
-  const auto& done = follower.count();
-  count = {count.steps + done.steps, count.evaluations + done.evaluations, count.choices + done.choices};
+  add_to_count(follower);
   return outcome;
 }
 

@@ -47,6 +47,7 @@ class SectionMap {
 
  private:
   motion::Section section() const;
+  void add_to_count(const motion::Follower&);
 
   oscillators::StructureSystem system_;
   double drive_period_;

@@ -134,7 +134,6 @@ struct Period {
     mean_.assign(record.names.size(), 0.0);
     stick_.assign(system.contacts(), 0.0);
     force_.resize(system.friction_contacts());
-    last_ = closed.y;
     const auto arrived =
         map.follow(closed.y, tolerance, returns, false,
                    [this](Follower::Step& step, std::span<const Follower::Event> switches) { add(step, switches); });
@@ -245,7 +244,7 @@ struct Period {
 
   SectionMap& map_;
   std::vector<std::array<double, Follower::Step::stages + 1>> steps_;
-  std::vector<double> high_, low_, mean_, stick_, force_, last_;
+  std::vector<double> high_, low_, mean_, stick_, force_;
   double heat_ = 0, moment_ = 0;
 };
 
@@ -372,11 +371,7 @@ class RecurrenceSearch {
   /// An oscillation about steady sliding that dies out.
   bool settles(const std::vector<double>& y) {
     if (steady_.empty()) return false;
-    const int n = map_.system().coordinates();
-    std::vector<double> natural(y.size());
-    map_.system().scale(steady_.data(), natural.data());
-    double away = 0;
-    for (int i = 0; i < n; ++i) away = std::max(away, std::abs(y[i] - steady_[i]) / natural[i]);
+    const double away = away_from_steady(y);
     const bool smaller = away < last_away_ && !std::exchange(sticks_, false);
     last_away_ = away;
     decays_ = smaller ? decays_ + 1 : 0;
@@ -386,14 +381,17 @@ class RecurrenceSearch {
   }
   /// Not steady sliding itself.
   bool moves(const std::vector<double>& y) const {
-    if (steady_.empty()) return true;
+    constexpr double least = 1e-5;
+    return steady_.empty() || away_from_steady(y) > least;
+  }
+  /// The largest distance of a coordinate from steady sliding, in natural sizes.
+  double away_from_steady(const std::vector<double>& y) const {
     std::vector<double> natural(y.size());
     map_.system().scale(steady_.data(), natural.data());
     double away = 0;
     for (int i = 0; i < map_.system().coordinates(); ++i)
       away = std::max(away, std::abs(y[i] - steady_[i]) / natural[i]);
-    constexpr double least = 1e-5;
-    return away > least;
+    return away;
   }
 
   static constexpr int renewal = 8;

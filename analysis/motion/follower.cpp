@@ -43,12 +43,12 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
       Step& step = solver.stepper();
       const int stop = stops_.any() ? stops_.find(step) : -1;
       if (section && cross_section(step, *section)) {
-        if (tangent_) carry_across(step);
+        if (tangent_) step.propagate(*tangent_, columns_);
         if (observe) observe(step, std::exchange(events_, {}));
         y = step.state();
         return counted({Ending::event, ""});
       }
-      if (tangent_) carry_across(step);
+      if (tangent_) step.propagate(*tangent_, columns_);
       if (stop >= 0) {
         if (!pass_stops(solver, stop))
           return counted({Ending::not_finite, fmt::format("at a stop, t = {:.9g} s", solver.time())});
@@ -225,8 +225,6 @@ bool Follower::cross_section(Step& step, const Section& section) {
   section_value_ = low_value;
   return false;
 }
-
-void Follower::carry_across(Step& step) { step.propagate(*tangent_, columns_); }
 
 std::vector<double> Follower::rates(double t, const std::vector<double>& y) const {
   std::vector<double> f(y.size()), mass(y.size());

@@ -49,7 +49,6 @@ class Follower {
 
  private:
   bool cross_section(Step&, const Section&);
-  void carry_across(Step&);
   bool start(solvers::stick_slip::StickSlip&, double t, const std::vector<double>& y);
   bool start_on_stops(solvers::stick_slip::StickSlip&, double t, std::vector<double>& y);
   void settle_modes(double t, const std::vector<double>& y);
