@@ -23,6 +23,8 @@ class SwitchingSystem : public System {
   virtual void set_mode(int contact, ContactMode mode) = 0;
   /// Index of the unknown that is the slip rate of the contact: at rest it is exactly 0.
   virtual int slip_rate_unknown(int contact) const = 0;
+  /// Displacement along the contact's direction (m).
+  virtual double displacement(int contact, const double* y) const = 0;
   /// A speed that the contact's slip rates are measured against, > 0.
   virtual double reference_speed(int contact) const = 0;
 

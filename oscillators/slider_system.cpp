@@ -602,6 +602,7 @@ double SliderSystem::holding_rounding(double t, const double* y) const {
 }
 
 void SliderSystem::held(double t, const double* y, Held* held) const {
+  if (contacts() == 0) return;
   held[0] = {holding_force(t, y), holding_limit(t, y), holding_rounding(t, y)};
 }
 

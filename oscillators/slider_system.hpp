@@ -99,6 +99,7 @@ class SliderSystem final : public SwitchingSystem {
   ContactMode mode(int = 0) const override { return mode_; }
   void set_mode(int, ContactMode mode) override { mode_ = mode; }
   int slip_rate_unknown(int) const override { return slip_rate_index(); }
+  double displacement(int, const double* y) const override { return y[0]; }
   double reference_speed(int = 0) const override { return reference_speed_; }
   void held(double t, const double* y, Held* held) const override;
   void slip_accelerations(double t, const double* y, double* acceleration) const override;

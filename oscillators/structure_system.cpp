@@ -481,6 +481,11 @@ void StructureSystem::slip_accelerations(double t, const double* y, double* acce
   }
 }
 
+double StructureSystem::displacement(int contact, const double* y) const {
+  const auto& direction = structure_.contacts[switching_[contact]].tangential;
+  return direction.dot(Eigen::Map<const Eigen::VectorXd>(y, n_)) / direction.squaredNorm();
+}
+
 void StructureSystem::stop(int contact, double* y) const {
   y[slip_rate_unknown(contact)] = 0;
   const int j = switching_[contact];

@@ -51,6 +51,7 @@ class StructureSystem final : public SwitchingSystem {
   ContactMode mode(int contact) const override { return at_[switching_[contact]].mode; }
   void set_mode(int contact, ContactMode mode) override;
   int slip_rate_unknown(int contact) const override { return n_ + at_[switching_[contact]].row; }
+  double displacement(int contact, const double* y) const override;
   double reference_speed(int contact) const override { return at_[switching_[contact]].reference_speed; }
   bool contacts_decide_alone() const override { return is_diagonal_; }
   void held(double t, const double* y, Held* held) const override;

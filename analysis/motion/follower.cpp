@@ -1,4 +1,4 @@
-/// A structure followed step by step, the crossings of a section located, and disturbances carried across switches.
+/// An oscillator followed step by step, the crossings of a section located, and disturbances carried across switches.
 #include "analysis/motion/follower.hpp"
 
 #include <fmt/format.h>
@@ -30,7 +30,7 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
     armed_ = std::abs(section_value_) > on_it * section->scale;
   }
   for (bool begins = true; t < end; begins = false) {
-    if (!(begins && stops_.any() ? start_on_stops(solver, t, y) : start(solver, t, y)))
+    if (!(begins && stops_ ? start_on_stops(solver, t, y) : start(solver, t, y)))
       return counted({Ending::not_finite, fmt::format("at the start of a piece, t = {:.9g} s", t)});
     const double limit = std::min(end, system_.next_break(t));
     while (solver.time() < limit) {
@@ -38,17 +38,18 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
       if (before.steps + solver.stepper().count().steps >= most_steps)
         return counted({Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s", most_steps, solver.time())});
       Switch switched;
-      if (Outcome outcome = solver.step(std::min(limit, stops_.horizon(solver.time())), switched); !outcome.complete())
+      if (Outcome outcome = solver.step(std::min(limit, stops_ ? stops_->horizon(solver.time()) : infinity), switched);
+          !outcome.complete())
         return counted(outcome);
       Step& step = solver.stepper();
-      const int stop = stops_.any() ? stops_.find(step) : -1;
+      const int stop = stops_ ? stops_->find(step) : -1;
       if (section && cross_section(step, *section)) {
-        if (tangent_) step.propagate(*tangent_, columns_);
+        if (tangent_) propagate(step);
         if (observe) observe(step, std::exchange(events_, {}));
         y = step.state();
         return counted({Ending::event, ""});
       }
-      if (tangent_) step.propagate(*tangent_, columns_);
+      if (tangent_) propagate(step);
       if (stop >= 0) {
         if (!pass_stops(solver, stop))
           return counted({Ending::not_finite, fmt::format("at a stop, t = {:.9g} s", solver.time())});
@@ -67,6 +68,28 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
   return counted({});
 }
 
+/// Across the last step, with what the parameter adds: ∂f/∂p − (∂M/∂p) ẏ by differences of the varied systems.
+void Follower::propagate(Step& step) {
+  if (!varied_.larger) return step.propagate(*tangent_, columns_);
+  const int n = system_.size();
+  for (int c = 0; c < system_.contacts(); ++c)
+    varied_.larger->set_mode(c, system_.mode(c)), varied_.smaller->set_mode(c, system_.mode(c));
+  std::vector<double> rate(n), f(n), mass(n), by(n);
+  step.propagate(*tangent_, columns_, [&](double t, const double* y, double* f_p) {
+    system_.evaluate(t, y, rate.data());
+    system_.mass(t, mass.data());
+    for (int i = 0; i < n; ++i) rate[i] = mass[i] != 0 ? rate[i] / mass[i] : 0;
+    for (const double sign : {1.0, -1.0}) {
+      const SwitchingSystem& varied = sign > 0 ? *varied_.larger : *varied_.smaller;
+      varied.evaluate(t, y, f.data());
+      varied.mass(t, mass.data());
+      for (int i = 0; i < n; ++i) by[i] = (sign > 0 ? 0 : by[i]) + sign * (f[i] - mass[i] * rate[i]);
+    }
+    std::fill_n(f_p, std::size_t(n) * columns_, 0.0);
+    for (int i = 0; i < n; ++i) f_p[i * columns_ + columns_ - 1] = by[i] / (2 * varied_.step);
+  });
+}
+
 bool Follower::start(StickSlip& solver, double t, const std::vector<double>& y) {
   if (!solver.start(t, y)) return false;
   settle_modes(t, y);
@@ -80,39 +103,39 @@ void Follower::settle_modes(double t, const std::vector<double>& y) {
       if (system_.mode(c) == ContactMode::stick)
         std::fill_n(tangent_->begin() + long(system_.slip_rate_unknown(c)) * columns_, columns_, 0.0);
   // Slip on a surface that rests is slip away from the stop.
-  for (int s = 0; s < system_.stops(); ++s) {
-    const int beside = system_.contact_beside_stop(s, t);
-    if (system_.stop_mode(s) != StopMode::holds || beside < 0 || system_.mode(beside) == ContactMode::stick) continue;
-    system_.set_stop_mode(s, StopMode::open);
+  for (int s = 0; s < stop_count(); ++s) {
+    const int beside = structure_->contact_beside_stop(s, t);
+    if (structure_->stop_mode(s) != StopMode::holds || beside < 0 || system_.mode(beside) == ContactMode::stick)
+      continue;
+    structure_->set_stop_mode(s, StopMode::open);
     note_stop("leave", s, t, y);
   }
 }
 
 void Follower::note_stop(const char* kind, int stop, double t, const std::vector<double>& y) {
-  const double displacement = y[system_.structure().stops[stop].coordinate];
+  const double displacement = y[structure_->structure().stops[stop].coordinate];
   events_.push_back({.kind = kind, .time = t, .contact = -1, .stop = stop, .displacement = displacement, .speed = 0});
 }
 
 void Follower::note_contact(Switch what, int contact, double t, const std::vector<double>& y) {
-  const auto& direction = system_.structure().contacts[system_.friction_contact(contact)].tangential;
-  const Eigen::Map<const Eigen::VectorXd> q(y.data(), system_.coordinates());
   events_.push_back({.kind = name(what),
                      .time = t,
                      .contact = contact,
                      .stop = -1,
-                     .displacement = direction.dot(q) / direction.squaredNorm(),
+                     .displacement = system_.displacement(contact, y.data()),
                      .speed = 0});
 }
 
 /// The start of a motion, which may be rest on stops.
 bool Follower::start_on_stops(StickSlip& solver, double t, std::vector<double>& y) {
-  const auto may_hold = stops_.begin(t, y);
+  const auto may_hold = stops_->begin(t, y);
   if (!start(solver, t, y)) return false;
   if (may_hold.empty()) return true;
   for (const int s : may_hold) {
-    if (system_.contact_beside_stop(s, t) < 0 && !(system_.stop_push(s, t, solver.state().data()) >= 0)) continue;
-    system_.set_stop_mode(s, StopMode::holds);
-    system_.rest_on_stop(s, t, y.data());
+    if (structure_->contact_beside_stop(s, t) < 0 && !(structure_->stop_push(s, t, solver.state().data()) >= 0))
+      continue;
+    structure_->set_stop_mode(s, StopMode::holds);
+    structure_->rest_on_stop(s, t, y.data());
     forget_motion_of(s);
   }
   const bool good = start(solver, t, y);
@@ -123,9 +146,9 @@ bool Follower::start_on_stops(StickSlip& solver, double t, std::vector<double>& 
 void Follower::note_switches(const StickSlip& solver) {
   for (const auto& [contact, what] : solver.events()) {
     int left = -1;
-    for (int s = 0; s < system_.stops(); ++s)
-      if (what == Switch::slip && system_.stop_mode(s) == StopMode::holds &&
-          system_.contact_beside_stop(s, solver.time()) == contact)
+    for (int s = 0; s < stop_count(); ++s)
+      if (what == Switch::slip && structure_->stop_mode(s) == StopMode::holds &&
+          structure_->contact_beside_stop(s, solver.time()) == contact)
         left = s;
     if (left >= 0)
       note_stop("leave", left, solver.time(), solver.state());
@@ -136,16 +159,16 @@ void Follower::note_switches(const StickSlip& solver) {
 
 void Follower::let_go_where_contacts_slip(const StickSlip& solver) {
   for (const auto& [contact, what] : solver.events())
-    for (int s = 0; s < system_.stops(); ++s)
-      if (what == Switch::slip && system_.stop_mode(s) == StopMode::holds &&
-          system_.contact_beside_stop(s, solver.time()) == contact)
-        system_.set_stop_mode(s, StopMode::open);
+    for (int s = 0; s < stop_count(); ++s)
+      if (what == Switch::slip && structure_->stop_mode(s) == StopMode::holds &&
+          structure_->contact_beside_stop(s, solver.time()) == contact)
+        structure_->set_stop_mode(s, StopMode::open);
 }
 
 void Follower::forget_motion_of(int stop) {
   if (!tangent_) return;
-  const int i = system_.structure().stops[stop].coordinate;
-  for (const int row : {i, system_.coordinates() + i})
+  const int i = structure_->structure().stops[stop].coordinate;
+  for (const int row : {i, structure_->coordinates() + i})
     std::fill_n(tangent_->begin() + long(row) * columns_, columns_, 0.0);
 }
 
@@ -154,13 +177,13 @@ bool Follower::pass_stops(StickSlip& solver, int first) {
   Step& step = solver.stepper();
   const double t = step.time();
   std::vector<double> y = step.state();
-  const auto together = stops_.together_with(first, t, y);
+  const auto together = stops_->together_with(first, t, y);
   const Modes modes = modes_now();
   std::vector<Event> passed;
   std::vector<std::vector<double>> there, rates_there;
   for (const int s : together) {
     there.push_back(y), rates_there.push_back(rates(t, y));
-    passed.push_back(stops_.pass(s, t, y));
+    passed.push_back(stops_->pass(s, t, y));
   }
   events_.insert(events_.end(), passed.begin(), passed.end());
   const Modes behind = modes_now();
@@ -183,7 +206,7 @@ bool Follower::pass_stops(StickSlip& solver, int first) {
       note_contact(Switch::slip, c, t, y);
   bool rests = false;
   for (const int s : together) {
-    if (Event event; stops_.bounced(s) && stops_.comes_to_rest(s, t, y, event)) {
+    if (Event event; stops_->bounced(s) && stops_->comes_to_rest(s, t, y, event)) {
       events_.push_back(event);
       forget_motion_of(s);
       rests = true;
@@ -195,13 +218,13 @@ bool Follower::pass_stops(StickSlip& solver, int first) {
 Follower::Modes Follower::modes_now() const {
   Modes modes;
   for (int c = 0; c < system_.contacts(); ++c) modes.contacts.push_back(system_.mode(c));
-  for (int s = 0; s < system_.stops(); ++s) modes.stops.push_back(system_.stop_mode(s));
+  for (int s = 0; s < stop_count(); ++s) modes.stops.push_back(structure_->stop_mode(s));
   return modes;
 }
 
 void Follower::set_modes(const Modes& modes) {
   for (int c = 0; c < system_.contacts(); ++c) system_.set_mode(c, modes.contacts[c]);
-  for (int s = 0; s < system_.stops(); ++s) system_.set_stop_mode(s, modes.stops[s]);
+  for (int s = 0; s < stop_count(); ++s) structure_->set_stop_mode(s, modes.stops[s]);
 }
 
 /// Looks for crossings within the last step. True where the motion is to end at one: the step then ends there.
@@ -234,15 +257,17 @@ std::vector<double> Follower::rates(double t, const std::vector<double>& y) cons
   return f;
 }
 
-/// S ← G S + (f₊ − G f₋) (∇h S)/ḣ: h vanishes at the switch, and G is what the switch makes of the unknowns.
+/// S ← G S + (f₊ − G f₋) (∇h S + ∂h/∂p)/ḣ: h vanishes at the switch, and G is what the switch makes of the unknowns.
 /// \param ended  the contact whose slip ended, or −1
 void Follower::jump(const std::vector<double>& before, const std::vector<double>& after,
-                    const std::vector<double>& gradient, double rate, int ended, const std::vector<double>& y) {
+                    const std::vector<double>& gradient, double rate, double by_parameter, int ended,
+                    const std::vector<double>& y) {
   const int n = int(y.size());
   std::vector<double>& S = *tangent_;
   std::vector<double> turned = before, along(columns_);
   for (int i = 0; i < n; ++i)
     for (int c = 0; c < columns_; ++c) along[c] += gradient[i] * S[i * columns_ + c] / rate;
+  along[columns_ - 1] += by_parameter / rate;
   if (ended >= 0) {
     const int row = system_.slip_rate_unknown(ended);
     // States that a stop sets, by differences.
@@ -254,7 +279,7 @@ void Follower::jump(const std::vector<double>& before, const std::vector<double>
       if (i == row || set[i] == y[i]) continue;
       for (int c = 0; c < columns_; ++c) S[i * columns_ + c] = 0;
       turned[i] = 0;
-      for (int k = 2 * system_.coordinates(); k < n; ++k) {
+      for (int k = 0; k < n; ++k) {
         constexpr double aside = 1e-5;
         ahead = behind = y;
         ahead[k] += aside * scale[k], behind[k] -= aside * scale[k];
@@ -278,15 +303,15 @@ void Follower::jump(const std::vector<double>& before, const std::vector<double>
 void Follower::carry_across_stop(const Event& event, const std::vector<double>& before,
                                  const std::vector<double>& after, const std::vector<double>& y) {
   if (event.kind != "impact" && event.kind != "contact") return;  // else forces are continuous
-  const auto& stop = system_.structure().stops[event.stop];
-  const int i = stop.coordinate, row = system_.coordinates() + i, n = int(y.size());
+  const auto& stop = structure_->structure().stops[event.stop];
+  const int i = stop.coordinate, row = structure_->coordinates() + i, n = int(y.size());
   std::vector<double>& S = *tangent_;
   std::vector<double> along(columns_), turned = before;
-  const double v = stop.side * system_.stop_speed(event.stop, event.time, y.data());
+  const double v = stop.side * structure_->stop_speed(event.stop, event.time, y.data());
   for (int c = 0; c < columns_; ++c) along[c] = S[i * columns_ + c] / v;
   if (event.kind == "impact") {
     // Of the slip rate V − v the surface keeps V.
-    const double e = stop.restitution, surface = system_.surface_acceleration(i, event.time);
+    const double e = stop.restitution, surface = structure_->surface_acceleration(i, event.time);
     for (int c = 0; c < columns_; ++c) S[row * columns_ + c] *= -e;
     turned[row] = -e * before[row] + (1 + e) * surface;
   }
@@ -307,9 +332,12 @@ void Follower::carry_across_switches(const StickSlip& solver) {
   int released = -1;       // the one that gave way by itself
   double least = infinity;
   std::vector<SwitchingSystem::Held> held(count);
-  const auto margin = [&](double at, const double* state, int contact) {
-    system_.held(at, state, held.data());
+  const auto margin_of = [&](SwitchingSystem& system, double at, const double* state, int contact) {
+    system.held(at, state, held.data());
     return held[contact].limit - std::abs(held[contact].force);
+  };
+  const auto margin = [&](double at, const double* state, int contact) {
+    return margin_of(system_, at, state, contact);
   };
   for (const auto& [contact, what] : solver.events()) {
     if (modes[contact] != ContactMode::stick) {
@@ -333,7 +361,7 @@ void Follower::carry_across_switches(const StickSlip& solver) {
     const auto after = rates(t, behind);
     gradient.assign(n, 0.0);
     gradient[row] = 1;
-    jump(before, after, gradient, before[row], contact, y);
+    jump(before, after, gradient, before[row], 0, contact, y);
     before = after;
   }
   if (ended.empty() && released >= 0) {
@@ -355,7 +383,12 @@ void Follower::carry_across_switches(const StickSlip& solver) {
       }
       if (const double moment = aside * system_.resolution(); std::isfinite(moment))
         rate += (margin(t + moment, y.data(), released) - margin(t - moment, y.data(), released)) / (2 * moment);
-      jump(before, after, gradient, rate, -1, y);
+      double by_parameter = 0;
+      if (varied_.larger)
+        by_parameter =
+            (margin_of(*varied_.larger, t, y.data(), released) - margin_of(*varied_.smaller, t, y.data(), released)) /
+            (2 * varied_.step);
+      jump(before, after, gradient, rate, by_parameter, -1, y);
     }
   }
   for (int c = 0; c < count; ++c) system_.set_mode(c, modes[c]);

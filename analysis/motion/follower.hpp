@@ -1,7 +1,8 @@
-/// The one loop that follows a structure: from break to break of its drive, from switch to switch of its contacts, and
-/// to a section; with the derivative of the motion with respect to its start, if asked.
+/// The one loop that follows an oscillator: from break to break of its drive, from switch to switch of its contacts,
+/// and to a section; with the derivative of the motion with respect to its start, if asked.
 #pragma once
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,8 +26,11 @@ class Follower {
   using Event = MotionEvent;
 
   /// \param system  outlives this; its modes are set
+  Follower(SwitchingSystem& system, double tolerance) : system_(system), tolerance_(tolerance) {}
   Follower(oscillators::StructureSystem& system, double tolerance)
-      : system_(system), tolerance_(tolerance), stops_(system) {}
+      : system_(system), structure_(&system), tolerance_(tolerance) {
+    if (system.stops() > 0) stops_.emplace(system);
+  }
 
   /// Called after each step, while the system is still in the modes of it: the step, the switches that it ended in (and
   /// before it, what stops have come to since the last).
@@ -36,6 +40,9 @@ class Follower {
   /// chapter 7): the time of the switch depends on the disturbance, and stick forgets that of the slip rate. Drives
   /// with breaks are not for this.
   void carry(std::vector<double>* tangent, int columns) { tangent_ = tangent, columns_ = columns; }
+  /// The last column of the tangent is the derivative with respect to a parameter, by which these systems differ from
+  /// the one that is followed: it is larger by `step` in one and smaller in the other. Not for systems with stops.
+  void vary(SwitchingSystem& larger, SwitchingSystem& smaller, double step) { varied_ = {&larger, &smaller, step}; }
 
   /// Follows from (t, y) to `end` or to where the section says; then y is there, and time() too.
   Outcome follow(double t, std::vector<double>& y, double end, const Section* section = nullptr);
@@ -48,6 +55,8 @@ class Follower {
   const Count& count() const { return count_; }
 
  private:
+  void propagate(Step&);
+  int stop_count() const { return stops_ ? structure_->stops() : 0; }
   bool cross_section(Step&, const Section&);
   bool start(solvers::stick_slip::StickSlip&, double t, const std::vector<double>& y);
   bool start_on_stops(solvers::stick_slip::StickSlip&, double t, std::vector<double>& y);
@@ -67,19 +76,25 @@ class Follower {
   void carry_across_stop(const MotionEvent&, const std::vector<double>& before, const std::vector<double>& after,
                          const std::vector<double>& y);
   void carry_across_switches(const solvers::stick_slip::StickSlip&);
+  /// \param by_parameter  of h, explicitly
   void jump(const std::vector<double>& before, const std::vector<double>& after, const std::vector<double>& gradient,
-            double rate, int ended, const std::vector<double>& y);
+            double rate, double by_parameter, int ended, const std::vector<double>& y);
   /// Rates of the differential unknowns in the system's present modes.
   std::vector<double> rates(double t, const std::vector<double>& y) const;
 
-  oscillators::StructureSystem& system_;
+  SwitchingSystem& system_;
+  oscillators::StructureSystem* structure_ = nullptr;  ///< the system, if it is one that may have stops
   double tolerance_, time_ = 0;
   std::vector<double>* tangent_ = nullptr;
   int columns_ = 0;
-  StopWatch stops_;
-  std::vector<Event> events_;  ///< that were not told yet
-  bool armed_ = false;         ///< the section may be crossed: the motion has left it since its start
-  double section_value_ = 0;   ///< at the end of the last step
+  struct {
+    SwitchingSystem *larger = nullptr, *smaller = nullptr;
+    double step = 0;
+  } varied_;
+  std::optional<StopWatch> stops_;  ///< where there are stops
+  std::vector<Event> events_;       ///< that were not told yet
+  bool armed_ = false;              ///< the section may be crossed: the motion has left it since its start
+  double section_value_ = 0;        ///< at the end of the last step
   Count count_;
 };
 

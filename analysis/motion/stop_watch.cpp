@@ -18,7 +18,7 @@ constexpr double digits = std::numeric_limits<double>::epsilon();
 std::vector<int> StopWatch::begin(double t, const std::vector<double>& y) {
   std::vector<int> may_hold;
   std::vector<double> scale(y.size());
-  if (any()) system_.scale(y.data(), scale.data());
+  system_.scale(y.data(), scale.data());
   for (int s = 0; s < system_.stops(); ++s) {
     const Stop& stop = system_.structure().stops[s];
     constexpr double at_rest = 1e-11;

@@ -30,7 +30,6 @@ class StopWatch {
   explicit StopWatch(oscillators::StructureSystem& system)
       : system_(system), hardest_(system.stops()), bounced_(system.stops()) {}
 
-  bool any() const { return system_.stops() > 0; }
   /// Modes at the start of a motion: of stops that push by the unknowns; \returns those that may hold, whose
   /// coordinates are on them at rest.
   std::vector<int> begin(double t, const std::vector<double>& y);

@@ -325,6 +325,78 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   return {"stability.csv", "stability.gp"};
 }
 
+/// The fastest slip of each motion and the period of cycles, stable ones as lines and unstable ones dashed.
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
+                                       const analysis::branches::Branches& found) {
+  const auto& [parameter, from_cycle, options] = scene.branch;
+  double fastest = 0, longest = 0;
+  for (const auto& at : found.steady)
+    if (at.why.empty()) fastest = std::max(fastest, std::abs(at.slip_rates.front()));
+  std::string metric = "slip_rate_max";
+  std::vector<std::string> names;
+  for (const auto& cycle : found.cycles)
+    for (const auto& at : cycle.branch.points) {
+      if (at.view.metrics.contains("slip_rate_1_max")) metric = "slip_rate_1_max";
+      if (names.empty())
+        for (const auto& [name, value] : at.view.metrics) names.push_back(name);
+      fastest = std::max(fastest, at.view.metrics.at(metric));
+      longest = std::max(longest, at.view.metrics.at("period"));
+    }
+  const auto speed = scaled("m/s", fastest), time = scaled("s", longest);
+  const auto period = std::ranges::find(names, "period") - names.begin() + 6;
+  const bool has_cycles = !found.cycles.empty();
+  std::string script = preamble("branch", "Steady sliding and cycles along a parameter", 820, has_cycles ? 680 : 420);
+  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,0.11,0.86 spacing 0,0.05\n",
+                        has_cycles ? 2 : 1, single_quoted(scene.title));
+  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at screen 0.97,0.925 top right horizontal maxrows 2\n";
+  script += axis_scale('x', options.parameter.logarithmic) + '\n';
+  const auto [low, high] = std::minmax(options.parameter.from, options.parameter.to);
+  script += fmt::format("set xrange [{}:{}]\n", low, high);
+  const auto mark = [&](double value, const char* dash) {
+    script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead linecolor '#888888' dashtype {1}\n",
+                          value, dash);
+  };
+  for (const auto& crossing : found.crossings) mark(crossing.value, "(6,4)");
+  for (const auto& cycle : found.cycles)
+    for (const auto& special : cycle.branch.special) mark(special.p, "(2,3)");
+  const auto curves = [&](std::ptrdiff_t column, double factor, bool with_steady, bool titled) {
+    std::vector<std::string> parts;
+    const auto part = [&](int branch, int stable, const char* style, std::string title) {
+      parts.push_back(
+          fmt::format("'branch.csv' using ($1 == {0} && $3 == {1} ? $2 : NaN):(${2}*{3}) with lines {4} {5}", branch,
+                      stable, column, factor, style, title.empty() || !titled ? "notitle" : "title '" + title + "'"));
+    };
+    if (with_steady && !found.steady.empty()) {
+      part(-1, 1, "linecolor '#444444' linewidth 1.5", "steady sliding");
+      part(-1, 0, "linecolor '#444444' linewidth 1.5 dashtype (6,4)", "");
+    }
+    for (std::size_t b = 0; b < found.cycles.size(); ++b) {
+      static constexpr const char* colors[] = {"#00336F", "#B0560F", "#3C7A3A", "#7A3A78"};
+      const auto solid = fmt::format("linecolor '{}' linewidth 2", colors[b % std::size(colors)]);
+      const auto dashed = solid + " dashtype (6,4)";
+      part(int(b), 1, solid.c_str(),
+           b == 0                                      ? "cycles, stable"
+           : found.cycles[b].from == "period-doubling" ? "doubled"
+                                                       : "");
+      part(int(b), 0, dashed.c_str(), b == 0 ? "unstable" : "");
+    }
+    if (titled && !found.crossings.empty())
+      parts.emplace_back("NaN with lines linecolor '#888888' dashtype (6,4) title 'Hopf point'");
+    if (titled && std::ranges::any_of(found.cycles, [](const auto& c) { return !c.branch.special.empty(); }))
+      parts.emplace_back("NaN with lines linecolor '#888888' dashtype (2,3) title 'fold, doubling, torus, grazing'");
+    return fmt::format("plot {}\n", fmt::join(parts, ", \\\n     "));
+  };
+  const auto axis = fmt::format("set xlabel {}\nset format x '%g'\n",
+                                label(parameter.name + ", " + parameter.meaning, parameter.unit));
+  script += fmt::format("set ylabel 'largest slip rate ({})'\n", speed.unit);
+  script += has_cycles ? "set format x ''\n" : axis;
+  script += curves(4, speed.factor, true, true);
+  if (has_cycles)
+    script += fmt::format("{}set ylabel 'period ({})'\n{}", axis, time.unit, curves(period, time.factor, false, false));
+  write_whole(folder / "branch.gp", script + "unset multiplot\n");
+  return {"branch.gp"};
+}
+
 /// For each contact a row: slip rate in time, and the plane of its coordinate and velocity, with stick marked.
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::cycles::StructureCycle& cycle) {

@@ -27,19 +27,23 @@ std::string without_numbers(const std::string& path) {
   return kept;
 }
 
-Scene read(const Request& request, const toml::table& document, const std::filesystem::path& folder) {
+Scene read(const Request& request, const toml::table& document, const std::filesystem::path& folder, bool as_slider) {
   Scene scene;
   scene.path = request.target;
   SceneReader reader{request, document, Table(document, ""), scene, folder, {}};
-  read_structure_model(reader);
+  if (as_slider)
+    reader.law(), reader.oscillator();
+  else
+    read_structure_model(reader);
   return scene;
 }
 
 }  // namespace
 
-Family::Family(const SceneReader& like) : request_(like.request), document_(like.document), folder_(like.folder) {
+Family::Family(const SceneReader& like, bool as_slider)
+    : request_(like.request), document_(like.document), folder_(like.folder), as_slider_(as_slider) {
   const NumbersAsked asked;
-  read(request_, document_, folder_);
+  read(request_, document_, folder_, as_slider_);
   known_ = asked.quantities;
 }
 
@@ -76,10 +80,18 @@ Quantity Family::describe(const std::string& path) const {
   throw InputError(fmt::format("'{}' is no number of this scene{}", path, suggestion(path, names)));
 }
 
-analysis::motion::StructureModel Family::with(const std::vector<std::pair<std::string, double>>& values) const {
+Scene Family::read_with(const std::vector<std::pair<std::string, double>>& values) const {
   auto document = document_;
   for (const auto& [path, value] : values) apply_override(document, fmt::format("{}={}", in_full(path), value));
-  return *read(request_, document, folder_).structure;
+  return read(request_, document, folder_, as_slider_);
+}
+
+analysis::motion::StructureModel Family::with(const std::vector<std::pair<std::string, double>>& values) const {
+  return *read_with(values).structure;
+}
+
+oscillators::Model Family::slider_with(const std::vector<std::pair<std::string, double>>& values) const {
+  return read_with(values).model;
 }
 
 }  // namespace rosin::app::scene

@@ -11,20 +11,24 @@ namespace rosin::app::scene {
 class Family {
  public:
   /// Of the scene that is being read, whose structure (and start of [cycle]) is read anew for each value.
-  explicit Family(const SceneReader&);
+  /// \param as_slider  of a scene whose oscillator is a slider, which then may have no mass: for slider_with()
+  explicit Family(const SceneReader&, bool as_slider = false);
 
   /// The number at a path: name (in full), unit, range, meaning. Lists are numbered from 1; "drive.force.amplitude" is
   /// that of the first harmonic. \throws InputError for a path that holds no number, with the nearest.
   Quantity describe(const std::string& path) const;
   /// The structure with numbers in place of those of the scene. \throws InputError as a scene with them would.
   analysis::motion::StructureModel with(const std::vector<std::pair<std::string, double>>& values) const;
+  oscillators::Model slider_with(const std::vector<std::pair<std::string, double>>& values) const;
 
  private:
   std::string in_full(const std::string& path) const;
+  Scene read_with(const std::vector<std::pair<std::string, double>>& values) const;
 
   Request request_;
   toml::table document_;
   std::filesystem::path folder_;
+  bool as_slider_;
   std::vector<Quantity> known_;
 };
 

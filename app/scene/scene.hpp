@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/branches/branches.hpp"
 #include "analysis/cycles/cycle.hpp"
 #include "analysis/inference/discrimination.hpp"
 #include "analysis/inference/equalise.hpp"
@@ -96,6 +97,13 @@ struct StabilityScan {
   analysis::planes::Axis axis;
 };
 
+/// A parameter along which steady sliding and cycles are followed.
+struct BranchTask {
+  Quantity parameter;
+  bool from_cycle = false;  ///< from the motion that has settled at the first value, else from steady sliding
+  analysis::branches::BranchOptions options;
+};
+
 struct Scene {
   std::string path;  ///< as the user gave it
   std::string title;
@@ -107,6 +115,7 @@ struct Scene {
   CurveOptions curve;
   std::vector<std::string> hopf_parameters;  ///< paths asked for besides the usual ones
   std::optional<StabilityScan> stability_scan;
+  BranchTask branch;
   analysis::motion::RunOptions run;
   analysis::cycles::CycleOptions cycle;
   analysis::planes::MapOptions map;

@@ -38,6 +38,7 @@ class DryContacts final : public SwitchingSystem {
   ContactMode mode(int i) const override { return modes[i]; }
   void set_mode(int i, ContactMode mode) override { modes[i] = mode; }
   int slip_rate_unknown(int i) const override { return contacts() + i; }
+  double displacement(int i, const double* y) const override { return y[i]; }
   double reference_speed(int) const override { return V; }
   void mass(double, double* m) const override { std::fill(m, m + size(), 1.0); }
   void scale(const double*, double* s) const override { std::fill(s, s + size(), 1.0); }

@@ -1,0 +1,336 @@
+/// Branches of cycles from where they begin to where they end.
+#include "analysis/branches/branch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/branches/cycle_problem.hpp"
+#include "analysis/cycles/structure_cycle.hpp"
+#include "analysis/steady/stability.hpp"
+#include "core/eigenpairs.hpp"
+
+namespace rosin::analysis::branches {
+
+using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
+using motion::Follower;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+namespace {
+
+struct Linearised {
+  std::vector<double> y;
+  MovingPart part;
+  VectorXd scale;
+};
+
+Linearised linearise(Oscillator& oscillator) {
+  Linearised result;
+  result.y = oscillator.steady();
+  const System& system = oscillator.system();
+  const int n = system.size();
+  std::vector<double> f(n);
+  VectorXd mass(n);
+  result.scale.resize(n);
+  RowMajor J(n, n);
+  system.linearise(0, result.y.data(), f.data(), J.data());
+  system.mass(0, mass.data());
+  system.scale(result.y.data(), result.scale.data());
+  result.part = moving_part(J, mass, result.scale);
+  return result;
+}
+
+/// The eigenvector of the moving unknowns that oscillates with ω, in natural units.
+Eigen::VectorXcd mode(const Linearised& at, double angular_frequency) {
+  const auto pairs = eigenpairs(at.part.A, true);
+  Index nearest = 0;
+  const auto off = [&](Index k) { return std::abs(pairs.values[k] - std::complex<double>(0, angular_frequency)); };
+  for (Index k = 1; k < pairs.values.size(); ++k)
+    if (off(k) < off(nearest)) nearest = k;
+  Eigen::VectorXcd q = pairs.vectors.col(nearest);
+  for (Index j = 0; j < q.size(); ++j) q[j] *= at.scale[at.part.unknowns[std::size_t(j)]];
+  return q;
+}
+
+/// One branch of cycles and those that double from it.
+class Tracer {
+ public:
+  Tracer(const Family& family, const BranchOptions& options, Branches& result)
+      : family_(family), options_(options), result_(result) {}
+
+  ContinuationOptions continuation() const {
+    ContinuationOptions options;
+    options.parameter = options_.parameter;
+    options.tolerance = options_.tolerance;
+    options.longest_step = options_.longest_step;
+    options.first_step = 0.2 * options_.longest_step;
+    options.most_points = options_.most_points;
+    options.at = options_.at;
+    return options;
+  }
+
+  void from_hopf(const steady::Crossing& hopf) {
+    auto problem = std::make_unique<CycleProblem>(family_, 1);
+    Continuation continuation(*problem, this->continuation());
+    const auto at = linearise(problem->oscillator(hopf.value));
+    const auto q = mode(at, hopf.angular_frequency);
+    std::optional<BranchPoint> point;
+    for (const double amplitude : {1e-2, 1e-3, 1e-4}) {
+      const auto born = problem->born(at.y, q, hopf.angular_frequency, amplitude, hopf.value);
+      point = continuation.branch_off(born.x, hopf.value, {born.direction, 0}, 1);
+      if (point) break;
+    }
+    if (!point) {
+      result_.notes.push_back(fmt::format("the cycles born at the Hopf point {:.9g} could not be closed", hopf.value));
+      return;
+    }
+    problem->refer_to(point->x, point->p, options_.tolerance);
+    // Along the branch the first node leaves steady sliding.
+    const auto steady = problem->oscillator(point->p).steady();
+    Direction outward{VectorXd::Zero(point->x.size()), 0};
+    for (std::size_t j = 0; j < problem->moving().size(); ++j) {
+      const Index i = 1 + Index(j);
+      outward.x[i] = (point->x[i] - steady[std::size_t(problem->moving()[j])]) / problem->scale()[i];
+    }
+    outward.x.normalize();
+    const double least = 0.3 * problem->amplitude();
+    trace("hopf", hopf.value, -1, std::move(problem), *point, outward, least, options_.doublings);
+  }
+
+  /// Along the parameter with the sign.
+  void from_cycle(const Settled& settled, double value, int sign) {
+    auto problem = std::make_unique<CycleProblem>(family_, settled.turns);
+    Continuation continuation(*problem, this->continuation());
+    auto x = problem->begin(settled.y, settled.period, value);
+    auto point = continuation.close(x, value);
+    if (!point) {
+      result_.notes.push_back(fmt::format("the cycle at {:.9g} could not be closed", value));
+      return;
+    }
+    problem->refer_to(point->x, value, options_.tolerance);
+    Direction along{VectorXd::Zero(point->x.size()), double(sign)};
+    trace("cycle", value, -1, std::move(problem), *point, along, 0, options_.doublings);
+  }
+
+ private:
+  /// \param least  amplitude below which a cycle has come back to steady sliding
+  void trace(const std::string& from, double value, int parent, std::unique_ptr<CycleProblem> problem,
+             const BranchPoint& start, const Direction& along, double least, int doublings) {
+    Continuation continuation(*problem, this->continuation());
+    std::string pattern = start.view.pattern;
+    continuation.arrived = [&](const BranchPoint& point) {
+      pattern = point.view.pattern;
+      return problem->amplitude() > least;
+    };
+    continuation.cross = [&](const SpecialPoint& special) { return beyond(*problem, special, pattern); };
+    const auto place = result_.cycles.size();
+    result_.cycles.push_back({from, value, parent, continuation.follow(start, along)});
+    auto& branch = result_.cycles[place].branch;
+    for (auto& special : branch.special)
+      if (special.kind.starts_with("grazing")) special.kind = "grazing";
+    result_.residuals += continuation.residuals();
+    result_.steps += problem->steps;
+    if (doublings == 0) return;
+    const auto specials = branch.special;
+    for (const auto& special : specials) {
+      if (special.kind != "period-doubling") continue;
+      // The nodes are those of the branch's end: the problem is laid out anew.
+      CycleProblem single(family_, problem->turns());
+      Continuation again(single, this->continuation());
+      const auto x = single.begin(special.view.start, special.view.metrics.at("period"), special.p);
+      auto doubled = single.doubled(x, special.p, options_.tolerance * 1e-2);
+      if (!doubled) continue;
+      Continuation branching(*doubled->problem, this->continuation());
+      constexpr double step = 0.02;
+      auto point = branching.branch_off(doubled->x, special.p, {doubled->direction, 0}, step);
+      if (!point) {
+        result_.notes.push_back(fmt::format("the doubled cycles at {:.9g} could not be closed", special.p));
+        continue;
+      }
+      doubled->problem->refer_to(point->x, point->p, options_.tolerance);
+      const double c = options_.parameter.coordinate(point->p) - options_.parameter.coordinate(special.p);
+      Direction away{VectorXd::Zero(point->x.size()), c};
+      trace("period-doubling", special.p, int(place), std::move(doubled->problem), *point, away, 0, doublings - 1);
+    }
+  }
+
+  /// Beyond a border: the motion that a disturbed one settles on, or the smaller cycle that no longer touches.
+  std::optional<Continuation::Beyond> beyond(CycleProblem& problem, const SpecialPoint& special,
+                                             const std::string& pattern) {
+    const double c = options_.parameter.coordinate(special.p), T = problem.period(special.x);
+    const auto y = problem.start(special.x);
+    for (const double aside : {1e-4, 1e-3, 1e-2})
+      for (const int sign : {1, -1}) {
+        const double at = c + sign * aside;
+        if (at < 0 || at > 1) continue;
+        const double p = options_.parameter.value(at);
+        std::vector<std::pair<std::vector<double>, double>> starts;
+        if (auto relaxed = relax(y, T, p)) starts.push_back(*relaxed);
+        std::vector<double> steady;
+        try {
+          steady = problem.oscillator(p).steady();
+        } catch (const InputError&) {
+        }
+        for (const double nearer : {1e-3, 1e-2}) {
+          auto inner = y;
+          for (std::size_t i = 0; i < steady.size(); ++i) inner[i] += nearer * (steady[i] - inner[i]);
+          if (!steady.empty()) starts.emplace_back(inner, T);
+        }
+        for (const auto& [start, period] : starts) {
+          CycleProblem trial(family_, problem.turns());
+          Continuation closing(trial, this->continuation());
+          const auto x = trial.begin(start, period, p);
+          const auto point = closing.close(x, p);
+          if (!point || point->view.pattern == pattern || point->view.pattern.empty() == pattern.empty()) continue;
+          // The problem goes on with the nodes of this cycle.
+          auto own = problem.begin(trial.start(point->x), trial.period(point->x), p);
+          return Continuation::Beyond{std::move(own), p, sign};
+        }
+      }
+    return std::nullopt;
+  }
+
+  /// Follows for many periods, to the last slip that began; \returns the unknowns then, and the time since the one
+  /// before. Nothing where no contact sticks.
+  std::optional<std::pair<std::vector<double>, double>> relax(std::vector<double> y, double period, double p) const {
+    constexpr int periods = 40;
+    constexpr double tolerance = 1e-8, after = 0.02;
+    const auto oscillator = family_(p);
+    const double drive = oscillator->drive_period();
+    if (drive > 0) {
+      Follower follower = oscillator->follower(tolerance);
+      for (int k = 0; k < periods; ++k)
+        if (!follower.follow(0, y, period).complete()) return std::nullopt;
+      return std::pair(y, period);
+    }
+    std::vector<double> slips;
+    {
+      auto trial = y;
+      Follower follower = oscillator->follower(tolerance);
+      follower.observe = [&](Follower::Step&, std::span<const Follower::Event> switches) {
+        for (const auto& event : switches)
+          if (event.kind == "slip") slips.push_back(event.time);
+      };
+      if (!follower.follow(0, trial, periods * period).complete() || slips.size() < 3) return std::nullopt;
+    }
+    const double turn = slips.back() - slips[slips.size() - 2];
+    Follower follower = oscillator->follower(tolerance);
+    if (!follower.follow(0, y, slips[slips.size() - 2] + after * turn).complete()) return std::nullopt;
+    return std::pair(y, turn);
+  }
+
+  const Family& family_;
+  const BranchOptions& options_;
+  Branches& result_;
+};
+
+}  // namespace
+
+Settled settle(const motion::StructureModel& model, double tolerance) {
+  const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance, .multipliers = false});
+  Settled settled{cycle.outcome, cycle.start, 0, 1};
+  if (cycle.returns == 0) return settled;
+  settled.outcome = {};
+  settled.period = cycle.metrics.at("period").value;
+  if (const double drive = common_period(model.structure); drive > 0) settled.turns = cycle.returns;
+  return settled;
+}
+
+Settled settle(const oscillators::Model& model, double tolerance) {
+  if (model.law->set_valued() || (!model.drive.constant() && model.slider.mass > 0)) {
+    motion::StructureModel structure{one_slider(model), {}};
+    structure.start.kind = motion::Start::Kind::rest;
+    return settle(structure, tolerance);
+  }
+  Settled settled;
+  const oscillators::SliderSystem system(model);
+  if (model.drive.constant()) {
+    const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance, .multipliers = false});
+    settled.outcome = cycle.outcome;
+    if (!cycle.outcome.complete()) return settled;
+    const auto& at = cycle.orbit.front();
+    settled.y = system.unknowns_at(0, at.displacement, at.slip_rate, at.state,
+                                   at.friction_coefficient * model.drive.normal_load.level());
+    // The oscillator measures displacement from steady sliding.
+    if (system.mechanics() != oscillators::Mechanics::elastic) {
+      const double origin = system.steady(0)[0];
+      settled.y[0] -= origin - oscillator_of(model)->steady()[0];
+    }
+    settled.period = cycle.metrics.period;
+    return settled;
+  }
+  // Without mass the answer to the drive is looked for from steady sliding.
+  const auto oscillator = oscillator_of(model);
+  settled.y = oscillator->steady();
+  settled.period = oscillator->drive_period();
+  Follower follower = oscillator->follower(tolerance);
+  constexpr int periods = 200;
+  for (int k = 0; k < periods && settled.outcome.complete(); ++k)
+    settled.outcome = follower.follow(0, settled.y, settled.period);
+  return settled;
+}
+
+std::vector<steady::Crossing> crossings_of(const oscillators::Model& model, std::string_view parameter,
+                                           const ParameterScale& range) {
+  std::vector<steady::Crossing> found;
+  const auto [low, high] = std::minmax(range.from, range.to);
+  for (const auto& hopf : steady::hopf_points(model, parameter)) {
+    if (hopf.value < low || hopf.value > high) continue;
+    const auto above = steady::stability(model.with(parameter, hopf.value * (1 + 1e-6)));
+    found.push_back({hopf.value, hopf.value_error, !above.stable, hopf.angular_frequency});
+  }
+  std::ranges::sort(found, {}, &steady::Crossing::value);
+  return found;
+}
+
+Branches from_steady_sliding(const Family& family, const BranchOptions& options,
+                             const std::optional<std::vector<steady::Crossing>>& crossings) {
+  Branches result;
+  constexpr int points = 101;
+  std::vector<double> values;
+  for (int i = 0; i < points; ++i) values.push_back(options.parameter.value(double(i) / (points - 1)));
+  std::ranges::sort(values);
+  const auto spectrum_at = [&](double p) { return spectrum_of(linearise(*family(p)).part.A); };
+  std::map<double, steady::Leading> known;
+  const auto leading = [&](double p) {
+    if (const auto found = known.find(p); found != known.end()) return found->second;
+    const auto spectrum = spectrum_at(p);
+    std::size_t most = 0;
+    for (std::size_t i = 0; i < spectrum.values.size(); ++i)
+      if (spectrum.values[i].real() > spectrum.values[most].real()) most = i;
+    const auto z = spectrum.values[most];
+    return steady::Leading{z.real(), spectrum.errors[most], std::abs(z.imag())};
+  };
+  std::vector<double> sliding;
+  for (const double p : values) {
+    try {
+      const auto oscillator = family(p);
+      const auto there = linearise(*oscillator);
+      auto spectrum = spectrum_of(there.part.A);
+      std::ranges::stable_sort(spectrum.values, std::greater(), [](auto z) { return z.real(); });
+      known[p] = leading(p);
+      result.steady.push_back(
+          {p, known[p].growth < 0 && !known[p].is_neutral(), spectrum.values, oscillator->slip_rates(there.y), ""});
+      sliding.push_back(p);
+    } catch (const InputError& error) {
+      result.steady.push_back({p, false, {}, {}, error.what()});
+    }
+  }
+  result.crossings = crossings ? *crossings : steady::crossings(leading, sliding);
+  Tracer tracer(family, options, result);
+  for (const auto& crossing : result.crossings)
+    if (crossing.angular_frequency > 0) tracer.from_hopf(crossing);
+  return result;
+}
+
+Branches from_cycle(const Family& family, const Settled& settled, double value, const BranchOptions& options) {
+  Branches result;
+  Tracer tracer(family, options, result);
+  const double c = options.parameter.coordinate(value);
+  if (c < 1) tracer.from_cycle(settled, value, 1);
+  if (c > 0) tracer.from_cycle(settled, value, -1);
+  return result;
+}
+
+}  // namespace rosin::analysis::branches

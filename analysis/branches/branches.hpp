@@ -1,0 +1,3 @@
+/// What changes along a parameter: branches of steady sliding and of cycles.
+#pragma once
+#include "analysis/branches/branch.hpp"

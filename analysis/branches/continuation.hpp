@@ -1,0 +1,108 @@
+/// Pseudo-arclength continuation of the solutions of a problem, and the special points on the way.
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/branches/problem.hpp"
+
+namespace rosin::analysis::branches {
+
+/// The parameter as branches measure it: 0 at `from` and 1 at `to`.
+struct ParameterScale {
+  double from = 0, to = 1;
+  bool logarithmic = false;
+  double coordinate(double p) const;
+  double value(double coordinate) const;
+  double slope(double coordinate) const;  ///< d value/d coordinate
+};
+
+struct ContinuationOptions {
+  ParameterScale parameter;
+  double tolerance = 1e-8;    ///< relative, of unknowns
+  double first_step = 0.02;   ///< in lengths: 1 is the range of the parameter, or the size of all unknowns
+  double longest_step = 0.1;  ///< the same
+  int most_points = 1000;
+  std::vector<double> at = {};  ///< values of the parameter at which points are wanted
+};
+
+struct BranchPoint {
+  double p = 0, error = 0;  ///< of the parameter, between two tolerances
+  Eigen::VectorXd x;
+  double x_error = 0;  ///< largest correction between two tolerances, in sizes
+  Problem::View view;
+  bool asked = false;  ///< at a value that was wanted
+};
+
+struct SpecialPoint {
+  std::string kind;
+  double p = 0, error = 0;
+  Eigen::VectorXd x;
+  Problem::View view;
+  std::size_t after = 0;  ///< the point of the branch before it
+};
+
+struct Branch {
+  std::vector<BranchPoint> points;
+  std::vector<SpecialPoint> special;
+  Outcome outcome;  ///< why it ends
+};
+
+/// A direction along a branch: of the unknowns in sizes, and of the parameter's coordinate.
+struct Direction {
+  Eigen::VectorXd x;
+  double c = 0;
+};
+
+class Continuation {
+ public:
+  Continuation(Problem& problem, ContinuationOptions options) : problem_(problem), options_(std::move(options)) {}
+
+  /// Called at each point; false: the branch ends there, "event".
+  std::function<bool(const BranchPoint&)> arrived;
+  /// Called where a border of the motion stops the branch, with the point before it: a solution beyond, and the sign of
+  /// the parameter's coordinate along which the branch leaves from there. Nothing: the branch ends.
+  struct Beyond {
+    Eigen::VectorXd x;
+    double p;
+    int sign;
+  };
+  std::function<std::optional<Beyond>(const SpecialPoint&)> cross;
+
+  /// Closes a solution near x at the parameter p.
+  std::optional<BranchPoint> close(Eigen::VectorXd x, double p);
+  /// Follows the branch from a solution, first along `direction`, until the parameter leaves its range, the branch
+  /// closes on itself, or it ends.
+  Branch follow(const BranchPoint& start, Direction direction);
+  /// The branch on which p grows or falls (sign) from a solution.
+  Branch follow(const BranchPoint& start, int sign);
+  /// The solution at a length `step` along a direction that is not that of a branch through x, but of one that crosses
+  /// there; the point to follow from.
+  std::optional<BranchPoint> branch_off(const Eigen::VectorXd& x, double p, const Direction&, double step);
+  long residuals() const { return residuals_; }
+
+ private:
+  struct Solution {
+    Eigen::VectorXd x;
+    double c = 0, x_error = 0, c_error = 0;
+    int iterations = 0;
+  };
+  /// Newton's method with normal·(x − x₀)/size + normal_c (c − c₀) = length.
+  std::optional<Solution> correct(const Solution& guess, const Direction& normal, const Solution& from, double length,
+                                  bool fine = true);
+  bool iterate(Solution&, const Direction& normal, const Solution& from, double length, double tolerance, double& last,
+               int most);
+  std::optional<Direction> tangent(const Solution&, const Direction& along);
+  Direction parameter_alone(Eigen::Index unknowns) const;
+  BranchPoint point_of(const Solution&);
+  void locate(Branch&, const Solution& a, const BranchPoint& before, const BranchPoint& after, const Direction&,
+              double length);
+  std::optional<SpecialPoint> approach_border(const Solution& from, const BranchPoint& before, const Direction&,
+                                              double length);
+  Problem& problem_;
+  ContinuationOptions options_;
+  long residuals_ = 0;
+};
+
+}  // namespace rosin::analysis::branches

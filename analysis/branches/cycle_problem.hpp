@@ -1,0 +1,96 @@
+/// Cycles by multiple shooting, through stick: arcs from node to node, each followed by the one loop with its
+/// derivative.
+#pragma once
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "analysis/branches/oscillator.hpp"
+#include "analysis/branches/problem.hpp"
+
+namespace rosin::analysis::branches {
+
+/// Unknowns: the period, where the drive is constant, and then the moving unknowns at the nodes of the cycle. Each arc
+/// ends on the next node; under a constant drive the first node does not move along the cycle. Nodes stand so close
+/// that no disturbance grows beyond 1e3 between two of them: cycles whose multipliers are 1e10 are closed as well as
+/// others.
+class CycleProblem final : public Problem {
+ public:
+  /// \param turns  periods of the drive in a period; 1 where it is constant
+  CycleProblem(Family family, int turns) : family_(std::move(family)), turns_(turns) {}
+
+  /// A cycle through y, all unknowns of the system. \returns the unknowns of the problem there
+  Eigen::VectorXd begin(const std::vector<double>& y, double period, double p);
+  /// The cycle of two turns of one, and the direction of the branch that doubles: where a multiplier is −1.
+  struct Doubled {
+    std::unique_ptr<CycleProblem> problem;
+    Eigen::VectorXd x, direction;
+  };
+  std::optional<Doubled> doubled(const Eigen::VectorXd& x, double p, double tolerance);
+  /// Small cycles about steady sliding y where an eigenvector q oscillates with ω: unknowns at no amplitude, and the
+  /// direction to one.
+  struct Born {
+    Eigen::VectorXd x, direction;
+  };
+  /// \param amplitude  of the unknowns, over their natural sizes
+  Born born(const std::vector<double>& y, const Eigen::VectorXcd& q, double angular_frequency, double amplitude,
+            double p);
+
+  Residual residual(const Eigen::VectorXd& x, double p, double tolerance, bool slopes) override;
+  const Eigen::VectorXd& scale() const override { return scale_; }
+  View view(const Eigen::VectorXd& x, double p, double tolerance) override;
+  bool refer_to(Eigen::VectorXd& x, double p, double tolerance) override;
+  int in_common() const override { return is_driven_ ? int(moving_.size()) : 1; }
+
+  bool driven() const { return is_driven_; }
+  int turns() const { return turns_; }
+  double period(const Eigen::VectorXd& x) const { return is_driven_ ? drive_period_ * turns_ : x[0]; }
+  /// Half the range of the cycle as a part of the unknowns' natural sizes.
+  double amplitude() const { return amplitude_; }
+  /// All unknowns at the first node.
+  std::vector<double> start(const Eigen::VectorXd& x) const { return full(x, 0); }
+  const std::vector<int>& moving() const { return moving_; }
+  Oscillator& oscillator(double p);
+  long steps = 0;
+
+ private:
+  struct Node {
+    double part;            ///< of the period, since the first
+    std::vector<double> y;  ///< unknowns there, of which those without rates of their own are a guess
+  };
+  struct Arc {
+    std::vector<double> begin, end;  ///< all unknowns, those without rates of their own as they follow
+    Eigen::MatrixXd derivative;      ///< moving × moving, natural units
+    Eigen::VectorXd by_parameter;
+  };
+  using Observer = decltype(motion::Follower::observe);
+  enum class Slopes { none, by_start, by_start_and_parameter };
+  Outcome follow_arc(int arc, const Eigen::VectorXd& x, double p, double tolerance, Slopes, Arc&,
+                     const Observer& observe = {}, std::vector<double>* tangent = nullptr);
+  Oscillator& vary(double p);
+  std::vector<double> full(const Eigen::VectorXd& x, int node) const;
+  Eigen::VectorXd rates(double t, const std::vector<double>& y, double p);
+  double start_of(int arc, const Eigen::VectorXd& x) const;
+  double end_of(int arc, const Eigen::VectorXd& x) const;
+  Eigen::Index place(int node) const { return (is_driven_ ? 0 : 1) + node * Eigen::Index(moving_.size()); }
+  Eigen::VectorXd unknowns(const std::vector<Node>&, double period) const;
+  void set_scale(double period);
+  void set_sizes(const Eigen::VectorXd& half_range, const std::vector<double>& y, double p);
+  double accuracy(double tolerance) const;
+
+  Family family_;
+  int turns_;
+  std::unique_ptr<Oscillator> oscillator_, larger_, smaller_;
+  double at_ = NAN;   ///< the parameter of the oscillator
+  double aside_ = 0;  ///< by which that of the two others differs
+  bool is_driven_ = false;
+  double drive_period_ = 0;
+  std::vector<int> moving_;  ///< unknowns with a rate of their own
+  std::vector<Node> nodes_;
+  Eigen::VectorXd size_;  ///< of the moving unknowns in this cycle
+  double amplitude_ = 1;
+  Eigen::VectorXd scale_;
+  Eigen::VectorXd reference_, along_;  ///< first node, and the cycle's direction there, in sizes
+};
+
+}  // namespace rosin::analysis::branches

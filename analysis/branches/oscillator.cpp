@@ -1,0 +1,105 @@
+/// Structures and sliders, each with its own record of a period.
+#include "analysis/branches/oscillator.hpp"
+
+#include <cmath>
+
+#include "analysis/cycles/period_record.hpp"
+#include "analysis/cycles/return_map.hpp"
+
+namespace rosin::analysis::branches {
+
+using motion::Follower;
+using oscillators::Model;
+using oscillators::Structure;
+using oscillators::StructureSystem;
+
+namespace {
+
+class OfStructure final : public Oscillator {
+ public:
+  explicit OfStructure(Structure structure) : system_(std::move(structure)) {
+    drive_period_ = common_period(system_.structure());
+  }
+  SwitchingSystem& system() override { return system_; }
+  Follower follower(double tolerance) override { return {system_, tolerance}; }
+  bool has_stops() const override { return system_.stops() > 0; }
+  std::vector<double> steady() override {
+    for (int c = 0; c < system_.contacts(); ++c)
+      system_.set_mode(c, slip_along(system_.structure().contacts[system_.friction_contact(c)].speed.level()));
+    return system_.steady(0);
+  }
+  std::vector<double> slip_rates(const std::vector<double>& y) const override {
+    std::vector<double> rates;
+    for (int j = 0; j < system_.friction_contacts(); ++j) rates.push_back(system_.slip_rate(j, 0, y.data()));
+    return rates;
+  }
+  std::unique_ptr<Record> record(double) const override {
+    struct OfPeriod final : Record {
+      explicit OfPeriod(const StructureSystem& system) : period(system) {}
+      void add(Follower::Step& step, std::span<const Follower::Event> switches) override { period.add(step, switches); }
+      std::map<std::string, double> finish(double duration) override {
+        period.finish(duration);
+        std::map<std::string, double> values;
+        for (const auto& [name, measure] : period.metrics) values[name] = measure.value;
+        return values;
+      }
+      cycles::PeriodRecord period;
+    };
+    return std::make_unique<OfPeriod>(system_);
+  }
+
+ private:
+  StructureSystem system_;
+};
+
+class OfSlider final : public Oscillator {
+ public:
+  explicit OfSlider(const Model& model) : system_(model) {
+    Structure drives;  // the drives alone
+    drives.force = {model.drive.force};
+    drives.contacts = {contact_of(model)};
+    drive_period_ = common_period(drives);
+    system_.mark_reversals(true);
+    if (!model.drive.constant()) return;
+    steady_ = system_.steady(0);
+    system_.measure_from_balance(steady_);
+  }
+  SwitchingSystem& system() override { return system_; }
+  Follower follower(double tolerance) override { return {system_, tolerance}; }
+  std::vector<double> slip_rates(const std::vector<double>& y) const override {
+    return {system_.slip_rate(0, y.data())};
+  }
+  std::vector<double> steady() override { return steady_.empty() ? system_.steady(0) : steady_; }
+  std::unique_ptr<Record> record(double tolerance) const override {
+    struct OfPeriod final : Record {
+      OfPeriod(const oscillators::SliderSystem& system, double tolerance)
+          : recorder(system, tolerance, cycles::CycleOptions{}.stick_threshold, false) {}
+      void add(Follower::Step& step, std::span<const Follower::Event>) override { recorder.step(step); }
+      std::map<std::string, double> finish(double duration) override {
+        const auto metrics = recorder.finish(duration);
+        std::map<std::string, double> values;
+        for (const auto& metric : cycles::metric_names()) values[metric.name] = metrics.*metric.member;
+        return values;
+      }
+      cycles::Recorder recorder;
+    };
+    return std::make_unique<OfPeriod>(system_, tolerance);
+  }
+
+ private:
+  oscillators::SliderSystem system_;
+  std::vector<double> steady_;  ///< under a constant drive, the origin of displacement
+};
+
+}  // namespace
+
+std::unique_ptr<Oscillator> oscillator_of(Structure structure) {
+  return std::make_unique<OfStructure>(std::move(structure));
+}
+
+std::unique_ptr<Oscillator> oscillator_of(const Model& model) {
+  if (model.law->set_valued()) return oscillator_of(oscillators::one_slider(model));
+  return std::make_unique<OfSlider>(model);
+}
+
+}  // namespace rosin::analysis::branches

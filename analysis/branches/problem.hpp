@@ -1,0 +1,52 @@
+/// What is continued along a parameter: F(x, p) = 0 in as many unknowns as equations, and what is seen at a solution.
+#pragma once
+#include <Eigen/Core>
+#include <complex>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/error.hpp"
+
+namespace rosin::analysis::branches {
+
+class Problem {
+ public:
+  virtual ~Problem() = default;
+
+  struct Residual {
+    Outcome outcome;
+    Eigen::VectorXd F;    ///< in sizes of the unknowns
+    Eigen::MatrixXd F_x;  ///< if slopes were asked
+    Eigen::VectorXd F_p;
+  };
+  /// \param tolerance  relative accuracy of F
+  virtual Residual residual(const Eigen::VectorXd& x, double p, double tolerance, bool slopes) = 0;
+  /// Sizes of the unknowns, in which corrections and lengths are measured.
+  virtual const Eigen::VectorXd& scale() const = 0;
+
+  /// A function whose simple zeros along the branch are special points.
+  struct Test {
+    std::string kind;  ///< "fold", "period-doubling", "torus", "grazing", …
+    double value;
+    /// A border of the kind of motion: the value falls to 0 and does not change its sign; beyond it the motion differs.
+    bool border = false;
+  };
+  struct View {
+    Outcome outcome;
+    bool stable = false;
+    std::vector<Test> tests;
+    std::string pattern;  ///< of switches: solutions of different patterns are parted by a border
+    std::vector<std::complex<double>> multipliers;  ///< largest modulus first, without the trivial one
+    std::map<std::string, double> metrics;
+    std::vector<double> start;  ///< unknowns of the oscillator at the start of a cycle
+  };
+  /// What is seen at a solution.
+  virtual View view(const Eigen::VectorXd& x, double p, double tolerance) = 0;
+  /// Takes a solution as the reference of what follows. \returns whether it is written in other unknowns from then on.
+  virtual bool refer_to(Eigen::VectorXd& x, double p, double tolerance) = 0;
+  /// How many of the first unknowns keep their meaning where others are written anew.
+  virtual int in_common() const = 0;
+};
+
+}  // namespace rosin::analysis::branches

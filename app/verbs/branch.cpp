@@ -1,0 +1,269 @@
+/// The verb branch: steady sliding and cycles along a parameter, stable or not, and the points where they change.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "analysis/branches/branches.hpp"
+#include "analysis/cycles/structure_cycle.hpp"
+#include "app/output/files.hpp"
+#include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/scene/family.hpp"
+#include "app/scene/reader.hpp"
+#include "app/scene/structure.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/verb.hpp"
+
+namespace rosin::app::verbs {
+
+using analysis::branches::Branches;
+using nlohmann::ordered_json;
+
+namespace {
+
+/// The unit of a cycle's metric.
+std::string unit_of(const scene::Scene& scene, const std::string& name) {
+  if (scene.structure || scene.model.law->set_valued()) {
+    const auto structure = scene.structure ? scene.structure->structure : oscillators::one_slider(scene.model);
+    for (const auto& [known, unit] : analysis::cycles::cycle_metrics_of(structure))
+      if (known == name) return unit;
+    return "1";
+  }
+  return analysis::cycles::find_metric(name).unit;
+}
+
+bool has_periodic_drive(const scene::Scene& scene) {
+  return scene.structure ? !scene.structure->structure.constant() : !scene.model.drive.constant();
+}
+
+void read_table(scene::Table table, scene::SceneReader& reader) {
+  auto& scene = reader.scene;
+  auto& task = scene.branch;
+  const bool is_slider = !scene.structure;
+  const auto& family = *(scene.family = std::make_shared<scene::Family>(reader, is_slider));
+  table.expect({"parameter", "from", "to", "scale", "start", "values", "points", "step", "doublings"});
+  const auto& parameter = table.required("parameter", "path of a number, such as drive.speed");
+  task.parameter = scene::located(parameter.source(),
+                                  [&] { return family.describe(scene::text(parameter, table.path("parameter"))); });
+  const auto meaning = task.parameter.name + ", " + task.parameter.meaning;
+  table.required("from", meaning), table.required("to", meaning);
+  auto& options = task.options;
+  auto& [from, to, logarithmic] = options.parameter;
+  table.read("from", from, task.parameter), table.read("to", to, task.parameter);
+  if (from == to) scene::fail(table.source(), "branch.from and branch.to are both {}", from);
+  constexpr double a_decade = 10;
+  logarithmic = from * to > 0 && std::max(from / to, to / from) >= a_decade;
+  if (const auto* scale = table.find("scale")) {
+    logarithmic = scene::choice(*scale, table.path("scale"), {"log", "linear"}) == "log";
+    if (logarithmic && !(from * to > 0))
+      scene::fail(scale->source(), "branch.scale = \"log\" needs from and to on one side of 0, but they are {} and {}",
+                  from, to);
+  }
+  task.from_cycle = has_periodic_drive(scene);
+  if (const auto* start = table.find("start")) {
+    task.from_cycle = scene::choice(*start, table.path("start"), {"steady", "cycle"}) == "cycle";
+    if (!task.from_cycle && has_periodic_drive(scene))
+      scene::fail(start->source(),
+                  "branch.start = \"steady\": under a drive that varies there is no steady sliding; give \"cycle\"");
+  }
+  if (const auto* values = table.find("values")) {
+    auto quantity = task.parameter;
+    quantity.name = table.path("values");
+    options.at = scene::numbers(*values, quantity);
+    for (const double value : options.at)
+      if ((value - from) * (value - to) > 0)
+        scene::fail(values->source(), "branch.values: {} is not between from ({}) and to ({})", value, from, to);
+  }
+  table.read("points", options.most_points, 10, 100'000, "largest number of points of a branch");
+  table.read("step", options.longest_step,
+             {"", "1", {1e-4, 1}, "longest step along a branch, where 1 is the range or the size of a cycle"});
+  table.read("doublings", options.doublings, 0, 12, "period doublings that are followed, one after another");
+  table.finish();
+}
+
+void read(scene::SceneReader& reader) {
+  reader.law();
+  reader.oscillator();
+  auto& branch = reader.need("branch", "the parameter, from and to");
+  if (reader.scene.plane) throw InputError("branches of a slider in the plane are not followed; type plane-slider");
+  if (reader.scene.structure) scene::read_structure_model(reader);
+  read_table(scene::Table(branch, "branch"), reader);
+}
+
+std::string drawn_metric(const Branches& found) {
+  for (const auto& cycle : found.cycles)
+    for (const auto& point : cycle.branch.points)
+      for (const char* name : {"slip_rate_max", "slip_rate_1_max"})
+        if (point.view.metrics.contains(name)) return name;
+  return "slip_rate_max";
+}
+
+std::string document_of(const scene::Scene& scene, const Branches& found, double seconds) {
+  auto document = output::begin(scene, "branch");
+  document["parameter"] = scene.branch.parameter.name;
+  auto& points = document["points"] = ordered_json::array();
+  for (const auto& at : found.steady) {
+    ordered_json point{{"value", at.value}, {"kind", "equilibrium"}};
+    if (!at.why.empty()) {
+      point["why"] = at.why;
+    } else {
+      point["stable"] = at.stable;
+      point["metrics"] = {{"growth_rate", at.eigenvalues.front().real()},
+                          {"angular_frequency", std::abs(at.eigenvalues.front().imag())}};
+      point["slip_rates"] = at.slip_rates;
+      point["eigenvalues"] = output::pairs(at.eigenvalues);
+    }
+    points.push_back(std::move(point));
+  }
+  auto& events = document["events"] = ordered_json::array();
+  for (const auto& crossing : found.crossings)
+    events.push_back({{"kind", crossing.angular_frequency > 0 ? "hopf" : "divergence"},
+                      {"value", crossing.value},
+                      {"error", crossing.error},
+                      {"angular_frequency", crossing.angular_frequency}});
+  auto& branches = document["branches"] = ordered_json::array();
+  for (std::size_t b = 0; b < found.cycles.size(); ++b) {
+    const auto& [from, value, parent, branch] = found.cycles[b];
+    branches.push_back({{"from", from},
+                        {"value", value},
+                        {"points", branch.points.size()},
+                        {"ends", branch.outcome.detail.empty() ? "at the end of the range" : branch.outcome.detail}});
+    if (parent >= 0) branches.back()["parent"] = parent;
+    for (const auto& at : branch.points)
+      points.push_back({{"value", at.p},
+                        {"kind", "cycle"},
+                        {"branch", b},
+                        {"stable", at.view.stable},
+                        {"metrics", at.view.metrics},
+                        {"multipliers", output::pairs(at.view.multipliers)},
+                        {"error", {{"value", at.error}, {"relative", at.x_error}}},
+                        {"asked", at.asked}});
+    for (const auto& special : branch.special) {
+      events.push_back({{"kind", special.kind}, {"value", special.p}, {"error", special.error}, {"branch", b}});
+      if (special.view.metrics.contains("period")) events.back()["period"] = special.view.metrics.at("period");
+    }
+  }
+  document["tolerance"] = scene.branch.options.tolerance;
+  document["cost"] = {{"seconds", seconds}, {"steps", found.steps}, {"closures", found.residuals}};
+  auto notes = scene.notes;
+  notes.insert(notes.end(), found.notes.begin(), found.notes.end());
+  document["notes"] = notes;
+  return output::text(document);
+}
+
+void write_table(const std::filesystem::path& folder, const scene::Scene& scene, const Branches& found) {
+  std::vector<std::string> names;
+  for (const auto& cycle : found.cycles)
+    if (!cycle.branch.points.empty() && names.empty())
+      for (const auto& [name, value] : cycle.branch.points.front().view.metrics) names.push_back(name);
+  std::vector<std::vector<double>> columns(5 + names.size());
+  const auto add = [&](double branch, double value, bool stable, double rate, double multiplier) {
+    columns[0].push_back(branch), columns[1].push_back(value), columns[2].push_back(stable);
+    columns[3].push_back(rate), columns[4].push_back(multiplier);
+  };
+  for (const auto& at : found.steady) {
+    if (!at.why.empty()) continue;
+    add(-1, at.value, at.stable, at.slip_rates.front(), NAN);
+    for (std::size_t k = 0; k < names.size(); ++k) columns[5 + k].push_back(NAN);
+  }
+  const auto drawn = drawn_metric(found);
+  for (std::size_t b = 0; b < found.cycles.size(); ++b)
+    for (const auto& at : found.cycles[b].branch.points) {
+      const auto metric = at.view.metrics.find(drawn);
+      add(double(b), at.p, at.view.stable, metric == at.view.metrics.end() ? NAN : metric->second,
+          at.view.multipliers.empty() ? NAN : std::abs(at.view.multipliers.front()));
+      for (std::size_t k = 0; k < names.size(); ++k) columns[5 + k].push_back(at.view.metrics.at(names[k]));
+    }
+  std::vector<output::Column> table{
+      {"branch", columns[0]},
+      {output::column_header(scene.branch.parameter.name, scene.branch.parameter.unit), columns[1]},
+      {"stable", columns[2]},
+      {output::column_header(drawn, "m/s"), columns[3]},
+      {"largest_multiplier", columns[4]}};
+  std::vector<std::string> headers;
+  for (const auto& name : names) headers.push_back(output::column_header(name, unit_of(scene, name)));
+  for (std::size_t k = 0; k < names.size(); ++k) table.push_back({headers[k], columns[5 + k]});
+  output::write_csv(folder / "branch.csv", table);
+}
+
+Status perform(Job& job) {
+  auto& scene = job.scene();
+  auto& task = scene.branch;
+  task.options.tolerance = job.request().tolerance.value_or(task.options.tolerance);
+  const auto path = task.parameter.name;
+  const bool is_slider = !scene.structure;
+  job.explain("cycles by multiple shooting, at tolerance {} and a hundredth of it", task.options.tolerance);
+  job.explain("along {} by pseudo-arclength; from {}", path,
+              task.from_cycle ? "a motion that has settled" : "steady sliding");
+  const analysis::branches::Family family = [&](double p) {
+    return is_slider ? analysis::branches::oscillator_of(scene.family->slider_with({{path, p}}))
+                     : analysis::branches::oscillator_of(scene.family->with({{path, p}}).structure);
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  Branches found;
+  const auto& range = task.options.parameter;
+  if (task.from_cycle) {
+    const auto settled =
+        is_slider ? analysis::branches::settle(scene.family->slider_with({{path, range.from}}), task.options.tolerance)
+                  : analysis::branches::settle(scene.family->with({{path, range.from}}), task.options.tolerance);
+    if (!settled.outcome.complete())
+      throw InputError(
+          fmt::format("branch.start = \"cycle\": at branch.from = {} the motion settles on no cycle: {}; "
+                      "give another value, or start = \"steady\"",
+                      range.from, settled.outcome.detail));
+    found = analysis::branches::from_cycle(family, settled, range.from, task.options);
+  } else {
+    std::optional<std::vector<analysis::steady::Crossing>> crossings;
+    if (is_slider)
+      for (const auto& quantity : scene.model.parameters())
+        if (quantity.name == path) crossings = analysis::branches::crossings_of(scene.model, path, range);
+    found = analysis::branches::from_steady_sliding(family, task.options, crossings);
+  }
+  const double seconds = seconds_since(begin);
+  const auto& unit = task.parameter.unit;
+  for (const auto& crossing : found.crossings)
+    job.say("{:<17} {} = {}{}", crossing.angular_frequency > 0 ? "hopf" : "divergence", path,
+            justified(crossing.value, crossing.error, unit),
+            crossing.angular_frequency > 0 ? fmt::format(", {:.9g} rad/s", crossing.angular_frequency) : "");
+  for (const auto& [from, value, parent, branch] : found.cycles) {
+    job.say("cycles from {} at {:.9g} {}: {} points, {}", from, value, unit, branch.points.size(),
+            branch.outcome.detail.empty() ? "to the end of the range" : branch.outcome.detail);
+    for (const auto& special : branch.special)
+      job.say("  {:<15} {} = {}", special.kind, path, justified(special.p, special.error, unit));
+    for (const auto& at : branch.points)
+      if (at.asked)
+        job.say("  at {:.9g} {}: period {} s, {}", at.p, unit,
+                justified(at.view.metrics.at("period"), at.x_error * at.view.metrics.at("period"), ""),
+                at.view.stable ? "stable" : "unstable");
+  }
+  if (found.cycles.empty() && found.crossings.empty())
+    job.say("steady sliding does not change its stability between {:.9g} and {:.9g} {}", range.from, range.to, unit);
+  for (const auto& note : found.notes) job.note(note);
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = task.options.tolerance;
+  for (const auto& cycle : found.cycles)
+    for (const auto& at : cycle.branch.points)
+      manifest.tolerance_reached = std::max(manifest.tolerance_reached, at.x_error);
+  manifest.cost = {{"seconds", seconds}, {"steps", double(found.steps)}, {"closures", double(found.residuals)}};
+  write_table(job.folder(), scene, found);
+  auto files = output::write_picture(job.folder(), scene, found);
+  files.push_back("branch.csv");
+  return job.finish(document_of(scene, found, seconds), std::move(files), {});
+}
+
+}  // namespace
+
+Verb branch_verb() {
+  return {.name = "branch",
+          .help = "steady sliding and cycles followed along a parameter, stable or not, and where they change",
+          .example = "rosin branch examples/two-motions.toml",
+          .operands = {scene_operand},
+          .needs = model_tables({{"branch", "the parameter, from and to"}}),
+          .options = scene_options(),
+          .read = read,
+          .perform = perform};
+}
+
+}  // namespace rosin::app::verbs

@@ -1,0 +1,206 @@
+/// Branches against closed forms, AUTO-07p and shooting: equilibria, cycles through stick, and the points where they
+/// change.
+#include "analysis/branches/branches.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "laws/catalogue.hpp"
+#include "oscillators/model.hpp"
+
+using namespace rosin;
+using namespace rosin::analysis::branches;
+using oscillators::Model;
+
+namespace {
+
+/// x² + p² = 1, whose tangent is along x at p = ±1.
+class Circle final : public Problem {
+ public:
+  Residual residual(const Eigen::VectorXd& x, double p, double, bool) override {
+    return {{},
+            Eigen::VectorXd::Constant(1, x[0] * x[0] + p * p - 1),
+            Eigen::MatrixXd::Constant(1, 1, 2 * x[0]),
+            Eigen::VectorXd::Constant(1, 2 * p)};
+  }
+  const Eigen::VectorXd& scale() const override { return scale_; }
+  View view(const Eigen::VectorXd& x, double, double) override {
+    View view;
+    view.stable = x[0] > 0;
+    view.tests = {{"fold", x[0]}};
+    return view;
+  }
+  bool refer_to(Eigen::VectorXd&, double, double) override { return false; }
+  int in_common() const override { return 1; }
+
+ private:
+  Eigen::VectorXd scale_ = Eigen::VectorXd::Ones(1);
+};
+
+Family along(const Model& model, const std::string& path) {
+  return [=](double p) { return oscillator_of(model.with(path, p)); };
+}
+
+const BranchPoint& asked(const Branches& found, double value, bool stable) {
+  for (const auto& cycle : found.cycles)
+    for (const auto& point : cycle.branch.points)
+      if (point.asked && std::abs(point.p - value) < 1e-12 * value && point.view.stable == stable) return point;
+  FAIL("no " << (stable ? "stable" : "unstable") << " cycle at " << value);
+  return found.cycles.front().branch.points.front();
+}
+
+std::vector<SpecialPoint> special(const Branches& found, const std::string& kind) {
+  std::vector<SpecialPoint> all;
+  for (const auto& cycle : found.cycles)
+    for (const auto& point : cycle.branch.special)
+      if (point.kind == kind) all.push_back(point);
+  return all;
+}
+
+Model board(double lambda, double load, double speed) {
+  Model model;
+  model.law = laws::preset(*laws::find_law("spinodal"), "bristol-board");
+  model.lambda = lambda;
+  model.slider = {1, 1.09, 0};
+  model.drive.normal_load = load, model.drive.speed = speed;
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("a branch goes round its folds, which are located to rounding", "[branches]") {
+  Circle circle;
+  ContinuationOptions options;
+  options.parameter = {-2, 2, false};
+  options.tolerance = 1e-10;
+  options.most_points = 400;
+  Continuation continuation(circle, options);
+  const auto start = continuation.close(Eigen::VectorXd::Constant(1, 0.9), 0.3);
+  REQUIRE(start);
+  CHECK(start->x[0] == Approx(std::sqrt(1 - 0.09)).epsilon(1e-12));
+  const auto branch = continuation.follow(*start, 1);
+  REQUIRE(branch.special.size() >= 2);
+  CHECK(std::abs(branch.special[0].p - 1) < 1e-12);
+  CHECK(std::abs(branch.special[1].p + 1) < 1e-12);
+  for (const auto& point : branch.points) CHECK(std::abs(point.x[0] * point.x[0] + point.p * point.p - 1) < 1e-9);
+}
+
+TEST_CASE("cycles of the board slider over load agree with AUTO to all its digits, multipliers too", "[branches]") {
+  BranchOptions options;
+  options.parameter = {2e-4, 1e-2, true};
+  options.at = {5e-4, 1e-3, 2e-3, 5e-3};
+  const Model model = board(10, 1e-3, 1e-5);
+  const auto found = from_steady_sliding(along(model, "drive.normal_load"), options,
+                                         crossings_of(model, "drive.normal_load", options.parameter));
+  REQUIRE(found.crossings.size() == 1);
+  CHECK(std::abs(found.crossings[0].value - 4.087751405677e-4) < 1e-16);
+  const double wanted[][4] = {{5e-4, 10.3643431644, 2.0596458043e-5, 0.800806},
+                              {1e-3, 23.1416365606, 8.73493728e-5, 0.397131},
+                              {2e-3, 54.2469041447, 2.469646168e-4, 0.244056},
+                              {5e-3, 151.538089265, 7.50222525e-4, 0.164519}};
+  for (const auto& [load, period, fastest, multiplier] : wanted) {
+    const auto& point = asked(found, load, true);
+    CHECK(std::abs(point.view.metrics.at("period") / period - 1) < 1e-10);
+    CHECK(std::abs(point.view.metrics.at("slip_rate_max") / fastest - 1) < 2e-9);
+    CHECK(std::abs(point.view.multipliers.front() - multiplier) < 1e-6);
+  }
+  CHECK(special(found, "fold").empty());
+  CHECK(special(found, "period-doubling").empty());
+}
+
+TEST_CASE("a cycle whose disturbances grow 1e10-fold in a period lies on its branch, which turns at a fold",
+          "[branches]") {
+  BranchOptions options;
+  options.parameter = {3e-4, 4e-3, true};
+  options.at = {1e-3};
+  const Model model = board(1, 9.81e-2, 1e-3);
+  const auto found =
+      from_steady_sliding(along(model, "drive.speed"), options, crossings_of(model, "drive.speed", options.parameter));
+  const auto& unstable = asked(found, 1e-3, false);
+  CHECK(std::abs(unstable.view.metrics.at("period") / 10.0925050294 - 1) < 1e-9);
+  CHECK(unstable.view.multipliers.front().real() == Approx(6.9e10).epsilon(0.02));
+  CHECK(std::abs(asked(found, 1e-3, true).view.metrics.at("period") / 21.7822862438 - 1) < 1e-10);
+  const auto folds = special(found, "fold");
+  REQUIRE(folds.size() == 1);
+  CHECK(std::abs(folds[0].p / 2.386858673594e-3 - 1) < 1e-10);
+  CHECK(folds[0].error < 1e-10 * folds[0].p);
+}
+
+TEST_CASE("period doublings of two states lie where shooting has them", "[branches]") {
+  Model model;
+  model.law = laws::find_law("two-state-slip");
+  model.slider = {0, 400, 0};
+  model.drive.speed = 1e-6, model.drive.normal_load = 1.0;
+  for (const auto& [name, value] : {std::pair{"law.a", 0.01},
+                                    {"law.b1", 0.01},
+                                    {"law.b2", 0.0084},
+                                    {"law.L1", 2e-6},
+                                    {"law.L2", 2e-6 / 0.048},
+                                    {"law.v0", 1e-6}})
+    model = model.with(name, value);
+  constexpr double stiffness = 5000;
+  BranchOptions options;
+  options.parameter = {0.0805 * stiffness, 0.0685 * stiffness, false};
+  const auto found = from_steady_sliding(along(model, "oscillator.stiffness"), options,
+                                         crossings_of(model, "oscillator.stiffness", options.parameter));
+  REQUIRE(found.crossings.size() == 1);
+  CHECK(std::abs(found.crossings[0].value / stiffness - 0.080275565703) < 1e-12);
+  const auto doublings = special(found, "period-doubling");
+  REQUIRE(doublings.size() >= 2);
+  CHECK(std::abs(doublings[0].p / stiffness - 0.0695394087541) < 1e-11);
+  CHECK(std::abs(doublings[1].p / stiffness - 0.0687992769253) < 1e-11);
+  CHECK(std::abs(doublings[1].view.metrics.at("period") / 2 - 79.957152893) < 1e-6);
+}
+
+TEST_CASE("cycles of dry friction are followed through stick to the speed where they end by grazing", "[branches]") {
+  Model model;
+  model.law = laws::find_law("stribeck")->with({1.0, 0.5, 0.5, 1.0, 0.0});
+  model.slider = {1, 1, 0.1};
+  model.drive.speed = 1.2, model.drive.normal_load = 1.0;
+  BranchOptions options;
+  options.parameter = {1, 2.5, false};
+  options.at = {1.5};
+  const auto found = from_steady_sliding(along(model, "drive.speed"), options);
+  REQUIRE(found.crossings.size() == 1);
+  CHECK(std::abs(found.crossings[0].value - 0.5 * std::log(10)) < 1e-13);  // v₀ ln((μs − μd)/(2 ξ v₀))
+  // From the unstable cycle, and from none: the fold where slip begins to touch rest.
+  const auto grazing = special(found, "grazing");
+  REQUIRE(grazing.size() == 1);
+  CHECK(grazing[0].error < 1e-8);
+  CHECK(std::abs(grazing[0].p - 1.8366009722) < 1e-8);
+  const auto &smooth = asked(found, 1.5, false), &sticks = asked(found, 1.5, true);
+  CHECK(smooth.view.metrics.at("stick_fraction") == 0);
+  CHECK(smooth.view.metrics.at("slip_rate_min") > 0);
+  CHECK(sticks.view.metrics.at("stick_fraction") > 0);
+  CHECK(std::abs(sticks.view.multipliers.front()) < 1e-9);  // rest forgets
+  // The cycle that is sought from rest is that of the branch.
+  const auto settled = settle(model.with("drive.speed", 1.5), 1e-9);
+  REQUIRE(settled.outcome.complete());
+  CHECK(settled.period == Approx(sticks.view.metrics.at("period")).epsilon(1e-8));
+}
+
+TEST_CASE("the forced belt keeps its period three over the force, with its multiplier", "[branches]") {
+  Model model;
+  model.law = laws::find_law("hyperbolic");
+  model.slider = {1, 1, 0};
+  model.drive.speed = 0.1, model.drive.normal_load = 1.0;
+  const auto forced = [&](double amplitude) {
+    Model changed = model;
+    changed.drive.force = Signal(Signal::Harmonics{0, {{amplitude, 2, 0}}});
+    return changed;
+  };
+  for (const auto& [name, value] : {std::pair{"law.mu_s", 1.0}, {"law.delta", 3.0}}) model = model.with(name, value);
+  const auto settled = settle(forced(0.5), 1e-9);
+  REQUIRE(settled.outcome.complete());
+  REQUIRE(settled.turns == 3);
+  BranchOptions options;
+  options.parameter = {0.5, 0.51, false};
+  options.doublings = 0;
+  const auto found = from_cycle([&](double p) { return oscillator_of(forced(p)); }, settled, 0.5, options);
+  REQUIRE(found.cycles.size() == 1);
+  const auto& first = found.cycles[0].branch.points.front();
+  CHECK(std::abs(first.view.multipliers.front() - -0.2574065874) < 1e-8);
+  CHECK(std::abs(first.view.metrics.at("stick_fraction") - 0.64253306) < 1e-7);
+  CHECK(found.cycles[0].branch.points.size() > 3);
+}
