@@ -173,6 +173,8 @@ class RecurrenceSearch {
     return result_;
   }
   long crossings() const { return crossings_; }
+  /// The last point of the section that was reached; empty: none was.
+  std::vector<double> last() const { return past_.empty() ? std::vector<double>() : past_.back(); }
 
  private:
   /// The coordinate that moves most in the first returns.
@@ -235,11 +237,12 @@ class RecurrenceSearch {
     return false;
   }
 
-  /// At a resonance that friction does not hold the range grows by as much in each renewal.
+  /// At a resonance that friction does not hold the range grows by as much in each renewal. Without a varying force
+  /// friction feeds the motion, and bounds it.
   bool grows_without_bound() {
     constexpr std::size_t renewals = 20;
     constexpr double as_much = 0.97;
-    if (ranges_.size() <= renewals) return false;
+    if (!map_.driven() || ranges_.size() <= renewals) return false;
     const auto last = ranges_.end() - 1, first = last - long(renewals), middle = last - long(renewals / 2);
     if (!std::is_sorted(first, ranges_.end()) || *last < 2 * *first) return false;
     unbounded_ = *last - *middle > as_much * (*middle - *first);
@@ -364,6 +367,7 @@ StructureCycle find_cycle(const motion::StructureModel& model, const StructureCy
   auto recurrence = search.search();
   result.cost = {map.count.steps, map.count.evaluations, search.crossings()};
   result.outcome = recurrence.outcome;
+  result.start = search.last();
   if (recurrence.returns == 0) return result;
   // Two passes show the error of the coarser; where that is above the tolerance, a third shows that of the second.
   constexpr double finer = 1.0 / 30, least = 3e-14;

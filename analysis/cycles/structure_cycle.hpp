@@ -38,7 +38,7 @@ struct StructureCycle {
   /// has not, so that its mirror image is another motion; "": the drive has none.
   std::string symmetry;
   std::vector<motion::RunEvent> events;  ///< of one period, by the time since its start
-  std::vector<double> start;             ///< unknowns at the start of the period
+  std::vector<double> start;             ///< unknowns at the start of the period, or where the search for one ended
   std::vector<std::string> column_names, column_units;
   std::vector<double> time;                  ///< at the stages of the solver's steps
   std::vector<std::vector<double>> columns;  ///< [column][moment]

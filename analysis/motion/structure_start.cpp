@@ -27,6 +27,7 @@ void check_stops(const oscillators::StructureSystem& system, const VectorXd& q, 
 }  // namespace
 
 std::vector<double> starting_point(const oscillators::StructureSystem& system, const StructureStart& start) {
+  if (!start.unknowns.empty()) return start.unknowns;
   const int n = system.coordinates();
   std::vector<double> steady;
   if (start.kind == Start::Kind::steady) steady = system.steady(0);

@@ -2,3 +2,4 @@
 #pragma once
 #include "analysis/planes/map.hpp"
 #include "analysis/planes/structure_map.hpp"
+#include "analysis/planes/sweep.hpp"

@@ -1,7 +1,7 @@
 /// Points of a structure's plane, shared out to threads.
 #include "analysis/planes/structure_map.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +18,32 @@ namespace {
 
 constexpr const char *growth_rate = "growth_rate", *largest_multiplier = "largest_multiplier", *returns = "returns";
 
-MapPoint compute_point(const motion::StructureModel& model, const MapOptions& options,
-                       const std::vector<PlaneMetric>& metrics) {
+}  // namespace
+
+std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& structure,
+                                              const std::vector<std::string>& names) {
+  auto known = cycles::cycle_metrics_of(structure);
+  known.insert(known.end(), {{growth_rate, "1/s"}, {largest_multiplier, "1"}, {returns, "1"}});
+  std::vector<std::string> all;
+  for (const auto& [name, unit] : known) all.push_back(name);
+  std::vector<PlaneMetric> metrics;
+  for (const auto& name : names) {
+    const auto found = std::ranges::find(all, name);
+    if (found == all.end()) {
+      const auto near = nearest_name(name, all);
+      throw InputError(fmt::format(
+          "'{}' is no metric of this structure{}", name,
+          near.empty() ? fmt::format("; it has {}", fmt::join(all, ", ")) : fmt::format("; did you mean '{}'?", near)));
+    }
+    std::string meaning = name;
+    std::ranges::replace(meaning, '_', ' ');
+    metrics.push_back({name, known[std::size_t(found - all.begin())].second, meaning, nullptr, metrics.size()});
+  }
+  return metrics;
+}
+
+MapPoint compute_structure_point(const motion::StructureModel& model, double tolerance,
+                                 const std::vector<PlaneMetric>& metrics, std::vector<double>* end) {
   MapPoint point = undecided_point();
   point.measures.assign(metrics.size(), NAN), point.measure_errors.assign(metrics.size(), NAN);
   const auto set = [&](std::string_view name, double value, double error) {
@@ -41,8 +65,9 @@ MapPoint compute_point(const motion::StructureModel& model, const MapOptions& op
     return point;
   }
   cycles::StructureCycleOptions how;
-  how.tolerance = options.tolerance;
+  how.tolerance = tolerance;
   const auto cycle = cycles::find_cycle(model, how);
+  if (end) *end = cycle.start;
   point.origin = Origin::computed;
   if (cycle.returns > 0) {
     point.regime = stable && !driven ? Regime::bistable : Regime::cycle;
@@ -56,29 +81,6 @@ MapPoint compute_point(const motion::StructureModel& model, const MapOptions& op
     point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
   }
   return point;
-}
-
-}  // namespace
-
-std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& structure,
-                                              const std::vector<std::string>& names) {
-  auto known = cycles::cycle_metrics_of(structure);
-  known.insert(known.end(), {{growth_rate, "1/s"}, {largest_multiplier, "1"}, {returns, "1"}});
-  std::vector<std::string> all;
-  for (const auto& [name, unit] : known) all.push_back(name);
-  std::vector<PlaneMetric> metrics;
-  for (const auto& name : names) {
-    const auto found = std::ranges::find(all, name);
-    if (found == all.end()) {
-      const auto near = nearest_name(name, all);
-      throw InputError(fmt::format("'{}' is no metric of this structure{}", name,
-                                   near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
-    }
-    std::string meaning = name;
-    std::ranges::replace(meaning, '_', ' ');
-    metrics.push_back({name, known[std::size_t(found - all.begin())].second, meaning, nullptr, metrics.size()});
-  }
-  return metrics;
 }
 
 Map compute_structure_map(const StructureFamily& family, const MapOptions& options,
@@ -105,7 +107,8 @@ Map compute_structure_map(const StructureFamily& family, const MapOptions& optio
       const std::size_t i = missing[k];
       MapPoint point = blank;
       try {
-        point = compute_point(family(map.x.values[i % width], map.y.values[i / width]), options, metrics);
+        point = compute_structure_point(family(map.x.values[i % width], map.y.values[i / width]), options.tolerance,
+                                        metrics);
       } catch (const InputError& error) {
         point.done = true, point.regime = Regime::failed, point.why = error.what();
       }

@@ -11,6 +11,11 @@ namespace rosin::analysis::planes {
 /// "largest_multiplier" (modulus) and "returns" of the cycle. \throws InputError for an unknown name.
 std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure&, const std::vector<std::string>& names);
 
+/// One point: the motion from the model's start, and what steady sliding says of it.
+/// \param end  if given, the unknowns on the section that the motion came to; empty where it came to none
+MapPoint compute_structure_point(const motion::StructureModel&, double tolerance,
+                                 const std::vector<PlaneMetric>& metrics, std::vector<double>* end = nullptr);
+
 /// The structure at values of x and y.
 using StructureFamily = std::function<motion::StructureModel(double x, double y)>;
 

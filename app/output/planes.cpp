@@ -1,10 +1,11 @@
-/// Writing a map with the NetCDF C interface. Nothing in the file depends on when or where it was written.
+/// Writing maps and sweeps with the NetCDF C interface. Nothing in the file depends on when or where it was written.
 #include "app/output/planes.hpp"
 
 #include <fmt/format.h>
 #include <netcdf.h>
 #include <netcdf_mem.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
@@ -16,14 +17,14 @@ namespace rosin::app::output {
 namespace {
 
 void check(int status) {
-  if (status != NC_NOERR) throw std::runtime_error(fmt::format("map.nc: {}", nc_strerror(status)));
+  if (status != NC_NOERR) throw std::runtime_error(fmt::format("NetCDF: {}", nc_strerror(status)));
 }
 
 /// A file being written in memory, because the HDF5 library does not survive a disk that fills up: definitions and
 /// values in any order (NetCDF-4 needs no define mode).
 class Plane {
  public:
-  Plane() { check(nc_create_mem("map.nc", NC_NETCDF4, 1 << 16, &file_)); }
+  Plane() { check(nc_create_mem("plane.nc", NC_NETCDF4, 1 << 16, &file_)); }
   ~Plane() {
     if (open_) nc_abort(file_);
     std::free(image_.memory);
@@ -154,6 +155,48 @@ void write_plane(const std::filesystem::path& path, const scene::Scene& scene, c
   plane.attribute(origin, "flag_values", std::vector<signed char>{0, 1, 2});
   plane.attribute(origin, "flag_meanings", "decided computed interpolated");
   plane.values(origin, origins);
+  write_whole(path, plane.close());
+}
+
+void write_sweep(const std::filesystem::path& path, const scene::Scene& scene, const analysis::planes::Sweep& sweep) {
+  Plane plane;
+  plane.attribute(NC_GLOBAL, "title", scene.title);
+  plane.attribute(NC_GLOBAL, "version", std::string("rosin ") + ROSIN_VERSION);
+  plane.attribute(NC_GLOBAL, "scene", scene.resolved);
+  plane.attribute(NC_GLOBAL, "tolerance", scene.sweep.tolerance);
+  const int value = write_axis(plane, last_part(scene.sweep.axis.parameter), scene.sweep.axis, scene);
+  std::size_t longest = 1;
+  for (const auto* points : {&sweep.up, &sweep.down})
+    for (const auto& point : *points)
+      if (!point.columns.empty()) longest = std::max(longest, point.columns.front().size());
+  const bool of_metrics = !sweep.metrics.empty();
+  const int moment = of_metrics ? 0 : plane.dimension("moment", longest);
+  for (const auto& [direction, points] : {std::pair{"up", &sweep.up}, std::pair{"down", &sweep.down}}) {
+    if (points->empty()) continue;
+    const auto write = [&](const std::string& name, const std::string& unit, const std::string& meaning,
+                           const std::vector<int>& dimensions, const std::vector<double>& values) {
+      const int variable = plane.variable(fmt::format("{}_{}", name, direction), NC_DOUBLE, dimensions);
+      plane.attribute(variable, "units", unit);
+      plane.attribute(variable, "long_name", fmt::format("{}, {}wards", meaning, direction));
+      plane.values(variable, values);
+    };
+    for (const auto& metric : sweep.metrics) {
+      std::vector<double> values, errors;
+      for (const auto& point : *points) {
+        values.push_back(point.done ? metric.value(point.metrics) : NAN);
+        errors.push_back(point.done ? metric.error(point.metrics) : NAN);
+      }
+      write(metric.name, metric.unit, metric.meaning, {value}, values);
+      write(metric.name + "_error", metric.unit, "absolute error of " + metric.name, {value}, errors);
+    }
+    for (std::size_t c = 0; !of_metrics && c < sweep.column_names.size(); ++c) {
+      std::vector<double> values(points->size() * longest, NAN);
+      for (std::size_t i = 0; i < points->size(); ++i)
+        if (const auto& columns = (*points)[i].columns; !columns.empty())
+          std::ranges::copy(columns[c], values.begin() + long(i * longest));
+      write(sweep.column_names[c], sweep.column_units[c], sweep.column_names[c], {value, moment}, values);
+    }
+  }
   write_whole(path, plane.close());
 }
 

@@ -3,11 +3,14 @@
 #include <filesystem>
 
 #include "analysis/planes/map.hpp"
+#include "analysis/planes/sweep.hpp"
 #include "app/scene/scene.hpp"
 
 namespace rosin::app::output {
 
-/// \throws std::runtime_error if the file cannot be written.
+// Each \throws std::runtime_error if the file cannot be written.
 void write_plane(const std::filesystem::path& path, const scene::Scene&, const analysis::planes::Map&);
+/// Metrics over the values, or the moments of each value; those of values that have fewer are filled with NaN.
+void write_sweep(const std::filesystem::path& path, const scene::Scene&, const analysis::planes::Sweep&);
 
 }  // namespace rosin::app::output

@@ -17,6 +17,7 @@
 #include "analysis/motion/run.hpp"
 #include "analysis/motion/structure_run.hpp"
 #include "analysis/planes/map.hpp"
+#include "analysis/planes/sweep.hpp"
 #include "analysis/response/extraction.hpp"
 #include "analysis/response/frf.hpp"
 #include "analysis/response/frf_simulation.hpp"
@@ -119,6 +120,8 @@ struct Scene {
   analysis::motion::RunOptions run;
   analysis::cycles::CycleOptions cycle;
   analysis::planes::MapOptions map;
+  analysis::planes::SweepOptions sweep;
+  std::string sweep_column;  ///< whose values the result lists and the picture shows
   CompareOptions compare;
   analysis::studies::StudyOptions study;  ///< of the verb study, whose scenes have no model
   analysis::response::FrfOptions frf;

@@ -67,7 +67,8 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   if (!reader.needs("map") && !is_of_slider(reader)) return;  // its paths and metrics are known to the verb map alone
   auto& map = scene.map;
   table.expect({"x", "y", "metrics", "stick_threshold"});
-  const auto &x = table.required("x", "first axis"), &y = table.required("y", "second axis");
+  const auto &x = table.required("x", "first axis"),
+             &y = table.required("y", "second axis; along one parameter alone use [sweep] and 'rosin sweep'");
   map.x = read_axis(scene::Table(x, table.path("x")), scene);
   map.y = read_axis(scene::Table(y, table.path("y")), scene);
   if (map.x.parameter == map.y.parameter)

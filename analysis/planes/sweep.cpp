@@ -1,0 +1,240 @@
+/// Following a motion from value to value of a parameter.
+#include "analysis/planes/sweep.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "analysis/cycles/section_map.hpp"
+#include "analysis/motion/structure_record.hpp"
+#include "analysis/planes/map_point.hpp"
+#include "analysis/planes/structure_map.hpp"
+#include "core/workers.hpp"
+
+namespace rosin::analysis::planes {
+
+using cycles::SectionMap;
+using motion::Follower;
+using motion::StructureModel;
+using motion::StructureRecord;
+using Record = SweepOptions::Record;
+
+namespace {
+
+/// Records the columns where the velocity of a coordinate passes through 0.
+class Extrema {
+ public:
+  Extrema(const oscillators::StructureSystem& system, int coordinate, StructureRecord& record)
+      : system_(system), coordinate_(coordinate), record_(record) {}
+
+  void look(Follower::Step& step) {
+    const auto velocity = [this](double t, const double* y) { return system_.velocity(t, y)[coordinate_]; };
+    std::vector<double> y = step.state_before();
+    double low = 0, before = velocity(step.time_before(), y.data());
+    for (int i = 0; i < Follower::Step::stages; ++i) {
+      step.stage(i, y.data());
+      const double now = velocity(step.stage_time(i), y.data());
+      if ((before > 0 && now <= 0) || (before < 0 && now >= 0)) {
+        const auto theta = step.locate(velocity, low, step.node(i), before, now);
+        if (theta && step.solve_at(*theta, y.data())) record_.record(step.time_at(*theta), y.data());
+      }
+      low = step.node(i), before = now;
+    }
+  }
+
+ private:
+  const oscillators::StructureSystem& system_;
+  int coordinate_;
+  StructureRecord& record_;
+};
+
+/// The smallest number of moments after which all columns are what they were, over the second half of the record.
+int recurrence_of(const std::vector<std::vector<double>>& columns) {
+  constexpr double same = 1e-6;  // of the range of a column, or of its size where that is larger
+  const int count = int(columns.front().size());
+  if (count == 1) return 1;
+  for (int period = 1; period <= count / 2; ++period) {
+    const bool recurs = std::ranges::all_of(columns, [&](const std::vector<double>& column) {
+      double size = 0, apart = 0;
+      for (const double value : column) size = std::max(size, std::abs(value));
+      for (int i = count - 1; i - period >= 0 && i >= count / 2; --i)
+        apart = std::max(apart, std::abs(column[i] - column[i - period]));
+      return apart <= same * size;
+    });
+    if (recurs) return period;
+  }
+  return 0;
+}
+
+/// One value: the motion from the model's start.
+/// \returns where it ended
+std::vector<double> record_point(const StructureModel& model, const SweepOptions& options, SweepPoint& point) {
+  SectionMap map(model.structure);
+  map.watch(options.watch);
+  std::vector<double> y = motion::starting_point(map.system(), model.start);
+  StructureRecord record(map.system());
+  Extrema extrema(map.system(), options.watch, record);
+  bool recording = options.transient == 0;
+  std::vector<double> end = y;
+  double time = 0;
+  const auto observe = [&](Follower::Step& step, std::span<const Follower::Event>) {
+    if (recording && options.record == Record::extrema) extrema.look(step);
+    end = step.state(), time = step.time();
+  };
+  const auto outcome = map.follow_crossings(
+      y, 0.1 * options.tolerance,
+      [&](int crossing, double t, const std::vector<double>& there) {
+        if (crossing > options.transient && options.record == Record::section)
+          record.record(map.driven() ? 0 : t, there.data());
+        recording = crossing >= options.transient;
+        end = there;
+        return crossing >= options.transient + options.keep;
+      },
+      observe);
+  if (!outcome.complete()) point.why = fmt::format("{}: {}", name(outcome.ending), outcome.detail);
+  if (record.values.front().empty() && outcome.complete()) record.record(map.driven() ? 0 : time, end.data());
+  point.columns = std::move(record.values);
+  if (!point.columns.front().empty()) point.recurrence = recurrence_of(point.columns);
+  point.done = true;
+  return end;
+}
+
+/// No contact touches a surface at rest.
+bool slides(const oscillators::Structure& structure) {
+  return std::ranges::all_of(structure.contacts, [](const auto& contact) { return contact.speed.level() != 0; });
+}
+
+/// Counts the values that are done.
+class Progress {
+ public:
+  Progress(const std::function<void(std::size_t, std::size_t)>& tell, std::size_t total) : tell_(tell), total_(total) {}
+  void advance() {
+    const std::scoped_lock lock(mutex_);
+    ++done_;
+    if (tell_) tell_(done_, total_);
+  }
+  std::size_t done() const { return done_; }
+
+ private:
+  const std::function<void(std::size_t, std::size_t)>& tell_;
+  std::size_t total_, done_ = 0;
+  std::mutex mutex_;
+};
+
+/// Calls compute(place of the value, where the motion before it ended, the point) for all values of all directions:
+/// one direction after the other where threads are few, each value by itself where all begin anew.
+template <class Compute>
+void for_each_value(const SweepOptions& options, Sweep& sweep,
+                    const std::function<void(std::size_t, std::size_t)>& tell, Compute compute) {
+  require(options.threads, {1, 4096}, "threads", "number of threads", "1");
+  const std::size_t n = options.axis.values.size();
+  if (options.up) sweep.up.resize(n);
+  if (options.down) sweep.down.resize(n);
+  const std::size_t directions = std::size_t(options.up) + std::size_t(options.down);
+  Progress progress(tell, directions * n);
+  const auto along = [&](bool up, std::size_t k) { return up ? k : n - 1 - k; };
+  try {
+    if (options.anew) {  // directions do not differ
+      in_parallel(options.threads, n, [&](std::size_t i) {
+        std::vector<double> end;
+        auto& point = options.up ? sweep.up[i] : sweep.down[i];
+        compute(i, end, point);
+        if (options.up && options.down) sweep.down[i] = point;
+        progress.advance();
+      });
+    } else {
+      in_parallel(options.threads, directions, [&](std::size_t d) {
+        const bool up = options.up && d == 0;
+        std::vector<double> end;
+        for (std::size_t k = 0; k < n; ++k) {
+          end_if_stopped();
+          compute(along(up, k), end, (up ? sweep.up : sweep.down)[along(up, k)]);
+          progress.advance();
+        }
+      });
+    }
+  } catch (const Stopped&) {
+    sweep.outcome = {Ending::interrupted, fmt::format("{} of {} values are done", progress.done(), directions * n)};
+    return;
+  }
+  std::size_t failed = 0;
+  std::string first;
+  for (const auto* direction : {&sweep.up, &sweep.down})
+    for (const auto& point : *direction)
+      if (!point.why.empty() && failed++ == 0) first = point.why;
+  if (failed == directions * n)
+    sweep.outcome = {Ending::none_exists, fmt::format("every value failed; the first: {}", first)};
+}
+
+}  // namespace
+
+Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOptions& options,
+            const std::function<void(std::size_t, std::size_t)>& progress) {
+  Sweep result;
+  const auto first = family(options.axis.values.front());
+  {
+    const oscillators::StructureSystem system(first.structure);
+    const StructureRecord record(system);
+    result.column_names = record.names, result.column_units = record.units;
+  }
+  if (options.record == Record::metrics) result.metrics = metrics_of_structure(first.structure, options.metrics);
+  if (first.structure.constant()) {
+    try {
+      std::vector<double> sliding;
+      for (const double value : options.axis.values)
+        if (slides(family(value).structure)) sliding.push_back(value);
+      result.thresholds =
+          steady::scan([&](double value) { return steady::stability(family(value).structure); }, sliding).thresholds;
+    } catch (const InputError& error) {
+      result.thresholds_left_out = fmt::format("thresholds of steady sliding are not marked: {}", error.what());
+    }
+  }
+  for_each_value(options, result, progress, [&](std::size_t i, std::vector<double>& end, SweepPoint& point) {
+    try {
+      auto model = family(options.axis.values[i]);
+      const auto size = std::size_t(oscillators::StructureSystem(model.structure).size());
+      // Where a parameter changes which unknowns there are, the motion begins anew.
+      if (end.size() == size) model.start.unknowns = end;
+      if (options.record == Record::metrics) {
+        std::vector<double> reached;
+        point.metrics = compute_structure_point(model, options.tolerance, result.metrics, &reached);
+        point.why = point.metrics.regime == Regime::failed ? point.metrics.why : "";
+        point.done = true;
+        if (!reached.empty()) end = reached;
+      } else {
+        end = record_point(model, options, point);
+      }
+    } catch (const InputError& error) {
+      point.done = true, point.why = error.what();
+      point.columns.assign(result.column_names.size(), {});
+      point.metrics = undecided_point();
+      point.metrics.measures.assign(result.metrics.size(), NAN), point.metrics.measure_errors = point.metrics.measures;
+    }
+  });
+  return result;
+}
+
+Sweep sweep_of_slider(const Model& model, const SweepOptions& options,
+                      const std::function<void(std::size_t, std::size_t)>& progress) {
+  Sweep result;
+  result.metrics = metrics_of_slider(options.metrics);
+  for (const double value : options.axis.values) (void)model.with(options.axis.parameter, value);
+  for_each_value(options, result, progress, [&](std::size_t i, std::vector<double>&, SweepPoint& point) {
+    const Model here = model.with(options.axis.parameter, options.axis.values[i]);
+    bool attracts = false;
+    try {
+      const auto sliding = steady::stability(here);
+      attracts = sliding.stable || sliding.marginal;
+      point.metrics = compute_point(here, options.tolerance, 0.1, attracts, {});
+    } catch (const InputError& error) {
+      point.metrics = failed_point(error.what());
+    }
+    point.why = point.metrics.regime == Regime::failed ? point.metrics.why : "";
+    point.done = true;
+  });
+  return result;
+}
+
+}  // namespace rosin::analysis::planes

@@ -1,0 +1,61 @@
+/// What changes along one parameter: sections or extrema of the motion, or metrics, upwards and downwards.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "analysis/motion/structure_start.hpp"
+#include "analysis/planes/map.hpp"
+#include "analysis/steady/thresholds.hpp"
+
+namespace rosin::analysis::planes {
+
+struct SweepOptions {
+  enum class Record : std::uint8_t {
+    section,  ///< the columns at each return: a moment of a periodic drive, else a maximum of the watched coordinate
+    extrema,  ///< the columns at each maximum and minimum of the watched coordinate
+    metrics   ///< of the periodic motion
+  };
+  Axis axis;  ///< ascending
+  Record record = Record::section;
+  bool up = true, down = false;
+  bool anew = false;        ///< each value from the scene's own start; else from the motion at the value before
+  int transient = 200;      ///< returns that are not recorded
+  int keep = 100;           ///< returns that are
+  int watch = 0;            ///< coordinate
+  double tolerance = 1e-8;  ///< relative
+  std::vector<std::string> metrics;
+  int threads = 1;
+};
+
+struct SweepPoint {
+  bool done = false;
+  std::string why;  ///< of a value that ended short
+  /// [column][moment]. A motion that comes to no return any more, in rest or steady sliding, has one moment: its last.
+  std::vector<std::vector<double>> columns;
+  int recurrence = 0;  ///< returns after which the motion recurs; 0: not among those kept
+  MapPoint metrics;
+};
+
+struct Sweep {
+  Outcome outcome;
+  std::vector<std::string> column_names, column_units;
+  std::vector<PlaneMetric> metrics;
+  std::vector<SweepPoint> up, down;           ///< one for each value, in the order of the axis; empty: not asked
+  std::vector<steady::Threshold> thresholds;  ///< of steady sliding, where the drive is constant
+  std::string thresholds_left_out;            ///< the reason why they are not known; empty: they are
+};
+
+/// A structure along the parameter. Directions run in threads of their own, and so do values that begin anew: the
+/// result does not depend on the number of threads. Asked to stop, it ends "interrupted" with the values that are done.
+/// \param progress  called with the number of values done, from one thread at a time
+/// \throws InputError for unknown metrics, and where the drive has no period
+Sweep sweep(const std::function<motion::StructureModel(double)>&, const SweepOptions&,
+            const std::function<void(std::size_t done, std::size_t total)>& progress = {});
+
+/// Metrics of a slider under a constant drive, by the search for its cycle at each value: of one without mass, which
+/// has no section.
+Sweep sweep_of_slider(const Model&, const SweepOptions&,
+                      const std::function<void(std::size_t done, std::size_t total)>& progress = {});
+
+}  // namespace rosin::analysis::planes

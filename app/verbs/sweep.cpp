@@ -1,0 +1,253 @@
+/// The verb sweep: what changes along one parameter, upwards and downwards.
+#include "analysis/planes/sweep.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "analysis/motion/structure_record.hpp"
+#include "analysis/planes/structure_map.hpp"
+#include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/output/planes.hpp"
+#include "app/scene/family.hpp"
+#include "app/scene/reader.hpp"
+#include "app/scene/structure.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/progress.hpp"
+#include "app/verbs/verb.hpp"
+
+namespace rosin::app::verbs {
+
+using analysis::planes::Sweep;
+using analysis::planes::SweepPoint;
+using nlohmann::ordered_json;
+using Record = analysis::planes::SweepOptions::Record;
+
+namespace {
+
+void read_axis(scene::Table& table, scene::Scene& scene) {
+  const auto& parameter = table.required("parameter", "path of a number, such as drive.speed");
+  const auto path = scene::text(parameter, table.path("parameter"));
+  auto quantity = scene::located(parameter.source(), [&] { return scene.describe(path); });
+  quantity.meaning = path + ", " + quantity.meaning;
+  double from = 0, to = 0;
+  int points = 100;
+  table.required("from", quantity.meaning), table.required("to", quantity.meaning);
+  table.read("from", from, quantity);
+  table.read("to", to, quantity);
+  table.read("points", points, 2, 100'000, "number of values");
+  bool logarithmic = false;
+  if (const auto* scale = table.find("scale"))
+    logarithmic = scene::choice(*scale, table.path("scale"), {"log", "linear"}) == "log";
+  scene.sweep.axis = scene::located(table.source(), [&] {
+    return analysis::planes::make_axis(path, std::min(from, to), std::max(from, to), points, logarithmic, {});
+  });
+}
+
+void read_metrics(scene::Table& table, scene::Scene& scene) {
+  auto& metrics = scene.sweep.metrics;
+  const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
+  metrics = {"period"};
+  metrics.push_back(structure ? structure->names.front() + "_amplitude" : "slip_rate_max");
+  const auto* given = table.find("metrics");
+  if (!given) return;
+  if (scene.sweep.record != Record::metrics)
+    scene::fail(given->source(), "sweep.metrics has no effect without sweep.record = \"metrics\"");
+  metrics = scene::texts(*given, table.path("metrics"));
+  if (metrics.empty()) scene::fail(given->source(), "sweep.metrics is empty");
+  for (std::size_t i = 0; i < metrics.size(); ++i)
+    scene::located(given->as_array()->get(i)->source(), [&] {
+      if (structure)
+        analysis::planes::metrics_of_structure(*structure, {metrics[i]});
+      else
+        analysis::cycles::find_metric(metrics[i]);
+    });
+}
+
+/// The column that is shown, and the coordinate whose maxima are the section: that of the column, if it is of one.
+void read_column(scene::Table& table, scene::Scene& scene) {
+  const auto* column = table.find("column");
+  const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
+  if (!structure || scene.sweep.record == Record::metrics) {
+    if (column) scene::fail(column->source(), "sweep.column has no effect on metrics");
+    return;
+  }
+  const oscillators::StructureSystem system(*structure);
+  const auto known = analysis::motion::StructureRecord(system).names;
+  scene.sweep_column = known.front();
+  if (column) scene.sweep_column = scene::choice(*column, table.path("column"), known);
+  for (int i = 0; i < structure->size(); ++i)
+    if (scene.sweep_column == structure->names[i] ||
+        scene.sweep_column == analysis::motion::velocity_name(structure->names[i]))
+      scene.sweep.watch = i;
+}
+
+void read_table(scene::Table table, scene::Scene& scene) {
+  auto& sweep = scene.sweep;
+  table.expect({"parameter", "from", "to", "points", "scale", "direction", "start", "record", "column", "metrics",
+                "transient", "keep"});
+  read_axis(table, scene);
+  if (const auto* direction = table.find("direction")) {
+    const auto chosen = scene::choice(*direction, table.path("direction"), {"up", "down", "both"});
+    sweep.up = chosen != "down", sweep.down = chosen != "up";
+  }
+  if (const auto* start = table.find("start"))
+    sweep.anew = scene::choice(*start, table.path("start"), {"before", "scene"}) == "scene";
+  const bool has_section = scene.structure.has_value();
+  if (!has_section) sweep.record = Record::metrics;
+  if (const auto* record = table.find("record")) {
+    const auto chosen = scene::choice(*record, table.path("record"), {"section", "extrema", "metrics"});
+    sweep.record = chosen == "section" ? Record::section : chosen == "extrema" ? Record::extrema : Record::metrics;
+    if (!has_section && sweep.record != Record::metrics)
+      scene::fail(record->source(), "a slider without mass has no section; give sweep.record = \"metrics\"");
+  }
+  read_metrics(table, scene);
+  read_column(table, scene);
+  for (const auto& [key, target, least, meaning] :
+       {std::tuple{"transient", &sweep.transient, 0, "returns that are not recorded"},
+        std::tuple{"keep", &sweep.keep, 1, "returns that are recorded"}}) {
+    if (const auto* node = table.find(key); node && sweep.record == Record::metrics)
+      scene::fail(node->source(), "sweep.{} has no effect on metrics, which are those of the period", key);
+    table.read(key, *target, least, 1'000'000, meaning);
+  }
+  table.finish();
+}
+
+void read(scene::SceneReader& reader) {
+  auto& scene = reader.scene;
+  reader.law();
+  reader.oscillator();
+  const auto& sweep = reader.need("sweep", "the parameter, its values, and what is recorded");
+  if (scene.plane) return;
+  if (scene.structure || scene.model.slider.mass > 0 || !scene.model.drive.constant()) {
+    scene::read_structure_model(reader);
+    common_period(scene.structure->structure);  // refuses a drive that has none
+    scene.family = std::make_shared<scene::Family>(reader);
+  }
+  read_table(scene::Table(sweep, "sweep"), scene);
+}
+
+template <class F>
+ordered_json each(const std::vector<SweepPoint>& points, F f) {
+  auto list = ordered_json::array();
+  for (const auto& point : points) list.push_back(point.done ? ordered_json(f(point)) : ordered_json());
+  return list;
+}
+
+std::string document_of(const scene::Scene& scene, const Sweep& sweep, double seconds) {
+  const auto& axis = scene.sweep.axis;
+  auto document = output::begin(scene, "sweep", sweep.outcome);
+  document["parameter"] = axis.parameter;
+  document["values"] = axis.values;
+  const auto both = [&](auto of) { return ordered_json{{"up", of(sweep.up)}, {"down", of(sweep.down)}}; };
+  if (sweep.metrics.empty()) {
+    document["column"] = scene.sweep_column;
+    const auto c = std::size_t(std::ranges::find(sweep.column_names, scene.sweep_column) - sweep.column_names.begin());
+    const auto moments = [&](const auto& points) {
+      return each(points, [&](const SweepPoint& point) { return ordered_json(point.columns[c]); });
+    };
+    document["up"] = moments(sweep.up), document["down"] = moments(sweep.down);
+    document["recurrence"] =
+        both([](const auto& points) { return each(points, [](const auto& point) { return point.recurrence; }); });
+  } else {
+    const auto values = [&](const auto& points, bool error) {
+      auto table = ordered_json::object();
+      for (const auto& metric : sweep.metrics)
+        table[metric.name] = each(points, [&](const auto& point) {
+          return error ? metric.error(point.metrics) : metric.value(point.metrics);
+        });
+      return table;
+    };
+    document["up"] = values(sweep.up, false), document["down"] = values(sweep.down, false);
+    document["error"] = both([&](const auto& points) { return values(points, true); });
+    document["regime"] = both([](const auto& points) {
+      return each(points, [](const auto& point) { return ordered_json(name(point.metrics.regime)); });
+    });
+  }
+  auto& thresholds = document["thresholds"] = ordered_json::array();
+  for (const auto& threshold : sweep.thresholds)
+    thresholds.push_back({{"value", threshold.value},
+                          {"kind", threshold.onset ? "onset" : "end"},
+                          {"angular_frequency", threshold.angular_frequency},
+                          {"error", threshold.error}});
+  auto& failures = document["failures"] = ordered_json::array();
+  for (const auto& [direction, points] : {std::pair{"up", &sweep.up}, std::pair{"down", &sweep.down}})
+    for (std::size_t i = 0; i < points->size(); ++i)
+      if (const auto& why = (*points)[i].why; !why.empty())
+        failures.push_back({{"direction", direction}, {"value", axis.values[i]}, {"why", why}});
+  document["tolerance"] = scene.sweep.tolerance;
+  document["cost"] = {{"seconds", seconds}};
+  auto notes = scene.notes;
+  if (!sweep.thresholds_left_out.empty()) notes.push_back(sweep.thresholds_left_out);
+  document["notes"] = notes;
+  return output::text(document);
+}
+
+Status perform(Job& job) {
+  auto& scene = job.scene();
+  auto& options = scene.sweep;
+  options.tolerance = job.request().tolerance.value_or(options.tolerance);
+  options.threads = job.request().threads;
+  const auto& axis = options.axis;
+  const auto parameter = scene.describe(axis.parameter);
+  const bool of_metrics = options.record == Record::metrics;
+  job.explain("{} values of {}, {}", axis.values.size(), axis.parameter,
+              !scene.structure ? "each a search for the cycle of a slider without mass"
+              : options.anew   ? "each from the scene's start"
+                               : "each from the motion at the value before");
+  if (!of_metrics)
+    job.explain("{} returns of transient, then {} are recorded: {}", options.transient, options.keep,
+                options.record == Record::extrema               ? "maxima and minima of the displacement"
+                : common_period(scene.structure->structure) > 0 ? "the moment t = 0 of the drive"
+                                                                : "maxima of the displacement");
+  const auto begin = std::chrono::steady_clock::now();
+  Sweep sweep;
+  {
+    Progress progress(job.request().quiet);
+    const auto show = [&](std::size_t done, std::size_t total) { progress.show(done, total); };
+    sweep = scene.structure ? analysis::planes::sweep(
+                                  [&](double value) {
+                                    return scene.family->with({{axis.parameter, value}});
+                                  },
+                                  options, show)
+                            : analysis::planes::sweep_of_slider(scene.model, options, show);
+  }
+  const double seconds = seconds_since(begin);
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = options.tolerance;
+  manifest.cost = {{"seconds", seconds}, {"values", double(axis.values.size())}, {"threads", double(options.threads)}};
+  for (const auto& [direction, points] : {std::pair{"upwards", &sweep.up}, std::pair{"downwards", &sweep.down}}) {
+    const auto count = [&](auto is) { return std::ranges::count_if(*points, is); };
+    if (points->empty()) continue;
+    const auto done = count(&SweepPoint::done), failed = count([](const auto&point) { return !point.why.empty(); });
+    job.say("{}: {} values of {} from {:g} to {:g} {}, {} ended short", direction, done, axis.parameter,
+            axis.values.front(), axis.values.back(), parameter.unit, failed);
+    if (!of_metrics)
+      job.say("  the motion recurs within {} returns at {} of them", options.keep / 2,
+              count([](const auto& point) { return point.recurrence > 0; }));
+  }
+  for (const auto& threshold : sweep.thresholds)
+    job.say("steady sliding is unstable {} {} = {}", threshold.onset ? "above" : "below", axis.parameter,
+            justified(threshold.value, threshold.error, parameter.unit));
+  if (!sweep.thresholds_left_out.empty()) job.note(sweep.thresholds_left_out);
+  output::write_sweep(job.folder() / "sweep.nc", scene, sweep);
+  auto files = output::write_picture(job.folder(), scene, sweep);
+  files.push_back("sweep.nc");
+  return job.finish(document_of(scene, sweep, seconds), std::move(files), sweep.outcome);
+}
+
+}  // namespace
+
+Verb sweep_verb() {
+  return {.name = "sweep",
+          .help = "section, extrema or metrics along one parameter, upwards and downwards",
+          .example = "rosin sweep examples/forced-belt-sweep.toml --set sweep.points=20",
+          .operands = {scene_operand},
+          .needs = model_tables({{"sweep", "the parameter, its values, and what is recorded"}}),
+          .options = scene_options(),
+          .read = read,
+          .perform = perform};
+}
+
+}  // namespace rosin::app::verbs
