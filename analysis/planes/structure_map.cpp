@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <optional>
 
-#include "analysis/cycles/structure_cycle.hpp"
+#include "analysis/cycles/lyapunov.hpp"
 #include "analysis/planes/map_point.hpp"
 #include "analysis/steady/structure_stability.hpp"
 #include "core/workers.hpp"
@@ -16,7 +17,8 @@ namespace rosin::analysis::planes {
 
 namespace {
 
-constexpr const char *growth_rate = "growth_rate", *largest_multiplier = "largest_multiplier", *returns = "returns";
+constexpr const char *growth_rate = "growth_rate", *largest_multiplier = "largest_multiplier", *returns = "returns",
+                     *lyapunov = "lyapunov";
 
 MapPoint compute_point(const motion::StructureModel& model, const MapOptions& options,
                        const std::vector<PlaneMetric>& metrics) {
@@ -40,9 +42,18 @@ MapPoint compute_point(const motion::StructureModel& model, const MapOptions& op
     point.regime = stable ? Regime::stable : Regime::cycle;
     return point;
   }
-  cycles::StructureCycleOptions how;
-  how.tolerance = options.tolerance;
-  const auto cycle = cycles::find_cycle(model, how);
+  std::optional<cycles::LyapunovSpectrum> spectrum;
+  cycles::StructureCycle cycle;
+  if (std::ranges::any_of(metrics, [](const auto& metric) { return metric.name == lyapunov; })) {
+    auto how = options.lyapunov;
+    how.accuracy = options.tolerance;
+    spectrum = cycles::lyapunov_spectrum(model, how);
+    cycle = spectrum->cycle;
+  } else {
+    cycles::StructureCycleOptions how;
+    how.tolerance = options.tolerance;
+    cycle = cycles::find_cycle(model, how);
+  }
   point.origin = Origin::computed;
   if (cycle.returns > 0) {
     point.regime = stable && !driven ? Regime::bistable : Regime::cycle;
@@ -55,6 +66,12 @@ MapPoint compute_point(const motion::StructureModel& model, const MapOptions& op
     point.regime = cycle.outcome.ending == Ending::none_exists && !driven ? Regime::stable : Regime::failed;
     point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
   }
+  if (spectrum && spectrum->outcome.complete()) {
+    const auto telling = std::ranges::find_if(spectrum->exponents, [](const auto& e) { return !e.trivial; });
+    if (telling != spectrum->exponents.end() && std::isfinite(telling->value))
+      set(lyapunov, telling->value, telling->error);
+    if (spectrum->from == "average") point.regime = stable && !driven ? Regime::bistable : Regime::cycle;
+  }
   return point;
 }
 
@@ -63,7 +80,7 @@ MapPoint compute_point(const motion::StructureModel& model, const MapOptions& op
 std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& structure,
                                               const std::vector<std::string>& names) {
   auto known = cycles::cycle_metrics_of(structure);
-  known.insert(known.end(), {{growth_rate, "1/s"}, {largest_multiplier, "1"}, {returns, "1"}});
+  known.insert(known.end(), {{growth_rate, "1/s"}, {largest_multiplier, "1"}, {returns, "1"}, {lyapunov, "1/s"}});
   std::vector<std::string> all;
   for (const auto& [name, unit] : known) all.push_back(name);
   std::vector<PlaneMetric> metrics;
@@ -76,6 +93,7 @@ std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& stru
     }
     std::string meaning = name;
     std::ranges::replace(meaning, '_', ' ');
+    if (name == lyapunov) meaning = "largest Lyapunov exponent";
     metrics.push_back({name, known[std::size_t(found - all.begin())].second, meaning, nullptr, metrics.size()});
   }
   return metrics;

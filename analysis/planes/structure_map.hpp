@@ -8,7 +8,8 @@
 namespace rosin::analysis::planes {
 
 /// The metrics of a structure's cycles by their names, and "growth_rate" (1/s, the largest of steady sliding),
-/// "largest_multiplier" (modulus) and "returns" of the cycle. \throws InputError for an unknown name.
+/// "largest_multiplier" (modulus) and "returns" of the cycle, and "lyapunov", the largest exponent beside that along
+/// the flow (1/s; none where all is forgotten). \throws InputError for an unknown name.
 std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure&, const std::vector<std::string>& names);
 
 /// The structure at values of x and y.

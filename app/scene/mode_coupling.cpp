@@ -37,7 +37,7 @@ void read(SceneReader& reader, Table table, bool) {
 }  // namespace
 
 OscillatorType mode_coupling_type() {
-  return {"mode-coupling", {"run", "stability", "cycle", "map"}, read, read_drive_of_one};
+  return {"mode-coupling", {"run", "stability", "cycle", "map", "lyapunov"}, read, read_drive_of_one};
 }
 
 }  // namespace rosin::app::scene

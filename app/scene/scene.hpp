@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/lyapunov.hpp"
 #include "analysis/inference/discrimination.hpp"
 #include "analysis/inference/equalise.hpp"
 #include "analysis/inference/fit.hpp"
@@ -110,6 +111,7 @@ struct Scene {
   analysis::motion::RunOptions run;
   analysis::cycles::CycleOptions cycle;
   analysis::planes::MapOptions map;
+  analysis::cycles::LyapunovOptions lyapunov;
   CompareOptions compare;
   analysis::studies::StudyOptions study;  ///< of the verb study, whose scenes have no model
   analysis::response::FrfOptions frf;

@@ -42,8 +42,8 @@ bool read_stop(Table table, int coordinates, Stop& stop) {
 
 void refuse_stops_elsewhere(const SceneReader& reader, const toml::node& stops) {
   const std::string_view verb = reader.request.verb;
-  if (verb != "run" && verb != "cycle")
-    fail(stops.source(), "oscillator.stops serve run and cycle only, not '{}': leave them out", verb);
+  if (verb != "run" && verb != "cycle" && verb != "lyapunov")
+    fail(stops.source(), "oscillator.stops serve run, cycle and lyapunov only, not '{}': leave them out", verb);
 }
 
 void read_stops(SceneReader& reader, Table& oscillator) {

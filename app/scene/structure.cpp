@@ -163,7 +163,7 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
 }  // namespace
 
 OscillatorType structure_type() {
-  return {"structure", {"run", "stability", "cycle", "map"}, read, read_drive_and_contacts};
+  return {"structure", {"run", "stability", "cycle", "map", "lyapunov"}, read, read_drive_and_contacts};
 }
 
 void read_structure_model(SceneReader& reader) {

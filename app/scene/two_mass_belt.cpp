@@ -42,7 +42,7 @@ void read(SceneReader& reader, Table table, bool) {
 }  // namespace
 
 OscillatorType two_mass_belt_type() {
-  return {"two-mass-belt", {"run", "stability", "cycle", "map"}, read, read_drive_of_one};
+  return {"two-mass-belt", {"run", "stability", "cycle", "map", "lyapunov"}, read, read_drive_of_one};
 }
 
 }  // namespace rosin::app::scene
