@@ -402,7 +402,7 @@ LyapunovSpectrum lyapunov_spectrum(const motion::StructureModel& model, const Ly
                                             : usual_returns);
   spectrum.cycle = find_cycle(model, how);
   spectrum.cost = {spectrum.cycle.cost.steps, spectrum.cycle.cost.evaluations};
-  if (spectrum.cycle.returns > 0 && spectrum.cycle.outcome.complete()) {
+  if (!spectrum.cycle.multipliers.empty()) {
     take_from_cycle(spectrum, map, options.accuracy);
     return spectrum;
   }
