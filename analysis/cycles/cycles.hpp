@@ -1,5 +1,6 @@
 /// Periodic motion: the cycle of a model with its metrics and multipliers, and the return map that it is found on.
 #pragma once
 #include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/lyapunov.hpp"
 #include "analysis/cycles/return_map.hpp"
 #include "analysis/cycles/structure_cycle.hpp"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/lyapunov.hpp"
 
 namespace rosin::analysis::planes {
 
@@ -32,6 +33,7 @@ struct MapOptions {
   double tolerance = 1e-6;           ///< relative, of every metric, computed or interpolated
   double stick_threshold = 0.1;
   int threads = 1;
+  cycles::LyapunovOptions lyapunov;  ///< of that metric of structures
   bool exact = false;  ///< compute every point; otherwise large planes are interpolated between computed points
 };
 

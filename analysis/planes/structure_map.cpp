@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <optional>
 
-#include "analysis/cycles/structure_cycle.hpp"
+#include "analysis/cycles/lyapunov.hpp"
 #include "analysis/planes/map_point.hpp"
 #include "analysis/steady/structure_stability.hpp"
 #include "core/workers.hpp"
@@ -16,14 +17,15 @@ namespace rosin::analysis::planes {
 
 namespace {
 
-constexpr const char *growth_rate = "growth_rate", *largest_multiplier = "largest_multiplier", *returns = "returns";
+constexpr const char *growth_rate = "growth_rate", *largest_multiplier = "largest_multiplier", *returns = "returns",
+                     *lyapunov = "lyapunov";
 
 }  // namespace
 
 std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& structure,
                                               const std::vector<std::string>& names) {
   auto known = cycles::cycle_metrics_of(structure);
-  known.insert(known.end(), {{growth_rate, "1/s"}, {largest_multiplier, "1"}, {returns, "1"}});
+  known.insert(known.end(), {{growth_rate, "1/s"}, {largest_multiplier, "1"}, {returns, "1"}, {lyapunov, "1/s"}});
   std::vector<std::string> all;
   for (const auto& [name, unit] : known) all.push_back(name);
   std::vector<PlaneMetric> metrics;
@@ -37,13 +39,15 @@ std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& stru
     }
     std::string meaning = name;
     std::ranges::replace(meaning, '_', ' ');
+    if (name == lyapunov) meaning = "largest Lyapunov exponent";
     metrics.push_back({name, known[std::size_t(found - all.begin())].second, meaning, nullptr, metrics.size()});
   }
   return metrics;
 }
 
 MapPoint compute_structure_point(const motion::StructureModel& model, double tolerance,
-                                 const std::vector<PlaneMetric>& metrics, std::vector<double>* end) {
+                                 const std::vector<PlaneMetric>& metrics, const cycles::LyapunovOptions& exponents,
+                                 std::vector<double>* end) {
   MapPoint point = undecided_point();
   point.measures.assign(metrics.size(), NAN), point.measure_errors.assign(metrics.size(), NAN);
   const auto set = [&](std::string_view name, double value, double error) {
@@ -64,9 +68,18 @@ MapPoint compute_structure_point(const motion::StructureModel& model, double tol
     point.regime = stable ? Regime::stable : Regime::cycle;
     return point;
   }
-  cycles::StructureCycleOptions how;
-  how.tolerance = tolerance;
-  const auto cycle = cycles::find_cycle(model, how);
+  std::optional<cycles::LyapunovSpectrum> spectrum;
+  cycles::StructureCycle cycle;
+  if (std::ranges::any_of(metrics, [](const auto& metric) { return metric.name == lyapunov; })) {
+    auto how = exponents;
+    how.accuracy = tolerance;
+    spectrum = cycles::lyapunov_spectrum(model, how);
+    cycle = spectrum->cycle;
+  } else {
+    cycles::StructureCycleOptions how;
+    how.tolerance = tolerance;
+    cycle = cycles::find_cycle(model, how);
+  }
   if (end) *end = cycle.start;
   point.origin = Origin::computed;
   if (cycle.returns > 0) {
@@ -79,6 +92,12 @@ MapPoint compute_structure_point(const motion::StructureModel& model, double tol
   if (!cycle.outcome.complete()) {
     point.regime = cycle.outcome.ending == Ending::none_exists && !driven ? Regime::stable : Regime::failed;
     point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
+  }
+  if (spectrum && spectrum->outcome.complete()) {
+    const auto telling = std::ranges::find_if(spectrum->exponents, [](const auto& e) { return !e.trivial; });
+    if (telling != spectrum->exponents.end() && std::isfinite(telling->value))
+      set(lyapunov, telling->value, telling->error);
+    if (spectrum->from == "average") point.regime = stable && !driven ? Regime::bistable : Regime::cycle;
   }
   return point;
 }
@@ -108,7 +127,7 @@ Map compute_structure_map(const StructureFamily& family, const MapOptions& optio
       MapPoint point = blank;
       try {
         point = compute_structure_point(family(map.x.values[i % width], map.y.values[i / width]), options.tolerance,
-                                        metrics);
+                                        metrics, options.lyapunov);
       } catch (const InputError& error) {
         point.done = true, point.regime = Regime::failed, point.why = error.what();
       }

@@ -8,13 +8,15 @@
 namespace rosin::analysis::planes {
 
 /// The metrics of a structure's cycles by their names, and "growth_rate" (1/s, the largest of steady sliding),
-/// "largest_multiplier" (modulus) and "returns" of the cycle. \throws InputError for an unknown name.
+/// "largest_multiplier" (modulus) and "returns" of the cycle, and "lyapunov", the largest exponent beside that along
+/// the flow (1/s; none where all is forgotten). \throws InputError for an unknown name.
 std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure&, const std::vector<std::string>& names);
 
 /// One point: the motion from the model's start, and what steady sliding says of it.
 /// \param end  if given, the unknowns on the section that the motion came to; empty where it came to none
 MapPoint compute_structure_point(const motion::StructureModel&, double tolerance,
-                                 const std::vector<PlaneMetric>& metrics, std::vector<double>* end = nullptr);
+                                 const std::vector<PlaneMetric>& metrics, const cycles::LyapunovOptions& exponents,
+                                 std::vector<double>* end = nullptr);
 
 /// The structure at values of x and y.
 using StructureFamily = std::function<motion::StructureModel(double x, double y)>;

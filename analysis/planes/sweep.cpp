@@ -199,7 +199,7 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
       if (end.size() == size) model.start.unknowns = end;
       if (options.record == Record::metrics) {
         std::vector<double> reached;
-        point.metrics = compute_structure_point(model, options.tolerance, result.metrics, &reached);
+        point.metrics = compute_structure_point(model, options.tolerance, result.metrics, {}, &reached);
         point.why = point.metrics.regime == Regime::failed ? point.metrics.why : "";
         point.done = true;
         if (!reached.empty()) end = reached;

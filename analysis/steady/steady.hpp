@@ -2,5 +2,6 @@
 #pragma once
 #include "analysis/steady/curve.hpp"
 #include "analysis/steady/stability.hpp"
+#include "analysis/steady/structure_hopf.hpp"
 #include "analysis/steady/structure_stability.hpp"
 #include "analysis/steady/thresholds.hpp"

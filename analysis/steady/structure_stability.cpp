@@ -20,7 +20,6 @@ double ComplexMode::damping_ratio() const {
   return size > 0 ? -eigenvalue.real() / size : 0;
 }
 
-namespace {
 oscillators::Structure frozen(oscillators::Structure structure) {
   for (auto& force : structure.force) force = force.level();
   for (auto& contact : structure.contacts) {
@@ -29,7 +28,6 @@ oscillators::Structure frozen(oscillators::Structure structure) {
   }
   return structure;
 }
-}  // namespace
 
 StructureStability stability(const oscillators::Structure& moving) {
   oscillators::StructureSystem system(frozen(moving), Unknowns::states);

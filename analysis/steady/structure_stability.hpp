@@ -29,6 +29,9 @@ struct StructureStability {
   bool marginal = false;  ///< growth is 0 within its error, as of undamped structures
 };
 
+/// With drives that stand still, at their levels.
+oscillators::Structure frozen(oscillators::Structure);
+
 /// By the equations linearised in steady sliding at t = 0; drives that vary stand still.
 /// \throws InputError where there is no steady sliding, and for a contact at rest, whose stick has no slope
 StructureStability stability(const oscillators::Structure&);

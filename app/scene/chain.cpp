@@ -60,8 +60,6 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
 
 }  // namespace
 
-OscillatorType chain_type() {
-  return {"chain", {"run", "stability", "cycle", "map", "sweep"}, read, read_drive_and_contacts};
-}
+OscillatorType chain_type() { return {"chain", verbs_of_structures, read, read_drive_and_contacts}; }
 
 }  // namespace rosin::app::scene

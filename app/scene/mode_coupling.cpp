@@ -36,8 +36,6 @@ void read(SceneReader& reader, Table table, bool) {
 
 }  // namespace
 
-OscillatorType mode_coupling_type() {
-  return {"mode-coupling", {"run", "stability", "cycle", "map", "sweep"}, read, read_drive_of_one};
-}
+OscillatorType mode_coupling_type() { return {"mode-coupling", verbs_of_structures, read, read_drive_of_one}; }
 
 }  // namespace rosin::app::scene

@@ -9,6 +9,7 @@
 
 #include "analysis/branches/branches.hpp"
 #include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/lyapunov.hpp"
 #include "analysis/inference/discrimination.hpp"
 #include "analysis/inference/equalise.hpp"
 #include "analysis/inference/fit.hpp"
@@ -122,6 +123,7 @@ struct Scene {
   analysis::planes::MapOptions map;
   analysis::planes::SweepOptions sweep;
   std::string sweep_column;  ///< whose values the result lists and the picture shows
+  analysis::cycles::LyapunovOptions lyapunov;
   CompareOptions compare;
   analysis::studies::StudyOptions study;  ///< of the verb study, whose scenes have no model
   analysis::response::FrfOptions frf;

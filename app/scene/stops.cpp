@@ -1,4 +1,6 @@
 /// End stops of the coordinates of a structure, and of a slider.
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "app/scene/reader.hpp"
@@ -42,8 +44,9 @@ bool read_stop(Table table, int coordinates, Stop& stop) {
 
 void refuse_stops_elsewhere(const SceneReader& reader, const toml::node& stops) {
   const std::string_view verb = reader.request.verb;
-  if (verb != "run" && verb != "cycle" && verb != "sweep")
-    fail(stops.source(), "oscillator.stops serve run, cycle and sweep only, not '{}': leave them out", verb);
+  static const std::vector<std::string_view> followed = {"run", "cycle", "sweep", "branch", "lyapunov"};
+  if (std::ranges::find(followed, verb) == followed.end())
+    fail(stops.source(), "oscillator.stops serve {} only, not '{}': leave them out", fmt::join(followed, ", "), verb);
 }
 
 void read_stops(SceneReader& reader, Table& oscillator) {

@@ -162,9 +162,7 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
 
 }  // namespace
 
-OscillatorType structure_type() {
-  return {"structure", {"run", "stability", "cycle", "map", "sweep"}, read, read_drive_and_contacts};
-}
+OscillatorType structure_type() { return {"structure", verbs_of_structures, read, read_drive_and_contacts}; }
 
 void read_structure_model(SceneReader& reader) {
   auto& scene = reader.scene;

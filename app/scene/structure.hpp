@@ -1,11 +1,16 @@
 /// What the types of oscillators with several masses have in common: lists, contacts, their drive and starts.
 #pragma once
+#include <string_view>
 #include <vector>
 
 #include "app/scene/reader.hpp"
 #include "app/scene/scene_table.hpp"
 
 namespace rosin::app::scene {
+
+/// Verbs that follow structures.
+inline const std::vector<std::string_view> verbs_of_structures = {"run",   "stability", "cycle",   "map",
+                                                                  "sweep", "branch",    "lyapunov"};
 
 /// One number for all of `size`, or a list of so many.
 std::vector<double> one_or_list(Table&, std::string_view key, std::size_t size, Quantity, double usual);

@@ -41,8 +41,6 @@ void read(SceneReader& reader, Table table, bool) {
 
 }  // namespace
 
-OscillatorType two_mass_belt_type() {
-  return {"two-mass-belt", {"run", "stability", "cycle", "map", "sweep"}, read, read_drive_of_one};
-}
+OscillatorType two_mass_belt_type() { return {"two-mass-belt", verbs_of_structures, read, read_drive_of_one}; }
 
 }  // namespace rosin::app::scene

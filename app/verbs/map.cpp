@@ -119,6 +119,10 @@ void read(scene::SceneReader& reader) {
   common_period(reader.scene.structure->structure);  // refuses a drive that has none
   reader.scene.family = std::make_shared<scene::Family>(reader);
   read_table(scene::Table(map, "map"), reader);
+  if (std::ranges::find(reader.scene.map.metrics, "lyapunov") != reader.scene.map.metrics.end())
+    find_verb("lyapunov")
+        .tables.front()
+        .read(scene::Table(reader.need("lyapunov", "duration (s) for the metric of that name"), "lyapunov"), reader);
 }
 
 std::string document_of(const scene::Scene& scene, const output::MapResult& result) {
@@ -171,6 +175,7 @@ Status perform(Job& job) {
   options.tolerance = request.tolerance.value_or(options.tolerance);
   options.threads = request.threads;
   options.exact = request.exact;
+  options.lyapunov = scene.lyapunov;
   const auto nx = options.x.values.size(), ny = options.y.values.size(), total = nx * ny;
   const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
   const auto metrics = structure ? analysis::planes::metrics_of_structure(*structure, options.metrics)

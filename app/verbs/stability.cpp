@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "analysis/steady/structure_hopf.hpp"
 #include "analysis/steady/structure_stability.hpp"
 #include "analysis/steady/thresholds.hpp"
 #include "app/output/json.hpp"
@@ -92,8 +93,11 @@ ordered_json steady_of(const oscillators::Structure& structure, const analysis::
   return {{"coordinates", coordinates}, {"contacts", contacts}};
 }
 
+using Hopf = std::optional<analysis::steady::StructureHopf>;
+
+/// \param hopf  of each threshold of the scan
 std::string document_of(const scene::Scene& scene, const analysis::steady::StructureStability& result,
-                        const analysis::steady::Scan* scan) {
+                        const analysis::steady::Scan* scan, const std::vector<Hopf>& hopf) {
   auto document = output::begin(scene, "stability");
   const auto& structure = scene.structure->structure;
   document["steady"] = steady_of(structure, result);
@@ -110,12 +114,19 @@ std::string document_of(const scene::Scene& scene, const analysis::steady::Struc
   if (scan) {
     document["parameter"] = scene.stability_scan->parameter.name;
     auto& thresholds = document["thresholds"] = ordered_json::array();
-    for (const auto& threshold : scan->thresholds)
+    for (std::size_t i = 0; i < scan->thresholds.size(); ++i) {
+      const auto& threshold = scan->thresholds[i];
       thresholds.push_back({{"value", threshold.value},
                             {"kind", threshold.onset ? "onset" : "end"},
                             {"angular_frequency", threshold.angular_frequency},
                             {"error", threshold.error},
                             {"steady", steady_of(structure, threshold.at)}});
+      if (!hopf[i]) continue;
+      thresholds.back().update({{"criticality", name(hopf[i]->criticality)},
+                                {"first_lyapunov_coefficient", hopf[i]->first_lyapunov_coefficient},
+                                {"first_lyapunov_coefficient_error", hopf[i]->error},
+                                {"amplitude_coefficient", hopf[i]->amplitude}});
+    }
     auto branches = ordered_json::array();
     for (const auto& values : scan->eigenvalues) branches.push_back(output::pairs(values));
     document["path"] = {{"value", scan->values}, {"eigenvalues", branches}};
@@ -148,7 +159,7 @@ Status perform_on_structure(Job& job) {
   }
   if (!scene.stability_scan) {
     job.manifest().tolerance_reached = reached.value();
-    return job.finish(document_of(scene, result, nullptr), {}, {});
+    return job.finish(document_of(scene, result, nullptr, {}), {}, {});
   }
   const auto& [parameter, axis] = *scene.stability_scan;
   job.explain("{} values of {}, with the eigenvalues of each; thresholds between them located to rounding",
@@ -158,16 +169,23 @@ Status perform_on_structure(Job& job) {
         return analysis::steady::stability(scene.family->with({{parameter.name, value}}).structure);
       },
       axis.values);
+  std::vector<Hopf> hopf;
   for (const auto& threshold : scan.thresholds) {
     reached.add(threshold.value, threshold.error);
-    job.say("{} of instability at {} = {}, {:.10g} rad/s", threshold.onset ? "onset" : "end", parameter.name,
-            justified(threshold.value, threshold.error, parameter.unit), threshold.angular_frequency);
+    hopf.push_back(analysis::steady::hopf_at(
+        [&](double value) {
+          return scene.family->with({{parameter.name, value}}).structure;
+        },
+        threshold));
+    job.say("{} of instability at {} = {}, {:.10g} rad/s{}", threshold.onset ? "onset" : "end", parameter.name,
+            justified(threshold.value, threshold.error, parameter.unit), threshold.angular_frequency,
+            hopf.back() ? ", " + name(hopf.back()->criticality) : "");
   }
   if (scan.thresholds.empty())
     job.say("no threshold in {} from {:g} to {:g}", parameter.name, axis.values.front(), axis.values.back());
   job.manifest().tolerance_reached = reached.value();
   auto files = output::write_picture(job.folder(), scene, scan);
-  return job.finish(document_of(scene, result, &scan), std::move(files), {});
+  return job.finish(document_of(scene, result, &scan, hopf), std::move(files), {});
 }
 
 /// A scan is of a structure; a slider is one of one coordinate.

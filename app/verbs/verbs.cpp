@@ -107,7 +107,6 @@ scene::Scene read_scene(const Request& request) {
   try {
     scene::SceneReader reader{
         request, document, scene::Table(document, ""), scene, std::filesystem::path(scene.path).parent_path(), {}};
-    for (const char* table : {"lyapunov"}) reader.root.refuse(table);
     for (const char* key : {"title", "law", "oscillator", "drive", "verify"}) reader.root.find(key);
     for (const auto& other : verbs())
       for (const auto& need : other.needs) reader.root.find(need.table);

@@ -1,0 +1,141 @@
+/// The verb lyapunov: the rates at which neighbouring motions part.
+#include "analysis/cycles/lyapunov.hpp"
+
+#include <chrono>
+#include <cmath>
+
+#include "app/output/files.hpp"
+#include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/scene/reader.hpp"
+#include "app/scene/structure.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/progress.hpp"
+#include "app/verbs/stopping.hpp"
+#include "app/verbs/verb.hpp"
+
+namespace rosin::app::verbs {
+
+using analysis::cycles::LyapunovSpectrum;
+using nlohmann::ordered_json;
+
+namespace {
+
+constexpr const char* meaning = "duration of the average (s), or tolerance of the largest exponent (1/s)";
+
+void read_table(scene::Table table, scene::SceneReader& reader) {
+  auto& lyapunov = reader.scene.lyapunov;
+  table.expect({"duration", "transient", "tolerance"});
+  table.read("duration", lyapunov.duration, {"", "s", {1e-12, 1e15}, "duration of the average"});
+  table.read("transient", lyapunov.transient, {"", "s", {0, 1e15}, "duration that is left out before the average"});
+  table.read("tolerance", lyapunov.tolerance, {"", "1/s", {1e-15, 1e15}, "standard error of the largest exponent"});
+  if (!table.find("duration") && !table.find("tolerance"))
+    scene::fail(table.source(), "[lyapunov] has neither 'duration' nor 'tolerance' ({})", meaning);
+  table.finish();
+}
+
+void read(scene::SceneReader& reader) {
+  reader.need("lyapunov", meaning);
+  scene::read_structure_model(reader);
+  scene::located(reader.root.find("drive")->source(), [&] { common_period(reader.scene.structure->structure); });
+  read_tables_of_models(reader);
+}
+
+std::string document_of(const scene::Scene& scene, const LyapunovSpectrum& spectrum) {
+  auto document = output::begin(scene, "lyapunov", spectrum.outcome);
+  document["from"] = spectrum.from;
+  auto exponents = ordered_json::array(), errors = ordered_json::array(), trivial = ordered_json::array();
+  for (std::size_t i = 0; i < spectrum.exponents.size(); ++i) {
+    const auto& exponent = spectrum.exponents[i];
+    exponents.push_back(std::isinf(exponent.value) ? ordered_json("-inf") : ordered_json(exponent.value));
+    errors.push_back(exponent.error);
+    if (exponent.trivial) trivial.push_back(i);
+  }
+  document["exponents"] = std::move(exponents);
+  document["standard_error"] = errors;
+  document["trivial"] = std::move(trivial);
+  document["clock_exponents"] = std::vector<double>(std::size_t(spectrum.clocks), 0.0);
+  document["sum"] = spectrum.sum;
+  document["divergence"] = spectrum.divergence;
+  document["duration"] = spectrum.duration;
+  document["transient"] = spectrum.transient;
+  document["switches"] = spectrum.switches;
+  document["stick_fraction"] = spectrum.stick_fraction;
+  if (spectrum.from == "cycle") document["returns"] = spectrum.cycle.returns;
+  document["error"] = {{"exponents", std::move(errors)}};
+  document["cost"] = {{"steps", spectrum.cost.steps}, {"evaluations", spectrum.cost.evaluations}};
+  document["notes"] = scene.notes;
+  return output::text(document);
+}
+
+Status perform(Job& job) {
+  auto& scene = job.scene();
+  auto options = scene.lyapunov;
+  options.accuracy = job.request().tolerance.value_or(options.accuracy);
+  job.explain("the periodic motion first: its exponents are ln|multiplier| over the period");
+  job.explain("else disturbances carried along the motion, orthonormalised after each step, errors by blocks");
+  const auto begin = std::chrono::steady_clock::now();
+  auto spectrum = [&] {
+    Progress progress(job.request().quiet);
+    if (progress.visible()) options.progress = [&](double part) { progress.show_pass(part); };
+    return analysis::cycles::lyapunov_spectrum(*scene.structure, options);
+  }();
+  spectrum.outcome = why_stopped(spectrum.outcome);
+  if (!spectrum.levelled)
+    scene.notes.push_back(
+        "the standard error still grows with the length of blocks: it is a lower bound; give lyapunov.duration more");
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = options.accuracy;
+  manifest.cost = {{"seconds", seconds_since(begin)},
+                   {"steps", double(spectrum.cost.steps)},
+                   {"evaluations", double(spectrum.cost.evaluations)}};
+  if (spectrum.from == "cycle")
+    job.say("periodic motion, {:.9g} s: from its multipliers", spectrum.duration);
+  else if (spectrum.from == "steady")
+    job.say("the motion settles on steady sliding: from its eigenvalues");
+  else
+    job.say("average over {:.9g} s, after {:.9g} s", spectrum.duration, spectrum.transient);
+  Reached reached;
+  for (std::size_t i = 0; i < spectrum.exponents.size(); ++i) {
+    const auto& exponent = spectrum.exponents[i];
+    if (std::isinf(exponent.value)) {
+      job.say("exponent {}             -inf: forgotten", i + 1);
+      continue;
+    }
+    reached.add(exponent.value, exponent.error);
+    job.say("exponent {}             {}{}", i + 1, justified(exponent.value, exponent.error, "1/s"),
+            exponent.trivial ? ", along the flow" : "");
+  }
+  manifest.tolerance_reached = reached.value();
+  if (!spectrum.levelled) job.note(scene.notes.back());
+
+  std::vector<std::string> files;
+  if (!spectrum.course.empty() && spectrum.time.size() > 1) {
+    std::vector<output::Column> table = {{"time (s)", spectrum.time}};
+    const bool is_cycle = spectrum.from == "cycle";
+    for (std::size_t c = 0; c < spectrum.course.size(); ++c)
+      table.push_back({output::column_header(fmt::format("{}_{}", is_cycle ? "log_growth" : "exponent", c + 1),
+                                             is_cycle ? "1" : "1/s"),
+                       spectrum.course[c]});
+    output::write_csv(job.folder() / "lyapunov.csv", table);
+    files = output::write_picture(job.folder(), scene, spectrum);
+    files.push_back("lyapunov.csv");
+  }
+  return job.finish(document_of(scene, spectrum), std::move(files), spectrum.outcome);
+}
+
+}  // namespace
+
+Verb lyapunov_verb() {
+  return {.name = "lyapunov",
+          .help = "Lyapunov exponents: how fast neighbouring motions part",
+          .example = "rosin lyapunov examples/belt-chaos.toml",
+          .operands = {scene_operand},
+          .needs = model_tables({{"lyapunov", meaning}}),
+          .options = scene_options(),
+          .tables = {{"lyapunov", read_table}},
+          .read = read,
+          .perform = perform};
+}
+
+}  // namespace rosin::app::verbs
