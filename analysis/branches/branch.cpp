@@ -142,8 +142,11 @@ class Tracer {
       auto doubled = single.doubled(x, special.p, options_.tolerance * 1e-2);
       if (!doubled) continue;
       Continuation branching(*doubled->problem, this->continuation());
-      constexpr double step = 0.02;
-      auto point = branching.branch_off(doubled->x, special.p, {doubled->direction, 0}, step);
+      std::optional<BranchPoint> point;
+      for (const double step : {0.02, 0.005, 0.001}) {
+        point = branching.branch_off(doubled->x, special.p, {doubled->direction, 0}, step);
+        if (point) break;
+      }
       if (!point) {
         result_.notes.push_back(fmt::format("the doubled cycles at {:.9g} could not be closed", special.p));
         continue;

@@ -29,7 +29,7 @@ struct BranchOptions {
   ParameterScale parameter;
   double tolerance = 1e-8;      ///< relative
   int most_points = 1000;       ///< of each branch
-  double longest_step = 0.1;    ///< 1 is the range of the parameter, or the size of the cycle
+  double longest_step = 0.05;   ///< 1 is the range of the parameter, or the size of the cycle
   int doublings = 1;            ///< how many period doublings one after another are followed
   std::vector<double> at = {};  ///< values at which points are wanted
 };

@@ -76,7 +76,9 @@ std::optional<Continuation::Solution> Continuation::correct(const Solution& gues
   if (!fine) return at;
   const Solution coarse = at;
   last = infinity;
-  if (!iterate(at, normal, from, length, finer * options_.tolerance, last, most)) return std::nullopt;
+  // Where rounding keeps the finer tolerance out of reach, the error says so.
+  if (!iterate(at, normal, from, length, finer * options_.tolerance, last, most) && !(last < options_.tolerance))
+    at = coarse, last = options_.tolerance;
   at.iterations = coarse.iterations;
   at.c_error = std::abs(at.c - coarse.c) + last;
   at.x_error = (at.x - coarse.x).cwiseQuotient(problem_.scale()).cwiseAbs().maxCoeff() + last;

@@ -346,9 +346,9 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const auto period = std::ranges::find(names, "period") - names.begin() + 6;
   const bool has_cycles = !found.cycles.empty();
   std::string script = preamble("branch", "Steady sliding and cycles along a parameter", 820, has_cycles ? 680 : 420);
-  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,0.11,0.86 spacing 0,0.05\n",
-                        has_cycles ? 2 : 1, single_quoted(scene.title));
-  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at screen 0.97,0.925 top right horizontal maxrows 2\n";
+  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,0.11,{} spacing 0,0.05\n",
+                        has_cycles ? 2 : 1, single_quoted(scene.title), has_cycles ? 0.87 : 0.80);
+  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at screen 0.97,0.955 top right horizontal maxcols 3\n";
   script += axis_scale('x', options.parameter.logarithmic) + '\n';
   const auto [low, high] = std::minmax(options.parameter.from, options.parameter.to);
   script += fmt::format("set xrange [{}:{}]\n", low, high);
@@ -383,7 +383,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     if (titled && !found.crossings.empty())
       parts.emplace_back("NaN with lines linecolor '#888888' dashtype (6,4) title 'Hopf point'");
     if (titled && std::ranges::any_of(found.cycles, [](const auto& c) { return !c.branch.special.empty(); }))
-      parts.emplace_back("NaN with lines linecolor '#888888' dashtype (2,3) title 'fold, doubling, torus, grazing'");
+      parts.emplace_back("NaN with lines linecolor '#888888' dashtype (2,3) title 'fold, torus, grazing'");
     return fmt::format("plot {}\n", fmt::join(parts, ", \\\n     "));
   };
   const auto axis = fmt::format("set xlabel {}\nset format x '%g'\n",

@@ -103,9 +103,9 @@ std::string drawn_metric(const Branches& found) {
 std::string document_of(const scene::Scene& scene, const Branches& found, double seconds) {
   auto document = output::begin(scene, "branch");
   document["parameter"] = scene.branch.parameter.name;
-  auto& points = document["points"] = ordered_json::array();
+  auto points = ordered_json::array(), events = points, branches = points;
   for (const auto& at : found.steady) {
-    ordered_json point{{"value", at.value}, {"kind", "equilibrium"}};
+    ordered_json point{{"value", at.value}, {"kind", "equilibrium"}, {"asked", false}};
     if (!at.why.empty()) {
       point["why"] = at.why;
     } else {
@@ -117,13 +117,11 @@ std::string document_of(const scene::Scene& scene, const Branches& found, double
     }
     points.push_back(std::move(point));
   }
-  auto& events = document["events"] = ordered_json::array();
   for (const auto& crossing : found.crossings)
     events.push_back({{"kind", crossing.angular_frequency > 0 ? "hopf" : "divergence"},
                       {"value", crossing.value},
                       {"error", crossing.error},
                       {"angular_frequency", crossing.angular_frequency}});
-  auto& branches = document["branches"] = ordered_json::array();
   for (std::size_t b = 0; b < found.cycles.size(); ++b) {
     const auto& [from, value, parent, branch] = found.cycles[b];
     branches.push_back({{"from", from},
@@ -145,6 +143,9 @@ std::string document_of(const scene::Scene& scene, const Branches& found, double
       if (special.view.metrics.contains("period")) events.back()["period"] = special.view.metrics.at("period");
     }
   }
+  document["points"] = std::move(points);
+  document["events"] = std::move(events);
+  document["branches"] = std::move(branches);
   document["tolerance"] = scene.branch.options.tolerance;
   document["cost"] = {{"seconds", seconds}, {"steps", found.steps}, {"closures", found.residuals}};
   auto notes = scene.notes;
