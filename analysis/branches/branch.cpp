@@ -127,8 +127,11 @@ class Tracer {
     const auto place = result_.cycles.size();
     result_.cycles.push_back({from, value, parent, continuation.follow(start, along)});
     auto& branch = result_.cycles[place].branch;
+    // Slip that just touches rest, and slip that just comes to rest, graze alike.
     for (auto& special : branch.special)
-      if (special.kind.starts_with("grazing")) special.kind = "grazing";
+      if (special.kind == grazing_of_landing) special.kind = "grazing";
+    if (const auto at = branch.outcome.detail.find(grazing_of_landing); at != std::string::npos)
+      branch.outcome.detail.replace(at, std::string_view(grazing_of_landing).size(), "grazing");
     result_.residuals += continuation.residuals();
     result_.steps += problem->steps;
     if (doublings == 0) return;

@@ -31,10 +31,20 @@ Oscillator& CycleProblem::oscillator(double p) {
 Oscillator& CycleProblem::vary(double p) {
   constexpr double aside = 1e-5, least = 1e-12;
   Oscillator& here = oscillator(p);
-  if (aside_ == 0) {
-    aside_ = aside * std::max(std::abs(p), least);
-    larger_ = family_(p + aside_), smaller_ = family_(p - aside_);
-  }
+  if (aside_ != 0) return here;
+  const double step = aside * std::max(std::abs(p), least);
+  // At the end of the parameter's range there is nothing beyond: a difference to one side.
+  const auto beside = [&](double value, std::unique_ptr<Oscillator>& into) {
+    try {
+      into = family_(value);
+      return 0.5;
+    } catch (const InputError&) {
+      into = family_(p);
+      return 0.0;
+    }
+  };
+  const double sides = beside(p + step, larger_) + beside(p - step, smaller_);
+  aside_ = sides * step;
   return here;
 }
 
@@ -178,6 +188,16 @@ Outcome CycleProblem::follow_arc(int arc, const VectorXd& x, double p, double to
 }
 
 Problem::Residual CycleProblem::residual(const VectorXd& x, double p, double tolerance, bool slopes) {
+  try {
+    return residual_at(x, p, tolerance, slopes);
+  } catch (const InputError& error) {  // a correction has left what the parameter may be
+    Residual result;
+    result.outcome = {Ending::not_finite, error.what()};
+    return result;
+  }
+}
+
+Problem::Residual CycleProblem::residual_at(const VectorXd& x, double p, double tolerance, bool slopes) {
   Residual result;
   const Index m = Index(moving_.size()), count = Index(nodes_.size()), size = x.size();
   const double T = period(x);
@@ -285,7 +305,7 @@ class BorderWatch {
   void tell(Problem::View& view) const {
     for (const auto& [what, times] : count_) view.pattern += fmt::format("{} {}; ", times, what);
     if (std::isfinite(lowest_)) view.tests.push_back({"grazing", lowest_, true});
-    if (std::isfinite(landing_)) view.tests.push_back({"grazing of a landing", landing_, true});
+    if (std::isfinite(landing_)) view.tests.push_back({grazing_of_landing, landing_, true});
     if (std::isfinite(holding_)) view.tests.push_back({"switching-sliding", holding_, true});
   }
 

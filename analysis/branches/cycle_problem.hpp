@@ -10,6 +10,9 @@
 
 namespace rosin::analysis::branches {
 
+/// The test of slip that just comes to rest.
+inline constexpr const char* grazing_of_landing = "grazing of a landing";
+
 /// Unknowns: the period, where the drive is constant, and then the moving unknowns at the nodes of the cycle. Each arc
 /// ends on the next node; under a constant drive the first node does not move along the cycle. Nodes stand so close
 /// that no disturbance grows beyond 1e3 between two of them: cycles whose multipliers are 1e10 are closed as well as
@@ -54,6 +57,7 @@ class CycleProblem final : public Problem {
   long steps = 0;
 
  private:
+  Residual residual_at(const Eigen::VectorXd& x, double p, double tolerance, bool slopes);
   struct Node {
     double part;            ///< of the period, since the first
     std::vector<double> y;  ///< unknowns there, of which those without rates of their own are a guess

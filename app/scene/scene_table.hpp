@@ -206,9 +206,6 @@ class Table {
   void read(std::string_view key, int& target, int low, int high, std::string_view meaning) {
     if (const auto* node = find(key)) target = count(*node, path(key), low, high, meaning);
   }
-  void refuse(std::string_view key) {
-    if (const auto* node = table_->get(key)) fail(node->source(), "{} is not available in this version", path(key));
-  }
   /// The tables in this one, in the order of the file: their keys are names that the user chose.
   std::vector<std::pair<std::string, Table>> named_tables() const {
     std::vector<std::pair<const toml::key*, const toml::node*>> entries;

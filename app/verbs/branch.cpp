@@ -205,7 +205,7 @@ Status perform(Job& job) {
   const auto begin = std::chrono::steady_clock::now();
   Branches found;
   const auto& range = task.options.parameter;
-  if (task.from_cycle) {
+  const auto from_cycle = [&] {
     const auto settled =
         is_slider ? analysis::branches::settle(scene.family->slider_with({{path, range.from}}), task.options.tolerance)
                   : analysis::branches::settle(scene.family->with({{path, range.from}}), task.options.tolerance);
@@ -214,13 +214,22 @@ Status perform(Job& job) {
           fmt::format("branch.start = \"cycle\": at branch.from = {} the motion settles on no cycle: {}; "
                       "give another value, or start = \"steady\"",
                       range.from, settled.outcome.detail));
-    found = analysis::branches::from_cycle(family, settled, range.from, task.options);
+    return analysis::branches::from_cycle(family, settled, range.from, task.options);
+  };
+  if (task.from_cycle) {
+    found = from_cycle();
   } else {
     std::optional<std::vector<analysis::steady::Crossing>> crossings;
     if (is_slider)
       for (const auto& quantity : scene.model.parameters())
         if (quantity.name == path) crossings = analysis::branches::crossings_of(scene.model, path, range);
     found = analysis::branches::from_steady_sliding(family, task.options, crossings);
+    if (found.crossings.empty() && std::ranges::none_of(found.steady, &analysis::branches::SteadyPoint::stable)) {
+      job.note("steady sliding is unstable throughout, without a Hopf point: cycles from the motion that has settled");
+      auto steady = std::move(found.steady);
+      found = from_cycle();
+      found.steady = std::move(steady);
+    }
   }
   const double seconds = seconds_since(begin);
   const auto& unit = task.parameter.unit;

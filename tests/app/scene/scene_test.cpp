@@ -249,7 +249,6 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
       {"curve", law("aa = 3"), "scene.toml:3:1: unknown key 'aa' in [law]; did you mean 'a'?"},
       {"curve", law("[mapp]\nx = 1"), "scene.toml:3:2: unknown table 'mapp'; did you mean 'map'?"},
       {"curve", "titel = 'x'\n" + spinodal, "scene.toml:1:1: unknown key 'titel'; did you mean 'title'?"},
-      {"curve", law("[branch]\nvalues = [1]"), "scene.toml:3:1: branch is not available in this version"},
       {"curve", "[oscillator]\nmass = 1", "the scene has no [law]"},
       {"curve", "law = 3", "scene.toml:1:7: law is a number, but a table is needed"},
       {"curve", "[law]\na = 0.1", "scene.toml:1:1: [law] has no 'type'"},
@@ -322,7 +321,8 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
       {"cycle", "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nspeed = 0\nnormal_load = 1",
        "scene.toml:4:8: oscillator.type = 'plane-slider' serves run only, not 'cycle'"},
       {"frf", structure(""),
-       "scene.toml:4:8: oscillator.type = 'structure' serves run, stability, cycle, map only, not 'frf'"},
+       "scene.toml:4:8: oscillator.type = 'structure' serves run, stability, cycle, map, sweep, branch, lyapunov only, "
+       "not 'frf'"},
       {"run", structure("K = [[1]]"), "scene.toml:6:5: oscillator.K has 1 rows, but M has 2"},
       {"run", structure("K = [[1, 0], [0]]"), "scene.toml:6:14: oscillator.K is not square: a row has 1 of 2"},
       {"run", structure("K = [['3 kN/m', 0], [0, '1 m']]"), "scene.toml:6:25: oscillator.K: '1 m' is in m"},
