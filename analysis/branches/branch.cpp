@@ -10,6 +10,7 @@
 #include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/steady/stability.hpp"
 #include "core/eigenpairs.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::analysis::branches {
 
@@ -132,6 +133,7 @@ class Tracer {
       if (special.kind == grazing_of_landing) special.kind = "grazing";
     if (const auto at = branch.outcome.detail.find(grazing_of_landing); at != std::string::npos)
       branch.outcome.detail.replace(at, std::string_view(grazing_of_landing).size(), "grazing");
+    if (branch.outcome.ending == Ending::interrupted) throw Stopped{};  // with the points until then
     result_.residuals += continuation.residuals();
     result_.steps += problem->steps;
     if (doublings == 0) return;
@@ -231,6 +233,15 @@ class Tracer {
   Branches& result_;
 };
 
+template <class Work>
+void until_stopped(Branches& result, Work work) {
+  try {
+    work();
+  } catch (const Stopped&) {
+    result.outcome = {Ending::interrupted, "what was found until then is kept"};
+  }
+}
+
 }  // namespace
 
 Settled settle(const motion::StructureModel& model, double tolerance) {
@@ -324,18 +335,22 @@ Branches from_steady_sliding(const Family& family, const BranchOptions& options,
     }
   }
   result.crossings = crossings ? *crossings : steady::crossings(leading, sliding);
-  Tracer tracer(family, options, result);
-  for (const auto& crossing : result.crossings)
-    if (crossing.angular_frequency > 0) tracer.from_hopf(crossing);
+  until_stopped(result, [&] {
+    Tracer tracer(family, options, result);
+    for (const auto& crossing : result.crossings)
+      if (crossing.angular_frequency > 0) tracer.from_hopf(crossing);
+  });
   return result;
 }
 
 Branches from_cycle(const Family& family, const Settled& settled, double value, const BranchOptions& options) {
   Branches result;
-  Tracer tracer(family, options, result);
-  const double c = options.parameter.coordinate(value);
-  if (c < 1) tracer.from_cycle(settled, value, 1);
-  if (c > 0) tracer.from_cycle(settled, value, -1);
+  until_stopped(result, [&] {
+    Tracer tracer(family, options, result);
+    const double c = options.parameter.coordinate(value);
+    if (c < 1) tracer.from_cycle(settled, value, 1);
+    if (c > 0) tracer.from_cycle(settled, value, -1);
+  });
   return result;
 }
 

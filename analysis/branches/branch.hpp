@@ -51,6 +51,7 @@ struct CycleBranch {
 };
 
 struct Branches {
+  Outcome outcome;  ///< interrupted: what was found until then
   std::vector<SteadyPoint> steady;
   std::vector<steady::Crossing> crossings;  ///< of steady sliding: Hopf points, and divergence (frequency 0)
   std::vector<CycleBranch> cycles;

@@ -284,13 +284,19 @@ Branch Continuation::follow(const BranchPoint& start, int sign) {
 
 Branch Continuation::follow(const BranchPoint& start, Direction along) {
   Branch branch;
+  try {
+    follow_into(branch, start, std::move(along));
+  } catch (const Stopped&) {
+    branch.outcome = {Ending::interrupted, "interrupted"};
+  }
+  return branch;
+}
+
+void Continuation::follow_into(Branch& branch, const BranchPoint& start, Direction along) {
   branch.points.push_back(start);
   Solution now{start.x, options_.parameter.coordinate(start.p), start.x_error, 0, 0};
   double h = options_.first_step;
-  const auto end = [&](Ending ending, std::string why) {
-    branch.outcome = {ending, std::move(why)};
-    return std::move(branch);
-  };
+  const auto end = [&](Ending ending, std::string why) { branch.outcome = {ending, std::move(why)}; };
   // At a border the branch leaves in another direction, from another motion.
   const auto go_beyond = [&](SpecialPoint special) {
     special.after = branch.points.size() - 1;

@@ -73,7 +73,7 @@ class Continuation {
   /// Closes a solution near x at the parameter p.
   std::optional<BranchPoint> close(Eigen::VectorXd x, double p);
   /// Follows the branch from a solution, first along `direction`, until the parameter leaves its range, the branch
-  /// closes on itself, or it ends.
+  /// closes on itself, or it ends. Asked to stop (core/stop.hpp), it ends "interrupted" with the points until then.
   Branch follow(const BranchPoint& start, Direction direction);
   /// The branch on which p grows or falls (sign) from a solution.
   Branch follow(const BranchPoint& start, int sign);
@@ -88,6 +88,7 @@ class Continuation {
     double c = 0, x_error = 0, c_error = 0;
     int iterations = 0;
   };
+  void follow_into(Branch&, const BranchPoint& start, Direction along);
   /// Newton's method with normal·(x − x₀)/size + normal_c (c − c₀) = length.
   std::optional<Solution> correct(const Solution& guess, const Direction& normal, const Solution& from, double length,
                                   bool fine = true);

@@ -101,7 +101,7 @@ std::string drawn_metric(const Branches& found) {
 }
 
 std::string document_of(const scene::Scene& scene, const Branches& found, double seconds) {
-  auto document = output::begin(scene, "branch");
+  auto document = output::begin(scene, "branch", found.outcome);
   document["parameter"] = scene.branch.parameter.name;
   auto points = ordered_json::array(), events = points, branches = points;
   for (const auto& at : found.steady) {
@@ -251,6 +251,7 @@ Status perform(Job& job) {
   if (found.cycles.empty() && found.crossings.empty())
     job.say("steady sliding does not change its stability between {:.9g} and {:.9g} {}", range.from, range.to, unit);
   for (const auto& note : found.notes) job.note(note);
+  if (!found.outcome.complete()) job.note(fmt::format("{}: {}", name(found.outcome.ending), found.outcome.detail));
   auto& manifest = job.manifest();
   manifest.tolerance_asked = task.options.tolerance;
   for (const auto& cycle : found.cycles)
@@ -260,7 +261,7 @@ Status perform(Job& job) {
   write_table(job.folder(), scene, found);
   auto files = output::write_picture(job.folder(), scene, found);
   files.push_back("branch.csv");
-  return job.finish(document_of(scene, found, seconds), std::move(files), {});
+  return job.finish(document_of(scene, found, seconds), std::move(files), found.outcome);
 }
 
 }  // namespace
