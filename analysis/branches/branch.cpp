@@ -308,16 +308,17 @@ Branches from_steady_sliding(const Family& family, const BranchOptions& options,
   std::vector<double> values;
   for (int i = 0; i < points; ++i) values.push_back(options.parameter.value(double(i) / (points - 1)));
   std::ranges::sort(values);
-  const auto spectrum_at = [&](double p) { return spectrum_of(linearise(*family(p)).part.A); };
-  std::map<double, steady::Leading> known;
-  const auto leading = [&](double p) {
-    if (const auto found = known.find(p); found != known.end()) return found->second;
-    const auto spectrum = spectrum_at(p);
+  const auto leading_of = [](const Spectrum& spectrum) {
     std::size_t most = 0;
     for (std::size_t i = 0; i < spectrum.values.size(); ++i)
       if (spectrum.values[i].real() > spectrum.values[most].real()) most = i;
     const auto z = spectrum.values[most];
     return steady::Leading{z.real(), spectrum.errors[most], std::abs(z.imag())};
+  };
+  std::map<double, steady::Leading> known;
+  const auto leading = [&](double p) {
+    const auto found = known.find(p);
+    return found != known.end() ? found->second : leading_of(spectrum_of(linearise(*family(p)).part.A));
   };
   std::vector<double> sliding;
   for (const double p : values) {
@@ -325,10 +326,10 @@ Branches from_steady_sliding(const Family& family, const BranchOptions& options,
       const auto oscillator = family(p);
       const auto there = linearise(*oscillator);
       auto spectrum = spectrum_of(there.part.A);
+      const auto most = known[p] = leading_of(spectrum);
       std::ranges::stable_sort(spectrum.values, std::greater(), [](auto z) { return z.real(); });
-      known[p] = leading(p);
       result.steady.push_back(
-          {p, known[p].growth < 0 && !known[p].is_neutral(), spectrum.values, oscillator->slip_rates(there.y), ""});
+          {p, most.growth < 0 && !most.is_neutral(), spectrum.values, oscillator->slip_rates(there.y), ""});
       sliding.push_back(p);
     } catch (const InputError& error) {
       result.steady.push_back({p, false, {}, {}, error.what()});

@@ -29,6 +29,16 @@ double ParameterScale::slope(double c) const { return logarithmic ? value(c) * s
 
 Direction Continuation::parameter_alone(Eigen::Index unknowns) const { return {VectorXd::Zero(unknowns), 1.0}; }
 
+MatrixXd Continuation::bordered(const Problem::Residual& found, const Solution& at, const Direction& normal) const {
+  const Eigen::Index n = at.x.size();
+  MatrixXd A(n + 1, n + 1);
+  A.topLeftCorner(n, n) = found.F_x * problem_.scale().asDiagonal();
+  A.topRightCorner(n, 1) = found.F_p * options_.parameter.slope(at.c);
+  A.bottomLeftCorner(1, n) = normal.x.transpose();
+  A(n, n) = normal.c;
+  return A;
+}
+
 bool Continuation::iterate(Solution& at, const Direction& normal, const Solution& from, double length, double tolerance,
                            double& last, int most) {
   constexpr double farthest = 0.5, slow = 0.1, noise = 100;
@@ -45,11 +55,7 @@ bool Continuation::iterate(Solution& at, const Direction& normal, const Solution
     const Eigen::Index n = at.x.size();
     if (renew) {
       if (!found.F_x.allFinite() || !found.F_p.allFinite()) return false;
-      A.resize(n + 1, n + 1);
-      A.topLeftCorner(n, n) = found.F_x * size.asDiagonal();
-      A.topRightCorner(n, 1) = found.F_p * options_.parameter.slope(at.c);
-      A.bottomLeftCorner(1, n) = normal.x.transpose();
-      A(n, n) = normal.c;
+      A = bordered(found, at, normal);
     }
     VectorXd F(n + 1);
     F.head(n) = found.F;
@@ -67,13 +73,12 @@ bool Continuation::iterate(Solution& at, const Direction& normal, const Solution
 }
 
 std::optional<Continuation::Solution> Continuation::correct(const Solution& guess, const Direction& normal,
-                                                            const Solution& from, double length, bool fine) {
+                                                            const Solution& from, double length) {
   constexpr int most = 8;
   Solution at = guess;
   at.iterations = 0;
   double last = infinity;
   if (!iterate(at, normal, from, length, options_.tolerance, last, most)) return std::nullopt;
-  if (!fine) return at;
   const Solution coarse = at;
   last = infinity;
   // Where rounding keeps the finer tolerance out of reach, the error says so.
@@ -90,14 +95,7 @@ std::optional<Direction> Continuation::tangent(const Solution& at, const Directi
   ++residuals_;
   if (!found.outcome.complete() || !found.F_x.allFinite() || !found.F_p.allFinite()) return std::nullopt;
   const Eigen::Index n = at.x.size();
-  MatrixXd A(n + 1, n + 1);
-  A.topLeftCorner(n, n) = found.F_x * problem_.scale().asDiagonal();
-  A.topRightCorner(n, 1) = found.F_p * options_.parameter.slope(at.c);
-  A.bottomLeftCorner(1, n) = along.x.transpose();
-  A(n, n) = along.c;
-  VectorXd one = VectorXd::Zero(n + 1);
-  one[n] = 1;
-  VectorXd t = solve_linear(A, one);
+  VectorXd t = solve_linear(bordered(found, at, along), VectorXd::Unit(n + 1, n));
   if (!t.allFinite() || !(t.norm() > 0)) return std::nullopt;
   t.normalize();
   return Direction{t.head(n), t[n]};
@@ -146,7 +144,6 @@ const Problem::Test* find(const Problem::View& view, const std::string& kind) {
 /// Zeros of tests between two solutions, `length` apart along the direction.
 void Continuation::locate(Branch& branch, const Solution& a, const BranchPoint& before, const BranchPoint& after,
                           const Direction& direction, double length) {
-  const VectorXd size = problem_.scale();
   const double c_after = options_.parameter.coordinate(after.p);
   std::vector<std::pair<double, SpecialPoint>> found;
   std::optional<Problem::View> coarse_after;
@@ -276,7 +273,6 @@ std::optional<SpecialPoint> Continuation::approach_border(const Solution& from, 
 }
 
 Branch Continuation::follow(const BranchPoint& start, int sign) {
-  const Solution at{start.x, options_.parameter.coordinate(start.p)};
   Direction along = parameter_alone(start.x.size());
   along.c = sign;
   return follow(start, along);

@@ -90,8 +90,9 @@ class Continuation {
   };
   void follow_into(Branch&, const BranchPoint& start, Direction along);
   /// Newton's method with normal·(x − x₀)/size + normal_c (c − c₀) = length.
-  std::optional<Solution> correct(const Solution& guess, const Direction& normal, const Solution& from, double length,
-                                  bool fine = true);
+  std::optional<Solution> correct(const Solution& guess, const Direction& normal, const Solution& from, double length);
+  /// The equations' slopes in sizes, with the normal as the last row.
+  Eigen::MatrixXd bordered(const Problem::Residual&, const Solution&, const Direction& normal) const;
   bool iterate(Solution&, const Direction& normal, const Solution& from, double length, double tolerance, double& last,
                int most);
   std::optional<Direction> tangent(const Solution&, const Direction& along);
