@@ -26,6 +26,8 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
                                        const analysis::planes::Map&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::planes::Sweep&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                       const analysis::basins::Basins&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&, const Comparison&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::inference::Design&);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/basins/basins.hpp"
 #include "analysis/branches/branches.hpp"
 #include "analysis/cycles/cycle.hpp"
 #include "analysis/cycles/lyapunov.hpp"
@@ -106,6 +107,24 @@ struct BranchTask {
   analysis::branches::BranchOptions options;
 };
 
+/// A coordinate, or the velocity of one, that starts differ in.
+struct StartAxis {
+  std::string name;
+  int coordinate = 0;
+  bool is_velocity = false;
+  std::vector<double> values;  ///< of a grid, or the ends of the range of random starts
+  const char* unit() const { return is_velocity ? "m/s" : "m"; }
+};
+
+/// Starts over a plane of two of their values, or disturbances of steady sliding.
+struct BasinTask {
+  StartAxis x, y;
+  bool random = false;
+  std::vector<std::pair<double, double>> places;        ///< of each start along x and y; of a grid in rows of y
+  std::vector<std::pair<StartAxis, double>> direction;  ///< of disturbances
+  analysis::basins::BasinTask task;
+};
+
 struct Scene {
   std::string path;  ///< as the user gave it
   std::string title;
@@ -122,6 +141,7 @@ struct Scene {
   analysis::cycles::CycleOptions cycle;
   analysis::planes::MapOptions map;
   analysis::planes::SweepOptions sweep;
+  BasinTask basin;
   std::string sweep_column;  ///< whose values the result lists and the picture shows
   analysis::cycles::LyapunovOptions lyapunov;
   CompareOptions compare;
