@@ -26,7 +26,7 @@ class Search {
   void label(const std::vector<std::vector<double>>& starts, std::vector<int>& labels) {
     labels.assign(starts.size(), Recogniser::unknown);
     Work work{starts, labels};
-    identify(work, spread(starts.size()));
+    identify(work, spread(starts.size()), false);
     std::vector<std::size_t> open(starts.size());
     for (std::size_t i = 0; i < open.size(); ++i) open[i] = i;
     for (std::size_t known = 0; keep_unlabelled(work, open);) {
@@ -35,7 +35,7 @@ class Search {
         recognise(work, open);
         continue;
       }
-      identify(work, {open.begin(), open.begin() + long(std::min(at_a_time, open.size()))});
+      identify(work, {open.begin(), open.begin() + long(std::min(at_a_time, open.size()))}, true);
     }
   }
   std::size_t done() const { return done_; }
@@ -83,11 +83,16 @@ class Search {
     });
   }
 
-  void identify(Work& work, std::vector<std::size_t> open) {
-    keep_unlabelled(work, open);
+  /// \param tried  they were not recognised among all that is known
+  void identify(Work& work, std::vector<std::size_t> open, bool tried) {
     std::vector<Recogniser::Identified> found(open.size());
-    in_parallel(task_.threads, open.size(),
-                [&](std::size_t k) { found[k] = recogniser_.identify(work.starts[open[k]]); });
+    in_parallel(task_.threads, open.size(), [&](std::size_t k) {
+      const auto& start = work.starts[open[k]];
+      found[k] = recogniser_.identify(start);
+      if (found[k].cycle || tried) return;
+      if (const int label = recogniser_.recognise(start, recogniser_.step_tolerance()); label != Recogniser::unknown)
+        found[k] = {label, {}, ""};
+    });
     for (std::size_t k = 0; k < open.size(); ++k) set(work, open[k], recogniser_.add(found[k]));
   }
 

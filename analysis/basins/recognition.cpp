@@ -189,9 +189,6 @@ Recogniser::Identified Recogniser::identify(const std::vector<double>& start) co
   constexpr double contraction = 1e-5;
   const bool attracts = cycle.multipliers.empty() || std::abs(cycle.multipliers.front()) < 1 - contraction;
   if (cycle.returns > 0 && attracts) return {unknown, std::move(cycle), ""};
-  // Rest and steady sliding are told apart by how the motion ends; what is held in any place returns to it.
-  if (cycle.returns > 0 || cycle.outcome.ending == Ending::none_exists)
-    if (const int label = recognise(start, step_tolerance()); label != unknown) return {label, {}, ""};
   if (cycle.returns > 0) return {irregular, {}, "periodic motion that does not attract: beside it there are others"};
   if (cycle.outcome.ending == Ending::none_exists && driven_) return {escape, {}, ""};
   return {irregular, {}, cycle.outcome.detail};

@@ -48,7 +48,7 @@ class Recogniser {
   /// \param tolerance  of its steps
   int recognise(const std::vector<double>& start, double tolerance) const;
 
-  /// What a motion that is not recognised comes to: a label, or a cycle.
+  /// The cycle that a motion comes to, or else what is left if it is not recognised either.
   struct Identified {
     int label = unknown;
     std::optional<cycles::StructureCycle> cycle;

@@ -21,6 +21,8 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::branches::Branches&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                       const analysis::branches::Loci&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::cycles::LyapunovSpectrum&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::planes::Map&);

@@ -105,6 +105,13 @@ struct BranchTask {
   Quantity parameter;
   bool from_cycle = false;  ///< from the motion that has settled at the first value, else from steady sliding
   analysis::branches::BranchOptions options;
+  /// A second parameter, in which the points where branches change are followed.
+  struct Locus {
+    Quantity parameter;
+    double value = 0;  ///< of the scene
+    analysis::branches::LocusOptions options;
+  };
+  std::optional<Locus> locus;
 };
 
 /// A coordinate, or the velocity of one, that starts differ in.
