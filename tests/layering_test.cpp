@@ -39,6 +39,7 @@ const std::vector<Room> rooms = {
     {"analysis/motion", {"analysis/steady"}},
     {"analysis/cycles", {"analysis/motion", "analysis/steady"}},
     {"analysis/branches", {"analysis/cycles", "analysis/motion", "analysis/steady"}},
+    {"analysis/basins", {"analysis/cycles", "analysis/motion", "analysis/steady"}},
     {"analysis/lanes", {"analysis/cycles", "analysis/motion", "analysis/steady"}},
     {"analysis/planes", {"analysis/lanes", "analysis/cycles", "analysis/motion", "analysis/steady"}},
     {"analysis/response", {"analysis/motion", "analysis/steady"}},

@@ -7,40 +7,17 @@
 #include <cmath>
 
 #include "analysis/branches/cycle_problem.hpp"
+#include "analysis/branches/linearised.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/steady/stability.hpp"
-#include "core/eigenpairs.hpp"
 #include "core/stop.hpp"
 
 namespace rosin::analysis::branches {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 using motion::Follower;
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 namespace {
-
-struct Linearised {
-  std::vector<double> y;
-  MovingPart part;
-  VectorXd scale;
-};
-
-Linearised linearise(Oscillator& oscillator) {
-  Linearised result;
-  result.y = oscillator.steady();
-  const System& system = oscillator.system();
-  const int n = system.size();
-  std::vector<double> f(n);
-  VectorXd mass(n);
-  result.scale.resize(n);
-  RowMajor J(n, n);
-  system.linearise(0, result.y.data(), f.data(), J.data());
-  system.mass(0, mass.data());
-  system.scale(result.y.data(), result.scale.data());
-  result.part = moving_part(J, mass, result.scale);
-  return result;
-}
 
 /// The eigenvector of the moving unknowns that oscillates with ω, in natural units.
 Eigen::VectorXcd mode(const Linearised& at, double angular_frequency) {

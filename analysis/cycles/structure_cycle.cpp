@@ -8,6 +8,7 @@
 #include <deque>
 #include <utility>
 
+#include "analysis/cycles/motion_range.hpp"
 #include "analysis/cycles/multipliers.hpp"
 #include "analysis/cycles/period_record.hpp"
 #include "analysis/cycles/section_map.hpp"
@@ -24,53 +25,6 @@ using oscillators::StructureSystem;
 namespace {
 
 constexpr int most_returns = 32;  ///< in a period that is looked for
-
-/// Size of each unknown in a motion: the range that it has gone through, which a coordinate that hardly moves shares
-/// with the largest.
-class Range {
- public:
-  explicit Range(const StructureSystem& system) : system_(system) {}
-  void begin(const std::vector<double>& y) { low_ = high_ = y; }
-  void add(const std::vector<double>& y) {
-    for (std::size_t i = 0; i < y.size(); ++i) low_[i] = std::min(low_[i], y[i]), high_[i] = std::max(high_[i], y[i]);
-  }
-  /// Half ranges, at least 1e-3 of those of the largest coordinate and speed.
-  VectorXd size() const {
-    const int n = system_.coordinates();
-    VectorXd half(low_.size());
-    for (std::size_t i = 0; i < low_.size(); ++i) half[Eigen::Index(i)] = 0.5 * (high_[i] - low_[i]);
-    std::vector<double> natural(low_.size());
-    system_.scale(high_.data(), natural.data());
-    constexpr double least = 1e-3, least_of_natural = 1e-9;
-    for (const auto& [first, count] : {std::pair{0, n}, std::pair{n, n}}) {
-      const double largest = half.segment(first, count).maxCoeff();
-      for (int i = first; i < first + count; ++i) half[i] = std::max(half[i], least * largest);
-    }
-    for (Eigen::Index i = 0; i < half.size(); ++i) half[i] = std::max(half[i], least_of_natural * natural[i]);
-    for (Eigen::Index i = 2 * n; i < half.size(); ++i) half[i] = std::max(half[i], least * natural[i]);
-    return half;
-  }
-  /// The coordinate that moves most, as a part of its natural size.
-  int widest() const {
-    std::vector<double> natural(low_.size());
-    system_.scale(std::vector<double>(low_.size()).data(), natural.data());
-    int best = 0;
-    const auto part = [&](int i) { return (high_[i] - low_[i]) / natural[i]; };
-    for (int i = 1; i < system_.coordinates(); ++i)
-      if (part(i) > part(best)) best = i;
-    return best;
-  }
-
- private:
-  const StructureSystem& system_;
-  std::vector<double> low_, high_;
-};
-
-double distance(const std::vector<double>& a, const std::vector<double>& b, const VectorXd& size) {
-  double largest = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]) / size[Eigen::Index(i)]);
-  return largest;
-}
 
 /// A point of the section that returns to itself, by Newton's method.
 struct Closed {
@@ -280,7 +234,7 @@ class RecurrenceSearch {
   SectionMap& map_;
   const motion::StructureModel& model_;
   const StructureCycleOptions& options_;
-  Range range_;
+  MotionRange range_;
   VectorXd size_;
   std::deque<std::vector<double>> past_;
   std::vector<double> steady_;

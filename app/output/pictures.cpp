@@ -356,7 +356,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
 /// The fastest slip of each motion and the period of cycles, stable ones as lines and unstable ones dashed.
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::branches::Branches& found) {
-  const auto& [parameter, from_cycle, options] = scene.branch;
+  const auto& parameter = scene.branch.parameter;
+  const auto& options = scene.branch.options;
   double fastest = 0, longest = 0;
   for (const auto& at : found.steady)
     if (at.why.empty()) fastest = std::max(fastest, std::abs(at.slip_rates.front()));

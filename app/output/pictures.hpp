@@ -21,11 +21,15 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::branches::Branches&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                       const analysis::branches::Loci&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::cycles::LyapunovSpectrum&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::planes::Map&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::planes::Sweep&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                       const analysis::basins::Basins&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&, const Comparison&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::inference::Design&);

@@ -1,4 +1,5 @@
-/// Writing maps and sweeps with the NetCDF C interface. Nothing in the file depends on when or where it was written.
+/// Writing maps, sweeps and basins with the NetCDF C interface. Nothing in the file depends on when or where it was
+/// written.
 #include "app/output/planes.hpp"
 
 #include <fmt/format.h>
@@ -197,6 +198,47 @@ void write_sweep(const std::filesystem::path& path, const scene::Scene& scene, c
       write(sweep.column_names[c], sweep.column_units[c], sweep.column_names[c], {value, moment}, values);
     }
   }
+  write_whole(path, plane.close());
+}
+
+void write_basins(const std::filesystem::path& path, const scene::Scene& scene, const analysis::basins::Basins& found) {
+  const auto& [x, y, random, places, direction, task] = scene.basin;
+  Plane plane;
+  plane.attribute(NC_GLOBAL, "title", scene.title);
+  plane.attribute(NC_GLOBAL, "version", std::string("rosin ") + ROSIN_VERSION);
+  plane.attribute(NC_GLOBAL, "scene", scene.resolved);
+  plane.attribute(NC_GLOBAL, "tolerance", task.tolerance);
+  const auto write = [&](const scene::StartAxis& axis, int dimension, const std::vector<double>& values) {
+    const int variable = plane.variable(axis.name, NC_DOUBLE, {dimension});
+    plane.attribute(variable, "units", axis.unit());
+    plane.attribute(variable, "long_name", axis.name + " at the start");
+    plane.values(variable, values);
+  };
+  std::vector<int> dimensions;
+  if (random) {
+    dimensions = {plane.dimension("start", places.size())};
+    std::vector<double> x_values, y_values;
+    for (const auto& [at_x, at_y] : places) x_values.push_back(at_x), y_values.push_back(at_y);
+    write(x, dimensions.front(), x_values);
+    write(y, dimensions.front(), y_values);
+  } else {
+    for (const auto* axis : {&y, &x}) {
+      dimensions.push_back(plane.dimension(axis->name, axis->values.size()));
+      write(*axis, dimensions.back(), axis->values);
+    }
+  }
+  std::vector<signed char> labels, numbers;
+  for (const int label : found.labels) labels.push_back(static_cast<signed char>(label));
+  std::string meanings;
+  for (std::size_t k = 0; k < found.basins.size(); ++k) {
+    numbers.push_back(static_cast<signed char>(k));
+    meanings += fmt::format("{}{}_{}", k > 0 ? " " : "", name(found.basins[k].attractor.kind), k);
+  }
+  const int label = plane.variable("attractor", NC_BYTE, dimensions);
+  plane.attribute(label, "long_name", "what the motion comes to; -1: not done");
+  plane.attribute(label, "flag_values", numbers);
+  plane.attribute(label, "flag_meanings", meanings);
+  plane.values(label, labels);
   write_whole(path, plane.close());
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 
+#include "analysis/basins/basins.hpp"
 #include "analysis/planes/map.hpp"
 #include "analysis/planes/sweep.hpp"
 #include "app/scene/scene.hpp"
@@ -12,5 +13,7 @@ namespace rosin::app::output {
 void write_plane(const std::filesystem::path& path, const scene::Scene&, const analysis::planes::Map&);
 /// Metrics over the values, or the moments of each value; those of values that have fewer are filled with NaN.
 void write_sweep(const std::filesystem::path& path, const scene::Scene&, const analysis::planes::Sweep&);
+/// The number of the attractor that each start comes to, over the grid, or with the places of random starts.
+void write_basins(const std::filesystem::path& path, const scene::Scene&, const analysis::basins::Basins&);
 
 }  // namespace rosin::app::output

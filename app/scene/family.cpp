@@ -80,6 +80,13 @@ Quantity Family::describe(const std::string& path) const {
   throw InputError(fmt::format("'{}' is no number of this scene{}", path, suggestion(path, names)));
 }
 
+double Family::value(const std::string& path) const {
+  const auto quantity = describe(path);
+  const auto* node = node_at(document_, quantity.name);
+  if (!node) throw InputError(fmt::format("'{}' is left to its default: give it in the scene", path));
+  return number(*node, quantity);
+}
+
 Scene Family::read_with(const std::vector<std::pair<std::string, double>>& values) const {
   auto document = document_;
   for (const auto& [path, value] : values) apply_override(document, fmt::format("{}={}", in_full(path), value));

@@ -17,6 +17,8 @@ class Family {
   /// The number at a path: name (in full), unit, range, meaning. Lists are numbered from 1; "drive.force.amplitude" is
   /// that of the first harmonic. \throws InputError for a path that holds no number, with the nearest.
   Quantity describe(const std::string& path) const;
+  /// The number that the scene has there. \throws InputError where it leaves it to the default
+  double value(const std::string& path) const;
   /// The structure with numbers in place of those of the scene. \throws InputError as a scene with them would.
   analysis::motion::StructureModel with(const std::vector<std::pair<std::string, double>>& values) const;
   oscillators::Model slider_with(const std::vector<std::pair<std::string, double>>& values) const;

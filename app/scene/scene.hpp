@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/basins/basins.hpp"
 #include "analysis/branches/branches.hpp"
 #include "analysis/cycles/cycle.hpp"
 #include "analysis/cycles/lyapunov.hpp"
@@ -104,6 +105,31 @@ struct BranchTask {
   Quantity parameter;
   bool from_cycle = false;  ///< from the motion that has settled at the first value, else from steady sliding
   analysis::branches::BranchOptions options;
+  /// A second parameter, in which the points where branches change are followed.
+  struct Locus {
+    Quantity parameter;
+    double value = 0;  ///< of the scene
+    analysis::branches::LocusOptions options;
+  };
+  std::optional<Locus> locus;
+};
+
+/// A coordinate, or the velocity of one, that starts differ in.
+struct StartAxis {
+  std::string name;
+  int coordinate = 0;
+  bool is_velocity = false;
+  std::vector<double> values;  ///< of a grid, or the ends of the range of random starts
+  const char* unit() const { return is_velocity ? "m/s" : "m"; }
+};
+
+/// Starts over a plane of two of their values, or disturbances of steady sliding.
+struct BasinTask {
+  StartAxis x, y;
+  bool random = false;
+  std::vector<std::pair<double, double>> places;        ///< of each start along x and y; of a grid in rows of y
+  std::vector<std::pair<StartAxis, double>> direction;  ///< of disturbances
+  analysis::basins::BasinTask task;
 };
 
 struct Scene {
@@ -122,6 +148,7 @@ struct Scene {
   analysis::cycles::CycleOptions cycle;
   analysis::planes::MapOptions map;
   analysis::planes::SweepOptions sweep;
+  BasinTask basin;
   std::string sweep_column;  ///< whose values the result lists and the picture shows
   analysis::cycles::LyapunovOptions lyapunov;
   CompareOptions compare;

@@ -44,7 +44,7 @@ bool read_stop(Table table, int coordinates, Stop& stop) {
 
 void refuse_stops_elsewhere(const SceneReader& reader, const toml::node& stops) {
   const std::string_view verb = reader.request.verb;
-  static const std::vector<std::string_view> followed = {"run", "cycle", "sweep", "branch", "lyapunov"};
+  static const std::vector<std::string_view> followed = {"run", "cycle", "sweep", "branch", "lyapunov", "basin"};
   if (std::ranges::find(followed, verb) == followed.end())
     fail(stops.source(), "oscillator.stops serve {} only, not '{}': leave them out", fmt::join(followed, ", "), verb);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 #include "analysis/branches/branches.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
@@ -19,6 +20,7 @@
 namespace rosin::app::verbs {
 
 using analysis::branches::Branches;
+using analysis::branches::Loci;
 using nlohmann::ordered_json;
 
 namespace {
@@ -38,29 +40,54 @@ bool has_periodic_drive(const scene::Scene& scene) {
   return scene.structure ? !scene.structure->structure.constant() : !scene.model.drive.constant();
 }
 
-void read_table(scene::Table table, scene::SceneReader& reader) {
-  auto& scene = reader.scene;
-  auto& task = scene.branch;
-  const bool is_slider = !scene.structure;
-  const auto& family = *(scene.family = std::make_shared<scene::Family>(reader, is_slider));
-  table.expect({"parameter", "from", "to", "scale", "start", "values", "points", "step", "doublings"});
-  const auto& parameter = table.required("parameter", "path of a number, such as drive.speed");
-  task.parameter = scene::located(parameter.source(),
-                                  [&] { return family.describe(scene::text(parameter, table.path("parameter"))); });
-  const auto meaning = task.parameter.name + ", " + task.parameter.meaning;
+/// parameter, from, to and scale.
+void read_parameter(scene::Table& table, const scene::Family& family, Quantity& parameter,
+                    analysis::branches::ParameterScale& range) {
+  const auto& path = table.required("parameter", "path of a number, such as drive.speed");
+  parameter =
+      scene::located(path.source(), [&] { return family.describe(scene::text(path, table.path("parameter"))); });
+  const auto meaning = parameter.name + ", " + parameter.meaning;
   table.required("from", meaning), table.required("to", meaning);
-  auto& options = task.options;
-  auto& [from, to, logarithmic] = options.parameter;
-  table.read("from", from, task.parameter), table.read("to", to, task.parameter);
-  if (from == to) scene::fail(table.source(), "branch.from and branch.to are both {}", from);
+  auto& [from, to, logarithmic] = range;
+  table.read("from", from, parameter), table.read("to", to, parameter);
+  if (from == to) scene::fail(table.source(), "{} and {} are both {}", table.path("from"), table.path("to"), from);
   constexpr double a_decade = 10;
   logarithmic = from * to > 0 && std::max(from / to, to / from) >= a_decade;
   if (const auto* scale = table.find("scale")) {
     logarithmic = scene::choice(*scale, table.path("scale"), {"log", "linear"}) == "log";
     if (logarithmic && !(from * to > 0))
-      scene::fail(scale->source(), "branch.scale = \"log\" needs from and to on one side of 0, but they are {} and {}",
-                  from, to);
+      scene::fail(scale->source(), "{} = \"log\" needs from and to on one side of 0, but they are {} and {}",
+                  table.path("scale"), from, to);
   }
+}
+
+void read_locus(scene::Table table, const scene::Family& family, scene::BranchTask& task) {
+  auto& locus = task.locus.emplace();
+  table.expect({"parameter", "from", "to", "scale", "points"});
+  auto& options = locus.options;
+  read_parameter(table, family, locus.parameter, options.q);
+  const auto& [from, to, logarithmic] = options.q;
+  const auto& name = locus.parameter.name;
+  if (name == task.parameter.name)
+    scene::fail(table.source(), "branch.locus.parameter and branch.parameter are the same, {}", name);
+  locus.value = scene::located(table.source(), [&] { return family.value(name); });
+  if ((locus.value - from) * (locus.value - to) > 0)
+    scene::fail(table.source(), "branch.locus: the scene has {} = {}, which is not between from ({}) and to ({})", name,
+                locus.value, from, to);
+  table.read("points", options.points, 2, 10'000, "steps over the range of the second parameter");
+  table.finish();
+  options.p = task.options.parameter;
+}
+
+void read_table(scene::Table table, scene::SceneReader& reader) {
+  auto& scene = reader.scene;
+  auto& task = scene.branch;
+  const bool is_slider = !scene.structure;
+  const auto& family = *(scene.family = std::make_shared<scene::Family>(reader, is_slider));
+  table.expect({"parameter", "from", "to", "scale", "start", "values", "points", "step", "doublings", "locus"});
+  auto& options = task.options;
+  read_parameter(table, family, task.parameter, options.parameter);
+  const auto& [from, to, logarithmic] = options.parameter;
   task.from_cycle = has_periodic_drive(scene);
   if (const auto* start = table.find("start")) {
     task.from_cycle = scene::choice(*start, table.path("start"), {"steady", "cycle"}) == "cycle";
@@ -80,6 +107,7 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   table.read("step", options.longest_step,
              {"", "1", {1e-4, 1}, "longest step along a branch, where 1 is the range or the size of a cycle"});
   table.read("doublings", options.doublings, 0, 12, "period doublings that are followed, one after another");
+  if (auto locus = table.table("locus")) read_locus(*locus, family, task);
   table.finish();
 }
 
@@ -100,7 +128,26 @@ std::string drawn_metric(const Branches& found) {
   return "slip_rate_max";
 }
 
-std::string document_of(const scene::Scene& scene, const Branches& found, double seconds) {
+ordered_json loci_of(const scene::BranchTask& task, const Loci& loci) {
+  auto curves = ordered_json::array();
+  for (const auto& [kind, points, begins, ends] : loci.curves) {
+    auto list = ordered_json::array();
+    for (const auto& point : points)
+      list.push_back({{"value", point.p},
+                      {"locus_value", point.q},
+                      {"error", {{"value", point.p_error}, {"locus_value", point.q_error}}},
+                      {"metrics", point.metrics}});
+    const auto end = [](const std::string& why) { return why.empty() ? "at the end of the range" : why; };
+    curves.push_back({{"kind", kind},
+                      {"parameter", task.locus->parameter.name},
+                      {"begins", end(begins)},
+                      {"ends", end(ends)},
+                      {"points", std::move(list)}});
+  }
+  return curves;
+}
+
+std::string document_of(const scene::Scene& scene, const Branches& found, const Loci& loci, double seconds) {
   auto document = output::begin(scene, "branch", found.outcome);
   document["parameter"] = scene.branch.parameter.name;
   auto points = ordered_json::array(), events = points, branches = points;
@@ -146,6 +193,7 @@ std::string document_of(const scene::Scene& scene, const Branches& found, double
   document["points"] = std::move(points);
   document["events"] = std::move(events);
   document["branches"] = std::move(branches);
+  if (scene.branch.locus) document["loci"] = loci_of(scene.branch, loci);
   document["tolerance"] = scene.branch.options.tolerance;
   document["cost"] = {{"seconds", seconds}, {"steps", found.steps}, {"closures", found.residuals}};
   auto notes = scene.notes;
@@ -187,6 +235,26 @@ void write_table(const std::filesystem::path& folder, const scene::Scene& scene,
   for (const auto& name : names) headers.push_back(output::column_header(name, unit_of(scene, name)));
   for (std::size_t k = 0; k < names.size(); ++k) table.push_back({headers[k], columns[5 + k]});
   output::write_csv(folder / "branch.csv", table);
+}
+
+void write_loci(const std::filesystem::path& folder, const scene::BranchTask& task, const Loci& loci) {
+  std::vector<double> columns[6];
+  for (std::size_t k = 0; k < loci.curves.size(); ++k)
+    for (const auto& [p, q, p_error, q_error, metrics] : loci.curves[k].points) {
+      const auto period = metrics.find("period"), frequency = metrics.find("angular_frequency");
+      const double turn = period != metrics.end()      ? period->second
+                          : frequency != metrics.end() ? 2 * std::numbers::pi / frequency->second
+                                                       : NAN;
+      const double row[] = {double(k), p, p_error, q, q_error, turn};
+      for (std::size_t c = 0; c < 6; ++c) columns[c].push_back(row[c]);
+    }
+  const auto &p = task.parameter, &q = task.locus->parameter;
+  output::write_csv(folder / "locus.csv", {{"curve", columns[0]},
+                                           {output::column_header(p.name, p.unit), columns[1]},
+                                           {output::column_header(p.name + "_error", p.unit), columns[2]},
+                                           {output::column_header(q.name, q.unit), columns[3]},
+                                           {output::column_header(q.name + "_error", q.unit), columns[4]},
+                                           {"period (s)", columns[5]}});
 }
 
 Status perform(Job& job) {
@@ -231,6 +299,19 @@ Status perform(Job& job) {
       found.steady = std::move(steady);
     }
   }
+  Loci loci;
+  if (task.locus && found.outcome.complete()) {
+    auto& locus = *task.locus;
+    locus.options.tolerance = task.options.tolerance;
+    const auto& second = locus.parameter.name;
+    loci = analysis::branches::find_loci(
+        [&](double p, double q) {
+          return is_slider ? analysis::branches::oscillator_of(scene.family->slider_with({{path, p}, {second, q}}))
+                           : analysis::branches::oscillator_of(scene.family->with({{path, p}, {second, q}}).structure);
+        },
+        found, locus.value, locus.options);
+    found.outcome = loci.outcome;
+  }
   const double seconds = seconds_since(begin);
   const auto& unit = task.parameter.unit;
   for (const auto& crossing : found.crossings)
@@ -250,6 +331,14 @@ Status perform(Job& job) {
   }
   if (found.cycles.empty() && found.crossings.empty())
     job.say("steady sliding does not change its stability between {:.9g} and {:.9g} {}", range.from, range.to, unit);
+  for (const auto& [kind, points, begins, ends] : loci.curves) {
+    const auto &first = points.front(), &last = points.back();
+    const auto& [name, second_unit, range, meaning, scale, is_list, parity] = task.locus->parameter;
+    job.say("{} in two parameters, {} points:", kind, points.size());
+    for (const auto& [point, why] : {std::pair{&first, &begins}, {&last, &ends}})
+      job.say("  {} = {:.9g}{}, {} = {}{}{}", name, point->q, second_unit == "1" ? "" : " " + second_unit, path,
+              justified(point->p, point->p_error, unit), why->empty() ? "" : ": ", *why);
+  }
   for (const auto& note : found.notes) job.note(note);
   if (!found.outcome.complete()) job.note(fmt::format("{}: {}", name(found.outcome.ending), found.outcome.detail));
   auto& manifest = job.manifest();
@@ -261,7 +350,13 @@ Status perform(Job& job) {
   write_table(job.folder(), scene, found);
   auto files = output::write_picture(job.folder(), scene, found);
   files.push_back("branch.csv");
-  return job.finish(document_of(scene, found, seconds), std::move(files), found.outcome);
+  if (!loci.curves.empty()) {
+    write_loci(job.folder(), task, loci);
+    const auto drawn = output::write_picture(job.folder(), scene, loci);
+    files.insert(files.end(), drawn.begin(), drawn.end());
+    files.push_back("locus.csv");
+  }
+  return job.finish(document_of(scene, found, loci, seconds), std::move(files), found.outcome);
 }
 
 }  // namespace

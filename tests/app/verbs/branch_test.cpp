@@ -1,5 +1,7 @@
 /// The verb branch: what it refuses, and that it follows cycles where steady sliding is never stable.
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "tests/app/command.hpp"
 
@@ -21,6 +23,13 @@ TEST_CASE("wrong keys of a branch are refused with their range or the nearest na
   refused("branch.doublings=99", "branch.doublings = 99");
   refused("branch.from=-1 --set branch.scale=log", "needs from and to on one side of 0");
   refused("oscillator.mass=0", "mass");
+  const std::string locus = "branch.locus='{parameter=\"oscillator.damping\",from=0.05,to=0.3}' --set branch.locus.";
+  refused(locus + "parameter=drive.speed", "branch.locus.parameter and branch.parameter are the same, drive.speed");
+  refused(locus + "parameter=oscillator.dampin", "did you mean 'oscillator.damping'?");
+  refused(locus + "parameter=oscillator.stops", "is no number of this scene");
+  refused(locus + "to=0.08", "the scene has oscillator.damping = 0.1, which is not between from (0.05) and to (0.08)");
+  refused(locus + "to=0.05", "branch.locus.from and branch.locus.to are both 0.05");
+  refused(locus + "points=1", "branch.locus.points = 1 is outside 2");
   refused("branch.start=cycle --set branch.from=2 --set branch.values=[2.2]", "the motion settles on no cycle");
 }
 
@@ -36,4 +45,23 @@ TEST_CASE("a branch tells its points and events, and goes on from stick-slip whe
   CHECK_THAT(answer.out, Contains("\"kind\": \"equilibrium\"") && Contains("\"kind\": \"cycle\"") &&
                              Contains("\"events\"") && Contains("\"stick_fraction\""));
   CHECK_THAT(answer.error, Contains("steady sliding is unstable throughout"));
+}
+
+TEST_CASE("a second parameter gives curves from one end of its range to the other", "[app][branches]") {
+  const Folder folder;
+  const auto answer = run_rosin(
+      folder, "branch " ROSIN_SOURCE_DIR
+              "/examples/two-motions.toml --set branch.values='[]' --set branch.to=1.3 --set branch.points=10 "
+              "--set branch.locus='{parameter=\"oscillator.damping\",from=0.08,to=0.3,points=8}' --no-pictures --json");
+  INFO(answer.error);
+  REQUIRE(answer.status == 0);
+  const auto document = nlohmann::json::parse(answer.out);
+  const auto& hopf = document["loci"][0];
+  CHECK(hopf["kind"] == "hopf");
+  CHECK(hopf["parameter"] == "oscillator.damping");
+  CHECK(hopf["begins"] == "at the end of the range");
+  const auto &first = hopf["points"].front(), &last = hopf["points"].back();
+  CHECK(first["locus_value"] == Approx(0.08));
+  CHECK(first["value"] == Approx(0.5 * std::log(1 / 0.08)));
+  CHECK(last["value"] == Approx(0.5 * std::log(1 / 0.3)));
 }

@@ -1,0 +1,250 @@
+/// Starts shared out to threads; attractors are found from fixed starts first, so that labels do not depend on threads.
+#include "analysis/basins/basin.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+
+#include "core/random.hpp"
+#include "core/workers.hpp"
+
+namespace rosin::analysis::basins {
+
+namespace {
+
+constexpr std::size_t at_a_time = 16;  ///< starts that are identified before what they came to is known to the others
+
+class Search {
+ public:
+  Search(Recogniser& recogniser, const BasinTask& task, const std::function<void(std::size_t, std::size_t)>& progress)
+      : recogniser_(recogniser), task_(task), progress_(progress) {}
+
+  /// Labels of all starts, as far as they are done where the search is stopped.
+  void label(const std::vector<std::vector<double>>& starts, std::vector<int>& labels) {
+    labels.assign(starts.size(), Recogniser::unknown);
+    Work work{starts, labels};
+    identify(work, spread(starts.size()), false);
+    std::vector<std::size_t> open(starts.size());
+    for (std::size_t i = 0; i < open.size(); ++i) open[i] = i;
+    for (std::size_t known = 0; keep_unlabelled(work, open);) {
+      if (recogniser_.known().size() > known) {
+        known = recogniser_.known().size();
+        recognise(work, open);
+        continue;
+      }
+      identify(work, {open.begin(), open.begin() + long(std::min(at_a_time, open.size()))}, true);
+    }
+  }
+  std::size_t done() const { return done_; }
+
+  /// One start, at a tolerance of steps.
+  int label(const std::vector<double>& start, double tolerance) {
+    const int label = recogniser_.recognise(start, tolerance);
+    return label != Recogniser::unknown ? label : recogniser_.add(recogniser_.identify(start));
+  }
+
+ private:
+  struct Work {
+    const std::vector<std::vector<double>>& starts;
+    std::vector<int>& labels;
+  };
+
+  /// Some of so many, well spread whatever their order: multiples of the golden section.
+  static std::vector<std::size_t> spread(std::size_t count) {
+    std::vector<std::size_t> chosen;
+    for (std::size_t k = 0; k < std::min(at_a_time, count); ++k) {
+      const double part = std::fmod(double(k + 1) / std::numbers::phi, 1.0);
+      chosen.push_back(std::min(count - 1, std::size_t(part * double(count))));
+    }
+    std::ranges::sort(chosen);
+    chosen.erase(std::ranges::unique(chosen).begin(), chosen.end());
+    return chosen;
+  }
+
+  static bool keep_unlabelled(const Work& work, std::vector<std::size_t>& open) {
+    std::erase_if(open, [&](std::size_t i) { return work.labels[i] != Recogniser::unknown; });
+    return !open.empty();
+  }
+
+  void set(Work& work, std::size_t i, int label) {
+    const std::scoped_lock lock(mutex_);
+    work.labels[i] = label;
+    if (label == Recogniser::unknown) return;
+    ++done_;
+    if (progress_) progress_(done_, work.starts.size());
+  }
+
+  void recognise(Work& work, const std::vector<std::size_t>& open) {
+    in_parallel(task_.threads, open.size(), [&](std::size_t k) {
+      set(work, open[k], recogniser_.recognise(work.starts[open[k]], recogniser_.step_tolerance()));
+    });
+  }
+
+  /// \param tried  they were not recognised among all that is known
+  void identify(Work& work, std::vector<std::size_t> open, bool tried) {
+    std::vector<Recogniser::Identified> found(open.size());
+    in_parallel(task_.threads, open.size(), [&](std::size_t k) {
+      const auto& start = work.starts[open[k]];
+      found[k] = recogniser_.identify(start);
+      if (found[k].cycle || tried) return;
+      if (const int label = recogniser_.recognise(start, recogniser_.step_tolerance()); label != Recogniser::unknown)
+        found[k] = {label, {}, ""};
+    });
+    for (std::size_t k = 0; k < open.size(); ++k) set(work, open[k], recogniser_.add(found[k]));
+  }
+
+  Recogniser& recogniser_;
+  const BasinTask& task_;
+  const std::function<void(std::size_t, std::size_t)> progress_;
+  std::mutex mutex_;
+  std::size_t done_ = 0;
+};
+
+/// Halving the interval between a disturbance that returns and one that does not.
+class ThresholdSearch {
+ public:
+  ThresholdSearch(const oscillators::Structure& structure, Search& search, const std::vector<double>& sliding,
+                  const Disturbance& disturbance)
+      : system_(structure), search_(search), disturbance_(disturbance) {
+    coordinates_ = Eigen::Map<const Eigen::VectorXd>(sliding.data(), system_.coordinates());
+  }
+
+  std::vector<double> start(double s) const {
+    return system_.unknowns_at(0, coordinates_ + s * disturbance_.coordinates, s * disturbance_.velocities);
+  }
+  double scanned(std::size_t k) const {
+    const double part = double(k) / double(disturbance_.points - 1);
+    return disturbance_.from + (disturbance_.to - disturbance_.from) * part;
+  }
+  std::vector<std::vector<double>> scan() const {
+    std::vector<std::vector<double>> starts;
+    for (int k = 0; k < disturbance_.points; ++k) starts.push_back(start(scanned(std::size_t(k))));
+    return starts;
+  }
+
+  /// Between the k-th scanned value, the first that does not return, and the one before it.
+  Threshold find(std::size_t k, int beyond, double tolerance) {
+    beyond_ = beyond;
+    double low = scanned(k - 1), high = scanned(k);
+    const double width = tolerance * std::abs(high);
+    bisect(low, high, width, 0.1 * tolerance);
+    const double coarse = 0.5 * (low + high);
+    // Again at finer steps, from the interval opened until it holds the border of those.
+    constexpr double finer = 1.0 / 30, wider = 8;
+    const double fine = 0.1 * finer * tolerance;
+    for (double reach = width; !returns(low, fine); reach *= wider) low = std::max(low - reach, scanned(k - 1));
+    for (double reach = width; returns(high, fine); reach *= wider) high = std::min(high + reach, scanned(k));
+    bisect(low, high, width, fine);
+    const double value = 0.5 * (low + high);
+    return {value, 0.5 * (high - low) + std::abs(value - coarse), beyond_};
+  }
+
+ private:
+  bool returns(double s, double tolerance) {
+    const int label = search_.label(start(s), tolerance);
+    if (label != Recogniser::steady) beyond_ = label;
+    return label == Recogniser::steady;
+  }
+  void bisect(double& low, double& high, double width, double tolerance) {
+    while (std::abs(high - low) > width) {
+      end_if_stopped();
+      const double middle = 0.5 * (low + high);
+      (returns(middle, tolerance) ? low : high) = middle;
+    }
+  }
+
+  oscillators::StructureSystem system_;
+  Search& search_;
+  const Disturbance& disturbance_;
+  Eigen::VectorXd coordinates_;
+  int beyond_ = 0;
+};
+
+void find_threshold(const oscillators::Structure& structure, const BasinTask& task, const Recogniser& recogniser,
+                    Search& search, Basins& result) {
+  ThresholdSearch bisection(structure, search, recogniser.steady_sliding(), *task.disturbance);
+  std::vector<int> labels;
+  search.label(bisection.scan(), labels);
+  const auto first =
+      std::size_t(std::ranges::find_if(labels, [](int label) { return label != Recogniser::steady; }) - labels.begin());
+  if (first == labels.size()) {
+    result.no_threshold = fmt::format("every disturbance from {:g} to {:g} returns to steady sliding",
+                                      task.disturbance->from, task.disturbance->to);
+  } else if (first == 0) {
+    result.no_threshold =
+        fmt::format("the first disturbance, {:g}, does not return: give a smaller 'from'", task.disturbance->from);
+  } else {
+    result.threshold = bisection.find(first, labels[first], task.tolerance);
+  }
+}
+
+/// The known attractors that are of interest, in the order: steady sliding, rest, cycles by their share, and the rest.
+void arrange(const Recogniser& recogniser, Basins& result) {
+  const auto& known = recogniser.known();
+  std::vector<std::size_t> count(known.size());
+  std::size_t done = 0;
+  for (const int label : result.labels)
+    if (label >= 0) ++count[std::size_t(label)], ++done;
+  std::vector<int> order;
+  const auto beyond = result.threshold ? result.threshold->beyond : -1;
+  for (int k = 0; k < int(known.size()); ++k)
+    if (count[std::size_t(k)] > 0 || k == beyond || (k == Recogniser::steady && recogniser.sliding_attracts()))
+      order.push_back(k);
+  std::ranges::stable_sort(order, [&](int a, int b) {
+    const auto &one = known[std::size_t(a)], &other = known[std::size_t(b)];
+    return one.kind != other.kind ? one.kind < other.kind : count[std::size_t(a)] > count[std::size_t(b)];
+  });
+  std::vector<int> place(known.size(), -1);
+  for (const int k : order) {
+    place[std::size_t(k)] = int(result.basins.size());
+    auto& basin = result.basins.emplace_back();
+    basin.attractor = known[std::size_t(k)], basin.count = count[std::size_t(k)];
+    if (done == 0) continue;
+    basin.share = double(basin.count) / double(done);
+    // Laplace's rule: none, or all, of a few starts leave a doubt too.
+    const double likely = double(basin.count + 1) / double(done + 2);
+    basin.error = std::sqrt(likely * (1 - likely) / double(done));
+  }
+  for (int& label : result.labels)
+    if (label >= 0) label = place[std::size_t(label)];
+  if (result.threshold) result.threshold->beyond = place[std::size_t(result.threshold->beyond)];
+}
+
+}  // namespace
+
+Basins find_basins(const oscillators::Structure& structure, const BasinTask& task,
+                   const std::function<void(std::size_t, std::size_t)>& progress) {
+  require(task.tolerance, {1e-10, 1e-3}, "tolerance", "relative accuracy of cycles and of the threshold", "1");
+  require(task.threads, {1, 4096}, "threads", "number of threads", "1");
+  Recogniser recogniser(structure, task.tolerance, task.most_returns);
+  Basins result;
+  if (task.disturbance) (void)recogniser.steady_sliding();
+  Search search(recogniser, task, progress);
+  try {
+    search.label(task.starts, result.labels);
+    if (task.disturbance) {
+      Search quiet(recogniser, task, {});
+      find_threshold(structure, task, recogniser, quiet, result);
+    }
+  } catch (const Stopped&) {
+    result.outcome = {Ending::interrupted, fmt::format("{} of {} starts are done", search.done(), task.starts.size())};
+  }
+  arrange(recogniser, result);
+  return result;
+}
+
+std::vector<std::pair<double, double>> random_places(int count, std::uint64_t seed) {
+  std::vector<std::pair<double, double>> places;
+  std::uint64_t counter = splitmix(seed);
+  const auto next = [&] { return open_unit(splitmix(counter += splitmix_step)); };
+  for (int i = 0; i < count; ++i) {
+    const double x = next();
+    places.emplace_back(x, next());
+  }
+  return places;
+}
+
+}  // namespace rosin::analysis::basins

@@ -1,0 +1,288 @@
+/// The growth rate of one mode held at 0 by pseudo-arclength; steady sliding is eliminated.
+#include "analysis/branches/locus.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/branches/cycle_problem.hpp"
+#include "analysis/branches/linearised.hpp"
+#include "core/linear_solve.hpp"
+#include "core/stop.hpp"
+
+namespace rosin::analysis::branches {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+
+namespace {
+
+/// Re λ(p, q)/ω = 0 of the mode whose frequency is nearest to that of the point before. The unknown is q, as its scale
+/// has it.
+class HopfProblem final : public Problem {
+ public:
+  HopfProblem(const Family2& family, const LocusOptions& options, double angular_frequency)
+      : family_(family), options_(options), angular_frequency_(angular_frequency) {}
+
+  Residual residual(const VectorXd& x, double p, double, bool slopes) override {
+    Residual result;
+    try {
+      const auto here = mode_at(p, x[0]);
+      result.F = VectorXd::Constant(1, here.value.real() / angular_frequency_);
+      if (!slopes) return result;
+      const double c = options_.p.coordinate(p);
+      result.F_x = MatrixXd::Constant(1, 1, difference([&](double aside) { return mode_at(p, x[0] + aside); }));
+      const double by_c = difference([&](double aside) { return mode_at(options_.p.value(c + aside), x[0]); });
+      result.F_p = VectorXd::Constant(1, by_c / options_.p.slope(c));
+    } catch (const InputError& error) {
+      result.outcome = {Ending::none_exists, error.what()};
+    }
+    return result;
+  }
+
+  const VectorXd& scale() const override { return scale_; }
+
+  View view(const VectorXd& x, double p, double) override {
+    View view;
+    try {
+      const auto here = mode_at(p, x[0]);
+      constexpr double least = 1e-3;  // of the frequency before
+      if (!(std::abs(here.value.imag()) > least * angular_frequency_))
+        view.outcome = {Ending::none_exists, "the frequency goes to 0"};
+      view.metrics["angular_frequency"] = std::abs(here.value.imag());
+      view.metrics["growth_error"] = here.error;
+    } catch (const InputError& error) {
+      view.outcome = {Ending::none_exists, error.what()};
+    }
+    return view;
+  }
+
+  bool refer_to(VectorXd& x, double p, double) override {
+    angular_frequency_ = std::abs(mode_at(p, x[0]).value.imag());
+    return false;
+  }
+  int in_common() const override { return 1; }
+
+ private:
+  struct Mode {
+    std::complex<double> value;
+    double error;
+  };
+  Mode mode_at(double p, double c_q) const {
+    const auto oscillator = family_(p, options_.q.value(c_q));
+    const auto spectrum = spectrum_of(linearise(*oscillator).part.A);
+    const auto off = [&](std::size_t k) {
+      return std::abs(spectrum.values[k] - std::complex(0.0, angular_frequency_));
+    };
+    std::size_t nearest = 0;
+    for (std::size_t k = 1; k < spectrum.values.size(); ++k)
+      if (off(k) < off(nearest)) nearest = k;
+    return {spectrum.values[nearest], spectrum.errors[nearest]};
+  }
+  /// By differences: Newton's method needs no better.
+  template <class At>
+  double difference(At at) const {
+    constexpr double aside = 1e-5;
+    return (at(aside).value.real() - at(-aside).value.real()) / (2 * aside * angular_frequency_);
+  }
+
+  const Family2& family_;
+  const LocusOptions& options_;
+  double angular_frequency_;
+  VectorXd scale_ = VectorXd::Ones(1);
+};
+
+/// One point, with the errors that rounding of the eigenvalue leaves across the curve.
+LocusPoint locus_point(HopfProblem& problem, const BranchPoint& at, const LocusOptions& options) {
+  const auto slopes = problem.residual(at.x, at.p, options.tolerance, true);
+  const double c = options.p.coordinate(at.p), by_p = slopes.F_p[0] * options.p.slope(c), by_q = slopes.F_x(0, 0);
+  const double off = at.view.metrics.at("growth_error") / at.view.metrics.at("angular_frequency");
+  const double per_slope = off / (by_p * by_p + by_q * by_q);
+  const double p_slope = std::abs(options.p.slope(c)), q_slope = std::abs(options.q.slope(at.x[0]));
+  constexpr double rounding = 4e-16;
+  const double q = options.q.value(at.x[0]);
+  return {at.p,
+          q,
+          at.error + per_slope * std::abs(by_p) * p_slope + rounding * std::abs(at.p),
+          (at.x_error + per_slope * std::abs(by_q)) * q_slope + rounding * std::abs(q),
+          {{"angular_frequency", at.view.metrics.at("angular_frequency")}}};
+}
+
+/// At a given q: the value of p on the curve near one.
+std::optional<BranchPoint> at_q(Continuation& continuation, double c_q, double p) {
+  return continuation.branch_off(VectorXd::Constant(1, c_q), p, {VectorXd::Ones(1), 0}, 0);
+}
+
+/// Along the curve until q leaves its range, where a last point is put. \returns why it ends before; empty: it does not
+std::string follow_hopf(HopfProblem& problem, Continuation& continuation, const LocusOptions& options,
+                        const BranchPoint& start, double sign, std::vector<LocusPoint>& points) {
+  const auto inside = [](const BranchPoint& point) { return point.x[0] >= 0 && point.x[0] <= 1; };
+  continuation.arrived = inside;
+  auto branch = continuation.follow(start, Direction{VectorXd::Constant(1, sign), 0});
+  if (branch.outcome.ending == Ending::interrupted) throw Stopped{};
+  std::string end = branch.outcome.detail;
+  if (auto outside = branch.points.back(); !inside(outside)) {
+    end.clear();
+    branch.points.pop_back();
+    const double border = outside.x[0] < 0 ? 0 : 1;
+    constexpr double on_it = 1e-9;
+    const bool is_there = std::abs(branch.points.back().x[0] - border) < on_it;
+    if (const auto last = is_there ? std::nullopt : at_q(continuation, border, outside.p))
+      branch.points.push_back(*last);
+  }
+  for (const auto& point : branch.points) points.push_back(locus_point(problem, point, options));
+  return end;
+}
+
+/// The branch of cycles near one, cut across and followed a little.
+class NearSpecial {
+ public:
+  NearSpecial(const Family2& family, const LocusOptions& options, std::string kind)
+      : family_(family), options_(options), kind_(std::move(kind)) {}
+
+  /// The special point at q near one whose cycle is known.
+  std::optional<SpecialPoint> find(const SpecialPoint& known, double p, double q) const {
+    const Family family = [&](double at) { return family_(at, q); };
+    const double period = known.view.metrics.at("period"), drive = family(p)->drive_period();
+    const int turns = drive > 0 ? int(std::lround(period / drive)) : 1;
+    for (const double reach : {0.02, 0.1})
+      for (const double sign : {1.0, -1.0}) {
+        CycleProblem problem(family, turns);
+        ContinuationOptions how;
+        how.parameter = options_.p, how.tolerance = options_.tolerance;
+        how.first_step = how.longest_step = reach;
+        constexpr int few = 8;
+        how.most_points = few;
+        Continuation continuation(problem, how);
+        const auto x = problem.begin(known.view.start, period, p);
+        const auto along = direction(problem, x, p);
+        if (!along) return std::nullopt;
+        auto start = continuation.branch_off(x, p, *along, -sign * reach);
+        if (!start) continue;
+        problem.refer_to(start->x, start->p, options_.tolerance);
+        const double before = test(*start);
+        continuation.arrived = [&](const BranchPoint& point) { return (test(point) > 0) == (before > 0); };
+        // The unknowns may be others by now: the parameter and the period keep their meaning.
+        auto onward = direction(problem, start->x, start->p);
+        if (!onward) continue;
+        const double turn = onward->x.head(1).dot(along->x.head(1)) + onward->c * along->c;
+        if ((turn < 0) != (sign < 0)) onward->x *= -1, onward->c *= -1;
+        const auto branch = continuation.follow(*start, *onward);
+        if (branch.outcome.ending == Ending::interrupted) throw Stopped{};
+        for (const auto& special : branch.special)
+          if (special.kind == kind_) return special;
+      }
+    return std::nullopt;
+  }
+
+ private:
+  double test(const BranchPoint& point) const {
+    for (const auto& test : point.view.tests)
+      if (test.kind == kind_) return test.value;
+    return NAN;
+  }
+  /// Of the branch through a cycle, or near one.
+  std::optional<Direction> direction(CycleProblem& problem, const VectorXd& x, double p) const {
+    const auto found = problem.residual(x, p, options_.tolerance, true);
+    if (!found.outcome.complete() || !found.F_x.allFinite() || !found.F_p.allFinite()) return std::nullopt;
+    const Eigen::Index n = x.size();
+    MatrixXd A(n + 1, n + 1);
+    A.topLeftCorner(n, n) = found.F_x * problem.scale().asDiagonal();
+    A.topRightCorner(n, 1) = found.F_p * options_.p.slope(options_.p.coordinate(p));
+    A.bottomRows(1).setOnes();
+    const VectorXd t = solve_linear(A, VectorXd::Unit(n + 1, n)).normalized();
+    if (!t.allFinite()) return std::nullopt;
+    return Direction{t.head(n), t[n]};
+  }
+
+  const Family2& family_;
+  const LocusOptions& options_;
+  std::string kind_;
+};
+
+LocusPoint locus_point(const SpecialPoint& special, double q) {
+  return {special.p, q, special.error, 0, special.view.metrics};
+}
+
+/// From a special point towards larger or smaller q. \returns why it ends; empty: at the end of the range
+std::string follow_special(const NearSpecial& near, const LocusOptions& options, SpecialPoint at, double q, int sign,
+                           std::vector<LocusPoint>& points) {
+  double c = options.q.coordinate(q), p_slope = 0;
+  const double longest = 1.0 / options.points;
+  constexpr double least = 1.0 / 64;
+  for (double step = longest; sign > 0 ? c < 1 : c > 0;) {
+    end_if_stopped();
+    // Whole steps of the range, so that curves have their points at the same values.
+    double next = (sign > 0 ? std::floor(c / step + 1 + 1e-9) : std::ceil(c / step - 1 - 1e-9)) * step;
+    next = std::clamp(next, 0.0, 1.0);
+    const double c_p = options.p.coordinate(at.p), ahead = std::clamp(c_p + p_slope * (next - c), 0.0, 1.0);
+    const auto found = near.find(at, options.p.value(ahead), options.q.value(next));
+    if (!found) {
+      step *= 0.5;
+      if (step < least * longest) return "no such cycle follows, however near";
+      continue;
+    }
+    p_slope = (options.p.coordinate(found->p) - c_p) / (next - c);
+    at = *found, c = next;
+    points.push_back(locus_point(at, options.q.value(c)));
+    step = std::min(longest, 2 * step);
+  }
+  return {};
+}
+
+/// The curve through a point from its two halves, which both lead away from it.
+Locus joined(std::string kind, std::vector<LocusPoint> backwards, const std::vector<LocusPoint>& forwards) {
+  std::ranges::reverse(backwards);
+  backwards.insert(backwards.end(), forwards.begin(), forwards.end());
+  return {std::move(kind), std::move(backwards), "", ""};
+}
+
+}  // namespace
+
+Locus hopf_locus(const Family2& family, const steady::Crossing& crossing, double q, const LocusOptions& options) {
+  std::vector<LocusPoint> halves[2];
+  std::string ends[2];
+  for (const int half : {0, 1}) {
+    HopfProblem problem(family, options, crossing.angular_frequency);
+    ContinuationOptions how;
+    how.parameter = options.p, how.tolerance = options.tolerance;
+    how.first_step = how.longest_step = 1.0 / options.points;
+    how.most_points = 20 * options.points;
+    Continuation continuation(problem, how);
+    const auto start = at_q(continuation, options.q.coordinate(q), crossing.value);
+    if (!start) return {"hopf", {}, "", "the Hopf point could not be closed"};
+    ends[half] = follow_hopf(problem, continuation, options, *start, half == 0 ? -1 : 1, halves[half]);
+  }
+  halves[1].erase(halves[1].begin());  // the start, which both have
+  auto locus = joined("hopf", std::move(halves[0]), halves[1]);
+  locus.begins = ends[0], locus.ends = ends[1];
+  return locus;
+}
+
+Locus cycle_locus(const Family2& family, const SpecialPoint& special, double q, const LocusOptions& options) {
+  const NearSpecial near(family, options, special.kind);
+  std::vector<LocusPoint> halves[2] = {{locus_point(special, q)}, {}};
+  std::string ends[2];
+  for (const int half : {0, 1})
+    ends[half] = follow_special(near, options, special, q, half == 0 ? -1 : 1, halves[half]);
+  auto locus = joined(special.kind, std::move(halves[0]), halves[1]);
+  locus.begins = ends[0], locus.ends = ends[1];
+  return locus;
+}
+
+Loci find_loci(const Family2& family, const Branches& found, double q, const LocusOptions& options) {
+  Loci loci;
+  try {
+    for (const auto& crossing : found.crossings)
+      if (crossing.angular_frequency > 0) loci.curves.push_back(hopf_locus(family, crossing, q, options));
+    for (const auto& cycle : found.cycles)
+      for (const auto& special : cycle.branch.special)
+        if (special.kind == "fold" || special.kind == "period-doubling")
+          loci.curves.push_back(cycle_locus(family, special, q, options));
+  } catch (const Stopped&) {
+    loci.outcome = {Ending::interrupted, "the curves that were followed until then are kept"};
+  }
+  return loci;
+}
+
+}  // namespace rosin::analysis::branches

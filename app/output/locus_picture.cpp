@@ -1,0 +1,60 @@
+/// The picture of curves in two parameters: Hopf points, folds and period doublings.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/output/files.hpp"
+#include "app/output/gnuplot.hpp"
+#include "app/output/pictures.hpp"
+
+namespace rosin::app::output {
+
+namespace {
+
+/// 1, 2 and 5 of each decade, for logarithmic axes on which few decades lie.
+std::string few_ticks(char axis, double low, double high) {
+  std::vector<std::string> ticks;
+  for (double decade = std::pow(10, std::floor(std::log10(low))); decade <= high; decade *= 10)
+    for (const double part : {1.0, 2.0, 5.0})
+      if (const double at = part * decade; at >= low && at <= high) ticks.push_back(fmt::format("{:.3g}", at));
+  return fmt::format("set {0}tics ({1})\nset format {0} '%g'\n", axis, fmt::join(ticks, ", "));
+}
+
+}  // namespace
+
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene& scene,
+                                       const analysis::branches::Loci& loci) {
+  const auto& task = scene.branch;
+  const auto& locus = *task.locus;
+  std::string script = preamble("locus", "Where steady sliding and cycles change, in two parameters", 820, 520);
+  script += fmt::format("set title {}\n", single_quoted(scene.title));
+  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key outside right top Left reverse\n";
+  for (const auto& [axis, parameter, range] :
+       {std::tuple{'x', &task.parameter, &locus.options.p}, {'y', &locus.parameter, &locus.options.q}}) {
+    const auto [low, high] = std::minmax(range->from, range->to);
+    script += axis_scale(axis, range->logarithmic) + '\n';
+    script += fmt::format("set {0}range [{1}:{2}]\nset {0}label {3}\n", axis, low, high,
+                          label(parameter->name + ", " + parameter->meaning, parameter->unit));
+    if (range->logarithmic && !spans_decades(low, high)) script += few_ticks(axis, low, high);
+  }
+  std::vector<std::string> curves;
+  std::vector<std::string> titled;
+  for (std::size_t k = 0; k < loci.curves.size(); ++k) {
+    const auto& kind = loci.curves[k].kind;
+    const bool again = std::ranges::find(titled, kind) != titled.end();
+    const int style = kind == "hopf" ? 1 : kind == "fold" ? 2 : 4;
+    const char* title = kind == "hopf"   ? "Hopf points of sliding"
+                        : kind == "fold" ? "folds of cycles"
+                                         : "period doublings";
+    curves.push_back(fmt::format("'locus.csv' using ($1=={}?$2:NaN):4 with lines linestyle {} {}", k, style,
+                                 again ? "notitle" : fmt::format("title '{}'", title)));
+    titled.push_back(kind);
+  }
+  curves.push_back(fmt::format("{} with lines linestyle 3 title 'the scene'", locus.value));
+  write_whole(folder / "locus.gp", script + fmt::format("plot {}\n", fmt::join(curves, ", \\\n     ")));
+  return {"locus.gp"};
+}
+
+}  // namespace rosin::app::output

@@ -1,0 +1,280 @@
+/// The verb basin: which motion each of many starts comes to, and how hard steady sliding must be hit.
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "analysis/basins/basins.hpp"
+#include "analysis/motion/structure_record.hpp"
+#include "app/output/gnuplot.hpp"
+#include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/output/planes.hpp"
+#include "app/scene/reader.hpp"
+#include "app/scene/structure.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/progress.hpp"
+#include "app/verbs/verb.hpp"
+
+namespace rosin::app::verbs {
+
+using analysis::basins::Attractor;
+using analysis::basins::Basins;
+using nlohmann::ordered_json;
+using scene::StartAxis;
+
+namespace {
+
+constexpr Range any{-1e15, 1e15};
+
+/// Every coordinate of the start, and every velocity.
+std::vector<StartAxis> axes_of(const oscillators::Structure& structure) {
+  std::vector<StartAxis> axes;
+  for (const bool is_velocity : {false, true})
+    for (int i = 0; i < structure.size(); ++i) {
+      const auto& name = structure.names[std::size_t(i)];
+      axes.push_back({is_velocity ? analysis::motion::velocity_name(name) : name, i, is_velocity, {}});
+    }
+  return axes;
+}
+
+StartAxis read_axis(scene::Table table, const oscillators::Structure& structure, bool random) {
+  table.expect({"start", "from", "to", "points"});
+  std::vector<std::string> names;
+  const auto axes = axes_of(structure);
+  for (const auto& axis : axes) names.push_back(axis.name);
+  const auto name = scene::choice(table.required("start", fmt::format("one of {}", fmt::join(names, ", "))),
+                                  table.path("start"), names);
+  auto axis = axes[std::size_t(std::ranges::find(names, name) - names.begin())];
+  const Quantity quantity{"", axis.unit(), any, name + " at the start"};
+  double from = 0, to = 0;
+  table.required("from", quantity.meaning), table.required("to", quantity.meaning);
+  table.read("from", from, quantity);
+  table.read("to", to, quantity);
+  if (from == to) scene::fail(table.source(), "{} and {} are both {}", table.path("from"), table.path("to"), from);
+  int points = random ? 2 : 51;
+  if (const auto* node = random ? table.find("points") : nullptr)
+    scene::fail(node->source(), "{} does not go with basin.samples, which are random starts", table.path("points"));
+  table.read("points", points, 2, scene::most_points, "number of values");
+  for (int i = 0; i < points; ++i) axis.values.push_back(from + (to - from) * i / (points - 1));
+  table.finish();
+  return axis;
+}
+
+/// Starts on a grid, or at random, beside what the start is otherwise.
+void read_starts(scene::Table& table, scene::Scene& scene) {
+  auto& [x, y, random, places, direction, task] = scene.basin;
+  const auto& structure = scene.structure->structure;
+  const auto *of_x = table.find("x"), *of_y = table.find("y"), *samples = table.find("samples"),
+             *seed = table.find("seed"), *start = table.find("start");
+  if (!of_x && !of_y) {
+    for (const auto& [key, node] : {std::pair{"samples", samples}, {"seed", seed}, {"start", start}})
+      if (node) scene::fail(node->source(), "basin.{} has no effect without basin.x and basin.y", key);
+    return;
+  }
+  random = samples != nullptr;
+  if (seed && !random) scene::fail(seed->source(), "basin.seed has no effect without basin.samples: a grid of starts");
+  const char* what = "{ start = \"displacement\", from, to, points }";
+  x = read_axis(scene::Table(table.required("x", what), table.path("x")), structure, random);
+  y = read_axis(scene::Table(table.required("y", what), table.path("y")), structure, random);
+  if (x.name == y.name) scene::fail(of_y->source(), "basin.x and basin.y are the same, {}", y.name);
+  if (random) {
+    int count = 0, chosen = 1;
+    table.read("samples", count, 1, scene::most_points, "number of random starts");
+    table.read("seed", chosen, 0, scene::largest_seed, "seed of the random starts");
+    for (const auto& [a, b] : analysis::basins::random_places(count, std::uint64_t(chosen)))
+      places.emplace_back(std::lerp(x.values[0], x.values[1], a), std::lerp(y.values[0], y.values[1], b));
+  } else {
+    if (x.values.size() > scene::most_points / y.values.size())
+      scene::fail(table.source(), "basin has {} x {} starts, more than {}", x.values.size(), y.values.size(),
+                  scene::most_points);
+    for (const double at_y : y.values)
+      for (const double at_x : x.values) places.emplace_back(at_x, at_y);
+  }
+  analysis::motion::StructureStart beside;
+  beside.kind = analysis::motion::Start::Kind::given;
+  if (start) beside = scene::read_structure_start(*start, table.path("start"), structure);
+  const oscillators::StructureSystem system(structure);
+  scene::located(start ? start->source() : table.source(), [&] {
+    const auto unknowns = analysis::motion::starting_point(system, beside);
+    const auto velocity = system.velocity(0, unknowns.data());
+    analysis::motion::StructureStart given;
+    given.kind = analysis::motion::Start::Kind::given;
+    given.coordinates.assign(unknowns.begin(), unknowns.begin() + structure.size());
+    given.velocities.assign(velocity.begin(), velocity.end());
+    for (const auto& [at_x, at_y] : places) {
+      for (const auto& [axis, value] : {std::pair{&x, at_x}, {&y, at_y}})
+        (axis->is_velocity ? given.velocities : given.coordinates)[std::size_t(axis->coordinate)] = value;
+      task.starts.push_back(analysis::motion::starting_point(system, given));
+    }
+  });
+}
+
+/// A disturbance of steady sliding: { velocity = 1 } and the range of its size.
+void read_direction(scene::Table& table, scene::Scene& scene) {
+  auto direction = table.table("direction");
+  if (!direction) {
+    for (const char* key : {"from", "to", "points"})
+      if (const auto* node = table.find(key))
+        scene::fail(node->source(), "basin.{} has no effect without basin.direction: those of starts are in x and y",
+                    key);
+    return;
+  }
+  const auto& structure = scene.structure->structure;
+  auto& disturbance = scene.basin.task.disturbance.emplace();
+  disturbance.coordinates = disturbance.velocities = Eigen::VectorXd::Zero(structure.size());
+  for (const auto& axis : axes_of(structure)) {
+    double part = 0;
+    direction->read(axis.name, part, {"", axis.unit(), any, "disturbance of size 1"});
+    (axis.is_velocity ? disturbance.velocities : disturbance.coordinates)[axis.coordinate] = part;
+    if (part != 0) scene.basin.direction.emplace_back(axis, part);
+  }
+  direction->finish();
+  if (scene.basin.direction.empty()) scene::fail(direction->source(), "basin.direction does not disturb anything");
+  const Quantity size{"", "1", any, "size of the disturbance, times basin.direction"};
+  table.required("to", size.meaning);
+  table.read("from", disturbance.from, size);
+  table.read("to", disturbance.to, size);
+  if (!(std::abs(disturbance.from) < std::abs(disturbance.to)) || disturbance.from * disturbance.to < 0)
+    scene::fail(table.source(), "basin.from = {} must be nearer to 0 than basin.to = {}, on the same side",
+                disturbance.from, disturbance.to);
+  table.read("points", disturbance.points, 2, scene::most_points, "sizes among which the first is looked for");
+}
+
+void read(scene::SceneReader& reader) {
+  auto& scene = reader.scene;
+  scene::Table table(reader.need("basin", "starts along x and y, or a direction from steady sliding"), "basin");
+  scene::read_structure_model(reader);
+  scene::located(reader.root.find("drive")->source(), [&] { common_period(scene.structure->structure); });
+  table.expect({"x", "y", "samples", "seed", "start", "direction", "from", "to", "points", "returns"});
+  read_starts(table, scene);
+  read_direction(table, scene);
+  if (scene.basin.places.empty() && !scene.basin.task.disturbance)
+    table.required("x", "{ start = \"displacement\", from, to, points }; or direction, from steady sliding");
+  table.read("returns", scene.basin.task.most_returns, 10, 10'000'000, "returns within which motions are recognised");
+  table.finish();
+}
+
+ordered_json axis_of(const StartAxis& axis) {
+  return {{"start", axis.name}, {"unit", axis.unit()}, {"values", axis.values}};
+}
+
+std::string document_of(const scene::Scene& scene, const Basins& found, double seconds) {
+  const auto& [x, y, random, places, direction, task] = scene.basin;
+  auto document = output::begin(scene, "basin", found.outcome);
+  auto attractors = ordered_json::array();
+  for (const auto& basin : found.basins) {
+    auto metrics = ordered_json::object(), error = metrics;
+    for (const auto& [name, measure] : basin.attractor.metrics)
+      metrics[name] = measure.value, error[name] = measure.error;
+    attractors.push_back({{"kind", name(basin.attractor.kind)}});
+    if (!places.empty())
+      attractors.back().update({{"share", basin.share}, {"standard_error", basin.error}, {"count", basin.count}});
+    attractors.back()["metrics"] = std::move(metrics);
+    attractors.back()["error"] = std::move(error);
+    if (!basin.attractor.detail.empty()) attractors.back()["detail"] = basin.attractor.detail;
+  }
+  document["attractors"] = std::move(attractors);
+  if (!places.empty()) {
+    document["x"] = axis_of(x), document["y"] = axis_of(y);
+    const auto label = [&](std::size_t i) {
+      return found.labels[i] < 0 ? ordered_json() : ordered_json(found.labels[i]);
+    };
+    if (!random) {
+      auto rows = ordered_json::array();
+      for (std::size_t iy = 0; iy < y.values.size(); ++iy) {
+        auto row = ordered_json::array();
+        for (std::size_t ix = 0; ix < x.values.size(); ++ix) row.push_back(label(iy * x.values.size() + ix));
+        rows.push_back(std::move(row));
+      }
+      document["labels"] = std::move(rows);
+    }
+  }
+  if (found.threshold)
+    document["threshold"] = {
+        {"value", found.threshold->value}, {"error", found.threshold->error}, {"beyond", found.threshold->beyond}};
+  else if (task.disturbance)
+    document["threshold"] = nullptr;
+  document["tolerance"] = task.tolerance;
+  document["cost"] = {{"seconds", seconds}};
+  auto notes = scene.notes;
+  if (!found.no_threshold.empty()) notes.push_back(found.no_threshold);
+  document["notes"] = notes;
+  return output::text(document);
+}
+
+/// "velocity 1.2398476 ± 5e-07 m/s": what is added to steady sliding.
+std::string disturbance_of(const scene::BasinTask& basin, double value, double error) {
+  std::vector<std::string> parts;
+  for (const auto& [axis, part] : basin.direction)
+    parts.push_back(fmt::format("{} {}", axis.name, justified(value * part, std::abs(error * part), axis.unit())));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+Status perform(Job& job) {
+  auto& scene = job.scene();
+  auto& task = scene.basin.task;
+  task.tolerance = job.request().tolerance.value_or(task.tolerance);
+  task.threads = job.request().threads;
+  job.explain("{} starts, each followed until it comes near a known attractor, and nearer from return to return",
+              task.starts.size());
+  job.explain("attractors: steady sliding by its eigenvalues, cycles as 'rosin cycle' has them");
+  if (task.disturbance)
+    job.explain("{} disturbances of steady sliding, then halving to a width of {}", task.disturbance->points,
+                task.tolerance);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto found = [&] {
+    Progress progress(job.request().quiet);
+    return analysis::basins::find_basins(scene.structure->structure, task,
+                                         [&](std::size_t done, std::size_t total) { progress.show(done, total); });
+  }();
+  const double seconds = seconds_since(begin);
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = task.tolerance;
+  manifest.cost = {{"seconds", seconds}, {"starts", double(task.starts.size())}, {"threads", double(task.threads)}};
+  Reached reached;
+  for (std::size_t k = 0; k < found.basins.size(); ++k) {
+    const auto& [attractor, count, share, error] = found.basins[k];
+    std::string what;
+    const auto add = [&](const char* metric) {
+      const auto& [value, of, unit] = attractor.metrics.at(metric);
+      reached.add(value, of);
+      what += fmt::format(", {} {}", output::readable(metric), justified(value, of, unit));
+    };
+    if (attractor.kind == Attractor::Kind::steady) add("growth_rate");
+    if (attractor.kind == Attractor::Kind::cycle) add("period");
+    if (!attractor.detail.empty()) what += "; the first: " + attractor.detail;
+    const auto part = task.starts.empty() ? std::string() : fmt::format(" {:.2f} ± {:.2f} %", 100 * share, 100 * error);
+    job.say("{}  {:<9}{}{}", k, name(attractor.kind), part, what);
+  }
+  manifest.tolerance_reached = reached.value();
+  if (found.threshold) {
+    const auto& [value, error, beyond] = *found.threshold;
+    job.say("steady sliding is left from {} on, to {}", disturbance_of(scene.basin, value, error), beyond);
+  }
+  if (!found.no_threshold.empty()) job.note(found.no_threshold);
+  if (!found.outcome.complete()) job.note(fmt::format("{}: {}", name(found.outcome.ending), found.outcome.detail));
+  std::vector<std::string> files;
+  if (!task.starts.empty()) {
+    output::write_basins(job.folder() / "basin.nc", scene, found);
+    files = output::write_picture(job.folder(), scene, found);
+    files.push_back("basin.nc");
+  }
+  return job.finish(document_of(scene, found, seconds), std::move(files), found.outcome);
+}
+
+}  // namespace
+
+Verb basin_verb() {
+  return {.name = "basin",
+          .help = "which motion starts come to, with what share, and how hard steady sliding must be hit to leave it",
+          .example = "rosin basin examples/which-motion.toml",
+          .operands = {scene_operand},
+          .needs = model_tables({{"basin", "starts along x and y, or a direction from steady sliding"}}),
+          .options = scene_options(),
+          .read = read,
+          .perform = perform};
+}
+
+}  // namespace rosin::app::verbs

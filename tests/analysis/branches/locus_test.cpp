@@ -1,0 +1,107 @@
+/// Curves in two parameters against closed forms and AUTO-07p.
+#include "analysis/branches/locus.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "laws/catalogue.hpp"
+
+using namespace rosin;
+using namespace rosin::analysis::branches;
+using oscillators::Model;
+
+namespace {
+
+Family2 over(const Model& model, const std::string& p_path, const std::string& q_path) {
+  return [=](double p, double q) { return oscillator_of(model.with(p_path, p).with(q_path, q)); };
+}
+
+Branches at(const Family2& family, double q, const ParameterScale& p) {
+  BranchOptions options;
+  options.parameter = p;
+  return from_steady_sliding([&](double value) { return family(value, q); }, options);
+}
+
+const Locus& of(const std::vector<Locus>& curves, const std::string& kind) {
+  for (const auto& locus : curves)
+    if (locus.kind == kind) return locus;
+  FAIL("no " << kind);
+  return curves.front();
+}
+
+}  // namespace
+
+TEST_CASE("the Hopf curve of a block on a belt follows its closed form", "[branches]") {
+  // Friction 0.5 + 0.5 e^(−2 V): the damping that makes up for its slope is N e^(−2 V).
+  Model model;
+  model.law = laws::find_law("stribeck")->with({1.0, 0.5, 0.5, 1.0, 0.0});
+  model.slider = {1, 1, 0.1};
+  model.drive.normal_load = 1.0, model.drive.speed = 1.0;
+  const auto family = over(model, "drive.speed", "oscillator.damping");
+  LocusOptions options;
+  options.p = {0.2, 2.5, false}, options.q = {0.01, 0.5, false};
+  Branches found;
+  found.crossings.push_back({0.5 * std::log(10.0), 1e-15, false, 1});
+  const auto curves = find_loci(family, found, 0.1, options).curves;
+  const auto& hopf = of(curves, "hopf");
+  CHECK(hopf.points.size() > 40);
+  CHECK(hopf.points.front().q == Approx(0.01).epsilon(1e-12));
+  CHECK(hopf.points.back().q == Approx(0.5).epsilon(1e-12));
+  CHECK(hopf.begins.empty());
+  CHECK(hopf.ends.empty());
+  for (const auto& [p, q, p_error, q_error, metrics] : hopf.points) {
+    CHECK(std::abs(p - 0.5 * std::log(1 / q)) < p_error + q_error / (2 * q) + 1e-12);
+    CHECK(p_error < 1e-9);
+    CHECK(metrics.at("angular_frequency") == Approx(1).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("the folds of the board slider over speed and clock factor are those of AUTO", "[branches]") {
+  Model model;
+  model.law = laws::preset(*laws::find_law("spinodal"), "bristol-board");
+  model.lambda = std::pow(10.0, 0.75);
+  model.slider = {1, 1.09, 0};
+  model.drive.normal_load = 9.81e-2, model.drive.speed = 1e-3;
+  const auto family = over(model, "drive.speed", "law.lambda");
+  LocusOptions options;
+  options.p = {3e-4, 4e-3, true}, options.q = {std::sqrt(10.0), 10, true}, options.points = 4;
+  const auto found = at(family, model.lambda, options.p);
+  const auto curves = find_loci(family, found, model.lambda, options).curves;
+  const auto& folds = of(curves, "fold");
+  REQUIRE(folds.points.size() == 5);
+  // AUTO-07p 0.9.2; on its own curve of folds to a relative 1e-8, at the first to all digits.
+  const double wanted[][3] = {{0, 1.629455683488e-3, 1e-10}, {2, 1.29704804e-3, 1e-8}, {4, 1.00316167e-3, 1e-8}};
+  for (const auto& [i, speed, accuracy] : wanted) {
+    const auto& fold = folds.points[std::size_t(i)];
+    CHECK(std::abs(fold.p / speed - 1) < accuracy);
+    CHECK(fold.p_error < accuracy * speed);
+    CHECK(fold.metrics.at("period") > 9);
+  }
+  const auto& hopf = of(curves, "hopf");
+  CHECK(hopf.points.front().p == Approx(4.0504078e-4).epsilon(1e-7));
+}
+
+TEST_CASE("period doublings without mass go in proportion to the load", "[branches]") {
+  // Two states, after Gu, Rice, Ruina & Tse (1984): k L1/(σ a) = 0.0695394087541 by shooting.
+  Model model;
+  model.law = laws::find_law("two-state-slip");
+  model.slider = {0, 350, 0};
+  model.drive.speed = 1e-6, model.drive.normal_load = 1.0;
+  for (const auto& [name, value] : {std::pair{"law.a", 0.01},
+                                    {"law.b1", 0.01},
+                                    {"law.b2", 0.0084},
+                                    {"law.L1", 2e-6},
+                                    {"law.L2", 2e-6 / 0.048},
+                                    {"law.v0", 1e-6}})
+    model = model.with(name, value);
+  const auto family = over(model, "oscillator.stiffness", "drive.normal_load");
+  LocusOptions options;
+  options.p = {250, 500, false}, options.q = {0.8, 1.2, false}, options.points = 4;
+  const auto found = at(family, 1, {402, 343, false});
+  const auto curves = find_loci(family, found, 1, options).curves;
+  const auto& doublings = of(curves, "period-doubling");
+  CHECK(doublings.points.front().q == Approx(0.8));
+  CHECK(doublings.points.back().q == Approx(1.2));
+  for (const auto& [stiffness, load, error, q_error, metrics] : doublings.points)
+    CHECK(std::abs(stiffness / load - 0.0695394087541 * 5000) < error + 1e-9);
+}
