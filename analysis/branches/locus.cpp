@@ -49,6 +49,8 @@ class HopfProblem final : public Problem {
       constexpr double least = 1e-3;  // of the frequency before
       if (!(std::abs(here.value.imag()) > least * angular_frequency_))
         view.outcome = {Ending::none_exists, "the frequency goes to 0"};
+      constexpr double merged = 1e-5;
+      if (here.apart < merged) view.outcome = {Ending::none_exists, "two modes merge: none crosses by itself"};
       view.metrics["angular_frequency"] = std::abs(here.value.imag());
       view.metrics["growth_error"] = here.error;
     } catch (const InputError& error) {
@@ -67,6 +69,7 @@ class HopfProblem final : public Problem {
   struct Mode {
     std::complex<double> value;
     double error;
+    double apart;  ///< from the next eigenvalue, over the frequency
   };
   Mode mode_at(double p, double c_q) const {
     const auto oscillator = family_(p, options_.q.value(c_q));
@@ -77,7 +80,11 @@ class HopfProblem final : public Problem {
     std::size_t nearest = 0;
     for (std::size_t k = 1; k < spectrum.values.size(); ++k)
       if (off(k) < off(nearest)) nearest = k;
-    return {spectrum.values[nearest], spectrum.errors[nearest]};
+    Mode mode{spectrum.values[nearest], spectrum.errors[nearest], infinity};
+    for (std::size_t k = 0; k < spectrum.values.size(); ++k)
+      if (k != nearest)
+        mode.apart = std::min(mode.apart, std::abs(spectrum.values[k] - mode.value) / angular_frequency_);
+    return mode;
   }
   /// By differences: Newton's method needs no better.
   template <class At>
@@ -250,7 +257,12 @@ Locus hopf_locus(const Family2& family, const steady::Crossing& crossing, double
     how.most_points = 20 * options.points;
     Continuation continuation(problem, how);
     const auto start = at_q(continuation, options.q.coordinate(q), crossing.value);
-    if (!start) return {"hopf", {}, "", "the Hopf point could not be closed"};
+    if (!start)
+      return {"hopf",
+              {},
+              "",
+              fmt::format("the Hopf point {:.9g} is not followed in two parameters: no mode crosses by itself there",
+                          crossing.value)};
     ends[half] = follow_hopf(problem, continuation, options, *start, half == 0 ? -1 : 1, halves[half]);
   }
   halves[1].erase(halves[1].begin());  // the start, which both have
