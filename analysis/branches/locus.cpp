@@ -49,14 +49,18 @@ class HopfProblem final : public Problem {
       constexpr double least = 1e-3;  // of the frequency before
       if (!(std::abs(here.value.imag()) > least * angular_frequency_))
         view.outcome = {Ending::none_exists, "the frequency goes to 0"};
-      constexpr double merged = 1e-5;
-      if (here.apart < merged) view.outcome = {Ending::none_exists, "two modes merge: none crosses by itself"};
       view.metrics["angular_frequency"] = std::abs(here.value.imag());
       view.metrics["growth_error"] = here.error;
     } catch (const InputError& error) {
       view.outcome = {Ending::none_exists, error.what()};
     }
     return view;
+  }
+
+  /// Not where two modes merge, which without damping are neutral before.
+  bool crosses_alone(double p, double c_q) const {
+    constexpr double merged = 1e-4;
+    return mode_at(p, c_q).apart > merged;
   }
 
   bool refer_to(VectorXd& x, double p, double) override {
@@ -256,7 +260,9 @@ Locus hopf_locus(const Family2& family, const steady::Crossing& crossing, double
     how.first_step = how.longest_step = 1.0 / options.points;
     how.most_points = 20 * options.points;
     Continuation continuation(problem, how);
-    const auto start = at_q(continuation, options.q.coordinate(q), crossing.value);
+    const double c_q = options.q.coordinate(q);
+    const auto start =
+        problem.crosses_alone(crossing.value, c_q) ? at_q(continuation, c_q, crossing.value) : std::nullopt;
     if (!start)
       return {"hopf",
               {},
