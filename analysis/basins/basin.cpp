@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <numbers>
 
 #include "core/random.hpp"
 #include "core/workers.hpp"
@@ -26,9 +25,8 @@ class Search {
   void label(const std::vector<std::vector<double>>& starts, std::vector<int>& labels) {
     labels.assign(starts.size(), Recogniser::unknown);
     Work work{starts, labels};
-    identify(work, spread(starts.size()), false);
-    std::vector<std::size_t> open(starts.size());
-    for (std::size_t i = 0; i < open.size(); ++i) open[i] = i;
+    auto open = mixed(starts.size());
+    identify(work, {open.begin(), open.begin() + long(std::min(at_a_time, open.size()))}, false);
     for (std::size_t known = 0; keep_unlabelled(work, open);) {
       if (recogniser_.known().size() > known) {
         known = recogniser_.known().size();
@@ -52,16 +50,12 @@ class Search {
     std::vector<int>& labels;
   };
 
-  /// Some of so many, well spread whatever their order: multiples of the golden section.
-  static std::vector<std::size_t> spread(std::size_t count) {
-    std::vector<std::size_t> chosen;
-    for (std::size_t k = 0; k < std::min(at_a_time, count); ++k) {
-      const double part = std::fmod(double(k + 1) / std::numbers::phi, 1.0);
-      chosen.push_back(std::min(count - 1, std::size_t(part * double(count))));
-    }
-    std::ranges::sort(chosen);
-    chosen.erase(std::ranges::unique(chosen).begin(), chosen.end());
-    return chosen;
+  /// So many in no order: the first of them, and those that are done where a search is stopped, stand for all.
+  static std::vector<std::size_t> mixed(std::size_t count) {
+    std::vector<std::size_t> order(count);
+    for (std::size_t i = 0; i < count; ++i) order[i] = i;
+    std::ranges::sort(order, {}, [](std::size_t i) { return splitmix(splitmix_step * (i + 1)); });
+    return order;
   }
 
   static bool keep_unlabelled(const Work& work, std::vector<std::size_t>& open) {

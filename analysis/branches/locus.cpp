@@ -57,6 +57,12 @@ class HopfProblem final : public Problem {
     return view;
   }
 
+  /// Not where two modes merge, which without damping are neutral before.
+  bool crosses_alone(double p, double c_q) const {
+    constexpr double merged = 1e-4;
+    return mode_at(p, c_q).apart > merged;
+  }
+
   bool refer_to(VectorXd& x, double p, double) override {
     angular_frequency_ = std::abs(mode_at(p, x[0]).value.imag());
     return false;
@@ -67,6 +73,7 @@ class HopfProblem final : public Problem {
   struct Mode {
     std::complex<double> value;
     double error;
+    double apart;  ///< from the next eigenvalue, over the frequency
   };
   Mode mode_at(double p, double c_q) const {
     const auto oscillator = family_(p, options_.q.value(c_q));
@@ -77,7 +84,11 @@ class HopfProblem final : public Problem {
     std::size_t nearest = 0;
     for (std::size_t k = 1; k < spectrum.values.size(); ++k)
       if (off(k) < off(nearest)) nearest = k;
-    return {spectrum.values[nearest], spectrum.errors[nearest]};
+    Mode mode{spectrum.values[nearest], spectrum.errors[nearest], infinity};
+    for (std::size_t k = 0; k < spectrum.values.size(); ++k)
+      if (k != nearest)
+        mode.apart = std::min(mode.apart, std::abs(spectrum.values[k] - mode.value) / angular_frequency_);
+    return mode;
   }
   /// By differences: Newton's method needs no better.
   template <class At>
@@ -249,8 +260,15 @@ Locus hopf_locus(const Family2& family, const steady::Crossing& crossing, double
     how.first_step = how.longest_step = 1.0 / options.points;
     how.most_points = 20 * options.points;
     Continuation continuation(problem, how);
-    const auto start = at_q(continuation, options.q.coordinate(q), crossing.value);
-    if (!start) return {"hopf", {}, "", "the Hopf point could not be closed"};
+    const double c_q = options.q.coordinate(q);
+    const auto start =
+        problem.crosses_alone(crossing.value, c_q) ? at_q(continuation, c_q, crossing.value) : std::nullopt;
+    if (!start)
+      return {"hopf",
+              {},
+              "",
+              fmt::format("the Hopf point {:.9g} is not followed in two parameters: no mode crosses by itself there",
+                          crossing.value)};
     ends[half] = follow_hopf(problem, continuation, options, *start, half == 0 ? -1 : 1, halves[half]);
   }
   halves[1].erase(halves[1].begin());  // the start, which both have

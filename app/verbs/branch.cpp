@@ -332,11 +332,14 @@ Status perform(Job& job) {
   if (found.cycles.empty() && found.crossings.empty())
     job.say("steady sliding does not change its stability between {:.9g} and {:.9g} {}", range.from, range.to, unit);
   for (const auto& [kind, points, begins, ends] : loci.curves) {
-    const auto &first = points.front(), &last = points.back();
-    const auto& [name, second_unit, range, meaning, scale, is_list, parity] = task.locus->parameter;
+    if (points.empty()) {
+      found.notes.push_back(ends);
+      continue;
+    }
+    const auto& second = task.locus->parameter;
     job.say("{} in two parameters, {} points:", kind, points.size());
-    for (const auto& [point, why] : {std::pair{&first, &begins}, {&last, &ends}})
-      job.say("  {} = {:.9g}{}, {} = {}{}{}", name, point->q, second_unit == "1" ? "" : " " + second_unit, path,
+    for (const auto& [point, why] : {std::pair{&points.front(), &begins}, {&points.back(), &ends}})
+      job.say("  {} = {:.9g}{}, {} = {}{}{}", second.name, point->q, second.unit == "1" ? "" : " " + second.unit, path,
               justified(point->p, point->p_error, unit), why->empty() ? "" : ": ", *why);
   }
   for (const auto& note : found.notes) job.note(note);

@@ -5,6 +5,7 @@
 
 #include "analysis/basins/basins.hpp"
 #include "analysis/branches/branches.hpp"
+#include "analysis/cycles/section_map.hpp"
 #include "core/stop.hpp"
 #include "laws/catalogue.hpp"
 
@@ -173,4 +174,27 @@ TEST_CASE("steady sliding that repels has no disturbance that returns", "[basin]
   const auto fast = find_basins(oscillators::one_slider(two_motions(1.9)), task);
   CHECK_FALSE(fast.threshold);
   CHECK(fast.no_threshold == "every disturbance from 0 to 2 returns to steady sliding");
+}
+
+TEST_CASE("two coupled blocks end where long motions do", "[basin]") {
+  const auto contact = oscillators::contact_of(two_motions(1.3));
+  const auto structure = oscillators::chain({{1, 1}, {1.2}, {0.02}, {1, 1.1}, {0.1, 0.1}}, {contact, contact});
+  const oscillators::StructureSystem system(structure);
+  BasinTask task;
+  for (const auto& [x, v] : {std::pair{0.5, 0.0}, {0.8, 0.3}, {-1.5, 1.0}, {2.5, -1.0}, {0.5, -1.5}})
+    task.starts.push_back(system.unknowns_at(0, Eigen::Vector2d(x, 0.5), Eigen::Vector2d(0, v)));
+  const auto found = find_basins(structure, task);
+  REQUIRE(found.basins.size() == 2);
+  CHECK(found.basins[0].count > 0);
+  CHECK(found.basins[1].count > 0);
+  analysis::cycles::SectionMap map(structure);
+  for (std::size_t i = 0; i < task.starts.size(); ++i) {
+    std::vector<double> end;
+    map.follow_crossings(task.starts[i], 1e-7, [&](int crossing, double, const std::vector<double>& y) {
+      end = y;
+      return crossing == 150;
+    });
+    const auto& there = found.basins[std::size_t(found.labels[i])].attractor.points.front();
+    for (std::size_t k = 0; k < 4; ++k) CHECK(std::abs(end[k] - there[k]) < 1e-2);
+  }
 }

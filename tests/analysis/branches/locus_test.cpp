@@ -105,3 +105,28 @@ TEST_CASE("period doublings without mass go in proportion to the load", "[branch
   for (const auto& [stiffness, load, error, q_error, metrics] : doublings.points)
     CHECK(std::abs(stiffness / load - 0.0695394087541 * 5000) < error + 1e-9);
 }
+
+TEST_CASE("two modes that merge without damping have no Hopf curve", "[branches]") {
+  // At the friction coefficient 404/1200, in closed form.
+  Model model;
+  model.law = laws::find_law("coulomb")->with({0.6, 0.4});
+  model.drive.speed = 1.0, model.drive.normal_load = 1e3;
+  const Family2 family = [&](double friction, double stiffness) {
+    auto contact = oscillators::contact_of(model.with("law.mu_d", friction));
+    contact.tangential = Eigen::Vector2d(1, 0), contact.normal = Eigen::Vector2d(0, 1);
+    contact.support.stiffness = stiffness;
+    oscillators::Structure structure;
+    structure.M = Eigen::Matrix2d::Identity(), structure.C = Eigen::Matrix2d::Zero();
+    structure.K = Eigen::Matrix2d{{5.2e7, 1e7}, {1e7, 2e7}};
+    structure.names = {"along", "into"}, structure.contacts = {contact};
+    return oscillator_of(structure);
+  };
+  LocusOptions options;
+  options.p = {0.3, 0.4, false}, options.q = {2.5e7, 3.6e7, false};
+  Branches found;
+  found.crossings.push_back({404.0 / 1200 + 9e-14, 1e-13, true, 7141.428});
+  const auto loci = find_loci(family, found, 3e7, options);
+  REQUIRE(loci.curves.size() == 1);
+  CHECK(loci.curves[0].points.empty());
+  CHECK_THAT(loci.curves[0].ends, Catch::Contains("no mode crosses by itself"));
+}
