@@ -64,15 +64,16 @@ std::vector<Estimate> from_krylov_space(const QuadraticPencil& pencil, int count
     V.col(size) = w / left;
   }
   const auto pairs = eigenpairs(H.topLeftCorner(size, size), true);
+  std::vector<std::pair<Complex, Eigen::Index>> values;
+  for (Eigen::Index k = 0; k < pairs.values.size(); ++k)
+    if (const Complex value = 1.0 / pairs.values[k]; value.imag() >= 0 && std::isfinite(std::abs(value)))
+      values.emplace_back(value, k);
+  std::ranges::sort(values, {}, [](const auto& value) { return std::abs(value.first); });
+  // One more than asked for, which may be close to the last.
+  values.resize(std::min(values.size(), std::size_t(count) + 1));
   std::vector<Estimate> found;
-  for (Eigen::Index k = 0; k < pairs.values.size(); ++k) {
-    const Complex inverse = pairs.values[k];
-    if (std::abs(inverse) == 0) continue;
-    const Complex eigenvalue = 1.0 / inverse;
-    if (eigenvalue.imag() < 0) continue;
-    found.push_back({eigenvalue, (V.topLeftCorner(n, size) * pairs.vectors.col(k)).normalized()});
-  }
-  std::ranges::sort(found, {}, [](const Estimate& e) { return std::abs(e.eigenvalue); });
+  for (const auto& [value, k] : values)
+    found.push_back({value, (V.topLeftCorner(n, size) * pairs.vectors.col(k)).normalized()});
   return found;
 }
 
@@ -102,14 +103,12 @@ class TwoSided {
   /// x ← P⁻¹ P′ x, y ← P⁻* P′* y.
   bool iterate(PencilMode& mode) const {
     const Complex z = mode.eigenvalue;
-    SparseComplex P = (z * z) * pencil_.M.cast<Complex>() + z * pencil_.C.cast<Complex>() + pencil_.K.cast<Complex>();
-    SparseComplex slope = (2.0 * z) * pencil_.M.cast<Complex>() + pencil_.C.cast<Complex>();
+    const SparseComplex P =
+        (z * z) * pencil_.M.cast<Complex>() + z * pencil_.C.cast<Complex>() + pencil_.K.cast<Complex>();
+    const SparseComplex slope = (2.0 * z) * pencil_.M.cast<Complex>() + pencil_.C.cast<Complex>();
     Eigen::SparseLU<SparseComplex> lu(P);
     if (lu.info() != Eigen::Success) return false;  // λ is an eigenvalue to the last digit
-    const SparseComplex P_left = P.adjoint();
-    Eigen::SparseLU<SparseComplex> lu_left(P_left);
-    if (lu_left.info() != Eigen::Success) return false;
-    const VectorXcd x = lu.solve(slope * mode.right), y = lu_left.solve(slope.adjoint() * mode.left);
+    const VectorXcd x = lu.solve(slope * mode.right), y = lu.adjoint().solve(VectorXcd(slope.adjoint() * mode.left));
     if (!x.allFinite() || !y.allFinite()) return false;
     mode.right = x.normalized(), mode.left = y.normalized();
     return true;
