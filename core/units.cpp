@@ -67,6 +67,45 @@ double convert(double x, const Unit& from, const Unit& to) {
   return cv_convert_double(converter.get(), x);
 }
 
+/// Where a power in the unit is no whole number, as in "Pa/m^2.5", which UDUNITS does not know.
+bool has_decimal_power(std::string_view unit) {
+  for (auto at = unit.find('^'); at != std::string_view::npos; at = unit.find('^', at + 1)) {
+    const auto end = unit.find_first_not_of("+-0123456789", at + 1);
+    if (end != std::string_view::npos && unit[end] == '.' && end + 1 < unit.size() &&
+        std::isdigit(static_cast<unsigned char>(unit[end + 1])))
+      return true;
+  }
+  return false;
+}
+
+/// Of factors to any powers, beside each other or divided one by one: "kg m^-0.5/s", "N s/m^3.5".
+std::optional<TextUnit> parse_decimal_powers(std::string_view unit) {
+  if (!has_decimal_power(unit)) return parse_unit(unit);
+  TextUnit product;
+  for (double side = 1; !unit.empty();) {
+    const auto end = unit.find_first_of(" */");
+    const auto factor = unit.substr(0, end);
+    if (!factor.empty()) {
+      const auto caret = factor.find('^');
+      double power = 1;
+      if (caret != std::string_view::npos) {
+        const auto text = factor.substr(caret + 1);
+        const auto [stop, problem] = std::from_chars(text.data(), text.data() + text.size(), power);
+        if (problem != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
+      }
+      const auto base = parse_unit(factor.substr(0, caret));
+      if (!base || base->offset) return std::nullopt;
+      product.dimension = product.dimension * base->dimension.power(side * power);
+      product.factor *= std::pow(base->factor, side * power);
+      side = 1;
+    }
+    if (end == std::string_view::npos) break;
+    if (unit[end] == '/') side = -1;
+    unit.remove_prefix(end + 1);
+  }
+  return product;
+}
+
 }  // namespace
 
 double to_si(std::string_view text, std::string_view si_unit) {
@@ -81,6 +120,13 @@ double to_si(std::string_view text, std::string_view si_unit) {
   const std::string_view unit = trimmed(digits.substr(static_cast<std::size_t>(end - digits.data())));
   if (unit.empty()) return number;
 
+  if (has_decimal_power(unit) || has_decimal_power(si_unit)) {
+    const auto given = parse_decimal_powers(unit), wanted = parse_decimal_powers(si_unit);
+    if (!given) throw InputError(fmt::format("'{}' is not a known unit (in '{}'; needed is {})", unit, text, si_unit));
+    if (!wanted || !(given->dimension == wanted->dimension))
+      throw InputError(fmt::format("'{}' is in {}, but needed is {}", text, unit, si_unit));
+    return number * (given->factor / wanted->factor);
+  }
   auto& database = Database::get();
   const std::lock_guard guard(database.lock);
   const Unit given = database.parse(unit), wanted = database.parse(si_unit);

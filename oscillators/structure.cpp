@@ -9,6 +9,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "laws/catalogue.hpp"
+#include "laws/smoothing.hpp"
+
 namespace rosin::oscillators {
 
 bool Structure::constant() const {
@@ -63,18 +66,26 @@ void Structure::check() const {
     if (contact.tangential.size() != n)
       throw InputError(fmt::format("contact {}: tangential has {} entries, but M has {} coordinates", j + 1,
                                    contact.tangential.size(), n));
-    if (contact.tangential.isZero(0) || !contact.tangential.allFinite())
+    if ((contact.frictionless() && contact.normal.size() == 0) || !contact.tangential.allFinite())
       throw InputError(fmt::format("contact {}: tangential has no direction", j + 1));
     if (contact.normal.size() > 0) {
-      if (contact.normal.size() != n)
+      if (contact.normal.rows() != n)
         throw InputError(fmt::format("contact {}: normal has {} entries, but M has {} coordinates", j + 1,
-                                     contact.normal.size(), n));
+                                     contact.normal.rows(), n));
+      if (contact.normal.isZero(0) || !contact.normal.allFinite())
+        throw InputError(fmt::format("contact {}: normal has no direction", j + 1));
+      const auto stations = contact.normal.cols();
+      if (!contact.normal_law || (contact.area.size() > 0 && contact.area.size() != stations) ||
+          (contact.gap.size() > 0 && contact.gap.size() != stations) ||
+          (contact.load_along.size() > 0 ? contact.load_along.size() != n : stations > 1))
+        throw InputError(
+            fmt::format("contact {}: its {} stations need a normal law, areas and gaps, and the direction of the load",
+                        j + 1, stations));
       if (contact.stiffness.present() || contact.load_memory > 0)
         throw InputError(fmt::format(
             "contact {}: a load that follows motion does not go with contact stiffness and load memory", j + 1));
     }
-    if (!contact.law->set_valued()) continue;
-    set_valued.push_back(j);
+    if (contact.law->set_valued() && !contact.frictionless()) set_valued.push_back(j);
   }
   if (depend_on_each_other(contacts, set_valued))
     throw InputError(fmt::format(
@@ -122,6 +133,17 @@ FrictionContact contact_of(const Model& model) {
   contact.tangential = Eigen::VectorXd::Ones(1);
   contact.speed = model.drive.speed;
   contact.normal_load = model.drive.normal_load;
+  return contact;
+}
+
+FrictionContact frictionless_contact(Eigen::VectorXd normal, std::shared_ptr<const NormalLaw> law) {
+  // Smoothed friction of 0 has neither states nor rest.
+  static const auto none = laws::smoothed(laws::find_law("coulomb")->with({0.0, 0.0}), {});
+  FrictionContact contact;
+  contact.law = none;
+  contact.tangential = Eigen::VectorXd::Zero(normal.size());
+  contact.normal = std::move(normal);
+  contact.normal_law = std::move(law);
   return contact;
 }
 
@@ -201,7 +223,7 @@ Structure mode_coupling(const ModeCoupling& model, const FrictionContact& contac
   structure.contacts = {contact};
   structure.contacts[0].tangential = Eigen::Vector2d(1, 0);
   structure.contacts[0].normal = Eigen::Vector2d(0, 1);
-  structure.contacts[0].support = model.contact;
+  structure.contacts[0].normal_law = model.contact;
   structure.check();
   return structure;
 }

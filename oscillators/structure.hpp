@@ -1,23 +1,15 @@
 /// A structure with friction contacts: M q̈ + C q̇ + K q = f(t) + Σ (t F − n (N − N₀)), any number of coordinates and
-/// contacts. N₀ is what presses a contact where nothing moves, and N what it bears.
+/// contacts. N₀ is the load that presses a contact, and N what it bears.
 #pragma once
 #include <Eigen/Core>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "laws/normal_law.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::oscillators {
-
-/// How a contact answers motion along its normal, beside its preload: with a = nᵀ q, stiffness·a + cubic·a³ +
-/// damping·ȧ.
-struct NormalSupport {
-  double stiffness = 0;  ///< N/m
-  double cubic = 0;      ///< N/m³
-  double damping = 0;    ///< N s/m
-  bool lift_off = true;  ///< the contact only presses: where this and the preload fall below 0 there is no load
-};
 
 /// A contact of a structure with a surface that moves. Friction F on the structure acts along t where the surface is
 /// the faster.
@@ -26,12 +18,19 @@ struct FrictionContact {
   double lambda = 1;  ///< clock factor of the law's states
   ContactStiffness stiffness;
   double load_memory = 0;
-  Eigen::VectorXd tangential;  ///< t: the slip rate is speed − tᵀ q̇
+  Eigen::VectorXd tangential;  ///< t: the slip rate is speed − tᵀ q̇; 0: the contact has no friction
   Signal speed = 1.0;          ///< of the surface, m/s
   Signal normal_load = 1.0;    ///< N
   double load_factor = 1;      ///< times normal_load: the load of this contact, or its preload
-  Eigen::VectorXd normal;      ///< n: motion along it presses; empty: the load is prescribed
-  NormalSupport support;
+  /// n: motion along it presses, by the approach a = nᵀ q − gap; empty: the load is prescribed. A column for each
+  /// station of a contact with an area, which slides as one.
+  Eigen::MatrixXd normal;
+  Eigen::VectorXd area, gap;  ///< of the stations, m² and m; empty: pressures are forces (1), and 0
+  std::shared_ptr<const NormalLaw> normal_law;
+  /// Direction in which the load N₀ acts on the structure; empty: along n, of a contact of one station.
+  Eigen::VectorXd load_along;
+
+  bool frictionless() const { return tangential.isZero(0); }
 };
 
 /// An end stop of a coordinate q, on the side +1 where q cannot go up and −1 where it cannot go down. A rigid one turns
@@ -52,10 +51,12 @@ struct Structure {
   Eigen::MatrixXd M, C, K;         ///< kg, N s/m, N/m; n × n
   std::vector<Signal> force;       ///< N on each coordinate; empty: none
   std::vector<std::string> names;  ///< of the coordinates, for columns and messages
+  std::vector<std::string> units;  ///< of the coordinates; empty: m
   std::vector<FrictionContact> contacts;
   std::vector<Stop> stops;
 
   int size() const { return int(M.rows()); }
+  std::string unit(int coordinate) const { return units.empty() ? "m" : units[coordinate]; }
   bool constant() const;
   /// \throws InputError for sizes that do not fit, an M that is not symmetric and positive definite, contacts that
   /// stick along directions that depend on each other, parts of a contact that do not go together, and rigid stops
@@ -68,6 +69,8 @@ struct Structure {
 
 /// A slider's contact, along the first coordinate of a structure of one.
 FrictionContact contact_of(const Model&);
+/// A contact that only presses, along n.
+FrictionContact frictionless_contact(Eigen::VectorXd normal, std::shared_ptr<const NormalLaw>);
 /// A slider as a structure of one coordinate. \throws InputError for a slider without mass.
 Structure one_slider(const Model&);
 
@@ -90,7 +93,7 @@ struct ModeCoupling {
   double mass[2] = {1, 1};     ///< kg, along and into the belt
   double damping[2] = {0, 0};  ///< N s/m
   std::vector<Spring> springs;
-  NormalSupport contact;
+  std::shared_ptr<const NormalLaw> contact;
 };
 Structure mode_coupling(const ModeCoupling&, const FrictionContact&, const Signal& force);
 

@@ -21,17 +21,18 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 std::vector<int> rows_of_contacts(const std::vector<FrictionContact>& contacts) {
   std::vector<int> rows;
   // Directions along one coordinate each depend on each other only where that is the same.
-  if (std::ranges::all_of(contacts, [](const auto& c) { return (c.tangential.array() != 0).count() == 1; })) {
+  if (std::ranges::all_of(contacts, [](const auto& c) { return (c.tangential.array() != 0).count() <= 1; })) {
     for (const FrictionContact& contact : contacts) {
       int row = 0;
-      contact.tangential.cwiseAbs().maxCoeff(&row);
-      rows.push_back(std::ranges::find(rows, row) == rows.end() ? row : -1);
+      const bool any = contact.tangential.cwiseAbs().maxCoeff(&row) > 0;
+      rows.push_back(any && std::ranges::find(rows, row) == rows.end() ? row : -1);
     }
     return rows;
   }
   std::vector<VectorXd> cleared;
   for (const FrictionContact& contact : contacts) {
-    VectorXd t = contact.tangential.normalized();
+    VectorXd t = contact.tangential;
+    if (!contact.frictionless()) t.normalize();
     for (std::size_t j = 0; j < cleared.size(); ++j)
       if (rows[j] >= 0) t -= t[rows[j]] / cleared[j][rows[j]] * cleared[j];
     int row = 0;
@@ -81,11 +82,21 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
   for (std::size_t i = 0; i < order.size(); ++i) at_[order[i]].row = rows[i];
 
   K_ = SparseRows(structure_.K), C_ = SparseRows(structure_.C);
-  MatrixXd directions(at_.size(), n_), normals = MatrixXd::Zero(Eigen::Index(at_.size()), n_);
+  MatrixXd directions(at_.size(), n_);
   for (int j = 0; j < friction_contacts(); ++j) {
     directions.row(j) = contacts[j].tangential;
-    if (follows_motion(j)) normals.row(j) = contacts[j].normal;
+    at_[j].first_station = int(station_.size());
+    const auto& [area, gap] = std::tie(contacts[j].area, contacts[j].gap);
+    for (Eigen::Index s = 0; s < contacts[j].normal.cols(); ++s)
+      station_.push_back(
+          {area.size() > 0 ? area[s] : 1, gap.size() > 0 ? gap[s] : 0, contacts[j].load_along.size() == 0});
+    at_[j].end_station = int(station_.size());
+    if (area.size() > 0) at_[j].area = area.sum();
   }
+  MatrixXd normals(station_.size(), n_);
+  for (int j = 0; j < friction_contacts(); ++j)
+    if (follows_motion(j))
+      normals.middleRows(at_[j].first_station, contacts[j].normal.cols()) = contacts[j].normal.transpose();
   tangential_ = SparseRows(directions), normal_ = SparseRows(normals);
   along_ = VectorXd::Ones(n_);
   contact_of_row_.assign(n_, -1);
@@ -180,10 +191,10 @@ double StructureSystem::velocity_of(int i, double t, const double* y) const {
   return j >= 0 ? structure_.contacts[j].speed.value(t) - y[n_ + i] : y[n_ + i];
 }
 
-double StructureSystem::approach_rate(int contact, double t, const double* y) const {
-  if (!is_diagonal_) return structure_.contacts[contact].normal.dot(velocity(t, y));
+double StructureSystem::approach_rate(int station, double t, const double* y) const {
+  if (!is_diagonal_) return normal_[station].times(velocity(t, y));
   double rate = 0;
-  for (const auto& [i, value] : normal_[contact]) rate += value * velocity_of(i, t, y);
+  for (const auto& [i, value] : normal_[station]) rate += value * velocity_of(i, t, y);
   return rate;
 }
 
@@ -205,9 +216,20 @@ double StructureSystem::stiffness_along(int contact) const {
 /// Of the springs and contacts that hold a coordinate while the others rest, N/m.
 double StructureSystem::stiffness_at(int coordinate) const {
   double sum = structure_.K(coordinate, coordinate);
-  for (const auto& contact : structure_.contacts)
-    if (contact.normal.size() > 0)
-      sum += contact.support.stiffness * contact.normal[coordinate] * contact.normal[coordinate];
+  for (int j = 0; j < friction_contacts(); ++j)
+    if (follows_motion(j)) sum += normal_stiffness(j, coordinate);
+  return sum;
+}
+
+/// Of the contact under N₀, as its stations share it.
+double StructureSystem::normal_stiffness(int contact, int coordinate) const {
+  const auto& law = *structure_.contacts[contact].normal_law;
+  const double p = preload(contact, 0), k = law.at(law.approach_under(p), 0, p).pressure_by_approach;
+  double sum = 0;
+  for (int s = at_[contact].first_station; s < at_[contact].end_station; ++s) {
+    const double n = structure_.contacts[contact].normal(coordinate, s - at_[contact].first_station);
+    sum += station_[s].area * k * n * n;
+  }
   return sum;
 }
 
@@ -247,28 +269,40 @@ StructureSystem::Load StructureSystem::load(int contact, double t) const {
 }
 
 StructureSystem::Load StructureSystem::load(int contact, double t, const double* y) const {
-  const auto preload = load(contact, t);
-  if (!follows_motion(contact)) return preload;
-  const auto& at = structure_.contacts[contact];
-  const double a = approach(contact, y), rate = approach_rate(contact, t, y);
-  const double N = preload.level + (at.support.stiffness + at.support.cubic * a * a) * a + at.support.damping * rate;
+  if (!follows_motion(contact)) return load(contact, t);
+  double bound = 0;
+  for (int s = at_[contact].first_station; s < at_[contact].end_station; ++s)
+    bound += station_[s].area * answer(contact, s, t, y).bound;
   // A law never sees the rate of a load that holds accelerations: what would ask for it is refused.
-  return {at.support.lift_off ? std::max(N, 0.0) : N, 0};
+  return {bound, 0};
 }
 
-StructureSystem::Support StructureSystem::support(int contact, double t, const double* y) const {
-  const auto& at = structure_.contacts[contact];
-  if (!follows_motion(contact) || (at.support.lift_off && load(contact, t, y).level == 0)) return {0, 0};
-  const double a = approach(contact, y);
-  return {at.support.stiffness + 3 * at.support.cubic * a * a, at.support.damping};
+NormalAnswer StructureSystem::answer(int contact, int station, double t, const double* y) const {
+  return structure_.contacts[contact].normal_law->at(normal_[station].times(y) - station_[station].gap,
+                                                     approach_rate(station, t, y), preload(contact, t));
 }
 
-double StructureSystem::normal_load(int contact, double t, const double* y) const { return load(contact, t, y).level; }
+double StructureSystem::push_back(int contact, int station, double t, const NormalAnswer& answer) const {
+  const double force = station_[station].area * answer.pressure;
+  return station_[station].preloaded ? force - load(contact, t).level : force;
+}
+
+double StructureSystem::normal_load(int contact, double t, const double* y) const {
+  if (!follows_motion(contact)) return load(contact, t).level;
+  double force = 0;
+  for (int s = at_[contact].first_station; s < at_[contact].end_station; ++s)
+    force += station_[s].area * answer(contact, s, t, y).pressure;
+  return force;
+}
 
 double StructureSystem::normal_power(double t, const double* y) const {
   double power = 0;
-  for (int j = 0; j < friction_contacts(); ++j)
-    if (follows_motion(j)) power -= (load(j, t, y).level - load(j, t).level) * approach_rate(j, t, y);
+  for (int j = 0; j < friction_contacts(); ++j) {
+    for (int s = at_[j].first_station; s < at_[j].end_station; ++s)
+      power -= push_back(j, s, t, answer(j, s, t, y)) * approach_rate(s, t, y);
+    if (const auto& along = structure_.contacts[j].load_along; along.size() > 0)
+      power += load(j, t).level * along.dot(velocity(t, y));
+  }
   return power;
 }
 
@@ -281,11 +315,14 @@ double StructureSystem::kink(const double* y) const {
   for (int j = 0; j < friction_contacts(); ++j) {
     const bool slips_behind_spring = at_[j].setup.spring.present() && !at_[j].carries_friction();
     add(law(j).slip_kink(slips_behind_spring ? y[at_[j].first + at_[j].states] : slip_rate(j, 0, y)));
-    const auto& at = structure_.contacts[j];
-    if (!follows_motion(j) || !at.support.lift_off || !at.normal_load.constant()) continue;
-    const double N0 = load(j, 0).level, a = approach(j, y);
-    if (N0 == 0) continue;
-    add(1 + ((at.support.stiffness + at.support.cubic * a * a) * a + at.support.damping * approach_rate(j, 0, y)) / N0);
+    // Many stations together answer smoothly.
+    if (at_[j].end_station - at_[j].first_station != 1 || !structure_.contacts[j].normal_load.constant()) continue;
+    const int s = at_[j].first_station;
+    double size = 0, speed = 0;
+    for (const auto& [i, value] : normal_[s])
+      size += std::abs(value) * coordinate_scale_[i], speed += std::abs(value) * speed_scale_[i];
+    add(structure_.contacts[j].normal_law->kink(normal_[s].times(y) - station_[s].gap, approach_rate(s, 0, y), size,
+                                                speed, preload(j, 0)));
   }
   return product;
 }
@@ -329,9 +366,17 @@ Eigen::VectorXd StructureSystem::forces_without_stick(double t, const double* y,
     if (stop_mode_[s] == StopMode::pushes)
       R[structure_.stops[s].coordinate] -= structure_.stops[s].side * stop_push(s, t, y);
   for (int j = 0; j < friction_contacts(); ++j) {
-    const auto [N, rate] = load(j, t, y);
-    if (follows_motion(j))
-      for (const auto& [i, value] : normal_[j]) R[i] -= (N - load(j, t).level) * value;
+    auto [N, rate] = load(j, t);
+    if (follows_motion(j)) {
+      if (structure_.contacts[j].load_along.size() > 0) R += N * structure_.contacts[j].load_along;
+      N = 0, rate = 0;
+      for (int s = at_[j].first_station; s < at_[j].end_station; ++s) {
+        const auto answer = this->answer(j, s, t, y);
+        const double away = push_back(j, s, t, answer);
+        for (const auto& [i, value] : normal_[s]) R[i] -= away * value;
+        N += station_[s].area * answer.bound;
+      }
+    }
     double F, g[Slopes<double>::capacity];
     const bool stuck = sticks(j);
     at_[j].contact->evaluate({stuck ? 0 : slip_rate(j, t, y), N, rate, sign(at_[j].mode)}, y + at_[j].first,
@@ -401,13 +446,20 @@ void StructureSystem::linearise(double t, const double* y, double* f, double* ja
       for (int b = 0; b < nz; ++b) J(at.first + a, at.first + b) = slopes.g_z[a * nz + b];
     Eigen::RowVectorXd N_q = Eigen::RowVectorXd::Zero(n_), N_w = N_q;
     if (follows_motion(j)) {
-      const auto [by_approach, by_rate] = support(j, t, y);
-      const VectorXd& normal = structure_.contacts[j].normal;
-      N_q = by_approach * normal.transpose();
-      N_w = by_rate * normal.transpose() * velocity_of_speed_;
-      const VectorXd on_coordinates = (stuck ? 0 : slopes.F_N) * direction - normal;
-      R_q += on_coordinates * N_q;
-      R_w += on_coordinates * N_w;
+      for (int s = at.first_station; s < at.end_station; ++s) {
+        const auto answer = this->answer(j, s, t, y);
+        const double area = station_[s].area;
+        const VectorXd normal = structure_.contacts[j].normal.col(s - at.first_station);
+        const Eigen::RowVectorXd by_w = normal.transpose() * velocity_of_speed_;
+        R_q -= normal * (area * answer.pressure_by_approach * normal.transpose());
+        R_w -= normal * (area * answer.pressure_by_rate * by_w);
+        N_q += area * answer.bound_by_approach * normal.transpose();
+        N_w += area * answer.bound_by_rate * by_w;
+      }
+      if (!stuck) {
+        R_q += slopes.F_N * direction * N_q;
+        R_w += slopes.F_N * direction * N_w;
+      }
       for (int a = 0; a < nz; ++a) {
         J.block(at.first + a, 0, 1, n_) += slopes.g_N[a] * N_q;
         J.block(at.first + a, n_, 1, n_) += slopes.g_N[a] * N_w;
@@ -648,21 +700,48 @@ std::vector<double> StructureSystem::unknowns_at(double t, const VectorXd& q, co
   return y;
 }
 
-/// Coordinates at rest, with friction of steady sliding; Newton's method where loads follow them.
-std::vector<double> StructureSystem::steady(double t) const {
-  const auto friction = [&](int j, double N) {
-    const double V = structure_.contacts[j].speed.value(t);
-    return V == 0 || N == 0 ? 0 : N * law(j).steady_friction({V, N}).friction;
-  };
+/// Coordinates where contacts whose normals give way bear their loads without friction: each as a spring from where it
+/// touches to where it bears N₀.
+VectorXd StructureSystem::touching(double t) const {
+  VectorXd force = VectorXd::Zero(n_);
+  MatrixXd K = structure_.K;
+  bool any = false;
+  for (std::size_t i = 0; i < structure_.force.size(); ++i) force[Eigen::Index(i)] = structure_.force[i].value(t);
+  for (int j = 0; j < friction_contacts(); ++j) {
+    if (!follows_motion(j)) continue;
+    const auto& contact = structure_.contacts[j];
+    const double p = preload(j, t), a = contact.normal_law->approach_under(p);
+    if (!(a > 0)) continue;
+    any = true;
+    if (contact.load_along.size() > 0) force += load(j, t).level * contact.load_along;
+    for (int s = at_[j].first_station; s < at_[j].end_station; ++s) {
+      const VectorXd normal = contact.normal.col(s - at_[j].first_station);
+      const double k = station_[s].area * p / a;
+      K += k * normal * normal.transpose();
+      force += (k * station_[s].gap + (station_[s].preloaded ? load(j, t).level : 0)) * normal;
+    }
+  }
+  return any ? solve_stiffness(K, force).value_or(VectorXd::Zero(n_)) : VectorXd::Zero(n_);
+}
+
+/// At the surface's own speed (N).
+double StructureSystem::steady_friction(int contact, double t, double N) const {
+  const double V = structure_.contacts[contact].speed.value(t);
+  return V == 0 || N == 0 ? 0 : N * law(contact).steady_friction({V, N}).friction;
+}
+
+/// Newton's method for K q = f + Σ (t F − n (N − N₀)), at rest, with a part of the friction of steady sliding.
+StructureSystem::Balance StructureSystem::balance(double t, double part, VectorXd& q) const {
+  const auto friction = [&](int j, double N) { return part * steady_friction(j, t, N); };
   std::vector<double> y(2 * n_);  // q, and speeds of slip at the surfaces' own
   for (std::size_t j = 0; j < at_.size(); ++j)
     if (at_[j].row >= 0) y[n_ + at_[j].row] = structure_.contacts[j].speed.value(t);
-  Eigen::Map<VectorXd> q(y.data(), n_);
-  constexpr int most_iterations = 50;
-  constexpr double rounding = 1e-13, aside = 1e-6;
-  for (int iteration = 0;; ++iteration) {
-    VectorXd residual = -(K_ * q), size = K_.size_of_terms(q);
-    MatrixXd slope = structure_.K;
+  VectorXd residual, size;
+  MatrixXd slope;
+  const auto evaluate = [&](const VectorXd& at) {
+    Eigen::Map<VectorXd>(y.data(), n_) = at;
+    residual = -(K_ * at), size = K_.size_of_terms(at);
+    slope = structure_.K;
     for (std::size_t i = 0; i < structure_.force.size(); ++i) {
       residual[i] += structure_.force[i].value(t);
       size[i] += std::abs(structure_.force[i].value(t));
@@ -672,33 +751,82 @@ std::vector<double> StructureSystem::steady(double t) const {
       const double N = load(j, t, y.data()).level, F = friction(j, N);
       for (const auto& [i, value] : tangential_[j]) residual[i] += F * value, size[i] += std::abs(F) * std::abs(value);
       if (!follows_motion(j)) continue;
-      const double away = N - load(j, t).level;
-      residual -= away * contact.normal;
-      size += std::abs(away) * contact.normal.cwiseAbs();
+      if (const auto& along = contact.load_along; along.size() > 0)
+        residual += load(j, t).level * along, size += std::abs(load(j, t).level) * along.cwiseAbs();
+      constexpr double aside = 1e-6;
       const double dN = aside * std::max(N, 1e-300), F_N = (friction(j, N + dN) - F) / dN;
-      slope += support(j, t, y.data()).by_approach * (contact.normal - F_N * contact.tangential) *
-               contact.normal.transpose();
+      for (int s = at_[j].first_station; s < at_[j].end_station; ++s) {
+        const auto answer = this->answer(j, s, t, y.data());
+        const double away = push_back(j, s, t, answer);
+        const VectorXd normal = contact.normal.col(s - at_[j].first_station);
+        residual -= away * normal;
+        size += std::max(std::abs(away), station_[s].area * std::abs(answer.pressure)) * normal.cwiseAbs();
+        slope += station_[s].area *
+                 (answer.pressure_by_approach * normal - F_N * answer.bound_by_approach * contact.tangential) *
+                 normal.transpose();
+      }
     }
-    if (iteration > 0 && (residual.cwiseAbs() - rounding * size).maxCoeff() <= 0) break;
+  };
+  // Work of what is left over, in sizes of the coordinates: forces and moments compare.
+  const auto work = [&] { return residual.cwiseProduct(coordinate_scale_).norm(); };
+  constexpr int most_iterations = 50, most_halvings = 20;
+  constexpr double rounding = 1e-13;
+  evaluate(q);
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    if (iteration > 0 && (residual.cwiseAbs() - rounding * size).maxCoeff() <= 0) return {true, true, iteration, 0};
     const auto change = solve_stiffness(slope, residual);
-    if (!change)
-      throw InputError("K has no inverse: a structure that no spring holds has no steady sliding (stiffness, N/m)");
-    if (iteration == most_iterations || !residual.allFinite())
-      throw InputError(
-          fmt::format("no steady sliding was found: after {} steps of Newton's method forces are {:.1e} N "
-                      "apart",
-                      iteration, residual.cwiseAbs().maxCoeff()));
-    q += *change;
+    if (!change) return {false, false, iteration, residual.cwiseAbs().maxCoeff()};
+    const VectorXd from = q;
+    const double before = work();
+    double length = 1;
+    evaluate(q = from + *change);
+    for (int halving = 0; !(work() <= before) && halving < most_halvings; ++halving)
+      evaluate(q = from + (length *= 0.5) * *change);
+    // Rounding ends the descent where forces of stiff springs nearly cancel.
+    if (length < 1e-3 && before <= 1e3 * rounding * size.cwiseProduct(coordinate_scale_).norm()) {
+      q = from;
+      return {true, true, iteration, 0};
+    }
   }
+  return {false, true, most_iterations, residual.cwiseAbs().maxCoeff()};
+}
+
+/// Friction that has no answer at once is put on in steps.
+std::vector<double> StructureSystem::steady(double t) const {
+  const VectorXd without = touching(t);
+  VectorXd q = without;
+  auto found = balance(t, 1, q);
+  if (!found.converged) {
+    constexpr double shortest = 1.0 / 4096;
+    VectorXd reached = without;
+    double part = 0, step = 0.25;
+    bool begins = balance(t, 0, reached).converged;
+    while (begins && part < 1 && step >= shortest) {
+      q = reached;
+      const double next = std::min(1.0, part + step);
+      if (auto there = balance(t, next, q); there.converged)
+        reached = q, part = next, step *= 2, found = there;
+      else
+        step /= 2, found.converged = false;
+    }
+    found.converged = found.converged && part >= 1;
+  }
+  if (!found.converged && !found.held)
+    throw InputError("K has no inverse: a structure that no spring holds has no steady sliding (stiffness, N/m)");
+  if (!found.converged || !q.allFinite())
+    throw InputError(
+        fmt::format("no steady sliding was found: after {} steps of Newton's method forces are {:.1e} N apart",
+                    found.iterations, found.left));
   auto start = unknowns_at(t, q, VectorXd::Zero(n_));
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
     const double N = load(j, t).level;
     if (at.rigid()) continue;
-    if (at.carries_friction()) start[at.first] = friction(j, N) / N;
+    const double F = steady_friction(j, t, N);
+    if (at.carries_friction()) start[at.first] = F / N;
     if (at.setup.spring.present()) {
       const double compliance = at.setup.spring.compliance + at.setup.spring.compliance_per_load / N;
-      start[at.first + at.contact->unknowns() - 1] = friction(j, N) * compliance;
+      start[at.first + at.contact->unknowns() - 1] = F * compliance;
     }
   }
   return start;

@@ -121,6 +121,8 @@ class StructureSystem final : public SwitchingSystem {
     int row = -1;    ///< of its speed among the n; −1: it has none of its own
     int first = 0;   ///< of its unknowns
     int states = 0;  ///< of the law, among them
+    int first_station = 0, end_station = 0;
+    double area = 1;  ///< of all its stations
     double reference_speed = 0;
     std::vector<double> weight;  ///< sizes by which errors of its unknowns are measured
     ContactMode mode = ContactMode::forward;
@@ -131,21 +133,34 @@ class StructureSystem final : public SwitchingSystem {
   struct Load {
     double level, rate;
   };
-  Load load(int contact, double t) const;  ///< prescribed, or the preload
+  Load load(int contact, double t) const;  ///< prescribed, or N₀
+  /// What friction is a part of: prescribed, or the bound that follows motion along the normal.
   Load load(int contact, double t, const double* y) const;
-  /// ∂N/∂(nᵀ q, nᵀ q̇); 0 where the contact is open.
-  struct Support {
-    double by_approach, by_rate;
+  struct Station {  ///< of a contact whose load follows motion
+    double area, gap;
+    bool preloaded;  ///< N₀ acts along its normal
   };
-  Support support(int contact, double t, const double* y) const;
+  NormalAnswer answer(int contact, int station, double t, const double* y) const;
+  /// What the normal forces of the contact push the structure back with, beyond N₀ (N).
+  double push_back(int contact, int station, double t, const NormalAnswer&) const;
+  /// N₀ as a force of one station, or as its pressure.
+  double preload(int contact, double t) const { return load(contact, t).level / at_[contact].area; }
+  double normal_stiffness(int contact, int coordinate) const;
   double stiffness_at(int coordinate) const;
   double velocity_of(int coordinate, double t, const double* y) const;
-  double approach(int contact, const double* y) const { return normal_[contact].times(y); }  ///< nᵀ q
-  double approach_rate(int contact, double t, const double* y) const;                        ///< nᵀ q̇
-  double mobility(int contact) const;                                                        ///< tᵀ M⁻¹ t
-  double stiffness_along(int contact) const;                                                 ///< tᵀ K t
+  double approach_rate(int station, double t, const double* y) const;  ///< nᵀ q̇
+  double mobility(int contact) const;                                  ///< tᵀ M⁻¹ t
+  double stiffness_along(int contact) const;                           ///< tᵀ K t
   void find_pattern();
   bool stop_holds(int stop, double t) const;
+  struct Balance {
+    bool converged, held;  ///< by springs and contacts
+    int iterations;
+    double left;  ///< N
+  };
+  Balance balance(double t, double part_of_friction, Eigen::VectorXd& q) const;
+  Eigen::VectorXd touching(double t) const;
+  double steady_friction(int contact, double t, double N) const;
   double natural_stiffness(const Eigen::VectorXd& along, double force) const;
   void make_friction_fit(int contact, double t, double* y) const;
   bool follows_motion(int contact) const { return structure_.contacts[contact].normal.size() > 0; }
@@ -162,9 +177,10 @@ class StructureSystem final : public SwitchingSystem {
   int n_, size_ = 0;
   std::vector<At> at_;
   std::vector<int> switching_;              ///< contacts under set-valued laws
-  SparseRows K_, C_, tangential_, normal_;  ///< directions of contacts, a row each
-  Eigen::VectorXd along_;                   ///< −1 where a speed is a contact's slip rate, else 1
-  std::vector<int> contact_of_row_;         ///< −1: none
+  SparseRows K_, C_, tangential_, normal_;  ///< directions of contacts and of their stations, a row each
+  std::vector<Station> station_;
+  Eigen::VectorXd along_;            ///< −1 where a speed is a contact's slip rate, else 1
+  std::vector<int> contact_of_row_;  ///< −1: none
   Pattern pattern_;
   Eigen::MatrixXd velocity_of_speed_;  ///< ∂q̇/∂w; here and below, nothing where is_diagonal_
   Eigen::MatrixXd inverse_mass_;

@@ -21,8 +21,9 @@ StructureRecord::StructureRecord(const StructureSystem& system) : system_(system
     names.push_back(std::move(name));
     units.push_back(std::move(unit));
   };
-  for (const auto& name : structure.names) add(name, "m");
-  for (const auto& name : structure.names) add(velocity_name(name), "m/s");
+  for (std::size_t i = 0; i < structure.names.size(); ++i) add(structure.names[i], structure.unit(int(i)));
+  for (std::size_t i = 0; i < structure.names.size(); ++i)
+    add(velocity_name(structure.names[i]), structure.unit(int(i)) + "/s");
   const int contacts = system.friction_contacts();
   for (int j = 0; j < contacts; ++j) {
     const std::string number = contacts > 1 ? fmt::format("_{}", j + 1) : "";

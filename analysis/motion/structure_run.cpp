@@ -175,7 +175,7 @@ std::string why_nothing_grows(const StructureModel& model) {
   if (model.start.kind != Start::Kind::steady || !model.structure.constant()) return "";
   if (model.structure.size() > most_coordinates) return "";
   for (const auto& contact : model.structure.contacts)
-    if (contact.speed.level() == 0) return "";
+    if (contact.speed.level() == 0 && !contact.frictionless()) return "";
   const auto sliding = steady::stability(model.structure);
   if (sliding.stable || sliding.marginal) return "";
   return fmt::format(

@@ -33,7 +33,7 @@ StructureStability stability(const oscillators::Structure& moving) {
   oscillators::StructureSystem system(frozen(moving), Unknowns::states);
   const auto& structure = system.structure();
   for (std::size_t j = 0; j < structure.contacts.size(); ++j)
-    if (structure.contacts[j].speed.level() == 0)
+    if (structure.contacts[j].speed.level() == 0 && !structure.contacts[j].frictionless())
       throw InputError(fmt::format("contact {} is at rest, so that it has no steady sliding (speed, m/s)", j + 1));
   for (int c = 0; c < system.contacts(); ++c)
     system.set_mode(c, slip_along(structure.contacts[system.friction_contact(c)].speed.level()));

@@ -26,7 +26,8 @@ void read(SceneReader& reader, Table table, bool) {
     spring.read("angle", added.angle, {"", "rad", {-10, 10}, "angle of a spring to the direction of sliding"});
     spring.finish();
   }
-  model.contact = read_support(Table(table.required("contact", "stiffness normal to the belt"), table.path("contact")));
+  model.contact =
+      read_normal_law(Table(table.required("contact", "stiffness normal to the belt"), table.path("contact")), false);
   table.finish();
   located(table.source(), [&] {
     reader.scene.structure.emplace().structure = oscillators::mode_coupling(model, contact_of(reader.scene.model), 0.0);

@@ -52,6 +52,7 @@ void read_contact(SceneReader& reader, Table& table, FrictionContact& contact) {
     own.drive.speed = contact.speed, own.drive.normal_load = contact.normal_load;
     auto changed = contact_of(own);
     changed.tangential = contact.tangential;
+    changed.normal = contact.normal, changed.gap = contact.gap, changed.normal_law = contact.normal_law;
     contact = std::move(changed);
   }
   const auto signal = [&](std::string_view key, Signal& into) {
@@ -67,19 +68,83 @@ void read_contact(SceneReader& reader, Table& table, FrictionContact& contact) {
   table.read("load_factor", contact.load_factor, {"", "1", {0, 1e12}, "load of this contact over drive.normal_load"});
 }
 
-oscillators::NormalSupport read_support(Table table) {
-  oscillators::NormalSupport support;
+void read_truth(Table& table, std::string_view key, bool& target) {
+  const auto* node = table.find(key);
+  if (node && !node->is_boolean()) wrong_kind(*node, table.path(key), "true or false");
+  if (node) target = *node->value<bool>();
+}
+
+namespace {
+
+std::shared_ptr<const NormalLaw> read_linear_contact(Table table) {
+  laws::LinearContact law;
   table.expect({"stiffness", "cubic", "damping", "lift_off"});
-  table.required("stiffness", "N/m");
-  table.read("stiffness", support.stiffness, {"", "N/m", {0, 1e15}, "stiffness of the contact along its normal"});
-  table.read("cubic", support.cubic, {"", "N/m^3", {0, 1e30}, "cubic stiffness of the contact along its normal"});
-  table.read("damping", support.damping, {"", "N s/m", {0, 1e15}, "damping of the contact along its normal"});
-  if (const auto* node = table.find("lift_off")) {
-    if (!node->is_boolean()) wrong_kind(*node, table.path("lift_off"), "true or false");
-    support.lift_off = *node->value<bool>();
-  }
+  table.required("stiffness", "N/m; or the coefficient and exponent of a power law");
+  std::apply(
+      [&](const auto&... field) {
+        (table.read(field.name, law.*field.member,
+                    {"", std::string(field.unit), field.range, std::string(field.meaning)}),
+         ...);
+      },
+      laws::LinearContact::parameters);
+  read_truth(table, "lift_off", law.lift_off);
   table.finish();
-  return support;
+  return laws::normal_law(law);
+}
+
+std::shared_ptr<const NormalLaw> read_power_contact(Table table, bool per_area) {
+  laws::PowerContact law;
+  table.expect({"coefficient", "exponent", "damping", "separation_damping", "damping_exponent", "adhesion", "bound",
+                "bound_coefficient", "bound_exponent"});
+  constexpr Range any_size{0, 1e60};
+  const auto over_approach = [&](const char* force, double exponent) {
+    const double power = exponent + (per_area ? 2 : 0);
+    return power == 0 ? std::string(force) : fmt::format("{}/m^{}", force, power);
+  };
+  const auto read_exponent = [&](std::string_view key, double& target, Range range, const char* of) {
+    table.read(key, target, {"", "1", range, fmt::format("exponent of the {}", of)});
+  };
+  read_exponent("exponent", law.exponent, laws::PowerContact::exponents, "contact's pressure");
+  const auto& coefficient = table.required("coefficient", over_approach("N", law.exponent));
+  table.read("coefficient", law.coefficient,
+             {"", over_approach("N", law.exponent), {1e-30, 1e60}, "pressure over the approach to its exponent"});
+  law.damping_exponent = law.exponent;
+  read_exponent("damping_exponent", law.damping_exponent, laws::PowerContact::damping_exponents, "contact's damping");
+  const auto unit_of_damping = over_approach("N s", law.damping_exponent + 1);
+  table.read("damping", law.damping, {"", unit_of_damping, any_size, "damping of the contact on approach"});
+  law.separation_damping = law.damping;
+  table.read("separation_damping", law.separation_damping,
+             {"", unit_of_damping, any_size, "damping of the contact on separation"});
+  const bool damped = law.damping > 0 || law.separation_damping > 0;
+  for (const auto key : {"damping_exponent", "adhesion", "bound"})
+    if (const auto* node = table.find(key); node && !damped)
+      fail(node->source(), "{} has no effect on a contact without damping", table.path(key));
+  read_truth(table, "adhesion", law.adhesion);
+  if (const auto* bound = table.find("bound"))
+    law.bound_of_pressure = choice(*bound, table.path("bound"), {"elastic", "pressure"}) == "pressure";
+  law.bound_exponent = law.exponent, law.bound_coefficient = law.coefficient;
+  read_exponent("bound_exponent", law.bound_exponent, laws::PowerContact::exponents, "bound of friction");
+  const auto *bound_coefficient = table.find("bound_coefficient"), *bound_exponent = table.find("bound_exponent");
+  if ((bound_coefficient == nullptr) != (bound_exponent == nullptr))
+    fail(table.source(),
+         "{} and bound_exponent go together: friction is the law's coefficient times the one, times the "
+         "approach to the other",
+         table.path("bound_coefficient"));
+  if (bound_coefficient && law.bound_of_pressure)
+    fail(bound_coefficient->source(), "{} has no effect where the bound is the pressure",
+         table.path("bound_coefficient"));
+  table.read(
+      "bound_coefficient", law.bound_coefficient,
+      {"", over_approach("N", law.bound_exponent), any_size, "bound of friction over the approach to its exponent"});
+  table.finish();
+  return located(coefficient.source(), [&] { return laws::normal_law(law); });
+}
+
+}  // namespace
+
+std::shared_ptr<const NormalLaw> read_normal_law(Table table, bool per_area) {
+  return table.find("coefficient") || per_area ? read_power_contact(std::move(table), per_area)
+                                               : read_linear_contact(std::move(table));
 }
 
 namespace {
@@ -132,26 +197,41 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
   const auto& contacts = *reader.document.at_path("oscillator.contacts").node();
   for (const auto& element : list(contacts, "oscillator.contacts", "tables", most_names)) {
     Table table(element, fmt::format("oscillator.contacts.{}", structure.contacts.size() + 1));
-    table.expect({"tangential", "normal", "normal_contact", "law", "speed", "normal_load", "load_factor"});
-    auto contact = contact_of(reader.scene.model);
-    const auto& direction = table.required("tangential", "direction of slip");
-    const auto entries = numbers(direction, {table.path("tangential"), "1", any, "direction of slip"});
-    if (int(entries.size()) != structure.size())
-      fail(direction.source(), "{} has {} entries for {} coordinates", table.path("tangential"), entries.size(),
-           structure.size());
-    contact.tangential = Eigen::Map<const Eigen::VectorXd>(entries.data(), structure.size());
-    const auto *normal = table.find("normal"), *support = table.find("normal_contact");
-    if ((normal == nullptr) != (support == nullptr))
+    table.expect({"tangential", "normal", "normal_contact", "gap", "law", "speed", "normal_load", "load_factor"});
+    const auto read_direction = [&](const toml::node& node, std::string_view key,
+                                    const char* meaning) -> Eigen::VectorXd {
+      const auto entries = numbers(node, {table.path(key), "1", any, meaning});
+      if (int(entries.size()) != structure.size())
+        fail(node.source(), "{} has {} entries for {} coordinates", table.path(key), entries.size(), structure.size());
+      return Eigen::Map<const Eigen::VectorXd>(entries.data(), structure.size());
+    };
+    const auto *normal = table.find("normal"), *answer = table.find("normal_contact");
+    if ((normal == nullptr) != (answer == nullptr))
       fail(table.source(),
            "{}: normal and normal_contact go together: a direction and how the contact answers along it",
            table.path(normal ? "normal" : "normal_contact"));
+    const auto* tangential = table.find("tangential");
+    if (!tangential && !normal) table.required("tangential", "direction of slip");
+    auto contact = contact_of(reader.scene.model);
+    if (tangential) contact.tangential = read_direction(*tangential, "tangential", "direction of slip");
     if (normal) {
-      const auto presses = numbers(*normal, {table.path("normal"), "1", any, "direction that presses"});
-      if (int(presses.size()) != structure.size())
-        fail(normal->source(), "{} has {} entries for {} coordinates", table.path("normal"), presses.size(),
-             structure.size());
-      contact.normal = Eigen::Map<const Eigen::VectorXd>(presses.data(), structure.size());
-      contact.support = read_support(Table(*support, table.path("normal_contact")));
+      contact.normal = read_direction(*normal, "normal", "direction that presses");
+      contact.normal_law = read_normal_law(Table(*answer, table.path("normal_contact")), false);
+      double gap = 0;
+      table.read("gap", gap, {"", "m", any, "way along the normal before the contact touches"});
+      if (const auto* given = table.find("gap"); given && !Table(*answer, "").find("coefficient"))
+        fail(given->source(), "{} goes with the power law of normal_contact, whose load begins where surfaces touch",
+             table.path("gap"));
+      contact.gap = Eigen::VectorXd::Constant(1, gap);
+    }
+    if (!tangential) {
+      for (const auto key : {"law", "speed"})
+        if (const auto* node = table.find(key))
+          fail(node->source(), "{} has no effect on a contact without tangential, which has no friction",
+               table.path(key));
+      auto pressed = oscillators::frictionless_contact(contact.normal, contact.normal_law);
+      pressed.normal_load = contact.normal_load, pressed.gap = contact.gap;
+      contact = std::move(pressed);
     }
     read_contact(reader, table, contact);
     table.finish();

@@ -15,6 +15,8 @@ inline const std::vector<std::string_view> verbs_of_structures = {"run",   "stab
 /// One number for all of `size`, or a list of so many.
 std::vector<double> one_or_list(Table&, std::string_view key, std::size_t size, Quantity, double usual);
 
+void read_truth(Table&, std::string_view key, bool& target);
+
 /// Speed and normal load of the drive, for contacts that give none of their own, and its force where the structure has
 /// a place for one.
 void read_structure_drive(SceneReader&, Table drive, bool complete, bool takes_force);
@@ -36,8 +38,9 @@ void read_stops(SceneReader&, Table& oscillator);
 /// coordinate. Nothing where it has none.
 void read_slider_stops(SceneReader&, Table oscillator);
 
-/// How a contact answers motion along its normal: stiffness, cubic, damping, lift_off.
-oscillators::NormalSupport read_support(Table);
+/// A normal law: the linear one by its stiffness, cubic, damping and lift_off, the power law by its coefficient.
+/// \param per_area  the law gives pressures, of a contact with an area
+std::shared_ptr<const NormalLaw> read_normal_law(Table, bool per_area);
 
 /// "steady", "rest", or a table: coordinates and velocities as lists, or columns by name.
 analysis::motion::StructureStart read_structure_start(const toml::node&, const std::string& path,
