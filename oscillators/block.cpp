@@ -159,4 +159,29 @@ double BlockMesh::rotary_inertia() const {
   return block.mass() * (block.length * block.length + block.height * block.height) / 12;
 }
 
+Structure block_on_belt(const BlockMesh& mesh, const BlockOnBelt& on_belt, const FrictionContact& like) {
+  Structure structure;
+  structure.M = mesh.M, structure.K = mesh.K;
+  structure.C = on_belt.stiffness_damping * structure.K;
+  structure.K += on_belt.spring_stiffness * mesh.elongation * mesh.elongation.transpose();
+  const int columns = 2 * mesh.block.elements[0] + 1;
+  for (Eigen::Index k = 0; k < mesh.nodes.cols(); ++k)
+    for (const char* direction : {"x", "y"})
+      structure.names.push_back(fmt::format("{}_{}_{}", direction, k % columns + 1, k / columns + 1));
+  structure.functionals = {{"elongation", "m", mesh.elongation},
+                           {"centre_x", "m", mesh.centre_x},
+                           {"centre_y", "m", mesh.centre_y},
+                           {"tilt", "rad", mesh.tilt}};
+  const double area = mesh.block.length * mesh.block.thickness;
+  for (const auto& station : mesh.stations) {
+    FrictionContact& contact = structure.contacts.emplace_back(like);
+    contact.tangential = station.tangential, contact.normal = station.normal;
+    contact.area = VectorXd::Constant(1, station.area);
+    contact.normal_law = on_belt.contact;
+    contact.load_along = mesh.weight;
+    contact.load_factor = station.area / area;
+  }
+  return structure;
+}
+
 }  // namespace rosin::oscillators

@@ -5,7 +5,10 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <array>
+#include <memory>
 #include <vector>
+
+#include "oscillators/structure.hpp"
 
 namespace rosin::oscillators {
 
@@ -51,5 +54,15 @@ struct BlockMesh {
   Eigen::VectorXd rigid(double along, double up, double rotation) const;
   double rotary_inertia() const;  ///< kg m², about the centre of mass
 };
+
+/// What holds a block on its belt.
+struct BlockOnBelt {
+  double spring_stiffness = 0;               ///< N/m, pulls the mean displacement of the left face
+  double stiffness_damping = 0;              ///< s: C = stiffness_damping·K of the block
+  std::shared_ptr<const NormalLaw> contact;  ///< pressure of the lower face by its approach
+};
+/// A contact like the one given at each station, that bears its share of the weight, the normal load of the drive.
+/// There are more stations than nodes that they move with: what each bears at rest is open (Structure::check()).
+Structure block_on_belt(const BlockMesh&, const BlockOnBelt&, const FrictionContact& like);
 
 }  // namespace rosin::oscillators
