@@ -77,21 +77,25 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
   const auto hertz = scaled("Hz", mode.frequency());
   std::string script =
       preamble("block", "Steady sliding and the leading mode of an elastic block on its mesh", 960, 660);
-  script += fmt::format("set multiplot layout 2,2 title {} margins 0.09,0.97,0.10,0.88 spacing 0.11,0.14\n",
+  script += fmt::format("set multiplot layout 2,2 title {} margins 0.09,0.97,0.09,0.89 spacing 0.11,0.20\n",
                         single_quoted(scene.title));
   script += fmt::format("X = {}\nset grid linecolor '#CCCCCC' linewidth 0.5\n", metres.factor);
+  // Room for the key above, and as much beside as fills the panel at equal scales.
   const double half = mesh.block.length / 2 * metres.factor, height = mesh.block.height * metres.factor;
-  const auto limits = fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset xlabel 'x ({})'\nset ylabel 'y ({})'\n",
-                                  -1.2 * half, 1.2 * half, -0.35 * height, 1.55 * height, metres.unit, metres.unit);
+  constexpr double below = 0.35, above = 1.75, panel = 1.85;  // parts of the height; width over height
+  const double tall = std::max((below + above) * height, 2.4 * half / panel);
+  const auto limits =
+      fmt::format("set xrange [{0}:{1}]\nset yrange [{2}:{3}]\nset xlabel 'x ({4})'\nset ylabel 'y ({4})'\n",
+                  -panel * tall / 2, panel * tall / 2, -below * height, tall - below * height, metres.unit);
   const auto lines = [](int x, int y, const char* style, const char* title) {
-    return fmt::format("'block-mesh.csv' using (${}*X):(${}*X) every ::1 with lines {} {}", x, y, style,
+    return fmt::format("'block-mesh.csv' using (${}*X):(${}*X) skip 1 with lines {} {}", x, y, style,
                        *title ? fmt::format("title '{}'", title) : "notitle");
   };
   const char *grey = "linecolor '#BBBBBB' linewidth 1", *blue = "linecolor '#00336F' linewidth 1.5",
              *brown = "linecolor '#B0560F' linewidth 1.2 dashtype (6,3)";
   script += "set key top right horizontal\nset size ratio -1\n" + limits;
-  script += fmt::format("set title 'steady sliding, displacements about the centre × {:.3g}'\nplot {}, \\\n     {}\n",
-                        of_bent, lines(1, 2, grey, "at rest"), lines(3, 4, blue, "sliding"));
+  script += fmt::format("set title 'steady sliding about the centre, × {:.3g}'\nplot {}, \\\n     {}\n", of_bent,
+                        lines(1, 2, grey, "at rest"), lines(3, 4, blue, "sliding"));
   script += fmt::format("set title 'leading mode: {:.4g} {}, growth {:+.3g} 1/s'\nplot {}, \\\n     {}, \\\n     {}\n",
                         mode.frequency() * hertz.factor, hertz.unit, mode.growth_rate(), lines(1, 2, grey, ""),
                         lines(5, 6, blue, "mode"), lines(7, 8, brown, "a quarter period later"));
@@ -151,16 +155,16 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
                         curve("normal_load", newton.factor, 1, "normal"),
                         curve("friction_force", newton.factor, 2, "friction"));
   script += fmt::format(
-      "set ylabel 'part of the face'\nset yrange [0:1]\n"
+      "set ylabel 'part of the face'\nset yrange [0:1.35]\nset ytics 0,0.5,1\n"
       "plot 'run.csv' using 1:{} with filledcurves y1=0 linecolor '#9DB4CC' title 'sticks', \\\n"
       "     'run.csv' using 1:{} with filledcurves y1=0 linecolor '#D9A273' title 'open'\nset autoscale y\n",
       column("stick_fraction") + 2, column("open_fraction") + 2);
   const auto panel = [&](const std::string& name, const char* title) {
     const auto& values = run.columns[column(name)];
-    double largest = 0;
-    for (const double value : values) largest = std::max(largest, std::abs(value));
-    const auto unit = scaled(run.column_units[column(name)], largest);
-    script += fmt::format("set ylabel {}\nplot {}\n", label(title, unit.unit), curve(name, unit.factor, 1, ""));
+    const auto [low, high] = std::ranges::minmax(values);
+    const auto unit = scaled(run.column_units[column(name)], std::max(std::abs(low), std::abs(high)));
+    script += fmt::format("set ylabel {}\nset ytics {:g}\nplot {}\n", label(title, unit.unit),
+                          tick_step(low * unit.factor, high * unit.factor), curve(name, unit.factor, 1, ""));
   };
   panel("elongation", "elongation");
   script += "set format x '%g'\nset xlabel 'time (s)'\n";
@@ -178,13 +182,13 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
   map += fmt::format(
       "set palette defined (0 '#FFFFFF', 0.001 '#EAF1F7', 1 '#00336F')\nset cbrange [0:*]\nset cblabel 'pressure "
       "({})'\n"
-      "splot 'block-face.csv' using 1:($2*X):($3*{}) every ::1 notitle\n",
+      "splot 'block-face.csv' using 1:($2*X):($3*{}) skip 1 notitle\n",
       pascal.unit, pascal.factor);
   map += fmt::format(
       "set format x '%g'\nset xlabel 'time (s)'\n"
       "set palette defined (-1 '#B0560F', 0 '#FFFFFF', 1 '#3A8F5C')\nset cbrange [{}:{}]\nset cblabel 'slip rate "
       "({})'\n"
-      "splot 'block-face.csv' using 1:($2*X):($4*{}) every ::1 notitle\n",
+      "splot 'block-face.csv' using 1:($2*X):($4*{}) skip 1 notitle\n",
       -fastest * speed.factor, fastest * speed.factor, speed.unit, speed.factor);
   write_whole(folder / "block-face.gp", map + "unset multiplot\n");
   return {"run.gp", "block-face.csv", "block-face.gp"};

@@ -191,6 +191,25 @@ std::string document_of(const scene::Scene& scene, const analysis::motion::Run& 
   return output::text(document);
 }
 
+/// A column of one station of a block, which has dozens.
+bool is_of_station(const std::string& name) { return name.starts_with("pressure_") || name.starts_with("slip_rate_"); }
+
+/// Of the second half of a motion by steps, each with its difference to half the step.
+void say_averages(Job& job, const std::map<std::string, double>& metrics) {
+  job.say("second half of the run:");
+  const auto say = [&](const char* name, const char* meaning, const char* unit) {
+    const auto found = metrics.find(name);
+    if (found == metrics.end()) return;
+    const auto error = metrics.find(std::string(name) + "_error");
+    job.say("  {:<22} {}", meaning, justified(found->second, error == metrics.end() ? 0 : error->second, unit));
+  };
+  say("friction_ratio", "friction over load", "1");
+  say("stick_fraction", "part that sticks", "1");
+  say("full_stick_fraction", "time of full stick", "1");
+  say("open_fraction", "part that is open", "1");
+  say("pressure_min", "lowest pressure", "Pa");
+}
+
 Status perform(Job& job) {
   auto& scene = job.scene();
   scene.run.tolerance = job.request().tolerance.value_or(scene.run.tolerance);
@@ -227,10 +246,11 @@ Status perform(Job& job) {
   job.say("{} samples over {:.6g} s, {} events, solver {}", run.time.size(), run.time.empty() ? 0 : run.time.back(),
           run.events.size(), run.solver);
   for (std::size_t c = 0; c < run.columns.size(); ++c)
-    if (!run.columns[c].empty())
+    if (!run.columns[c].empty() && !(scene.block && is_of_station(run.column_names[c])))
       job.say(
           "  {:<22} ends at {}", run.column_names[c],
           justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
+  if (scene.run.stepping && run.metrics.contains("friction_ratio")) say_averages(job, run.metrics);
   output::write_csv(job.folder() / "run.csv", table);
   std::vector<std::string> files = {"run.csv"};
   if (run.time.size() < 2) return job.finish(document_of(scene, run), std::move(files), run.outcome);
