@@ -46,7 +46,10 @@ class Power final : public NormalLaw {
   NormalAnswer at(double a, double rate, double) const override {
     if (!(a > 0)) return {};
     const double elastic = law_.coefficient * std::pow(a, law_.exponent);
-    const double b = rate > 0 ? law_.damping : law_.separation_damping;
+    // At rest the slope by the rate is that of a small oscillation's first harmonic.
+    const double b = rate > 0   ? law_.damping
+                     : rate < 0 ? law_.separation_damping
+                                : 0.5 * (law_.damping + law_.separation_damping);
     const double damping = b == 0 ? 0 : b * std::pow(a, law_.damping_exponent);
     NormalAnswer answer;
     answer.pressure = elastic + damping * rate;

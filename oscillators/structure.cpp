@@ -142,6 +142,7 @@ FrictionContact frictionless_contact(Eigen::VectorXd normal, std::shared_ptr<con
   FrictionContact contact;
   contact.law = none;
   contact.tangential = Eigen::VectorXd::Zero(normal.size());
+  contact.speed = 0.0;
   contact.normal = std::move(normal);
   contact.normal_law = std::move(law);
   return contact;

@@ -295,6 +295,13 @@ double StructureSystem::normal_load(int contact, double t, const double* y) cons
   return force;
 }
 
+double StructureSystem::open_fraction(int contact, double t, const double* y) const {
+  double open = 0;
+  for (int s = at_[contact].first_station; s < at_[contact].end_station; ++s)
+    if (const auto answer = this->answer(contact, s, t, y); answer.pressure == 0) open += station_[s].area;
+  return open / at_[contact].area;
+}
+
 double StructureSystem::normal_power(double t, const double* y) const {
   double power = 0;
   for (int j = 0; j < friction_contacts(); ++j) {

@@ -99,6 +99,9 @@ class StructureSystem final : public SwitchingSystem {
   void friction_forces(double t, const double* y, double* force) const;
   /// What presses a contact (N), by its preload and by motion along its normal.
   double normal_load(int friction_contact, double t, const double* y) const;
+  /// Part of a contact's area, whose load follows motion, that bears nothing.
+  double open_fraction(int friction_contact, double t, const double* y) const;
+  bool follows_motion(int friction_contact) const { return structure_.contacts[friction_contact].normal.size() > 0; }
   /// Power of the normal forces that contacts answer motion with, −(N − N₀) nᵀ q̇ (W).
   double normal_power(double t, const double* y) const;
   /// The contact whose modes are counted as `contact`, among all.
@@ -163,7 +166,6 @@ class StructureSystem final : public SwitchingSystem {
   double steady_friction(int contact, double t, double N) const;
   double natural_stiffness(const Eigen::VectorXd& along, double force) const;
   void make_friction_fit(int contact, double t, double* y) const;
-  bool follows_motion(int contact) const { return structure_.contacts[contact].normal.size() > 0; }
   const FrictionLaw& law(int contact) const { return *structure_.contacts[contact].law; }
   bool sticks(int contact) const { return at_[contact].sticks(law(contact)); }
   Eigen::VectorXd speeds_of_surfaces(double t) const;

@@ -18,8 +18,7 @@ std::string short_name(const std::string& column) {
 }
 
 std::string name_of_stick(const StructureSystem& system, int contact) {
-  return system.friction_contacts() > 1 ? fmt::format("stick_fraction_{}", system.friction_contact(contact) + 1)
-                                        : "stick_fraction";
+  return motion::numbered(system, "stick_fraction", system.friction_contact(contact));
 }
 
 PeriodRecord::PeriodRecord(const StructureSystem& system)
@@ -120,6 +119,12 @@ void PeriodRecord::finish(double duration) {
   coordinate_max.assign(high_.begin(), high_.begin() + system_.coordinates());
   coordinate_min.assign(low_.begin(), low_.begin() + system_.coordinates());
   for (int c = 0; c < system_.contacts(); ++c) add(name_of_stick(system_, c), stick_[c] / duration, "1");
+  for (int j = 0; j < system_.friction_contacts(); ++j)
+    if (system_.follows_motion(j) && !system_.structure().contacts[j].frictionless())
+      add(motion::numbered(system_, "apparent_friction", j),
+          metrics.at(motion::numbered(system_, "friction_force", j) + "_mean").value /
+              metrics.at(motion::numbered(system_, "normal_load", j) + "_mean").value,
+          "1");
   add("friction_work", heat_, "J");
 }
 

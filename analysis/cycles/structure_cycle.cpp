@@ -351,6 +351,9 @@ std::vector<std::pair<std::string, std::string>> cycle_metrics_of(const Structur
     for (const char* kind : {"_max", "_min", "_amplitude", "_mean"})
       metrics.emplace_back(short_name(record.names[c]) + kind, record.units[c]);
   for (int c = 0; c < system.contacts(); ++c) metrics.emplace_back(name_of_stick(system, c), "1");
+  for (int j = 0; j < system.friction_contacts(); ++j)
+    if (system.follows_motion(j) && !structure.contacts[j].frictionless())
+      metrics.emplace_back(motion::numbered(system, "apparent_friction", j), "1");
   metrics.emplace_back("friction_work", "J");
   return metrics;
 }

@@ -27,10 +27,13 @@ StructureRecord::StructureRecord(const StructureSystem& system) : system_(system
   const int contacts = system.friction_contacts();
   for (int j = 0; j < contacts; ++j) {
     const std::string number = contacts > 1 ? fmt::format("_{}", j + 1) : "";
-    add("slip_rate" + number, "m/s");
-    add("friction_force" + number, "N");
-    add("friction_coefficient" + number, "1");
+    if (!structure.contacts[j].frictionless()) {
+      add("slip_rate" + number, "m/s");
+      add("friction_force" + number, "N");
+      add("friction_coefficient" + number, "1");
+    }
     if (shows_load(j)) add("normal_load" + number, "N");
+    if (system.follows_motion(j)) add("open_fraction" + number, "1");
     for (const auto& state : structure.contacts[j].law->states()) add(state.name + number, state.unit);
   }
   values.resize(names.size());
@@ -44,10 +47,13 @@ void StructureRecord::observe(double t, const double* y, std::vector<double>& ro
   system_.friction_forces(t, y, force_.data());
   for (int j = 0; j < contacts; ++j) {
     const double N = system_.normal_load(j, t, y);
-    row.push_back(system_.slip_rate(j, t, y));
-    row.push_back(force_[j]);
-    row.push_back(N > 0 ? force_[j] / N : 0);
+    if (!system_.structure().contacts[j].frictionless()) {
+      row.push_back(system_.slip_rate(j, t, y));
+      row.push_back(force_[j]);
+      row.push_back(N > 0 ? force_[j] / N : 0);
+    }
     if (shows_load(j)) row.push_back(N);
+    if (system_.follows_motion(j)) row.push_back(system_.open_fraction(j, t, y));
     for (const double state : system_.states(j, t, y)) row.push_back(state);
   }
 }
@@ -58,7 +64,11 @@ void StructureRecord::record(double t, const double* y) {
 }
 
 bool StructureRecord::shows_load(int contact) const {
-  return system_.friction_contacts() > 1 || system_.structure().contacts[contact].normal.size() > 0;
+  return system_.friction_contacts() > 1 || system_.follows_motion(contact);
+}
+
+std::string numbered(const StructureSystem& system, const char* name, int friction_contact) {
+  return system.friction_contacts() > 1 ? fmt::format("{}_{}", name, friction_contact + 1) : name;
 }
 
 RunEvent event_of(const StructureSystem& system, const MotionEvent& event) {

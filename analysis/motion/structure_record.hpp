@@ -12,6 +12,9 @@ namespace rosin::analysis::motion {
 /// Names of the columns of velocities: "second_velocity" for the coordinate "second_displacement".
 std::string velocity_name(const std::string& coordinate);
 
+/// The name, with the number of the contact where there are several.
+std::string numbered(const oscillators::StructureSystem&, const char* name, int friction_contact);
+
 /// Names and units of the columns, and their values at moments.
 class StructureRecord {
  public:

@@ -29,7 +29,9 @@ class EnergyAudit {
         symmetric_((system.structure().K + system.structure().K.transpose()) / 2),
         skew_((system.structure().K - system.structure().K.transpose()) / 2),
         force_(system.friction_contacts()),
-        y_(system.size()) {}
+        y_(system.size()) {
+    for (auto* sums : {&impulse, &pressed, &open_time}) sums->assign(system.friction_contacts(), 0.0);
+  }
 
   double energy(double t, const double* y) const {
     const VectorXd v = system_.velocity(t, y);
@@ -52,6 +54,10 @@ class EnergyAudit {
       add(system_.normal_power(t, y_.data()));
       add(system_.stop_power(t, y_.data()));
       for (int j = 0; j < system_.friction_contacts(); ++j) {
+        if (system_.follows_motion(j)) {
+          impulse[j] += weight * force_[j], pressed[j] += weight * system_.normal_load(j, t, y_.data());
+          open_time[j] += weight * system_.open_fraction(j, t, y_.data());
+        }
         add(force_[j] * system_.along(j, v));
         heat += weight * force_[j] * system_.slip_rate(j, t, y_.data());
       }
@@ -71,8 +77,10 @@ class EnergyAudit {
     const double now = energy(t, y), throughput = turned_over_ + std::max(largest_, now);
     return throughput > 0 ? std::abs(now - before_ - work_) / throughput : 0;
   }
-  double heat = 0;     ///< J, that friction has turned slip into
-  double impacts = 0;  ///< J, lost in impacts
+  std::vector<double> impulse, pressed;  ///< N s, of friction and of the load of each contact
+  std::vector<double> open_time;         ///< s, by the part of its area that was open
+  double heat = 0;                       ///< J, that friction has turned slip into
+  double impacts = 0;                    ///< J, lost in impacts
 
  private:
   const StructureSystem& system_;
@@ -222,9 +230,14 @@ Run run_structure(const StructureModel& model, const RunOptions& options) {
     result.metrics[result.column_names[c] + "_min"] = low, result.metrics[result.column_names[c] + "_max"] = high;
   }
   for (std::size_t c = 0; c < fine->stick_time.size(); ++c)
-    result.metrics[fine->system.friction_contacts() > 1
-                       ? fmt::format("stick_time_{}", fine->system.friction_contact(int(c)) + 1)
-                       : "stick_time"] = fine->stick_time[c];
+    result.metrics[numbered(fine->system, "stick_time", fine->system.friction_contact(int(c)))] = fine->stick_time[c];
+  for (int j = 0; j < fine->system.friction_contacts(); ++j) {
+    if (!fine->system.follows_motion(j)) continue;
+    result.metrics[numbered(fine->system, "open_time", j)] = fine->energy.open_time[j];
+    if (fine->energy.pressed[j] > 0 && !model.structure.contacts[j].frictionless())
+      result.metrics[numbered(fine->system, "apparent_friction", j)] =
+          fine->energy.impulse[j] / fine->energy.pressed[j];
+  }
   double time_error = coarse && fine->events.size() == coarse->events.size() ? 0 : infinity;
   for (std::size_t i = 0; coarse && i < std::min(fine->events.size(), coarse->events.size()); ++i)
     time_error = std::max(time_error, std::abs(fine->events[i].time - coarse->events[i].time));

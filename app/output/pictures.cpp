@@ -71,9 +71,12 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                                        const analysis::motion::Run& run) {
   std::vector<std::size_t> shown;
   constexpr std::size_t most_panels = 12;
-  const auto is_shown = [](const std::string& name) {
+  // The load of a single contact that gives way.
+  const bool load_tells = scene.structure && scene.structure->structure.contacts.size() == 1 &&
+                          scene.structure->structure.contacts[0].normal.size() > 0;
+  const auto is_shown = [&](const std::string& name) {
     return name.find("velocity") == std::string::npos && !name.starts_with("friction_force") &&
-           !name.starts_with("normal_load");
+           (!name.starts_with("normal_load") || load_tells);
   };
   for (std::size_t c = 0; c < run.columns.size() && shown.size() < most_panels; ++c)
     if (is_shown(run.column_names[c])) shown.push_back(c);
@@ -273,6 +276,11 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     names.push_back(fmt::format("growth_rate_{} (1/s)", b + 1));
   }
   double fastest = 0;
+  // Frequencies and growth rates near the thresholds, which those of far faster modes would press into a line.
+  Range near{infinity, -infinity}, growth{infinity, -infinity}, any_growth{infinity, -infinity};
+  const auto include = [](Range& range, double x) {
+    range.low = std::min(range.low, x), range.high = std::max(range.high, x);
+  };
   for (std::size_t i = 0; i < scan.values.size(); ++i) {
     columns[0].push_back(scan.values[i]);
     for (std::size_t b = 0; b < branches; ++b) {
@@ -280,7 +288,15 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
       const double frequency = there ? scan.eigenvalues[i][b].imag() / (2 * std::numbers::pi) : NAN;
       columns[1 + 2 * b].push_back(frequency);
       columns[2 + 2 * b].push_back(there ? scan.eigenvalues[i][b].real() : NAN);
-      if (there) fastest = std::max(fastest, frequency);
+      if (!there) continue;
+      fastest = std::max(fastest, frequency);
+      include(any_growth, scan.eigenvalues[i][b].real());
+      constexpr double beside = 1.25;  // in frequency
+      if (std::ranges::any_of(scan.thresholds, [&](const auto& threshold) {
+            const double ratio = frequency * 2 * std::numbers::pi / threshold.angular_frequency;
+            return ratio < beside && ratio * beside > 1;
+          }))
+        include(near, frequency), include(growth, scan.eigenvalues[i][b].real());
     }
   }
   std::vector<Column> table;
@@ -308,7 +324,16 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   for (std::size_t k = 0; k < scan.thresholds.size(); ++k)
     script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead linecolor '#888888' dashtype {1}\n",
                           scan.thresholds[k].value, scan.thresholds[k].onset ? "(6,4)" : "(2,3)");
-  const auto hertz = scaled("Hz", fastest);
+  constexpr double pressed = 20;
+  const double spread = near.high - near.low, growths = growth.high - growth.low;
+  const bool near_alone =
+      spread > 0 && (fastest > pressed * spread || any_growth.high - any_growth.low > pressed * growths);
+  const auto view = [&](Range range, double factor) {
+    const double room = 0.06 * (range.high - range.low);
+    return near_alone ? fmt::format("set yrange [{}:{}]\n", (range.low - room) * factor, (range.high + room) * factor)
+                      : "";
+  };
+  const auto hertz = scaled("Hz", near_alone ? near.high : fastest);
   const auto plot = [&](std::size_t first, double factor, std::string thresholds) {
     std::vector<std::string> curves;
     for (std::size_t b = 0; b < branches; ++b)
@@ -319,12 +344,15 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     if (!thresholds.empty()) curves.push_back(std::move(thresholds));
     return fmt::format("plot {}\n", fmt::join(curves, ", \\\n     "));
   };
-  script += fmt::format(
-      "set ylabel 'frequency ({})'\nset format x ''\n{}", hertz.unit,
-      plot(2, hertz.factor,
-           scan.thresholds.empty() ? "" : "NaN with lines linecolor '#888888' dashtype (6,4) title 'threshold'"));
+  script += fmt::format("set ylabel 'frequency ({})'\nset format x ''\n{}{}", hertz.unit, view(near, hertz.factor),
+                        plot(2, hertz.factor,
+                             scan.thresholds.empty()
+                                 ? ""
+                                 : fmt::format("NaN with lines linecolor '#888888' dashtype (6,4) title 'threshold{}'",
+                                               near_alone ? ", and the modes near it alone" : "")));
   script += fmt::format("set xlabel {}\nset ylabel 'growth rate (1/s)'\nset format x '%g'\n",
                         label(parameter.name + ", " + parameter.meaning, parameter.unit));
+  script += view(growth, 1);
   script += plot(3, 1, "0 with lines linecolor '#000000' linewidth 0.6 notitle");
   write_whole(folder / "stability.gp", script + "unset multiplot\n");
   return {"stability.csv", "stability.gp"};
@@ -402,7 +430,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   return {"branch.gp"};
 }
 
-/// For each contact a row: slip rate in time, and the plane of its coordinate and velocity, with stick marked.
+/// For each contact a row: slip rate in time, and the plane of its coordinate and velocity, with stick marked. Where
+/// its load follows motion, a second row: friction and load in time, and against each other.
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::cycles::StructureCycle& cycle) {
   const auto& structure = scene.structure->structure;
@@ -414,7 +443,13 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     return std::max(std::abs(low), std::abs(high));
   };
   constexpr std::size_t most_rows = 5;
-  const std::size_t contacts = structure.contacts.size(), rows = std::min(contacts, most_rows);
+  const std::size_t contacts = structure.contacts.size();
+  const auto shows_forces = [&](std::size_t j) {
+    return structure.contacts[j].normal.size() > 0 && !structure.contacts[j].frictionless();
+  };
+  std::size_t rows = 0, drawn = 0;  // of the contacts that have room
+  for (std::size_t of_this = 0; drawn < contacts; ++drawn, rows += of_this)
+    if (of_this = shows_forces(drawn) ? 2 : 1; rows + of_this > most_rows) break;
   constexpr int row_height = 300, margin = 110;
   const int height = margin + row_height * int(rows);
   std::string script = preamble("cycle", "One periodic motion: slip rate in time, and the phase plane", 940, height);
@@ -423,14 +458,24 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at graph 1,1.02 right bottom horizontal\n";
   script += "set offsets 0, 0, graph 0.05, graph 0.05\n";
   const auto time = scaled("s", cycle.metrics.at("period").value);
-  for (std::size_t j = 0; j < rows; ++j) {
-    // The coordinate that the contact's direction is most along.
+  for (std::size_t j = 0; j < drawn; ++j) {
+    const auto& contact = structure.contacts[j];
+    const auto of_contact = [&](const char* name) {
+      return column(contacts > 1 ? fmt::format("{}_{}", name, j + 1) : name);
+    };
+    // The translation that the contact's direction is most along.
+    const Eigen::VectorXd direction = contact.frictionless() ? contact.normal.col(0) : contact.tangential;
     int i = 0;
-    structure.contacts[j].tangential.cwiseAbs().maxCoeff(&i);
+    for (int k = 0; k < structure.size(); ++k)
+      if (structure.unit(k) == "m" && std::abs(direction[k]) > (structure.unit(i) == "m" ? std::abs(direction[i]) : 0))
+        i = k;
     const std::size_t place = std::size_t(i), speed = column(cycle.column_names[structure.names.size() + place]),
-                      slip = column(contacts > 1 ? fmt::format("slip_rate_{}", j + 1) : "slip_rate");
-    const auto rate = scaled("m/s", size(slip)), way = scaled("m", size(place)), velocity = scaled("m/s", size(speed));
-    const bool has_stick = std::ranges::any_of(cycle.columns[slip], [](double u) { return u == 0; });
+                      slip = of_contact(contact.frictionless() ? "normal_load" : "slip_rate");
+    const auto rate = scaled(cycle.column_units[slip], size(slip)),
+               way = scaled(cycle.column_units[place], size(place)),
+               velocity = scaled(cycle.column_units[speed], size(speed));
+    const bool has_stick =
+        !contact.frictionless() && std::ranges::any_of(cycle.columns[slip], [](double u) { return u == 0; });
     script += fmt::format("\nset xlabel 'time ({})'\nset ylabel {}\n", time.unit,
                           label(readable(cycle.column_names[slip]), rate.unit));
     script += fmt::format("plot 'cycle.csv' using ($1*{0}):(${1}*{2}) with lines linestyle 1 notitle", time.factor,
@@ -446,6 +491,25 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     if (has_stick)
       script += fmt::format(", \\\n     'cycle.csv' using (${0}*{1}):(${4} == 0 ? ${2}*{3} : NaN) {5} title 'stick'",
                             place + 2, way.factor, speed + 2, velocity.factor, slip + 2, marked);
+    script += '\n';
+    if (!shows_forces(j)) continue;
+    const std::size_t friction = of_contact("friction_force"), load = of_contact("normal_load");
+    const auto force = scaled("N", size(load)), held = scaled("N", size(friction));
+    script +=
+        fmt::format("\nset xlabel 'time ({})'\nset ylabel 'force ({})'\nset key samplen 1.5 width -2\n", time.unit, force.unit);
+    script += fmt::format(
+        "plot 'cycle.csv' using ($1*{0}):(${1}*{2}) with lines linestyle 1 title 'load', \\\n     'cycle.csv' using "
+        "($1*{0}):(${3}*{2}) with lines linestyle 2 title 'friction'",
+        time.factor, load + 2, force.factor, friction + 2);
+    if (has_stick)
+      script += fmt::format(", \\\n     'cycle.csv' using ($1*{0}):(${4} == 0 ? ${1}*{2} : NaN) {3} title 'stick'",
+                            time.factor, friction + 2, force.factor, marked, slip + 2);
+    script += fmt::format("\n\nset xlabel 'load ({})'\nset ylabel 'friction ({})'\n", force.unit, held.unit);
+    script += fmt::format("plot 'cycle.csv' using (${0}*{1}):(${2}*{3}) with lines linestyle 1 notitle", load + 2,
+                          force.factor, friction + 2, held.factor);
+    if (has_stick)
+      script += fmt::format(", \\\n     'cycle.csv' using (${0}*{1}):(${4} == 0 ? ${2}*{3} : NaN) {5} title 'stick'",
+                            load + 2, force.factor, friction + 2, held.factor, slip + 2, marked);
     script += '\n';
   }
   script += "unset multiplot\n";

@@ -286,14 +286,16 @@ analysis::motion::StructureStart read_structure_start(const toml::node& node, co
   read_all(is_list("displacement") ? "displacement" : "coordinates", start.coordinates, "m");
   read_all(is_list("velocity") ? "velocity" : "velocities", start.velocities, "m/s");
   for (std::size_t i = 0; i < n; ++i) {
-    const auto by_name = [&](const std::string& name, std::optional<double>& into, const char* unit, const char* list) {
+    const auto by_name = [&](const std::string& name, std::optional<double>& into, const std::string& unit,
+                             const char* list) {
       const auto* value = table.find(name);
       if (value && value->is_array()) return;
       if (value && into) fail(value->source(), "{}: give {} or {}, not both", path, list, name);
       table.read(name, into, {"", unit, any, name});
     };
-    by_name(structure.names[i], start.coordinates[i], "m", "coordinates");
-    by_name(analysis::motion::velocity_name(structure.names[i]), start.velocities[i], "m/s", "velocities");
+    by_name(structure.names[i], start.coordinates[i], structure.unit(int(i)), "coordinates");
+    by_name(analysis::motion::velocity_name(structure.names[i]), start.velocities[i], structure.unit(int(i)) + "/s",
+            "velocities");
   }
   table.finish();
   return start;

@@ -236,16 +236,25 @@ Status perform(Job& job) {
   for (const auto& metric : map.metrics) {
     const auto& wanted = metric.name;
     const bool fraction = wanted.find("fraction") != std::string::npos;
+    // Of a number of either sign, which is 0 somewhere, errors count beside the largest in the plane.
+    const bool of_either_sign = wanted == "growth_rate" || wanted == "lyapunov";
+    double largest = fraction ? 1 : 0;
+    for (const auto& point : map.points)
+      if (const double value = metric.value(point); of_either_sign && std::isfinite(value))
+        largest = std::max(largest, std::abs(value));
     std::vector<double> errors;
     for (const auto& point : map.points) {
-      const double value = fraction ? 1 : std::abs(metric.value(point)), error = metric.error(point);
+      const double value = largest > 0 ? largest : std::abs(metric.value(point)), error = metric.error(point);
       if (std::isfinite(error) && value > 0) errors.push_back(error / value);
     }
     if (errors.empty()) continue;
     std::ranges::sort(errors);
     manifest.tolerance_reached = std::max(manifest.tolerance_reached, errors.back());
     job.say("  {:<22} {} at most {:.1e}, at nine points in ten at most {:.1e}", wanted,
-            fraction ? "error" : "relative error", errors.back(), errors[errors.size() * 9 / 10]);
+            fraction         ? "error"
+            : of_either_sign ? "error over the largest"
+                             : "relative error",
+            errors.back(), errors[errors.size() * 9 / 10]);
   }
 
   output::write_plane(job.folder() / "map.nc", scene, map);

@@ -58,3 +58,12 @@ TEST_CASE("units are converted from several threads at once") {
   threads.clear();
   CHECK(wrong == std::vector<int>(4));
 }
+
+TEST_CASE("powers that are no whole numbers, as power laws have them") {
+  CHECK(to_si("1.25e13 kg/cm^3.5/s^2", "N/m^4.5") == Approx(1.25e20));
+  CHECK(to_si("3 kPa/um^2.5", "N/m^4.5") == Approx(3e18));
+  CHECK(to_si("2e3 N s/m^3.5", "N s/m^3.5") == 2e3);
+  CHECK(to_si("4 N/m^2", "N/m^2.0") == 4);
+  CHECK_THROWS_WITH(to_si("1 Pa/m^2.5", "N/m^2.5"), Catch::Contains("but needed is N/m^2.5"));
+  CHECK_THROWS_WITH(to_si("1 Qx/m^2.5", "N/m^2.5"), Catch::Contains("not a known unit"));
+}

@@ -69,9 +69,17 @@ TEST_CASE("entries of a structure's Jacobian are those of differences, in every 
   structure.C = MatrixXd{{0.1, 0, 0}, {-0.1, 0.2, 0}, {0, 0, 0}};
   auto pressed = under("stribeck", {}, 0.3);
   pressed.tangential = VectorXd{{1, 0, 0}};
-  pressed.normal = VectorXd{{0, 0.5, 1}};
   pressed.normal_load = 0.7;
-  pressed.support = {.stiffness = 2, .cubic = 5, .damping = 0.3};
+  // Two stations of a power law, the second of which is open.
+  pressed.normal = MatrixXd{{0, 0.1}, {0.5, 0}, {1, 0.7}};
+  pressed.area = VectorXd{{0.6, 0.8}}, pressed.gap = VectorXd{{-0.5, 0.4}};
+  pressed.load_along = VectorXd{{0, 0, 1}};
+  pressed.normal_law = laws::normal_law(laws::PowerContact{.coefficient = 3,
+                                                           .exponent = 2.5,
+                                                           .damping = 0.3,
+                                                           .separation_damping = 0.2,
+                                                           .damping_exponent = 1.5,
+                                                           .bound_of_pressure = true});
   auto creeping = under("ageing", {}, 1e-3), second = under("ageing", {}, 2e-3);
   creeping.tangential = VectorXd{{0, 1, 0}};
   second.tangential = VectorXd{{0, 1.5, 0}};  // on the same mass: no speed of its own

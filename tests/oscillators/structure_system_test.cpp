@@ -345,11 +345,11 @@ TEST_CASE("loads that follow motion: the Jacobian, lift-off, and steady sliding 
   contact.tangential = VectorXd{{1, 0.2}};
   contact.normal = VectorXd{{0.1, 1}};
   contact.normal_load = 0.7;
-  contact.support = {.stiffness = 2, .cubic = 5, .damping = 0.3};
+  contact.normal_law = laws::normal_law(laws::LinearContact{.stiffness = 2, .cubic = 5, .damping = 0.3});
   structure.contacts = {contact, contact};
   structure.contacts[1].law = laws::find_law("ageing");
   structure.contacts[1].tangential = VectorXd{{0.1, 0.9}};
-  structure.contacts[1].support.damping = 0;
+  structure.contacts[1].normal_law = laws::normal_law(laws::LinearContact{.stiffness = 2, .cubic = 5});
   StructureSystem system(structure);
   const int n = system.size();
   for (const auto mode : {ContactMode::forward, ContactMode::stick})

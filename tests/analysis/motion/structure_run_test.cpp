@@ -157,7 +157,7 @@ TEST_CASE("flutter of the minimal model grows as its eigenvalue says, until the 
   StructureModel model;
   model.structure = oscillators::mode_coupling(
       {.springs = {{2.0 / 3 * (2 - std::sqrt(3.0)), 150 * pi / 180}, {2.0 / 3 * (2 + std::sqrt(3.0)), 30 * pi / 180}},
-       .contact = {.stiffness = 4.0 / 3}},
+       .contact = laws::normal_law(laws::LinearContact{.stiffness = 4.0 / 3})},
       contact, 0.0);
   const auto still = StructureSystem(model.structure).steady(0);
   model.start.kind = Start::Kind::given;

@@ -24,7 +24,7 @@ Scan along_friction(const MatrixXd& M, const MatrixXd& C, const MatrixXd& K, dou
         oscillators::FrictionContact contact;
         contact.law = laws::find_law("coulomb")->with({5.0, coefficient});
         contact.tangential = VectorXd::Unit(M.rows(), 0), contact.normal = VectorXd::Unit(M.rows(), 1);
-        contact.support = {stiffness, 0, 0, false};
+        contact.normal_law = laws::normal_law(laws::LinearContact{stiffness, 0, 0, false});
         structure.contacts = {contact};
         return stability(structure);
       },
