@@ -22,10 +22,10 @@ StationForces::StationForces(const Structure& structure) : structure_(structure)
     const FrictionContact& from = structure.contacts[j];
     law_.push_back(from.law->contact({.lambda = from.lambda, .unknowns = Unknowns::states}));
     if (law_.back()->unknowns() > 0 || from.stiffness.present() || from.load_memory > 0)
-      throw InputError(
-          fmt::format("contact {}: a motion by steps of a given length serves friction laws without states (law '{}'), "
-                      "without contact stiffness and load memory",
-                      j + 1, from.law->card().name));
+      throw InputError(fmt::format(
+          "contact {}: steps of a given length and the lowest modes alone serve friction laws without states "
+          "(not law '{}'), without contact stiffness and load memory",
+          j + 1, from.law->card().name));
     Contact& contact = contacts_.emplace_back();
     contact.slip = add_row(from.tangential);
     contact.first = int(area.size()), contact.stations = int(from.normal.cols());

@@ -169,7 +169,7 @@ class Averages {
       if (turns_[i] > 1) metrics[names[i] + "_period"] = (last_[k] - first_[k]) / double(turns_[i] - 1);
     }
     metrics["friction_force_mean"] = friction_ / n, metrics["normal_load_mean"] = load_ / n;
-    metrics["friction_ratio"] = friction_ / load_;
+    metrics["apparent_friction"] = friction_ / load_;
     metrics["normal_load_min"] = load_low_, metrics["normal_load_max"] = load_high_;
     metrics["stick_fraction"] = stick_ / n, metrics["full_stick_fraction"] = full_ / n;
     metrics["open_fraction"] = open_ / n;
@@ -306,6 +306,10 @@ Run run_stepped(const StructureModel& model, const RunOptions& options) {
   add_column("stick_fraction", "1"), add_column("open_fraction", "1");
   for (const auto& [name, unit] : {std::pair{"pressure", "Pa"}, std::pair{"slip_rate", "m/s"}})
     for (std::size_t j = 1; j <= contacts.contacts().size(); ++j) add_column(fmt::format("{}_{}", name, j), unit);
+  if (model.start.kind == Start::Kind::steady && model.start.beside.size() == 0 && model.structure.constant())
+    run.remark =
+        "the motion starts in steady sliding, which nothing disturbs; to see what becomes of a disturbance, start "
+        "beside it (run.start)";
   run.time = pass.time, run.columns = pass.columns, run.metrics = pass.metrics, run.cost = pass.cost;
   run.column_error.assign(run.columns.size(), infinity);
   if (!pass.outcome.complete()) return run;

@@ -9,7 +9,7 @@ namespace rosin::analysis::motion {
 /// over all contacts; stick_fraction and open_fraction, by area; pressure_j and slip_rate_j of each contact. Errors are
 /// the largest difference to a pass with half the step.
 ///
-/// Metrics are averages over the second half of the run: friction_ratio, mean friction over mean normal load;
+/// Metrics are averages over the second half of the run: apparent_friction, mean friction over mean normal load;
 /// stick_fraction, full_stick_fraction (part of the time in which every contact that is closed sticks) and
 /// open_fraction; normal_load_max and _min; pressure_min, below 0 where damping holds the surfaces together; of each
 /// functional _mean, _amplitude (half of the difference of its extremes) and _period (between upward passages through

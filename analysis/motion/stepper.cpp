@@ -244,6 +244,11 @@ StepLimits explicit_limits(const Structure& structure, const StationForces& cont
 std::unique_ptr<Stepper> make_stepper(const Structure& structure, const StationForces& contacts,
                                       const Stepping& stepping, const VectorXd& q, const VectorXd& v) {
   require(stepping.step, {1e-15, 1e15}, "solver.step", "length of a step", "s");
+  if (!structure.stops.empty()) throw InputError("steps of a given length do not serve structures with end stops");
+  for (std::size_t j = 0; j < structure.contacts.size(); ++j)
+    if (structure.contacts[j].law->set_valued() && !structure.contacts[j].frictionless())
+      throw InputError(fmt::format(
+          "contact {}: steps of a given length need friction that rises through rest (solver.smoothing)", j + 1));
   if (stepping.scheme == Scheme::explicit_steps)
     return std::make_unique<ExplicitStepper>(structure, contacts, stepping, q, v);
   return std::make_unique<ImplicitStepper>(structure, contacts, stepping, q, v);

@@ -203,7 +203,7 @@ void say_averages(Job& job, const std::map<std::string, double>& metrics) {
     const auto error = metrics.find(std::string(name) + "_error");
     job.say("  {:<22} {}", meaning, justified(found->second, error == metrics.end() ? 0 : error->second, unit));
   };
-  say("friction_ratio", "friction over load", "1");
+  say("apparent_friction", "friction over load", "1");
   say("stick_fraction", "part that sticks", "1");
   say("full_stick_fraction", "time of full stick", "1");
   say("open_fraction", "part that is open", "1");
@@ -250,7 +250,7 @@ Status perform(Job& job) {
       job.say(
           "  {:<22} ends at {}", run.column_names[c],
           justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
-  if (scene.run.stepping && run.metrics.contains("friction_ratio")) say_averages(job, run.metrics);
+  if (scene.run.stepping && run.metrics.contains("apparent_friction")) say_averages(job, run.metrics);
   output::write_csv(job.folder() / "run.csv", table);
   std::vector<std::string> files = {"run.csv"};
   if (run.time.size() < 2) return job.finish(document_of(scene, run), std::move(files), run.outcome);

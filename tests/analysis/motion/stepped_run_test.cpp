@@ -62,7 +62,7 @@ TEST_CASE("a flat block on a fast belt settles in a cycle whose edges lift off a
   const auto found = run({.speed = 0.7}, 1e-2, 1000, {.step = 0.2});
   REQUIRE(found.outcome.complete());
   const auto& m = found.metrics;
-  CHECK(m.at("friction_ratio") == Approx(0.5).margin(2e-4));  // exactly, where every station slides forward
+  CHECK(m.at("apparent_friction") == Approx(0.5).margin(2e-4));  // exactly, where every station slides forward
   CHECK(m.at("elongation_mean") == Approx(5).margin(0.01));
   CHECK(m.at("stick_fraction") == 0);
   CHECK(m.at("open_fraction") == Approx(.117).margin(2e-3));
@@ -77,11 +77,11 @@ TEST_CASE("short sticks of a block on a slow belt lower the friction that is see
   const auto found = run({.speed = 0.1, .width = 0.005}, 1e-2, 300, {.step = 0.1});
   REQUIRE(found.outcome.complete());
   const auto& m = found.metrics;
-  CHECK(m.at("friction_ratio") < 0.42);
-  CHECK(m.at("friction_ratio") > 0.25);
+  CHECK(m.at("apparent_friction") < 0.42);
+  CHECK(m.at("apparent_friction") > 0.25);
   CHECK(m.at("stick_fraction") > 0.15);
   CHECK(m.at("full_stick_fraction") > 0.1);
-  CHECK(m.at("friction_ratio_error") > 0);
+  CHECK(m.at("apparent_friction_error") > 0);
 }
 
 TEST_CASE("a structure followed by steps agrees with the same followed from switch to switch") {

@@ -85,3 +85,16 @@ TEST_CASE("explicit steps of a block have the limits of its fastest vibration an
   CHECK_FALSE(outcome.complete());
   CHECK_THAT(outcome.detail, Catch::Contains("came to stick"));
 }
+
+TEST_CASE("steps of a given length are refused where they would miss stops and stick") {
+  const auto begin = [](const Structure& structure) {
+    return make_stepper(structure, StationForces(structure), {.step = 0.1}, VectorXd::Ones(1), VectorXd::Zero(1));
+  };
+  auto with_stop = oscillator();
+  with_stop.stops = {{.coordinate = 0, .at = 1}};
+  CHECK_THROWS_WITH(begin(with_stop), Catch::Contains("end stops"));
+  auto sticking = oscillator();
+  sticking.contacts[0].tangential = VectorXd::Ones(1);
+  sticking.contacts[0].law = laws::find_law("coulomb");
+  CHECK_THROWS_WITH(begin(sticking), Catch::Contains("contact 1") && Catch::Contains("solver.smoothing"));
+}

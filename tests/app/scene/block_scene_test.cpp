@@ -60,7 +60,7 @@ TEST_CASE("scenes of blocks are refused with what is missing or cannot be", "[bl
   using Catch::Contains;
   CHECK_THROWS_WITH(read("", ""), Contains("scheme = \"average-acceleration\""));
   CHECK_THROWS_WITH(read("", "scheme = 'newmark'\nstep = 1"), Contains("solver.scheme = 'newmark' is not known"));
-  CHECK_THROWS_WITH(read("", "scheme = 'explicit'"), Contains("solver.step"));
+  CHECK_THROWS_WITH(read("", "scheme = 'explicit'"), Contains("[solver] has no 'step'"));
   CHECK_THROWS_WITH(read("", "scheme = 'explicit'\nstep = 1e-6"), Contains("solver.smoothing"));
   CHECK_THROWS_WITH(read("", steps + "spectral_radius = 0.5"), Contains("only for generalised-alpha"));
   CHECK_THROWS_WITH(read("", steps + "type = 'events'"), Contains("not both"));
