@@ -145,7 +145,7 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
   script += fmt::format("set multiplot layout 4,1 title {} margins 0.11,0.97,0.085,0.93 spacing 0,0.035\n",
                         single_quoted(scene.title));
   script += "set grid x linecolor '#CCCCCC' linewidth 0.6\nset key top right horizontal\nset format x ''\n";
-  script += "set offsets 0,0,graph 0.22,graph 0.04\n";
+  script += "set offsets 0,0,graph 0.35,graph 0.04\n";
   script += fmt::format("set xrange [{}:{}]\n", run.time.front(), run.time.back());
   const auto curve = [&](const std::string& name, double factor, int style, const char* title) {
     return fmt::format("'run.csv' using 1:(${}*{}) with lines linestyle {} {}", column(name) + 2, factor, style,
