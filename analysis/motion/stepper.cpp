@@ -141,12 +141,13 @@ class ExplicitStepper final : public Stepper {
         rows_to_coordinates_(contacts.rows().transpose()),
         limits_(explicit_limits(structure, contacts, q)) {
     if (!structure.M.isDiagonal(0))
-      throw InputError("explicit steps need a diagonal mass matrix (mass_matrix = \"lumped\")");
-    if (h_ > limits_.slipping)
       throw InputError(
-          fmt::format("an explicit step of {:.4g} s is longer than {:.6g} s, beyond which the fastest vibration of the "
-                      "structure grows without bound; give a shorter one, or an implicit scheme",
-                      h_, limits_.slipping));
+          "solver.scheme = \"explicit\" needs a diagonal mass matrix (oscillator.mass_matrix = \"lumped\")");
+    if (h_ > limits_.slipping)
+      throw InputError(fmt::format(
+          "solver.step = {:.4g} s of explicit steps is longer than {:.6g} s, beyond which the fastest vibration of the "
+          "structure grows without bound; give a shorter one, or an implicit scheme",
+          h_, limits_.slipping));
     q_ = q, half_ = v, v_ = v;
     half_ -= h_ / 2 * acceleration();
     settle();
