@@ -46,6 +46,12 @@ struct Stop {
   bool rigid() const { return stiffness == 0; }
 };
 
+/// A number that is seen of the coordinates: row·q.
+struct Functional {
+  std::string name, unit;
+  Eigen::VectorXd row;
+};
+
 /// Coordinates q (m) from the place where springs are relaxed.
 struct Structure {
   Eigen::MatrixXd M, C, K;         ///< kg, N s/m, N/m; n × n
@@ -54,6 +60,7 @@ struct Structure {
   std::vector<std::string> units;  ///< of the coordinates; empty: m
   std::vector<FrictionContact> contacts;
   std::vector<Stop> stops;
+  std::vector<Functional> functionals;  ///< that stand for the coordinates where these are many
 
   int size() const { return int(M.rows()); }
   std::string unit(int coordinate) const { return units.empty() ? "m" : units[coordinate]; }

@@ -3,5 +3,7 @@
 #include "analysis/motion/plane_run.hpp"
 #include "analysis/motion/run.hpp"
 #include "analysis/motion/start.hpp"
+#include "analysis/motion/stepped_run.hpp"
+#include "analysis/motion/stepper.hpp"
 #include "analysis/motion/structure_record.hpp"
 #include "analysis/motion/structure_run.hpp"

@@ -2,10 +2,12 @@
 #pragma once
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/motion/start.hpp"
+#include "analysis/motion/stepping.hpp"
 #include "core/error.hpp"
 #include "solvers/force_algorithms/options.hpp"
 
@@ -20,6 +22,7 @@ struct RunOptions {
   long most_steps = 5'000'000;                   ///< steps of one pass
   std::string solver = "auto";                   ///< one of solver_names()
   solvers::force_algorithms::Options algorithm;  ///< options of the force algorithms
+  std::optional<Stepping> stepping = {};         ///< of structures, by steps of a given length in place of `solver`
   /// Called after each step with the completed part, 0 … 1, of the present pass.
   std::function<void(double part)> progress = {};
 };

@@ -1,6 +1,8 @@
 /// Where sliding is steady, and whether it stays so: the steady curve, eigenvalues, and the borders of stability.
 #pragma once
 #include "analysis/steady/curve.hpp"
+#include "analysis/steady/mode_tracking.hpp"
+#include "analysis/steady/sliding_modes.hpp"
 #include "analysis/steady/stability.hpp"
 #include "analysis/steady/structure_hopf.hpp"
 #include "analysis/steady/structure_stability.hpp"

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <stdexcept>
 
@@ -99,6 +100,13 @@ bool is_whole(const fs::path& picture, std::string_view format) {
 }
 
 }  // namespace
+
+double tick_step(double low, double high) {
+  const double step = (high - low) / 4;
+  if (!(step > 0)) return 1;
+  const double decade = std::pow(10, std::floor(std::log10(step)));
+  return decade * (step < 1.5 * decade ? 1 : step < 3.5 * decade ? 2 : step < 7.5 * decade ? 5 : 10);
+}
 
 Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts) {
   Drawn drawn;

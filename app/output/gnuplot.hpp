@@ -29,6 +29,9 @@ bool spans_decades(double low, double high);
 /// Makes an axis logarithmic, with decades as ticks, or linear.
 std::string axis_scale(char axis, bool decades);
 
+/// A step between ticks that leaves about four: 1, 2 or 5 times a power of ten.
+double tick_step(double low, double high);
+
 /// Draws scripts of the folder, each as SVG and PNG.
 struct Drawn {
   std::vector<std::string> files, problems;

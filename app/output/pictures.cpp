@@ -42,14 +42,6 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
 
 constexpr int run_panel = 170, run_margin = 130;  // pixels: height of a panel, and of the texts around them all
 
-/// A step between ticks that leaves about four: 1, 2 or 5 times a power of ten.
-double tick_step(double low, double high) {
-  const double step = (high - low) / 4;
-  if (!(step > 0)) return 1;
-  const double decade = std::pow(10, std::floor(std::log10(step)));
-  return decade * (step < 1.5 * decade ? 1 : step < 3.5 * decade ? 2 : step < 7.5 * decade ? 5 : 10);
-}
-
 /// Number of the contact in "slip_rate_2"; 0 for what is no contact's.
 int contact_of_column(const std::string& name) {
   const auto bar = name.rfind('_');
@@ -316,6 +308,19 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at screen 0.97,0.93 top right horizontal\n";
   script += axis_scale('x', axis.logarithmic) + '\n';
   script += fmt::format("set xrange [{}:{}]\n", scan.values.front(), scan.values.back());
+  // Steady sliding is unstable from each onset to the next end.
+  double from = scan.values.front();
+  const auto shade = [&](double to) {
+    script += fmt::format(
+        "set object rectangle from {}, graph 0 to {}, graph 1 behind fillcolor '#F7E9DC' fillstyle solid noborder\n",
+        from, to);
+  };
+  for (const auto& threshold : scan.thresholds)
+    if (threshold.onset)
+      from = threshold.value;
+    else
+      shade(threshold.value);
+  if (!scan.thresholds.empty() && scan.thresholds.back().onset) shade(scan.values.back());
   for (std::size_t k = 0; k < scan.thresholds.size(); ++k)
     script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead linecolor '#888888' dashtype {1}\n",
                           scan.thresholds[k].value, scan.thresholds[k].onset ? "(6,4)" : "(2,3)");

@@ -36,4 +36,10 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const std::vector<analysis::lab::Panel>&);
 
+/// Of an elastic block: steady sliding and its leading mode on the mesh; a motion with what sticks and what is open.
+std::vector<std::string> write_block_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                             const analysis::steady::StructureStability&);
+std::vector<std::string> write_block_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                             const analysis::motion::Run&);
+
 }  // namespace rosin::app::output

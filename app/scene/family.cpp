@@ -31,6 +31,7 @@ Scene read(const Request& request, const toml::table& document, const std::files
   Scene scene;
   scene.path = request.target;
   SceneReader reader{request, document, Table(document, ""), scene, folder, {}};
+  reader.find_smoothing();
   if (as_slider)
     reader.law(), reader.oscillator();
   else

@@ -17,6 +17,7 @@
 #include "analysis/lab/experiment.hpp"
 #include "analysis/motion/plane_run.hpp"
 #include "analysis/motion/run.hpp"
+#include "analysis/motion/stepped_run.hpp"
 #include "analysis/motion/structure_run.hpp"
 #include "analysis/planes/map.hpp"
 #include "analysis/planes/sweep.hpp"
@@ -26,6 +27,7 @@
 #include "analysis/response/structure.hpp"
 #include "analysis/studies/study.hpp"
 #include "app/scene/record.hpp"
+#include "oscillators/block.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::app::scene {
@@ -139,9 +141,11 @@ struct Scene {
   std::optional<analysis::motion::PlaneModel>
       plane;  ///< a slider in the plane, in place of the model's; for the verb run
   std::optional<analysis::motion::StructureModel> structure;  ///< in place of the model's slider
+  std::shared_ptr<const oscillators::BlockMesh> block;        ///< that the structure is the mesh of
   std::shared_ptr<const Family> family;                       ///< of it, where a number of the scene is varied
   CurveOptions curve;
   std::vector<std::string> hopf_parameters;  ///< paths asked for besides the usual ones
+  int lowest_modes = 0;                      ///< of stability; 0: all
   std::optional<StabilityScan> stability_scan;
   BranchTask branch;
   analysis::motion::RunOptions run;

@@ -46,4 +46,8 @@ std::shared_ptr<const NormalLaw> read_normal_law(Table, bool per_area);
 analysis::motion::StructureStart read_structure_start(const toml::node&, const std::string& path,
                                                       const oscillators::Structure&);
 
+/// "steady", or a table: a block moved and turned as a rigid body beside steady sliding, by along, up and tilt.
+analysis::motion::StructureStart read_block_start(const toml::node&, const std::string& path,
+                                                  const oscillators::BlockMesh&);
+
 }  // namespace rosin::app::scene

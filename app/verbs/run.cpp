@@ -55,6 +55,8 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   if (const auto* start = table.find("start")) {
     if (plane)
       scene::read_plane_start(*start, table.path("start"), *plane);
+    else if (reader.scene.block)
+      reader.scene.structure->start = scene::read_block_start(*start, table.path("start"), *reader.scene.block);
     else if (reader.scene.structure)
       reader.scene.structure->start =
           scene::read_structure_start(*start, table.path("start"), reader.scene.structure->structure);
@@ -65,8 +67,38 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   if (reader.needs("run") && !plane) check_ramps(reader);
 }
 
+/// Steps of a given length for a structure: scheme, step and spectral_radius.
+void read_stepping(scene::Table& table, scene::SceneReader& reader) {
+  const auto* scheme = table.find("scheme");
+  if (!scheme) return;
+  if (!reader.scene.structure)
+    scene::fail(scheme->source(), "{} serves structures; a slider takes solver.type", table.path("scheme"));
+  if (const auto* type = table.find("type"))
+    scene::fail(type->source(), "give {} or {}, not both", table.path("type"), table.path("scheme"));
+  auto& stepping = reader.scene.run.stepping.emplace();
+  const auto& names = analysis::motion::scheme_names();
+  const auto name = scene::choice(*scheme, table.path("scheme"), names);
+  stepping.scheme = analysis::motion::Scheme(std::ranges::find(names, name) - names.begin());
+  table.required("step", "length of a step, s");
+  table.read("step", stepping.step, {"", "s", {1e-15, 1e15}, "length of a step"});
+  if (const auto* radius = table.find("spectral_radius");
+      radius && stepping.scheme != analysis::motion::Scheme::generalised_alpha)
+    scene::fail(radius->source(), "{} has no meaning for scheme '{}', only for generalised-alpha",
+                table.path("spectral_radius"), name);
+  table.read("spectral_radius", stepping.spectral_radius,
+             {"", "1", {0, 1}, "part of the fastest motion that a step leaves"});
+  if (!reader.smoothing)
+    scene::fail(
+        scheme->source(),
+        "{} needs friction that rises through rest: give solver.smoothing = {{ type = \"parabolic\", width = … }} "
+        "with a width (m/s) well below the speed of the surface",
+        table.path("scheme"));
+  stepping.stick_width = reader.smoothing->width;
+}
+
 void read_solver(scene::Table table, scene::SceneReader& reader) {
   auto& run = reader.scene.run;
+  read_stepping(table, reader);
   const auto* type = table.find("type");
   if (type) {
     auto known = analysis::motion::solver_names();
@@ -95,8 +127,9 @@ void read_solver(scene::Table table, scene::SceneReader& reader) {
     if (meant(key, for_these)) table.read(key, target, std::move(quantity));
   };
   constexpr std::string_view sticking = "o-fbfm r-fbfm aabg-sdfm tr-sdfm", sprung = "aabg-sdfm tr-sdfm";
-  value("step", algorithm.step, {"", "s", {1e-15, 1e15}, "step of time"},
-        "cfm o-fbfm r-fbfm aabg-sdfm tr-sdfm vlfm svlfm meijaard");
+  if (!run.stepping)
+    value("step", algorithm.step, {"", "s", {1e-15, 1e15}, "step of time"},
+          "cfm o-fbfm r-fbfm aabg-sdfm tr-sdfm vlfm svlfm meijaard");
   if (const auto* node = meant("stepping", "cfm o-fbfm r-fbfm aabg-sdfm tr-sdfm"))
     algorithm.closed_form =
         scene::choice(*node, table.path("stepping"), {"runge-kutta", "closed-form"}) == "closed-form";
@@ -124,6 +157,10 @@ void read(scene::SceneReader& reader) {
   }
   read_table(scene::Table(reader.need("run", "duration and start"), "run"), reader);
   if (auto solver = reader.root.table("solver")) read_solver(*solver, reader);
+  if (reader.scene.block && !reader.scene.run.stepping)
+    throw InputError(
+        "the motion of a block goes by steps of a given length: give [solver] with scheme = \"average-acceleration\" "
+        "and step (s)");
 }
 
 std::string document_of(const scene::Scene& scene, const analysis::motion::Run& run) {
@@ -154,6 +191,25 @@ std::string document_of(const scene::Scene& scene, const analysis::motion::Run& 
   return output::text(document);
 }
 
+/// A column of one station of a block, which has dozens.
+bool is_of_station(const std::string& name) { return name.starts_with("pressure_") || name.starts_with("slip_rate_"); }
+
+/// Of the second half of a motion by steps, each with its difference to half the step.
+void say_averages(Job& job, const std::map<std::string, double>& metrics) {
+  job.say("second half of the run:");
+  const auto say = [&](const char* name, const char* meaning, const char* unit) {
+    const auto found = metrics.find(name);
+    if (found == metrics.end()) return;
+    const auto error = metrics.find(std::string(name) + "_error");
+    job.say("  {:<22} {}", meaning, justified(found->second, error == metrics.end() ? 0 : error->second, unit));
+  };
+  say("apparent_friction", "friction over load", "1");
+  say("stick_fraction", "part that sticks", "1");
+  say("full_stick_fraction", "time of full stick", "1");
+  say("open_fraction", "part that is open", "1");
+  say("pressure_min", "lowest pressure", "Pa");
+}
+
 Status perform(Job& job) {
   auto& scene = job.scene();
   scene.run.tolerance = job.request().tolerance.value_or(scene.run.tolerance);
@@ -164,9 +220,10 @@ Status perform(Job& job) {
     Progress progress(job.request().quiet);
     auto how = scene.run;
     if (progress.visible()) how.progress = [&](double part) { progress.show_pass(part); };
-    return scene.plane       ? analysis::motion::run_plane(*scene.plane, how)
-           : scene.structure ? analysis::motion::run_structure(*scene.structure, how)
-                             : analysis::motion::run(scene.model, how);
+    return scene.plane          ? analysis::motion::run_plane(*scene.plane, how)
+           : scene.run.stepping ? analysis::motion::run_stepped(*scene.structure, how)
+           : scene.structure    ? analysis::motion::run_structure(*scene.structure, how)
+                                : analysis::motion::run(scene.model, how);
   }();
   run.outcome = why_stopped(run.outcome);
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
@@ -189,14 +246,17 @@ Status perform(Job& job) {
   job.say("{} samples over {:.6g} s, {} events, solver {}", run.time.size(), run.time.empty() ? 0 : run.time.back(),
           run.events.size(), run.solver);
   for (std::size_t c = 0; c < run.columns.size(); ++c)
-    if (!run.columns[c].empty())
+    if (!run.columns[c].empty() && !(scene.block && is_of_station(run.column_names[c])))
       job.say(
           "  {:<22} ends at {}", run.column_names[c],
           justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
+  if (scene.run.stepping && run.metrics.contains("apparent_friction")) say_averages(job, run.metrics);
   output::write_csv(job.folder() / "run.csv", table);
   std::vector<std::string> files = {"run.csv"};
   if (run.time.size() < 2) return job.finish(document_of(scene, run), std::move(files), run.outcome);
-  for (auto& file : output::write_picture(job.folder(), scene, run)) files.push_back(std::move(file));
+  for (auto& file : scene.block ? output::write_block_picture(job.folder(), scene, run)
+                                : output::write_picture(job.folder(), scene, run))
+    files.push_back(std::move(file));
   return job.finish(document_of(scene, run), std::move(files), run.outcome);
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "analysis/steady/sliding_modes.hpp"
 #include "analysis/steady/structure_hopf.hpp"
 #include "analysis/steady/structure_stability.hpp"
 #include "analysis/steady/thresholds.hpp"
@@ -53,6 +54,7 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
     for (std::size_t i = 0; i < scene.hopf_parameters.size(); ++i)
       scene::located(parameters->as_array()->get(i)->source(), [&] { scene.model.describe(scene.hopf_parameters[i]); });
   }
+  table.read("modes", scene.lowest_modes, 1, 200, "modes of lowest frequency that are followed");
   if (const auto* scan = table.find("scan"))
     scene.stability_scan = read_scan(scene::Table(*scan, table.path("scan")), reader);
   table.finish();
@@ -90,7 +92,44 @@ ordered_json steady_of(const oscillators::Structure& structure, const analysis::
     contacts.push_back({{"normal_load", contact.normal_load},
                         {"friction_force", contact.friction_force},
                         {"slip_rate", contact.slip_rate}});
-  return {{"coordinates", coordinates}, {"contacts", contacts}};
+  ordered_json steady = {{"coordinates", coordinates}, {"contacts", contacts}};
+  const Eigen::Map<const Eigen::VectorXd> q(result.coordinates.data(), Eigen::Index(result.coordinates.size()));
+  for (const auto& functional : structure.functionals) steady[functional.name] = functional.row.dot(q);
+  return steady;
+}
+
+/// What the stations of a block bear together: forces, and the place of the pressure's resultant.
+struct Resultant {
+  double normal_load = 0, friction_force = 0, moment = 0;
+  double centre_of_pressure() const { return moment / normal_load; }
+};
+Resultant resultant_of(const oscillators::BlockMesh& mesh, const analysis::steady::StructureStability& result) {
+  Resultant sum;
+  for (std::size_t s = 0; s < mesh.stations.size(); ++s) {
+    sum.normal_load += result.contacts[s].normal_load, sum.friction_force += result.contacts[s].friction_force;
+    sum.moment += result.contacts[s].normal_load * mesh.stations[s].place;
+  }
+  return sum;
+}
+
+/// Nodes and elements of a block, for whoever draws it, and its resultant forces.
+void add_block(const oscillators::BlockMesh& mesh, const analysis::steady::StructureStability& result,
+               ordered_json& document) {
+  const auto sum = resultant_of(mesh, result);
+  document["steady"].update({{"normal_load", sum.normal_load},
+                             {"friction_force", sum.friction_force},
+                             {"centre_of_pressure", sum.centre_of_pressure()}});
+  auto nodes = ordered_json::array(), stations = ordered_json::array();
+  for (Eigen::Index k = 0; k < mesh.nodes.cols(); ++k) nodes.push_back({mesh.nodes(0, k), mesh.nodes(1, k)});
+  for (const auto& station : mesh.stations) stations.push_back({{"place", station.place}, {"area", station.area}});
+  document["mesh"] = {{"nodes", nodes}, {"elements", mesh.elements}, {"stations", stations}};
+}
+
+/// Of the modes that were followed, Hz.
+double highest_frequency(const analysis::steady::StructureStability& result) {
+  double highest = 0;
+  for (const auto& mode : result.modes) highest = std::max(highest, mode.frequency());
+  return highest;
 }
 
 using Hopf = std::optional<analysis::steady::StructureHopf>;
@@ -101,6 +140,9 @@ std::string document_of(const scene::Scene& scene, const analysis::steady::Struc
   auto document = output::begin(scene, "stability");
   const auto& structure = scene.structure->structure;
   document["steady"] = steady_of(structure, result);
+  if (scene.block) add_block(*scene.block, result, document);
+  if (scene.lowest_modes > 0)
+    document["window"] = {{"modes", result.modes.size()}, {"highest_frequency", highest_frequency(result)}};
   document["eigenvalues"] = output::pairs(result.eigenvalues);
   document["stable"] = result.stable;
   document["marginal"] = result.marginal;
@@ -135,17 +177,41 @@ std::string document_of(const scene::Scene& scene, const analysis::steady::Struc
   return output::text(document);
 }
 
+/// All modes, or the lowest where the scene asks for some of them or has too many.
+analysis::steady::StructureStability stability_of(const scene::Scene& scene, const oscillators::Structure& structure) {
+  return scene.lowest_modes > 0 ? analysis::steady::lowest_modes_of_sliding(structure, scene.lowest_modes)
+                                : analysis::steady::stability(structure);
+}
+
 Status perform_on_structure(Job& job) {
-  const auto& scene = job.scene();
+  auto& scene = job.scene();
   const auto& structure = scene.structure->structure;
+  constexpr int usual_modes = 10;
+  if (scene.block && scene.lowest_modes == 0) scene.lowest_modes = usual_modes;
   job.explain("eigenvalues of the linearised structure of {} coordinates and {} contacts; no integration",
               structure.size(), structure.contacts.size());
   if (!scene.hopf_parameters.empty())
     throw InputError(
         "stability.parameters serves sliders; of a structure give stability.scan = { parameter, from, to }");
   if (!structure.constant()) job.note("the drive varies: stability is that of its mean, or of its start");
-  const auto result = analysis::steady::stability(structure);
-  for (std::size_t j = 0; j < result.contacts.size(); ++j)
+  const auto result = stability_of(scene, structure);
+  if (scene.lowest_modes > 0)
+    job.note(
+        fmt::format("stability is that of the {} modes of lowest frequency, up to {:.4g} Hz (stability.modes); above "
+                    "them a mesh has "
+                    "modes of its own, which grow a little where nothing damps them",
+                    result.modes.size(), highest_frequency(result)));
+  if (scene.block) {
+    const auto sum = resultant_of(*scene.block, result);
+    job.say(
+        "steady sliding under {:.10g} N: friction force {:.10g} N, elongation of the spring {:.10g} m, centre of "
+        "pressure at {:.10g} m",
+        sum.normal_load, sum.friction_force,
+        scene.block->elongation.dot(
+            Eigen::Map<const Eigen::VectorXd>(result.coordinates.data(), Eigen::Index(result.coordinates.size()))),
+        sum.centre_of_pressure());
+  }
+  for (std::size_t j = 0; j < result.contacts.size() && !scene.block; ++j)
     job.say("contact {}: steady sliding at {:.6g} m/s under {:.6g} N, friction force {:.10g} N", j + 1,
             result.contacts[j].slip_rate, result.contacts[j].normal_load, result.contacts[j].friction_force);
   job.say("{}", result.marginal ? "marginal: small disturbances neither grow nor decay"
@@ -157,26 +223,29 @@ Status perform_on_structure(Job& job) {
     job.say("  {:>14.8g} {:>+16.8g} {:>12.4g}", mode.frequency(), mode.growth_rate(), mode.damping_ratio());
     reached.add(std::abs(mode.eigenvalue), mode.error);
   }
+  std::vector<std::string> files;
+  if (scene.block) files = output::write_block_picture(job.folder(), scene, result);
   if (!scene.stability_scan) {
     job.manifest().tolerance_reached = reached.value();
-    return job.finish(document_of(scene, result, nullptr, {}), {}, {});
+    return job.finish(document_of(scene, result, nullptr, {}), std::move(files), {});
   }
   const auto& [parameter, axis] = *scene.stability_scan;
   job.explain("{} values of {}, with the eigenvalues of each; thresholds between them located to rounding",
               axis.values.size(), parameter.name);
   const auto scan = analysis::steady::scan(
       [&](double value) {
-        return analysis::steady::stability(scene.family->with({{parameter.name, value}}).structure);
+        return stability_of(scene, scene.family->with({{parameter.name, value}}).structure);
       },
       axis.values);
   std::vector<Hopf> hopf;
   for (const auto& threshold : scan.thresholds) {
     reached.add(threshold.value, threshold.error);
-    hopf.push_back(analysis::steady::hopf_at(
-        [&](double value) {
-          return scene.family->with({{parameter.name, value}}).structure;
-        },
-        threshold));
+    hopf.push_back(scene.lowest_modes > 0 ? std::nullopt
+                                          : analysis::steady::hopf_at(
+                                                [&](double value) {
+                                                  return scene.family->with({{parameter.name, value}}).structure;
+                                                },
+                                                threshold));
     job.say("{} of instability at {} = {}, {:.10g} rad/s{}", threshold.onset ? "onset" : "end", parameter.name,
             justified(threshold.value, threshold.error, parameter.unit), threshold.angular_frequency,
             hopf.back() ? ", " + name(hopf.back()->criticality) : "");
@@ -184,7 +253,7 @@ Status perform_on_structure(Job& job) {
   if (scan.thresholds.empty())
     job.say("no threshold in {} from {:g} to {:g}", parameter.name, axis.values.front(), axis.values.back());
   job.manifest().tolerance_reached = reached.value();
-  auto files = output::write_picture(job.folder(), scene, scan);
+  for (auto& file : output::write_picture(job.folder(), scene, scan)) files.push_back(std::move(file));
   return job.finish(document_of(scene, result, &scan, hopf), std::move(files), {});
 }
 

@@ -1,0 +1,83 @@
+/// An elastic block on a moving belt, as a mesh of nine-node elements.
+#include "oscillators/block.hpp"
+
+#include "app/scene/oscillator.hpp"
+#include "app/scene/structure.hpp"
+
+namespace rosin::app::scene {
+
+namespace {
+
+void read(SceneReader& reader, Table table, bool) {
+  table.expect({"type", "length", "height", "thickness", "youngs_modulus", "poisson_ratio", "density", "elements",
+                "mass_matrix", "spring_stiffness", "stiffness_damping", "gauss_points", "normal_contact"});
+  table.find("type");
+  oscillators::ElasticBlock block;
+  const auto number = [&](std::string_view key, double& into, const char* unit, Range range, const char* meaning,
+                          bool required = true) {
+    if (required) table.required(key, fmt::format("{}, {}", meaning, unit));
+    table.read(key, into, {"", unit, range, meaning});
+  };
+  number("length", block.length, "m", {1e-9, 1e6}, "length of the block along the belt");
+  number("height", block.height, "m", {1e-9, 1e6}, "height of the block");
+  number("thickness", block.thickness, "m", {1e-9, 1e6}, "thickness of the block across the belt", false);
+  number("youngs_modulus", block.youngs_modulus, "Pa", {1e-9, 1e15}, "Young's modulus");
+  number("poisson_ratio", block.poisson_ratio, "1", {-0.99, 0.499}, "Poisson's ratio");
+  number("density", block.density, "kg/m^3", {1e-9, 1e9}, "density");
+  constexpr int most_elements = 16;
+  if (const auto* elements = table.find("elements")) {
+    const auto path = table.path("elements");
+    const auto& pair = list(*elements, path, "numbers", 2);
+    if (pair.size() != 2) fail(elements->source(), "{} is a pair: along the belt and upwards", path);
+    for (const std::size_t i : {0, 1})
+      block.elements[i] = count(*pair.get(i), path, 1, most_elements, "nine-node elements along the belt and upwards");
+  }
+  if (const auto* mass = table.find("mass_matrix"))
+    block.lumped_mass = choice(*mass, table.path("mass_matrix"), {"consistent", "lumped"}) == "lumped";
+  table.read("gauss_points", block.gauss_points, 1, 10, "stations on each edge of the lower face");
+  oscillators::BlockOnBelt on_belt;
+  number("spring_stiffness", on_belt.spring_stiffness, "N/m", {0, 1e15}, "stiffness of the spring on the left face");
+  number("stiffness_damping", on_belt.stiffness_damping, "s", {0, 1e6}, "damping over stiffness of the block", false);
+  const auto& contact = table.required("normal_contact", "pressure of the lower face by its approach");
+  on_belt.contact = read_normal_law(Table(contact, table.path("normal_contact")), true);
+  table.finish();
+  located(table.source(), [&] {
+    reader.scene.block = std::make_shared<const oscillators::BlockMesh>(block);
+    reader.scene.structure.emplace().structure =
+        oscillators::block_on_belt(*reader.scene.block, on_belt, contact_of(reader.scene.model));
+  });
+}
+
+/// All stations move with the belt, and share the weight.
+void read_drive_of_block(SceneReader& reader, Table drive, bool complete) {
+  read_structure_drive(reader, drive, complete, false);
+  for (auto& contact : reader.scene.structure->structure.contacts) {
+    contact.speed = reader.scene.model.drive.speed;
+    contact.normal_load = reader.scene.model.drive.normal_load;
+  }
+}
+
+}  // namespace
+
+analysis::motion::StructureStart read_block_start(const toml::node& node, const std::string& path,
+                                                  const oscillators::BlockMesh& mesh) {
+  analysis::motion::StructureStart start;
+  if (node.is_string()) {
+    choice(node, path, {"steady"});
+    return start;
+  }
+  if (!node.is_table()) wrong_kind(node, path, "\"steady\" or a table: along, up, tilt");
+  Table table(node, path);
+  double along = 0, up = 0, tilt = 0;
+  constexpr Range any{-1e15, 1e15};
+  table.read("along", along, {"", "m", any, "displacement of the block along the belt, beside steady sliding"});
+  table.read("up", up, {"", "m", any, "displacement of the block upwards, beside steady sliding"});
+  table.read("tilt", tilt, {"", "rad", any, "rotation of the block about its centre, beside steady sliding"});
+  table.finish();
+  start.beside = mesh.rigid(along, up, tilt);
+  return start;
+}
+
+OscillatorType block_type() { return {"block", {"run", "stability"}, read, read_drive_of_block}; }
+
+}  // namespace rosin::app::scene
