@@ -51,7 +51,7 @@ const Basins::Basin& of(const Basins& found, Kind kind) {
 }  // namespace
 
 TEST_CASE("the share of stick-slip beside stable sliding", "[basin]") {
-  // 0.6957 ± 0.0046 of 10 000 starts, by an event-driven integration of order 5.
+  // 0.6957 ± 0.0046 of 10 000 starts, counted independently.
   BasinTask task;
   const auto structure = oscillators::one_slider(two_motions(1.5));
   task.starts = random_starts(structure, 400);
