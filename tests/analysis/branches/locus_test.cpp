@@ -114,7 +114,7 @@ TEST_CASE("two modes that merge without damping have no Hopf curve", "[branches]
   const Family2 family = [&](double friction, double stiffness) {
     auto contact = oscillators::contact_of(model.with("law.mu_d", friction));
     contact.tangential = Eigen::Vector2d(1, 0), contact.normal = Eigen::Vector2d(0, 1);
-    contact.support.stiffness = stiffness;
+    contact.normal_law = laws::normal_law(laws::LinearContact{.stiffness = stiffness});
     oscillators::Structure structure;
     structure.M = Eigen::Matrix2d::Identity(), structure.C = Eigen::Matrix2d::Zero();
     structure.K = Eigen::Matrix2d{{5.2e7, 1e7}, {1e7, 2e7}};
