@@ -348,8 +348,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                         plot(2, hertz.factor,
                              scan.thresholds.empty()
                                  ? ""
-                                 : fmt::format("NaN with lines linecolor '#888888' dashtype (6,4) title 'threshold{}'",
-                                               near_alone ? ", and the modes near it alone" : "")));
+                                 : fmt::format("NaN with lines linecolor '#888888' dashtype (6,4) title 'threshold, unstable where shaded{}'",
+                                               near_alone ? "; modes near it alone" : "")));
   script += fmt::format("set xlabel {}\nset ylabel 'growth rate (1/s)'\nset format x '%g'\n",
                         label(parameter.name + ", " + parameter.meaning, parameter.unit));
   script += view(growth, 1);
