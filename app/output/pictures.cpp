@@ -344,12 +344,14 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     if (!thresholds.empty()) curves.push_back(std::move(thresholds));
     return fmt::format("plot {}\n", fmt::join(curves, ", \\\n     "));
   };
-  script += fmt::format("set ylabel 'frequency ({})'\nset format x ''\n{}{}", hertz.unit, view(near, hertz.factor),
-                        plot(2, hertz.factor,
-                             scan.thresholds.empty()
-                                 ? ""
-                                 : fmt::format("NaN with lines linecolor '#888888' dashtype (6,4) title 'threshold, unstable where shaded{}'",
-                                               near_alone ? "; modes near it alone" : "")));
+  script += fmt::format(
+      "set ylabel 'frequency ({})'\nset format x ''\n{}{}", hertz.unit, view(near, hertz.factor),
+      plot(2, hertz.factor,
+           scan.thresholds.empty()
+               ? ""
+               : fmt::format(
+                     "NaN with lines linecolor '#888888' dashtype (6,4) title 'threshold, unstable where shaded{}'",
+                     near_alone ? "; modes near it alone" : "")));
   script += fmt::format("set xlabel {}\nset ylabel 'growth rate (1/s)'\nset format x '%g'\n",
                         label(parameter.name + ", " + parameter.meaning, parameter.unit));
   script += view(growth, 1);
@@ -496,8 +498,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     if (!shows_forces(j)) continue;
     const std::size_t friction = of_contact("friction_force"), load = of_contact("normal_load");
     const auto force = scaled("N", size(load)), held = scaled("N", size(friction));
-    script +=
-        fmt::format("\nset xlabel 'time ({})'\nset ylabel 'force ({})'\nset key samplen 1.5 width -2\n", time.unit, force.unit);
+    script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'force ({})'\nset key samplen 1.5 width -2\n",
+                          time.unit, force.unit);
     script += fmt::format(
         "plot 'cycle.csv' using ($1*{0}):(${1}*{2}) with lines linestyle 1 title 'load', \\\n     'cycle.csv' using "
         "($1*{0}):(${3}*{2}) with lines linestyle 2 title 'friction'",
