@@ -9,8 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "laws/catalogue.hpp"
-#include "laws/smoothing.hpp"
+#include "laws/frictionless.hpp"
 
 namespace rosin::oscillators {
 
@@ -137,10 +136,8 @@ FrictionContact contact_of(const Model& model) {
 }
 
 FrictionContact frictionless_contact(Eigen::VectorXd normal, std::shared_ptr<const NormalLaw> law) {
-  // Smoothed friction of 0 has neither states nor rest.
-  static const auto none = laws::smoothed(laws::find_law("coulomb")->with({0.0, 0.0}), {});
   FrictionContact contact;
-  contact.law = none;
+  contact.law = laws::frictionless();
   contact.tangential = Eigen::VectorXd::Zero(normal.size());
   contact.speed = 0.0;
   contact.normal = std::move(normal);
