@@ -321,7 +321,8 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
       {"cycle", "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nspeed = 0\nnormal_load = 1",
        "scene.toml:4:8: oscillator.type = 'plane-slider' serves run only, not 'cycle'"},
       {"frf", structure(""),
-       "scene.toml:4:8: oscillator.type = 'structure' serves run, stability, cycle, map, sweep, branch, lyapunov, basin only, "
+       "scene.toml:4:8: oscillator.type = 'structure' serves run, stability, cycle, map, sweep, branch, lyapunov, "
+       "basin only, "
        "not 'frf'"},
       {"run", structure("K = [[1]]"), "scene.toml:6:5: oscillator.K has 1 rows, but M has 2"},
       {"run", structure("K = [[1, 0], [0]]"), "scene.toml:6:14: oscillator.K is not square: a row has 1 of 2"},
