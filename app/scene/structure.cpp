@@ -94,8 +94,8 @@ std::shared_ptr<const NormalLaw> read_linear_contact(Table table) {
 
 std::shared_ptr<const NormalLaw> read_power_contact(Table table, bool per_area) {
   laws::PowerContact law;
-  table.expect({"coefficient", "exponent", "damping", "separation_damping", "damping_exponent", "adhesion", "bound",
-                "bound_coefficient", "bound_exponent"});
+  table.expect({"coefficient", "stiffness", "exponent", "damping", "separation_damping", "damping_exponent", "adhesion",
+                "bound", "bound_coefficient", "bound_exponent"});
   constexpr Range any_size{0, 1e60};
   const auto over_approach = [&](const char* force, double exponent) {
     const double power = exponent + (per_area ? 2 : 0);
@@ -105,8 +105,14 @@ std::shared_ptr<const NormalLaw> read_power_contact(Table table, bool per_area) 
     table.read(key, target, {"", "1", range, fmt::format("exponent of the {}", of)});
   };
   read_exponent("exponent", law.exponent, laws::PowerContact::exponents, "contact's pressure");
-  const auto& coefficient = table.required("coefficient", over_approach("N", law.exponent));
-  table.read("coefficient", law.coefficient,
+  // A stiffness alone is a coefficient with the exponent 1.
+  const auto* stiffness = table.find("stiffness");
+  for (const auto key : {"coefficient", "exponent"})
+    if (const auto* node = stiffness ? table.find(key) : nullptr)
+      fail(node->source(), "{}: give stiffness, or coefficient and exponent", table.path(key));
+  const char* key = stiffness ? "stiffness" : "coefficient";
+  const auto& coefficient = table.required(key, over_approach("N", law.exponent));
+  table.read(key, law.coefficient,
              {"", over_approach("N", law.exponent), {1e-30, 1e60}, "pressure over the approach to its exponent"});
   law.damping_exponent = law.exponent;
   read_exponent("damping_exponent", law.damping_exponent, laws::PowerContact::damping_exponents, "contact's damping");
