@@ -479,41 +479,39 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                velocity = scaled(cycle.column_units[speed], size(speed));
     const bool has_stick =
         !contact.frictionless() && std::ranges::any_of(cycle.columns[slip], [](double u) { return u == 0; });
-    script += fmt::format("\nset xlabel 'time ({})'\nset ylabel {}\n", time.unit,
-                          label(readable(cycle.column_names[slip]), rate.unit));
-    script += fmt::format("plot 'cycle.csv' using ($1*{0}):(${1}*{2}) with lines linestyle 1 notitle", time.factor,
-                          slip + 2, rate.factor);
-    const std::string marked = "with lines linecolor '#B0560F' linewidth 5";
-    if (has_stick)
-      script += fmt::format(", \\\n     'cycle.csv' using ($1*{0}):(${1} == 0 ? 0 : NaN) {2} title 'stick'",
-                            time.factor, slip + 2, marked);
-    script += fmt::format("\n\nset xlabel {}\nset ylabel {}\n", label(readable(cycle.column_names[place]), way.unit),
-                          label(readable(cycle.column_names[speed]), velocity.unit));
-    script += fmt::format("plot 'cycle.csv' using (${0}*{1}):(${2}*{3}) with lines linestyle 1 notitle", place + 2,
-                          way.factor, speed + 2, velocity.factor);
-    if (has_stick)
-      script += fmt::format(", \\\n     'cycle.csv' using (${0}*{1}):(${4} == 0 ? ${2}*{3} : NaN) {5} title 'stick'",
-                            place + 2, way.factor, speed + 2, velocity.factor, slip + 2, marked);
-    script += '\n';
+    // A curve of two columns, numbered as in the file, each with its factor; and where it sticks, over it.
+    struct Along {
+      std::size_t column;
+      double factor;
+    };
+    const Along t{1, time.factor}, u{slip + 2, rate.factor}, x{place + 2, way.factor}, v{speed + 2, velocity.factor};
+    const auto curve = [](Along horizontal, Along vertical, const char* style) {
+      return fmt::format("'cycle.csv' using (${}*{}):(${}*{}) with lines {}", horizontal.column, horizontal.factor,
+                         vertical.column, vertical.factor, style);
+    };
+    const auto stick = [&](Along horizontal, Along vertical) {
+      return !has_stick ? "\n"
+                        : fmt::format(
+                              ", \\\n     'cycle.csv' using (${}*{}):(${} == 0 ? ${}*{} : NaN) with lines "
+                              "linecolor '#B0560F' linewidth 5 title 'stick'\n",
+                              horizontal.column, horizontal.factor, u.column, vertical.column, vertical.factor);
+    };
+    const char* alone = "linestyle 1 notitle";
+    script += fmt::format("\nset xlabel 'time ({})'\nset ylabel {}\nplot {}{}", time.unit,
+                          label(readable(cycle.column_names[slip]), rate.unit), curve(t, u, alone), stick(t, u));
+    script +=
+        fmt::format("\nset xlabel {}\nset ylabel {}\nplot {}{}", label(readable(cycle.column_names[place]), way.unit),
+                    label(readable(cycle.column_names[speed]), velocity.unit), curve(x, v, alone), stick(x, v));
     if (!shows_forces(j)) continue;
     const std::size_t friction = of_contact("friction_force"), load = of_contact("normal_load");
     const auto force = scaled("N", size(load)), held = scaled("N", size(friction));
-    script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'force ({})'\nset key samplen 1.5 width -2\n",
-                          time.unit, force.unit);
+    const Along N{load + 2, force.factor}, beside_load{friction + 2, force.factor}, F{friction + 2, held.factor};
     script += fmt::format(
-        "plot 'cycle.csv' using ($1*{0}):(${1}*{2}) with lines linestyle 1 title 'load', \\\n     'cycle.csv' using "
-        "($1*{0}):(${3}*{2}) with lines linestyle 2 title 'friction'",
-        time.factor, load + 2, force.factor, friction + 2);
-    if (has_stick)
-      script += fmt::format(", \\\n     'cycle.csv' using ($1*{0}):(${4} == 0 ? ${1}*{2} : NaN) {3} title 'stick'",
-                            time.factor, friction + 2, force.factor, marked, slip + 2);
-    script += fmt::format("\n\nset xlabel 'load ({})'\nset ylabel 'friction ({})'\n", force.unit, held.unit);
-    script += fmt::format("plot 'cycle.csv' using (${0}*{1}):(${2}*{3}) with lines linestyle 1 notitle", load + 2,
-                          force.factor, friction + 2, held.factor);
-    if (has_stick)
-      script += fmt::format(", \\\n     'cycle.csv' using (${0}*{1}):(${4} == 0 ? ${2}*{3} : NaN) {5} title 'stick'",
-                            load + 2, force.factor, friction + 2, held.factor, slip + 2, marked);
-    script += '\n';
+        "\nset xlabel 'time ({})'\nset ylabel 'force ({})'\nset key samplen 1.5 width -2\nplot {}, \\\n     {}{}",
+        time.unit, force.unit, curve(t, N, "linestyle 1 title 'load'"),
+        curve(t, beside_load, "linestyle 2 title 'friction'"), stick(t, beside_load));
+    script += fmt::format("\nset xlabel 'load ({})'\nset ylabel 'friction ({})'\nplot {}{}", force.unit, held.unit,
+                          curve(N, F, alone), stick(N, F));
   }
   script += "unset multiplot\n";
   write_whole(folder / "cycle.gp", script);
