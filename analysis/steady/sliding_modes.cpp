@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/steady/verdict.hpp"
+
 namespace rosin::analysis::steady {
 
 namespace {
@@ -116,9 +118,7 @@ VectorXd steady_sliding(const Structure& structure, const StationForces& contact
 
 StructureStability lowest_modes_of_sliding(const Structure& moving, int count) {
   const Structure structure = frozen(moving);
-  for (std::size_t j = 0; j < structure.contacts.size(); ++j)
-    if (structure.contacts[j].speed.level() == 0)
-      throw InputError(fmt::format("contact {} is at rest, so that it has no steady sliding (speed, m/s)", j + 1));
+  require_sliding(structure);
   const StationForces contacts(structure);
   const VectorXd q = steady_sliding(structure, contacts);
   StructureStability result;
@@ -146,10 +146,7 @@ StructureStability lowest_modes_of_sliding(const Structure& moving, int count) {
     mode.right /= std::complex<double>(mode.right[largest]);
     result.modes.push_back({value, mode.error, {mode.right.begin(), mode.right.end()}});
   }
-  std::ranges::stable_sort(result.modes, std::greater(), &ComplexMode::growth_rate);
-  std::ranges::stable_sort(result.eigenvalues, std::greater(), [](auto z) { return z.real(); });
-  result.marginal = std::abs(most) <= error_of_most;
-  result.stable = most < 0 && !result.marginal;
+  conclude(result, most, error_of_most);
   return result;
 }
 

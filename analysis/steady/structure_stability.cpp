@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/steady/verdict.hpp"
 #include "core/eigenpairs.hpp"
 
 namespace rosin::analysis::steady {
@@ -29,12 +30,23 @@ oscillators::Structure frozen(oscillators::Structure structure) {
   return structure;
 }
 
-StructureStability stability(const oscillators::Structure& moving) {
-  oscillators::StructureSystem system(frozen(moving), Unknowns::states);
-  const auto& structure = system.structure();
+void require_sliding(const oscillators::Structure& structure) {
   for (std::size_t j = 0; j < structure.contacts.size(); ++j)
     if (structure.contacts[j].speed.level() == 0 && !structure.contacts[j].frictionless())
       throw InputError(fmt::format("contact {} is at rest, so that it has no steady sliding (speed, m/s)", j + 1));
+}
+
+void conclude(StructureStability& result, double fastest_growth, double error) {
+  std::ranges::stable_sort(result.modes, std::greater(), &ComplexMode::growth_rate);
+  std::ranges::stable_sort(result.eigenvalues, std::greater(), [](auto z) { return z.real(); });
+  result.marginal = std::abs(fastest_growth) <= error;
+  result.stable = fastest_growth < 0 && !result.marginal;
+}
+
+StructureStability stability(const oscillators::Structure& moving) {
+  oscillators::StructureSystem system(frozen(moving), Unknowns::states);
+  const auto& structure = system.structure();
+  require_sliding(structure);
   for (int c = 0; c < system.contacts(); ++c)
     system.set_mode(c, slip_along(structure.contacts[system.friction_contact(c)].speed.level()));
   const auto y = system.steady(0);
@@ -76,10 +88,7 @@ StructureStability stability(const oscillators::Structure& moving) {
       for (auto& z : mode.shape) z /= largest;
     result.modes.push_back(std::move(mode));
   }
-  std::ranges::stable_sort(result.modes, std::greater(), &ComplexMode::growth_rate);
-  std::ranges::stable_sort(result.eigenvalues, std::greater(), [](auto z) { return z.real(); });
-  result.marginal = std::abs(most) <= error_of_most;
-  result.stable = most < 0 && !result.marginal;
+  conclude(result, most, error_of_most);
   return result;
 }
 

@@ -1,0 +1,13 @@
+/// What the dense and the tracked modes of steady sliding are asked and say alike.
+#pragma once
+#include "analysis/steady/structure_stability.hpp"
+
+namespace rosin::analysis::steady {
+
+/// \throws InputError for a contact at rest, unless it has no friction.
+void require_sliding(const oscillators::Structure&);
+
+/// Orders modes and eigenvalues by their growth, and decides by the fastest (1/s), known to its error.
+void conclude(StructureStability&, double fastest_growth, double error);
+
+}  // namespace rosin::analysis::steady
