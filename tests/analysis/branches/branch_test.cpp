@@ -7,6 +7,7 @@
 #include "analysis/branches/branches.hpp"
 #include "laws/catalogue.hpp"
 #include "oscillators/model.hpp"
+#include "tests/two_state_slip.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis::branches;
@@ -127,17 +128,7 @@ TEST_CASE("a cycle whose disturbances grow 1e10-fold in a period lies on its bra
 }
 
 TEST_CASE("period doublings of two states lie where shooting has them", "[branches]") {
-  Model model;
-  model.law = laws::find_law("two-state-slip");
-  model.slider = {0, 400, 0};
-  model.drive.speed = 1e-6, model.drive.normal_load = 1.0;
-  for (const auto& [name, value] : {std::pair{"law.a", 0.01},
-                                    {"law.b1", 0.01},
-                                    {"law.b2", 0.0084},
-                                    {"law.L1", 2e-6},
-                                    {"law.L2", 2e-6 / 0.048},
-                                    {"law.v0", 1e-6}})
-    model = model.with(name, value);
+  const auto model = two_state_slip(400);
   constexpr double stiffness = 5000;
   BranchOptions options;
   options.parameter = {0.0805 * stiffness, 0.0685 * stiffness, false};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "laws/catalogue.hpp"
+#include "tests/two_state_slip.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis::branches;
@@ -83,17 +84,7 @@ TEST_CASE("the folds of the board slider over speed and clock factor are those o
 
 TEST_CASE("period doublings without mass go in proportion to the load", "[branches]") {
   // Two states, after Gu, Rice, Ruina & Tse (1984): k L1/(σ a) = 0.0695394087541 by shooting.
-  Model model;
-  model.law = laws::find_law("two-state-slip");
-  model.slider = {0, 350, 0};
-  model.drive.speed = 1e-6, model.drive.normal_load = 1.0;
-  for (const auto& [name, value] : {std::pair{"law.a", 0.01},
-                                    {"law.b1", 0.01},
-                                    {"law.b2", 0.0084},
-                                    {"law.L1", 2e-6},
-                                    {"law.L2", 2e-6 / 0.048},
-                                    {"law.v0", 1e-6}})
-    model = model.with(name, value);
+  const auto model = two_state_slip(350);
   const auto family = over(model, "oscillator.stiffness", "drive.normal_load");
   LocusOptions options;
   options.p = {250, 500, false}, options.q = {0.8, 1.2, false}, options.points = 4;
