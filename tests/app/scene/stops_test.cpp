@@ -83,7 +83,8 @@ TEST_CASE("wrong stops are refused with their place", "[stops]") {
            {slider("stops = [{ at = 1, side = 'uper' }]"), "did you mean 'upper'?"},
            {slider("stops = [{ restitution = 1 }]"), "[oscillator.stops.1] has no 'at' (place of the stop, m)"},
            {slider("stops = [-1, 1]"),
-            ":6:9: oscillator.stops serve run, cycle, sweep, branch, lyapunov, basin only, not 'stability'", "stability"},
+            ":6:9: oscillator.stops serve run, cycle, sweep, branch, lyapunov, basin only, not 'stability'",
+            "stability"},
            {two("stops = [{ at = 1 }]"), "[oscillator.stops.1] has no 'coordinate'"},
            {two("stops = [{ coordinate = 3, at = 1 }]"), "oscillator.stops.1.coordinate = 3 is outside 1 … 2"},
            {"type = 'structure'\nM = [[2, 0.5], [0.5, 1]]\nK = [[1, 0], [0, 1]]\ncontacts = []\nstops = [{ coordinate "
