@@ -49,6 +49,10 @@ std::string style(const std::string& solver) {
                             {"rosin, swept sine", "#000000", 7, 7},
                             {"rosin, explicit", "#000000", 3, 3},
                             {"rosin, collocation", "#000000", 14, 14},
+                            {"rosin, friction curve", "#000000", 7, 7},
+                            {"rosin, temperature", "#000000", 5, 4},
+                            {"loop by hand, friction curve", "#0072B2", 7, 6},
+                            {"loop by hand, temperature", "#D55E00", 5, 4},
                             {"rosin, transient", "#000000", 3, 3},
                             {"rosin", "#000000", 1, 1},
                             {"CVODE, good", "#56B4E9", 13, 12},
@@ -120,7 +124,7 @@ bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
 }  // namespace
 
 const std::vector<std::string>& names() {
-  static const std::vector<std::string> list = {"chain", "cycle", "history", "plane", "response", "stick-slip"};
+  static const std::vector<std::string> list = {"chain", "cycle", "history", "plane", "response", "stick-slip", "string"};
   return list;
 }
 
@@ -170,6 +174,11 @@ bool run(const Settings& settings) {
     record = bench_response(settings, curves);
     panels = {{curves, "Friction frequency response of an ageing contact",
                "true error of Z over |Z|, met by nine frequencies in ten", "processor time per frequency (s)"}};
+  } else if (settings.what == "string") {
+    record = bench_string(settings, curves);
+    panels = {{curves, "400 cello strings under a bow that speeds up",
+               "true error of the onset of the fourth slip in periods, met by nine strings in ten",
+               "processor time per string (s)"}};
   } else {
     record = bench_plane(settings, scipy, curves);
     panels = {{curves, "Plane: N/(m g) = 10^{−8} … 1, λ = 10^{−4} … 10^2",

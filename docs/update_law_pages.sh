@@ -10,7 +10,7 @@ for page in "$root"/docs/laws/*.md; do
   law=$(basename "$page" .md)
   printf '[law]\ntype = "%s"\n' "$law" >"$work/$law.toml"
   case $law in coulomb | stribeck | hyperbolic | two-exponential | tabulated | lugre | dahl | \
-    slip-distance | slip-weakening | static-growth | kato-growth | loading-rate | thermal | thermal-disc | lugre-unscaled) printf '[curve]\nfrom = 1e-4\nto = 1\n' >>"$work/$law.toml" ;;
+    slip-distance | slip-weakening | static-growth | kato-growth | loading-rate | thermal | thermal-disc | thermal-layer | lugre-unscaled) printf '[curve]\nfrom = 1e-4\nto = 1\n' >>"$work/$law.toml" ;;
     flash-heating) printf '[curve]\nfrom = 1e-6\nto = 10\n' >>"$work/$law.toml" ;; esac
   "$rosin" curve "$work/$law.toml" --out "$work/$law" --quiet >/dev/null
   cp "$work/$law/curve.svg" "$root/docs/pictures/law-$law.svg"

@@ -19,22 +19,29 @@ struct HeatedCurve {
   Real mu_inf, mu_1, v_1, mu_2, v_2, h0, h1;
 
   /// w(y)
-  Real slip_rate(const Real& y) const {
+  ROSIN_INLINE Real slip_rate(const Real& y) const {
     const Real left = 1.0 - h1 / h0 * y;
     constexpr double hottest = 1e100;  // beyond all sliding, and far from overflow where it is divided by v_1
     return select(left > 0.0, Real(y / left), Real(hottest));
   }
-  Real friction(const Real& w) const { return mu_inf + mu_1 * exp(-w / v_1) + mu_2 * exp(-w / v_2); }
-  /// w dμ/dw
-  Real fall(const Real& w) const { return -(mu_1 / v_1 * exp(-w / v_1) + mu_2 / v_2 * exp(-w / v_2)) * w; }
-  /// h₀² d(ΔT)/dy, of the sign of d(ΔT)/dw.
-  Real rise_slope(const Real& w) const { return friction(w) * h0 + fall(w) * (h0 + h1 * w); }
+  struct Point {
+    Real friction;
+    Real fall;        ///< w dμ/dw
+    Real rise_slope;  ///< h₀² d(ΔT)/dy, of the sign of d(ΔT)/dw
+  };
+  ROSIN_INLINE Point at(const Real& w) const {
+    const Real first = exp(-w / v_1), second = exp(-w / v_2);
+    const Real friction = mu_inf + mu_1 * first + mu_2 * second;
+    const Real fall = -(mu_1 / v_1 * first + mu_2 / v_2 * second) * w;
+    return {friction, fall, friction * h0 + fall * (h0 + h1 * w)};
+  }
+  ROSIN_INLINE Real friction(const Real& w) const { return mu_inf + mu_1 * exp(-w / v_1) + mu_2 * exp(-w / v_2); }
 
   /// The temperature must rise with the steady slip rate, else μ(T) is not a function.
   void check() const {
     const double slow = 1e-3 * std::min(v_1, v_2), fast = 40 * std::max(v_1, v_2);
     for (double w = slow; w < fast; w *= 1.01)
-      if (!(rise_slope(w) > 0))
+      if (!(at(w).rise_slope > 0))
         throw InputError(
             fmt::format("law.h1 = {:.6g} J/(m K N) is too large for this curve: steady sliding at {:.3g} m/s would be "
                         "colder than slower sliding, and friction no function of temperature; take h1/h0 below about "
@@ -48,8 +55,8 @@ struct HeatedCurve {
     double least = INFINITY;
     const double fast = 40 * std::max(v_1, v_2);
     for (double w = 1e-3 * std::min(v_1, v_2); w < fast; w *= 1.01)
-      if (const double falling = -fall(w); falling > 0)
-        least = std::min(least, (friction(w) - falling) / (falling * w));
+      if (const auto here = at(w); here.fall < 0)
+        least = std::min(least, (here.friction + here.fall) / (-here.fall * w));
     return std::max(least, 0.0);
   }
 };

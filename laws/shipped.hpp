@@ -23,6 +23,7 @@
 #include "laws/tabulated.hpp"
 #include "laws/thermal.hpp"
 #include "laws/thermal_disc.hpp"
+#include "laws/thermal_layer.hpp"
 #include "laws/two_exponential.hpp"
 #include "laws/two_state_ageing.hpp"
 #include "laws/two_state_slip.hpp"
@@ -57,6 +58,7 @@ using Shipped = LawList<Coulomb,         //
                         LoadingRate,     //
                         Thermal,         //
                         ThermalDisc,     //
+                        ThermalLayer,    //
                         Film>;
 
 }  // namespace rosin::laws

@@ -55,9 +55,10 @@ struct Thermal {
   Real friction(Sliding<Real>, State s) const { return curve.friction(curve.slip_rate(s.y)); }
   Real static_limit(Sliding<Real> at, State s) const { return friction(at, s); }
   State rate(Sliding<Real> at, State s) const {
-    const Real &v = at.slip_rate, w = curve.slip_rate(s.y), mu = curve.friction(w);
-    const Real heating = mu * (crowding(at) * v - s.y * (1.0 + h1 / h0 * v));  // C dT/dt
-    return {heating * h0 * h0 / (C * curve.rise_slope(w))};
+    const Real& v = at.slip_rate;
+    const auto here = curve.at(curve.slip_rate(s.y));
+    const Real heating = here.friction * (crowding(at) * v - s.y * (1.0 + h1 / h0 * v));  // C dT/dt
+    return {heating * h0 * h0 / (C * here.rise_slope)};
   }
   State steady(Sliding<Real> at) const {
     const Real v = abs(at.slip_rate);

@@ -79,13 +79,15 @@ struct ThermalDisc {
   Real friction(Sliding<Real>, State s) const { return curve.friction(curve.slip_rate(s.y)); }
   Real static_limit(Sliding<Real> at, State s) const { return friction(at, s); }
   State rate(Sliding<Real> at, State s) const {
-    const Real &v = at.slip_rate, w = curve.slip_rate(s.y), mu = curve.friction(w);
+    const Real& v = at.slip_rate;
+    const auto here = curve.at(curve.slip_rate(s.y));
+    const Real& mu = here.friction;
     const Real rise[] = {mu * s.y / h0, s.T1, s.T2, s.T3, s.T4, s.T5, s.T6, s.T7, s.T8, s.T9};
     const Real ends_at = mu * (crowding(at) * v - h1 / h0 * v * s.y) / h0;
     Real g[disc_modes];
     heat_rates(disc, ends_at, rise, g);
     const Real pace = 1.0 / (time * power(Real(at.normal_load / N_ref), size_exponent));
-    return {g[0] * pace * h0 * h0 / curve.rise_slope(w),
+    return {g[0] * pace * h0 * h0 / here.rise_slope,
             g[1] * pace,
             g[2] * pace,
             g[3] * pace,

@@ -42,4 +42,14 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
 std::vector<std::string> write_block_picture(const std::filesystem::path& folder, const scene::Scene&,
                                              const analysis::motion::Run&);
 
+/// Of a bowed string: what happens under the bow and at the bridge; a plane of transients, of regimes, or both.
+std::vector<std::string> write_string_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                              const analysis::strings::StringRecord&);
+std::vector<std::string> write_string_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                              std::span<const analysis::strings::Pixel>);
+/// Planes of the members of a comparison side by side, and what the least different pair of them has between.
+std::vector<std::string> write_string_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                              const std::vector<std::vector<analysis::strings::Pixel>>& planes,
+                                              const std::vector<double>& separation);
+
 }  // namespace rosin::app::output

@@ -98,6 +98,10 @@ analysis::motion::StructureModel Family::with(const std::vector<std::pair<std::s
   return *read_with(values).structure;
 }
 
+oscillators::BowedStringModel Family::string_with(const std::vector<std::pair<std::string, double>>& values) const {
+  return read_with(values).string->model;
+}
+
 oscillators::Model Family::slider_with(const std::vector<std::pair<std::string, double>>& values) const {
   return read_with(values).model;
 }

@@ -21,6 +21,8 @@ class Family {
   double value(const std::string& path) const;
   /// The structure with numbers in place of those of the scene. \throws InputError as a scene with them would.
   analysis::motion::StructureModel with(const std::vector<std::pair<std::string, double>>& values) const;
+  /// The same of a bowed string, which is read as a slider is.
+  oscillators::BowedStringModel string_with(const std::vector<std::pair<std::string, double>>& values) const;
   oscillators::Model slider_with(const std::vector<std::pair<std::string, double>>& values) const;
 
  private:

@@ -160,9 +160,11 @@ void read_law(SceneReader& reader, Table law, oscillators::Model& model) {
   for (const auto& other : laws::catalogue()) {
     const auto& option = other->card().option;
     const auto* word = option.of == type_name ? law.find(option.key) : nullptr;
-    if (word &&
-        choice(*word, law.path(option.key), {std::string(option.usual), std::string(option.word)}) == option.word)
-      prototype = other;
+    if (!word) continue;
+    std::vector<std::string> words = {std::string(option.usual)};
+    for (const auto& each : laws::catalogue())
+      if (const auto& o = each->card().option; o.of == option.of && o.key == option.key) words.emplace_back(o.word);
+    if (choice(*word, law.path(option.key), words) == option.word) prototype = other;
   }
   if (const auto* name = law.find("preset"))
     prototype = located(name->source(), [&] { return laws::preset(*prototype, text(*name, law.path("preset"))); });

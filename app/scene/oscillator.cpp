@@ -27,7 +27,7 @@ const OscillatorType& oscillator_type(SceneReader& reader, const toml::node& osc
   Table table(oscillator, "oscillator");
   const auto* type = table.find("type");
   if (!type) return types.front();
-  std::vector<std::string> known = {"modal", "string"};  // reserved
+  std::vector<std::string> known = {"modal"};  // reserved
   for (const auto& one : types) known.emplace_back(one.name);
   const auto name = choice(*type, table.path("type"), known);
   const auto found = std::ranges::find(types, name, &OscillatorType::name);

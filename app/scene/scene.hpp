@@ -25,6 +25,7 @@
 #include "analysis/response/frf.hpp"
 #include "analysis/response/frf_simulation.hpp"
 #include "analysis/response/structure.hpp"
+#include "analysis/strings/strings.hpp"
 #include "analysis/studies/study.hpp"
 #include "app/scene/record.hpp"
 #include "oscillators/block.hpp"
@@ -134,6 +135,22 @@ struct BasinTask {
   analysis::basins::BasinTask task;
 };
 
+/// A bowed string, and what is asked of it.
+struct StringTask {
+  oscillators::BowedStringModel model;
+  analysis::strings::BowingOptions options;
+  int samples = 20'000;  ///< most that the record keeps
+  analysis::planes::Axis x, y;
+  analysis::strings::PlaneOptions plane;
+  double good = 5;  ///< periods: transients that are shorter are good
+  struct Member {
+    std::string name;
+    std::shared_ptr<const Family> family;
+    std::vector<std::pair<std::string, double>> changed;  ///< numbers by their paths
+  };
+  std::vector<Member> members;  ///< of a comparison
+};
+
 struct Scene {
   std::string path;  ///< as the user gave it
   std::string title;
@@ -141,6 +158,7 @@ struct Scene {
   std::optional<analysis::motion::PlaneModel>
       plane;  ///< a slider in the plane, in place of the model's; for the verb run
   std::optional<analysis::motion::StructureModel> structure;  ///< in place of the model's slider
+  std::optional<StringTask> string;                           ///< in place of the model's slider
   std::shared_ptr<const oscillators::BlockMesh> block;        ///< that the structure is the mesh of
   std::shared_ptr<const Family> family;                       ///< of it, where a number of the scene is varied
   CurveOptions curve;

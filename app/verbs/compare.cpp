@@ -17,6 +17,7 @@
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
+#include "app/verbs/string_verbs.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
@@ -159,6 +160,10 @@ void read(scene::SceneReader& reader) {
   const bool design = reader.request.design;
   const auto* given = reader.document.at_path("compare.protocol").as_string();
   const auto protocol = given && !design ? given->get() : std::string();
+  if (reader.scene.string) {
+    read_string_map(reader, scene::Table(reader.need("map", "the two axes"), "map"));
+    return read_string_comparison(reader, scene::Table(reader.need("compare", "members"), "compare"));
+  }
   if (protocol == "run") reader.need("run", "duration and start");
   if (protocol == "map" || design) reader.need("map", "the two axes and the metrics");
   read_tables_of_models(reader);
@@ -547,7 +552,10 @@ Status design(Job& job) {
   return job.finish(document_of(scene, result), output::write_picture(job.folder(), scene, plane), plane.outcome);
 }
 
-Status perform(Job& job) { return job.request().design ? design(job) : side_by_side(job); }
+Status perform(Job& job) {
+  if (job.scene().string) return perform_string_comparison(job);
+  return job.request().design ? design(job) : side_by_side(job);
+}
 
 }  // namespace
 

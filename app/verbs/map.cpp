@@ -20,6 +20,7 @@
 #include "app/verbs/partial.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
+#include "app/verbs/string_verbs.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
@@ -29,6 +30,8 @@ using nlohmann::ordered_json;
 namespace {
 
 using analysis::planes::Regime;
+
+}  // namespace
 
 analysis::planes::Axis read_axis(scene::Table table, const scene::Scene& scene) {
   table.expect({"parameter", "from", "to", "points", "scale", "extra"});
@@ -57,9 +60,11 @@ analysis::planes::Axis read_axis(scene::Table table, const scene::Scene& scene) 
                         [&] { return analysis::planes::make_axis(path, from, to, points, logarithmic, extra); });
 }
 
+namespace {
+
 /// A plane of a slider's own parameters under a constant drive has shortcuts; any other is that of a structure.
 bool is_of_slider(const scene::SceneReader& reader) {
-  return !reader.scene.structure && reader.scene.model.drive.constant();
+  return !reader.scene.structure && !reader.scene.string && reader.scene.model.drive.constant();
 }
 
 void read_table(scene::Table table, scene::SceneReader& reader) {
@@ -114,6 +119,7 @@ void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   auto& map = reader.need("map", "the two axes and the metrics");
+  if (reader.scene.string) return read_string_map(reader, scene::Table(map, "map"));
   if (reader.scene.plane || is_of_slider(reader)) return read_tables_of_models(reader);
   scene::read_structure_model(reader);
   common_period(reader.scene.structure->structure);  // refuses a drive that has none
@@ -169,6 +175,7 @@ std::string map_key(const scene::Scene& scene) {
 }
 
 Status perform(Job& job) {
+  if (job.scene().string) return perform_string_map(job);
   const auto& request = job.request();
   auto& scene = job.scene();
   auto& options = scene.map;

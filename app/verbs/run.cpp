@@ -9,10 +9,12 @@
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/start.hpp"
+#include "app/scene/string.hpp"
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
+#include "app/verbs/string_verbs.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
@@ -151,6 +153,7 @@ void read_solver(scene::Table table, scene::SceneReader& reader) {
 void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
+  if (reader.scene.string) return scene::read_string(reader);
   if (!reader.scene.plane && !reader.scene.structure) {
     reader.need("run", "duration and start");
     return read_tables_of_models(reader);
@@ -211,6 +214,7 @@ void say_averages(Job& job, const std::map<std::string, double>& metrics) {
 }
 
 Status perform(Job& job) {
+  if (job.scene().string) return perform_string_run(job);
   auto& scene = job.scene();
   scene.run.tolerance = job.request().tolerance.value_or(scene.run.tolerance);
   job.explain_model();

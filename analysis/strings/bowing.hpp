@@ -1,0 +1,56 @@
+/// Bowed strings followed in time, as many at once as lanes hold.
+#pragma once
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/strings/transient.hpp"
+#include "core/error.hpp"
+#include "oscillators/bowed_string.hpp"
+
+namespace rosin::analysis::strings {
+
+using oscillators::BowedStringModel;
+
+/// How long a string is bowed.
+struct BowingOptions {
+  double duration = 0;        ///< s; 0: until `periods_after` the first slip
+  double periods_after = 31;  ///< in periods of the open string
+  double patience = 36;       ///< periods after twice the time at which slip is due, when it has not come
+  TransientOptions transient = {};
+  bool keep_slips = true;  ///< in results; planes do without
+};
+
+/// What has become of one string.
+struct Bowing {
+  Transient transient;
+  std::vector<SlipEpisode> raw;  ///< every slip, however short
+  double first_slip;             ///< s
+  double bridge_force;           ///< peak to peak over the last periods, N
+  long samples;
+  Outcome outcome;  ///< of a failure, the reason
+};
+
+/// The time (s) at which a bow that accelerates evenly from rest first slips, if the string follows it without waves;
+/// NaN for other gestures.
+double first_slip_of_slow_bow(const BowedStringModel&);
+
+/// One string.
+Bowing bow(const BowedStringModel&, const BowingOptions&);
+/// Many; strings alike sound together. Results do not depend on the number of threads.
+/// \param finished  called with places among the models, from one thread at a time
+std::vector<Bowing> bow(std::span<const BowedStringModel>, const BowingOptions&, int threads,
+                        const std::function<void(std::size_t)>& finished = {});
+
+/// Samples of one string, at equal intervals.
+struct StringRecord {
+  std::vector<double> time, bow_speed, velocity, friction, slip_rate, normal_load, bridge_force, stick;
+  std::vector<std::vector<double>> states;  ///< of the law, one list each, of the first contact
+  std::vector<std::vector<double>> contact_velocity, contact_friction;  ///< where the bow has several
+  Bowing bowing;
+};
+/// \param every  samples between those that are kept
+StringRecord record(const BowedStringModel&, const BowingOptions&, int every);
+
+}  // namespace rosin::analysis::strings

@@ -1,0 +1,319 @@
+/// Pictures of bowed strings: velocity, friction, temperature and bridge force over time, friction against slip rate,
+/// and planes of transients with the limits that theory has for them.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "app/output/files.hpp"
+#include "app/output/gnuplot.hpp"
+#include "app/output/pictures.hpp"
+#include "app/scene/family.hpp"
+
+namespace rosin::app::output {
+
+namespace {
+
+using analysis::strings::Pixel;
+using analysis::strings::StringRecord;
+
+constexpr const char* axes_of_runs = "set grid x linecolor '#CCCCCC' linewidth 0.6\nset format x ''\n";
+
+/// Ends of cells around values on a scale.
+std::vector<double> borders(const analysis::planes::Axis& axis) {
+  const auto& values = axis.values;
+  const auto along = [&](double x) { return axis.logarithmic ? std::log(x) : x; };
+  const auto back = [&](double x) { return axis.logarithmic ? std::exp(x) : x; };
+  std::vector<double> ends;
+  for (std::size_t i = 0; i <= values.size(); ++i) {
+    const double before = i > 0 ? along(values[i - 1]) : 2 * along(values[0]) - along(values[1]);
+    const double after =
+        i < values.size() ? along(values[i]) : 2 * along(values.back()) - along(values[values.size() - 2]);
+    ends.push_back(back(0.5 * (before + after)));
+  }
+  return ends;
+}
+
+/// A line of the theory over one axis of the plane.
+struct Limit {
+  std::string title;
+  std::vector<double> x, y;
+};
+
+constexpr const char *position = "oscillator.bow_position", *load = "drive.normal_load",
+                     *acceleration = "drive.speed.ramp.rate";
+
+std::vector<Limit> limits_of(const scene::Scene& scene) {
+  const auto& task = *scene.string;
+  const bool swapped = task.x.parameter == load;
+  const auto &along = swapped ? task.y : task.x, &force = swapped ? task.x : task.y;
+  if (force.parameter != load) return {};
+  std::vector<Limit> limits;
+  const auto add = [&](std::string title, const std::function<double(double)>& of) {
+    Limit limit{std::move(title), {}, {}};
+    for (const double value : along.values) {
+      const double N = of(value);
+      if (!(N > 0) || !std::isfinite(N)) continue;
+      limit.x.push_back(swapped ? N : value), limit.y.push_back(swapped ? value : N);
+    }
+    if (limit.x.size() > 1) limits.push_back(std::move(limit));
+  };
+  if (along.parameter == acceleration) {
+    const double middle = along.values[along.values.size() / 2], N = force.values[force.values.size() / 2];
+    const auto model = scene.family->string_with({{along.parameter, middle}, {force.parameter, N}});
+    const auto& law = *model.law;
+    const double at_rest =
+        law.set_valued() ? law.static_limit(N, law.rest(N)) : law.steady_friction({1e-6, N}).friction;
+    const double speed = middle * analysis::strings::first_slip_of_slow_bow(model);
+    const double falls = at_rest - law.steady_friction({speed / model.string.bow_position, N}).friction;
+    if (!(falls > 0)) return {};
+    const auto rays = analysis::strings::guettler_rays(model.string, at_rest, falls, task.good);
+    add("several slips below", [&](double a) { return rays.lower * a; });
+    add(fmt::format("late slips above ({:g} periods)", task.good), [&](double a) { return rays.upper * a; });
+  } else if (along.parameter == position) {
+    const auto limit = [&](double beta) {
+      const auto model = scene.family->string_with({{along.parameter, beta}});
+      return analysis::strings::schelleng_limits(model, model.speed.value(1e3));
+    };
+    add("Schelleng's maximum", [&](double beta) { return limit(beta).most; });
+    add("Schelleng's minimum", [&](double beta) { return limit(beta).least; });
+  }
+  return limits;
+}
+
+}  // namespace
+
+std::vector<std::string> write_string_picture(const std::filesystem::path& folder, const scene::Scene& scene,
+                                              const StringRecord& record) {
+  const auto& task = *scene.string;
+  const auto& transient = record.bowing.transient;
+  const double period = task.model.string.period(), step = task.model.string.step();
+  // The first periods after the first slip show what a transient is.
+  constexpr double before = 1, shown = 11;
+  const double first = transient.slips.empty() ? 0 : std::max(0.0, record.bowing.first_slip - before * period);
+  const double last = std::min(record.time.back(), first + (before + shown) * period);
+  const auto states = oscillators::BowContacts::state_names(*task.model.law);
+  const bool warms = !states.empty() && states.front().name == "temperature_rise";
+  const int panels = warms ? 4 : 3;
+  const auto from = std::size_t(std::ranges::lower_bound(record.time, first) - record.time.begin()),
+             to = std::size_t(std::ranges::upper_bound(record.time, last) - record.time.begin());
+  const auto ends = [&](const std::vector<double>& list) {
+    return std::ranges::minmax(std::span(list).subspan(from, std::max<std::size_t>(to - from, 1)));
+  };
+  std::string script =
+      preamble("run", "A bowed string: what happens under the bow and at the bridge", 900, 190 * panels);
+  script += fmt::format("set multiplot layout {},1 title {} margins 0.10,0.97,{},0.92 spacing 0,0.045\n", panels,
+                        single_quoted(scene.title), warms ? 0.085 : 0.11);
+  script += axes_of_runs;
+  script += fmt::format("set xrange [{}:{}]\nset key top right horizontal opaque\n", first * 1e3, last * 1e3);
+  // Slip is shaded in each panel: merged slips that count as one.
+  int object = 0;
+  std::string shades;
+  for (const auto& slip : transient.slips)
+    if (const double on = double(slip.on) * step, off = double(slip.off) * step; off >= first && on <= last)
+      shades += fmt::format(
+          "set object {} rectangle from {},graph 0 to {},graph 1 fillcolor '#E3E8EE' fillstyle solid noborder behind\n",
+          ++object, std::max(on, first) * 1e3, std::min(off, last) * 1e3);
+  script += shades;
+  const auto curve = [](const std::string& y, int style, const char* title) {
+    return fmt::format("'run.csv' using ($1*1e3):{} with lines linestyle {} {}", y, style,
+                       *title ? fmt::format("title '{}'", title) : "notitle");
+  };
+  const auto [lowest, fastest] = ends(record.velocity);
+  const double span = std::max(std::abs(lowest), std::abs(fastest));
+  script += fmt::format("set ylabel 'velocity (m/s)'\nset yrange [{}:{}]\nset ytics {:g}\nplot {}, \\\n     {}\n",
+                        lowest - 0.06 * span, fastest + 0.45 * span, tick_step(lowest, fastest + 0.3 * span),
+                        curve("3", 1, "string"), curve("2", 2, "bow"));
+  script += fmt::format("set ylabel 'friction over load'\nset autoscale y\nset ytics 0.5\nplot {}\n",
+                        curve("($5/$6)", 1, ""));
+  if (warms) {
+    const auto [cold, hot] = ends(record.states.front());
+    script +=
+        fmt::format("set ylabel 'temperature rise (K)'\nset yrange [0:*]\nset ytics {:g}\nplot {}\nset autoscale y\n",
+                    tick_step(cold, hot), curve("9", 1, ""));
+  }
+  const auto [pull, push] = ends(record.bridge_force);
+  script += fmt::format(
+      "set format x '%g'\nset xlabel 'time (ms); slip is shaded'\nset ylabel 'bridge force (N)'\nset ytics {:g}\nplot "
+      "{}\n",
+      tick_step(pull, push), curve("7", 1, ""));
+  write_whole(folder / "run.gp", script + "unset multiplot\n");
+
+  // Friction against slip rate over the last periods, and the steady curve.
+  constexpr double orbit = 8;
+  const double begin = record.time.back() - orbit * period;
+  double slipping = 1e-3;
+  for (std::size_t i = 0; i < record.time.size(); ++i)
+    if (record.time[i] >= begin) slipping = std::max(slipping, std::abs(record.slip_rate[i]));
+  std::vector<double> rates, steady;
+  constexpr int points = 200;
+  const double N = std::max(record.normal_load.back(), 1e-9);
+  for (int i = 0; i <= points; ++i) {
+    rates.push_back(std::max(1e-4, slipping * i / points));
+    steady.push_back(task.model.law->steady_friction({rates.back(), N}).friction);
+  }
+  write_csv(folder / "run-steady.csv", {{"slip_rate (m/s)", rates}, {"friction_coefficient", steady}});
+  std::string locus = preamble("run-friction", "Friction against slip rate under the bow", 640, 480);
+  locus += fmt::format(
+      "set title {}\nset xlabel 'slip rate (m/s)'\nset ylabel 'friction over load'\nset key top right\nset yrange "
+      "[0:*]\n"
+      "set offsets 0,0,graph 0.12,0\n"
+      "plot 'run-steady.csv' using 1:2 with lines linestyle 2 title 'steady sliding', \\\n"
+      "     'run.csv' using ($1>={}&&$8<0.5?$4:NaN):($5/$6) with points pointtype 7 pointsize 0.25 linecolor '#00336F' "
+      "title 'in slip, last {:g} periods'\n",
+      single_quoted(scene.title), begin, orbit);
+  write_whole(folder / "run-friction.gp", locus);
+  return {"run-steady.csv", "run.gp", "run-friction.gp"};
+}
+
+std::vector<std::string> write_string_picture(const std::filesystem::path& folder, const scene::Scene& scene,
+                                              std::span<const Pixel> pixels) {
+  const auto& task = *scene.string;
+  const auto nx = task.x.values.size();
+  const auto of_x = borders(task.x), of_y = borders(task.y);
+  std::array<std::vector<double>, 9> columns;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const std::size_t x = i % nx, y = i / nx;
+    const auto& pixel = pixels[i];
+    const double row[] = {task.x.values[x],
+                          task.y.values[y],
+                          of_x[x],
+                          of_x[x + 1],
+                          of_y[y],
+                          of_y[y + 1],
+                          pixel.bowing.transient.length,
+                          double(pixel.bowing.transient.regime),
+                          pixel.reproducible ? 1.0 : 0.0};
+    for (std::size_t c = 0; c < columns.size(); ++c) columns[c].push_back(row[c]);
+  }
+  const auto quantity_x = scene.describe(task.x.parameter), quantity_y = scene.describe(task.y.parameter);
+  write_csv(folder / "map.csv", {{column_header(task.x.parameter, quantity_x.unit), columns[0]},
+                                 {column_header(task.y.parameter, quantity_y.unit), columns[1]},
+                                 {"x_low", columns[2]},
+                                 {"x_high", columns[3]},
+                                 {"y_low", columns[4]},
+                                 {"y_high", columns[5]},
+                                 {"transient_length", columns[6]},
+                                 {"regime", columns[7]},
+                                 {"reproducible", columns[8]}});
+  const auto limits = limits_of(scene);
+  std::string lines = "x,y\n";
+  for (const auto& limit : limits) {
+    for (std::size_t i = 0; i < limit.x.size(); ++i) lines += fmt::format("{},{}\n", limit.x[i], limit.y[i]);
+    lines += "\n\n";
+  }
+  write_whole(folder / "map-limits.csv", lines);
+
+  const auto frame = [&](const std::string& name, const char* what) {
+    std::string script = preamble(name, what, 760, 560);
+    script += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", single_quoted(scene.title),
+                          label(quantity_x.meaning, quantity_x.unit), label(quantity_y.meaning, quantity_y.unit));
+    script += axis_scale('x', task.x.logarithmic) + axis_scale('y', task.y.logarithmic);
+    script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset style fill solid 1 noborder\n", of_x.front(),
+                          of_x.back(), of_y.front(), of_y.back());
+    script += "set key below left Left reverse samplen 2 maxrows 3\nset tics out nomirror\n";
+    return script;
+  };
+  std::vector<std::string> theory;
+  for (std::size_t k = 0; k < limits.size(); ++k) {
+    const auto data = fmt::format("'map-limits.csv' using 1:2 index {} with lines", k);
+    theory.push_back(data + " linewidth 4 linecolor '#FFFFFF' notitle");
+    theory.push_back(fmt::format("{} linewidth 1.8 linecolor '{}' dashtype {} title {}", data,
+                                 k == 0 ? "#0072B2" : "#D55E00", k == 0 ? "solid" : "(8,4)",
+                                 single_quoted(limits[k].title)));
+  }
+  const char* cells = "'map.csv' using 1:2:3:4:5:6";
+  constexpr std::size_t most_marks = 4000;
+  std::string transients = frame("map", "Length of the transient of a bowed string");
+  transients += fmt::format(
+      "set palette defined (0 '#FFFFFF', 1 '#111111')\nset cbrange [0:{}]\nset cblabel 'transient (periods); black: "
+      "none within {}'\n",
+      task.options.transient.most, task.options.transient.most);
+  std::vector<std::string> plots = {std::string(cells) + ":7 with boxxyerror linecolor palette notitle"};
+  const bool checked = !task.plane.finer.empty();
+  if (checked && pixels.size() <= most_marks)
+    plots.push_back(
+        "'map.csv' using ($9<0.5?$1:NaN):2 with points pointtype 2 pointsize 0.45 linewidth 1.5 linecolor '#E69F00' "
+        "title 'other at a finer sample rate'");
+  plots.insert(plots.end(), theory.begin(), theory.end());
+  write_whole(folder / "map.gp", transients + fmt::format("plot {}\n", fmt::join(plots, ", \\\n     ")));
+
+  std::string regimes = frame("map-regime", "Motion that a bowed string ends in");
+  constexpr std::array<std::pair<const char*, const char*>, 6> colours = {{{"no slip", "#FFFFFF"},
+                                                                           {"Helmholtz", "#F0E442"},
+                                                                           {"two slips a period", "#56B4E9"},
+                                                                           {"irregular", "#CC79A7"},
+                                                                           {"raucous", "#555555"},
+                                                                           {"sliding", "#009E73"}}};
+  plots.clear();
+  for (std::size_t k = 0; k < colours.size(); ++k) {
+    const auto is = [&](const Pixel& pixel) { return std::size_t(pixel.bowing.transient.regime) == k; };
+    if (std::ranges::none_of(pixels, is)) continue;
+    plots.push_back(fmt::format("'map.csv' using 1:($8=={}?$2:NaN):3:4:5:6 with boxxyerror linecolor '{}' notitle", k,
+                                colours[k].second));
+    plots.push_back(fmt::format("NaN with boxes fillcolor '{}' fillstyle solid 1 border linecolor '#777777' title '{}'",
+                                colours[k].second, colours[k].first));
+  }
+  plots.insert(plots.end(), theory.begin(), theory.end());
+  write_whole(folder / "map-regime.gp", regimes + fmt::format("plot {}\n", fmt::join(plots, ", \\\n     ")));
+  return {"map.csv", "map-limits.csv", "map.gp", "map-regime.gp"};
+}
+
+std::vector<std::string> write_string_picture(const std::filesystem::path& folder, const scene::Scene& scene,
+                                              const std::vector<std::vector<Pixel>>& planes,
+                                              const std::vector<double>& separation) {
+  const auto& task = *scene.string;
+  const auto nx = task.x.values.size();
+  const auto of_x = borders(task.x), of_y = borders(task.y);
+  std::vector<std::vector<double>> columns(6 + planes.size() + 1);
+  for (std::size_t i = 0; i < separation.size(); ++i) {
+    const std::size_t x = i % nx, y = i / nx;
+    const double place[] = {task.x.values[x], task.y.values[y], of_x[x], of_x[x + 1], of_y[y], of_y[y + 1]};
+    for (std::size_t c = 0; c < 6; ++c) columns[c].push_back(place[c]);
+    for (std::size_t k = 0; k < planes.size(); ++k)
+      columns[6 + k].push_back(planes[k][i].reproducible ? planes[k][i].bowing.transient.length : NAN);
+    columns.back().push_back(separation[i]);
+  }
+  const auto quantity_x = scene.describe(task.x.parameter), quantity_y = scene.describe(task.y.parameter);
+  std::vector<Column> table = {{column_header(task.x.parameter, quantity_x.unit), columns[0]},
+                               {column_header(task.y.parameter, quantity_y.unit), columns[1]},
+                               {"x_low", columns[2]},
+                               {"x_high", columns[3]},
+                               {"y_low", columns[4]},
+                               {"y_high", columns[5]}};
+  for (std::size_t k = 0; k < planes.size(); ++k)
+    table.push_back({"transient_length of " + task.members[k].name, columns[6 + k]});
+  table.push_back({"separation", columns.back()});
+  write_csv(folder / "compare.csv", table);
+
+  const int panels = int(planes.size()) + 1;
+  std::string script = preamble("compare", "Transients of bowed strings side by side", 330 * panels + 40, 420);
+  script +=
+      fmt::format("set multiplot layout 1,{} title {} margins {},{},0.17,0.83 spacing {},0\nset tics out nomirror\n",
+                  panels, single_quoted(scene.title), 0.22 / panels, 1 - 0.28 / panels, 0.30 / panels);
+  script += fmt::format("set xlabel {}\nset ylabel {}\n", label(quantity_x.meaning, quantity_x.unit),
+                        label(quantity_y.meaning, quantity_y.unit));
+  script += axis_scale('x', task.x.logarithmic) + axis_scale('y', task.y.logarithmic);
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset style fill solid 1 noborder\nset cbrange [0:{}]\n",
+                        of_x.front(), of_x.back(), of_y.front(), of_y.back(), task.options.transient.most);
+  // What hangs on the sample rate shows the ground.
+  script += "set object 1 rectangle from graph 0,0 to graph 1,1 fillcolor '#E69F00' fillstyle solid noborder behind\n";
+  script += "set palette defined (0 '#FFFFFF', 1 '#111111')\nunset colorbox\nunset key\n";
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    if (k + 1 == planes.size()) script += "set colorbox\nset cblabel 'transient (periods)'\n";
+    script += fmt::format("set title {}\nplot 'compare.csv' using 1:2:3:4:5:6:{} with boxxyerror linecolor palette\n",
+                          single_quoted(task.members[k].name), 7 + k);
+    if (k == 0) script += "unset ylabel\n";
+  }
+  script += fmt::format(
+      "set palette defined (0 '#FFFFFF', 1 '#00336F')\nset cblabel 'difference (periods)'\nset title 'least "
+      "difference; "
+      "orange: not reproducible'\nplot 'compare.csv' using 1:2:3:4:5:6:{} with boxxyerror linecolor palette\n",
+      7 + planes.size());
+  write_whole(folder / "compare.gp", script + "unset multiplot\n");
+  return {"compare.csv", "compare.gp"};
+}
+
+}  // namespace rosin::app::output

@@ -1,0 +1,10 @@
+/// Scenes with a bowed string: how long it sounds, and what counts as a slip.
+#pragma once
+#include "app/scene/reader.hpp"
+
+namespace rosin::app::scene {
+
+/// [run] and [transient] of a string, where they are there.
+void read_string(SceneReader&);
+
+}  // namespace rosin::app::scene

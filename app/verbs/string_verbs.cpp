@@ -1,0 +1,317 @@
+/// Bowed strings: one motion with its sound, and planes of transients.
+#include "app/verbs/string_verbs.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/output/files.hpp"
+#include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/output/planes.hpp"
+#include "app/output/wav.hpp"
+#include "app/scene/family.hpp"
+#include "app/scene/string.hpp"
+#include "app/verbs/job.hpp"
+#include "app/verbs/progress.hpp"
+#include "app/verbs/stopping.hpp"
+
+namespace rosin::app::verbs {
+
+using analysis::strings::Bowing;
+using analysis::strings::Pixel;
+using analysis::strings::StringRecord;
+using nlohmann::ordered_json;
+
+namespace {
+
+std::string name_of(analysis::strings::StringRegime regime) {
+  return analysis::strings::string_regime_names()[std::size_t(regime)];
+}
+
+struct NamedColumn {
+  std::string name, unit;
+  const std::vector<double>* values;
+};
+
+std::vector<NamedColumn> columns_of(const StringRecord& record, const scene::StringTask& task) {
+  std::vector<NamedColumn> columns = {{"bow_speed", "m/s", &record.bow_speed},
+                                      {"string_velocity", "m/s", &record.velocity},
+                                      {"slip_rate", "m/s", &record.slip_rate},
+                                      {"friction_force", "N", &record.friction},
+                                      {"normal_load", "N", &record.normal_load},
+                                      {"bridge_force", "N", &record.bridge_force},
+                                      {"stick", "1", &record.stick}};
+  const auto states = oscillators::BowContacts::state_names(*task.model.law);
+  for (std::size_t k = 0; k < record.states.size(); ++k)
+    columns.push_back({states[k].name, states[k].unit, &record.states[k]});
+  for (std::size_t m = 0; m < record.contact_velocity.size(); ++m) {
+    columns.push_back({fmt::format("string_velocity_{}", m + 1), "m/s", &record.contact_velocity[m]});
+    columns.push_back({fmt::format("friction_force_{}", m + 1), "N", &record.contact_friction[m]});
+  }
+  return columns;
+}
+
+/// Every so many samples.
+StringRecord thinned(StringRecord record, int most) {
+  const auto every = (record.time.size() + std::size_t(most) - 1) / std::size_t(most);
+  if (every <= 1) return record;
+  const auto thin = [&](std::vector<double>& list) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < list.size(); i += every) list[kept++] = list[i];
+    list.resize(kept);
+  };
+  for (auto* list : {&record.time, &record.bow_speed, &record.velocity, &record.friction, &record.slip_rate,
+                     &record.normal_load, &record.bridge_force, &record.stick})
+    thin(*list);
+  for (auto* lists : {&record.states, &record.contact_velocity, &record.contact_friction})
+    for (auto& list : *lists) thin(list);
+  return record;
+}
+
+/// Numbers of a motion, with their differences to the same at twice the sample rate.
+struct Judged {
+  const char *name, *unit, *meaning;
+  double value, error;
+};
+std::vector<Judged> metrics_of(const Bowing& bowing, const Bowing& finer) {
+  const auto one = [&](const char* name, const char* unit, const char* meaning, auto of) {
+    const double value = of(bowing), other = of(finer);
+    return Judged{name, unit, meaning, value, std::abs(value - other)};
+  };
+  return {one("first_slip", "s", "time of the first slip", [](const Bowing& b) { return b.first_slip; }),
+          one("transient_length", "1", "from there to Helmholtz motion, periods of the open string",
+              [](const Bowing& b) { return b.transient.length; }),
+          one("slips_per_period", "1", "slips per period at the end",
+              [](const Bowing& b) { return b.transient.slips_per_period; }),
+          one("period", "1", "period at the end over that of the open string",
+              [](const Bowing& b) { return b.transient.period; }),
+          one("bridge_force", "N", "force on the bridge at the end, peak to peak",
+              [](const Bowing& b) { return b.bridge_force; })};
+}
+
+std::string document_of(const scene::Scene& scene, const StringRecord& record, const std::vector<Judged>& metrics,
+                        const oscillators::StringLanes& realised, double full_scale) {
+  const auto& task = *scene.string;
+  const auto& transient = record.bowing.transient;
+  auto document = output::begin(scene, "run", record.bowing.outcome);
+  document["time"] = record.time;
+  auto columns = ordered_json::object(), units = columns;
+  for (const auto& column : columns_of(record, task)) {
+    columns[column.name] = *column.values;
+    units[column.name] = column.unit;
+  }
+  document["columns"] = std::move(columns);
+  document["units"] = std::move(units);
+  auto& events = document["events"] = ordered_json::array();
+  const double step = task.model.string.step();
+  for (const auto& slip : transient.slips)
+    events.push_back({{"time", double(slip.on) * step},
+                      {"kind", "slip"},
+                      {"duration", double(slip.off - slip.on) * step},
+                      {"distance", slip.distance},
+                      {"bow_speed", slip.bow_speed}});
+  document["regime"] = name_of(transient.regime);
+  auto values = ordered_json::object(), errors = values;
+  for (const auto& metric : metrics) values[metric.name] = metric.value, errors[metric.name] = metric.error;
+  document["metrics"] = std::move(values);
+  document["error"] = std::move(errors);
+  document["string"] = {{"surface_impedance", task.model.string.surface_impedance()},
+                        {"realised_frequency", realised.realised_frequency()},
+                        {"realised_bow_position", realised.realised_bow_position()}};
+  document["sound"] = {{"file", "bridge.wav"}, {"full_scale", full_scale}, {"unit", "N"}};
+  document["solver"] = "travelling waves";
+  document["cost"] = {{"steps", record.bowing.samples}};
+  document["notes"] = scene.notes;
+  return output::text(document);
+}
+
+}  // namespace
+
+Status perform_string_run(Job& job) {
+  auto& scene = job.scene();
+  const auto& task = *scene.string;
+  const auto& string = task.model.string;
+  const oscillators::StringLanes realised(string, task.model.law, task.model.lambda);
+  job.explain(
+      "waves between bridge, bow and nut at {} samples per second; beta {:.6g}, {:.6g} Hz as the delays have it",
+      string.sample_rate, realised.realised_bow_position(), realised.realised_frequency());
+  job.explain("{}", string.torsion ? "torsional waves beside the transverse ones" : "no torsional waves, as asked");
+  const auto begin = std::chrono::steady_clock::now();
+  const auto record = analysis::strings::record(task.model, task.options, 1);
+  auto finer = task.model;
+  finer.string.sample_rate *= 2;
+  const auto metrics = metrics_of(record.bowing, analysis::strings::bow(finer, task.options));
+  job.explain("{} steps, and as many again at twice the sample rate, whose difference is the error",
+              record.bowing.samples);
+  auto& manifest = job.manifest();
+  manifest.cost = {{"seconds", seconds_since(begin)}, {"steps", double(record.bowing.samples)}};
+  Reached reached;
+  for (const auto& metric : metrics) reached.add(metric.value, metric.error);
+  manifest.tolerance_reached = reached.value();
+
+  const auto& transient = record.bowing.transient;
+  job.say("{} samples over {:.6g} s, {} slips; at the end: {}", record.bowing.samples,
+          double(record.bowing.samples) * string.step(), transient.slips.size(), name_of(transient.regime));
+  for (const auto& metric : metrics)
+    if (std::isfinite(metric.value))
+      job.say("  {:<18} {}  ({})", metric.name, justified(metric.value, metric.error, metric.unit), metric.meaning);
+  if (transient.length >= task.options.transient.most && !transient.slips.empty())
+    job.say("  no Helmholtz motion within {} periods of the first slip", task.options.transient.most);
+  const double full_scale = output::write_wav(job.folder() / "bridge.wav", record.bridge_force, string.sample_rate);
+  const auto kept = thinned(record, task.samples);
+  std::vector<output::Column> table{{"time (s)", kept.time}};
+  for (const auto& column : columns_of(kept, task))
+    table.push_back({output::column_header(column.name, column.unit), *column.values});
+  output::write_csv(job.folder() / "run.csv", table);
+  std::vector<std::string> files = {"run.csv", "bridge.wav"};
+  if (kept.time.size() > 1)
+    for (auto& file : output::write_string_picture(job.folder(), scene, kept)) files.push_back(std::move(file));
+  return job.finish(document_of(scene, kept, metrics, realised, full_scale), std::move(files), record.bowing.outcome);
+}
+
+void read_string_map(scene::SceneReader& reader, scene::Table table) {
+  scene::read_string(reader);
+  auto& scene = reader.scene;
+  auto& task = *scene.string;
+  scene.family = std::make_shared<scene::Family>(reader, true);
+  table.expect({"x", "y", "finer", "within", "good"});
+  const auto &x = table.required("x", "first axis"), &y = table.required("y", "second axis");
+  task.x = read_axis(scene::Table(x, table.path("x")), scene);
+  task.y = read_axis(scene::Table(y, table.path("y")), scene);
+  if (task.x.parameter == task.y.parameter)
+    scene::fail(y.source(), "map.x and map.y are the same parameter, {}", task.y.parameter);
+  if (task.x.values.size() > 1'000'000 / task.y.values.size())
+    scene::fail(table.source(), "map has {} x {} strings, more than 1000000", task.x.values.size(),
+                task.y.values.size());
+  if (const auto* finer = table.find("finer")) {
+    task.plane.finer.clear();
+    for (const auto& factor : scene::list(*finer, table.path("finer"), "factors of the sample rate", 10))
+      task.plane.finer.push_back(scene::count(factor, table.path("finer"), 2, 64, "factor of the sample rate"));
+  }
+  if (const auto* within = table.find("within"); within && task.plane.finer.empty())
+    scene::fail(within->source(), "{} has no effect without {}", table.path("within"), table.path("finer"));
+  table.read(
+      "within", task.plane.within,
+      {"", "1", {1e-9, 1e3}, "difference of a transient that is reproducible at finer sample rates, in periods"});
+  table.read("good", task.good, {"", "1", {0, 1e5}, "transients that are shorter are good, in periods"});
+  table.finish();
+  task.plane.bowing = task.options;
+}
+
+namespace {
+
+/// The plane as others are, for files: metrics of points with their errors.
+analysis::planes::Map as_map(const scene::StringTask& task, const std::vector<Pixel>& pixels) {
+  analysis::planes::Map map;
+  map.x = task.x, map.y = task.y;
+  const std::pair<std::array<const char*, 3>, double (*)(const Pixel&)> metrics[] = {
+      {{"transient_length", "1", "from the first slip to Helmholtz motion, periods of the open string"},
+       [](const Pixel& p) { return p.bowing.transient.length; }},
+      {{"regime", "1", "motion at the end: 0 none, 1 helmholtz, 2 double-slip, 3 irregular, 4 raucous, 5 sliding"},
+       [](const Pixel& p) { return double(p.bowing.transient.regime); }},
+      {{"first_slip", "s", "time of the first slip"}, [](const Pixel& p) { return p.bowing.first_slip; }},
+      {{"slips_per_period", "1", "slips per period at the end"},
+       [](const Pixel& p) { return p.bowing.transient.slips_per_period; }},
+      {{"bridge_force", "N", "force on the bridge at the end, peak to peak"},
+       [](const Pixel& p) { return p.bowing.bridge_force; }},
+      {{"reproducible", "1", "1 where finer sample rates have the same transient"},
+       [](const Pixel& p) { return p.reproducible ? 1.0 : 0.0; }}};
+  std::size_t place = 0;
+  for (const auto& [text, of] : metrics) map.metrics.push_back({text[0], text[1], text[2], nullptr, place++});
+  for (const auto& pixel : pixels) {
+    auto point = analysis::planes::undecided_point();
+    point.regime = pixel.bowing.outcome.complete() ? analysis::planes::Regime::cycle : analysis::planes::Regime::failed;
+    point.origin = analysis::planes::Origin::computed;
+    point.done = true;
+    point.why = pixel.bowing.outcome.detail;
+    for (const auto& [text, of] : metrics) {
+      point.measures.push_back(of(pixel));
+      point.measure_errors.push_back(text[0] == std::string("transient_length") ? pixel.length_error : NAN);
+    }
+    map.points.push_back(std::move(point));
+  }
+  map.integrated = long(pixels.size());
+  return map;
+}
+
+}  // namespace
+
+Status perform_string_map(Job& job) {
+  auto& scene = job.scene();
+  auto& task = *scene.string;
+  task.plane.threads = job.request().threads;
+  const auto nx = task.x.values.size(), ny = task.y.values.size();
+  job.explain("{} x {} strings over {} and {}, each until {} periods after its first slip", nx, ny, task.x.parameter,
+              task.y.parameter, task.options.periods_after);
+  if (task.plane.finer.empty())
+    job.explain("no finer sample rate, as asked: which pixels are reproducible is not known");
+  else
+    job.explain("the same at {} times the sample rate tells which pixels are reproducible",
+                fmt::join(task.plane.finer, " and "));
+  std::vector<oscillators::BowedStringModel> models;
+  for (const double y : task.y.values)
+    for (const double x : task.x.values)
+      models.push_back(scene.family->string_with({{task.x.parameter, x}, {task.y.parameter, y}}));
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<Pixel> pixels;
+  {
+    Progress progress(job.request().quiet);
+    double all = 1;  // work of all passes, in that of the first
+    for (const int factor : task.plane.finer) all += factor;
+    std::size_t done = 0, pass = 0;
+    double work = 0;
+    pixels = bow_plane(models, task.plane, [&](std::size_t, std::size_t k) {
+      if (k != pass) pass = k, done = 0;
+      ++done;
+      work += (k == 0 ? 1 : task.plane.finer[k - 1]) / (all * double(models.size()));
+      progress.show(done, models.size(), std::min(work, 1.0));
+    });
+  }
+  const double seconds = seconds_since(begin);
+  long steps = 0;
+  for (const auto& pixel : pixels) steps += pixel.bowing.samples;
+  const auto found = statistics_of(pixels, nx, task.good, task.options.transient.most);
+  job.say("{} x {} strings in {:.3g} s", nx, ny, seconds);
+  job.say("  {:<34} {} of {}", fmt::format("transients below {:g} periods", task.good), found.good, pixels.size());
+  if (!task.plane.finer.empty()) {
+    job.say("  {:<34} {} of {}", "reproducible at finer rates", found.reproducible, pixels.size());
+    job.say("  {:<34} {}", "good and reproducible", found.good_and_reproducible);
+  }
+  job.say("  {:<34} {:.3g}, {} speckles", "edges between good and others", found.edge_density, found.speckles);
+  if (found.failed > 0) job.say("  {:<34} {}", "failed", found.failed);
+
+  const auto map = as_map(task, pixels);
+  auto document = output::begin(scene, "map");
+  document["x"] = output::axis(task.x, scene);
+  document["y"] = output::axis(task.y, scene);
+  document["regime"] = output::grid(map, [&](std::size_t i) { return name_of(pixels[i].bowing.transient.regime); });
+  auto values = ordered_json::object();
+  for (const auto& metric : map.metrics)
+    if (metric.name != "regime")
+      values[metric.name] = output::rows(map, [&](const auto& point) { return metric.value(point); });
+  document["metrics"] = std::move(values);
+  document["error"] = {{"transient_length", output::grid(map, [&](std::size_t i) { return pixels[i].length_error; })}};
+  document["statistics"] = {{"good", found.good},
+                            {"good_below", task.good},
+                            {"shorter_than_most", found.shorter_than_most},
+                            {"reproducible", found.reproducible},
+                            {"good_and_reproducible", found.good_and_reproducible},
+                            {"speckles", found.speckles},
+                            {"edge_density", found.edge_density},
+                            {"failed", found.failed}};
+  auto& failures = document["failures"] = ordered_json::array();
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    if (!pixels[i].bowing.outcome.complete())
+      failures.push_back({{"ix", i % nx}, {"iy", i / nx}, {"why", pixels[i].bowing.outcome.detail}});
+  document["cost"] = {{"seconds", seconds}, {"points", pixels.size()}, {"steps", steps}};
+  document["notes"] = scene.notes;
+  job.manifest().cost = {{"seconds", seconds}, {"points", double(pixels.size())}, {"steps", double(steps)}};
+  output::write_plane(job.folder() / "map.nc", scene, map);
+  auto files = output::write_string_picture(job.folder(), scene, pixels);
+  files.push_back("map.nc");
+  return job.finish(output::text(document), std::move(files), {});
+}
+
+}  // namespace rosin::app::verbs

@@ -1,0 +1,19 @@
+/// The verbs run, map and compare for bowed strings.
+#pragma once
+#include "app/scene/reader.hpp"
+#include "app/verbs/verb.hpp"
+
+namespace rosin::app::verbs {
+
+/// An axis of a plane: parameter, from, to, points, scale, extra. Defined beside the verb map.
+analysis::planes::Axis read_axis(scene::Table, const scene::Scene&);
+
+Status perform_string_run(Job&);
+/// [map] of a scene whose oscillator is a string, with what [run] and [transient] say.
+void read_string_map(scene::SceneReader&, scene::Table map);
+Status perform_string_map(Job&);
+/// [compare] of such a scene: members, each with a law of its own or other numbers.
+void read_string_comparison(scene::SceneReader&, scene::Table compare);
+Status perform_string_comparison(Job&);
+
+}  // namespace rosin::app::verbs
