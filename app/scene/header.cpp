@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
+#include <utility>
 
 #include "core/error.hpp"
 #include "core/units.hpp"
@@ -40,6 +42,8 @@ std::string spelt(std::string_view text) {
   return unit;
 }
 
+constexpr std::array<std::pair<char, char>, 4> brackets = {{{'(', ')'}, {'[', ']'}, {'{', '}'}, {'<', '>'}}};
+
 bool one_letter(std::string_view text) { return text.size() == 1; }
 
 /// "mm_s" as "mm/s", "N_s_m" as "N s/m", "mm_per_s" as "mm/s".
@@ -73,7 +77,7 @@ bool looks_like_unit(const std::string& text) {
 
 std::string unit_cell(std::string_view text) {
   auto cell = trimmed(text);
-  for (const auto& [open, close] : {std::pair{'(', ')'}, std::pair{'[', ']'}})
+  for (const auto& [open, close] : brackets)
     if (cell.size() >= 2 && cell.front() == open && cell.back() == close) cell = cell.substr(1, cell.size() - 2);
   return spelt(cell);
 }
@@ -89,9 +93,13 @@ HeaderCell header_cell(std::string_view text) {
     cell.unit = std::move(unit);
     return cell;
   };
-  for (const auto& [open, close] : {std::pair{'(', ')'}, std::pair{'[', ']'}})
+  for (const auto& [open, close] : brackets)
     if (const auto at = whole.rfind(open); whole.ends_with(close) && at != std::string_view::npos)
       return take(at, spelt(whole.substr(at + 1, whole.size() - at - 2)));
+  for (const auto& [open, close] : brackets)  // "load [kN] filtered"
+    if (const auto at = whole.find(open), end = whole.find(close, at); end != std::string_view::npos)
+      if (auto unit = spelt(whole.substr(at + 1, end - at - 1)); looks_like_unit(unit))
+        return take(at, std::move(unit));
   const auto after = [&](std::string_view mark) {
     const auto at = whole.find(mark);
     if (at == std::string_view::npos || at == 0) return false;
@@ -107,6 +115,12 @@ HeaderCell header_cell(std::string_view text) {
       return take(at, std::move(unit));
     }
   if (after("/")) return cell;
+  for (const char mark : {':', '.', '-'})
+    if (const auto at = whole.rfind(mark); at != std::string_view::npos && at > 0)
+      if (auto unit = spelt(whole.substr(at + 1)); looks_like_unit(unit)) {
+        cell.may_be_name = one_letter(unit);
+        return take(at, std::move(unit));
+      }
   for (auto at = whole.find('_', 1); at != std::string_view::npos; at = whole.find('_', at + 1))
     if (auto unit = from_suffix(spelt(whole.substr(at + 1))); looks_like_unit(unit)) {
       cell.may_be_name = one_letter(unit);
@@ -132,8 +146,10 @@ Conversion conversion_to_si(const HeaderCell& cell, const RecordColumn& column) 
     const auto ours = parse_unit(given), theirs = parse_unit(cell.unit);
     const bool part_of_name = cell.may_be_name && ours && theirs && !(ours->dimension == theirs->dimension);
     if (ours && theirs && !part_of_name && !same_unit(*ours, *theirs))
-      refuse(fmt::format("the file says {}, the scene {}; leave out the scene's unit, or correct the file's", cell.unit,
-                         given));
+      refuse(
+          fmt::format("the file says {}, the scene {}; leave out the scene's unit, correct the "
+                      "file's, or overrule it by factor = 1 beside the unit",
+                      cell.unit, given));
   }
   double scale = 1;
   if (!unit.empty()) try {
