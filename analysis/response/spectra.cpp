@@ -47,7 +47,8 @@ struct CrossSpectra::Work {
   std::vector<Level> levels;
   std::vector<ClippingWatch> clipping;
   std::vector<double> lowest_mean, highest_mean, mean_sum, square_sum;
-  long segments = 0, samples = 0;
+  long segments = 0, samples = 0, used = 0;
+  bool overlaps = false;  ///< the next segment, with the one before it
   double* time = nullptr;
   std::vector<fftw_complex*> transformed;
   fftw_plan plan = nullptr;
@@ -88,6 +89,8 @@ struct CrossSpectra::Work {
           sum[k] += std::complex<double>(a[k][0] * b[k][0] + a[k][1] * b[k][1], a[k][0] * b[k][1] - a[k][1] * b[k][0]);
       }
     ++segments;
+    used += overlaps ? hop : segment;
+    overlaps = true;
   }
 };
 
@@ -150,9 +153,15 @@ void CrossSpectra::add(std::span<const std::span<const double>> block) {
     for (auto& list : w.pending) list.erase(list.begin(), list.begin() + std::ptrdiff_t(std::min(first, held)));
 }
 
+void CrossSpectra::interrupt() {
+  for (auto& list : work_->pending) list.clear();
+  work_->overlaps = false;
+}
+
 int CrossSpectra::bins() const { return work_->bins(); }
 long CrossSpectra::segments() const { return work_->segments; }
 long CrossSpectra::samples() const { return work_->samples; }
+long CrossSpectra::used() const { return work_->used; }
 
 double CrossSpectra::averages() const {
   const auto& w = *work_;

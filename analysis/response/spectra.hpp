@@ -29,10 +29,14 @@ class CrossSpectra {
 
   /// One block of equally many samples of each channel. A segment's straight line is removed before its transform.
   void add(std::span<const std::span<const double>> block);
+  /// The next block does not go on where the last one ended: no segment reaches across.
+  void interrupt();
 
   int bins() const;
   long segments() const;
   long samples() const;
+  /// Samples that stand in a segment.
+  long used() const;
   /// Segments that overlap are not independent: the number of independent ones with the same variance (Welch 1967).
   double averages() const;
   /// Mean of conj(X_i) X_j over segments, scaled so that a white signal of variance σ² has σ² in every bin.

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <cmath>
+#include <utility>
 
 #include "core/error.hpp"
 #include "core/units.hpp"
@@ -21,8 +24,13 @@ std::string_view trimmed(std::string_view text) {
 }
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
-  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
+  std::string result;
+  std::string_view rest = text;
+  for (auto at = rest.find(from); at != std::string_view::npos; at = rest.find(from)) {
+    result.append(rest.substr(0, at)).append(to);
+    rest.remove_prefix(at + from.size());
+  }
+  text = result.append(rest);
 }
 
 /// The unit with either micro sign as u; a dash, which tables write for none, is 1.
@@ -34,18 +42,7 @@ std::string spelt(std::string_view text) {
   return unit;
 }
 
-/// A unit without brackets around it: of letters in runs of at most three, because longer ones are words ("force" is a
-/// unit to UDUNITS).
-bool looks_like_unit(const std::string& text) {
-  constexpr std::size_t word = 4;
-  std::size_t letters = 0, run = 0;
-  for (const char c : text) {
-    run = std::isalpha(static_cast<unsigned char>(c)) ? run + 1 : 0;
-    letters += run > 0;
-    if (run >= word) return false;
-  }
-  return letters > 0 && std::isalpha(static_cast<unsigned char>(text.front())) && unit_known(text);
-}
+constexpr std::array<std::pair<char, char>, 4> brackets = {{{'(', ')'}, {'[', ']'}, {'{', '}'}, {'<', '>'}}};
 
 bool one_letter(std::string_view text) { return text.size() == 1; }
 
@@ -58,53 +55,51 @@ std::string from_suffix(std::string suffix) {
   return suffix;
 }
 
-std::vector<std::string_view> split(std::string_view line, char separator) {
-  std::vector<std::string_view> cells;
-  bool quoted = false, bracketed = false;  // blanks between brackets separate nothing
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i <= line.size(); ++i) {
-    const char c = i < line.size() ? line[i] : separator;
-    if (c == '"') quoted = !quoted;
-    if (separator == ' ' && (c == '(' || c == '[')) bracketed = true;
-    if (c == ')' || c == ']') bracketed = false;
-    if (i < line.size() && (quoted || bracketed || c != separator)) continue;
-    const auto cell = trimmed(line.substr(begin, i - begin));
-    begin = i + 1;
-    const bool bracket = !cell.empty() && (cell.front() == '(' || cell.front() == '[');
-    if (separator == ' ' && bracket && !cells.empty())  // belongs to the name before it
-      cells.back() =
-          std::string_view(cells.back().data(), std::size_t(cell.data() + cell.size() - cells.back().data()));
-    else if (separator != ' ' || !cell.empty())
-      cells.push_back(cell);
-  }
-  return cells;
-}
-
-char separator_of(std::string_view line) {
-  bool quoted = false;
-  for (const char separator : {',', ';', '\t'})
-    for (const char c : line) {
-      if (c == '"') quoted = !quoted;
-      if (c == separator && !quoted) return separator;
-    }
-  return ' ';
+/// The same to rounding: "mm/s" and "mm s-1".
+bool same_unit(const TextUnit& a, const TextUnit& b) {
+  constexpr double rounding = 1e-9;
+  return a.dimension == b.dimension && std::abs(a.factor / b.factor - 1) < rounding;
 }
 
 }  // namespace
+
+bool looks_like_unit(const std::string& text) {
+  constexpr std::size_t word = 4;  // letters in runs of at most three: longer ones are words, as "force" is to UDUNITS
+  if (text == "mu") return false;  // friction, not a thousandth of the atomic mass unit
+  std::size_t letters = 0, run = 0;
+  for (const char c : text) {
+    run = std::isalpha(static_cast<unsigned char>(c)) ? run + 1 : 0;
+    letters += run > 0;
+    if (run >= word) return false;
+  }
+  return letters > 0 && std::isalpha(static_cast<unsigned char>(text.front())) && unit_known(text);
+}
+
+std::string unit_cell(std::string_view text) {
+  auto cell = trimmed(text);
+  for (const auto& [open, close] : brackets)
+    if (cell.size() >= 2 && cell.front() == open && cell.back() == close) cell = cell.substr(1, cell.size() - 2);
+  return spelt(cell);
+}
 
 HeaderCell header_cell(std::string_view text) {
   const auto whole = trimmed(text);
   HeaderCell cell{std::string(whole), std::string(whole), ""};
   const auto take = [&](std::size_t name_ends, std::string unit) {
     cell.name = std::string(trimmed(whole.substr(0, name_ends)));
-    if (cell.name.ends_with('/'))
-      cell.name = std::string(trimmed(std::string_view(cell.name).substr(0, cell.name.size() - 1)));
+    for (const std::string_view link : {"/", " in"})
+      if (cell.name.ends_with(link))
+        cell.name = std::string(trimmed(std::string_view(cell.name).substr(0, cell.name.size() - link.size())));
     cell.unit = std::move(unit);
     return cell;
   };
-  for (const auto& [open, close] : {std::pair{'(', ')'}, std::pair{'[', ']'}})
+  for (const auto& [open, close] : brackets)
     if (const auto at = whole.rfind(open); whole.ends_with(close) && at != std::string_view::npos)
       return take(at, spelt(whole.substr(at + 1, whole.size() - at - 2)));
+  for (const auto& [open, close] : brackets)  // "load [kN] filtered"
+    if (const auto at = whole.find(open), end = whole.find(close, at); end != std::string_view::npos)
+      if (auto unit = spelt(whole.substr(at + 1, end - at - 1)); looks_like_unit(unit))
+        return take(at, std::move(unit));
   const auto after = [&](std::string_view mark) {
     const auto at = whole.find(mark);
     if (at == std::string_view::npos || at == 0) return false;
@@ -116,62 +111,63 @@ HeaderCell header_cell(std::string_view text) {
   if (after(" / ") || after(",")) return cell;
   if (const auto at = whole.rfind(' '); at != std::string_view::npos)
     if (auto unit = spelt(whole.substr(at + 1)); looks_like_unit(unit)) {
-      cell.may_be_subscript = one_letter(unit);
+      cell.may_be_name = one_letter(unit);
       return take(at, std::move(unit));
     }
   if (after("/")) return cell;
+  for (const char mark : {':', '.', '-'})
+    if (const auto at = whole.rfind(mark); at != std::string_view::npos && at > 0)
+      if (auto unit = spelt(whole.substr(at + 1)); looks_like_unit(unit)) {
+        cell.may_be_name = one_letter(unit);
+        return take(at, std::move(unit));
+      }
   for (auto at = whole.find('_', 1); at != std::string_view::npos; at = whole.find('_', at + 1))
     if (auto unit = from_suffix(spelt(whole.substr(at + 1))); looks_like_unit(unit)) {
-      cell.may_be_subscript = one_letter(unit);
+      cell.may_be_name = one_letter(unit);
       return take(at, std::move(unit));
     }
   return cell;
 }
 
-Header read_header(std::string_view line) {
-  Header header{separator_of(line), {}};
-  for (const auto cell : split(line, header.separator)) header.cells.push_back(header_cell(cell));
-  return header;
-}
-
-const HeaderCell* find_column(const std::vector<HeaderCell>& cells, std::string_view name) {
-  for (const auto part : {&HeaderCell::text, &HeaderCell::name})
-    if (const auto found = std::ranges::find(cells, name, part); found != cells.end()) return &*found;
-  return nullptr;
-}
-
-double to_si_factor(const HeaderCell& cell, std::string_view given, std::string_view si) {
-  const std::string unit = given.empty() ? cell.unit : spelt(given);
-  if (unit.empty()) return 1;
-  try {
-    if (const auto parsed = parse_unit(unit); parsed && parsed->offset)
-      throw InputError(fmt::format("{} counts from another zero, or is no factor at all", unit));
-    return to_si("1 " + unit, si);
-  } catch (const InputError& error) {
-    if (given.empty() && cell.may_be_subscript) return 1;
-    throw InputError(
-        fmt::format("column '{}': {}; correct the unit in the header, which may stand as \"{} ({})\"{}", cell.text,
-                    error.what(), cell.name, si,
-                    given.empty() ? ", or give it in the scene where a column may be { column = …, unit = … }" : ""));
+int find_column(const std::vector<HeaderCell>& cells, std::string_view name) {
+  for (const auto part : {&HeaderCell::text, &HeaderCell::name}) {
+    const auto count = std::ranges::count(cells, name, part);
+    if (count > 1) return -2;
+    if (count == 1) return int(std::ranges::find(cells, name, part) - cells.begin());
   }
+  return -1;
 }
 
-bool names_units(std::string_view comment) {
-  const auto header = read_header(comment);
-  return std::ranges::all_of(header.cells, [](const HeaderCell& cell) {
-    return (cell.text.ends_with(')') || cell.text.ends_with(']')) && !cell.unit.empty() && unit_known(cell.unit);
-  });
-}
-
-bool holds_units(std::string_view line) {
-  const auto cells = split(line, separator_of(line));
-  const auto is_unit = [](std::string_view cell) {
-    if (!cell.empty() && (cell.front() == '(' || cell.front() == '[')) cell = cell.substr(1, cell.size() - 2);
-    const auto unit = spelt(cell);
-    return unit == "1" || looks_like_unit(unit);
-  };
-  return !cells.empty() && std::ranges::all_of(cells, is_unit) &&
-         std::ranges::any_of(cells, [](std::string_view cell) { return looks_like_unit(spelt(cell)); });
+Conversion conversion_to_si(const HeaderCell& cell, const RecordColumn& column) {
+  const bool calibrated = column.factor || column.offset != 0;
+  const std::string given = spelt(column.unit), &unit = given.empty() ? cell.unit : given;
+  const auto refuse = [&](const std::string& why) { throw InputError(fmt::format("column '{}': {}", cell.text, why)); };
+  if (!given.empty() && !calibrated && !cell.unit.empty()) {
+    const auto ours = parse_unit(given), theirs = parse_unit(cell.unit);
+    const bool part_of_name = cell.may_be_name && ours && theirs && !(ours->dimension == theirs->dimension);
+    if (ours && theirs && !part_of_name && !same_unit(*ours, *theirs))
+      refuse(
+          fmt::format("the file says {}, the scene {}; leave out the scene's unit, correct the "
+                      "file's, or overrule it by factor = 1 beside the unit",
+                      cell.unit, given));
+  }
+  double scale = 1;
+  if (!unit.empty()) try {
+      if (const auto parsed = parse_unit(unit); parsed && parsed->offset)
+        throw InputError(fmt::format("{} counts from another zero, or is no factor at all", unit));
+      scale = to_si("1 " + unit, column.si);
+    } catch (const InputError& error) {
+      if (!given.empty() || !cell.may_be_name)
+        refuse(given.empty() && calibrated
+                   ? fmt::format("{}; give the unit of number·factor + offset: {{ column = …, unit = \"{}\", … }}",
+                                 error.what(), column.si)
+                   : fmt::format("{}; correct the unit in the header, which may stand as \"{} ({})\"{}", error.what(),
+                                 cell.name, column.si,
+                                 given.empty() ? ", or give it in the scene: { column = …, unit = … }, with factor and "
+                                                 "offset where a sensor's number is calibrated"
+                                               : ""));
+    }
+  return {column.factor.value_or(1) * scale, column.offset * scale};
 }
 
 }  // namespace rosin::app::scene

@@ -1,39 +1,47 @@
-/// Headers of tables: the name and the unit of each column, in the ways that instruments write them.
+/// Columns of tables: the name and the unit of each, in the ways that instruments write them, and its numbers in SI.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace rosin::app::scene {
 
+/// What a scene wants of a file: a column by its name or its number, and the SI unit that is needed. A sensor's
+/// calibration makes (number·factor + offset) of the file's numbers, in `unit`.
+struct RecordColumn {
+  std::string name;                   ///< empty: by number
+  std::string unit;                   ///< empty: as the file says, else SI
+  std::string si;                     ///< in which the numbers are handed over
+  int number = 0;                     ///< of the column, from 1
+  std::optional<double> factor = {};  ///< of a calibration
+  double offset = 0;
+};
+
 /// One column: "speed (mm/s)", "speed [mm/s]", "speed / mm/s", "speed, mm/s", "speed mm/s", "speed_mm_s".
 struct HeaderCell {
-  std::string text;               ///< all of it
-  std::string name;               ///< without the unit
-  std::string unit;               ///< empty: none is written; "1" for a dash
-  bool may_be_subscript = false;  ///< a single letter at the end of the name, such as the s of "mu_s"
+  std::string text;          ///< all of it
+  std::string name;          ///< without the unit
+  std::string unit;          ///< empty: none is written; "1" for a dash
+  bool may_be_name = false;  ///< the unit may be a part of the name, such as the s of "mu_s"
 };
 HeaderCell header_cell(std::string_view text);
 
-/// The cells of a header line, and what separates them: comma, semicolon or tab, else blanks.
-struct Header {
-  char separator = ' ';
-  std::vector<HeaderCell> cells;
+/// A cell of a line of units: "mm/s", "(mm/s)", "[mm/s]"; "1" for a dash, empty for nothing.
+std::string unit_cell(std::string_view text);
+/// True for a unit without brackets around it, which must not be a word.
+bool looks_like_unit(const std::string& text);
+
+/// The column of that name, with or without its unit; −1 if there is none, −2 if there are several.
+int find_column(const std::vector<HeaderCell>&, std::string_view name);
+
+/// SI value = number·scale + shift.
+struct Conversion {
+  double scale = 1, shift = 0;
 };
-Header read_header(std::string_view line);
-
-/// The column of that name, with or without its unit; nothing if there is none.
-const HeaderCell* find_column(const std::vector<HeaderCell>&, std::string_view name);
-
-/// What a number under this cell is worth in the SI unit: the header's unit counts, or `given` where the scene gives
-/// one. A letter that is no such unit is a part of the name. \throws InputError that names the column, for units that
-/// are none, or of another dimension, and says the cure.
-double to_si_factor(const HeaderCell&, std::string_view given, std::string_view si);
-
-/// True for a comment that stands for a header: each of its cells has a unit in brackets, "time (ms), load (kN)".
-bool names_units(std::string_view comment);
-
-/// True for a line that has units in place of numbers, such as "mm/s;-".
-bool holds_units(std::string_view line);
+/// What the numbers under this cell are worth. A letter that is no such unit is a part of the name.
+/// \throws InputError that names the column and says the cure, for units that are none, that have another dimension,
+/// or that the scene contradicts.
+Conversion conversion_to_si(const HeaderCell&, const RecordColumn&);
 
 }  // namespace rosin::app::scene

@@ -1,4 +1,4 @@
-/// Reading records: text by blocks of a mebibyte, NetCDF by hyperslabs, and the check that time runs evenly.
+/// Reading records: text by blocks, NetCDF by hyperslabs, and the check that time runs evenly.
 #include "app/scene/record.hpp"
 
 #include <fcntl.h>
@@ -14,9 +14,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -25,11 +23,14 @@
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include "app/scene/header.hpp"
+#include "app/scene/table_file.hpp"
 #include "core/error.hpp"
 #include "core/files.hpp"
 #include "core/stop.hpp"
+#include "core/units.hpp"
 
 namespace rosin::app::scene {
 
@@ -38,191 +39,93 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t block_length = 1 << 16;
 
-/// The first line of a file that is no record may be anything, a secret too: only what reads as a name is shown.
-bool reads_as_name(const std::string& name) {
-  constexpr std::size_t longest = 60;
-  return !name.empty() && name.size() <= longest && std::ranges::all_of(name, [](unsigned char c) {
-    return std::isalnum(c) || c >= 0x80 || std::string_view("_- .'").find(char(c)) != std::string_view::npos;
-  });
-}
-
-/// `header`: the line that was taken for it, of a text.
-[[noreturn]] void no_column(const RecordSource& source, const std::string& name, std::vector<std::string> known,
-                            long header = 0) {
-  std::erase_if(known, std::not_fn(reads_as_name));
-  const auto near = nearest_name(name, known);
-  const auto hint = !near.empty()   ? fmt::format("; did you mean '{}'?", near)
-                    : known.empty() ? std::string("; its first line holds no names of columns")
-                                    : fmt::format("; it has {}", fmt::join(known, ", "));
-  const auto cure =
-      header > 0 && near.empty()
-          ? fmt::format(
-                " (line {} is taken for the header: delete what stands before the names of the columns, or "
-                "begin those lines with #)",
-                header)
-          : std::string();
-  throw InputError(fmt::format("{}: has no column '{}'{}{}", source.file.string(), name, hint, cure));
-}
-
 /// What a number of the file is worth in SI.
-double factor(const RecordSource& source, const RecordColumn& column, const HeaderCell& cell) {
+Conversion conversion(const std::string& place, const RecordColumn& column, const HeaderCell& cell) {
   try {
-    return to_si_factor(cell, column.unit, column.si);
+    return conversion_to_si(cell, column);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", source.file.string(), error.what()));
+    throw InputError(fmt::format("{}: {}", place, error.what()));
   }
+}
+
+/// "speed (column 2) in mm/s"
+std::string described(const RecordColumn& column, const HeaderCell& cell, std::size_t index) {
+  const auto name =
+      cell.name.empty() ? fmt::format("column {}", index + 1) : fmt::format("'{}' (column {})", cell.name, index + 1);
+  std::string calibration;
+  if (column.factor) calibration = fmt::format(", times {:.6g}", *column.factor);
+  if (column.offset != 0) calibration += fmt::format(", plus {:.6g}", column.offset);
+  auto unit = !column.unit.empty() ? column.unit : cell.unit;
+  if (const auto theirs = parse_unit(unit), needed = parse_unit(column.si);
+      cell.may_be_name && theirs && needed && !(theirs->dimension == needed->dimension))
+    unit.clear();  // it was a part of the name
+  if (unit.empty())
+    return fmt::format("{}{}, taken as {} since no unit is given", name, calibration, readable_unit(column.si));
+  return fmt::format("{}{}{} {}", name, calibration, unit == "1" ? "," : " in", readable_unit(unit));
 }
 
 /// Rows of the wanted columns, in the file's units times their factors.
 class Rows {
  public:
   virtual ~Rows() = default;
-  /// Appends up to block_length rows to `block`; false when there are no more.
+  /// Appends up to block_length rows to `block`, NaN where a number is missing; false when there are no more.
   virtual bool read(std::vector<std::vector<double>>& block) = 0;
-  /// Where a sample stands: "record.csv:12".
+  /// Where a sample of the last block stands: "record.csv:12".
   virtual std::string place(long sample) const = 0;
+  /// What was found out of the file.
+  virtual std::string understood() const = 0;
 };
 
 // ---------------------------------------------------------------- text
 
 class TextRows final : public Rows {
  public:
-  TextRows(const RecordSource& source, const std::vector<RecordColumn>& wanted)
-      : path_(source.file.string()), file_(std::fopen(path_.c_str(), "rb")) {
-    if (!file_) throw InputError(fmt::format("{}: cannot be read", path_));
-    std::string_view header;
-    do
-      if (!line(header))
-        throw InputError(fmt::format("{}: is empty; a header line with the names of the columns is needed", path_));
-    while (skipped(header));
-    const auto [separator, cells] = read_header(header);
-    separator_ = separator;
+  TextRows(const RecordSource& source, const std::vector<RecordColumn>& wanted) : file_(source.file, source.keys) {
+    const auto& head = file_.head();
+    const auto place = head.names_line > 0
+                           ? fmt::format("{}:{}", file_.path(), std::max(head.names_line, head.units_line))
+                           : file_.path();
+    if (source.width > 0 && head.columns.size() != std::size_t(source.width))
+      throw InputError(fmt::format(
+          "{}:{}: has {} columns, where {} are taken without being named: choose them beside the file's name",
+          file_.path(), head.first_line, head.columns.size(), source.width));
+    std::vector<std::string> columns;
     for (const auto& column : wanted) {
-      const auto* found = find_column(cells, column.name);
-      if (!found) {
-        std::vector<std::string> names;
-        for (const auto& cell : cells) names.push_back(cell.name);
-        no_column(source, column.name, names, line_number_);
-      }
-      wanted_.push_back({std::size_t(found - cells.data()), factor(source, column, *found), column.name});
+      const auto index = file_.need(column);
+      wanted_.push_back({index, conversion(place, column, head.columns[index])});
+      columns.push_back(described(column, head.columns[index], index));
     }
-    columns_ = cells.size();
+    understood_ = fmt::format("{}; {}", head.text(), fmt::join(columns, ", "));
   }
 
   bool read(std::vector<std::vector<double>>& block) override {
-    std::vector<double> cells(columns_);
-    std::vector<char> present(columns_);
-    std::size_t rows = 0;
-    for (std::string_view text; rows < block_length && line(text);) {
-      if (skipped(text)) continue;
-      const auto whole = text;
-      std::fill(present.begin(), present.end(), 0);
-      std::size_t index = 0;
-      for (std::string_view cell; next_cell(text, cell); ++index) {
-        if (index >= columns_)
-          throw InputError(fmt::format("{}:{}: has more cells than the header has names", path_, line_number_));
-        const auto [end, problem] = std::from_chars(cell.data(), cell.data() + cell.size(), cells[index]);
-        present[index] = problem == std::errc{} && end == cell.data() + cell.size() && std::isfinite(cells[index]);
-      }
-      if (index != columns_)
-        throw InputError(fmt::format("{}:{}: has {} cells, the header {} names", path_, line_number_, index, columns_));
-      for (std::size_t c = 0; c < wanted_.size(); ++c) {
-        const auto& column = wanted_[c];
-        if (!present[column.index]) not_a_number(whole, column.name);
-        block[c].push_back(cells[column.index] * column.factor);
-      }
-      lines_.push_back(line_number_);
-      ++rows;
+    first_ += long(lines_.size());
+    lines_.clear();
+    while (lines_.size() < block_length && file_.row(cells_)) {
+      for (std::size_t c = 0; c < wanted_.size(); ++c)
+        block[c].push_back(cells_[wanted_[c].index] * wanted_[c].to_si.scale + wanted_[c].to_si.shift);
+      lines_.push_back(file_.line());
     }
-    first_ = passed_;
-    passed_ += long(rows);
-    if (lines_.size() > rows) lines_.erase(lines_.begin(), lines_.end() - std::ptrdiff_t(rows));
-    return rows > 0;
+    return !lines_.empty();
   }
 
   std::string place(long sample) const override {
     const auto i = std::size_t(std::clamp(sample - first_, 0L, long(lines_.size()) - 1));
-    return fmt::format("{}:{}", path_, lines_[i]);
+    return fmt::format("{}:{}", file_.path(), lines_[i]);
   }
+  std::string understood() const override { return understood_; }
 
  private:
   struct Wanted {
     std::size_t index;
-    double factor;
-    std::string name;
+    Conversion to_si;
   };
-
-  static std::string_view trimmed(std::string_view text) {
-    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '"'; };
-    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-    while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-    return text;
-  }
-  static bool skipped(std::string_view text) { return trimmed(text).empty() || trimmed(text).front() == '#'; }
-
-  [[noreturn]] void not_a_number(std::string_view text, const std::string& name) const {
-    if (lines_.empty() && holds_units(text))
-      throw InputError(
-          fmt::format("{}:{}: '{}' holds units in a line of their own; write them into the header, such as "
-                      "\"{} (…)\", and delete this line",
-                      path_, line_number_, trimmed(text), name));
-    if (separator_ != ',' && text.find(',') != std::string_view::npos)
-      throw InputError(fmt::format(
-          "{}:{}: column '{}' is no number here: '{}'; if a comma is the decimal sign, write a point for it", path_,
-          line_number_, name, trimmed(text)));
-    throw InputError(
-        fmt::format("{}:{}: column '{}' is missing or not a finite number here; nothing is "
-                    "interpolated: cut the record, or fill it yourself",
-                    path_, line_number_, name));
-  }
-
-  /// Takes the first cell off `rest`.
-  bool next_cell(std::string_view& rest, std::string_view& cell) const {
-    if (separator_ == ' ') {
-      rest = trimmed(rest);
-      if (rest.empty()) return false;
-    } else if (rest.data() == nullptr) {
-      return false;
-    }
-    const auto end = rest.find(separator_);
-    cell = trimmed(rest.substr(0, end));
-    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
-    return true;
-  }
-
-  bool line(std::string_view& text) {
-    while (true) {
-      const auto* begin = buffer_.data() + at_;
-      const auto* end = static_cast<const char*>(std::memchr(begin, '\n', filled_ - at_));
-      if (end || (ended_ && filled_ > at_)) {
-        if (!end) end = buffer_.data() + filled_;
-        text = std::string_view(begin, std::size_t(end - begin));
-        at_ = std::min(filled_, at_ + text.size() + 1);
-        ++line_number_;
-        return true;
-      }
-      if (ended_) return false;
-      std::memmove(buffer_.data(), begin, filled_ - at_);
-      filled_ -= at_, at_ = 0;
-      if (filled_ == buffer_.size()) throw InputError(fmt::format("{}: a line is longer than a mebibyte", path_));
-      const auto got = std::fread(buffer_.data() + filled_, 1, buffer_.size() - filled_, file_.get());
-      filled_ += got;
-      ended_ = got == 0;
-    }
-  }
-
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  std::string path_;
-  std::unique_ptr<std::FILE, Close> file_;
-  std::vector<char> buffer_ = std::vector<char>(1 << 20);
-  std::size_t filled_ = 0, at_ = 0, columns_ = 0;
-  bool ended_ = false;
-  char separator_ = ' ';
-  long line_number_ = 0, first_ = 0, passed_ = 0;
+  TableFile file_;
   std::vector<Wanted> wanted_;
+  std::vector<double> cells_;
   std::vector<long> lines_;  ///< of the last block
+  long first_ = 0;           ///< sample of it
+  std::string understood_;
 };
 
 // ---------------------------------------------------------------- NetCDF
@@ -240,26 +143,34 @@ class NetcdfRows final : public Rows {
       names.emplace_back(name);
     }
     for (const auto& column : wanted) {
-      Variable variable{0, 1, std::nan(""), column.name};
-      if (nc_inq_varid(file_.id, column.name.c_str(), &variable.id) != NC_NOERR) no_column(source, column.name, names);
+      if (column.number > count)
+        throw InputError(fmt::format("{}: has no variable {}; it has {}", path_, column.number, count));
+      Variable variable{
+          column.number - 1, {}, std::nan(""), column.number > 0 ? names[std::size_t(column.number) - 1] : column.name};
+      if (column.number == 0 && nc_inq_varid(file_.id, column.name.c_str(), &variable.id) != NC_NOERR) {
+        const auto near = nearest_name(column.name, names);
+        throw InputError(fmt::format("{}: has no column '{}'{}", path_, column.name,
+                                     !near.empty() ? fmt::format("; did you mean '{}'?", near)
+                                                   : fmt::format("; it has {}", fmt::join(names, ", "))));
+      }
       int dimensions = 0, dimension = 0;
       check(nc_inq_varndims(file_.id, variable.id, &dimensions));
       if (dimensions != 1)
-        throw InputError(fmt::format("{}: '{}' has {} dimensions, one is needed", path_, column.name, dimensions));
+        throw InputError(fmt::format("{}: '{}' has {} dimensions, one is needed", path_, variable.name, dimensions));
       check(nc_inq_vardimid(file_.id, variable.id, &dimension));
       std::size_t length = 0;
       check(nc_inq_dimlen(file_.id, dimension, &length));
       if (!variables_.empty() && length != length_)
-        throw InputError(fmt::format("{}: '{}' has {} samples, '{}' has {}", path_, column.name, length,
+        throw InputError(fmt::format("{}: '{}' has {} samples, '{}' has {}", path_, variable.name, length,
                                      variables_.front().name, length_));
       length_ = length;
       nc_type type = NC_NAT;
       check(nc_inq_vartype(file_.id, variable.id, &type));
-      if (!holds_numbers(type)) throw InputError(fmt::format("{}: '{}' holds no numbers", path_, column.name));
+      if (!holds_numbers(type)) throw InputError(fmt::format("{}: '{}' holds no numbers", path_, variable.name));
       variable.fill = fill_value(variable);
-      HeaderCell cell = header_cell(column.name);
-      if (const auto unit = unit_of(variable); !unit.empty()) cell = {column.name, column.name, unit};
-      variable.factor = factor(source, column, cell);
+      HeaderCell cell = header_cell(variable.name);
+      if (const auto unit = unit_of(variable); !unit.empty()) cell = {variable.name, variable.name, unit};
+      variable.to_si = conversion(path_, column, cell);
       variables_.push_back(variable);
     }
   }
@@ -274,23 +185,23 @@ class NetcdfRows final : public Rows {
       list.resize(before + rows);
       check(nc_get_vara_double(file_.id, variable.id, &at_, &rows, list.data() + before));
       for (std::size_t i = before; i < list.size(); ++i) {
-        if (!std::isfinite(list[i]) || list[i] == variable.fill || list[i] == NC_FILL_DOUBLE)
-          throw InputError(
-              fmt::format("{}: '{}' is missing or not a finite number at sample {}; nothing is "
-                          "interpolated: cut the record, or fill it yourself",
-                          path_, variable.name, at_ + i - before));
-        list[i] *= variable.factor;
+        if (std::isinf(list[i]))
+          throw InputError(fmt::format("{}: '{}' is not finite at sample {}", path_, variable.name, at_ + i - before));
+        if (list[i] == variable.fill || list[i] == NC_FILL_DOUBLE) list[i] = std::nan("");
+        list[i] = list[i] * variable.to_si.scale + variable.to_si.shift;
       }
     }
     at_ += rows;
     return true;
   }
   std::string place(long sample) const override { return fmt::format("{}: sample {}", path_, sample); }
+  std::string understood() const override { return "NetCDF"; }
 
  private:
   struct Variable {
     int id;
-    double factor, fill;
+    Conversion to_si;
+    double fill;
     std::string name;
   };
 
@@ -389,6 +300,7 @@ class RowsOfChild final : public Rows {
     return true;
   }
   std::string place(long sample) const override { return fmt::format("{}: sample {}", path_, sample); }
+  std::string understood() const override { return "NetCDF"; }
 
  private:
   enum class Kind : std::uint64_t { rows = 1, refusal, end };
@@ -462,6 +374,11 @@ class Clock {
   void take(const std::vector<double>& times, const Rows& rows) {
     if (step_ == 0) begin(times);
     for (const double t : times) {
+      if (std::isnan(t)) {  // the next one must stand in its place
+        last_ += step_;
+        ++count_;
+        continue;
+      }
       if (count_ > 0) {
         const double step = t - last_;
         if (!(step > 0))
@@ -494,9 +411,11 @@ class Clock {
 
  private:
   void begin(const std::vector<double>& times) {
-    if (times.size() < 2) throw InputError("a record needs two samples at least");
     std::vector<double> steps;
-    for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
+    for (std::size_t i = 1; i < times.size(); ++i)
+      if (const double step = times[i] - times[i - 1]; std::isfinite(step)) steps.push_back(step);
+    if (steps.empty()) throw InputError("a record needs two times that follow each other at least");
+    if (std::isnan(times.front())) throw InputError("the first time of the record is missing; cut the record there");
     std::ranges::nth_element(steps, steps.begin() + std::ptrdiff_t(steps.size() / 2));
     step_ = steps[steps.size() / 2];
     first_ = times.front();
@@ -507,13 +426,24 @@ class Clock {
   std::vector<std::pair<long, double>> marks_;
 };
 
+FilesRead*& files_read() {
+  static thread_local FilesRead* now = nullptr;
+  return now;
+}
+
 }  // namespace
+
+FilesRead::FilesRead() : before_(std::exchange(files_read(), this)) {}
+FilesRead::~FilesRead() { files_read() = before_; }
+void FilesRead::note(const std::string& text) {
+  if (auto* now = files_read()) now->texts.push_back(text);
+}
 
 RecordEnd read_record(const RecordSource& source,
                       const std::function<void(double, std::span<const std::span<const double>>)>& use) {
-  if (!fs::is_regular_file(source.file))
+  if (!fs::is_regular_file(source.file) && !fs::is_fifo(source.file))
     throw InputError(fmt::format("{}: {}", source.file.string(),
-                                 fs::exists(source.file) ? "is not a regular file" : "no such file"));
+                                 fs::exists(source.file) ? "is not a regular file or a pipe" : "no such file"));
   auto wanted = source.columns;
   if (source.time) wanted.push_back(*source.time);
   const auto ending = source.file.extension();
@@ -525,9 +455,20 @@ RecordEnd read_record(const RecordSource& source,
     rows = std::make_unique<TextRows>(source, wanted);
 
   Clock clock;
-  RecordEnd end{source.sample_rate, 0};
+  RecordEnd end{source.sample_rate};
   std::vector<std::vector<double>> block(wanted.size());
   while (rows->read(block)) {
+    for (std::size_t i = 0; i < block.front().size(); ++i) {
+      const auto missing = std::ranges::find_if(block, [&](const auto& column) { return std::isnan(column[i]); });
+      if (missing == block.end()) continue;
+      ++end.gaps;
+      if (source.gaps) continue;
+      const auto& column = wanted[std::size_t(missing - block.begin())];
+      throw InputError(
+          fmt::format("{}: column {} is missing here; nothing is interpolated: cut the table, or fill it yourself",
+                      rows->place(end.samples + long(i)),
+                      column.number > 0 ? std::to_string(column.number) : fmt::format("'{}'", column.name)));
+    }
     if (source.time) {
       clock.take(block.back(), *rows);
       end.sample_rate = clock.rate();
@@ -538,9 +479,13 @@ RecordEnd read_record(const RecordSource& source,
     end.samples += long(block.front().size());
     for (auto& list : block) list.clear();
   }
-  if (end.samples < 2)
+  if (end.samples < source.least)
     throw InputError(fmt::format("{}: has {} samples, too few for anything", source.file.string(), end.samples));
   if (source.time) end.sample_rate = clock.mean_rate(source);
+  end.understood = fmt::format("{}: {}; {} rows, {} with gaps", source.file.string(), rows->understood(), end.samples,
+                               end.gaps == 0 ? "none" : std::to_string(end.gaps));
+  if (source.time) end.understood += fmt::format(", one each {:.6g} s", 1 / end.sample_rate);
+  FilesRead::note(end.understood);
   return end;
 }
 

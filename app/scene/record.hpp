@@ -7,30 +7,45 @@
 #include <string>
 #include <vector>
 
+#include "app/scene/table_layout.hpp"
+
 namespace rosin::app::scene {
 
-/// One column: its name in the file, the unit of the file's numbers (empty: as the file says, else SI), and the SI unit
-/// that is wanted.
-struct RecordColumn {
-  std::string name, unit, si;
-};
-
 struct RecordSource {
-  std::filesystem::path file;        ///< *.nc: NetCDF, else text with a header line
+  std::filesystem::path file;        ///< *.nc: NetCDF, else text
   std::optional<RecordColumn> time;  ///< checked to be even
   double sample_rate = 0;            ///< Hz, where there is no time
   std::vector<RecordColumn> columns;
+  TableKeys keys = {};
+  bool gaps = false;  ///< rows with missing numbers are handed over, with NaN in place of those; else they are refused
+  int least = 2;      ///< samples
+  int width = 0;      ///< columns that a text must have where none are chosen; 0: any number
 };
 
 struct RecordEnd {
   double sample_rate = 0;  ///< Hz, the mean
   long samples = 0;
+  long gaps = 0;                ///< rows in which a number is missing
+  std::string understood = {};  ///< of the file, in one sentence
 };
 
 /// Hands the columns in SI units to `use`, block by block, with the sample rate as the first times tell it.
-/// \throws InputError with file and line (or sample) for gaps, uneven times, numbers that are missing or not finite,
-/// and columns that are not there. Nothing is interpolated.
+/// \throws InputError with file and line (or sample) for steps in time, uneven times, numbers that are missing or not
+/// finite, and columns that are not there. Nothing is interpolated.
 RecordEnd read_record(const RecordSource&,
                       const std::function<void(double sample_rate, std::span<const std::span<const double>>)>& use);
+
+/// While it lives, what is understood of files that are read in this thread is noted, for whoever wants it explained.
+class FilesRead {
+ public:
+  FilesRead();
+  ~FilesRead();
+  FilesRead(const FilesRead&) = delete;
+  static void note(const std::string&);
+  std::vector<std::string> texts;
+
+ private:
+  FilesRead* before_;
+};
 
 }  // namespace rosin::app::scene

@@ -58,7 +58,8 @@ struct CompareOptions {
 
 /// A measured record, and how a response is taken out of it.
 struct FrfRecord {
-  RecordSource source;  ///< columns in the order of the channels
+  RecordSource source;        ///< columns in the order of the channels
+  bool displacement = false;  ///< stands in the place of slip rate, which is made of it
   analysis::response::Channels channels;
   double resolution = 0;  ///< Hz
   analysis::response::WelchOptions welch;
@@ -186,6 +187,7 @@ struct Scene {
   std::optional<analysis::lab::Task> lab;
   std::string resolved;                       ///< the scene as TOML, overrides included
   std::vector<std::string> notes;             ///< what was read but has no effect
+  std::vector<std::string> files_read;        ///< what was understood of measured files
   std::map<std::string, std::string> places;  ///< of keys by their paths: "scene.toml:7:5"
 
   /// The parameter at a path: of the family where there is one, else of the model.

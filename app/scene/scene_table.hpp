@@ -254,18 +254,55 @@ inline std::array<double, 2> both(Table& table, std::string_view key, Quantity q
               [&](const toml::node& node) { return number(node, quantity); });
 }
 
-/// A column of a record by name, or { column, unit }.
+/// A column of a file by name or by number, or { column, unit, factor, offset }.
 inline RecordColumn read_column(const toml::node& node, const std::string& path, const std::string& si) {
-  if (node.is_string()) return {text(node, path), "", si};
+  RecordColumn column{"", "", si};
+  const auto choose = [&](const toml::node& chosen, const std::string& where) {
+    constexpr int most_columns = 100'000;
+    if (chosen.is_integer())
+      column.number = count(chosen, where, 1, most_columns, "number of a column");
+    else if (chosen.is_string())
+      column.name = text(chosen, where);
+    else
+      wrong_kind(chosen, where, "the name of a column or its number");
+  };
+  if (!node.is_table()) {
+    choose(node, path);
+    return column;
+  }
   Table table(node, path);
-  table.expect({"column", "unit"});
-  RecordColumn column{text(table.required("column", "its name in the file"), table.path("column")), "", si};
+  table.expect({"column", "unit", "factor", "offset"});
+  choose(table.required("column", "its name in the file or its number"), table.path("column"));
   if (const auto* unit = table.find("unit")) {
     column.unit = text(*unit, table.path("unit"));
     located(unit->source(), [&] { to_si("1 " + column.unit, si); });
   }
+  const auto plain = [&](std::string_view key) -> std::optional<double> {
+    const auto* value = table.find(key);
+    if (!value) return std::nullopt;
+    if (!value->is_number()) wrong_kind(*value, table.path(key), "a number without unit (that is unit's)");
+    const double number = *value->value<double>();
+    located(value->source(), [&] { require(number, {-1e300, 1e300}, table.path(key), "of a calibration", "1"); });
+    return number;
+  };
+  column.factor = plain("factor");
+  if (column.factor && *column.factor == 0) fail(table.source(), "{} = 0 leaves nothing", table.path("factor"));
+  column.offset = plain("offset").value_or(0);
   table.finish();
   return column;
+}
+
+/// The keys by which every table of a scene names a file of measured numbers.
+inline RecordSource read_file(Table& table, const std::filesystem::path& folder) {
+  RecordSource source;
+  const std::filesystem::path file =
+      text(table.required("file", "a table as text (CSV and others), or NetCDF (*.nc)"), table.path("file"));
+  source.file = file.is_absolute() ? file : folder / file;
+  constexpr int most_lines = 100'000;
+  table.read("names_line", source.keys.names_line, 1, most_lines, "line of the file with the names of the columns");
+  if (const auto* decimal = table.find("decimal"))
+    source.keys.decimal = choice(*decimal, table.path("decimal"), {".", ","}).front();
+  return source;
 }
 
 }  // namespace rosin::app::scene

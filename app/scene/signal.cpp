@@ -2,83 +2,42 @@
 #include "app/scene/signal.hpp"
 
 #include <array>
-#include <charconv>
-#include <sstream>
 #include <utility>
-
-#include "app/scene/header.hpp"
-#include "core/files.hpp"
 
 namespace rosin::app::scene {
 
-namespace {
-
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t largest_record = 200'000'000;  // bytes
-
-}  // namespace
-
-Signal::Table read_signal(const fs::path& path, const std::string& unit) {
-  Signal::Table record;
-  std::istringstream lines(read_whole(path, largest_record));
-  std::string line;
-  double time_factor = 1, value_factor = 1;
-  bool begun = false;
-  const auto take_units = [&](const std::string& header, int number) {
-    const auto cells = read_header(header).cells;
-    if (cells.size() != 2) return false;
-    try {
-      time_factor = to_si_factor(cells[0], "", "s"), value_factor = to_si_factor(cells[1], "", unit);
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("{}:{}: {}", path.string(), number, error.what()));
-    }
-    return true;
-  };
-  for (int number = 1; std::getline(lines, line); ++number) {
-    const auto hash = line.find('#');
-    if (hash != std::string::npos) {
-      const auto comment = line.substr(hash + 1);
-      if (hash == 0 && !begun && names_units(comment)) take_units(comment, number);
-      line.resize(hash);
-    }
-    const std::string written = line;
-    std::ranges::replace_if(
-        line, [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
-    if (line.find_first_not_of(' ') == std::string::npos) continue;
-    std::vector<double> values;
-    const char *at = line.data(), *end = at + line.size();
-    while (at != end) {
-      if (*at == ' ') {
-        ++at;
-        continue;
-      }
-      double value = 0;
-      const auto [next, problem] = std::from_chars(at, end, value);
-      if (problem != std::errc{} || (next != end && *next != ' ')) break;
-      values.push_back(value);
-      at = next;
-    }
-    if (at != end && !std::exchange(begun, true)) {
-      if (!take_units(written, number))
-        throw InputError(fmt::format(
-            "{}:{}: the header '{}' does not name two columns, such as \"time (s), value ({})\"; correct it, or "
-            "delete the line",
-            path.string(), number, written, unit));
-      continue;
-    }
-    if (at != end && record.time.empty() && holds_units(written))
-      throw InputError(fmt::format(
-          "{}:{}: '{}' holds units in a line of their own; write them into the header, \"time (…), value (…)\", and "
-          "delete this line",
-          path.string(), number, written));
-    if (at != end || values.size() != 2)
-      throw InputError(fmt::format("{}:{}: two numbers are needed, a time in s and a value", path.string(), number));
-    begun = true;
-    record.time.push_back(values[0] * time_factor);
-    record.value.push_back(values[1] * value_factor);
+Signal::Table read_table_file(const toml::node& node, const std::string& path, const std::string& unit,
+                              const fs::path& folder) {
+  RecordSource source;
+  RecordColumn time{"", "", "s", 1}, value{"", "", unit, 2};
+  bool chosen = false;
+  if (node.is_table()) {
+    Table table(node, path);
+    table.expect({"file", "names_line", "decimal", "time", "value"});
+    source = read_file(table, folder);
+    if (const auto* column = table.find("time")) time = read_column(*column, table.path("time"), "s");
+    if (const auto* column = table.find("value")) value = read_column(*column, table.path("value"), unit);
+    chosen = table.find("time") && table.find("value");
+    table.finish();
+  } else {
+    const fs::path file = text(node, path);
+    source.file = file.is_absolute() ? file : folder / file;
   }
-  return record;
+  source.columns = {std::move(time), std::move(value)};
+  source.least = 1;
+  if (!chosen) source.width = 2;
+  return located(node.source(), [&] {
+    Signal::Table record;
+    read_record(source, [&](double, std::span<const std::span<const double>> block) {
+      record.time.insert(record.time.end(), block[0].begin(), block[0].end());
+      record.value.insert(record.value.end(), block[1].begin(), block[1].end());
+      if (record.time.size() > std::size_t(most_points))
+        throw InputError(fmt::format("{}: has more than {} rows", source.file.string(), most_points));
+    });
+    return record;
+  });
 }
 
 Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::path& folder) {
@@ -116,11 +75,9 @@ Signal read_signal(const toml::node& node, const Quantity& quantity, const fs::p
       keys.finish();
       return Signal(form);
     }
-    if (file) {
-      const fs::path record = text(*file, quantity.name + ".table");
-      return Signal(located(
-          file->source(), [&] { return read_signal(record.is_absolute() ? record : folder / record, quantity.unit); }));
-    }
+    if (file)
+      return located(file->source(),
+                     [&] { return Signal(read_table_file(*file, quantity.name + ".table", quantity.unit, folder)); });
     if (noise) {
       Table keys(*noise, quantity.name + ".noise");
       keys.expect({"rms", "band", "seed"});

@@ -8,9 +8,10 @@
 
 namespace rosin::app::scene {
 
-/// Two numbers a line, separated by a comma or blanks: a time in s and a value in `unit`, unless the first line is a
-/// header with other units. \throws InputError with the line.
-Signal::Table read_signal(const std::filesystem::path&, const std::string& unit);
+/// A table in a file: its name, or { file, time, value } with columns; without these a time in s and a value in `unit`
+/// in two columns. \throws InputError with the line.
+Signal::Table read_table_file(const toml::node&, const std::string& path, const std::string& unit,
+                              const std::filesystem::path& folder);
 
 /// In the units of `quantity`; files are looked for in `folder`. \throws InputError with the place of what is wrong,
 /// and where the signal leaves the quantity's range.

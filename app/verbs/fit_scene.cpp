@@ -32,9 +32,10 @@ const std::vector<KindOfData>& kinds() {
   return list;
 }
 
-Measurement read_data(const toml::node& node, const scene::Scene& scene, const fs::path& folder) {
+Measurement read_data(const toml::node& node, scene::Scene& scene, const fs::path& folder) {
   scene::Table table(node, "fit.data");
-  table.expect({"type", "file", "columns", "standard_error", "speed", "from", "to", "normal_load", "low", "high"});
+  table.expect({"type", "file", "columns", "standard_error", "speed", "from", "to", "normal_load", "low", "high",
+                "names_line", "decimal"});
   std::vector<std::string> names;
   for (const auto& kind : kinds()) names.emplace_back(kind.name);
   const auto type = scene::choice(table.required("type", "what was measured"), table.path("type"), names);
@@ -57,10 +58,10 @@ Measurement read_data(const toml::node& node, const scene::Scene& scene, const f
   table.read("low", low, {"", kind.columns.front().si, {-1e300, 1e300}, "points below are left out"});
   table.read("high", high, {"", kind.columns.front().si, {-1e300, 1e300}, "points above are left out"});
 
-  const auto& file_node = table.required("file", "CSV with a header line, or NetCDF (*.nc)");
-  const fs::path file = scene::text(file_node, table.path("file"));
-  data.name = file.filename().string();
-  scene::RecordSource source{file.is_absolute() ? file : folder / file, {}, 1, {}};
+  auto source = scene::read_file(table, folder);
+  const auto& file_node = *table.find("file");
+  data.name = source.file.filename().string();
+  source.gaps = true;
   auto columns = table.table("columns");
   for (const auto& column : kind.columns) {
     const auto* given = columns ? columns->find(column.name) : nullptr;
@@ -69,21 +70,26 @@ Measurement read_data(const toml::node& node, const scene::Scene& scene, const f
   }
   if (columns) columns->finish();
   const auto& error = table.required("standard_error", "of each number: a value, or the name of a column");
-  const bool by_column = error.is_string() && !std::isdigit(static_cast<unsigned char>(error.as_string()->get()[0]));
+  const bool by_column =
+      error.is_table() || (error.is_string() && !std::isdigit(static_cast<unsigned char>(error.as_string()->get()[0])));
   double constant = 0;
   if (by_column)
-    source.columns.push_back({scene::text(error, table.path("standard_error")), "", kind.columns.back().si});
+    source.columns.push_back(scene::read_column(error, table.path("standard_error"), kind.columns.back().si));
   else
     constant =
         scene::number(error, {table.path("standard_error"), kind.columns.back().si, {1e-300, 1e300}, "standard error"});
   table.finish();
   scene::located(file_node.source(), [&] {
     std::vector<std::vector<double>> values(source.columns.size());
-    scene::read_record(source, [&](double, std::span<const std::span<const double>> block) {
+    const auto end = scene::read_record(source, [&](double, std::span<const std::span<const double>> block) {
       for (std::size_t c = 0; c < block.size(); ++c)
         values[c].insert(values[c].end(), block[c].begin(), block[c].end());
     });
+    if (end.gaps > 0)
+      scene.notes.push_back(
+          fmt::format("{}: {} of {} rows lack a number and are left out", data.name, end.gaps, end.samples));
     for (std::size_t i = 0; i < values[0].size(); ++i) {
+      if (std::ranges::any_of(values, [&](const auto& column) { return std::isnan(column[i]); })) continue;
       if (values[0][i] < low || values[0][i] > high) continue;
       data.x.push_back(values[0][i]);
       for (std::size_t c = 1; c < kind.columns.size(); ++c) {

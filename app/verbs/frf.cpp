@@ -3,6 +3,7 @@
 #include <numbers>
 #include <optional>
 
+#include "analysis/response/interval_means.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/json.hpp"
@@ -281,21 +282,80 @@ Status finish_measured(Job& job, const analysis::response::MeasuredFrf& measured
   return job.finish(to_json(scene, measured, predicted), std::move(files), {});
 }
 
+/// Takes the stretches between rows in which a number is missing, one after the other.
+class Stretches {
+ public:
+  Stretches(const scene::FrfRecord& record, double sample_rate)
+      : spectra_(record.channels.count(), welch(record, sample_rate)) {
+    if (record.displacement) means_.emplace(record.channels.count(), sample_rate);
+  }
+  void add(std::span<const std::span<const double>> block) {
+    const auto missing = [&](std::size_t i) {
+      return std::ranges::any_of(block, [&](const auto& column) { return std::isnan(column[i]); });
+    };
+    const auto length = block.front().size();
+    for (std::size_t begin = 0, end = 0; end <= length; ++end) {
+      if (end < length && !missing(end)) continue;
+      if (end > begin) {
+        std::vector<std::span<const double>> part;
+        for (const auto& column : block) part.push_back(column.subspan(begin, end - begin));
+        spectra_.add(means_ ? means_->add(part) : part);
+      }
+      if (end < length) {
+        spectra_.interrupt();
+        if (means_) means_->interrupt();
+      }
+      begin = end + 1;
+    }
+  }
+  const analysis::response::CrossSpectra& spectra() const { return spectra_; }
+  const std::optional<analysis::response::IntervalMeans>& means() const { return means_; }
+
+ private:
+  static analysis::response::WelchOptions welch(const scene::FrfRecord& record, double sample_rate) {
+    auto options = record.welch;
+    options.segment = analysis::response::segment_for(record.resolution, sample_rate);
+    return options;
+  }
+  analysis::response::CrossSpectra spectra_;
+  std::optional<analysis::response::IntervalMeans> means_;
+};
+
 Status extract(Job& job) {
   const auto& record = *job.scene().frf_record;
   job.explain("segments of {} Hz resolution, window {}, overlap {}; the record is read in blocks", record.resolution,
               record.welch.window, record.welch.overlap);
   const auto begin = std::chrono::steady_clock::now();
-  std::optional<analysis::response::CrossSpectra> spectra;
+  std::optional<Stretches> stretches;
   const auto end = scene::read_record(record.source, [&](double rate, std::span<const std::span<const double>> block) {
-    if (!spectra) {
-      auto welch = record.welch;
-      welch.segment = analysis::response::segment_for(record.resolution, rate);
-      spectra.emplace(record.channels.count(), welch);
-    }
-    spectra->add(block);
+    if (!stretches) stretches.emplace(record, rate);
+    stretches->add(block);
   });
-  const auto measured = analysis::response::extract_frf(*spectra, record.channels, end.sample_rate, record.extraction);
+  job.explain("{}", end.understood);
+  std::vector<std::string> warnings;
+  const auto& spectra = stretches->spectra();
+  if (end.gaps > 0)
+    warnings.push_back(fmt::format(
+        "{} of {} rows lack a number; no segment reaches across them, and {} rows ({:.3g} %) stand in none", end.gaps,
+        end.samples, end.samples - spectra.used(), 100.0 * double(end.samples - spectra.used()) / double(end.samples)));
+  auto extraction = record.extraction;
+  if (record.displacement) {
+    job.explain(
+        "slip rate: the displacement's means over the interval between samples, beside means of the other columns; "
+        "what "
+        "that changes, θ²/12 with θ = 2π f/f_s, is a part of bias_error");
+    const double highest = analysis::response::highest_part * end.sample_rate;
+    if (extraction.to > highest && extraction.to < infinity)
+      warnings.push_back(
+          fmt::format("frequencies end at {:.6g} Hz, a quarter of the sample rate: above it a displacement says too "
+                      "little of slip rate",
+                      highest));
+    extraction.to = std::min(extraction.to, highest);
+  }
+  auto measured = analysis::response::extract_frf(spectra, record.channels, end.sample_rate, extraction);
+  if (const auto& means = stretches->means())
+    analysis::response::state_interval_bias(measured, means->sample_rate(), end.sample_rate);
+  measured.warnings.insert(measured.warnings.begin(), warnings.begin(), warnings.end());
   job.manifest().cost = {{"seconds", seconds_since(begin)}, {"samples", double(end.samples)}};
   return finish_measured(job, measured);
 }

@@ -60,12 +60,11 @@ std::vector<double> read_frequencies(const toml::node& node, const std::string& 
 scene::FrfRecord read_frf_record(scene::Table table, const fs::path& folder) {
   using Second = analysis::response::Channels::Second;
   scene::FrfRecord record;
-  table.expect({"file", "time", "sample_rate", "slip_rate", "force", "normal_load", "approach_rate", "reference",
-                "resolution", "overlap", "window", "estimator"});
-  const fs::path file =
-      scene::text(table.required("file", "CSV with a header line, or NetCDF (*.nc)"), table.path("file"));
+  table.expect({"file", "time", "sample_rate", "slip_rate", "displacement", "force", "normal_load", "approach_rate",
+                "reference", "resolution", "overlap", "window", "estimator", "names_line", "decimal"});
   auto& source = record.source;
-  source.file = file.is_absolute() ? file : folder / file;
+  source = scene::read_file(table, folder);
+  source.gaps = true;
   const auto *time = table.find("time"), *rate = table.find("sample_rate");
   if (!time == !rate)
     scene::fail(table.source(), "{} needs time (a column) or sample_rate (Hz), and not both", "frf.record");
@@ -76,7 +75,14 @@ scene::FrfRecord read_frf_record(scene::Table table, const fs::path& folder) {
     if (node) source.columns.push_back(scene::read_column(*node, table.path(key), si));
     return node != nullptr;
   };
-  add("slip_rate", "m/s", true);
+  const auto* displacement = table.find("displacement");
+  if (displacement && table.find("slip_rate"))
+    scene::fail(displacement->source(), "frf.record has slip_rate and displacement; give one of them");
+  record.displacement = displacement != nullptr;
+  if (record.displacement)
+    add("displacement", "m", true);
+  else
+    add("slip_rate", "m/s", true);
   add("force", "N", true);
   auto& second = record.channels.second;
   if (add("approach_rate", "m/s", false)) {
@@ -117,35 +123,40 @@ std::vector<double> read_matrix(const toml::node& node, const Quantity& quantity
   return entries;
 }
 
-/// A file by name, or { file, standard_error } with the name of a column.
+/// A file by name, or { file, … } with columns.
 scene::FrfUse::Measured read_complex_table(const toml::node& node, const std::string& path, const char* unit,
                                            const fs::path& folder) {
-  fs::path file;
-  std::vector<scene::RecordColumn> columns = {{"frequency", "", "Hz"}, {"real", "", unit}, {"imaginary", "", unit}};
+  scene::RecordSource source;
+  source.columns = {{"frequency", "", "Hz"}, {"real", "", unit}, {"imaginary", "", unit}};
   if (node.is_string()) {
-    file = scene::text(node, path);
+    const fs::path file = scene::text(node, path);
+    source.file = file.is_absolute() ? file : folder / file;
   } else {
     scene::Table table(node, path);
-    table.expect({"file", "standard_error"});
-    file = scene::text(table.required("file", "CSV with frequency, real and imaginary"), table.path("file"));
+    table.expect({"file", "names_line", "decimal", "frequency", "real", "imaginary", "standard_error"});
+    auto columns = std::move(source.columns);
+    source = scene::read_file(table, folder);
+    for (auto& column : columns)
+      if (const auto* given = table.find(column.name))
+        column = scene::read_column(*given, table.path(column.name), column.si);
     if (const auto* error = table.find("standard_error"))
-      columns.push_back({scene::text(*error, table.path("standard_error")), "", unit});
+      columns.push_back(scene::read_column(*error, table.path("standard_error"), unit));
+    source.columns = std::move(columns);
     table.finish();
   }
   scene::FrfUse::Measured table;
   scene::located(node.source(), [&] {
-    scene::read_record({file.is_absolute() ? file : folder / file, {}, 1, columns},
-                       [&](double, std::span<const std::span<const double>> block) {
-                         for (std::size_t i = 0; i < block[0].size(); ++i) {
-                           table.frequency.push_back(block[0][i]);
-                           table.value.emplace_back(block[1][i], block[2][i]);
-                           if (block.size() > 3) table.error.push_back(block[3][i]);
-                         }
-                       });
+    scene::read_record(source, [&](double, std::span<const std::span<const double>> block) {
+      for (std::size_t i = 0; i < block[0].size(); ++i) {
+        table.frequency.push_back(block[0][i]);
+        table.value.emplace_back(block[1][i], block[2][i]);
+        if (block.size() > 3) table.error.push_back(block[3][i]);
+      }
+    });
     if (std::ranges::adjacent_find(table.frequency, std::greater_equal{}) != table.frequency.end())
-      throw InputError(fmt::format("{}: frequencies must ascend", file.string()));
+      throw InputError(fmt::format("{}: frequencies must ascend", source.file.string()));
     if (std::ranges::any_of(table.error, [](double e) { return e < 0; }))
-      throw InputError(fmt::format("{}: standard errors must not be negative", file.string()));
+      throw InputError(fmt::format("{}: standard errors must not be negative", source.file.string()));
   });
   return table;
 }

@@ -41,6 +41,7 @@ Job::Job(const Request& request) : request_(request), scene_(read_scene(request)
   fs::create_directories(folder_, problem);
   if (problem) throw InputError(fmt::format("--out {}: cannot be made: {}", folder_.string(), problem.message()));
   for (const auto& text : scene_.notes) note(text);
+  for (const auto& text : scene_.files_read) explain("{}", text);
   manifest_.verb = request.verb;
   manifest_.overrides = request.overrides;
 }

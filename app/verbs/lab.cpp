@@ -72,7 +72,7 @@ void read_settings(scene::Table table, scene::SceneReader& reader) {
   if (experiment.takes_motion)
     if (const auto* record = table.find("record"))
       scene::located(record->source(), [&] {
-        task.motion = scene::read_signal(reader.folder / scene::text(*record, table.path("record")), "m");
+        task.motion = scene::read_table_file(*record, table.path("record"), "m", reader.folder);
         Signal{*task.motion};  // refuses empty records and times that do not ascend
       });
   if (auto sensor = table.table("sensor"))

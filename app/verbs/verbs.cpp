@@ -104,6 +104,7 @@ scene::Scene read_scene(const Request& request) {
   scene::Scene scene;
   scene.path = request.target;
   note_places(document, "", scene.places);
+  const scene::FilesRead files;
   try {
     scene::SceneReader reader{
         request, document, scene::Table(document, ""), scene, std::filesystem::path(scene.path).parent_path(), {}};
@@ -120,6 +121,7 @@ scene::Scene read_scene(const Request& request) {
   } catch (const InputError& error) {
     throw InputError(scene.placed(error.what()));
   }
+  scene.files_read = files.texts;
   scene::write_table(scene.resolved, document, "");
   return scene;
 }

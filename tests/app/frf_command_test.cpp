@@ -1,8 +1,11 @@
 /// The verbs frf and fit as a user runs them: the fields that callers rely on, and refusals with their place.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <sstream>
 
 #include "tests/app/command.hpp"
@@ -161,4 +164,53 @@ TEST_CASE("what a response or a fit cannot use is refused with its place", "[frf
   CHECK_THAT(refused("fit " + examples + "fit-laws.toml --set \"fit.parameters=['law.q']\""),
              Contains("unknown parameter"));
   CHECK_THAT(refused("fit " + examples + "fit-laws.toml --set fit.data=[]"), Contains("fit.data is empty"));
+}
+
+TEST_CASE("a displacement serves where slip rate was not recorded, and lost samples cost their segments",
+          "[frf-command]") {
+  const Folder folder;
+  const auto record = [&](bool gap) {  // a dashpot of 200 N s/m whose slip rate is straight between samples
+    std::ofstream file(folder.path / "x.csv");
+    file << "time (s);position (mm);force (N)\n";
+    std::mt19937 dice(1);
+    double x = 0, before = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const double v = 0.02 + 1e-3 * (double(dice()) / 4294967296.0 - 0.5);
+      if (i > 0) x += 0.5 * (v + before) * 0.005;
+      before = v;
+      file << fmt::format("{:.3f};{};{:.9f}\n", i * 0.005,
+                          gap && i == 1000 ? std::string("NaN") : fmt::format("{:.9f}", 1e3 * x), 3 + 200 * v);
+    }
+  };
+  std::ofstream(folder.path / "x.toml") << "[frf]\nfrequencies = { from = 2, to = 40 }\n[frf.record]\nfile = 'x.csv'\n"
+                                           "time = 'time'\ndisplacement = 'position'\nforce = 3\nresolution = 1\n";
+  for (const bool gap : {false, true}) {
+    record(gap);
+    const auto ran = run_rosin(folder, "frf x.toml --json");
+    INFO(ran.error);
+    REQUIRE(ran.status == 0);
+    const auto answer = json::parse(ran.out);
+    CHECK(answer["frequency"].size() >= 38);
+    for (std::size_t k = 0; k < answer["frequency"].size(); ++k) {
+      CHECK(answer["tangential"][k][0].get<double>() == Approx(200).epsilon(1e-3));
+      CHECK(answer["coherence"][k].get<double>() > 0.999);
+    }
+    const bool said = answer["warnings"].dump().find("1 of 4000 rows lack a number") != std::string::npos;
+    CHECK(said == gap);
+  }
+  CHECK_THAT(run_rosin(folder, "frf x.toml --set \"frf.record.slip_rate='position'\"").error,
+             Contains("has slip_rate and displacement"));
+}
+
+TEST_CASE("a curve is fitted as a tribometer exported it", "[frf-command]") {
+  const Folder folder;
+  const auto ran = run_rosin(folder, "fit " + examples + "fit-curve.toml --json --explain");
+  INFO(ran.error);
+  REQUIRE(ran.status == 0);
+  const auto found = json::parse(ran.out)["parameters"];
+  CHECK(found["law.mu_s"]["value"].get<double>() == Approx(0.4).epsilon(1e-3));
+  CHECK(found["law.mu_d"]["value"].get<double>() == Approx(0.3).epsilon(1e-3));
+  CHECK(found["law.v_s"]["value"].get<double>() == Approx(0.02).epsilon(1e-3));
+  CHECK(ran.error.find("names in line 4, units in line 5") != std::string::npos);
+  CHECK(ran.error.find("1 of 13 rows lack a number") != std::string::npos);
 }

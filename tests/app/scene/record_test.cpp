@@ -69,6 +69,9 @@ TEST_CASE("a unit in the header counts in every way of writing it", "[record]") 
                                             {"Speed mm/s", "Speed", "mm/s"},
                                             {"slip_rate_mm_s", "slip_rate", "mm/s"},
                                             {"speed_mm_per_s", "speed", "mm/s"},
+                                            {"load [kN] filtered", "load", "kN"},
+                                            {"load <kN>", "load", "kN"},
+                                            {"load.kN", "load", "kN"},
                                             {"Z_N_s_m", "Z", "N s/m"},
                                             {"x [µm]", "x", "um"},
                                             {"mu [-]", "mu", "1"},
@@ -80,24 +83,58 @@ TEST_CASE("a unit in the header counts in every way of writing it", "[record]") 
     CHECK(cell.name == name);
     CHECK(cell.unit == unit);
   }
-  CHECK(scene::to_si_factor(scene::header_cell("Speed [mm/s]"), "", "m/s") == 1e-3);
-  CHECK(scene::to_si_factor(scene::header_cell("load_kN"), "", "N") == 1e3);
-  CHECK(scene::to_si_factor(scene::header_cell("load_kN"), "mN", "N") == 1e-3);  // the scene's unit comes first
-  CHECK(scene::to_si_factor(scene::header_cell("mu_s"), "", "1") == 1);          // a subscript, no second
-  CHECK_THROWS_WITH(scene::to_si_factor(scene::header_cell("position_mm"), "", "m/s"),
-                    Contains("'position_mm'") && Contains("mm"));
-  CHECK_THROWS_WITH(scene::to_si_factor(scene::header_cell("force (raw)"), "", "N"),
-                    Contains("'raw' is not a known unit"));
-  CHECK_THROWS_WITH(scene::to_si_factor(scene::header_cell("T (degC)"), "", "K"), Contains("another zero"));
+  const auto scale = [](const char* header, const char* unit, const char* si) {
+    return scene::conversion_to_si(scene::header_cell(header), {"", unit, si}).scale;
+  };
+  CHECK(scale("Speed [mm/s]", "", "m/s") == 1e-3);
+  CHECK(scale("load_kN", "", "N") == 1e3);
+  CHECK(scale("load_kN", "kN", "N") == 1e3);
+  CHECK(scale("load (raw)", "mN", "N") == 1e-3);  // the file has no unit that is one
+  CHECK(scale("mu_s", "", "1") == 1);             // a subscript, no second
+  CHECK_THROWS_WITH(scale("load_kN", "mN", "N"), Contains("the file says kN, the scene mN"));
+  CHECK_THROWS_WITH(scale("position_mm", "", "m/s"), Contains("'position_mm'") && Contains("mm"));
+  CHECK_THROWS_WITH(scale("force (raw)", "", "N"), Contains("'raw' is not a known unit"));
+  CHECK_THROWS_WITH(scale("T (degC)", "", "K"), Contains("another zero"));
 
   const auto read = text("t_ms;v [mm/s];F / kN\n0;1;2\n1;1;2\n2;1;2\n");
   CHECK(read.end.sample_rate == Approx(1000));
   CHECK(read.columns[0][0] == 1e-3);
   CHECK(read.columns[1][0] == 2e3);
   CHECK(text("t (ms) v (mm/s) F (N)\n0 1 2\n1 1 2\n2 1 2\n").columns[0][0] == 1e-3);
-  CHECK_THROWS_WITH(text("t,v,F\nms,mm/s,N\n0,1,2\n1,1,2\n"), Contains("r.csv:2") && Contains("into the header"));
-  CHECK_THROWS_WITH(text("t;v;F\n0;1,5;2\n1;1;2\n"), Contains("decimal sign"));
-  CHECK_THROWS_WITH(text("Rig 2\nt,v,F\n0,1,2\n1,1,2\n"), Contains("taken for the header"));
+  CHECK(text("t,v,F\nms,mm/s,N\n0,1,2\n1,1,2\n").columns[0][1] == 1e-3);
+  CHECK(text("t;v;F\n0;1,5;2\n1;1;2\n").columns[0][0] == 1.5);
+  CHECK(text("Rig 2\nt,v,F\n0,1,2\n1,1,2\n").end.samples == 2);
+}
+
+TEST_CASE("a sensor's calibration is a factor and an offset in the unit of what it measures", "[record]") {
+  const Folder folder;
+  std::ofstream(folder.path / "r.csv") << "load (V),other,load (V)\n0.5,1,2\n1.5,1,2\n";
+  const auto read = [&](const scene::RecordColumn& column) {
+    return all_of({folder.path / "r.csv", {}, 100, {column}}).columns[0];
+  };
+  scene::RecordColumn load{"", "kN", "N", 1, 2.0, 0.25};
+  CHECK(read(load) == std::vector<double>{1250, 3250});
+  load.unit = "";
+  CHECK_THROWS_WITH(read(load), Contains("r.csv:1: column 'load (V)': '1 V' is in V") && Contains("unit = \"N\""));
+  CHECK(read({"", "", "1", 2}) == std::vector<double>{1, 1});
+  CHECK_THROWS_WITH(read({"", "", "1", 4}), Contains("has no column 4; its rows have 3"));
+  CHECK_THROWS_WITH(read({"load", "", "V"}), Contains("r.csv:1: several columns are named 'load'"));
+  CHECK_THROWS_WITH(read({"otter", "", "1"}), Contains("did you mean 'other'?"));
+}
+
+TEST_CASE("a missing sample is a gap, where the reader takes gaps", "[record]") {
+  const Folder folder;
+  std::ofstream(folder.path / "r.csv") << "t,v\n0,1\n1,\n2,n/a\n,4\n4,5\n";
+  scene::RecordSource source{folder.path / "r.csv", scene::RecordColumn{"t", "", "s"}, 0, {{"v", "", "m/s"}}};
+  CHECK_THROWS_WITH(all_of(source), Contains("r.csv:3: column 'v' is missing here"));
+  source.gaps = true;
+  const auto read = all_of(source);
+  CHECK(read.end.samples == 5);
+  CHECK(read.end.gaps == 3);
+  CHECK(read.end.sample_rate == 1);
+  CHECK(std::isnan(read.columns[0][1]));
+  CHECK(read.columns[0][4] == 5);
+  CHECK_THAT(read.end.understood, Contains("names in line 1") && Contains("5 rows, 3 with gaps, one each 1 s"));
 }
 
 TEST_CASE("nothing is interpolated in silence", "[record]") {
@@ -105,9 +142,9 @@ TEST_CASE("nothing is interpolated in silence", "[record]") {
   CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,2\n2.2,1,2\n3.2,1,2\n4.2,1,2\n"),
                     Contains("r.csv:4: samples are not even"));
   CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,2\n2,1,2\n2,1,2\n"), Contains("r.csv:5: time does not ascend"));
-  CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,nan,2\n"), Contains("r.csv:3: column 'v' is missing or not a finite number"));
+  CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,nan,2\n"), Contains("r.csv:3: column 'v' is missing here"));
   CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,\n"), Contains("r.csv:3: column 'F' is missing"));
-  CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1\n"), Contains("r.csv:3: has 2 cells, the header 3 names"));
+  CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1\n"), Contains("r.csv:3: has 2 cells, the names are 3"));
   CHECK_THROWS_WITH(text("t,v\n0,1\n1,1\n"), Contains("has no column 'F'"));
   CHECK_THROWS_WITH(text("t,v,F (kg)\n0,1,2\n"), Contains("column 'F (kg)': '1 kg' is in kg"));
   CHECK_THROWS_WITH(text("t,v,F\n"), Contains("has 0 samples"));
@@ -147,7 +184,7 @@ TEST_CASE("NetCDF records, with their units and their missing values", "[record]
   mismatched.columns.push_back({"odd", "", "1"});
   CHECK_THROWS_WITH(all_of(mismatched), Contains("'odd' has 3 samples, 'v' has 100000"));
   write(std::nan(""));
-  CHECK_THROWS_WITH(all_of(source), Contains("'v' is missing or not a finite number at sample 70000"));
+  CHECK_THROWS_WITH(all_of(source), Contains("sample 70000: column 'v' is missing here"));
   write(NC_FILL_DOUBLE);
   CHECK_THROWS_AS(all_of(source), InputError);
 }
@@ -193,7 +230,8 @@ TEST_CASE("a file that crashes the library that reads it is damaged, and nothing
 }
 
 TEST_CASE("the first line of a file that is no record is not shown", "[record]") {
-  CHECK_THROWS_WITH(text("root:$6$secret:19000:0:99999:7:::\n"),
-                    Contains("has no column 'v'; its first line holds no names of columns") && !Contains("secret"));
+  CHECK_THROWS_WITH(text("root:$6$secret:19000:0:99999:7:::\n"), Contains("has 0 samples") && !Contains("secret"));
+  CHECK_THROWS_WITH(text("root:$6$secret:19000:0:99999:7:::\n1 2\n"),
+                    Contains("these are no names of columns") && !Contains("secret"));
   CHECK_THROWS_WITH(text("time,speed,force\n0,1,2\n"), Contains("has no column 'v'; it has time, speed, force"));
 }

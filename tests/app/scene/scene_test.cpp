@@ -32,6 +32,7 @@ Scene read(const std::string& text, const std::string& verb, const std::vector<s
   std::ofstream("units-in-comment.csv")
       << "# taken (twice), again\n# rig (new), run (last)\n# time (ms), load (kN)\n0,1\n2500,4\n";
   std::ofstream("units-below.csv") << "time,load\nms,kN\n0,1\n2500,4\n";
+  std::ofstream("gap.csv") << "time;load;state\n0,0;1,5;a\n1,0;n/a;b\n";
   std::ofstream("motion.csv") << "time (ms),displacement (mm)\n0,1\n2500,4\n";
   std::ofstream("curve.csv") << "Speed [mm/s],mu [-]\n1,0.4\n10,0.3\n100,0.2\n";
   struct Return {
@@ -151,8 +152,20 @@ TEST_CASE("units in the headers of tables count for drives, motions and measurem
   CHECK(read(pulled + "{ table = 'units-in-comment.csv' }", "stability").model.drive.normal_load.value(1.25) == 2500);
   CHECK_THAT(refusal(pulled + "{ table = 'motion.csv' }", "stability"),
              Catch::Contains("motion.csv:1") && Catch::Contains("'1 mm' is in mm, but needed is N"));
-  CHECK_THAT(refusal(pulled + "{ table = 'units-below.csv' }", "stability"),
-             Catch::Contains("units-below.csv:2") && Catch::Contains("into the header"));
+  CHECK(read(pulled + "{ table = 'units-below.csv' }", "stability").model.drive.normal_load.value(1.25) == 2500);
+  const std::string chosen = "{ table = { file = 'units.csv', time = 'time', value = ";
+  CHECK(read(pulled + chosen + "{ column = 2, factor = 2, offset = 1, unit = 'N' } } }", "stability")
+            .model.drive.normal_load.value(1.25) == 6);
+  CHECK_THAT(refusal(pulled + chosen + "{ column = 'load', unit = 'mN' } } }", "stability"),
+             Catch::Contains("units.csv:2") && Catch::Contains("the file says kN, the scene mN"));
+  const auto gap = [&](const char* value) {
+    return refusal(pulled + "{ table = { file = 'gap.csv', time = 1, value = " + value + " } }", "stability");
+  };
+  CHECK_THAT(gap("'load'"), Catch::Contains("gap.csv:3: column 'load' is missing here"));
+  CHECK_THAT(gap("'state'"), Catch::Contains("gap.csv:2: column 'state' is not a finite number here: 'a'"));
+  CHECK_THAT(refusal(pulled + "{ table = 'gap.csv' }", "stability"),
+             Catch::Contains("gap.csv:2: has 3 columns, where 2 are taken"));
+  CHECK_THAT(refusal(pulled + chosen + "'lode' } }", "stability"), Catch::Contains("did you mean 'load'?"));
 
   const std::string lab = spinodal + slider + "[lab]\nrecord = 'motion.csv'\n";
   const auto scene = read(lab, "lab", {}, "inverse");
@@ -292,7 +305,7 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
        "scene.toml:9:20: drive.force.steps is a list, but [time, value] is needed"},
       {"run", run("force = {}"), "scene.toml:9:9: drive.force needs one of steps, ramp, table, or harmonics"},
       {"run", run("force = { table = 'none.csv' }"), "scene.toml:9:19: none.csv: no such file"},
-      {"run", run("force = { table = 'torn.csv' }"), "scene.toml:9:19: torn.csv:2: two numbers are needed"},
+      {"run", run("force = { table = 'torn.csv' }"), "scene.toml:9:19: torn.csv:2: has 1 cells, the other rows have 2"},
       {"run", run("force = { mean = 1, harmonics = [{ amplitude = 1, angular_frequency = '3 Hz' }] }"),
        "angular frequency"},
       {"run",
