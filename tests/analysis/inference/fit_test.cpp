@@ -50,8 +50,7 @@ TEST_CASE("without noise the true parameters come back from far away", "[fit]") 
   const std::vector<Measurement> data = {noisy(ageing(), measured_response(), 1e-6, 1),
                                          noisy(ageing(), step(), 1e-10, 2)};
   const auto far = slider_under("ageing", {0.4, 0.003, 0.04, 1e-4, 1e-6}, any_slider, 1e-5, 5);
-  const auto found =
-      fit(far, data, {.parameters = {"law.mu0", "law.a", "law.b", "law.L"}, .profiles = false, .folds = 0});
+  const auto found = fit(far, data, {.parameters = {"law.mu0", "law.a", "law.b", "law.L"}, .profiles = false});
   REQUIRE(found.parameters.size() == 4);
   CHECK(found.outcome.complete());
   const double truth[] = {0.6, 0.010, 0.015, 1e-5};
@@ -66,7 +65,7 @@ TEST_CASE("a straight line has the intervals of linear least squares", "[fit]") 
   m = noisy(model, m, 1e-3, 4);
   double mean = 0;
   for (const double y : m.y) mean += y / 16;
-  const auto found = fit(model, {m}, {.parameters = {"law.mu0"}, .folds = 4});
+  const auto found = fit(model, {m}, {.parameters = {"law.mu0"}, .profiles = true, .folds = 4});
   const auto& mu0 = found.parameters.front();
   CHECK(mu0.value == Approx(mean).epsilon(1e-6));
   CHECK(mu0.standard_error == Approx(1e-3 / 4).epsilon(1e-5));
@@ -85,8 +84,7 @@ TEST_CASE("from a noisy response and a velocity step the truth lies in 95 % inte
     const std::vector<Measurement> data = {noisy(ageing(), measured_response(), 150, 2 * seed),
                                            noisy(ageing(), step(), 1e-3, 2 * seed + 1)};
     const auto found =
-        fit(ageing(), data,
-            {.parameters = {"law.mu0", "law.a", "law.b", "law.L"}, .starts = 1, .profiles = false, .folds = 0});
+        fit(ageing(), data, {.parameters = {"law.mu0", "law.a", "law.b", "law.L"}, .starts = 1, .profiles = false});
     for (std::size_t i = 0; i < 4; ++i, ++all)
       inside += found.parameters[i].low <= truth[i] && truth[i] <= found.parameters[i].high;
   }
@@ -105,7 +103,7 @@ TEST_CASE("the law that made the data is ranked first, and a contact spring is t
     std::vector<Fit> fits;
     for (const char* law : laws)
       fits.push_back(fit(slider_under(law, {0.5, 0.012, 0.013, 2e-5, 1e-6}, any_slider, 1e-5, 5), data,
-                         {.parameters = paths, .profiles = false}));
+                         {.parameters = paths, .profiles = false, .folds = 5}));
     for (std::size_t k = 0; k < fits.size(); ++k) {
       if (k == true_law) continue;
       CHECK(fits[k].aic > fits[true_law].aic + 10);
@@ -125,8 +123,8 @@ TEST_CASE("the law that made the data is ranked first, and a contact spring is t
     int right = 0, bracketed = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const std::vector<Measurement> data = {noisy(truth, measured_response(), 20, seed)};
-      const auto rigid = fit(ageing(), data, {.parameters = three, .starts = 1, .profiles = false, .folds = 0});
-      const auto sprung = fit(with_spring, data, {.parameters = four, .starts = 1, .folds = 0});
+      const auto rigid = fit(ageing(), data, {.parameters = three, .starts = 1, .profiles = false});
+      const auto sprung = fit(with_spring, data, {.parameters = four, .starts = 1, .profiles = true});
       right += (sprung.bic < rigid.bic) == present;
       const auto& stiffness = sprung.parameters.back();
       // Without a spring the profile has no upper end.
@@ -149,7 +147,7 @@ TEST_CASE("fits that cannot be done are refused, and weak ones are said to be we
   few.error[0] = 0;
   CHECK_THROWS_WITH(fit(ageing(), {few}, {.parameters = {"law.a"}}), Catch::Contains("standard errors"));
   // mu0 and v0 shift the same curve.
-  const auto twins = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.v0"}, .profiles = false, .folds = 0});
+  const auto twins = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.v0"}, .profiles = false});
   CHECK_FALSE(twins.warnings.empty());
 }
 
@@ -157,13 +155,13 @@ TEST_CASE("a number that the data do not depend on, or do not determine, has no 
   // A steady curve knows a − b alone, and no L.
   Measurement curve{Kind::steady_curve, "curve", 1e-6, 1e-6, 5, {1e-7, 1e-6, 1e-5, 1e-4}, {}, {}};
   const auto data = noisy(ageing(), curve, 1e-4, 1);
-  const auto silent = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.a", "law.L"}, .starts = 1, .folds = 0});
+  const auto silent = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.a", "law.L"}, .starts = 1});
   CHECK(silent.outcome.ending == Ending::none_exists);
   CHECK_THAT(silent.outcome.detail, Catch::Contains("do not depend on law.L"));
   const auto& L = silent.parameters[2];
   CHECK((std::isnan(L.low) && std::isnan(L.high) && std::isnan(L.standard_error) && std::isnan(L.profile_low)));
   CHECK(silent.parameters[1].standard_error < 1e-4);
-  const auto wide = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.a", "law.b"}, .starts = 1, .folds = 0});
+  const auto wide = fit(ageing(), {data}, {.parameters = {"law.mu0", "law.a", "law.b"}, .starts = 1});
   CHECK(wide.outcome.ending == Ending::none_exists);
   CHECK_THAT(wide.outcome.detail, Catch::Contains("do not determine law.a"));
 }
@@ -181,8 +179,7 @@ TEST_CASE("every minimisation of a fit is reported, and ends within its evaluati
   start.contact_stiffness.tangential = 5e4;
   FitOptions options{.parameters = {"law.mu0", "law.a", "law.b", "law.L", "law.contact_stiffness.tangential"},
                      .starts = 2,
-                     .profiles = false,
-                     .folds = 0};
+                     .profiles = false};
   int reported = 0, all = 0;
   options.progress = [&](int done, int total) { reported = done, all = total; };
   const auto found = fit(start, data, options);
@@ -197,7 +194,7 @@ TEST_CASE("a clipped measurement is warned of", "[fit]") {
   Measurement curve{Kind::steady_curve, "curve", 1e-6, 1e-6, 5, {}, {}, {}};
   for (int k = 0; k < 80; ++k) curve.x.push_back(1e-6 * std::exp(2 * std::sin(0.2 * k)));
   auto data = noisy(ageing(), curve, 1e-4, 1);
-  const FitOptions options{.parameters = {"law.a"}, .starts = 1, .profiles = false, .folds = 0};
+  const FitOptions options{.parameters = {"law.a"}, .starts = 1, .profiles = false};
   const auto clipping = [&] {
     const auto warnings = fit(ageing(), {data}, options).warnings;
     return std::ranges::count_if(warnings, [](const auto& text) { return text.find("clipping") != std::string::npos; });
