@@ -353,6 +353,29 @@ double find_noise_at(Problem& problem, const Minimum& best) {
   return changed;
 }
 
+/// Friction has a corner where a step begins, which the offset of a clock moves from point to point: its slope at one
+/// offset tells little of the others within its error. The covariance takes the secant over that error instead.
+void take_secants(const Problem& problem, Minimum& best, Problem::Residuals& at_best) {
+  const std::size_t p = problem.free.size(), rows = at_best.values.size();
+  constexpr int rounds = 3;  // the error follows from the secant over it
+  for (int round = 0; round < rounds; ++round)
+    for (std::size_t i = 0; i < p; ++i) {
+      const auto& v = problem.variables[i];
+      if (v.term != Variable::Term::clock_offset) continue;
+      const double step = std::min(std::sqrt(best.covariance[i * p + i]), v.high / 10);
+      if (!(step > 0)) continue;
+      auto low = best.q, high = best.q;
+      low[i] -= step, high[i] += step;
+      const auto before = problem.residuals(low), after = problem.residuals(high);
+      if (!before || !after) continue;
+      for (std::size_t k = 0; k < rows; ++k)
+        at_best.slopes[k * p + i] = (after->values[k] - before->values[k]) / (2 * step);
+      const auto J = gsl_matrix_const_view_array(at_best.slopes.data(), rows, p);
+      auto covariance = gsl_matrix_view_array(best.covariance.data(), p, p);
+      gsl_multifit_nlinear_covar(&J.matrix, 0, &covariance.matrix);
+    }
+}
+
 /// By how much χ² would fall with a straight trend in a series without one, by the slopes at the minimum.
 double fall_with_trend(const Problem& problem, const Problem::Residuals& at_best, std::size_t measurement,
                        std::size_t first_row) {
@@ -378,7 +401,10 @@ double fall_with_trend(const Problem& problem, const Problem::Residuals& at_best
 /// The parts of a fit that look at one minimum.
 class Conclusion {
  public:
-  Conclusion(Problem& problem, const Minimum& best, Fit& result) : problem_(problem), best_(best), result_(result) {}
+  Conclusion(Problem& problem, const Minimum& best, const Problem::Residuals& at_best, Fit& result)
+      : problem_(problem), best_(best), at_best_(at_best), result_(result) {
+    find_combinations();
+  }
 
   /// Standard error of q.
   double spread(std::size_t i) const { return std::sqrt(best_.covariance[i * problem_.free.size() + i]); }
@@ -387,14 +413,35 @@ class Conclusion {
     return best_.q[i] <= v.low + 1e-6 * v.scale || best_.q[i] >= v.high - 1e-6 * v.scale;
   }
   /// Standard errors of the data per change of q by its scale.
-  double influence(const Problem::Residuals& at_best, std::size_t i) const {
+  double influence(std::size_t i) const {
     double sum = 0;
     for (std::size_t k = 0; k < std::size_t(result_.points); ++k)
-      sum = std::hypot(sum, at_best.slopes[k * problem_.free.size() + i] * problem_.variables[i].scale);
+      sum = std::hypot(sum, at_best_.slopes[k * problem_.free.size() + i] * problem_.variables[i].scale);
     return sum;
   }
+  /// Finds numbers that the predictions know only in combination: those of directions in which no residual changes.
+  void find_combinations() {
+    const auto p = Eigen::Index(problem_.free.size());
+    Eigen::MatrixXd J = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        at_best_.slopes.data(), Eigen::Index(at_best_.values.size()), p);
+    for (Eigen::Index j = 0; j < p; ++j)
+      if (const double size = J.col(j).norm(); size > 0) J.col(j) /= size;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinV);
+    constexpr double none = 1e-7, part = 0.05;
+    combined_.assign(std::size_t(p), {});
+    for (Eigen::Index k = 0; k < p; ++k) {
+      if (svd.singularValues()[k] > none * svd.singularValues()[0]) continue;
+      std::vector<std::size_t> of;
+      for (Eigen::Index j = 0; j < p; ++j)
+        if (std::abs(svd.matrixV()(j, k)) > part) of.push_back(std::size_t(j));
+      if (of.size() < 2) continue;  // a number that nothing depends on
+      for (const auto i : of)
+        for (const auto j : of)
+          if (i != j) combined_[i] += (combined_[i].empty() ? "" : ", ") + problem_.variables[j].quantity.name;
+    }
+  }
   /// Why the data do not give this number an interval by its covariance; empty if they do.
-  std::string lost(const Problem::Residuals& at_best, std::size_t i, double z) const {
+  std::string lost(std::size_t i, double z) const {
     constexpr double none = 1e-6;
     const auto& v = problem_.variables[i];
     const auto& name = v.quantity.name;
@@ -402,7 +449,10 @@ class Conclusion {
     if (at_bound(i))
       return fmt::format("{} = {:.6g} lies at an end of its range, {}: the fit ran away with it", name, value,
                          text(v.quantity.range));
-    if (influence(at_best, i) < none)
+    if (!combined_[i].empty())
+      return fmt::format("the data do not determine {}: they tell of a combination of it with {} only", name,
+                         combined_[i]);
+    if (influence(i) < none)
       return fmt::format("the data do not depend on {}: {:.6g} is where the fit left it, without an interval", name,
                          value);
     if (!(z * spread(i) < v.high - v.low))
@@ -411,23 +461,25 @@ class Conclusion {
     return {};
   }
   /// True where a normal law of q is a poor guide to the interval.
-  bool in_doubt(const Problem::Residuals& at_best, std::size_t i, double z) const {
+  bool in_doubt(std::size_t i, double z) const {
     constexpr double curved = 0.3;
-    return !lost(at_best, i, z).empty() || (problem_.variables[i].logarithmic && spread(i) > curved);
+    if (!combined_[i].empty()) return false;
+    return !lost(i, z).empty() || (problem_.variables[i].logarithmic && spread(i) > curved);
   }
 
-  void parameter(const Problem::Residuals& at_best, std::size_t i, double z, bool profile,
-                 const std::function<void()>& report);
-  void measurements(const Problem::Residuals& at_best);
+  void parameter(std::size_t i, double z, bool profile, const std::function<void()>& report);
+  void clock(std::size_t i);
+  void measurements();
 
  private:
   Problem& problem_;
   const Minimum& best_;
+  const Problem::Residuals& at_best_;
   Fit& result_;
+  std::vector<std::string> combined_;  ///< for each variable: those that it cannot be told from
 };
 
-void Conclusion::parameter(const Problem::Residuals& at_best, std::size_t i, double z, bool profile,
-                           const std::function<void()>& report) {
+void Conclusion::parameter(std::size_t i, double z, bool profile, const std::function<void()>& report) {
   const auto& v = problem_.variables[i];
   const double error = spread(i);
   FittedParameter parameter{v.quantity.name, v.quantity.unit, v.value(best_.q[i])};
@@ -436,7 +488,7 @@ void Conclusion::parameter(const Problem::Residuals& at_best, std::size_t i, dou
   parameter.at_bound = at_bound(i);
   parameter.profile_low = parameter.profile_high = std::nan("");
   double profile_low = v.low, profile_high = v.high;  // q
-  if (profile) {
+  if (profile && combined_[i].empty()) {
     const bool known = error > 0 && std::isfinite(error);
     const double first = known ? std::min(z * error, 3 * v.scale) : 3 * v.scale;
     profile_low = profile_end(problem_, best_, i, -first, z);
@@ -447,7 +499,7 @@ void Conclusion::parameter(const Problem::Residuals& at_best, std::size_t i, dou
   }
   // A number that no prediction hangs on, and one whose interval is wider than all that it may be, is not found; its
   // profile may still bound it on one side, as that of a spring too stiff to show.
-  if (const auto why = lost(at_best, i, z); !why.empty()) {
+  if (const auto why = lost(i, z); !why.empty()) {
     const bool bounded = profile_low > v.low || profile_high < v.high;
     parameter.standard_error = parameter.low = parameter.high = std::nan("");
     result_.warnings.push_back(bounded
@@ -465,7 +517,23 @@ void Conclusion::parameter(const Problem::Residuals& at_best, std::size_t i, dou
   result_.parameters.push_back(parameter);
 }
 
-void Conclusion::measurements(const Problem::Residuals& at_best) {
+/// An offset that hangs on one or two points jumps between them rather than err as its covariance says.
+void Conclusion::clock(std::size_t i) {
+  double second = 0, fourth = 0;
+  for (std::size_t k = 0; k < std::size_t(result_.points); ++k) {
+    const double square = std::pow(at_best_.slopes[k * problem_.free.size() + i], 2);
+    second += square, fourth += square * square;
+  }
+  const double points = second * second / fourth;
+  constexpr double enough = 3;
+  if (points < enough)
+    result_.warnings.push_back(fmt::format(
+        "{} hangs on {:.1f} points, those in the rise of friction after a step: its interval, and that of a "
+        "stiffness fitted with it, are too narrow; sample the rise more densely",
+        problem_.variables[i].quantity.name, points));
+}
+
+void Conclusion::measurements() {
   using Trend = Measurement::Terms::Trend;
   const Model model = problem_.at(best_.q);
   std::size_t row = 0;
@@ -479,14 +547,14 @@ void Conclusion::measurements(const Problem::Residuals& at_best) {
       fitted.error.push_back(problem_.error(d, k));
       fitted.residuals.push_back((m.y[k] - fitted.fitted[k]) / fitted.error.back());
     }
-    const std::span independent(at_best.values.data() + row, m.y.size());
+    const std::span independent(at_best_.values.data() + row, m.y.size());
     fitted.neighbours = neighbours(independent);
     constexpr std::size_t least = 20;      // points, of which a correlation tells something
     constexpr double by_chance = 3;        // standard deviations
     constexpr double fall_by_chance = 12;  // of χ²: 3.5 standard deviations
     if (m.series() && m.y.size() >= least) {
       const bool has_trend = m.terms.trend != Trend::none;
-      const double fall = has_trend ? 0 : fall_with_trend(problem_, at_best, d, row);
+      const double fall = has_trend ? 0 : fall_with_trend(problem_, at_best_, d, row);
       const auto& n = fitted.neighbours;
       const auto neighbours =
           fmt::format("correlation of neighbours {:.2f}, Durbin-Watson {:.2f}", n.correlation, n.durbin_watson);
@@ -505,16 +573,20 @@ void Conclusion::measurements(const Problem::Residuals& at_best) {
                           "noise, which is measured where standard_error is left out"));
     }
     // What is flat within the noise after a step says nothing of how it went there.
-    if (m.kind == Measurement::Kind::velocity_step && result_.outcome.ending == Ending::none_exists) {
+    const auto unknown = [](const FittedParameter& parameter) { return std::isnan(parameter.low); };
+    if (m.kind == Measurement::Kind::velocity_step && std::ranges::any_of(result_.parameters, unknown)) {
       double low = infinity, high = -infinity;
       const auto bare = predict(model, m).y;
       for (std::size_t k = 0; k < m.y.size(); ++k)
         if (m.x[k] >= m.step_at) low = std::min(low, bare[k]), high = std::max(high, bare[k]);
-      if (high - low < fitted.error.front())
-        result_.outcome.detail += fmt::format(
-            "; {}: friction after the step at {:.4g} changes by {:.2g}, less than the standard error {:.2g}: "
+      if (high - low < fitted.error.front()) {
+        const auto why = fmt::format(
+            "{}: friction after the step at {:.4g} changes by {:.2g}, less than the standard error {:.2g}: "
             "the points lie outside the transient",
             m.name, m.step_at, high - low, fitted.error.front());
+        const auto before = result_.outcome.complete() ? std::string() : result_.outcome.detail + "; ";
+        result_.outcome = {Ending::none_exists, before + why};
+      }
     }
     row += m.y.size();
     result_.measurements.push_back(std::move(fitted));
@@ -594,8 +666,8 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
     else if (best.chi_square > most_expected)
       doubt = fmt::format("the first left chi square at {:.4g} where {:.4g} is expected", best.chi_square, expected);
     else if (const auto r = problem.residuals(best.q, problem.free)) {
-      const Conclusion first(problem, best, result);
-      for (std::size_t i = 0; i < p && doubt.empty(); ++i) doubt = first.lost(*r, i, 2);
+      const Conclusion first(problem, best, *r, result);
+      for (std::size_t i = 0; i < p && doubt.empty(); ++i) doubt = first.lost(i, 2);
     }
     if (doubt.empty()) {
       result.decisions.push_back("no further starts: the first converged, its misfit is that of noise");
@@ -611,7 +683,13 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
   constexpr int most_rounds = 10;
   for (int round = 0; !errors_given && best.converged && round < most_rounds; ++round) {
     const double changed = find_noise_at(problem, best);
+    const auto before = problem.residuals(best.q);
+    if (!before) break;
+    double square = 0;
+    for (const double r : before->values) square += r * r;
     auto again = minimise(problem);
+    // Other weights of the same residuals may leave the minimum where it is, from which no step leads down.
+    again.converged = again.converged || square - again.chi_square < 1e-6 * square;
     if (!again.converged) break;
     best = std::move(again);
     problem.q = best.q;
@@ -625,17 +703,18 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
 
   result.model = problem.at(best.q);
   result.chi_square = best.chi_square;
-  const auto at_best = problem.residuals(best.q, problem.free);
+  auto at_best = problem.residuals(best.q, problem.free);
   if (!at_best) {
     result.outcome = {Ending::not_finite, "predictions at the least squares, or their slopes, are not finite"};
     return result;
   }
+  take_secants(problem, best, *at_best);
   // Where the size of noise is found as well, few points have the wider intervals of Student's distribution.
   const double z =
       errors_given ? normal_quantile(options.confidence) : gsl_cdf_tdist_Pinv(0.5 + options.confidence / 2, expected);
-  Conclusion conclusion(problem, best, result);
+  Conclusion conclusion(problem, best, *at_best, result);
   std::vector<char> profiled(p, options.profiles.value_or(false));
-  for (std::size_t i = 0; !options.profiles && i < p; ++i) profiled[i] = conclusion.in_doubt(*at_best, i, z);
+  for (std::size_t i = 0; !options.profiles && i < p; ++i) profiled[i] = conclusion.in_doubt(i, z);
   const auto profiles = std::ranges::count(profiled, 1);
   if (!options.profiles) {
     total += 2 * int(profiles);
@@ -646,7 +725,8 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
                                                  profiles, p));
   }
   for (std::size_t i = 0; i < p; ++i) {
-    conclusion.parameter(*at_best, i, z, profiled[i], report);
+    conclusion.parameter(i, z, profiled[i], report);
+    if (problem.variables[i].term == Variable::Term::clock_offset) conclusion.clock(i);
     for (std::size_t j = 0; j < p; ++j) {
       const double product = best.covariance[i * p + i] * best.covariance[j * p + j];
       result.correlation.push_back(product > 0 ? best.covariance[i * p + j] / std::sqrt(product) : std::nan(""));
@@ -661,7 +741,7 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
         "chi square is {:.4g} where {:.4g} is expected: the law does not describe these data, or their errors are "
         "larger than stated; intervals are too narrow",
         best.chi_square, expected));
-  conclusion.measurements(*at_best);
+  conclusion.measurements();
 
   double deviance = 0, count = double(p);
   std::size_t row = 0;

@@ -176,7 +176,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const auto& own = fits.front();
   const std::vector<std::size_t> shown(order.begin(),
                                        order.begin() + std::ptrdiff_t(std::min<std::size_t>(order.size(), 4)));
-  constexpr double top = 46, above = 48, curve = 230, residual = 120, below = 62, line = 19;  // pixels
+  constexpr double top = 46, above = 66, curve = 230, residual = 120, below = 74, line = 19;  // pixels
   const double caption = 14 + line * double(own.parameters.size());
   const double height = top + double(data.size()) * (above + curve + residual + below) + caption;
   std::string script =
@@ -188,11 +188,12 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   double y = line * 0.7;
   for (std::size_t i = own.parameters.size(); i-- > 0; y += line)
     script +=
-        fmt::format("set label {} {} at screen 0.05,{:.4f}\nset label {} {} at screen 0.42,{:.4f}\n", 2 * i + 2,
+        fmt::format("set label {} {} at screen 0.05,{:.4f}\nset label {} {} at screen 0.36,{:.4f}\n", 2 * i + 2,
                     output::single_quoted(own.parameters[i].path), y / height, 2 * i + 3,
                     output::single_quoted(described(own.parameters[i], scene.fit.options.confidence)), y / height);
   std::vector<std::string> files;
   constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3"};
+  constexpr const char* dashes[] = {"solid", "(8,4)", "(12,3,2,3)", "(4,2)"};
   double edge = height - top;
   for (std::size_t d = 0; d < data.size(); ++d) {
     const auto& m = data[d];
@@ -203,8 +204,9 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     const auto [low, high] = std::ranges::minmax(m.x);
     edge -= above;
     script += fmt::format(
-        "{} logscale x\nset xrange [{}:{}]\nset title {} offset 0,1\nset tmargin at screen {:.4f}\n"
-        "set bmargin at screen {:.4f}\nset format x ''\nunset xlabel\nset ylabel '{}'\nset key at graph 1,1.02 right "
+        "{} logscale x\nset xrange [{}:{}]\nset label 999 {} at graph 0,1.22\nset tmargin at screen {:.4f}\n"
+        "set bmargin at screen {:.4f}\nset format x ''\nunset xlabel\nset ylabel '{}'\nset ytics autofreq\nset key at "
+        "graph 1,1.02 right "
         "bottom horizontal maxrows 1\nplot ",
         low > 0 && high / low > 20 ? "set" : "unset", low, high, output::single_quoted(m.name), edge / height,
         (edge - curve) / height, ordinate(m));
@@ -217,21 +219,27 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     for (std::size_t k = 0; k < shown.size(); ++k)
       for (std::size_t part = 0; part < parts.size(); ++part) {
         const auto column = shown[k] == 0 ? 3 + 4 * part : others++;
-        plots +=
-            fmt::format(", \\\n     '{}' using 1:{} smooth unique with lines linestyle {} title {}", curves, column,
-                        k + 1, part == 0 ? output::single_quoted(scene.fit.candidates[shown[k]].name) : "''");
+        plots += fmt::format(
+            ", \\\n     '{}' using 1:{} smooth unique with lines linewidth 1.8 dashtype {} linecolor '{}' title {}",
+            curves, column, dashes[k], colours[k],
+            part == 0 ? output::single_quoted(scene.fit.candidates[shown[k]].name) : "''");
       }
-    edge -= curve + 8;
-    script += plots +
-              fmt::format(
-                  "\nunset title\nunset key\nset tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset format x "
-                  "'%g'\nset xlabel '{}'\nset ylabel \"residual /\\nstandard error\"\nplot ",
-                  edge / height, (edge - residual) / height, abscissa(m));
+    constexpr double gap = 16;
+    edge -= curve + gap;
+    double least = -2, most = 2;
+    for (const auto k : shown)
+      for (const double r : fits[k].measurements[d].residuals) least = std::min(least, r), most = std::max(most, r);
+    script +=
+        plots +
+        fmt::format(
+            "\nunset label 999\nunset key\nset tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset format x "
+            "'%g'\nset xlabel '{}'\nset ylabel \"residual /\\nstandard error\"\nset ytics {}\nplot ",
+            edge / height, (edge - residual) / height, abscissa(m), output::tick_step(least, most));
     for (std::size_t k = 0; k < shown.size(); ++k)
       script += fmt::format("{}'{}' using 1:{} with points pointtype {} pointsize 0.5 linecolor '{}'",
                             k > 0 ? ", \\\n     " : "", standardised, k + 2, k == 0 ? 7 : int(k) + 3, colours[k]);
     script += ", 2 with lines linecolor '#555555' dashtype (2,3), -2 with lines linecolor '#555555' dashtype (2,3)\n";
-    edge -= residual - 8 + below;
+    edge -= residual - gap + below;
     for (std::size_t i = 0; d == 0 && i < 2 * own.parameters.size() + 1; ++i)
       script += fmt::format("unset label {}\n", i + 1);
   }
