@@ -558,7 +558,11 @@ void Conclusion::measurements() {
       const auto& n = fitted.neighbours;
       const auto neighbours =
           fmt::format("correlation of neighbours {:.2f}, Durbin-Watson {:.2f}", n.correlation, n.durbin_watson);
-      if (fall > fall_by_chance)
+      // Against what is left, if that is more than noise: of residuals that a wrong law leaves any line takes some
+      // away.
+      double left = 0;
+      for (const double r : independent) left += r * r / double(independent.size());
+      if (fall > fall_by_chance * std::max(1.0, left))
         result_.warnings.push_back(
             fmt::format("{}: a straight trend would lower chi square by {:.4g}; set trend = true in its data, or the "
                         "parameters take it up (residuals: {})",
@@ -655,7 +659,29 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
       if (found.chi_square < best.chi_square) best = std::move(found);
     }
   };
+  const auto first_noise = problem.noise;
+  // Noise and the numbers of the model in turn, until neither moves.
+  const auto settle_noise = [&] {
+    problem.q = best.q;
+    constexpr int most_rounds = 10;
+    for (int round = 0; !errors_given && best.converged && round < most_rounds; ++round) {
+      const double changed = find_noise_at(problem, best);
+      const auto before = problem.residuals(best.q);
+      if (!before) break;
+      double square = 0;
+      for (const double r : before->values) square += r * r;
+      auto again = minimise(problem);
+      // Other weights of the same residuals may leave the minimum where it is, from which no step leads down.
+      again.converged = again.converged || square - again.chi_square < 1e-6 * square;
+      if (!again.converged) break;
+      best = std::move(again);
+      problem.q = best.q;
+      if (changed < 1e-3) break;
+    }
+  };
   search(0, asked);
+  const auto first = best;
+  settle_noise();
   int starts = asked;
   if (!options.starts) {
     std::string doubt;
@@ -666,35 +692,28 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
     else if (best.chi_square > most_expected)
       doubt = fmt::format("the first left chi square at {:.4g} where {:.4g} is expected", best.chi_square, expected);
     else if (const auto r = problem.residuals(best.q, problem.free)) {
-      const Conclusion first(problem, best, *r, result);
-      for (std::size_t i = 0; i < p && doubt.empty(); ++i) doubt = first.lost(i, 2);
+      const Conclusion at_first(problem, best, *r, result);
+      for (std::size_t i = 0; i < p && doubt.empty(); ++i) doubt = at_first.lost(i, 2);
     }
+    constexpr double rough = 3, close = 0.9;
+    for (std::size_t d = 0; d < data.size() && doubt.empty(); ++d)
+      if (data[d].error.empty() &&
+          (problem.noise[d].size > rough * first_noise[d].size || problem.noise[d].correlation > close))
+        doubt = fmt::format(
+            "the first left {:.2g}, correlated by {:.2f}, in {}, whose neighbours differ as by noise of {:.2g}",
+            problem.noise[d].size, problem.noise[d].correlation, data[d].name, first_noise[d].size);
     if (doubt.empty()) {
       result.decisions.push_back("no further starts: the first converged, its misfit is that of noise");
     } else {
       result.decisions.push_back(fmt::format("{} starts, because {}", several, doubt));
       total += several - asked, starts = several;
+      problem.noise = first_noise, best = first;
       search(asked, several);
+      settle_noise();
     }
   }
   if (!std::isfinite(best.chi_square))
     throw InputError("the model answers to none of the starts: its parameters do not allow this prediction");
-  problem.q = best.q;
-  constexpr int most_rounds = 10;
-  for (int round = 0; !errors_given && best.converged && round < most_rounds; ++round) {
-    const double changed = find_noise_at(problem, best);
-    const auto before = problem.residuals(best.q);
-    if (!before) break;
-    double square = 0;
-    for (const double r : before->values) square += r * r;
-    auto again = minimise(problem);
-    // Other weights of the same residuals may leave the minimum where it is, from which no step leads down.
-    again.converged = again.converged || square - again.chi_square < 1e-6 * square;
-    if (!again.converged) break;
-    best = std::move(again);
-    problem.q = best.q;
-    if (changed < 1e-3) break;
-  }
   if (!best.converged)
     result.outcome = {
         Ending::budget_spent,

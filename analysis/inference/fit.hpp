@@ -22,10 +22,10 @@ namespace rosin::analysis::inference {
 struct FitOptions {
   std::vector<std::string> parameters;  ///< paths
   /// The model's own values, and random ones within a factor of 30. Nothing: 1, and 4 if the first leaves a doubt.
-  std::optional<int> starts;
+  std::optional<int> starts = {};
   std::uint64_t seed = 1;
-  std::optional<bool> profiles;  ///< of all parameters or none; nothing: of those whose covariance is in doubt
-  int folds = 0;                 ///< of cross-validation; 0: none
+  std::optional<bool> profiles = {};  ///< of all parameters or none; nothing: of those whose covariance is in doubt
+  int folds = 0;                      ///< of cross-validation; 0: none
   double confidence = 0.95;
   std::function<void(int done, int total)> progress = {};  ///< called after each minimisation, of so many at most
 };
