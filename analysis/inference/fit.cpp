@@ -1,18 +1,22 @@
-/// Least squares on GSL with the slopes of predictions, profiles by repeated fits.
+/// Least squares on GSL with the slopes of predictions, noise found in turn with them, profiles by repeated fits.
 #include "analysis/inference/fit.hpp"
 
 #include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_multifit_nlinear.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "analysis/response/clipping.hpp"
 #include "core/random.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::analysis::inference {
 
@@ -20,10 +24,13 @@ namespace {
 
 /// A fitted parameter as the variable q = ln p, or p itself where it may be negative.
 struct Variable {
+  enum class Term { none, base, trend, clock_offset };
   Quantity quantity;
   bool logarithmic;
   double low, high;  ///< of q
   double scale;      ///< of changes in q
+  Term term = Term::none;
+  std::size_t measurement = 0;  ///< that the term belongs to
 
   double value(double q) const {
     const double x = std::clamp(q, low, high);
@@ -46,41 +53,126 @@ Variable make_variable(const Model& model, const std::string& path) {
   return v;
 }
 
+double largest(const std::vector<double>& values) {
+  double most = 0;
+  for (const double x : values) most = std::max(most, std::abs(x));
+  return most;
+}
+
+/// The terms of a measurement's laboratory; each begins at 0.
+void add_terms(std::vector<Variable>& variables, const Measurement& m, std::size_t index) {
+  using Trend = Measurement::Terms::Trend;
+  using Term = Variable::Term;
+  const auto add = [&](Term term, const char* name, std::string unit, double scale, double most, const char* meaning) {
+    const Quantity quantity{fmt::format("data.{}.{}", index + 1, name), std::move(unit), {-most, most}, meaning};
+    variables.push_back({quantity, false, -most, most, scale, term, index});
+  };
+  const bool over_way = m.over == Measurement::Over::displacement;
+  const std::string unit = m.in_force ? "N" : "1";
+  const double size = largest(m.y) > 0 ? largest(m.y) : 1;
+  constexpr double wide = 100;  // times all of y
+  if (m.terms.base) add(Term::base, "base", unit, size, wide * size, "level beside the law's friction");
+  if (m.terms.trend != Trend::none) {
+    const double reach = largest(trend_abscissa(m));
+    const char* per = m.terms.trend == Trend::time ? "s" : "m";
+    add(Term::trend, "trend", unit + "/" + per, size / reach, wide * size / reach,
+        "straight line beside the law's friction");
+  }
+  if (m.terms.clock_offset) {
+    const double span = m.x.back() - m.x.front();
+    add(Term::clock_offset, "clock_offset", over_way ? "m" : "s", span / 100, span,
+        "by so much later the motion took place");
+  }
+}
+
 struct Problem {
   const Model* model;
   const std::vector<Measurement>* data;
   std::vector<Variable> variables;
   std::vector<double> q;  ///< all of them; those that are free are replaced
   std::vector<std::size_t> free;
-  std::vector<char> used;   ///< points that count; empty: all
-  mutable int evaluations;  ///< of the present minimisation
+  std::vector<char> used;                   ///< points that count; empty: all
+  std::vector<SeriesNoise> noise;           ///< of each measurement; of size 1 where errors are given
+  std::vector<std::vector<double>> trends;  ///< of each measurement: what its trend is multiplied by
+  mutable int evaluations;                  ///< of the present minimisation
+  mutable long predictions = 0, steps = 0;  ///< in all
 
   Model at(const std::vector<double>& all) const {
     Model changed = *model;
     for (std::size_t i = 0; i < variables.size(); ++i)
-      changed = changed.with(variables[i].quantity.name, variables[i].value(all[i]));
+      if (variables[i].term == Variable::Term::none)
+        changed = changed.with(variables[i].quantity.name, variables[i].value(all[i]));
     return changed;
   }
-  /// Standardised residuals, and their slopes by the variables of `moved`, row by row.
+  double error(std::size_t measurement, std::size_t point) const {
+    const auto& m = (*data)[measurement];
+    return m.error.empty() ? noise[measurement].size : m.error[point];
+  }
+  /// y of one measurement, and its slopes by the variables of `moved`, a row of them for each point.
+  struct Said {
+    std::vector<double> y, slopes;
+  };
+  Said predicted(const Model& changed, std::size_t measurement, const std::vector<double>& all,
+                 const std::vector<std::size_t>& moved) const {
+    using Term = Variable::Term;
+    const auto& m = (*data)[measurement];
+    std::vector<std::string> paths;
+    for (const auto i : moved)
+      if (variables[i].term == Term::none) paths.push_back(variables[i].quantity.name);
+    double base = 0, trend = 0, clock_offset = 0;
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+      if (variables[i].measurement != measurement) continue;
+      const double value = variables[i].value(all[i]);
+      if (variables[i].term == Term::base) base = value;
+      if (variables[i].term == Term::trend) trend = value;
+      if (variables[i].term == Term::clock_offset) clock_offset = value;
+    }
+    auto prediction = predict(changed, m, paths, clock_offset);
+    ++predictions, steps += prediction.steps;
+    Said said{std::move(prediction.y), {}};
+    const auto& s = trends[measurement];
+    for (std::size_t k = 0; k < said.y.size(); ++k) {
+      said.y[k] += base + (s.empty() ? 0 : trend * s[k]);
+      std::size_t path = 0;
+      for (const auto i : moved) {
+        const auto& v = variables[i];
+        double slope = 0;
+        if (v.term == Term::none)
+          slope = prediction.slopes[path++][k];
+        else if (v.measurement == measurement)
+          slope = v.term == Term::base ? 1 : v.term == Term::trend ? s[k] : prediction.by_clock[k];
+        said.slopes.push_back(slope * v.slope(all[i]));
+      }
+    }
+    return said;
+  }
+  /// Standardised residuals, as independent as their noise is known to be, and their slopes by the variables of
+  /// `moved`, row by row.
   struct Residuals {
     std::vector<double> values, slopes;
   };
   /// Nothing where the model does not answer.
   std::optional<Residuals> residuals(const std::vector<double>& all, const std::vector<std::size_t>& moved = {}) const {
     Residuals r;
-    std::vector<std::string> paths;
-    for (const auto i : moved) paths.push_back(variables[i].quantity.name);
     try {
       const Model changed = at(all);
       std::size_t point = 0;
-      for (const auto& m : *data) {
-        const auto predicted = predict(changed, m, paths);
-        for (std::size_t k = 0; k < predicted.y.size(); ++k, ++point) {
-          const double weight = (used.empty() || used[point] ? 1 : 0) / m.error[k];
-          r.values.push_back(weight * (predicted.y[k] - m.y[k]));
-          for (std::size_t j = 0; j < moved.size(); ++j)
-            r.slopes.push_back(weight * predicted.slopes[j][k] * variables[moved[j]].slope(all[moved[j]]));
+      for (std::size_t d = 0; d < data->size(); ++d) {
+        const auto& m = (*data)[d];
+        auto said = predicted(changed, d, all, moved);
+        for (std::size_t k = 0; k < said.y.size(); ++k) {
+          said.y[k] = (said.y[k] - m.y[k]) / error(d, k);
+          for (std::size_t j = 0; j < moved.size(); ++j) said.slopes[k * moved.size() + j] /= error(d, k);
         }
+        whiten(said.y, 1, noise[d].correlation);
+        whiten(said.slopes, moved.size(), noise[d].correlation);
+        for (std::size_t k = 0; k < said.y.size(); ++k, ++point)
+          if (!used.empty() && !used[point]) {
+            said.y[k] = 0;
+            std::fill_n(said.slopes.begin() + std::ptrdiff_t(k * moved.size()), moved.size(), 0.0);
+          }
+        r.values.insert(r.values.end(), said.y.begin(), said.y.end());
+        r.slopes.insert(r.slopes.end(), said.slopes.begin(), said.slopes.end());
       }
     } catch (const InputError&) {
       return std::nullopt;
@@ -113,7 +205,7 @@ constexpr int most_evaluations = 500;  ///< of one minimisation; those that conv
 
 int residual_callback(const gsl_vector* x, void* context, gsl_vector* f) {
   const auto& problem = *static_cast<const Problem*>(context);
-  if (++problem.evaluations > most_evaluations) return GSL_EMAXITER;
+  if (++problem.evaluations > most_evaluations || Listening::stop_asked()) return GSL_EMAXITER;
   const auto r = problem.residuals(problem.with_free(x));
   for (std::size_t i = 0; i < f->size; ++i) gsl_vector_set(f, i, r ? r->values[i] : refused);
   return GSL_SUCCESS;
@@ -157,6 +249,7 @@ Minimum minimise(Problem& problem) {
   if (gsl_multifit_nlinear_init(&x.vector, &fdf, work.get()) != GSL_SUCCESS) return best;
   int info = 0;
   const int status = gsl_multifit_nlinear_driver(200, 1e-10, 1e-10, 0, nullptr, nullptr, &info, work.get());
+  end_if_stopped();
   best.q = problem.with_free(gsl_multifit_nlinear_position(work.get()));
   const auto* f = gsl_multifit_nlinear_residual(work.get());
   best.chi_square = 0;
@@ -218,26 +311,315 @@ void require_fittable(const Model& model, const std::string& path) {
     throw InputError(fmt::format("{} = {}: a fit needs a start above 0 and finite", path, value));
 }
 
+namespace {
+
+void check(const Measurement& m) {
+  const bool known = !m.error.empty();
+  if (m.y.size() != m.x.size() * (m.pairs() ? 2 : 1) || (known && m.error.size() != m.y.size()))
+    throw InputError(fmt::format("{}: as many values and errors as points are needed", m.name));
+  if (!std::ranges::all_of(m.error, [](double e) { return e > 0 && std::isfinite(e); }))
+    throw InputError(fmt::format("{}: standard errors must be above 0 and finite", m.name));
+  if (m.kind != Measurement::Kind::steady_curve && !std::ranges::is_sorted(m.x))
+    throw InputError(fmt::format("{}: its abscissae must ascend", m.name));
+  if (m.kind == Measurement::Kind::velocity_step && m.x.back() < m.step_at)
+    throw InputError(fmt::format("{}: every point lies before the step at {:.6g} {}: its transient is not in the data",
+                                 m.name, m.step_at, m.over == Measurement::Over::time ? "s" : "m"));
+}
+
+/// Finds the noise whose size is not given, from what the minimum leaves. \returns the largest change of it.
+double find_noise_at(Problem& problem, const Minimum& best) {
+  const auto moved = problem.free;
+  std::vector<Leftover> parts;
+  const Model model = problem.at(best.q);
+  for (std::size_t d = 0; d < problem.data->size(); ++d) {
+    const auto& m = (*problem.data)[d];
+    auto said = problem.predicted(model, d, best.q, moved);
+    Leftover part{std::move(said.y), std::move(said.slopes), problem.noise[d], m.error.empty(), m.series()};
+    for (std::size_t k = 0; k < part.residual.size(); ++k) {
+      const double unit = part.unknown ? 1 : m.error[k];
+      part.residual[k] = (part.residual[k] - m.y[k]) / unit;
+      for (std::size_t j = 0; j < moved.size(); ++j) part.slopes[k * moved.size() + j] /= unit;
+    }
+    parts.push_back(std::move(part));
+  }
+  find_noise(parts);
+  double changed = 0;
+  for (std::size_t d = 0; d < parts.size(); ++d) {
+    const auto& now = parts[d].noise;
+    changed = std::max({changed, std::abs(now.size / problem.noise[d].size - 1),
+                        std::abs(now.correlation - problem.noise[d].correlation)});
+    problem.noise[d] = now;
+  }
+  return changed;
+}
+
+/// Friction has a corner where a step begins, which the offset of a clock moves from point to point: its slope at one
+/// offset tells little of the others within its error. The covariance takes the secant over that error instead.
+void take_secants(const Problem& problem, Minimum& best, Problem::Residuals& at_best) {
+  const std::size_t p = problem.free.size(), rows = at_best.values.size();
+  constexpr int rounds = 3;  // the error follows from the secant over it
+  for (int round = 0; round < rounds; ++round)
+    for (std::size_t i = 0; i < p; ++i) {
+      const auto& v = problem.variables[i];
+      if (v.term != Variable::Term::clock_offset) continue;
+      const double step = std::min(std::sqrt(best.covariance[i * p + i]), v.high / 10);
+      if (!(step > 0)) continue;
+      auto low = best.q, high = best.q;
+      low[i] -= step, high[i] += step;
+      const auto before = problem.residuals(low), after = problem.residuals(high);
+      if (!before || !after) continue;
+      for (std::size_t k = 0; k < rows; ++k)
+        at_best.slopes[k * p + i] = (after->values[k] - before->values[k]) / (2 * step);
+      const auto J = gsl_matrix_const_view_array(at_best.slopes.data(), rows, p);
+      auto covariance = gsl_matrix_view_array(best.covariance.data(), p, p);
+      gsl_multifit_nlinear_covar(&J.matrix, 0, &covariance.matrix);
+    }
+}
+
+/// By how much χ² would fall with a straight trend in a series without one, by the slopes at the minimum.
+double fall_with_trend(const Problem& problem, const Problem::Residuals& at_best, std::size_t measurement,
+                       std::size_t first_row) {
+  auto m = (*problem.data)[measurement];
+  m.terms.trend = Measurement::Terms::Trend::time;
+  auto trend = trend_abscissa(m);
+  for (std::size_t k = 0; k < trend.size(); ++k) trend[k] /= problem.error(measurement, k);
+  whiten(trend, 1, problem.noise[measurement].correlation);
+  const auto p = Eigen::Index(problem.free.size()), rows = Eigen::Index(at_best.values.size());
+  const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(
+      at_best.slopes.data(), rows, p);
+  const Eigen::Map<const Eigen::VectorXd> r(at_best.values.data(), rows);
+  Eigen::VectorXd column = Eigen::VectorXd::Zero(rows);
+  for (std::size_t k = 0; k < trend.size(); ++k) column[Eigen::Index(first_row + k)] = trend[k];
+  Eigen::MatrixXd scaled = J;
+  for (Eigen::Index j = 0; j < p; ++j)
+    if (const double size = scaled.col(j).norm(); size > 0) scaled.col(j) /= size;
+  const Eigen::VectorXd own = column - scaled * scaled.completeOrthogonalDecomposition().solve(column);
+  const double square = own.squaredNorm();
+  return square > 1e-12 * column.squaredNorm() ? std::pow(own.dot(r), 2) / square : 0;
+}
+
+/// The parts of a fit that look at one minimum.
+class Conclusion {
+ public:
+  Conclusion(Problem& problem, const Minimum& best, const Problem::Residuals& at_best, Fit& result)
+      : problem_(problem), best_(best), at_best_(at_best), result_(result) {
+    find_combinations();
+  }
+
+  /// Standard error of q.
+  double spread(std::size_t i) const { return std::sqrt(best_.covariance[i * problem_.free.size() + i]); }
+  bool at_bound(std::size_t i) const {
+    const auto& v = problem_.variables[i];
+    return best_.q[i] <= v.low + 1e-6 * v.scale || best_.q[i] >= v.high - 1e-6 * v.scale;
+  }
+  /// Standard errors of the data per change of q by its scale.
+  double influence(std::size_t i) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < std::size_t(result_.points); ++k)
+      sum = std::hypot(sum, at_best_.slopes[k * problem_.free.size() + i] * problem_.variables[i].scale);
+    return sum;
+  }
+  /// Finds numbers that the predictions know only in combination: those of directions in which no residual changes.
+  void find_combinations() {
+    const auto p = Eigen::Index(problem_.free.size());
+    Eigen::MatrixXd J = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        at_best_.slopes.data(), Eigen::Index(at_best_.values.size()), p);
+    for (Eigen::Index j = 0; j < p; ++j)
+      if (const double size = J.col(j).norm(); size > 0) J.col(j) /= size;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinV);
+    constexpr double none = 1e-7, part = 0.05;
+    combined_.assign(std::size_t(p), {});
+    for (Eigen::Index k = 0; k < p; ++k) {
+      if (svd.singularValues()[k] > none * svd.singularValues()[0]) continue;
+      std::vector<std::size_t> of;
+      for (Eigen::Index j = 0; j < p; ++j)
+        if (std::abs(svd.matrixV()(j, k)) > part) of.push_back(std::size_t(j));
+      if (of.size() < 2) continue;  // a number that nothing depends on
+      for (const auto i : of)
+        for (const auto j : of)
+          if (i != j) combined_[i] += (combined_[i].empty() ? "" : ", ") + problem_.variables[j].quantity.name;
+    }
+  }
+  /// Why the data do not give this number an interval by its covariance; empty if they do.
+  std::string lost(std::size_t i, double z) const {
+    constexpr double none = 1e-6;
+    const auto& v = problem_.variables[i];
+    const auto& name = v.quantity.name;
+    const double value = v.value(best_.q[i]);
+    if (at_bound(i))
+      return fmt::format("{} = {:.6g} lies at an end of its range, {}: the fit ran away with it", name, value,
+                         text(v.quantity.range));
+    if (!combined_[i].empty())
+      return fmt::format("the data do not determine {}: they tell of a combination of it with {} only", name,
+                         combined_[i]);
+    if (influence(i) < none)
+      return fmt::format("the data do not depend on {}: {:.6g} is where the fit left it, without an interval", name,
+                         value);
+    if (!(z * spread(i) < v.high - v.low))
+      return fmt::format("the data do not determine {}: its interval would be wider than its range, {}", name,
+                         text(v.quantity.range));
+    return {};
+  }
+  /// True where a normal law of q is a poor guide to the interval.
+  bool in_doubt(std::size_t i, double z) const {
+    constexpr double curved = 0.3;
+    if (!combined_[i].empty()) return false;
+    return !lost(i, z).empty() || (problem_.variables[i].logarithmic && spread(i) > curved);
+  }
+
+  void parameter(std::size_t i, double z, bool profile, const std::function<void()>& report);
+  void clock(std::size_t i);
+  void measurements();
+
+ private:
+  Problem& problem_;
+  const Minimum& best_;
+  const Problem::Residuals& at_best_;
+  Fit& result_;
+  std::vector<std::string> combined_;  ///< for each variable: those that it cannot be told from
+};
+
+void Conclusion::parameter(std::size_t i, double z, bool profile, const std::function<void()>& report) {
+  const auto& v = problem_.variables[i];
+  const double error = spread(i);
+  FittedParameter parameter{v.quantity.name, v.quantity.unit, v.value(best_.q[i])};
+  parameter.standard_error = error * (v.logarithmic ? parameter.value : 1);
+  parameter.low = v.value(best_.q[i] - z * error), parameter.high = v.value(best_.q[i] + z * error);
+  parameter.at_bound = at_bound(i);
+  parameter.profile_low = parameter.profile_high = std::nan("");
+  double profile_low = v.low, profile_high = v.high;  // q
+  if (profile && combined_[i].empty()) {
+    const bool known = error > 0 && std::isfinite(error);
+    const double first = known ? std::min(z * error, 3 * v.scale) : 3 * v.scale;
+    profile_low = profile_end(problem_, best_, i, -first, z);
+    report();
+    profile_high = profile_end(problem_, best_, i, first, z);
+    report();
+    parameter.profile_low = v.value(profile_low), parameter.profile_high = v.value(profile_high);
+  }
+  // A number that no prediction hangs on, and one whose interval is wider than all that it may be, is not found; its
+  // profile may still bound it on one side, as that of a spring too stiff to show.
+  if (const auto why = lost(i, z); !why.empty()) {
+    const bool bounded = profile_low > v.low || profile_high < v.high;
+    parameter.standard_error = parameter.low = parameter.high = std::nan("");
+    result_.warnings.push_back(bounded
+                                   ? fmt::format("the data bound {} on one side only: {:.3g} … {:.3g} by its profile",
+                                                 parameter.path, parameter.profile_low, parameter.profile_high)
+                                   : why);
+    if (!bounded) {
+      parameter.profile_low = parameter.profile_high = std::nan("");
+      if (result_.outcome.complete()) result_.outcome = {Ending::none_exists, why};
+    }
+  } else if (v.logarithmic && error > 1) {
+    result_.warnings.push_back(fmt::format("{} is hardly determined: a factor of {:.2g} is within one standard error",
+                                           parameter.path, std::exp(error)));
+  }
+  result_.parameters.push_back(parameter);
+}
+
+/// An offset that hangs on one or two points jumps between them rather than err as its covariance says.
+void Conclusion::clock(std::size_t i) {
+  double second = 0, fourth = 0;
+  for (std::size_t k = 0; k < std::size_t(result_.points); ++k) {
+    const double square = std::pow(at_best_.slopes[k * problem_.free.size() + i], 2);
+    second += square, fourth += square * square;
+  }
+  const double points = second * second / fourth;
+  constexpr double enough = 3;
+  if (points < enough)
+    result_.warnings.push_back(fmt::format(
+        "{} hangs on {:.1f} points, those in the rise of friction after a step: its interval, and that of a "
+        "stiffness fitted with it, are too narrow; sample the rise more densely",
+        problem_.variables[i].quantity.name, points));
+}
+
+void Conclusion::measurements() {
+  using Trend = Measurement::Terms::Trend;
+  const Model model = problem_.at(best_.q);
+  std::size_t row = 0;
+  for (std::size_t d = 0; d < problem_.data->size(); ++d) {
+    const auto& m = (*problem_.data)[d];
+    FittedMeasurement fitted;
+    fitted.fitted = problem_.predicted(model, d, best_.q, {}).y;
+    fitted.error_found = m.error.empty();
+    fitted.noise = problem_.noise[d];
+    for (std::size_t k = 0; k < m.y.size(); ++k) {
+      fitted.error.push_back(problem_.error(d, k));
+      fitted.residuals.push_back((m.y[k] - fitted.fitted[k]) / fitted.error.back());
+    }
+    const std::span independent(at_best_.values.data() + row, m.y.size());
+    fitted.neighbours = neighbours(independent);
+    constexpr std::size_t least = 20;      // points, of which a correlation tells something
+    constexpr double by_chance = 3;        // standard deviations
+    constexpr double fall_by_chance = 12;  // of χ²: 3.5 standard deviations
+    if (m.series() && m.y.size() >= least) {
+      const bool has_trend = m.terms.trend != Trend::none;
+      const double fall = has_trend ? 0 : fall_with_trend(problem_, at_best_, d, row);
+      const auto& n = fitted.neighbours;
+      const auto neighbours =
+          fmt::format("correlation of neighbours {:.2f}, Durbin-Watson {:.2f}", n.correlation, n.durbin_watson);
+      // Against what is left, if that is more than noise: of residuals that a wrong law leaves any line takes some
+      // away.
+      double left = 0;
+      for (const double r : independent) left += r * r / double(independent.size());
+      if (fall > fall_by_chance * std::max(1.0, left))
+        result_.warnings.push_back(
+            fmt::format("{}: a straight trend would lower chi square by {:.4g}; set trend = true in its data, or the "
+                        "parameters take it up (residuals: {})",
+                        m.name, fall, neighbours));
+      else if (n.sigmas > by_chance)
+        result_.warnings.push_back(fmt::format(
+            "{}: residuals are correlated ({}): {}; intervals are too narrow", m.name, neighbours,
+            fitted.error_found ? "the law or the terms of the laboratory do not describe these data"
+            : has_trend ? "the law does not describe these data, or their noise is correlated, which is measured "
+                          "where standard_error is left out"
+                        : "the law does not describe these data, or they have a trend (trend = true), or correlated "
+                          "noise, which is measured where standard_error is left out"));
+    }
+    // What is flat within the noise after a step says nothing of how it went there.
+    const auto unknown = [](const FittedParameter& parameter) { return std::isnan(parameter.low); };
+    if (m.kind == Measurement::Kind::velocity_step && std::ranges::any_of(result_.parameters, unknown)) {
+      double low = infinity, high = -infinity;
+      const auto bare = predict(model, m).y;
+      for (std::size_t k = 0; k < m.y.size(); ++k)
+        if (m.x[k] >= m.step_at) low = std::min(low, bare[k]), high = std::max(high, bare[k]);
+      if (high - low < fitted.error.front()) {
+        const auto why = fmt::format(
+            "{}: friction after the step at {:.4g} changes by {:.2g}, less than the standard error {:.2g}: "
+            "the points lie outside the transient",
+            m.name, m.step_at, high - low, fitted.error.front());
+        const auto before = result_.outcome.complete() ? std::string() : result_.outcome.detail + "; ";
+        result_.outcome = {Ending::none_exists, before + why};
+      }
+    }
+    row += m.y.size();
+    result_.measurements.push_back(std::move(fitted));
+  }
+}
+
+}  // namespace
+
 Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptions& options) {
   gsl_set_error_handler_off();
-  Problem problem{&model, &data, {}, {}, {}, {}, 0};
+  Problem problem{&model, &data, {}, {}, {}, {}, {}, {}, 0};
+  Fit result;
+  if (options.parameters.empty()) throw InputError("a fit needs parameters");
   for (const auto& path : options.parameters) {
     problem.variables.push_back(make_variable(model, path));
     problem.q.push_back(problem.variables.back().of(model.get(path)));
-    problem.free.push_back(problem.free.size());
   }
-  const std::size_t p = problem.free.size();
-  Fit result;
-  for (const auto& m : data) {
-    const bool pairs = m.kind == Measurement::Kind::frequency_response;
-    if (m.y.size() != m.x.size() * (pairs ? 2 : 1) || m.error.size() != m.y.size())
-      throw InputError(fmt::format("{}: as many values and errors as points are needed", m.name));
-    if (!std::ranges::all_of(m.error, [](double e) { return e > 0 && std::isfinite(e); }))
-      throw InputError(fmt::format("{}: standard errors must be above 0 and finite", m.name));
-    if (m.kind != Measurement::Kind::steady_curve && !std::ranges::is_sorted(m.x))
-      throw InputError(fmt::format("{}: its abscissae must ascend", m.name));
+  const std::size_t of_model = problem.variables.size();
+  bool errors_given = true;
+  for (std::size_t d = 0; d < data.size(); ++d) {
+    const auto& m = data[d];
+    check(m);
+    add_terms(problem.variables, m, d);
+    problem.trends.push_back(m.terms.trend == Measurement::Terms::Trend::none ? std::vector<double>{}
+                                                                              : trend_abscissa(m));
+    problem.noise.push_back({m.error.empty() ? roughness(m.y) : 1, 0});
+    errors_given = errors_given && !m.error.empty();
     result.points += int(m.y.size());
-    if (!pairs) {
+    if (!m.pairs()) {
       response::ClippingWatch watch;
       for (const double y : m.y) watch.add(y);
       if (auto clipped = response::clipping_warning(watch, m.name + ": friction", "1", long(m.y.size()));
@@ -245,30 +627,90 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
         result.warnings.push_back(std::move(clipped));
     }
   }
-  if (p == 0) throw InputError("a fit needs parameters");
+  const std::size_t p = problem.variables.size();
+  problem.q.resize(p, 0.0);
+  for (std::size_t i = 0; i < p; ++i) problem.free.push_back(i);
   if (std::size_t(result.points) <= p)
     throw InputError(fmt::format("{} numbers do not determine {} parameters", result.points, p));
 
-  const int starts = std::max(1, options.starts), folds = options.folds > 1 ? options.folds : 0;
-  const int total = starts + (options.profiles ? 2 * int(p) : 0) + folds;
-  auto report = [&, done = 0]() mutable {
+  constexpr int several = 4;
+  const int asked = std::max(1, options.starts.value_or(1)), folds = options.folds > 1 ? options.folds : 0;
+  int total = asked + (options.profiles.value_or(false) ? 2 * int(p) : 0) + folds, done = 0;
+  const std::function<void()> report = [&] {
     if (options.progress) options.progress(++done, total);
   };
   const auto own = problem.q;
-  const auto random = white_noise(p * std::size_t(starts), options.seed);
+  const auto random = white_noise(of_model * std::size_t(std::max(asked, several)), options.seed);
+  const double expected = double(result.points) - double(p);
+  const double most_expected = expected + 4 * std::sqrt(2 * expected);
   Minimum best;
-  for (int s = 0; s < starts; ++s) {
-    problem.q = own;
-    const double spread = std::log(30.0) / 2;
-    for (std::size_t i = 0; s > 0 && i < p; ++i) {
-      const auto& v = problem.variables[i];
-      problem.q[i] = std::clamp(own[i] + spread * v.scale * random[std::size_t(s) * p + i], v.low, v.high);
+  const auto search = [&](int from, int to) {
+    for (int s = from; s < to; ++s) {
+      problem.q = own;
+      const double spread = std::log(30.0) / 2;
+      for (std::size_t i = 0; s > 0 && i < of_model; ++i) {
+        const auto& v = problem.variables[i];
+        problem.q[i] = std::clamp(own[i] + spread * v.scale * random[std::size_t(s) * of_model + i], v.low, v.high);
+      }
+      auto found = minimise(problem);
+      report();
+      if (!std::isfinite(found.chi_square)) continue;
+      result.converged_starts += found.converged;
+      if (found.chi_square < best.chi_square) best = std::move(found);
     }
-    auto found = minimise(problem);
-    report();
-    if (!std::isfinite(found.chi_square)) continue;
-    result.converged_starts += found.converged;
-    if (found.chi_square < best.chi_square) best = std::move(found);
+  };
+  const auto first_noise = problem.noise;
+  // Noise and the numbers of the model in turn, until neither moves.
+  const auto settle_noise = [&] {
+    problem.q = best.q;
+    constexpr int most_rounds = 10;
+    for (int round = 0; !errors_given && best.converged && round < most_rounds; ++round) {
+      const double changed = find_noise_at(problem, best);
+      const auto before = problem.residuals(best.q);
+      if (!before) break;
+      double square = 0;
+      for (const double r : before->values) square += r * r;
+      auto again = minimise(problem);
+      // Other weights of the same residuals may leave the minimum where it is, from which no step leads down.
+      again.converged = again.converged || square - again.chi_square < 1e-6 * square;
+      if (!again.converged) break;
+      best = std::move(again);
+      problem.q = best.q;
+      if (changed < 1e-3) break;
+    }
+  };
+  search(0, asked);
+  const auto first = best;
+  settle_noise();
+  int starts = asked;
+  if (!options.starts) {
+    std::string doubt;
+    if (!std::isfinite(best.chi_square))
+      doubt = "the model does not answer to the first";
+    else if (!best.converged)
+      doubt = "the first did not converge";
+    else if (best.chi_square > most_expected)
+      doubt = fmt::format("the first left chi square at {:.4g} where {:.4g} is expected", best.chi_square, expected);
+    else if (const auto r = problem.residuals(best.q, problem.free)) {
+      const Conclusion at_first(problem, best, *r, result);
+      for (std::size_t i = 0; i < p && doubt.empty(); ++i) doubt = at_first.lost(i, 2);
+    }
+    constexpr double rough = 3, close = 0.9;
+    for (std::size_t d = 0; d < data.size() && doubt.empty(); ++d)
+      if (data[d].error.empty() &&
+          (problem.noise[d].size > rough * first_noise[d].size || problem.noise[d].correlation > close))
+        doubt = fmt::format(
+            "the first left {:.2g}, correlated by {:.2f}, in {}, whose neighbours differ as by noise of {:.2g}",
+            problem.noise[d].size, problem.noise[d].correlation, data[d].name, first_noise[d].size);
+    if (doubt.empty()) {
+      result.decisions.push_back("no further starts: the first converged, its misfit is that of noise");
+    } else {
+      result.decisions.push_back(fmt::format("{} starts, because {}", several, doubt));
+      total += several - asked, starts = several;
+      problem.noise = first_noise, best = first;
+      search(asked, several);
+      settle_noise();
+    }
   }
   if (!std::isfinite(best.chi_square))
     throw InputError("the model answers to none of the starts: its parameters do not allow this prediction");
@@ -278,94 +720,75 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
         fmt::format("the least squares did not converge from any of {} starts, within {} evaluations each", starts,
                     most_evaluations)};
 
-  problem.q = best.q;
   result.model = problem.at(best.q);
   result.chi_square = best.chi_square;
-  result.aic = best.chi_square + 2 * double(p);
-  result.bic = best.chi_square + double(p) * std::log(double(result.points));
-  const double z = normal_quantile(options.confidence);
-  const auto at_best = problem.residuals(best.q, problem.free);
+  auto at_best = problem.residuals(best.q, problem.free);
   if (!at_best) {
     result.outcome = {Ending::not_finite, "predictions at the least squares, or their slopes, are not finite"};
     return result;
   }
+  take_secants(problem, best, *at_best);
+  // Where the size of noise is found as well, few points have the wider intervals of Student's distribution.
+  const double z =
+      errors_given ? normal_quantile(options.confidence) : gsl_cdf_tdist_Pinv(0.5 + options.confidence / 2, expected);
+  Conclusion conclusion(problem, best, *at_best, result);
+  std::vector<char> profiled(p, options.profiles.value_or(false));
+  for (std::size_t i = 0; !options.profiles && i < p; ++i) profiled[i] = conclusion.in_doubt(i, z);
+  const auto profiles = std::ranges::count(profiled, 1);
+  if (!options.profiles) {
+    total += 2 * int(profiles);
+    result.decisions.push_back(profiles == 0
+                                   ? "no profiles of the likelihood: every covariance is narrow"
+                                   : fmt::format("profiles of the likelihood for {} of {} numbers, whose covariance is "
+                                                 "wide",
+                                                 profiles, p));
+  }
   for (std::size_t i = 0; i < p; ++i) {
-    const auto& v = problem.variables[i];
-    double influence = 0;  // standard errors of the data per change of q by its scale
-    for (int k = 0; k < result.points; ++k)
-      influence = std::hypot(influence, at_best->slopes[std::size_t(k) * p + i] * v.scale);
-    const double spread = std::sqrt(best.covariance[i * p + i]);
-    FittedParameter parameter{v.quantity.name, v.quantity.unit, v.value(best.q[i])};
-    parameter.standard_error = spread * (v.logarithmic ? parameter.value : 1);
-    parameter.low = v.value(best.q[i] - z * spread), parameter.high = v.value(best.q[i] + z * spread);
-    parameter.at_bound = best.q[i] <= v.low + 1e-6 * v.scale || best.q[i] >= v.high - 1e-6 * v.scale;
-    parameter.profile_low = parameter.profile_high = std::nan("");
-    double profile_low = v.low, profile_high = v.high;  // q
-    if (options.profiles && spread > 0 && std::isfinite(spread)) {
-      const double first = std::min(z * spread, 3 * v.scale);
-      profile_low = profile_end(problem, best, i, -first, z);
-      report();
-      profile_high = profile_end(problem, best, i, first, z);
-      report();
-      parameter.profile_low = v.value(profile_low), parameter.profile_high = v.value(profile_high);
-    }
-    // A number that no prediction hangs on, and one whose interval is wider than all that it may be, is not found; its
-    // profile may still bound it on one side, as that of a spring too stiff to show.
-    constexpr double none = 1e-6;
-    const bool silent = influence < none, wide = !(z * spread < v.high - v.low);
-    if (!parameter.at_bound && (silent || wide)) {
-      const bool bounded = profile_low > v.low || profile_high < v.high;
-      parameter.standard_error = parameter.low = parameter.high = std::nan("");
-      result.warnings.push_back(
-          bounded  ? fmt::format("the data bound {} on one side only: {:.3g} … {:.3g} by its profile", parameter.path,
-                                 parameter.profile_low, parameter.profile_high)
-          : silent ? fmt::format("the data do not depend on {}: {:.6g} is where the fit left it, without an interval",
-                                 parameter.path, parameter.value)
-                   : fmt::format("the data do not determine {}: its interval would be wider than its range, {}",
-                                 parameter.path, text(v.quantity.range)));
-      if (!bounded) {
-        parameter.profile_low = parameter.profile_high = std::nan("");
-        if (result.outcome.complete()) result.outcome = {Ending::none_exists, result.warnings.back()};
-      }
-    }
-    if (parameter.at_bound)
-      result.warnings.push_back(
-          fmt::format("{} = {:.6g} lies at an end of its range", parameter.path, parameter.value));
-    else if (!std::isnan(parameter.low) && v.logarithmic && spread > 1)
-      result.warnings.push_back(fmt::format("{} is hardly determined: a factor of {:.2g} is within one standard error",
-                                            parameter.path, std::exp(spread)));
-    result.parameters.push_back(parameter);
+    conclusion.parameter(i, z, profiled[i], report);
+    if (problem.variables[i].term == Variable::Term::clock_offset) conclusion.clock(i);
     for (std::size_t j = 0; j < p; ++j) {
       const double product = best.covariance[i * p + i] * best.covariance[j * p + j];
       result.correlation.push_back(product > 0 ? best.covariance[i * p + j] / std::sqrt(product) : std::nan(""));
       if (j < i && std::abs(result.correlation.back()) > 0.99)
         result.warnings.push_back(fmt::format("{} and {} are told apart poorly: correlation {:.4f}",
-                                              options.parameters[j], options.parameters[i], result.correlation.back()));
+                                              problem.variables[j].quantity.name, problem.variables[i].quantity.name,
+                                              result.correlation.back()));
     }
   }
-  const double expected = double(result.points) - double(p);
-  if (best.chi_square > expected + 4 * std::sqrt(2 * expected))
+  if (errors_given && best.chi_square > most_expected)
     result.warnings.push_back(fmt::format(
         "chi square is {:.4g} where {:.4g} is expected: the law does not describe these data, or their errors are "
         "larger than stated; intervals are too narrow",
         best.chi_square, expected));
-  const auto& residuals = at_best->values;
-  std::size_t point = 0;
-  for (const auto& m : data) {
-    result.residuals.emplace_back(residuals.begin() + std::ptrdiff_t(point),
-                                  residuals.begin() + std::ptrdiff_t(point + m.y.size()));
-    point += m.y.size();
+  conclusion.measurements();
+
+  double deviance = 0, count = double(p);
+  std::size_t row = 0;
+  for (std::size_t d = 0; d < data.size(); ++d) {
+    const double n = double(data[d].y.size());
+    double square = 0;
+    for (std::size_t k = 0; k < data[d].y.size(); ++k, ++row) square += at_best->values[row] * at_best->values[row];
+    if (!data[d].error.empty()) {
+      deviance += square;
+      continue;
+    }
+    const auto& noise = problem.noise[d];
+    deviance +=
+        n * std::log(noise.size * noise.size * square / n) + (n - 1) * std::log(1 - std::pow(noise.correlation, 2));
+    count += noise.correlation != 0 ? 2 : 1;
   }
+  result.aic = deviance + 2 * count;
+  result.bic = deviance + count * std::log(double(result.points));
 
   result.cross_validation = std::nan("");
-  if (options.folds > 1) {
+  if (folds > 0) {
     double sum = 0;
-    for (int fold = 0; fold < options.folds; ++fold) {  // both parts of a response stay together
+    for (int fold = 0; fold < folds; ++fold) {  // both parts of a response stay together
       problem.used.assign(std::size_t(result.points), 1);
       std::size_t index = 0;
       for (const auto& m : data) {
-        const std::size_t together = m.kind == Measurement::Kind::frequency_response ? 2 : 1;
-        for (std::size_t i = 0; i < m.y.size(); ++i) problem.used[index++] = int(i / together) % options.folds != fold;
+        const std::size_t together = m.pairs() ? 2 : 1;
+        for (std::size_t i = 0; i < m.y.size(); ++i) problem.used[index++] = int(i / together) % folds != fold;
       }
       problem.q = best.q;
       const auto trained = minimise(problem);
@@ -373,11 +796,17 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
       const auto left_out = problem.used;
       problem.used.clear();
       const auto all = problem.residuals(trained.q);
-      for (std::size_t i = 0; i < left_out.size(); ++i)
-        if (!left_out[i]) sum += all ? all->values[i] * all->values[i] : infinity;
+      std::size_t i = 0;
+      for (std::size_t d = 0; d < data.size(); ++d) {
+        // Where noise is found, every law is measured by one yardstick that knows none: the roughness of the data.
+        const double yardstick = data[d].error.empty() ? problem.noise[d].size / roughness(data[d].y) : 1;
+        for (std::size_t k = 0; k < data[d].y.size(); ++k, ++i)
+          if (!left_out[i]) sum += all ? std::pow(yardstick * all->values[i], 2) : infinity;
+      }
     }
     result.cross_validation = sum / result.points;
   }
+  result.predictions = problem.predictions, result.steps = problem.steps;
   return result;
 }
 

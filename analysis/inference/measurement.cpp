@@ -1,4 +1,5 @@
-/// Responses and curves from the contact's derivatives; steps and holds as motion of the contact at a held slip rate.
+/// Responses and curves from the contact's derivatives; steps, holds and records as motion of the contact under an
+/// imposed slip rate.
 #include "analysis/inference/measurement.hpp"
 
 #include <fmt/format.h>
@@ -6,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "analysis/response/contact_slopes.hpp"
@@ -19,80 +21,109 @@ namespace {
 
 constexpr int most = Slopes<double>::capacity;
 
-/// A contact at constant slip rate and load as a system, and what numbers of the model do to it. Lists of slopes S are
-/// unknowns × numbers, row-major.
-class HeldContact final : public System {
+/// What is imposed on a contact from `begin` on, until the next: a slip rate and a load that change evenly.
+struct Stretch {
+  double begin, slip_rate, normal_load, acceleration = 0, load_rate = 0;
+  double direction = double((slip_rate > 0) - (slip_rate < 0));
+  double slip_rate_at(double t) const { return slip_rate + (t - begin) * acceleration; }
+  double normal_load_at(double t) const { return normal_load + (t - begin) * load_rate; }
+};
+
+/// A contact under an imposed motion and load as a system, and what numbers of the model do to it. Lists of slopes S
+/// are unknowns × numbers, row-major.
+class ImposedContact final : public System {
  public:
-  /// \param contact,slopes of the model; kept by reference.
+  /// \param model,contact,slopes kept by reference.
+  /// \param motion in the order of time; the first lasts from ever.
   /// \param typical the slip rate in whose steady sliding errors are measured.
-  HeldContact(const Model& model, const Contact<double>& contact, const std::vector<response::ContactSlopes>& slopes,
-              double slip_rate, double typical)
-      : in_{slip_rate, model.drive.normal_load.level(), 0, double((slip_rate > 0) - (slip_rate < 0))},
-        set_valued_(model.law->set_valued()),
-        contact_(&contact),
-        slopes_(slopes) {
-    contact_->mass(in_.normal_load, mass_);
+  ImposedContact(const Model& model, const Contact<double>& contact, const std::vector<response::ContactSlopes>& slopes,
+                 std::vector<Stretch> motion, double typical)
+      : motion_(std::move(motion)), model_(model), contact_(&contact), slopes_(slopes) {
+    contact_->mass(motion_.front().normal_load, mass_);
     double z[most];
-    contact_->steady(0, along(typical), in_.normal_load, z, scale_);
+    contact_->steady(0, along(typical), motion_.front().normal_load, z, scale_);
     for (int i = 0; i < size(); ++i) scale_[i] = std::max(scale_[i], 1e-30);
   }
 
   int size() const override { return contact_->unknowns(); }
-  bool autonomous() const override { return true; }
+  bool autonomous() const override { return motion_.size() == 1 && at(0).acceleration == 0 && at(0).load_rate == 0; }
   void mass(double, double* m) const override {
     for (int i = 0; i < size(); ++i) m[i] = algebraic(i) ? 0 : 1;
   }
-  void evaluate(double, const double* z, double* f) const override {
-    double F;
-    contact_->evaluate(in_, z, f, F);
-    for (int i = 0; i < size(); ++i) f[i] /= divisor(i);
+  void evaluate(double t, const double* z, double* f) const override {
+    const auto in = input(t);
+    double F, M[most];
+    contact_->evaluate(in, z, f, F);
+    contact_->mass(in.normal_load, M);
+    for (int i = 0; i < size(); ++i) f[i] /= divisor(i, M);
   }
-  void linearise(double, const double* z, double* f, double* jacobian) const override {
+  void linearise(double t, const double* z, double* f, double* jacobian) const override {
     const int n = size();
+    const auto in = input(t);
     Slopes<double> slopes;
-    double F;
-    contact_->linearise(in_, z, f, F, slopes);
+    double F, M[most];
+    contact_->linearise(in, z, f, F, slopes);
+    contact_->mass(in.normal_load, M);
     for (int i = 0; i < n; ++i) {
-      f[i] /= divisor(i);
-      for (int j = 0; j < n; ++j) jacobian[i * n + j] = slopes.g_z[i * n + j] / divisor(i);
+      f[i] /= divisor(i, M);
+      for (int j = 0; j < n; ++j) jacobian[i * n + j] = slopes.g_z[i * n + j] / divisor(i, M);
     }
   }
   void scale(const double*, double* s) const override { std::copy_n(scale_, size(), s); }
   std::string unknown(int i) const override { return fmt::format("unknown {} of the contact", i); }
+  double next_break(double t) const override {
+    const auto next = following(t);
+    return next == motion_.end() ? infinity : next->begin;
+  }
 
+  /// True where slip rate or load jump at this break: algebraic unknowns then do.
+  bool jumps(double t) const {
+    const auto next = following(t);
+    const auto& after = *(next - 1);
+    if (next - 1 == motion_.begin()) return false;
+    const auto& before = *(next - 2);
+    return before.slip_rate_at(t) != after.slip_rate || before.normal_load_at(t) != after.normal_load;
+  }
+  Stretch at(double t) const {
+    const auto next = following(t);
+    if (next != motion_.begin()) return *(next - 1);
+    auto first = motion_.front();  // as it begins, so it was
+    first.acceleration = first.load_rate = 0;
+    return first;
+  }
+  std::size_t stretches() const { return motion_.size(); }
   int numbers() const { return int(slopes_.size()); }
   /// Slopes of f by the numbers.
-  void force(const double* z, double* f_p) const {
-    double f[most];
-    evaluate(0, z, f);
+  void force(double t, const double* z, double* f_p) const {
+    const auto in = input(t);
+    double f[most], M[most];
+    evaluate(t, z, f);
+    contact_->mass(in.normal_load, M);
     for (int p = 0; p < numbers(); ++p) {
-      const auto change = slopes_[std::size_t(p)].values(in_, z);
+      const auto change = slopes_[std::size_t(p)].values(in, z);
       for (int i = 0; i < size(); ++i)
-        f_p[i * numbers() + p] = (change.g[std::size_t(i)] - f[i] * change.mass[std::size_t(i)]) / divisor(i);
+        f_p[i * numbers() + p] = (change.g[std::size_t(i)] - f[i] * change.mass[std::size_t(i)]) / divisor(i, M);
     }
   }
-  /// Unknowns of steady sliding, and their slopes.
-  std::vector<double> steady(std::vector<double>& S) const {
-    double z[most], weight[most], g[most], F;
-    contact_->steady(0, along(in_.slip_rate), in_.normal_load, z, weight);
-    const int n = size();
-    Slopes<double> slopes;
-    contact_->linearise(in_, z, g, F, slopes);
-    const std::vector<double> A(slopes.g_z, slopes.g_z + n * n);
-    S.assign(std::size_t(n * numbers()), 0.0);
-    for (int p = 0; p < numbers(); ++p) {
-      const auto shift = slopes_[std::size_t(p)].steady(in_, z, A);
-      for (int i = 0; i < n; ++i) S[std::size_t(i * numbers() + p)] = shift[std::size_t(i)];
-    }
-    return {z, z + n};
+  /// Unknowns before the motion, and their slopes: of steady sliding as it begins, or, from rest, midway between those
+  /// of slowest creep either way, which leaves deflections and the force of a machine at 0.
+  std::vector<double> before(std::vector<double>& S) const {
+    const auto& first = motion_.front();
+    if (first.slip_rate != 0) return steady(first.slip_rate, S);
+    std::vector<double> back;
+    auto z = steady(FrictionLaw::slowest_creep, S);
+    const auto mirrored = steady(-FrictionLaw::slowest_creep, back);
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] = (z[i] + mirrored[i]) / 2;
+    for (std::size_t i = 0; i < S.size(); ++i) S[i] = (S[i] + back[i]) / 2;
+    return z;
   }
   /// Makes S consistent with an algebraic row at z, as a jump of the slip rate has left it.
-  void settle(const double* z, std::vector<double>& S) const {
+  void settle(double t, const double* z, std::vector<double>& S) const {
     const int n = size();
     double f[most], J[most * most];
     std::vector<double> f_p(std::size_t(n * numbers()));
-    linearise(0, z, f, J);
-    force(z, f_p.data());
+    linearise(t, z, f, J);
+    force(t, z, f_p.data());
     for (int i = 0; i < n; ++i) {
       if (!algebraic(i)) continue;
       for (int p = 0; p < numbers(); ++p) {
@@ -104,47 +135,90 @@ class HeldContact final : public System {
     }
   }
   /// dF/dt at z, on its way.
-  double friction_rate(const double* z) const {
+  double friction_rate(double t, const double* z) const {
     const int n = size();
+    const auto in = input(t);
+    const auto stretch = at(t);
     Slopes<double> slopes;
-    double f[most], rate[most] = {}, sum = 0, F;
-    contact_->linearise(in_, z, f, F, slopes);
+    double f[most], M[most], rate[most] = {}, F;
+    contact_->linearise(in, z, f, F, slopes);
+    contact_->mass(in.normal_load, M);
     for (int i = 0; i < n; ++i)
-      if (!algebraic(i)) rate[i] = f[i] / mass_[i];
+      if (!algebraic(i)) rate[i] = f[i] / M[i];
     for (int i = 0; i < n; ++i) {
       if (!algebraic(i)) continue;
+      rate[i] = -(slopes.g_u[i] * stretch.acceleration + slopes.g_N[i] * stretch.load_rate) / slopes.g_z[i * n + i];
       for (int j = 0; j < n; ++j)
         if (j != i) rate[i] -= slopes.g_z[i * n + j] * rate[j] / slopes.g_z[i * n + i];
     }
+    double sum = slopes.F_u * stretch.acceleration + slopes.F_N * stretch.load_rate;
     for (int i = 0; i < n; ++i) sum += slopes.F_z[i] * rate[i];
     return sum;
   }
-  double friction(const double* z) const {
+  double friction(double t, const double* z) const {
     double g[most], F;
-    contact_->evaluate(in_, z, g, F);
+    contact_->evaluate(input(t), z, g, F);
     return F;
   }
-  /// Adds friction at these unknowns and its slopes to the prediction.
-  void read(const double* z, const std::vector<double>& S, Prediction& prediction) const {
+  /// Adds friction at these unknowns and its slopes to the prediction, as the measurement's y: its k-th.
+  void read(const Measurement& m, std::size_t k, double t, const double* z, const std::vector<double>& S,
+            Prediction& prediction) const {
+    const auto in = input(t);
+    const double unit = m.in_force ? 1 : in.normal_load;
+    if (model_.law->set_valued() && in.slip_rate == 0) {
+      // Friction at rest is what holds: any force up to the limit, the measured one as far as it lies within.
+      const double limit = model_.law->static_limit(in.normal_load) * in.normal_load / unit;
+      prediction.y.push_back(m.y.empty() ? 0 : std::clamp(m.y[k], -limit, limit));
+      for (int p = 0; p < numbers(); ++p) prediction.slopes[std::size_t(p)].push_back(0);
+      if (m.terms.clock_offset) prediction.by_clock.push_back(0);
+      return;
+    }
     Slopes<double> slopes;
     double g[most], F;
-    contact_->linearise(in_, z, g, F, slopes);
-    prediction.y.push_back(F / in_.normal_load);
+    contact_->linearise(in, z, g, F, slopes);
+    prediction.y.push_back(F / unit);
     for (int p = 0; p < numbers(); ++p) {
-      double change = slopes_[std::size_t(p)].values(in_, z).F;
+      double change = slopes_[std::size_t(p)].values(in, z).F;
       for (int i = 0; i < size(); ++i) change += slopes.F_z[i] * S[std::size_t(i * numbers() + p)];
-      prediction.slopes[std::size_t(p)].push_back(change / in_.normal_load);
+      prediction.slopes[std::size_t(p)].push_back(change / unit);
     }
+    if (!m.terms.clock_offset) return;
+    const double pace = m.over == Measurement::Over::displacement ? std::abs(in.slip_rate) : 1;
+    const double scaling = m.in_force ? 0 : F * in.load_rate / in.normal_load;
+    prediction.by_clock.push_back(-(friction_rate(t, z) - scaling) / unit / pace);
   }
 
  private:
+  std::vector<Stretch>::const_iterator following(double t) const {
+    return std::ranges::upper_bound(motion_, t, {}, &Stretch::begin);
+  }
+  ContactInput<double> input(double t) const {
+    const auto stretch = at(t);
+    return {stretch.slip_rate_at(t), stretch.normal_load_at(t), stretch.load_rate, stretch.direction};
+  }
+  std::vector<double> steady(double slip_rate, std::vector<double>& S) const {
+    const double N = motion_.front().normal_load;
+    double z[most], weight[most], g[most], F;
+    contact_->steady(0, along(slip_rate), N, z, weight);
+    const int n = size();
+    const ContactInput<double> in{slip_rate, N, 0, double((slip_rate > 0) - (slip_rate < 0))};
+    Slopes<double> slopes;
+    contact_->linearise(in, z, g, F, slopes);
+    const std::vector<double> A(slopes.g_z, slopes.g_z + n * n);
+    S.assign(std::size_t(n * numbers()), 0.0);
+    for (int p = 0; p < numbers(); ++p) {
+      const auto shift = slopes_[std::size_t(p)].steady(in, z, A);
+      for (int i = 0; i < n; ++i) S[std::size_t(i * numbers() + p)] = shift[std::size_t(i)];
+    }
+    return {z, z + n};
+  }
   bool algebraic(int i) const { return mass_[i] == 0; }
-  double divisor(int i) const { return algebraic(i) ? 1 : mass_[i]; }
+  double divisor(int i, const double* M) const { return algebraic(i) ? 1 : M[i]; }
   /// The slip rate that a law is asked at for its steady sliding.
-  double along(double slip_rate) const { return set_valued_ ? std::abs(slip_rate) : slip_rate; }
+  double along(double slip_rate) const { return model_.law->set_valued() ? std::abs(slip_rate) : slip_rate; }
 
-  ContactInput<double> in_;
-  bool set_valued_;
+  std::vector<Stretch> motion_;
+  const Model& model_;
   const Contact<double>* contact_;
   const std::vector<response::ContactSlopes>& slopes_;
   double mass_[most] = {}, scale_[most] = {};
@@ -164,34 +238,39 @@ void respond(const Model& model, const std::vector<std::string>& paths, const Me
   }
 }
 
-/// Motion of a held contact, and its slopes by the numbers of the model.
-class HeldMotion {
+/// Motion of a contact under what is imposed on it, and its slopes by the numbers of the model.
+class ImposedMotion {
  public:
-  HeldMotion(const HeldContact& held, const std::string& name, const std::vector<double>& start, std::vector<double> S)
-      : held_(held), name_(name), solver_(held, 1e-10), S_(std::move(S)) {
-    if (!solver_.start(0, start)) throw InputError(name_ + ": the motion cannot begin");
-    held_.settle(solver_.state().data(), S_);
+  ImposedMotion(const ImposedContact& contact, const std::string& name, double time, const std::vector<double>& start,
+                std::vector<double> S)
+      : contact_(contact), name_(name), solver_(contact, 1e-10), S_(std::move(S)) {
+    begin(time, start);
   }
   const std::vector<double>& state() const { return solver_.state(); }
   const std::vector<double>& slopes() const { return S_; }
+  double time() const { return solver_.time(); }
+  long steps() const { return solver_.count().steps; }
 
   void to(double time) {
     while (solver_.time() < time) {
-      step(time);
+      const double end = std::min(time, contact_.next_break(solver_.time()));
+      step(end);
       propagate();
+      if (solver_.time() >= end && contact_.at(end).begin == end && contact_.jumps(end))
+        begin(end, std::vector<double>(state()));
     }
   }
   /// To the first maximum of friction, or to where it does not rise any more.
   void to_peak() {
-    double before = held_.friction_rate(state().data());
+    double before = contact_.friction_rate(time(), state().data());
     std::vector<double> z(state().size());
-    const auto rate_at = [&](double, const double* at) { return held_.friction_rate(at); };
+    const auto rate_at = [&](double t, const double* at) { return contact_.friction_rate(t, at); };
     for (bool found = !(before > 0); !found; propagate()) {
       step(infinity);
       double low = 0;
       for (int i = 0; i < solvers::steps::Collocation::stages && !found; ++i) {
         solver_.stage(i, z.data());
-        const double here = held_.friction_rate(z.data());
+        const double here = contact_.friction_rate(solver_.stage_time(i), z.data());
         if (here < 0) {
           const auto at = solver_.locate(rate_at, low, solver_.node(i), before, here);
           if (!at || !solver_.shorten(*at)) throw InputError(name_ + ": the peak could not be located");
@@ -200,14 +279,18 @@ class HeldMotion {
         low = solver_.node(i), before = here;
       }
       constexpr double settled = 1e-13;  // of friction, that it still rises by in as much time as has passed
-      found = found || before * solver_.time() <= settled * std::abs(held_.friction(state().data()));
+      found = found || before * solver_.time() <= settled * std::abs(contact_.friction(time(), state().data()));
     }
   }
 
  private:
+  void begin(double time, const std::vector<double>& start) {
+    if (!solver_.start(time, start)) throw InputError(name_ + ": the motion cannot begin");
+    contact_.settle(time, solver_.state().data(), S_);
+  }
   void step(double limit) {
     // Motion that parameters far off have made stiff or fast must not take for ever.
-    constexpr long most_steps = 20'000;
+    const long most_steps = 20'000 + 10 * long(contact_.stretches());
     if (solver_.count().steps >= most_steps)
       throw InputError(
           fmt::format("{}: the motion takes more than {} steps to t = {:.3g} s", name_, most_steps, solver_.time()));
@@ -215,45 +298,138 @@ class HeldMotion {
       throw InputError(fmt::format("{}: the motion could not be followed: {}", name_, outcome.detail));
   }
   void propagate() {
-    if (held_.numbers() > 0)
-      solver_.propagate(S_, held_.numbers(), [&](double, const double* z, double* f_p) { held_.force(z, f_p); });
+    if (contact_.numbers() > 0)
+      solver_.propagate(S_, contact_.numbers(),
+                        [&](double t, const double* z, double* f_p) { contact_.force(t, z, f_p); });
   }
 
-  const HeldContact& held_;
+  const ImposedContact& contact_;
   const std::string& name_;
   solvers::steps::Collocation solver_;
   std::vector<double> S_;
 };
 
-/// What `reader` reads at each time of the motion of `held` from steady sliding in `before`. `reload`: where a spring
-/// yields, it reads the peak of its own motion from there.
-void follow(const HeldContact& held, const HeldContact& before, const HeldContact& reader, const Measurement& m,
-            bool reload, Prediction& prediction) {
-  std::vector<double> S;
-  const auto start = before.steady(S);
-  if (held.size() == 0) {
-    for (std::size_t i = 0; i < m.x.size(); ++i) reader.read(start.data(), S, prediction);
-    return;
+/// The motion that is imposed in a step or a record, and the times of x in it.
+struct Imposed {
+  std::vector<Stretch> motion;
+  std::vector<double> times;
+};
+
+Imposed steps_of(const Measurement& m, double clock_offset) {
+  const double N = m.normal_load;
+  // Each stretch begins at an x, and x goes on by `pace` for each second of it.
+  const auto pace = [&](double slip_rate) {
+    return m.over == Measurement::Over::displacement ? std::abs(slip_rate) : 1;
+  };
+  std::vector<double> begins = {m.step_at};
+  Imposed imposed{{{0, m.slip_rate, N}, {0, m.next_slip_rate, N}}, {}};
+  for (const auto& step : m.later) {
+    const auto& last = imposed.motion.back();
+    imposed.motion.push_back({last.begin + (step.at - begins.back()) / pace(last.slip_rate), step.slip_rate, N});
+    begins.push_back(step.at);
   }
-  HeldMotion motion(held, m.name, start, S);
-  for (const double time : m.x) {
-    motion.to(time);
-    if (!reload) {
-      reader.read(motion.state().data(), motion.slopes(), prediction);
+  for (const double x : m.x) {
+    const double at = x - clock_offset;
+    std::size_t i = 0;  // of the stretch that it lies in
+    while (i < begins.size() && begins[i] <= at) ++i;
+    const double from = begins[i == 0 ? 0 : i - 1], begin = imposed.motion[i].begin;
+    imposed.times.push_back(begin + (at - from) / pace(imposed.motion[i].slip_rate));
+  }
+  return imposed;
+}
+
+Imposed record_of(const Measurement& m, double clock_offset) {
+  const auto& [time, slip_rate, load, held] = m.history;
+  Imposed imposed;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    const double N = load[i];
+    if (i + 1 == time.size()) {
+      imposed.motion.push_back({time[i], slip_rate[i], N});
+      break;
+    }
+    const double span = time[i + 1] - time[i], load_rate = (load[i + 1] - N) / span;
+    const double u = slip_rate[i], next = held ? u : slip_rate[i + 1], acceleration = (next - u) / span;
+    const auto sign = [](double x) { return double((x > 0) - (x < 0)); };
+    // Laws have a corner where slip reverses: a stretch ends there.
+    const bool reverses = u * next < 0;
+    imposed.motion.push_back({time[i], u, N, acceleration, load_rate, u != 0 ? sign(u) : sign(next)});
+    if (reverses) {
+      const double wait = u / (u - next) * span;
+      if (wait > 0 && wait < span && time[i] + wait > time[i] && time[i] + wait < time[i + 1])
+        imposed.motion.push_back({time[i] + wait, 0, N + wait * load_rate, acceleration, load_rate, sign(next)});
+    }
+  }
+  for (const double x : m.x) imposed.times.push_back(x - clock_offset);
+  return imposed;
+}
+
+/// Friction at each time of an imposed motion, from steady sliding, or rest, as it begins.
+void follow(const ImposedContact& contact, const std::vector<double>& times, const Measurement& m,
+            Prediction& prediction) {
+  std::vector<double> S;
+  const auto start = contact.before(S);
+  const double begin = contact.next_break(-infinity);
+  std::optional<ImposedMotion> motion;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    const double time = times[k];
+    if (time < begin || contact.size() == 0) {
+      contact.read(m, k, time, start.data(), S, prediction);
       continue;
     }
-    HeldMotion again(reader, m.name, motion.state(), motion.slopes());
-    again.to_peak();
-    reader.read(again.state().data(), again.slopes(), prediction);
+    if (!motion) motion.emplace(contact, m.name, begin, start, S);
+    motion->to(time);
+    contact.read(m, k, motion->time(), motion->state().data(), motion->slopes(), prediction);
   }
+  if (motion) prediction.steps += motion->steps();
+}
+
+/// Peaks as the drive resumes from each hold: where a spring yields, those of a motion of their own.
+void follow_holds(const ImposedContact& resting, const ImposedContact& sliding, const Measurement& m, bool reload,
+                  Prediction& prediction) {
+  std::vector<double> S;
+  const auto start = sliding.before(S);
+  if (resting.size() == 0) {
+    for (std::size_t k = 0; k < m.x.size(); ++k) sliding.read(m, k, 0, start.data(), S, prediction);
+    return;
+  }
+  ImposedMotion motion(resting, m.name, 0, start, S);
+  for (std::size_t k = 0; k < m.x.size(); ++k) {
+    motion.to(m.x[k]);
+    if (!reload) {
+      sliding.read(m, k, 0, motion.state().data(), motion.slopes(), prediction);
+      continue;
+    }
+    ImposedMotion again(sliding, m.name, 0, motion.state(), motion.slopes());
+    again.to_peak();
+    sliding.read(m, k, again.time(), again.state().data(), again.slopes(), prediction);
+    prediction.steps += again.steps();
+  }
+  prediction.steps += motion.steps();
+}
+
+void refuse_remembered_rest(const Model& model, const Measurement& m, const std::vector<Stretch>& motion) {
+  if (!model.law->set_valued() || !model.law->has_states()) return;
+  const auto rests = [&](const Stretch& s) { return s.slip_rate == 0; };
+  if (std::ranges::any_of(motion, rests))
+    throw InputError(
+        fmt::format("{}: law '{}' sticks and remembers; its friction is followed under a recorded slip rate as long as "
+                    "that does not come to 0 or reverse",
+                    m.name, model.law->card().name));
 }
 
 }  // namespace
 
-Prediction predict(const Model& given, const Measurement& m, const std::vector<std::string>& paths) {
+Prediction predict(const Model& given, const Measurement& m, const std::vector<std::string>& paths,
+                   double clock_offset) {
   using Kind = Measurement::Kind;
   Model model = given;
-  model.drive = {m.slip_rate, m.normal_load, 0.0};
+  double fastest = m.slip_rate;
+  if (m.kind == Kind::record) {
+    fastest = 0;
+    for (const double u : m.history.slip_rate) fastest = std::max(fastest, std::abs(u));
+    if (fastest == 0) throw InputError(fmt::format("{}: nothing moves in this record", m.name));
+  }
+  model.drive = {fastest, m.normal_load, 0.0};
   // Steady sliding does not know the clock of the states, nor a spring.
   std::vector<std::string> own = paths;
   if (m.kind == Kind::hold && (!model.law->has_states() || model.lambda == 0))
@@ -279,31 +455,71 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
     const auto contact = model.law->contact(setup);
     std::vector<response::ContactSlopes> slopes;
     for (const auto& path : own) slopes.emplace_back(model, setup, path);
-    const auto held = [&](double slip_rate, double typical) {
-      return HeldContact(model, *contact, slopes, slip_rate, typical);
+    const auto under = [&](std::vector<Stretch> motion, double typical) {
+      return ImposedContact(model, *contact, slopes, std::move(motion), typical);
     };
+    const auto held = [&](double slip_rate, double typical) { return under({{0, slip_rate, m.normal_load}}, typical); };
     if (m.kind == Kind::steady_curve) {
-      for (const double v : m.x) {
-        const auto sliding = held(v, v);
+      for (std::size_t k = 0; k < m.x.size(); ++k) {
+        const auto sliding = held(m.x[k], m.x[k]);
         std::vector<double> S;
-        const auto z = sliding.steady(S);
-        sliding.read(z.data(), S, found);
+        const auto z = sliding.before(S);
+        sliding.read(m, k, 0, z.data(), S, found);
       }
     } else if (m.kind == Kind::velocity_step) {
-      const auto after = held(m.next_slip_rate, m.next_slip_rate);
-      follow(after, held(m.slip_rate, m.next_slip_rate), after, m, false, found);
+      auto imposed = steps_of(m, clock_offset);
+      follow(under(std::move(imposed.motion), m.next_slip_rate), imposed.times, m, found);
+    } else if (m.kind == Kind::record) {
+      auto imposed = record_of(m, clock_offset);
+      refuse_remembered_rest(model, m, imposed.motion);
+      follow(under(std::move(imposed.motion), fastest), imposed.times, m, found);
     } else {
       const auto sliding = held(m.slip_rate, m.slip_rate);
-      follow(held(0, m.slip_rate), sliding, sliding, m, reload, found);
+      follow_holds(held(0, m.slip_rate), sliding, m, reload, found);
     }
   }
-  Prediction prediction{std::move(found.y), {}};
+  Prediction prediction{std::move(found.y), {}, std::move(found.by_clock), found.steps};
   for (const auto& path : paths) {
     const auto at = std::ranges::find(own, path);
     prediction.slopes.push_back(at == own.end() ? std::vector<double>(prediction.y.size(), 0.0)
                                                 : found.slopes[std::size_t(at - own.begin())]);
   }
   return prediction;
+}
+
+std::vector<double> trend_abscissa(const Measurement& m) {
+  using Over = Measurement::Over;
+  using Trend = Measurement::Terms::Trend;
+  const bool by_displacement = m.terms.trend == Trend::displacement;
+  std::vector<double> s;
+  if (m.kind != Measurement::Kind::record) {
+    const double start = m.step_at;
+    for (const double x : m.x) s.push_back(x - start);
+    if (by_displacement == (m.over == Over::displacement)) return s;
+    const auto imposed = steps_of(m, 0);
+    if (!by_displacement) return imposed.times;
+  }
+  const auto imposed = m.kind == Measurement::Kind::record ? record_of(m, 0) : steps_of(m, 0);
+  const auto& motion = imposed.motion;
+  if (!by_displacement) {
+    s.clear();
+    for (const double t : imposed.times) s.push_back(t - motion.front().begin);
+    return s;
+  }
+  // The way that was imposed up to each time, from the begin of the second stretch of a step, or of a record.
+  std::vector<double> way = {0};
+  for (std::size_t i = 0; i + 1 < motion.size(); ++i) {
+    const double span = motion[i + 1].begin - motion[i].begin;
+    way.push_back(way.back() + span * (motion[i].slip_rate + motion[i].acceleration * span / 2));
+  }
+  s.clear();
+  for (const double t : imposed.times) {
+    std::size_t i = 0;
+    while (i + 1 < motion.size() && motion[i + 1].begin <= t) ++i;
+    const double span = t - motion[i].begin;
+    s.push_back(way[i] + span * (motion[i].slip_rate + motion[i].acceleration * span / 2));
+  }
+  return s;
 }
 
 }  // namespace rosin::analysis::inference

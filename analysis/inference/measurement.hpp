@@ -1,5 +1,5 @@
 /// What a model says to a measurement, and how that changes with its numbers: frequency responses, steady curves,
-/// velocity steps and holds.
+/// velocity steps, holds, and friction recorded while the slip rate or the load point moves in any way.
 #pragma once
 #include <string>
 #include <vector>
@@ -14,27 +14,67 @@ using oscillators::Model;
 struct Measurement {
   enum class Kind {
     frequency_response,  ///< x: Hz; y: real and imaginary part of Z in turn, N s/m
-    velocity_step,       ///< x: s after the step of an imposed slip rate; y: friction coefficient
+    velocity_step,       ///< x: s or m, as `over`; y: friction coefficient under an imposed slip rate that jumps
     steady_curve,        ///< x: m/s; y: friction coefficient
     hold,                ///< x: s that the drive rests; y: peak coefficient as it resumes, behind the contact's spring
+    record,              ///< x: s; y: friction coefficient or force under the motion of `history`
   };
   Kind kind = Kind::frequency_response;
   std::string name;
-  double slip_rate = 1;       ///< mean, before the step, or around the hold, m/s
-  double next_slip_rate = 1;  ///< after the step, m/s
-  double normal_load = 1;     ///< N
-  std::vector<double> x, y, error;
+  double slip_rate = 1;             ///< mean, before the step, or around the hold, m/s
+  double next_slip_rate = 1;        ///< after the step, m/s
+  double normal_load = 1;           ///< N
+  std::vector<double> x, y, error;  ///< `error` empty: a fit finds size and correlation of the noise from the residuals
+
+  /// The motion behind a step: over time or over the displacement that is imposed.
+  enum class Over { time, displacement };
+  struct Step {
+    double at;         ///< s or m, as x
+    double slip_rate;  ///< m/s, from there on
+  };
+  Over over = Over::time;
+  double step_at = 0;            ///< of a velocity step, s or m
+  std::vector<Step> later = {};  ///< further steps, in their order
+  /// The motion of a record: slip rate and load at these times, with straight lines between them. `held`: each slip
+  /// rate lasts until the next time, as of a displacement with straight lines. A record of displacement is that.
+  struct History {
+    std::vector<double> time, slip_rate, normal_load;
+    bool held = false;
+  };
+  History history = {};
+  bool in_force = false;  ///< y of a record in N
+
+  /// What a laboratory adds to the friction of a law; a fit finds each that is true, or not none.
+  struct Terms {
+    enum class Trend { none, time, displacement };
+    Trend trend = Trend::none;  ///< a straight line that is 0 at the (first) step or the begin of the record
+    bool base = false;          ///< a level
+    bool clock_offset = false;  ///< by so much later than x says the motion took place
+  };
+  Terms terms = {};
+
+  /// Points of a response have two numbers.
+  bool pairs() const { return kind == Kind::frequency_response; }
+  /// A series in time, of which a neighbour's noise may know something.
+  bool series() const { return kind == Kind::velocity_step || kind == Kind::record; }
 };
 
 /// The model's y of a measurement, and ∂y/∂p of each number asked for.
 struct Prediction {
   std::vector<double> y;
   std::vector<std::vector<double>> slopes;  ///< by number, then by y
+  std::vector<double> by_clock;             ///< ∂y/∂(clock offset), where the measurement has that term
+  long steps = 0;                           ///< of the motion
 };
 
 /// What a model says to a measurement's x, as its y, with slopes by the numbers at `paths`: exact for responses and
-/// steady curves; motion and its variational equations by collocation at 1e-10 for steps and holds.
+/// steady curves; motion and its variational equations by collocation at 1e-10 for steps, holds and records.
+/// \param clock_offset s or m, as x: the motion is later than x says. Trend and base are not in it.
 /// \throws InputError where the law does not answer, and where no slope exists (analysis/response/contact_slopes.hpp).
-Prediction predict(const Model&, const Measurement&, const std::vector<std::string>& paths = {});
+Prediction predict(const Model&, const Measurement&, const std::vector<std::string>& paths = {},
+                   double clock_offset = 0);
+
+/// What a trend is multiplied by at each x: s since the first step or the begin of the record, or m of displacement.
+std::vector<double> trend_abscissa(const Measurement&);
 
 }  // namespace rosin::analysis::inference

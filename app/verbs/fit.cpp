@@ -1,4 +1,4 @@
-/// The verb fit: fits of all candidates, their ranking, tables and the picture of residuals.
+/// The verb fit: fits of all candidates, their ranking, tables, and the picture of data, fits and residuals.
 
 #include <numeric>
 
@@ -20,18 +20,24 @@ namespace {
 namespace fs = std::filesystem;
 using analysis::inference::Measurement;
 
-const char* abscissa(Measurement::Kind kind) {
-  switch (kind) {
+const char* abscissa(const Measurement& m) {
+  switch (m.kind) {
     case Measurement::Kind::frequency_response:
       return "frequency (Hz)";
     case Measurement::Kind::velocity_step:
-      return "time (s)";
+      return m.over == Measurement::Over::time ? "time (s)" : "displacement (m)";
     case Measurement::Kind::steady_curve:
       return "slip rate (m/s)";
     case Measurement::Kind::hold:
       return "time at rest (s)";
+    case Measurement::Kind::record:
+      return "time (s)";
   }
   return "";
+}
+
+const char* ordinate(const Measurement& m) {
+  return m.pairs() ? "Z (N s/m)" : m.in_force ? "friction (N)" : "friction coefficient";
 }
 
 ordered_json parameters(const analysis::inference::Fit& fit) {
@@ -46,6 +52,16 @@ ordered_json parameters(const analysis::inference::Fit& fit) {
   return object;
 }
 
+/// Numbers that are not known are null.
+ordered_json noise(const analysis::inference::FittedMeasurement& m, const Measurement& data) {
+  ordered_json object = {{"data", data.name},
+                         {"standard_error", m.error_found ? "from residuals" : "given"},
+                         {"durbin_watson", m.neighbours.durbin_watson},
+                         {"correlation_of_neighbours", m.neighbours.correlation}};
+  if (m.error_found) object["noise"] = {{"size", m.noise.size}, {"correlation", m.noise.correlation}};
+  return object;
+}
+
 std::string to_json(const scene::Scene& scene, const std::vector<analysis::inference::Fit>& fits,
                     const std::vector<std::size_t>& order) {
   const auto& own = fits.front();
@@ -55,6 +71,9 @@ std::string to_json(const scene::Scene& scene, const std::vector<analysis::infer
   document["chi_square"] = own.chi_square;
   document["points"] = own.points;
   document["confidence"] = scene.fit.options.confidence;
+  document["measurements"] = ordered_json::array();
+  for (std::size_t d = 0; d < own.measurements.size(); ++d)
+    document["measurements"].push_back(noise(own.measurements[d], scene.fit.data[d]));
   document["ranking"] = ordered_json::array();
   for (const auto k : order) {
     const auto& fit = fits[k];
@@ -72,41 +91,159 @@ std::string to_json(const scene::Scene& scene, const std::vector<analysis::infer
   return output::text(document);
 }
 
-/// Standardised residuals of each measurement, of the scene's law and of the best of the others.
-std::vector<std::string> write_residuals(const fs::path& folder, const scene::Scene& scene,
-                                         const std::vector<analysis::inference::Fit>& fits,
-                                         const std::vector<std::size_t>& order) {
-  std::vector<std::string> files;
-  const auto& data = scene.fit.data;
-  const int rows = int(data.size());
-  std::string script = output::preamble("fit", "Residuals of fits over their standard errors", 760, 120 + 230 * rows) +
-                       fmt::format("set multiplot layout {},1 title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\n",
-                                   rows, output::single_quoted(scene.title));
-  const std::size_t shown = std::min<std::size_t>(order.size(), 4);
-  constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3"};
-  for (std::size_t d = 0; d < data.size(); ++d) {
-    const bool pairs = data[d].kind == Measurement::Kind::frequency_response;
-    std::vector<double> x;
-    for (const double value : data[d].x) x.insert(x.end(), pairs ? 2 : 1, value);
-    std::vector<output::Column> table{{abscissa(data[d].kind), x}};
-    for (std::size_t k = 0; k < shown; ++k)
-      table.push_back({scene.fit.candidates[order[k]].name, fits[order[k]].residuals[d]});
-    files.push_back(fmt::format("fit-residuals-{}.csv", d + 1));
-    output::write_csv(folder / files.back(), table);
-    const auto [low, high] = std::ranges::minmax(x);
-    script += fmt::format(
-        "{} logscale x\nset xrange [{}:{}]\nset xlabel '{}'\nset ylabel 'residual / standard error'\nset title "
-        "{}\nplot ",
-        low > 0 && high / low > 20 ? "set" : "unset", low, high, abscissa(data[d].kind),
-        output::single_quoted(data[d].name));
-    for (std::size_t k = 0; k < shown; ++k)
-      script += fmt::format("{}'{}' using 1:{} with points pointtype {} pointsize 0.7 linecolor '{}' title {}",
-                            k > 0 ? ", \\\n     " : "", files.back(), k + 2, k == 0 ? 7 : int(k) + 3, colours[k],
-                            output::single_quoted(scene.fit.candidates[order[k]].name));
-    script +=
-        ", 2 with lines linecolor '#555555' dashtype (2,3) notitle, -2 with lines linecolor '#555555' dashtype "
-        "(2,3) notitle\n";
+std::string described(const analysis::inference::FittedParameter& p, double confidence) {
+  if (std::isnan(p.low))
+    return std::isnan(p.profile_low)
+               ? "not determined by the data"
+               : fmt::format("bounded on one side by the data, {:.5g} … {:.5g}", p.profile_low, p.profile_high);
+  return fmt::format("{}, {:.3g} % interval {:.5g} … {:.5g}", justified(p.value, p.standard_error, p.unit),
+                     100 * confidence, p.low, p.high);
+}
+
+/// What a picture shows of a measurement: its numbers, or those of one part of a response.
+struct Part {
+  std::string name;  ///< empty, or "real", "imaginary"
+  std::size_t first, stride;
+  std::vector<double> of(const std::vector<double>& all) const {
+    std::vector<double> some;
+    for (std::size_t i = first; i < all.size(); i += stride) some.push_back(all[i]);
+    return some;
   }
+};
+std::vector<Part> parts_of(const Measurement& m) {
+  if (m.pairs()) return {{"real ", 0, 2}, {"imaginary ", 1, 2}};
+  return {{"", 0, 1}};
+}
+
+/// The numbers at the scene's law: x, data, fit, residual and standard error, and the fits of the others.
+std::string write_curve(const fs::path& folder, const scene::Scene& scene,
+                        const std::vector<analysis::inference::Fit>& fits, const std::vector<std::size_t>& shown,
+                        std::size_t d) {
+  const auto& m = scene.fit.data[d];
+  const auto& own = fits.front().measurements[d];
+  std::vector<std::string> headers = {abscissa(m)};
+  std::vector<std::vector<double>> columns = {m.x};
+  for (const auto& part : parts_of(m)) {
+    const auto data = part.of(m.y), fitted = part.of(own.fitted);
+    auto residual = data;
+    for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= fitted[i];
+    for (const char* name : {"data", "fit", "residual", "standard error"}) headers.push_back(part.name + name);
+    columns.insert(columns.end(), {data, fitted, residual, part.of(own.error)});
+  }
+  for (const auto k : shown)
+    for (const auto& part : parts_of(m)) {
+      if (k == 0) continue;
+      headers.push_back(fmt::format("{}fit of {}", part.name, scene.fit.candidates[k].name));
+      columns.push_back(part.of(fits[k].measurements[d].fitted));
+    }
+  std::vector<output::Column> table;
+  for (std::size_t c = 0; c < columns.size(); ++c) table.push_back({headers[c], columns[c]});
+  const auto name = fmt::format("fit-curve-{}.csv", d + 1);
+  output::write_csv(folder / name, table);
+  return name;
+}
+
+std::string write_standardised(const fs::path& folder, const scene::Scene& scene,
+                               const std::vector<analysis::inference::Fit>& fits, const std::vector<std::size_t>& shown,
+                               std::size_t d) {
+  const auto& m = scene.fit.data[d];
+  std::vector<double> x;
+  for (const double value : m.x) x.insert(x.end(), m.pairs() ? 2 : 1, value);
+  std::vector<output::Column> table{{abscissa(m), x}};
+  for (const auto k : shown) table.push_back({scene.fit.candidates[k].name, fits[k].measurements[d].residuals});
+  const auto name = fmt::format("fit-residuals-{}.csv", d + 1);
+  output::write_csv(folder / name, table);
+  return name;
+}
+
+std::string write_correlation(const fs::path& folder, const analysis::inference::Fit& fit) {
+  const std::size_t p = fit.parameters.size();
+  std::vector<std::vector<double>> columns(p);
+  std::vector<output::Column> table;
+  for (std::size_t j = 0; j < p; ++j) {
+    for (std::size_t i = 0; i < p; ++i) columns[j].push_back(fit.correlation[i * p + j]);
+    table.push_back({fit.parameters[j].path, columns[j]});
+  }
+  output::write_csv(folder / "fit-correlation.csv", table);
+  return "fit-correlation.csv";
+}
+
+/// Data, fits and residuals over the same axis, measurement by measurement, above the parameters of the scene's law.
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
+                                       const std::vector<analysis::inference::Fit>& fits,
+                                       const std::vector<std::size_t>& order) {
+  const auto& data = scene.fit.data;
+  const auto& own = fits.front();
+  const std::vector<std::size_t> shown(order.begin(),
+                                       order.begin() + std::ptrdiff_t(std::min<std::size_t>(order.size(), 4)));
+  constexpr double top = 46, above = 66, curve = 230, residual = 120, below = 74, line = 19;  // pixels
+  const double caption = 14 + line * double(own.parameters.size());
+  const double height = top + double(data.size()) * (above + curve + residual + below) + caption;
+  std::string script =
+      output::preamble("fit", "Data, fits, and residuals over their standard errors", 760, int(height)) +
+      fmt::format(
+          "set multiplot\nset label 1 {} at screen 0.5,{:.4f} center\nset grid linecolor '#CCCCCC' linewidth 0.6\n"
+          "set lmargin at screen 0.13\nset rmargin at screen 0.97\n",
+          output::single_quoted(scene.title), 1 - 20 / height);
+  double y = line * 0.7;
+  for (std::size_t i = own.parameters.size(); i-- > 0; y += line)
+    script +=
+        fmt::format("set label {} {} at screen 0.05,{:.4f}\nset label {} {} at screen 0.36,{:.4f}\n", 2 * i + 2,
+                    output::single_quoted(own.parameters[i].path), y / height, 2 * i + 3,
+                    output::single_quoted(described(own.parameters[i], scene.fit.options.confidence)), y / height);
+  std::vector<std::string> files;
+  constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3"};
+  constexpr const char* dashes[] = {"solid", "(8,4)", "(12,3,2,3)", "(4,2)"};
+  double edge = height - top;
+  for (std::size_t d = 0; d < data.size(); ++d) {
+    const auto& m = data[d];
+    const auto curves = write_curve(folder, scene, fits, shown, d);
+    const auto standardised = write_standardised(folder, scene, fits, shown, d);
+    files.insert(files.end(), {curves, standardised});
+    const auto parts = parts_of(m);
+    const auto [low, high] = std::ranges::minmax(m.x);
+    edge -= above;
+    script += fmt::format(
+        "{} logscale x\nset xrange [{}:{}]\nset label 999 {} at graph 0,1.22\nset tmargin at screen {:.4f}\n"
+        "set bmargin at screen {:.4f}\nset format x ''\nunset xlabel\nset ylabel '{}'\nset ytics autofreq\nset key at "
+        "graph 1,1.02 right "
+        "bottom horizontal maxrows 1\nplot ",
+        low > 0 && high / low > 20 ? "set" : "unset", low, high, output::single_quoted(m.name), edge / height,
+        (edge - curve) / height, ordinate(m));
+    std::string plots;
+    for (std::size_t part = 0; part < parts.size(); ++part)
+      plots +=
+          fmt::format("{}'{}' using 1:{} with points pointtype {} pointsize 0.5 linecolor '#888888' title '{}data'",
+                      part > 0 ? ", \\\n     " : "", curves, 2 + 4 * part, part == 0 ? 7 : 6, parts[part].name);
+    std::size_t others = 2 + 4 * parts.size();
+    for (std::size_t k = 0; k < shown.size(); ++k)
+      for (std::size_t part = 0; part < parts.size(); ++part) {
+        const auto column = shown[k] == 0 ? 3 + 4 * part : others++;
+        plots += fmt::format(
+            ", \\\n     '{}' using 1:{} smooth unique with lines linewidth 1.8 dashtype {} linecolor '{}' title {}",
+            curves, column, dashes[k], colours[k],
+            part == 0 ? output::single_quoted(scene.fit.candidates[shown[k]].name) : "''");
+      }
+    constexpr double gap = 16;
+    edge -= curve + gap;
+    double least = -2, most = 2;
+    for (const auto k : shown)
+      for (const double r : fits[k].measurements[d].residuals) least = std::min(least, r), most = std::max(most, r);
+    script +=
+        plots +
+        fmt::format(
+            "\nunset label 999\nunset key\nset tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset format x "
+            "'%g'\nset xlabel '{}'\nset ylabel \"residual /\\nstandard error\"\nset ytics {}\nplot ",
+            edge / height, (edge - residual) / height, abscissa(m), output::tick_step(least, most));
+    for (std::size_t k = 0; k < shown.size(); ++k)
+      script += fmt::format("{}'{}' using 1:{} with points pointtype {} pointsize 0.5 linecolor '{}'",
+                            k > 0 ? ", \\\n     " : "", standardised, k + 2, k == 0 ? 7 : int(k) + 3, colours[k]);
+    script += ", 2 with lines linecolor '#555555' dashtype (2,3), -2 with lines linecolor '#555555' dashtype (2,3)\n";
+    edge -= residual - gap + below;
+    for (std::size_t i = 0; d == 0 && i < 2 * own.parameters.size() + 1; ++i)
+      script += fmt::format("unset label {}\n", i + 1);
+  }
+  files.push_back(write_correlation(folder, own));
   write_whole(folder / "fit.gp", script + "unset multiplot\n");
   files.emplace_back("fit.gp");
   return files;
@@ -122,25 +259,29 @@ Status perform(Job& job) {
       auto options = scene.fit.options;
       options.parameters = candidate.parameters;
       options.progress = [&](int done, int total) { progress.show(std::size_t(done), std::size_t(total)); };
-      job.explain("{}: {} parameters by least squares from {} starts", candidate.name, candidate.parameters.size(),
-                  options.starts);
+      job.explain("{}: {} parameters by least squares", candidate.name, candidate.parameters.size());
       fits.push_back(analysis::inference::fit(candidate.model, scene.fit.data, options));
+      const auto& fit = fits.back();
+      for (const auto& decision : fit.decisions) job.explain("{}: {}", candidate.name, decision);
+      job.explain("{}: {} predictions, {} steps of motion", candidate.name, fit.predictions, fit.steps);
     }
   }
   std::vector<std::size_t> order(fits.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return fits[k].bic; });
-  job.manifest().cost = {{"seconds", seconds_since(begin)}};
+  long predictions = 0, steps = 0;
+  for (const auto& fit : fits) predictions += fit.predictions, steps += fit.steps;
+  job.manifest().cost = {
+      {"seconds", seconds_since(begin)}, {"predictions", double(predictions)}, {"steps", double(steps)}};
 
   for (std::size_t k = 0; k < fits.size(); ++k) {
     const auto& fit = fits[k];
     job.say("{}: chi square {:.5g} of {} numbers", scene.fit.candidates[k].name, fit.chi_square, fit.points);
-    for (const auto& p : fit.parameters)
-      if (std::isnan(p.low))
-        job.say("  {:<34} not determined by the data", p.path);
-      else
-        job.say("  {:<34} {}, {:.3g} % interval {:.5g} … {:.5g}", p.path, justified(p.value, p.standard_error, p.unit),
-                100 * scene.fit.options.confidence, p.low, p.high);
+    for (const auto& p : fit.parameters) job.say("  {:<34} {}", p.path, described(p, scene.fit.options.confidence));
+    for (std::size_t d = 0; d < fit.measurements.size(); ++d)
+      if (const auto& m = fit.measurements[d]; m.error_found)
+        job.say("  noise of {:<25} {:.3g}{}, of neighbours correlated by {:.2f}", scene.fit.data[d].name, m.noise.size,
+                scene.fit.data[d].in_force ? " N" : "", m.noise.correlation);
     if (k > 0 && fit.outcome.ending == Ending::budget_spent)  // that of the scene's own law ends the verb
       job.note(fmt::format("{}: {}", scene.fit.candidates[k].name, fit.outcome.detail));
     for (const auto& warning : fit.warnings) job.note(fmt::format("{}: {}", scene.fit.candidates[k].name, warning));
@@ -150,7 +291,7 @@ Status perform(Job& job) {
       job.say("rank {:<20} AIC {:+.2f}, BIC {:+.2f} from the best, left-out points {:.3f}",
               scene.fit.candidates[k].name, fits[k].aic - fits[order[0]].aic, fits[k].bic - fits[order[0]].bic,
               fits[k].cross_validation);
-  auto files = write_residuals(job.folder(), scene, fits, order);
+  auto files = write_picture(job.folder(), scene, fits, order);
   return job.finish(to_json(scene, fits, order), std::move(files), fits.front().outcome);
 }
 
@@ -166,7 +307,7 @@ void read(scene::SceneReader& reader) {
 
 Verb fit_verb() {
   return {.name = "fit",
-          .help = "parameters of laws from responses, velocity steps, steady curves and holds; laws ranked",
+          .help = "parameters of laws from responses, velocity steps, steady curves, holds and records; laws ranked",
           .example = "rosin fit examples/fit-laws.toml",
           .operands = {scene_operand},
           .needs = {{"law", "the friction law, with values to start from"},

@@ -97,6 +97,122 @@ TEST_CASE("slopes of a step, a hold and a steady curve are the closed forms", "[
   CHECK(std::abs(curve.slopes[3][1]) < 1e-8 * b / L);
 }
 
+TEST_CASE("a bristle under a recorded motion follows the closed form of its displacement", "[measurement]") {
+  // Dahl: μ = μ_d (1 − e^{−s x/μ_d}) over the way x from rest, and, turned back at x₁ with μ₁,
+  // μ = −μ_d + (μ_d + μ₁) e^{−s (x₁ − x)/μ_d}: the pace does not matter.
+  const double s = 500, mu_d = 0.2, peak = 0.03, N = 40, period = 1;
+  Measurement m{Kind::record, "swing", 0, 0, N, {}, {}, {}};
+  constexpr int samples = 201;
+  for (int k = 0; k < samples; ++k) {
+    const double t = period * k / (samples - 1);
+    m.history.time.push_back(t);
+    m.history.slip_rate.push_back(peak * std::cos(2 * 3.14159265358979 * t / period));
+    m.history.normal_load.push_back(N);
+  }
+  m.x = m.history.time;
+  const auto dahl = slider_under("dahl", {s, mu_d}, any_slider, 1, N);
+  auto started = m;  // from rest
+  started.history.slip_rate.front() = 0;
+  const auto friction = predict(dahl, started).y;
+  double x = 0, turned_at = 0, at_turn = 0, sign = 1;
+  const auto law = [&] {
+    return sign * mu_d + (at_turn - sign * mu_d) * std::exp(-s * std::abs(x - turned_at) / mu_d);
+  };
+  for (std::size_t k = 1; k < std::size_t(samples); ++k) {
+    const double dt = m.x[k] - m.x[k - 1], before = started.history.slip_rate[k - 1],
+                 now = started.history.slip_rate[k];
+    if (before * now < 0) {  // a straight line passes 0 after the part before/(before − now)
+      x += before / 2 * dt * before / (before - now);
+      at_turn = law(), turned_at = x, sign = -sign;
+      x += now / 2 * dt * now / (now - before);
+    } else {
+      x += (before + now) / 2 * dt;
+    }
+    CHECK(friction[k] == Approx(law()).epsilon(1e-9));
+  }
+  // In newton it is N times that; from steady sliding it begins at μ_d.
+  started.in_force = true;
+  CHECK(predict(dahl, started).y.back() == Approx(N * friction.back()).epsilon(1e-12));
+  CHECK(predict(dahl, m).y.front() == Approx(mu_d).epsilon(1e-12));
+}
+
+TEST_CASE("friction of a dry law under a record has the sign of slip, and at rest what holds", "[measurement]") {
+  const double N = 10;
+  Measurement m{Kind::record, "record", 0, 0, N, {0, 1, 2, 3}, {0.1, 0.1, 0.1, -0.5}, {}};
+  m.history = {{0, 1, 2, 3}, {0.01, 0, -0.01, 0}, {N, N, N, N}};
+  const auto y = predict(slider_under("stribeck", {0.4, 0.2, 0.01, 2.0, 0.0}, any_slider, 1, N), m).y;
+  const double moving = 0.2 + 0.2 * std::exp(-1.0);
+  CHECK(y[0] == Approx(moving));
+  CHECK(y[1] == Approx(0.1));  // as measured: less than the static limit
+  CHECK(y[2] == Approx(-moving));
+  CHECK(y[3] == Approx(-0.4));  // the static limit: less than measured
+}
+
+TEST_CASE("programs of several steps are the same over time, over displacement and as a record", "[measurement]") {
+  auto rock = slider_under("slip", {0.6, 0.010, 0.015, 1e-5, 1e-6}, any_slider, 1e-6, 5);
+  rock.contact_stiffness.per_load = 3e3;
+  Measurement m{Kind::velocity_step, "steps", 1e-6, 1e-5, 5, {-2, 0.5, 1, 3, 4, 4.5, 9}, {}, {}};
+  m.step_at = 0.5, m.later = {{3.5, 1e-6}, {5, 3e-6}};
+  m.terms.clock_offset = true;
+  const std::vector<std::string> paths = {"law.a", "law.L", "law.contact_stiffness.per_load"};
+  const auto over_time = predict(rock, m, paths);
+  auto by_way = m;
+  by_way.over = Measurement::Over::displacement;
+  by_way.step_at = 0, by_way.later = {{3e-5, 1e-6}, {3.15e-5, 3e-6}};
+  by_way.x = {-2.5e-6, 0, 0.5e-5, 2.5e-5, 3.05e-5, 3.1e-5, 3.15e-5 + 1.2e-5};
+  const auto over_displacement = predict(rock, by_way, paths);
+  auto recorded = m;
+  recorded.kind = Kind::record;
+  recorded.history = {{-3, 0.5, 3.5, 5, 10}, {1e-6, 1e-5, 1e-6, 3e-6, 3e-6}, {5, 5, 5, 5, 5}, true};
+  const auto record = predict(rock, recorded, paths);
+  for (std::size_t k = 0; k < m.x.size(); ++k) {
+    CHECK(over_displacement.y[k] == Approx(over_time.y[k]).epsilon(1e-9));
+    CHECK(record.y[k] == Approx(over_time.y[k]).epsilon(1e-9));
+    for (std::size_t p = 0; p < paths.size(); ++p)
+      CHECK(record.slopes[p][k] == Approx(over_time.slopes[p][k]).epsilon(1e-6).margin(1e-12));
+  }
+  // A clock that is late, against differences; where a step begins there is a corner.
+  const double h = 1e-3;
+  const auto later = predict(rock, m, {}, h).y, sooner = predict(rock, m, {}, -h).y;
+  for (const std::size_t k : {0, 2, 3, 4, 5, 6})
+    CHECK(over_time.by_clock[k] == Approx((later[k] - sooner[k]) / (2 * h)).epsilon(1e-4).margin(1e-9));
+  // What a trend is multiplied by.
+  m.terms.trend = by_way.terms.trend = recorded.terms.trend = Measurement::Terms::Trend::displacement;
+  const auto way = trend_abscissa(m), same = trend_abscissa(by_way), from_begin = trend_abscissa(recorded);
+  for (std::size_t k = 0; k < m.x.size(); ++k) {
+    CHECK(way[k] == Approx(by_way.x[k]).margin(1e-18));
+    CHECK(same[k] == by_way.x[k]);
+    CHECK(from_begin[k] == Approx(by_way.x[k] + 3.5e-6).margin(1e-18));
+  }
+  by_way.terms.trend = Measurement::Terms::Trend::time;
+  const auto times = trend_abscissa(by_way);
+  for (std::size_t k = 0; k < m.x.size(); ++k) CHECK(times[k] == Approx(m.x[k] - 0.5).margin(1e-9));
+}
+
+TEST_CASE("slopes of friction under a record with a varying load are those of differences", "[measurement]") {
+  const auto lugre = slider_under("lugre", {1e3, 2.0, 0.1, 0.25, 0.15, 0.01}, any_slider, 0.1, 50);
+  Measurement m{Kind::record, "record", 0, 0, 50, {}, {}, {}};
+  for (int k = 0; k <= 100; ++k) {
+    m.history.time.push_back(0.01 * k);
+    m.history.slip_rate.push_back(0.05 * std::sin(0.09 * k));
+    m.history.normal_load.push_back(50 + 20 * std::sin(0.05 * k));
+  }
+  m.x = {0.013, 0.2, 0.355, 0.5, 0.9};
+  m.terms.clock_offset = true;
+  const std::vector<std::string> paths = {"law.sigma0", "law.sigma1", "law.sigma2", "law.mu_s", "law.mu_d", "law.v_s"};
+  const auto found = predict(lugre, m, paths);
+  for (std::size_t p = 0; p < paths.size(); ++p) {
+    const double value = lugre.get(paths[p]), h = 1e-4 * value;
+    const auto up = predict(lugre.with(paths[p], value + h), m).y, down = predict(lugre.with(paths[p], value - h), m).y;
+    for (std::size_t k = 0; k < m.x.size(); ++k)
+      CHECK(found.slopes[p][k] == Approx((up[k] - down[k]) / (2 * h)).epsilon(1e-5).margin(1e-8 / value));
+  }
+  const auto later = predict(lugre, m, {}, 1e-5).y, sooner = predict(lugre, m, {}, -1e-5).y;
+  for (const std::size_t k : {0, 2})  // between corners of the motion
+    CHECK(found.by_clock[k] == Approx((later[k] - sooner[k]) / 2e-5).epsilon(1e-4));
+  CHECK(found.steps > 90);
+}
+
 TEST_CASE("slopes of every law's predictions are those that changed parameters give", "[measurement]") {
   long compared = 0, answered = 0;
   for (auto model : tests::surrounded_laws()) {

@@ -1,0 +1,124 @@
+/// The verb fit on records as laboratories have them: numbers within intervals, warnings, tables, and refusals.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/app/command.hpp"
+#include "tests/app/folder.hpp"
+
+using namespace rosin::tests;
+using Catch::Contains;
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string records = ROSIN_SOURCE_DIR "/tests/records/";
+
+/// A step of a slip law behind a machine, with these keys of the data.
+std::string layer(const std::string& keys) {
+  return "[law]\ntype = 'slip'\nmu0 = 0.59\na = 0.006\nb = 0.006\nL = '20 um'\nv0 = '10 um/s'\n"
+         "[law.contact_stiffness]\nper_load = 1e3\n[drive]\nspeed = '10 um/s'\nnormal_load = 20\n"
+         "[fit]\nparameters = ['law.a', 'law.b', 'law.L', 'law.contact_stiffness.per_load', 'law.mu0']\n"
+         "data = [{ type = 'velocity-step', file = '" +
+         records + "step-on-a-weakening-layer.csv', " + keys + " }]\n";
+}
+
+struct Answer {
+  int status;
+  json document;
+  std::string error;
+};
+Answer fit(const Folder& folder, const std::string& scene, const std::string& options = "") {
+  std::ofstream(folder.path / "scene.toml") << scene;
+  const auto answer = run_rosin(folder, "fit scene.toml --json " + options);
+  return {answer.status, answer.out.empty() ? json() : json::parse(answer.out), answer.error};
+}
+
+void check_within(const json& parameters, const std::string& path, double truth) {
+  INFO(path << ": " << parameters[path].dump());
+  CHECK(parameters[path]["interval"][0].get<double>() < truth);
+  CHECK(parameters[path]["interval"][1].get<double>() > truth);
+}
+
+}  // namespace
+
+TEST_CASE("a step on a layer that weakens gives the law with a trend, and a warning without", "[fit-command]") {
+  // Made with a 0.008, b 0.005, L 12 um, machine 2500 1/m and a trend of -7 1/m of displacement, noise 5e-4.
+  const Folder folder;
+  const std::string step = "from = '10 um/s', to = '30 um/s', standard_error = 5e-4";
+  const auto without = fit(folder, layer(step));
+  CHECK(without.document["parameters"]["law.L"]["value"].get<double>() > 60e-6);
+  CHECK_THAT(without.document["warnings"].dump(), Contains("trend = true"));
+  CHECK(without.document["measurements"][0]["durbin_watson"].get<double>() < 1.5);
+  for (const std::string trend : {"true", "'displacement'"}) {
+    const auto with = fit(folder, layer(step + ", trend = " + trend));
+    REQUIRE(with.status == 0);
+    const auto& found = with.document["parameters"];
+    check_within(found, "law.a", 0.008);
+    check_within(found, "law.b", 0.005);
+    check_within(found, "law.L", 12e-6);
+    check_within(found, "law.contact_stiffness.per_load", 2500);
+    CHECK(found["data.1.trend"]["unit"] == (trend == "true" ? "1/s" : "1/m"));
+    CHECK(with.document["warnings"].empty());
+  }
+}
+
+TEST_CASE("LuGre comes back from a recorded motion, with tables of the fit and of correlations", "[fit-command]") {
+  const Folder folder;
+  const std::string scene =
+      "[law]\ntype = 'lugre'\nmu_s = 0.3\nmu_d = 0.2\nv_s = 0.02\nsigma0 = 2e3\nsigma1 = 1\nsigma2 = 0\n"
+      "[drive]\nspeed = 0\nnormal_load = 100\n[fit]\n"
+      "parameters = ['law.mu_s', 'law.mu_d', 'law.v_s', 'law.sigma0', 'law.sigma1']\n"
+      "data = [{ type = 'record', file = '" +
+      records + "lugre-motion.csv', standard_error = 0.2 }]\n";
+  const auto found = fit(folder, scene, "--out out");
+  INFO(found.error);
+  REQUIRE(found.status == 0);
+  const auto& parameters = found.document["parameters"];
+  check_within(parameters, "law.mu_s", 0.25);
+  check_within(parameters, "law.mu_d", 0.15);
+  check_within(parameters, "law.v_s", 0.01);
+  check_within(parameters, "law.sigma0", 1000);
+  check_within(parameters, "law.sigma1", 2);
+  std::ifstream curve(folder.path / "out/fit-curve-1.csv");
+  std::string header, row;
+  std::getline(curve, header);
+  CHECK(header == "time (s),data,fit,residual,standard error");
+  std::getline(curve, row);
+  std::istringstream cells(row);
+  double time, data, fitted, residual;
+  char comma;
+  cells >> time >> comma >> data >> comma >> fitted >> comma >> residual;
+  CHECK(data == Approx(0.4082));
+  CHECK(residual == Approx(data - fitted));
+  std::ifstream correlation(folder.path / "out/fit-correlation.csv");
+  std::getline(correlation, header);
+  CHECK(header == "law.mu_s,law.mu_d,law.v_s,law.sigma0,law.sigma1");
+  std::getline(correlation, row);
+  CHECK(row.starts_with("1,"));
+}
+
+TEST_CASE("keys that a measurement does not listen to, and programs that say things twice, are refused",
+          "[fit-command]") {
+  const Folder folder;
+  const auto refusal = [&](const std::string& keys) {
+    const auto answer = fit(folder, layer(keys));
+    CHECK(answer.status == 2);
+    return answer.error;
+  };
+  const std::string from = "from = '10 um/s', ";
+  CHECK_THAT(refusal(from + "to = 1, speed = 1"), Contains("fit.data.speed has no effect on a velocity-step"));
+  CHECK_THAT(refusal(from + "to = 1, steps = [[0, 1]]"), Contains("steps say it already"));
+  CHECK_THAT(refusal(from + "steps = [[0, 1], [0, 2]]"), Contains("must follow each other"));
+  CHECK_THAT(refusal(from + "steps = [[0]]"), Contains("[at, slip rate]"));
+  CHECK_THAT(refusal(from + "to = 1, trend = 3"), Contains("true, \"time\" or \"displacement\""));
+  CHECK_THAT(refusal(from + "to = 1, step_at = 100"), Contains("before the step"));
+  CHECK_THAT(refusal(from + "to = 1, over = 'displacement'"), Contains("no column 'displacement'"));
+  // A level of the laboratory and one of the law are one.
+  const auto twice = fit(folder, layer(from + "to = '30 um/s', base = true, trend = true, standard_error = 5e-4"));
+  CHECK(twice.status == 1);
+  CHECK_THAT(twice.error, Contains("a combination of it with data.1.base"));
+}
