@@ -74,12 +74,14 @@ void add_terms(std::vector<Variable>& variables, const Measurement& m, std::size
   if (m.terms.base) add(Term::base, "base", unit, size, wide * size, "level beside the law's friction");
   if (m.terms.trend != Trend::none) {
     const double reach = largest(trend_abscissa(m));
+    if (!(reach > 0)) throw InputError(fmt::format("{}: its points leave no room for a trend", m.name));
     const char* per = m.terms.trend == Trend::time ? "s" : "m";
     add(Term::trend, "trend", unit + "/" + per, size / reach, wide * size / reach,
         "straight line beside the law's friction");
   }
   if (m.terms.clock_offset) {
     const double span = m.x.back() - m.x.front();
+    if (!(span > 0)) throw InputError(fmt::format("{}: one time alone tells of no clock offset", m.name));
     add(Term::clock_offset, "clock_offset", over_way ? "m" : "s", span / 100, span,
         "by so much later the motion took place");
   }
@@ -314,6 +316,7 @@ void require_fittable(const Model& model, const std::string& path) {
 namespace {
 
 void check(const Measurement& m) {
+  if (m.x.empty()) throw InputError(fmt::format("{}: holds no point", m.name));
   const bool known = !m.error.empty();
   if (m.y.size() != m.x.size() * (m.pairs() ? 2 : 1) || (known && m.error.size() != m.y.size()))
     throw InputError(fmt::format("{}: as many values and errors as points are needed", m.name));

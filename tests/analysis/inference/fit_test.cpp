@@ -144,6 +144,15 @@ TEST_CASE("fits that cannot be done are refused, and weak ones are said to be we
   auto few = data;
   few.x.resize(2), few.y.resize(2), few.error.resize(2);
   CHECK_THROWS_WITH(fit(ageing(), {few}, {.parameters = {"law.a", "law.b"}}), Catch::Contains("do not determine"));
+  auto once = few;
+  once.x = {1, 1};
+  once.terms.clock_offset = true;
+  CHECK_THROWS_WITH(fit(ageing(), {once}, {.parameters = {"law.a"}}), Catch::Contains("one time alone"));
+  once.terms = {Measurement::Terms::Trend::time, false, false};
+  once.x = {0, 0};
+  CHECK_THROWS_WITH(fit(ageing(), {once}, {.parameters = {"law.a"}}), Catch::Contains("no room for a trend"));
+  once.x.clear(), once.y.clear(), once.error.clear();
+  CHECK_THROWS_WITH(fit(ageing(), {once}, {.parameters = {"law.a"}}), Catch::Contains("no point"));
   few.error[0] = 0;
   CHECK_THROWS_WITH(fit(ageing(), {few}, {.parameters = {"law.a"}}), Catch::Contains("standard errors"));
   // mu0 and v0 shift the same curve.

@@ -1,6 +1,7 @@
 /// Predictions of measurements against closed forms, and their slopes against differences of predictions.
 #include "analysis/inference/measurement.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -187,6 +188,20 @@ TEST_CASE("programs of several steps are the same over time, over displacement a
   by_way.terms.trend = Measurement::Terms::Trend::time;
   const auto times = trend_abscissa(by_way);
   for (std::size_t k = 0; k < m.x.size(); ++k) CHECK(times[k] == Approx(m.x[k] - 0.5).margin(1e-9));
+}
+
+TEST_CASE("a record of sliding, holding and sliding passes through the peak of the hold", "[measurement]") {
+  auto rock = slider_under("ageing", {0.6, 0.005, 0.010, 1e-5, 1e-6}, any_slider, 1e-6, 1);
+  rock.contact_stiffness.per_load = 1e3;
+  const double start = 5, rest = 100, peak = predict(rock, {Kind::hold, "hold", 1e-6, 1e-6, 1, {rest}, {}, {}}).y[0];
+  Measurement m{Kind::record, "slide-hold-slide", 0, 0, 1, {}, {}, {}};
+  m.history = {{0, start, start + rest, 200}, {1e-6, 0, 1e-6, 1e-6}, {1, 1, 1, 1}, true};
+  for (int k = 0; k < 2000; ++k) m.x.push_back(0.1 * k);
+  const auto y = predict(rock, m).y;
+  CHECK(y.front() == Approx(0.6).epsilon(1e-12));
+  CHECK(*std::ranges::max_element(y) == Approx(peak).epsilon(1e-6));
+  CHECK(*std::ranges::max_element(y) <= peak * (1 + 1e-9));
+  CHECK(*std::ranges::min_element(y) < 0.595);  // it relaxed while it was held
 }
 
 TEST_CASE("slopes of friction under a record with a varying load are those of differences", "[measurement]") {
