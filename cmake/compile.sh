@@ -1,8 +1,8 @@
 #!/bin/sh
 # Compiles by way of ccache: compile.sh CCACHE BASE COMPILER ARGUMENT…
 # A precompiled header is never the same bytes twice, and what includes it would never be found in the cache. So it is
-# known by a checksum of what it was compiled from. Paths below BASE are hashed relative to it: several checkouts share
-# the cache.
+# known by a checksum of the command and of the files that it was compiled from. Paths below BASE are hashed relative to
+# it: several checkouts share the cache.
 set -eu
 ccache=$1
 export CCACHE_BASEDIR="$2" CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_PCH_EXTSUM=1
@@ -12,8 +12,8 @@ previous=
 for argument in "$@"; do
   case "$previous $argument" in
     "-o "*.gch)
-      # The same command, to the preprocessor's output; line markers name paths, which differ between checkouts.
-      { printf '%s\n' "$*" | sed "s|$CCACHE_BASEDIR||g"; "$@" -E -P -o -; } | cksum >"$argument.sum" ;;
+      { printf '%s\n' "$*" | sed "s|$CCACHE_BASEDIR||g"; sed 's/^[^:]*://; s/\\$//' "$argument.d" | xargs cat; } |
+        cksum >"$argument.sum" ;;
   esac
   previous=$argument
 done

@@ -66,6 +66,11 @@ void BowedString::check() const {
   within(impedance, {1e-9, 1e9}, "impedance", "impedance of transverse waves", "kg/s");
   within(bow_position, {1e-4, 0.9999}, "bow_position", "distance of the bow from the bridge over the length", "1");
   within(sample_rate, {100, 1e9}, "sample_rate", "samples per second", "Hz");
+  if (constexpr double most = 1e5; sample_rate > most * frequency)
+    throw InputError(
+        fmt::format("oscillator.sample_rate = {} Hz are {:.3g} samples in a period of the string, more than "
+                    "{}; take at most {:.4g} Hz",
+                    sample_rate, sample_rate / frequency, most, most * frequency));
   const auto places = bow_positions();
   if (!(places.front() > 0 && places.back() < 1))
     throw InputError(

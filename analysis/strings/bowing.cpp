@@ -172,11 +172,22 @@ class Sounding {
   Lanes slipping_ = 0.0, distance_ = 0.0, most_ = -INFINITY, least_ = INFINITY;
 };
 
-void check(const BowedStringModel& model, const BowingOptions& options) {
-  if (options.duration == 0 && std::isnan(first_slip_of_slow_bow(model)))
+/// The samples that a string sounds for, at most if it is to slip first.
+/// \throws InputError where that is not known, or too many
+double most_samples(const BowedStringModel& model, const BowingOptions& options) {
+  const double rate = model.string.sample_rate, slips = first_slip_of_slow_bow(model);
+  if (options.duration == 0 && std::isnan(slips))
     throw InputError(
         "a string sounds until some periods after its first slip only under a bow that speeds up from rest under "
         "load; give the duration (s)");
+  const double samples = options.duration > 0 ? options.duration * rate
+                                              : 2 * slips * rate + (options.patience + options.periods_after) * rate /
+                                                                       model.string.frequency;
+  if (constexpr double most = 1e8; samples > most)
+    throw InputError(fmt::format("the string would sound for {:.3g} samples, more than {:.0e}: {}", samples, most,
+                                 options.duration > 0 ? "take a shorter run.duration or a lower oscillator.sample_rate"
+                                                      : "the bow speeds up too slowly, or run.periods are too many"));
+  return samples;
 }
 
 }  // namespace
@@ -187,7 +198,7 @@ std::vector<Bowing> bow(std::span<const BowedStringModel> models, const BowingOp
   // Strings alike side by side, those that sound longest first.
   std::vector<std::vector<std::size_t>> groups;
   for (std::size_t i = 0; i < models.size(); ++i) {
-    check(models[i], options);
+    most_samples(models[i], options);
     const auto alike = [&](const std::vector<std::size_t>& group) {
       const auto& first = models[group.front()];
       return first.string == models[i].string && first.law->card().name == models[i].law->card().name &&
@@ -241,8 +252,9 @@ Bowing bow(const BowedStringModel& model, const BowingOptions& options) {
   return bow(std::span(&model, 1), options, 1).front();
 }
 
-StringRecord record(const BowedStringModel& model, const BowingOptions& options, int every) {
-  check(model, options);
+StringRecord record(const BowedStringModel& model, const BowingOptions& options) {
+  constexpr double kept = 5e6;  // samples, of each column
+  const long every = 1 + long(most_samples(model, options) / kept);
   Sounding sounding(model, options);
   StringRecord record;
   const auto& strings = sounding.strings();
@@ -256,6 +268,7 @@ StringRecord record(const BowedStringModel& model, const BowingOptions& options,
   for (bool playing = true; playing;) {
     const long n = sounding.sample();
     const bool look = sounding.step();
+    record.sound.push_back(strings.bridge_force()[0]);
     if (n % every == 0) {
       record.time.push_back(double(n) * model.string.step());
       record.bow_speed.push_back(strings.bow_speed()[0]);

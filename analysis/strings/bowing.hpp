@@ -43,14 +43,14 @@ Bowing bow(const BowedStringModel&, const BowingOptions&);
 std::vector<Bowing> bow(std::span<const BowedStringModel>, const BowingOptions&, int threads,
                         const std::function<void(std::size_t)>& finished = {});
 
-/// Samples of one string, at equal intervals.
+/// Samples of one string at equal intervals, all where there are up to five million.
 struct StringRecord {
   std::vector<double> time, bow_speed, velocity, friction, slip_rate, normal_load, bridge_force, stick;
   std::vector<std::vector<double>> states;  ///< of the law, one list each, of the first contact
   std::vector<std::vector<double>> contact_velocity, contact_friction;  ///< where the bow has several
+  std::vector<double> sound;                                            ///< force on the bridge at every sample, N
   Bowing bowing;
 };
-/// \param every  samples between those that are kept
-StringRecord record(const BowedStringModel&, const BowingOptions&, int every);
+StringRecord record(const BowedStringModel&, const BowingOptions&);
 
 }  // namespace rosin::analysis::strings

@@ -139,7 +139,7 @@ Status perform_string_run(Job& job) {
       string.sample_rate, realised.realised_bow_position(), realised.realised_frequency());
   job.explain("{}", string.torsion ? "torsional waves beside the transverse ones" : "no torsional waves, as asked");
   const auto begin = std::chrono::steady_clock::now();
-  const auto record = analysis::strings::record(task.model, task.options, 1);
+  const auto record = analysis::strings::record(task.model, task.options);
   auto finer = task.model;
   finer.string.sample_rate *= 2;
   const auto metrics = metrics_of(record.bowing, analysis::strings::bow(finer, task.options));
@@ -159,7 +159,7 @@ Status perform_string_run(Job& job) {
       job.say("  {:<18} {}  ({})", metric.name, justified(metric.value, metric.error, metric.unit), metric.meaning);
   if (transient.length >= task.options.transient.most && !transient.slips.empty())
     job.say("  no Helmholtz motion within {} periods of the first slip", task.options.transient.most);
-  const double full_scale = output::write_wav(job.folder() / "bridge.wav", record.bridge_force, string.sample_rate);
+  const double full_scale = output::write_wav(job.folder() / "bridge.wav", record.sound, string.sample_rate);
   const auto kept = thinned(record, task.samples);
   std::vector<output::Column> table{{"time (s)", kept.time}};
   for (const auto& column : columns_of(kept, task))

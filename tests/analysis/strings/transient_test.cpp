@@ -204,7 +204,7 @@ TEST_CASE("Schelleng's minimum is where a force that falls slowly ends Helmholtz
     falling.time.push_back((300 + k) * period), falling.value.push_back(2.2 * least * std::exp(-5e-4 * k));
   const auto record_of = [&] {
     model.load.signal = Signal(falling);
-    return record(model, {.duration = 2000 * period}, 1);
+    return record(model, {.duration = 2000 * period});
   }();
   // The first period with two slips.
   double breaks = NAN;

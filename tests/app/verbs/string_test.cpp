@@ -1,0 +1,125 @@
+/// The verbs of a bowed string: what they tell, what they write, and what they refuse.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/app/command.hpp"
+
+using Catch::Matchers::Contains;
+using namespace rosin::tests;
+
+namespace {
+
+const std::string examples = ROSIN_SOURCE_DIR "/examples/";
+const std::string string = "run " + examples + "bowed-string.toml --no-pictures ";
+
+nlohmann::json answer_of(const Folder& folder, const std::string& arguments) {
+  const auto answer = run_rosin(folder, arguments + " --json");
+  INFO(answer.error);
+  REQUIRE(answer.status == 0);
+  return nlohmann::json::parse(answer.out);
+}
+
+int number_at(const std::string& bytes, std::size_t place, int size) {
+  int value = 0;
+  for (int i = size - 1; i >= 0; --i) value = 256 * value + static_cast<unsigned char>(bytes[place + std::size_t(i)]);
+  return value;
+}
+
+}  // namespace
+
+TEST_CASE("a bowed string has columns, slips, numbers with their errors, and a sound", "[app][string]") {
+  const Folder folder;
+  const auto document = answer_of(folder, string + "--set run.samples=1000 --out out");
+  CHECK(document["regime"] == "helmholtz");
+  CHECK(document["metrics"]["first_slip"].get<double>() == Approx(0.032834).margin(1e-5));
+  CHECK(document["metrics"]["transient_length"].get<double>() == Approx(9.7395).margin(3e-3));
+  CHECK(document["error"]["transient_length"].get<double>() < 3e-3);
+  const auto samples = document["time"].size();
+  CHECK(samples <= 1000);
+  CHECK(samples > 500);
+  for (const char* column : {"bow_speed", "string_velocity", "slip_rate", "friction_force", "normal_load",
+                             "bridge_force", "stick", "temperature_rise"}) {
+    CAPTURE(column);
+    CHECK(document["columns"][column].size() == samples);
+    CHECK(document["units"].contains(column));
+  }
+  CHECK(document["events"].size() > 20);
+  const auto sound = content(folder.path / "out/bridge.wav");
+  REQUIRE(sound.size() > 44);
+  CHECK(sound.substr(0, 4) == "RIFF");
+  CHECK(sound.substr(8, 4) == "WAVE");
+  CHECK(number_at(sound, 24, 4) == 48'000);
+  CHECK(number_at(sound, 40, 4) == int(sound.size()) - 44);
+  const double seconds = double(document["cost"]["steps"].get<long>()) / 192e3;
+  CHECK(double(sound.size() - 44) / 2 / 48e3 == Approx(seconds).margin(1e-3));
+}
+
+TEST_CASE("a plane of strings counts what is good and what finer sample rates confirm", "[app][string]") {
+  const Folder folder;
+  const auto map =
+      "map " + examples + "guettler-diagram.toml --no-pictures --set map.x.points=4 --set map.y.points=3 --out out ";
+  const auto document = answer_of(folder, map);
+  REQUIRE(document["metrics"]["transient_length"].size() == 3);
+  REQUIRE(document["metrics"]["transient_length"][0].size() == 4);
+  REQUIRE(document["regime"][2].size() == 4);
+  int good = 0, reproducible = 0;
+  for (std::size_t y = 0; y < 3; ++y)
+    for (std::size_t x = 0; x < 4; ++x) {
+      good += document["metrics"]["transient_length"][y][x].get<double>() < 5;
+      const bool near = document["error"]["transient_length"][y][x].get<double>() <= 0.3;
+      CHECK(document["metrics"]["reproducible"][y][x].get<double>() == (near ? 1 : 0));
+      reproducible += near;
+    }
+  CHECK(document["statistics"]["good"] == good);
+  CHECK(document["statistics"]["reproducible"] == reproducible);
+  CHECK(content(folder.path / "out/map.nc").size() > 1000);
+  CHECK(answer_of(folder, map + "--threads 1")["metrics"] == document["metrics"]);
+}
+
+TEST_CASE("strings under several laws, and where they differ most", "[app][string]") {
+  const Folder folder;
+  const auto document = answer_of(folder, "compare " + examples +
+                                              "which-law-plays-the-cello.toml --design --no-pictures --set "
+                                              "map.x.points=6 --set map.y.points=6");
+  REQUIRE(document["members"].size() == 3);
+  CHECK(document["differences"].size() == 3);
+  const auto& best = document["best"];
+  REQUIRE(best.is_object());
+  // As far apart as the least different pair of members.
+  double least = 1e9;
+  for (const auto& [name, one] : best["transient_length"].items())
+    for (const auto& [other, two] : best["transient_length"].items())
+      if (name < other) least = std::min(least, std::abs(one.get<double>() - two.get<double>()));
+  CHECK(best["separation"].get<double>() == Approx(least));
+}
+
+TEST_CASE("wrong keys of a string are refused with place and cure", "[app][string]") {
+  const Folder folder;
+  const auto refused = [&](const std::string& arguments, const std::vector<std::string>& words) {
+    const auto answer = run_rosin(folder, arguments);
+    CAPTURE(arguments, answer.error);
+    CHECK(answer.status == 2);
+    for (const auto& word : words) CHECK_THAT(answer.error, Contains(word));
+  };
+  refused("stability " + examples + "bowed-string.toml", {"serves run, map, compare only"});
+  refused(string + "--set oscillator.impedence=1", {"did you mean 'impedance'"});
+  refused(string + "--set oscillator.sample_rate=16000", {"torsional waves", "take about"});
+  refused(string + "--set oscillator.torsion=true", {"false, or a table"});
+  refused(string + "--set oscillator.bow.width=0.01", {"no effect on a bow of one contact"});
+  refused(string + "--set oscillator.bow.hair_damping=1", {"hair_stiffness"});
+  refused(string + "--set oscillator.bow.contacts=5", {"between neighbouring contacts"});
+  refused(string + "--set law.contact_stiffness.per_load=100", {"the hair of the bow is its spring"});
+  refused(string + "--set transient.most=40", {"do not fit into run.periods"});
+  refused(string + "--set run.duration=1 --set run.periods=2", {"not both"});
+  refused(string + "--set oscillator.sample_rate=1e9", {"samples in a period of the string", "take at most"});
+  refused(string + "--set run.duration=9999", {"more than 1e+08", "shorter run.duration"});
+  refused(string + "--set drive.speed=0.1", {"give the duration"});
+  refused(string + "--set drive.force=1", {"unknown key 'force'"});
+  refused(string + "--set drive.speed='{approach={to=0.1,time=0}}'", {"drive.speed.approach.time"});
+  const auto map = "map " + examples + "guettler-diagram.toml --no-pictures ";
+  refused(map + "--set map.y.parameter=drive.speed.ramp.rate", {"the same parameter"});
+  refused(map + "--set map.x.parameter=oscillator.bow_positon", {"oscillator.bow_position"});
+  refused(map + "--set map.metrics='[\"period\"]'", {"unknown key 'metrics'"});
+  refused("compare " + examples + "which-law-plays-the-cello.toml --set compare.members='[{name=\"a\"}]'",
+          {"two members or more"});
+}
