@@ -107,24 +107,32 @@ struct WarmBow {
   static constexpr double h0 = 1e-3, h1 = 8e-3, hottest = mu_inf / h1;
   static constexpr int parts = 5, points = 8192;
   double load, fade[parts], answer[parts], rise[parts] = {}, all = 0, heating = 0, speed = 0, side = 0;
-  std::vector<double> table;
+  const std::vector<double>& table;
   bool slips() const { return side != 0; }
-  WarmBow(double N, double step) : load(N), table(points + 2) {
+  WarmBow(double N, double step) : load(N), table(frictions()) {
     const double time[] = {2e-5, 1e-4, 4.64e-4, 2.155e-3, 1.5e-2}, share[] = {0.1156, 0.2667, 0.3234, 0.1465, 0.1478};
     for (int k = 0; k < parts; ++k) {
       fade[k] = std::exp(-step / time[k]);
       answer[k] = (1 - fade[k]) * share[k] / h0;
       all += answer[k];
     }
-    for (int i = 0; i <= points; ++i) {
-      double low = 0, high = 1e6;
-      for (int j = 0; j < 100; ++j) {
-        const double w = 0.5 * (low + high);
-        (friction_curve(w) * w / (h0 + h1 * w) < hottest * i / points ? low : high) = w;
+  }
+  /// Of evenly spaced temperatures, made once.
+  static const std::vector<double>& frictions() {
+    static const std::vector<double> list = [] {
+      std::vector<double> of(points + 2);
+      for (int i = 0; i <= points; ++i) {
+        double low = 0, high = 1e6;
+        for (int j = 0; j < 100; ++j) {
+          const double w = 0.5 * (low + high);
+          (friction_curve(w) * w / (h0 + h1 * w) < hottest * i / points ? low : high) = w;
+        }
+        of[std::size_t(i)] = friction_curve(low);
       }
-      table[i] = friction_curve(low);
-    }
-    table[points + 1] = table[points];
+      of[points + 1] = of[points];
+      return of;
+    }();
+    return list;
   }
   double friction(double T) const {
     const double at = std::min(std::max(T / hottest, 0.0), 1.0) * points;

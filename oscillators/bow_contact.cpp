@@ -13,7 +13,7 @@ namespace rosin::oscillators {
 
 namespace {
 
-constexpr double within = 1e-10;  // of what a slip rate is looked for in: Newton's next step is then below rounding
+constexpr double within = 1e-8;  // of what a slip rate is looked for in: Newton's next step is then below rounding
 constexpr int most_iterations = 100;
 
 /// 1 or 0 of each lane.
@@ -98,6 +98,7 @@ void BowContacts::slide(int lane, std::shared_ptr<const FrictionLaw> given, doub
   contact_->load(lane, law.values(), setup_);
   unsolved_.set(lane, 0);
   drive_.set(lane, 0);
+  answer_.set(lane, 0);
   set_load(lane, normal_load);
   slip_rate_.set(lane, slip_rate);
   direction_.set(lane, slip_rate == 0 ? 0 : std::copysign(1.0, slip_rate));
@@ -185,6 +186,7 @@ void BowContacts::slip(const Lanes& A, const Lanes& side, const Lanes& Z, const 
         const Pack next = min(s.pack[p] + left / fall, A.pack[p]);
         const Mask none = !((fall > 0.0) & (next > 0.0));
         const Mask again = none & !truth(above.pack[p]);  // the guess was below the solution
+        answer_.pack[p] = select(asked, Pack(Z.pack[p] / fall), answer_.pack[p]);
         const Mask done = (none & !again) | ((!none) & !(abs(next - s.pack[p]) > within * A.pack[p]));
         lost.pack[p] = select(asked & none & !again, Pack(1.0), lost.pack[p]);
         s.pack[p] = select(asked & !none, next, select(asked & again, A.pack[p], s.pack[p]));
@@ -242,7 +244,9 @@ void BowContacts::solve_set_valued(const Lanes& D, const Lanes& Z, const Lanes* 
       const Pack before = direction_.pack[p];
       const Mask onward = before * side.pack[p] > 0.0, holds = !(Z.pack[p] * A.pack[p] > limit.pack[p]);
       tries.pack[p] = number(onward | !holds);
-      s.pack[p] = select(onward, min(abs(slip_rate_.pack[p]), A.pack[p]), A.pack[p]);
+      // As the slip rate has answered to the drive before.
+      const Pack guess = abs(slip_rate_.pack[p]) + answer_.pack[p] * (A.pack[p] - abs(drive_.pack[p]));
+      s.pack[p] = select(onward & (guess > 0.0), min(guess, A.pack[p]), A.pack[p]);
     }
   });
   if (any(tries)) {

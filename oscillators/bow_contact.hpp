@@ -67,7 +67,7 @@ class BowContacts {
   int states_ = 0;
   bool set_valued_, one_friction_, limit_is_friction_, odd_;
   double step_;
-  Lanes load_ = 1.0, limit_ = 0.0, slip_rate_ = 0.0, direction_ = 0.0, drive_ = 0.0, unsolved_ = 0.0;
+  Lanes load_ = 1.0, limit_ = 0.0, slip_rate_ = 0.0, direction_ = 0.0, drive_ = 0.0, answer_ = 0.0, unsolved_ = 0.0;
   std::vector<Lanes> z_, rate_, scratch_;
 
   /// Of laws by temperature alone.

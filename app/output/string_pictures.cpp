@@ -19,6 +19,9 @@ namespace {
 using analysis::strings::Pixel;
 using analysis::strings::StringRecord;
 
+constexpr const char *position = "oscillator.bow_position", *load = "drive.normal_load",
+                     *acceleration = "drive.speed.ramp.rate";
+
 constexpr const char* axes_of_runs = "set grid x linecolor '#CCCCCC' linewidth 0.6\nset format x ''\n";
 
 /// Ends of cells around values on a scale.
@@ -36,14 +39,30 @@ std::vector<double> borders(const analysis::planes::Axis& axis) {
   return ends;
 }
 
+/// "speed of the bow (m/s)", of a ramp its rate.
+std::string label_of(const scene::Scene& scene, const std::string& parameter) {
+  if (parameter == acceleration) return single_quoted("acceleration of the bow (m/s²)");
+  const auto quantity = scene.describe(parameter);
+  return label(quantity.meaning, quantity.unit);
+}
+
+/// The scale of an axis, with 1, 2 and 5 as ticks of a logarithmic one that spans few decades.
+std::string scale_of(char axis, const analysis::planes::Axis& values) {
+  auto script = axis_scale(axis, values.logarithmic) + '\n';
+  const double low = values.values.front(), high = values.values.back();
+  if (!values.logarithmic || high > 500 * low) return script;
+  std::vector<double> ticks;
+  for (double decade = std::pow(10, std::floor(std::log10(low))); decade <= high; decade *= 10)
+    for (const double digit : {1., 2., 5.})
+      if (const double tick = digit * decade; tick >= 0.99 * low && tick <= 1.01 * high) ticks.push_back(tick);
+  return script + fmt::format("set format {0} '%g'\nset {0}tics ({1:g})\n", axis, fmt::join(ticks, ", "));
+}
+
 /// A line of the theory over one axis of the plane.
 struct Limit {
   std::string title;
   std::vector<double> x, y;
 };
-
-constexpr const char *position = "oscillator.bow_position", *load = "drive.normal_load",
-                     *acceleration = "drive.speed.ramp.rate";
 
 std::vector<Limit> limits_of(const scene::Scene& scene) {
   const auto& task = *scene.string;
@@ -161,7 +180,8 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
       "[0:*]\n"
       "set offsets 0,0,graph 0.12,0\n"
       "plot 'run-steady.csv' using 1:2 with lines linestyle 2 title 'steady sliding', \\\n"
-      "     'run.csv' using ($1>={}&&$8<0.5?$4:NaN):($5/$6) with points pointtype 7 pointsize 0.25 linecolor '#00336F' "
+      "     'run.csv' using ($1>={}&&$8<0.5?$4:NaN):($5/$6) with linespoints pointtype 7 pointsize 0.25 linewidth 0.7 "
+      "linecolor '#00336F' "
       "title 'in slip, last {:g} periods'\n",
       single_quoted(scene.title), begin, orbit);
   write_whole(folder / "run-friction.gp", locus);
@@ -209,11 +229,13 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
   const auto frame = [&](const std::string& name, const char* what) {
     std::string script = preamble(name, what, 760, 560);
     script += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", single_quoted(scene.title),
-                          label(quantity_x.meaning, quantity_x.unit), label(quantity_y.meaning, quantity_y.unit));
-    script += axis_scale('x', task.x.logarithmic) + axis_scale('y', task.y.logarithmic);
-    script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset style fill solid 1 noborder\n", of_x.front(),
+                          label_of(scene, task.x.parameter), label_of(scene, task.y.parameter));
+    script += scale_of('x', task.x) + scale_of('y', task.y);
+    script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset style fill solid 1 border\n", of_x.front(),
                           of_x.back(), of_y.front(), of_y.back());
-    script += "set key below left Left reverse samplen 2 maxrows 3\nset tics out nomirror\n";
+    script +=
+        "set bmargin 8.5\nset key at screen 0.10,0.02 bottom left Left reverse samplen 2 maxrows 3\nset tics out "
+        "nomirror\n";
     return script;
   };
   std::vector<std::string> theory;
@@ -293,10 +315,10 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
   script +=
       fmt::format("set multiplot layout 1,{} title {} margins {},{},0.17,0.83 spacing {},0\nset tics out nomirror\n",
                   panels, single_quoted(scene.title), 0.22 / panels, 1 - 0.28 / panels, 0.30 / panels);
-  script += fmt::format("set xlabel {}\nset ylabel {}\n", label(quantity_x.meaning, quantity_x.unit),
-                        label(quantity_y.meaning, quantity_y.unit));
-  script += axis_scale('x', task.x.logarithmic) + axis_scale('y', task.y.logarithmic);
-  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset style fill solid 1 noborder\nset cbrange [0:{}]\n",
+  script += fmt::format("set xlabel {}\nset ylabel {}\n", label_of(scene, task.x.parameter),
+                        label_of(scene, task.y.parameter));
+  script += scale_of('x', task.x) + scale_of('y', task.y);
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset style fill solid 1 border\nset cbrange [0:{}]\n",
                         of_x.front(), of_x.back(), of_y.front(), of_y.back(), task.options.transient.most);
   // What hangs on the sample rate shows the ground.
   script += "set object 1 rectangle from graph 0,0 to graph 1,1 fillcolor '#E69F00' fillstyle solid noborder behind\n";
@@ -305,10 +327,11 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
     if (k + 1 == planes.size()) script += "set colorbox\nset cblabel 'transient (periods)'\n";
     script += fmt::format("set title {}\nplot 'compare.csv' using 1:2:3:4:5:6:{} with boxxyerror linecolor palette\n",
                           single_quoted(task.members[k].name), 7 + k);
-    if (k == 0) script += "unset ylabel\n";
+    if (k == 0) script += "unset ylabel\nset format y ''\n";
   }
   script += fmt::format(
-      "set palette defined (0 '#FFFFFF', 1 '#00336F')\nset cblabel 'difference (periods)'\nset title 'least "
+      "set palette defined (0 '#FFFFFF', 1 '#00336F')\nset cbrange [0:*]\nset cblabel 'difference (periods)'\nset "
+      "title 'least "
       "difference; "
       "orange: not reproducible'\nplot 'compare.csv' using 1:2:3:4:5:6:{} with boxxyerror linecolor palette\n",
       7 + planes.size());

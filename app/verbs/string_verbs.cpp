@@ -70,24 +70,26 @@ StringRecord thinned(StringRecord record, int most) {
   return record;
 }
 
-/// Numbers of a motion, with their differences to the same at twice the sample rate.
+/// Numbers of a motion, with their differences to the same at twice the sample rate, but of times no less than a
+/// sample.
 struct Judged {
   const char *name, *unit, *meaning;
   double value, error;
 };
-std::vector<Judged> metrics_of(const Bowing& bowing, const Bowing& finer) {
-  const auto one = [&](const char* name, const char* unit, const char* meaning, auto of) {
+std::vector<Judged> metrics_of(const oscillators::BowedString& string, const Bowing& bowing, const Bowing& finer) {
+  const auto one = [&](const char* name, const char* unit, const char* meaning, double resolution, auto of) {
     const double value = of(bowing), other = of(finer);
-    return Judged{name, unit, meaning, value, std::abs(value - other)};
+    return Judged{name, unit, meaning, value, std::max(std::abs(value - other), resolution)};
   };
-  return {one("first_slip", "s", "time of the first slip", [](const Bowing& b) { return b.first_slip; }),
-          one("transient_length", "1", "from there to Helmholtz motion, periods of the open string",
+  const double sample = string.step(), periods = sample / string.period();
+  return {one("first_slip", "s", "time of the first slip", sample, [](const Bowing& b) { return b.first_slip; }),
+          one("transient_length", "1", "from there to Helmholtz motion, periods of the open string", periods,
               [](const Bowing& b) { return b.transient.length; }),
-          one("slips_per_period", "1", "slips per period at the end",
+          one("slips_per_period", "1", "slips per period at the end", 0,
               [](const Bowing& b) { return b.transient.slips_per_period; }),
-          one("period", "1", "period at the end over that of the open string",
+          one("period", "1", "period at the end over that of the open string", periods,
               [](const Bowing& b) { return b.transient.period; }),
-          one("bridge_force", "N", "force on the bridge at the end, peak to peak",
+          one("bridge_force", "N", "force on the bridge at the end, peak to peak", 0,
               [](const Bowing& b) { return b.bridge_force; })};
 }
 
@@ -142,7 +144,7 @@ Status perform_string_run(Job& job) {
   const auto record = analysis::strings::record(task.model, task.options);
   auto finer = task.model;
   finer.string.sample_rate *= 2;
-  const auto metrics = metrics_of(record.bowing, analysis::strings::bow(finer, task.options));
+  const auto metrics = metrics_of(string, record.bowing, analysis::strings::bow(finer, task.options));
   job.explain("{} steps, and as many again at twice the sample rate, whose difference is the error",
               record.bowing.samples);
   auto& manifest = job.manifest();
@@ -209,7 +211,8 @@ analysis::planes::Map as_map(const scene::StringTask& task, const std::vector<Pi
   const std::pair<std::array<const char*, 3>, double (*)(const Pixel&)> metrics[] = {
       {{"transient_length", "1", "from the first slip to Helmholtz motion, periods of the open string"},
        [](const Pixel& p) { return p.bowing.transient.length; }},
-      {{"regime", "1", "motion at the end: 0 none, 1 helmholtz, 2 double-slip, 3 irregular, 4 raucous, 5 sliding"},
+      {{"string_regime", "1",
+        "motion at the end: 0 none, 1 helmholtz, 2 double-slip, 3 irregular, 4 raucous, 5 sliding"},
        [](const Pixel& p) { return double(p.bowing.transient.regime); }},
       {{"first_slip", "s", "time of the first slip"}, [](const Pixel& p) { return p.bowing.first_slip; }},
       {{"slips_per_period", "1", "slips per period at the end"},
@@ -289,7 +292,7 @@ Status perform_string_map(Job& job) {
   document["regime"] = output::grid(map, [&](std::size_t i) { return name_of(pixels[i].bowing.transient.regime); });
   auto values = ordered_json::object();
   for (const auto& metric : map.metrics)
-    if (metric.name != "regime")
+    if (metric.name != "string_regime")
       values[metric.name] = output::rows(map, [&](const auto& point) { return metric.value(point); });
   document["metrics"] = std::move(values);
   document["error"] = {{"transient_length", output::grid(map, [&](std::size_t i) { return pixels[i].length_error; })}};

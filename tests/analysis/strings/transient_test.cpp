@@ -150,7 +150,7 @@ TEST_CASE("Coulomb friction knows only force over acceleration, to the last bit"
 
 TEST_CASE("strings do not hear those beside them", "[string]") {
   std::vector<BowedStringModel> models;
-  for (int i = 0; i < 70; ++i) models.push_back(cello(i % 2 ? "thermal-layer" : "two-exponential", 1 + 0.03 * i, 0.6));
+  for (int i = 0; i < 40; ++i) models.push_back(cello(i % 2 ? "thermal-layer" : "two-exponential", 1 + 0.03 * i, 0.6));
   const auto one = bow(models, {}, 1), two = bow(models, {}, 2);
   for (std::size_t i = 0; i < models.size(); ++i) {
     CHECK(one[i].transient.length == two[i].transient.length);
