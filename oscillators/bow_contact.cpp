@@ -20,6 +20,12 @@ constexpr int most_iterations = 100;
 ROSIN_INLINE Pack number(const Mask& mask) { return Pack(mask.truth); }
 ROSIN_INLINE Mask truth(const Pack& number) { return number > Pack(0.5); }
 
+bool any(const Pack& truths) {
+  double sum = 0;
+  for (int i = 0; i < pack_width; ++i) sum += truths.block[i];
+  return sum != 0;
+}
+
 /// Solves a linear system in place, without pivoting: its matrices are 1 plus the length of a step times rates.
 struct Elimination {
   static constexpr int capacity = Slopes<double>::capacity;
@@ -180,6 +186,7 @@ void BowContacts::slip(const Lanes& A, const Lanes& side, const Lanes& Z, const 
     contact_->linearise(input(u, side), z, g, F, slopes);
     run_on_lanes([&] {
       for (int p = 0; p < lane_packs; ++p) {
+        if (!any(open.pack[p])) continue;
         const Mask asked = truth(open.pack[p]);
         const Pack left = Z.pack[p] * (A.pack[p] - s.pack[p]) - side.pack[p] * F.pack[p];
         const Pack fall = Z.pack[p] + slopes.F_u.pack[p];
