@@ -6,7 +6,6 @@ import csv
 import json
 import re
 from functools import cached_property
-from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -98,7 +97,7 @@ class Result:
         columns: dict[str, Any] = {}
         units = {}
         for heading, cells in zip(header, zip(*rows) if rows else [()] * len(header)):
-            name, unit = re.fullmatch(r"(.*?)(?: \((.*)\))?", heading).groups()
+            name, _, unit = heading.removesuffix(")").partition(" (")
             units[name] = unit or "1"
             try:
                 columns[name] = numpy.array(cells, dtype=float)
@@ -113,9 +112,9 @@ class Result:
         def described(name: str, of: str = "{}") -> dict[str, str]:
             return {"units": units[name], "long_name": of.format(meaning.get(name, name.replace("_", " ")))}
 
-        data = {name: (dimension, values, described(name)) for name, values in columns.items()}
+        data: dict[str, Any] = {name: (dimension, values, described(name)) for name, values in columns.items()}
         for name, error in self.error.items():
-            if name in columns and isinstance(error, Real):
+            if name in columns and isinstance(error, (int, float)):
                 data[f"{name}_error"] = ((), float(error), described(name, "absolute error of {}"))
         return xarray.Dataset(data, attrs={"title": self.raw.get("title", ""),
                                            "version": f"rosin {self.raw.get('version', '')}"})
@@ -124,10 +123,10 @@ class Result:
         lines = [f"<rosin.Result of {self.verb}: {self.outcome}>"]
         for name, number in self.metrics.items():
             error = self.error.get(name)
-            lines.append(f"  {name:<24} {number:.10g}" + (f" ± {error:.0e}" if isinstance(error, Real) and error else "")
+            lines.append(f"  {name:<24} {number:.10g}" + (f" ± {error:.0e}" if isinstance(error, (int, float)) and error else "")
                          + (f" {self.units[name]}" if self.units.get(name, "1") != "1" else ""))
         return "\n".join(lines)
 
 
 def _numbers(entries: dict[str, Any]) -> dict[str, float]:
-    return {name: one for name, one in entries.items() if isinstance(one, Real) and not isinstance(one, bool)}
+    return {name: one for name, one in entries.items() if isinstance(one, (int, float)) and not isinstance(one, bool)}

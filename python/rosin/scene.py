@@ -125,11 +125,10 @@ class Scene:
         folder = Path(tempfile.mkdtemp(prefix="rosin-") if out is None else out)
         words = [*words, "--json", f"--out={folder}", *(f"--set={change}" for change in self._changes)]
         verb, target = words[0], self._path or NAME
-        text = None if self._path else self._text
         with contextlib.ExitStack() as undone:
             if out is None:
                 undone.callback(shutil.rmtree, folder, ignore_errors=True)
-            complete, output, messages = perform([*words, target], target, text, progress)
+            complete, output, messages = perform([*words, target], target, self._text, progress)
             result = Result(verb, complete, output, messages, folder)
             if out is None:
                 weakref.finalize(result, undone.pop_all().close)
@@ -196,7 +195,7 @@ def _method(verb: dict[str, Any]) -> Callable[..., Result]:
 
     method.__name__ = verb["name"]
     method.__qualname__ = f"Scene.{verb['name']}"
-    method.__signature__ = signature
+    method.__signature__ = signature  # type: ignore[attr-defined]
     lines = [f"{verb['help'][0].upper()}{verb['help'][1:]}: ``rosin {verb['name']}``.", "", "Parameters", "----------"]
     for one in operands:
         lines += [one["name"].lower() + " : str", f"    {one['help']}"]

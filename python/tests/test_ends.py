@@ -51,7 +51,7 @@ def test_wrong_input_has_its_place(tmp_path):
 
 def test_an_answer_that_ends_short_is_a_result(large_map):
     with pytest.warns(rosin.IncompleteWarning, match="map .*budget.* spent"):
-        result = large_map.map(time_limit=0.3)
+        result = large_map.map(time_limit=0.3, threads=1)
     assert not result.complete and "spent" in result.outcome
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -63,7 +63,7 @@ def test_an_interruption_ends_the_work(large_map):
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     with pytest.raises(KeyboardInterrupt):
-        large_map.map()
+        large_map.map(threads=1)
     assert rosin.Scene(SLIDER).run().complete
 
 
@@ -78,7 +78,7 @@ def test_progress_rises_and_an_interrupted_map_goes_on(tmp_path, monkeypatch):
 
     with monkeypatch.context() as patched, pytest.raises(StopIteration, match="enough"):
         patched.setattr(_rosin, "perform", functools.partial(_rosin.perform, progress=look))
-        scene.map(out=tmp_path)
+        scene.map(out=tmp_path, threads=1)
     assert seen == sorted(seen) and 0 <= seen[0] <= 0.1 < seen[-1] < 1
     with pytest.warns(rosin.IncompleteWarning):
         result = scene.map(out=tmp_path, time_limit=0.01)

@@ -20,6 +20,15 @@ def test_a_scene_never_changes():
     assert faster.set("drive.speed", 0.2).run().raw == faster.run().raw
 
 
+def test_a_scene_is_its_file_as_it_was(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(rosin.Scene(SLIDER).toml)
+    scene = rosin.load(file)
+    file.write_text(rosin.Scene(SLIDER).set("drive.speed", 0.2).toml)
+    assert scene.get("drive.speed") == 0.1
+    assert scene.run().raw == rosin.Scene(SLIDER).run().raw != rosin.load(file).run().raw
+
+
 def test_entries_of_lists_are_numbered_from_1():
     scene = rosin.load(LARGE_PLANE)
     assert scene.get("map.metrics.1") == "stick_fraction"
