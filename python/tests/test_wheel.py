@@ -38,6 +38,7 @@ def test_a_wheel_is_whole_and_works_elsewhere(tmp_path):
 
     line = "import rosin; print(rosin.__file__, len(rosin.laws()))"
     environment = os.environ | {"PYTHONPATH": str(tmp_path / "there")}
-    said = subprocess.run([sys.executable, "-c", line], env=environment, check=True, capture_output=True, text=True).stdout
+    said = subprocess.run([sys.executable, "-c", line], env=environment, cwd=tmp_path, check=True, capture_output=True,
+                          text=True).stdout
     file, laws = said.split()
     assert Path(file).parent == tmp_path / "there/rosin" and int(laws) > 20
