@@ -22,6 +22,11 @@ def perform(words: list[str], origin: str = "", text: str | None = None, progres
     InputError
     """
     words = ["rosin", *words]
+    for given in words if text is None else [*words, text]:
+        if "\0" in given:
+            raise InputError(origin, f"{given[:200]!r} holds a zero byte")
+        if not given.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in given):
+            raise InputError(origin, f"{given[:200]!r} holds half of a character (a surrogate)")
     if progress:
         from tqdm.auto import tqdm
 

@@ -47,6 +47,8 @@ class Scene:
     def _load(cls, path: str | os.PathLike[str]) -> Scene:
         scene = cls.__new__(cls)
         scene._path = os.fspath(path)
+        if scene._path.startswith("-"):  # which would be read as an option
+            scene._path = "./" + scene._path
         try:
             scene._text = Path(path).read_text(encoding="utf-8")
             scene._document = tomllib.loads(scene._text)
@@ -183,11 +185,15 @@ def _method(verb: dict[str, Any]) -> Callable[..., Result]:
         bound = signature.bind(*given, **named)
         bound.apply_defaults()
         asked = bound.arguments
-        words = [verb["name"], *(str(asked[one["name"].lower()]) for one in operands)]
+        words = [verb["name"]]
+        for one in operands:
+            words.append(str(asked[one["name"].lower()]))
+            if words[-1].startswith("-"):  # which would be read as an option
+                raise InputError("", f"unknown {one['name'].lower()} '{words[-1]}'; known here: {one['help']}")
         for name, option in options.items():
             if asked[name] is True and not option["value"]:
                 words.append(option["name"])
-            elif asked[name] not in (None, False):
+            elif asked[name] is not None and asked[name] is not False:
                 words.append(f"{option['name']}={asked[name]}")
         if draws and not asked["pictures"]:
             words.append("--no-pictures")

@@ -28,6 +28,8 @@ def value(given: Any, path: str) -> str:
     InputError
         For what is no boolean, number, text, list or mapping; `path` is its place.
     """
+    if path.count(".") > 100:
+        raise InputError(path[:60] + "…", "lies more than 100 levels deep")
     if hasattr(given, "tolist"):  # of numpy and xarray
         given = given.tolist()
     if isinstance(given, bool):

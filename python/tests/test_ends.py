@@ -49,6 +49,28 @@ def test_wrong_input_has_its_place(tmp_path):
         rosin.Scene(SLIDER).run(tolerence=1e-3)
 
 
+@pytest.mark.parametrize("call, message", [
+    (lambda scene: scene.set("title", "a\0b").run(), "title holds a zero byte"),
+    (lambda scene: scene.set("title", "a\ud800b").run(), "holds half of a character"),
+    (lambda scene: scene.set("", 1), "a key of the path is empty"),
+    (lambda scene: scene.set("drive.speed.x", 1), "drive.speed is 0.1, not a table"),
+    (lambda scene: scene.set("drive.speed", float("nan")).run(), "is not a number"),
+    (lambda scene: scene.set("drive.speed", [1, 2]).run(), "drive.speed is a list"),
+    (lambda scene: scene.set("law", functools.reduce(lambda inner, _: {"a": inner}, range(500), 1)), "levels deep"),
+    (lambda scene: scene.run(out="/dev/null/x"), "cannot be made"),
+    (lambda scene: scene.run(out="a\0b"), "holds a zero byte"),
+    (lambda scene: scene.run(threads=0), "--threads = 0 is outside"),
+    (lambda scene: scene.run(tolerance="x"), "--tolerance = x"),
+    (lambda scene: scene.lab("velocity-stp"), "did you mean 'velocity-step'?"),
+    (lambda scene: scene.lab("--help"), "unknown experiment '--help'; known here: inclined-plane"),
+    (lambda scene: rosin.load("/"), "Is a directory"),
+    (lambda scene: rosin.load("/bin/sh"), "not valid TOML"),
+])
+def test_hostile_input_is_refused(call, message, capfd):
+    assert message in wrong(lambda: call(rosin.Scene(SLIDER))).message
+    assert capfd.readouterr() == ("", "")
+
+
 def test_an_answer_that_ends_short_is_a_result(large_map):
     with pytest.warns(rosin.IncompleteWarning, match="map .*budget.* spent"):
         result = large_map.map(time_limit=0.3, threads=1)
