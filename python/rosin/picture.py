@@ -78,7 +78,7 @@ def plot(result: Result, what: str | list[str] | None = None) -> Figure:
 
     data = result.dataset
     if data is None:
-        raise InputError("", f"a result of '{result.verb}' has no plane or table to draw")
+        raise InputError("", f"a result of '{result.verb}' ({result.outcome}) has no plane or table to draw")
     draw = {"map": _plane, "basin": _plane, "cycle": _loop, "sweep": _sweep}.get(result.verb, _columns)
     names = draw.chosen(data) if what is None else [what] if isinstance(what, str) else list(what)
     for name in names:
@@ -197,7 +197,13 @@ def _decades(values: xarray.DataArray) -> float:
     return float(numpy.log10(high / low)) if low > 0 else 0
 
 
-@_chosen(lambda data: ["slip_rate", "friction_coefficient"])
+def _of_loop(data: xarray.Dataset) -> list[str]:
+    """Of the first contact."""
+    found = [[str(name) for name in data if str(name).startswith(begin)][:1] for begin in ("slip_rate", "friction_coefficient")]
+    return sum(found, [])
+
+
+@_chosen(_of_loop)
 def _loop(data: xarray.Dataset, names: list[str]) -> Figure:
     """Two variables of a periodic motion, one over the other."""
     import matplotlib.pyplot as pyplot

@@ -88,7 +88,8 @@ class Result:
         return self._dataset_of(table) if table.exists() else None
 
     def _dataset_of(self, table: Path) -> xarray.Dataset:
-        """A table whose first column, if it rises, is the coordinate of the others."""
+        """A table whose first column is the coordinate of the others if it rises, or is time, which stands still in a
+        jump."""
         import numpy
         import xarray
 
@@ -106,7 +107,7 @@ class Result:
         first = next(iter(columns))
         values = columns[first]
         rises = values.dtype == float and bool(numpy.all(values[1:] > values[:-1]))
-        dimension = first if rises else "row"
+        dimension = first if rises or first == "time" else "row"
         meaning = self.raw.get("meaning", {})
 
         def described(name: str, of: str = "{}") -> dict[str, str]:

@@ -28,6 +28,11 @@ def test_a_motion_a_loop_and_a_response():
     assert labels(rosin.plot(rosin.Scene(SLIDER).run()))[-1] == ("time $t$ (s)", "friction coefficient\n$\\mu$")
     cycle = rosin.plot(rosin.load(ROOT / "examples/bristol-board-cycle.toml").cycle())
     assert labels(cycle) == [("slip rate $v$ (m/s)", "friction coefficient $\\mu$")]
+    stick_slip = rosin.load(ROOT / "examples/coulomb-stick-slip.toml").cycle()
+    assert (stick_slip.dataset.time.diff("time") == 0).any()  # friction jumps
+    assert labels(rosin.plot(stick_slip)) == labels(cycle)
+    blocks = rosin.plot(rosin.load(ROOT / "examples/two-blocks-on-a-belt.toml").cycle())
+    assert labels(blocks) == [("slip rate 1 (m/s)", "friction coefficient 1")]
     line = cycle.axes[0].lines[0]
     assert line.get_xdata()[0] == line.get_xdata()[-1]  # closed
     response = rosin.plot(rosin.load(ROOT / "examples/frf-squeal.toml").frf())
@@ -38,5 +43,5 @@ def test_what_cannot_be_drawn_says_so():
     run = rosin.Scene(SLIDER).run()
     with pytest.raises(rosin.InputError, match="there is no 'velocty' to draw; known here: displacement"):
         rosin.plot(run, "velocty")
-    with pytest.raises(rosin.InputError, match="a result of 'stability' has no plane or table"):
+    with pytest.raises(rosin.InputError, match=r"a result of 'stability' \(reached the end\) has no plane or table"):
         rosin.plot(rosin.load(ROOT / "examples/load-step.toml").stability())
