@@ -81,11 +81,13 @@ def test_an_answer_that_ends_short_is_a_result(large_map):
 
 
 def test_an_interruption_ends_the_work(large_map):
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where a shell works in the background
     # Python runs the timer's thread while the map is computed; the signal is that of Ctrl-C.
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         large_map.map(threads=1)
+    signal.signal(signal.SIGINT, before)
     assert rosin.Scene(SLIDER).run().complete
 
 
