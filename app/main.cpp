@@ -11,7 +11,6 @@
 #include "app/verbs/verbs.hpp"
 #include "core/console.hpp"
 #include "core/error.hpp"
-#include "core/stop.hpp"
 
 namespace {
 
@@ -30,12 +29,7 @@ int perform(int argc, char** argv) {
     const auto parsed = parse_command_line(argc, argv);
     if (const int* status = std::get_if<int>(&parsed)) return *status;
     const auto& request = std::get<Request>(parsed);
-    const Listening listening(verbs::watch_for_stop(request.time_limit));
-    try {
-      return verbs::execute(request);
-    } catch (const Stopped&) {
-      return verbs::stopped_early(request, "nothing is kept");
-    }
+    return verbs::execute_until(verbs::watch_for_stop(request.time_limit), request);
   } catch (const InputError& error) {
     tell("{}\n", error.what());
     return verbs::wrong_input;

@@ -1,6 +1,8 @@
 /// Writing to the standard streams, and remembering what failed.
 #include "core/console.hpp"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 
@@ -12,16 +14,48 @@ int problem = 0;  ///< errno of the first failure of standard output
 void remember(bool written) {
   if (!written && problem == 0) problem = errno != 0 ? errno : EIO;
 }
+
+std::atomic<Capture*> capture = nullptr;
 }  // namespace
 
+Capture::Capture(bool progress_asked) : progress_asked_(progress_asked) { capture = this; }
+Capture::~Capture() { capture = nullptr; }
+
+void Capture::add(std::string& to, std::string_view text) {
+  const std::lock_guard lock(mutex_);
+  to += text;
+}
+std::string Capture::output() const {
+  const std::lock_guard lock(mutex_);
+  return output_;
+}
+std::string Capture::messages() const {
+  const std::lock_guard lock(mutex_);
+  return messages_;
+}
+
 void write_output(std::string_view text) {
+  if (Capture* into = capture) return into->add(into->output_, text);
   errno = 0;
   remember(std::fwrite(text.data(), 1, text.size(), stdout) == text.size());
 }
 
 void write_message(std::string_view text) {
+  if (Capture* into = capture) return into->add(into->messages_, text);
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
+}
+
+void write_progress(double work, std::string_view bar) {
+  if (Capture* into = capture)
+    into->work_ = work;
+  else
+    write_message(bar);
+}
+
+bool progress_is_seen() {
+  const Capture* into = capture;
+  return into ? into->progress_asked_ : isatty(STDERR_FILENO) != 0;
 }
 
 std::string presentable(std::string text) {

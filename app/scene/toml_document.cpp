@@ -90,13 +90,14 @@ void write_value(std::string& out, const toml::node& node) {
 
 }  // namespace
 
-toml::table read_toml(const std::string& path) {
-  const auto content = read_whole(path, largest_scene);
-  if (content.find_first_not_of(" \t\r\n") == std::string::npos)
-    throw InputError(fmt::format("{}:1:1: the file is empty; a scene needs at least [law] with a type", path));
-  check_depth(content, path);
+toml::table read_toml(const std::string& path) { return parse_toml(read_whole(path, largest_scene), path); }
+
+toml::table parse_toml(std::string_view text, const std::string& origin) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos)
+    throw InputError(fmt::format("{}:1:1: the scene is empty; it needs at least [law] with a type", origin));
+  check_depth(text, origin);
   try {
-    return toml::parse(content, path);
+    return toml::parse(text, origin);
   } catch (const toml::parse_error& error) {
     fail(error.source(), "not valid TOML: {}", error.description());
   }

@@ -9,6 +9,8 @@ namespace rosin::app::scene {
 
 /// A scene's file as it stands there. \throws InputError with the line where it is empty, too large or no TOML.
 toml::table read_toml(const std::string& path);
+/// The same of a text; `origin` is what errors call it.
+toml::table parse_toml(std::string_view text, const std::string& origin);
 
 /// Parses "path=value" and puts the value into the scene. \throws InputError with the override as its place.
 void apply_override(toml::table& scene, const std::string& given);

@@ -2,7 +2,6 @@
 #include "app/verbs/progress.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <string>
 
@@ -10,10 +9,10 @@
 
 namespace rosin::app::verbs {
 
-Progress::Progress(bool quiet) : visible_(!quiet && isatty(STDERR_FILENO)) {}
+Progress::Progress(bool quiet) : visible_(!quiet && progress_is_seen()) {}
 
 Progress::~Progress() {
-  if (drawn_) write_message("\r\033[K");
+  if (drawn_) write_progress(1, "\r\033[K");
 }
 
 bool Progress::due(double work) {
@@ -34,8 +33,8 @@ void Progress::draw(double work, const std::string& what) {
     const double spent = std::chrono::duration<double>(Clock::now() - begin_).count();
     left = fmt::format(", {:.0f} s left", spent * (1 - work) / work);
   }
-  write_message(fmt::format("\r\033[K[{}{}] {:3.0f} %{}{}", std::string(filled, '='), std::string(width - filled, ' '),
-                            100 * work, what, left));
+  write_progress(work, fmt::format("\r\033[K[{}{}] {:3.0f} %{}{}", std::string(filled, '='),
+                                   std::string(width - filled, ' '), 100 * work, what, left));
 }
 
 void Progress::show(std::size_t done, std::size_t total, double work) {

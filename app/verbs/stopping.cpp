@@ -14,6 +14,7 @@
 
 #include "app/output/results.hpp"
 #include "core/console.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::app::verbs {
 
@@ -50,7 +51,7 @@ std::stop_token watch_for_stop(std::optional<double> time_limit) {
   pthread_sigmask(SIG_BLOCK, &watched, nullptr);  // before any other thread starts, which inherits it
   const std::stop_source stop;
   std::thread([watched, stop, time_limit]() mutable {
-    if (!wait_for(watched, time_limit)) limit_passed = *time_limit;
+    if (!wait_for(watched, time_limit)) set_limit_passed(*time_limit);
     stop.request_stop();
     constexpr double grace = 10;  // s
     if (!wait_for(watched, grace)) {
@@ -63,6 +64,8 @@ std::stop_token watch_for_stop(std::optional<double> time_limit) {
   }).detach();
   return stop.get_token();
 }
+
+void set_limit_passed(double seconds) { limit_passed = seconds; }
 
 void results_are_due() { writing = true; }
 
@@ -81,6 +84,15 @@ Status stopped_early(const Request& request, const std::string& kept) {
   tell("{}: {}\n", name(outcome.ending), outcome.detail);
   if (request.json) write_output(output::to_json(request.verb, outcome));
   return status_of(outcome);
+}
+
+Status execute_until(const std::stop_token& stop, const Request& request) {
+  const Listening listening(stop);
+  try {
+    return execute(request);
+  } catch (const Stopped&) {
+    return stopped_early(request, "nothing is kept");
+  }
 }
 
 }  // namespace rosin::app::verbs

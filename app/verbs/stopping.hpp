@@ -25,4 +25,11 @@ Status status_of(const Outcome&);
 /// Says that the work was stopped, what is kept, and prints it as a document if that was asked for.
 Status stopped_early(const Request&, const std::string& kept);
 
+/// The work of a request, until the token asks it to end. \throws InputError
+Status execute_until(const std::stop_token&, const Request&);
+
+/// Where the clock is watched from elsewhere: from here on, an end before the work is done is due to this limit (s); 0:
+/// it is due to somebody who asked.
+void set_limit_passed(double seconds);
+
 }  // namespace rosin::app::verbs

@@ -98,7 +98,8 @@ void note_places(const toml::node& node, const std::string& path, std::map<std::
 scene::Scene read_scene(const Request& request) {
   const auto& verb = find_verb(request.verb);
   if (!verb.read) throw InputError(fmt::format("'{}' is a verb that takes no scene", verb.name));
-  toml::table document = scene::read_toml(request.target);
+  toml::table document =
+      request.text ? scene::parse_toml(*request.text, request.target) : scene::read_toml(request.target);
   for (const auto& override : request.overrides) scene::apply_override(document, override);
 
   scene::Scene scene;

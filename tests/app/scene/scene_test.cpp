@@ -398,8 +398,8 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
       {"stability", run("[stability]\nparameters = ['law.c', 'law.q']"), "scene.toml:10:24: unknown parameter 'law.q'"},
       {"curve", law("[curve]\nfrom = 1\nto = 0.1"), "scene.toml:3:1: curve.from = 1 must be below curve.to = 0.1"},
       // files
-      {"curve", "", "scene.toml:1:1: the file is empty"},
-      {"curve", " \n\t", "scene.toml:1:1: the file is empty"},
+      {"curve", "", "scene.toml:1:1: the scene is empty"},
+      {"curve", " \n\t", "scene.toml:1:1: the scene is empty"},
       {"curve", "[law\ntype = 3", "scene.toml:1:5: not valid TOML"},
       {"curve", "[law]\ntype = 'spinodal'\ntype = 'slip'", "scene.toml:3:"},
       {"curve", "[law]\ntype = '\xff\xfe'", "scene.toml:2:"},
@@ -431,6 +431,16 @@ TEST_CASE("files that are no scenes are refused before they are read") {
   fs::resize_file(large, 11'000'000);
   CHECK_THAT(refuse(large.string()), Catch::Contains("has 11.0 MB, more than the 10 MB that are read"));
   fs::remove(large);
+}
+
+TEST_CASE("a scene may be given as a text, which errors call by its name") {
+  rosin::app::Request request;
+  request.verb = "curve", request.target = "mine";
+  request.text = "[law]\ntype = 'coulomb'\nmu_s = 0.5\n";
+  CHECK(rosin::app::verbs::read_scene(request).model.law->card().name == std::string("coulomb"));
+  request.text = "[law]\ntype = 'coulom'\n";
+  CHECK_THROWS_WITH(rosin::app::verbs::read_scene(request),
+                    Catch::StartsWith("mine:2:8: ") && Catch::Contains("did you mean 'coulomb'?"));
 }
 
 TEST_CASE("wrong overrides are refused with the override as their place") {

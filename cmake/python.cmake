@@ -1,0 +1,22 @@
+# What the Python package is built from and, where tests are run, what these use.
+find_package(Python 3.11 QUIET COMPONENTS Interpreter Development.Module)
+need("Python 3.11 with its headers" Python_FOUND python3-dev)
+find_package(pybind11 2.10 QUIET CONFIG)
+need("pybind11 2.10" pybind11_FOUND pybind11-dev)
+
+# Sets PYTHON_<module>.
+function(find_modules)
+  foreach(module ${ARGN})
+    execute_process(COMMAND "${Python_EXECUTABLE}" -c "import ${module}" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET)
+    if(missing STREQUAL 0)
+      set(PYTHON_${module} TRUE PARENT_SCOPE)
+    endif()
+  endforeach()
+endfunction()
+if(ROSIN_TESTS)
+  find_modules(netCDF4 xarray matplotlib pytest)
+  need("netCDF4 for ${Python_EXECUTABLE}" PYTHON_netCDF4 python3-netcdf4)
+  need("xarray for ${Python_EXECUTABLE}" PYTHON_xarray python3-xarray)
+  need("matplotlib for ${Python_EXECUTABLE}" PYTHON_matplotlib python3-matplotlib)
+  need("pytest for ${Python_EXECUTABLE}" PYTHON_pytest python3-pytest)
+endif()

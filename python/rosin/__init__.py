@@ -1,0 +1,16 @@
+"""rosin: dynamic friction; laws, sliders, stability and parameter planes.
+
+>>> import rosin
+>>> scene = rosin.load("examples/bristol-board-plane.toml")
+>>> plane = scene.map()
+>>> plane.dataset.stick_fraction
+>>> rosin.plot(plane)
+"""
+
+from .catalogue import Law, laws
+from .errors import IncompleteWarning, InputError
+from .picture import plot
+from .result import Result
+from .scene import Scene, load
+
+__all__ = ["IncompleteWarning", "InputError", "Law", "Result", "Scene", "laws", "load", "plot"]

@@ -1,0 +1,133 @@
+"""What comes back from a verb."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray
+
+
+class Result:
+    """The answer of a verb: the same numbers as the command's, bit for bit.
+
+    Attributes
+    ----------
+    verb : str
+    complete : bool
+        Whether everything asked was computed.
+    raw : dict
+        The whole document, as in the command's ``result.json``; what is absent or not finite is None.
+    folder : pathlib.Path
+        The files; a temporary folder is gone with the result.
+    """
+
+    def __init__(self, verb: str, complete: bool, output: str, messages: str, folder: Path) -> None:
+        self.verb = verb
+        self.complete = complete
+        self.raw: dict[str, Any] = json.loads(output) if output else {}
+        self.folder = folder
+        self._messages = messages
+
+    @property
+    def outcome(self) -> str:
+        """How the computation ended: "reached the end", "none exists", "tolerance not met", …"""
+        return self.raw.get("outcome", "unknown")
+
+    @property
+    def detail(self) -> str:
+        """Where and why it ended short; else empty."""
+        return self.raw.get("outcome_detail", "")
+
+    @property
+    def metrics(self) -> dict[str, float]:
+        """Single numbers by name, in SI units: of a cycle, the readings of an experiment, fitted parameters, …"""
+        for table in ("readings", "metrics", "parameters", "steady"):
+            if isinstance(self.raw.get(table), dict):
+                entries = {name: one["value"] if isinstance(one, dict) and "value" in one else one
+                           for name, one in self.raw[table].items()}
+                return _numbers(entries)
+        return _numbers({name: one for name, one in self.raw.items() if name != "tolerance"})
+
+    @property
+    def error(self) -> dict[str, Any]:
+        """Estimated absolute errors by name; standard errors of fitted parameters."""
+        if "error" in self.raw:
+            return self.raw["error"]
+        fitted = self.raw.get("parameters")
+        if not isinstance(fitted, dict):
+            return {}
+        return {name: one["standard_error"] for name, one in fitted.items() if "standard_error" in one}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units by name, where the document tells them."""
+        return self.raw.get("units", {})
+
+    @property
+    def notes(self) -> list[str]:
+        """What is worth knowing of how the numbers came about."""
+        said = re.findall(r"^note: (.*)$", self._messages, re.MULTILINE)
+        return list(dict.fromkeys([*self.raw.get("notes", []), *said]))
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset | None:
+        """The plane or table, if there is one: coordinates, and variables with `units` and `long_name`; errors are
+        the variables ``<name>_error``."""
+        plane, table = self.folder / f"{self.verb}.nc", self.folder / f"{self.verb}.csv"
+        if plane.exists():
+            import xarray
+
+            with xarray.open_dataset(plane, decode_times=False) as stored:
+                return stored.load()
+        return self._dataset_of(table) if table.exists() else None
+
+    def _dataset_of(self, table: Path) -> xarray.Dataset:
+        """A table whose first column is the coordinate of the others if it rises, or is time, which stands still in a
+        jump."""
+        import numpy
+        import xarray
+
+        with table.open(newline="", encoding="utf-8") as file:
+            header, *rows = (row for row in csv.reader(file) if row)
+        columns: dict[str, Any] = {}
+        units = {}
+        for heading, cells in zip(header, zip(*rows) if rows else [()] * len(header)):
+            name, _, unit = heading.removesuffix(")").partition(" (")
+            units[name] = unit or "1"
+            try:
+                columns[name] = numpy.array(cells, dtype=float)
+            except ValueError:
+                columns[name] = numpy.array(cells)
+        first = next(iter(columns))
+        values = columns[first]
+        rises = values.dtype == float and bool(numpy.all(values[1:] > values[:-1]))
+        dimension = first if rises or first == "time" else "row"
+        meaning = self.raw.get("meaning", {})
+
+        def described(name: str, of: str = "{}") -> dict[str, str]:
+            return {"units": units[name], "long_name": of.format(meaning.get(name, name.replace("_", " ")))}
+
+        data: dict[str, Any] = {name: (dimension, values, described(name)) for name, values in columns.items()}
+        for name, error in self.error.items():
+            if name in columns and isinstance(error, (int, float)):
+                data[f"{name}_error"] = ((), float(error), described(name, "absolute error of {}"))
+        return xarray.Dataset(data, attrs={"title": self.raw.get("title", ""),
+                                           "version": f"rosin {self.raw.get('version', '')}"})
+
+    def __repr__(self) -> str:
+        lines = [f"<rosin.Result of {self.verb}: {self.outcome}>"]
+        for name, number in self.metrics.items():
+            error = self.error.get(name)
+            lines.append(f"  {name:<24} {number:.10g}" + (f" ± {error:.0e}" if isinstance(error, (int, float)) and error else "")
+                         + (f" {self.units[name]}" if self.units.get(name, "1") != "1" else ""))
+        return "\n".join(lines)
+
+
+def _numbers(entries: dict[str, Any]) -> dict[str, float]:
+    return {name: one for name, one in entries.items() if isinstance(one, (int, float)) and not isinstance(one, bool)}
