@@ -4,17 +4,25 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace rosin::app::scene {
 
 /// A scene's file as it stands there. \throws InputError with the line where it is empty, too large or no TOML.
 toml::table read_toml(const std::string& path);
+/// The same after the overrides, with names of other programs as the scene's own, which the notes say.
+toml::table read_toml(const std::string& path, const std::vector<std::string>& overrides,
+                      std::vector<std::string>& notes);
 
 /// Parses "path=value" and puts the value into the scene. \throws InputError with the override as its place.
 void apply_override(toml::table& scene, const std::string& given);
 
 /// What stands at a path, or nullptr. Entries of lists are numbered from 1, as in overrides.
 const toml::node* node_at(const toml::table& scene, std::string_view path);
+
+/// A text in which each {path} is replaced by the number or text that stands there, as a part of a file's name:
+/// "{drive.speed}" is "1e-05". \throws InputError for a path with neither, with the nearest
+std::string filled_in(const std::string& pattern, const toml::table& scene);
 
 /// Values first, then a section for each table of the first level, whose own tables stand on one line.
 void write_table(std::string& out, const toml::table& table, std::string_view name);
