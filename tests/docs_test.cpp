@@ -97,7 +97,7 @@ struct Ran {
 };
 Ran run(const std::string& command, const fs::path& folder) {
   const auto file = folder / "printed";
-  const auto line = "cd '" + folder.string() + "' && " + command + " >'" + file.string() + "' 2>&1 </dev/null";
+  const auto line = "cd '" + folder.string() + "' && (" + command + ") >'" + file.string() + "' 2>&1 </dev/null";
   const int status = std::system(line.c_str());
   return {lines_of(content(file)), WIFEXITED(status) ? WEXITSTATUS(status) : -1};
 }
@@ -128,6 +128,11 @@ TEST_CASE("every command in the docs runs, and prints what is quoted below it", 
       if (block.language == "text") {
         if (!output.empty()) check_printed(block, output);
         continue;
+      }
+      const std::string file = "# scene: ";  // a block of TOML that begins so is a file for the commands below it
+      if (block.language == "toml" && !block.lines.empty() && block.lines[0].rfind(file, 0) == 0) {
+        std::ofstream scene(workplace.path / block.lines[0].substr(file.size()));
+        for (const auto& line : block.lines) scene << line << '\n';
       }
       output.clear();
       if (block.language != "sh") continue;

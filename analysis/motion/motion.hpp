@@ -2,6 +2,7 @@
 #pragma once
 #include "analysis/motion/plane_run.hpp"
 #include "analysis/motion/run.hpp"
+#include "analysis/motion/slip_events.hpp"
 #include "analysis/motion/start.hpp"
 #include "analysis/motion/stepped_run.hpp"
 #include "analysis/motion/stepper.hpp"

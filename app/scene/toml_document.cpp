@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <sstream>
 #include <utility>
 #include <vector>
 
+#include "app/scene/aliases.hpp"
 #include "app/scene/scene_table.hpp"
 #include "core/files.hpp"
 
@@ -88,6 +90,29 @@ void write_value(std::string& out, const toml::node& node) {
   }
 }
 
+/// Paths of numbers and texts.
+void list_values(const toml::table& table, const std::string& path, std::vector<std::string>& paths) {
+  for (const auto& [key, node] : table) {
+    const auto inner = path.empty() ? std::string(key.str()) : fmt::format("{}.{}", path, key.str());
+    if (const auto* below = node.as_table())
+      list_values(*below, inner, paths);
+    else if (node.is_number() || node.is_string())
+      paths.push_back(inner);
+  }
+}
+
+/// A value as a part of a file's name: no separator of folders, no blank, no name of a folder above.
+std::string file_name(const toml::node& value) {
+  if (value.is_number()) return fmt::format("{}", *value.value<double>());
+  std::string name = value.as_string()->get();
+  for (char& c : name) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (letter < 0x80 && !std::isalnum(letter) && std::string_view("+-._").find(c) == std::string_view::npos) c = '_';
+  }
+  if (name.empty() || name.front() == '.') name.insert(name.begin(), '_');
+  return name;
+}
+
 }  // namespace
 
 toml::table read_toml(const std::string& path) { return parse_toml(read_whole(path, largest_scene), path); }
@@ -101,6 +126,15 @@ toml::table parse_toml(std::string_view text, const std::string& origin) {
   } catch (const toml::parse_error& error) {
     fail(error.source(), "not valid TOML: {}", error.description());
   }
+}
+
+toml::table overridden(toml::table scene, const std::vector<std::string>& overrides, std::vector<std::string>& notes) {
+  resolve_aliases(scene, notes);
+  for (const auto& given : overrides) {
+    apply_override(scene, given);
+    resolve_aliases(scene, notes);
+  }
+  return scene;
 }
 
 void apply_override(toml::table& scene, const std::string& given) {
@@ -180,6 +214,31 @@ const toml::node* node_at(const toml::table& scene, std::string_view path) {
     begin = dot + 1;
   }
   return at;
+}
+
+std::string filled_in(const std::string& pattern, const toml::table& scene) {
+  std::string filled;
+  for (std::size_t at = 0; at < pattern.size();) {
+    const auto open = std::min(pattern.find('{', at), pattern.size());
+    filled += pattern.substr(at, open - at);
+    if (open == pattern.size()) break;
+    const auto close = pattern.find('}', open);
+    if (close == std::string::npos)
+      throw InputError(fmt::format("'{}' has a {{ without }}; it takes paths such as {{drive.speed}}", pattern));
+    const auto path = pattern.substr(open + 1, close - open - 1);
+    const auto* value = node_at(scene, path);
+    if (!value || !(value->is_number() || value->is_string())) {
+      std::vector<std::string> paths;
+      list_values(scene, "", paths);
+      throw InputError(fmt::format(
+          "'{}' in '{}' {}{}", path, pattern,
+          value ? fmt::format("is {}, not a number or a text of the scene", kind(*value)) : "is not given in the scene",
+          suggestion(path, paths)));
+    }
+    filled += file_name(*value);
+    at = close + 1;
+  }
+  return filled;
 }
 
 void write_table(std::string& out, const toml::table& table, std::string_view name) {

@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace rosin::app::scene {
 
@@ -11,12 +12,18 @@ namespace rosin::app::scene {
 toml::table read_toml(const std::string& path);
 /// The same of a text; `origin` is what errors call it.
 toml::table parse_toml(std::string_view text, const std::string& origin);
+/// A scene after the overrides, with names of other programs as the scene's own, which the notes say.
+toml::table overridden(toml::table scene, const std::vector<std::string>& overrides, std::vector<std::string>& notes);
 
 /// Parses "path=value" and puts the value into the scene. \throws InputError with the override as its place.
 void apply_override(toml::table& scene, const std::string& given);
 
 /// What stands at a path, or nullptr. Entries of lists are numbered from 1, as in overrides.
 const toml::node* node_at(const toml::table& scene, std::string_view path);
+
+/// A text in which each {path} is replaced by the number or text that stands there, as a part of a file's name:
+/// "{drive.speed}" is "1e-05". \throws InputError for a path with neither, with the nearest
+std::string filled_in(const std::string& pattern, const toml::table& scene);
 
 /// Values first, then a section for each table of the first level, whose own tables stand on one line.
 void write_table(std::string& out, const toml::table& table, std::string_view name);

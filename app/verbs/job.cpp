@@ -9,6 +9,7 @@
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/json.hpp"
+#include "app/scene/toml_document.hpp"
 #include "app/verbs/stopping.hpp"
 
 namespace rosin::app::verbs {
@@ -30,6 +31,15 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 }
 
 fs::path results_folder(const Request& request) {
+  if (request.out.find('{') != std::string::npos) {
+    std::vector<std::string> notes;  // known to whoever reads the scene
+    const auto document = read_document(request, notes);
+    try {
+      return scene::filled_in(request.out, document);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("--out: {}", error.what()));
+    }
+  }
   if (!request.out.empty()) return request.out;
   const fs::path scene = request.target;
   const auto stem = scene.stem();
@@ -118,7 +128,15 @@ void Job::say_what_is_replaced(const std::string& label) const {
   if (how.empty() && differs("scene_resolved"))
     how = differs("scene") ? fmt::format(" of {}", of(old, "scene").dump()) : " of another text of the scene";
   if (how.empty()) return;
-  note(fmt::format("{} replaces a result{}; --out keeps results apart", (folder_ / (label + ".json")).string(), how));
+  std::string example;  // a folder for each value of what is varied
+  for (const auto* overrides : {&now, &old})
+    for (const auto& given : of(*overrides, "overrides"))
+      if (given.is_string() && example.empty()) {
+        const auto text = given.get<std::string>();
+        example = fmt::format(", such as --out \"out/{{{}}}\"", text.substr(0, text.find('=')));
+      }
+  note(fmt::format("{} replaces a result{}; --out keeps results apart{}", (folder_ / (label + ".json")).string(), how,
+                   example));
 }
 
 void draw_pictures(const Request& request, const fs::path& folder, output::Manifest& manifest) {

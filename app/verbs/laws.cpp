@@ -4,6 +4,7 @@
 
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
+#include "app/scene/aliases.hpp"
 #include "app/verbs/verb.hpp"
 #include "core/console.hpp"
 #include "laws/catalogue.hpp"
@@ -67,7 +68,7 @@ void print_law(const FrictionLaw& law) {
 
 Status list_laws(const Request& request) {
   std::vector<std::shared_ptr<const FrictionLaw>> laws = laws::catalogue();
-  if (!request.target.empty()) laws = {laws::find_law(request.target)};
+  if (!request.target.empty()) laws = {laws::find_law(scene::law_called(request.target))};
   if (request.json)
     write_output(document_of(laws));
   else

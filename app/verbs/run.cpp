@@ -2,7 +2,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
+#include "analysis/motion/slip_events.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
@@ -166,7 +169,55 @@ void read(scene::SceneReader& reader) {
         "and step (s)");
 }
 
-std::string document_of(const scene::Scene& scene, const analysis::motion::Run& run) {
+/// A column of the catalogue of slip events.
+struct EventColumn {
+  const char *name, *unit;
+  std::vector<double> analysis::motion::SlipEvents::*values;
+};
+using analysis::motion::SlipEvents;
+constexpr EventColumn event_columns[] = {{"onset", "s", &SlipEvents::onset},
+                                         {"duration", "s", &SlipEvents::duration},
+                                         {"force_drop", "N", &SlipEvents::force_drop},
+                                         {"friction_drop", "1", &SlipEvents::friction_drop},
+                                         {"slip", "m", &SlipEvents::slip},
+                                         {"peak_slip_rate", "m/s", &SlipEvents::peak_slip_rate},
+                                         {"recurrence", "s", &SlipEvents::recurrence}};
+
+/// Of a slider that has slipped twice or more; else none.
+SlipEvents stick_slip(const scene::Scene& scene, const analysis::motion::Run& run) {
+  if (scene.plane || scene.structure) return {};
+  auto events = analysis::motion::slip_events(scene.model, run, scene.cycle.stick_threshold);
+  return events.onset.size() < 2 ? SlipEvents{} : events;
+}
+
+/// The catalogue as a table, its file, and what it comes to.
+void tell_of(Job& job, const SlipEvents& events) {
+  std::vector<output::Column> table;
+  job.say("{} slip events, on average", events.onset.size());
+  for (const auto& column : event_columns) {
+    const auto& values = events.*column.values;
+    table.push_back({output::column_header(column.name, column.unit), values});
+    std::vector<double> known;
+    std::ranges::copy_if(values, std::back_inserter(known), [](double value) { return std::isfinite(value); });
+    if (column.values == &SlipEvents::onset || known.empty()) continue;
+    const auto [low, high] = std::ranges::minmax(known);
+    constexpr double alike = 1e-5;  // of six digits
+    const double mean = std::accumulate(known.begin(), known.end(), 0.0) / double(known.size());
+    const auto unit = std::string_view(column.unit) == "1" ? std::string() : fmt::format(" {}", column.unit);
+    job.say("  {:<22} {:.6g}{}{}", column.name, mean, unit,
+            high - low > alike * std::abs(mean) ? fmt::format(", {:.6g} to {:.6g}", low, high) : "");
+  }
+  constexpr int enough = 10;
+  if (events.fewest_samples < enough)
+    job.note(
+        fmt::format("a slip event has {} samples of the record: its peak slip rate{} no better than they are; "
+                    "run.samples would have to be {} times as many for {} in each",
+                    events.fewest_samples, job.scene().model.law->set_valued() ? " is" : ", its ends and its drop are",
+                    (enough + events.fewest_samples) / std::max(1, events.fewest_samples), enough));
+  output::write_csv(job.folder() / "stick-slip.csv", table);
+}
+
+std::string document_of(const scene::Scene& scene, const analysis::motion::Run& run, const SlipEvents& slips) {
   auto document = output::begin(scene, "run", run.outcome);
   document["time"] = run.time;
   auto columns = ordered_json::object(), units = columns, error = columns;
@@ -188,6 +239,8 @@ std::string document_of(const scene::Scene& scene, const analysis::motion::Run& 
     output::add_stop(events.back(), event);
   }
   document["metrics"] = run.metrics;
+  if (!slips.onset.empty())
+    for (const auto& column : event_columns) document["stick_slip"][column.name] = slips.*column.values;
   document["solver"] = run.solver;
   document["cost"] = {{"steps", run.cost.steps}, {"evaluations", run.cost.evaluations}};
   document["notes"] = scene.notes;
@@ -257,11 +310,16 @@ Status perform(Job& job) {
   if (scene.run.stepping && run.metrics.contains("apparent_friction")) say_averages(job, run.metrics);
   output::write_csv(job.folder() / "run.csv", table);
   std::vector<std::string> files = {"run.csv"};
-  if (run.time.size() < 2) return job.finish(document_of(scene, run), std::move(files), run.outcome);
+  const auto slips = stick_slip(scene, run);
+  if (!slips.onset.empty()) {
+    tell_of(job, slips);
+    files.emplace_back("stick-slip.csv");
+  }
+  if (run.time.size() < 2) return job.finish(document_of(scene, run, slips), std::move(files), run.outcome);
   for (auto& file : scene.block ? output::write_block_picture(job.folder(), scene, run)
                                 : output::write_picture(job.folder(), scene, run))
     files.push_back(std::move(file));
-  return job.finish(document_of(scene, run), std::move(files), run.outcome);
+  return job.finish(document_of(scene, run, slips), std::move(files), run.outcome);
 }
 
 }  // namespace

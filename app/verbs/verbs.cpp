@@ -51,7 +51,7 @@ std::vector<Option> scene_options(std::vector<Option> own) {
       {"--set", &Request::overrides, "path=value: change the scene, such as drive.speed=1e-5"},
       {"--tolerance", &Request::tolerance, "relative accuracy of every result; default 1e-8, of planes 1e-6"},
       threads_option("threads of a map; results do not depend on it"),
-      out_option("out/<scene>/"),
+      out_option("out/<scene>/; {drive.speed} in it stands for that value of the scene"),
       json_option,
       quiet_option,
       {"--no-pictures", &Request::no_pictures, "write no pictures, only what 'rosin plot' draws them from"},
@@ -95,15 +95,17 @@ void note_places(const toml::node& node, const std::string& path, std::map<std::
 
 }  // namespace
 
+toml::table read_document(const Request& request, std::vector<std::string>& notes) {
+  auto document = request.text ? scene::parse_toml(*request.text, request.target) : scene::read_toml(request.target);
+  return scene::overridden(std::move(document), request.overrides, notes);
+}
+
 scene::Scene read_scene(const Request& request) {
   const auto& verb = find_verb(request.verb);
   if (!verb.read) throw InputError(fmt::format("'{}' is a verb that takes no scene", verb.name));
-  toml::table document =
-      request.text ? scene::parse_toml(*request.text, request.target) : scene::read_toml(request.target);
-  for (const auto& override : request.overrides) scene::apply_override(document, override);
-
   scene::Scene scene;
   scene.path = request.target;
+  const toml::table document = read_document(request, scene.notes);
   note_places(document, "", scene.places);
   const scene::FilesRead files;
   try {

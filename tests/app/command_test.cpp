@@ -539,6 +539,16 @@ TEST_CASE("each verb keeps its own result, and what is replaced by another is sa
   CHECK_THAT(run_rosin(folder, {"stability", scene, "--set", "law.lambda=20"}).error,
              Contains("stability.json replaces a result without --set"));
   CHECK_THAT(run_rosin(folder, {"stability", scene}).error, Contains("replaces a result with --set \"law.lambda=20\""));
+  CHECK_THAT(run_rosin(folder, {"stability", scene, "--set", "law.lambda=20"}).error,
+             Contains("--out keeps results apart, such as --out \"out/{law.lambda}\""));
+  for (const char* lambda : {"20", "30"}) {
+    const auto set = std::string("law.lambda=") + lambda;
+    CHECK(run_rosin(folder, {"stability", scene, "--set", set, "--out", "{title}/{law.lambda}"}).error.empty());
+    CHECK(fs::exists(folder.path / "Bristol_board_near_the_elbow_of_the_stability_line" / lambda / "stability.json"));
+  }
+  const auto unknown = run_rosin(folder, {"curve", scene, "--out", "out/{law.lamda}"});
+  CHECK(unknown.status == 2);
+  CHECK_THAT(unknown.error, Contains("--out: 'law.lamda'") && Contains("did you mean 'law.lambda'?"));
   std::ofstream(folder.path / "...toml") << content(scene);
   CHECK(run_rosin(folder, {"curve", "...toml"}).status == 0);
   CHECK(fs::exists(folder.path / "out/...toml/curve.json"));
