@@ -124,7 +124,8 @@ bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
 }  // namespace
 
 const std::vector<std::string>& names() {
-  static const std::vector<std::string> list = {"chain", "cycle", "history", "plane", "response", "stick-slip", "string"};
+  static const std::vector<std::string> list = {"chain",    "cycle",      "history", "plane",
+                                                "response", "stick-slip", "string"};
   return list;
 }
 

@@ -183,8 +183,7 @@ TEST_CASE("outside laws/ a friction law has no name") {
       if (first_part(what) != "laws") continue;
       INFO(from.string() << " includes " << what);
       CHECK((what == "laws/law.hpp" || what == "laws/normal_law.hpp" || what == "laws/frictionless.hpp" ||
-             what == "laws/heat_flow.hpp" ||
-             ((folder == "app" || folder == "bench") && what == "laws/catalogue.hpp") ||
+             what == "laws/heat_flow.hpp" || ((folder == "app" || folder == "bench") && what == "laws/catalogue.hpp") ||
              (folder == "app" && (what == "laws/formula.hpp" || what == "laws/heating.hpp" ||
                                   what == "laws/smoothing.hpp")) ||  // laws that scenes spell
              (folder == "bench" && what == "laws/adapter.hpp")));

@@ -128,9 +128,10 @@ toml::table parse_toml(std::string_view text, const std::string& origin) {
   }
 }
 
-toml::table overridden(toml::table scene, const std::vector<std::string>& overrides, std::vector<std::string>& notes) {
+toml::table read_document(const Request& request, std::vector<std::string>& notes) {
+  auto scene = request.text ? parse_toml(*request.text, request.target) : read_toml(request.target);
   resolve_aliases(scene, notes);
-  for (const auto& given : overrides) {
+  for (const auto& given : request.overrides) {
     apply_override(scene, given);
     resolve_aliases(scene, notes);
   }

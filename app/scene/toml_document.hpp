@@ -6,14 +6,17 @@
 #include <string_view>
 #include <vector>
 
+#include "app/command_line.hpp"
+
 namespace rosin::app::scene {
 
 /// A scene's file as it stands there. \throws InputError with the line where it is empty, too large or no TOML.
 toml::table read_toml(const std::string& path);
 /// The same of a text; `origin` is what errors call it.
 toml::table parse_toml(std::string_view text, const std::string& origin);
-/// A scene after the overrides, with names of other programs as the scene's own, which the notes say.
-toml::table overridden(toml::table scene, const std::vector<std::string>& overrides, std::vector<std::string>& notes);
+/// The scene of a request, from its file or text, after the overrides and with names of other programs as the scene's
+/// own, which the notes say. \throws InputError
+toml::table read_document(const Request&, std::vector<std::string>& notes);
 
 /// Parses "path=value" and puts the value into the scene. \throws InputError with the override as its place.
 void apply_override(toml::table& scene, const std::string& given);

@@ -219,8 +219,9 @@ Measurement read_data(const toml::node& node, scene::Scene& scene, const fs::pat
   const auto* error = data.pairs()
                           ? &table.required("standard_error", "of each number: a value, or the name of a column")
                           : table.find("standard_error");
-  const bool by_column = error && (error->is_table() || (error->is_string() && !std::isdigit(static_cast<unsigned char>(
-                                                                                   error->as_string()->get()[0]))));
+  const bool by_column =
+      error && (error->is_table() ||
+                (error->is_string() && !std::isdigit(static_cast<unsigned char>(error->as_string()->get()[0]))));
   double constant = 0;
   if (by_column)
     source.columns.push_back(scene::read_column(*error, table.path("standard_error"), kind.columns.back().si));

@@ -33,7 +33,7 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 fs::path results_folder(const Request& request) {
   if (request.out.find('{') != std::string::npos) {
     std::vector<std::string> notes;  // known to whoever reads the scene
-    const auto document = read_document(request, notes);
+    const auto document = scene::read_document(request, notes);
     try {
       return scene::filled_in(request.out, document);
     } catch (const InputError& error) {

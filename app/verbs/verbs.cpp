@@ -95,17 +95,12 @@ void note_places(const toml::node& node, const std::string& path, std::map<std::
 
 }  // namespace
 
-toml::table read_document(const Request& request, std::vector<std::string>& notes) {
-  auto document = request.text ? scene::parse_toml(*request.text, request.target) : scene::read_toml(request.target);
-  return scene::overridden(std::move(document), request.overrides, notes);
-}
-
 scene::Scene read_scene(const Request& request) {
   const auto& verb = find_verb(request.verb);
   if (!verb.read) throw InputError(fmt::format("'{}' is a verb that takes no scene", verb.name));
   scene::Scene scene;
   scene.path = request.target;
-  const toml::table document = read_document(request, scene.notes);
+  const toml::table document = scene::read_document(request, scene.notes);
   note_places(document, "", scene.places);
   const scene::FilesRead files;
   try {

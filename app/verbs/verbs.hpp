@@ -1,15 +1,9 @@
 /// Reading scenes for verbs, and performing them.
 #pragma once
-#include <toml++/toml.h>
-
 #include "app/scene/scene.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
-
-/// The scene of a request as TOML, from its file or text, after the overrides; notes say what was read under another
-/// name. \throws InputError
-toml::table read_document(const Request&, std::vector<std::string>& notes);
 
 /// The scene of a request as its verb reads it: the file, and overrides "path=value" whose value is TOML (bare words
 /// are texts). \throws InputError that begins with file:line:column, the file, or the override, for anything that
