@@ -17,7 +17,7 @@ class HeatedFriction {
   HeatedFriction(const FrictionLaw&, double h0, double h1);
   /// μ(ϑ), that of rest below ϑ = 0 and that of fastest sliding from its temperature on.
   double operator()(double rise) const {
-    const double at = std::min(std::max(rise * per_kelvin_, 0.0), last_);
+    const double at = std::min(std::max(0.0, rise * per_kelvin_), last_);  // 0 if it is no number
     const auto* point = &points_[std::size_t(at)];
     const double x = at - double(std::size_t(at)), difference = point[1].friction - point[0].friction;
     const double a = point[0].slope, b = point[1].slope;

@@ -138,6 +138,14 @@ int find_column(const std::vector<HeaderCell>& cells, std::string_view name) {
   return -1;
 }
 
+namespace {
+/// A length where a speed is needed: what most rigs record.
+bool is_displacement(const std::string& unit, const std::string& needed) {
+  const auto parsed = parse_unit(unit), length = parse_unit("m");
+  return needed == "m/s" && parsed && length && parsed->dimension == length->dimension;
+}
+}  // namespace
+
 Conversion conversion_to_si(const HeaderCell& cell, const RecordColumn& column) {
   const bool calibrated = column.factor || column.offset != 0;
   const std::string given = spelt(column.unit), &unit = given.empty() ? cell.unit : given;
@@ -161,6 +169,9 @@ Conversion conversion_to_si(const HeaderCell& cell, const RecordColumn& column) 
         refuse(given.empty() && calibrated
                    ? fmt::format("{}; give the unit of number·factor + offset: {{ column = …, unit = \"{}\", … }}",
                                  error.what(), column.si)
+               : is_displacement(unit, column.si)
+                   ? fmt::format("{}; a displacement goes by a key of its own: displacement in place of slip_rate",
+                                 error.what())
                    : fmt::format("{}; correct the unit in the header, which may stand as \"{} ({})\"{}", error.what(),
                                  cell.name, column.si,
                                  given.empty() ? ", or give it in the scene: { column = …, unit = … }, with factor and "

@@ -151,9 +151,17 @@ Status perform_string_comparison(Job& job) {
     const bool tells = std::isfinite(least[best]) && least[best] > 0;
     if (tells) {
       ordered_json lengths;
-      for (std::size_t k = 0; k < total; ++k) lengths[task.members[k].name] = planes[k][best].bowing.transient.length;
-      job.say("measure at {} = {:.6g}, {} = {:.6g}: transients {}, {:.3g} periods apart or more", task.x.parameter, x,
-              task.y.parameter, y, lengths.dump(), least[best]);
+      std::string told;
+      for (std::size_t k = 0; k < total; ++k) {
+        const double length = planes[k][best].bowing.transient.length;
+        lengths[task.members[k].name] = length;
+        told += fmt::format("{}{} {}", k > 0 ? ", " : "", task.members[k].name,
+                            length < task.options.transient.most
+                                ? fmt::format("{:.3g}", length)
+                                : fmt::format("none within {:g}", task.options.transient.most));
+      }
+      job.say("measure at {} = {:.6g}, {} = {:.6g}: transients of {} periods, {:.3g} apart or more", task.x.parameter,
+              x, task.y.parameter, y, told, least[best]);
       document["best"] = {{"x", x}, {"y", y}, {"separation", least[best]}, {"transient_length", std::move(lengths)}};
     } else {
       job.say("no string of this plane tells all members apart reproducibly");

@@ -200,6 +200,9 @@ TEST_CASE("a displacement serves where slip rate was not recorded, and lost samp
   }
   CHECK_THAT(run_rosin(folder, "frf x.toml --set \"frf.record.slip_rate='position'\"").error,
              Contains("has slip_rate and displacement"));
+  std::ofstream(folder.path / "y.toml") << "[frf]\nfrequencies = { from = 2, to = 40 }\n[frf.record]\nfile = 'x.csv'\n"
+                                           "time = 'time'\nslip_rate = 'position'\nforce = 3\nresolution = 1\n";
+  CHECK_THAT(run_rosin(folder, "frf y.toml").error, Contains("displacement in place of slip_rate"));
 }
 
 TEST_CASE("a curve is fitted as a tribometer exported it", "[frf-command]") {

@@ -169,6 +169,21 @@ TEST_CASE("any law of the catalogue slides under a bow as it does steadily", "[s
   }
 }
 
+TEST_CASE("what is no number under the bow stays one lane's and ends nothing", "[string]") {
+  const auto name = GENERATE("two-exponential", "thermal-layer", "ageing", "lugre");
+  const auto law = laws::find_law(name);
+  BowContacts contact(law, 1, 1e-5), alone(law, 1, 1e-5);
+  for (auto* each : {&contact, &alone}) each->rest(0, law, 1), each->rest(1, law, 1);
+  Lanes f, other, D = 0.3, broken = 0.3;
+  broken.set(1, NAN);
+  for (int n = 0; n < 5; ++n) {
+    contact.step(broken, Lanes(1.1), f);
+    alone.step(D, Lanes(1.1), other);
+  }
+  CHECK(f[0] == other[0]);
+  CHECK(std::isnan(f[1]));
+}
+
 TEST_CASE("friction with states is of second order in the step", "[string][laws]") {
   const auto name = GENERATE("ageing", "lugre", "thermal-layer", "slip-weakening");
   CAPTURE(name);
