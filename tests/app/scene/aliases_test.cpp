@@ -135,3 +135,18 @@ TEST_CASE("a folder's name takes values of the scene, fit for a file system", "[
   CHECK_THROWS_WITH(filled_in("{drive}", scene), Contains("is a table"));
   CHECK_THROWS_WITH(filled_in("{drive.speed", scene), Contains("without }"));
 }
+
+TEST_CASE("rosin's own scenes use rosin's own names", "[aliases]") {
+  int scenes = 0;
+  for (const char* folder : {"examples", "cases", "tests/scenes"})
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(std::filesystem::path(ROSIN_SOURCE_DIR) / folder)) {
+      if (entry.path().extension() != ".toml") continue;
+      INFO(entry.path());
+      std::vector<std::string> notes;
+      rosin::app::scene::read_toml(entry.path().string(), {}, notes);
+      CHECK(notes == std::vector<std::string>{});
+      ++scenes;
+    }
+  CHECK(scenes > 50);
+}
