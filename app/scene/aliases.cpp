@@ -235,6 +235,7 @@ class Walk {
     Keys keys;
     if (last == "law") {
       const auto* at = node_at(scene_, table);
+      if (!at) at = node_at(scene_, "oscillator." + table);  // contacts go by their short name too
       const auto* named = table == "law" && law ? law : at ? at->as_table() : nullptr;
       const auto* type = named ? named->get_as<std::string>("type") : nullptr;
       if (type) keys = keys_of_law(type->get());

@@ -123,6 +123,18 @@ TEST_CASE("laws of members and contacts take other names too", "[aliases]") {
   CHECK(noted(scene, "compare.members.2.law.Dc is read as compare.members.2.law.L (m)"));
 }
 
+TEST_CASE("a contact of a structure takes other names, and so does its path, in full and in short", "[aliases]") {
+  auto scene = toml::parse(
+      "[oscillator]\ntype = 'structure'\ncontacts = [{ law = { type = 'Amontons', mu_k = 0.2 } }]\n"
+      "[map]\nx = 'contacts.1.law.mu_k'\ny = 'oscillator.contacts.1.law.muk'\n");
+  std::vector<std::string> notes;
+  rosin::app::scene::resolve_aliases(scene, notes);
+  CHECK(scene.at_path("oscillator.contacts[0].law.type").value_or(std::string()) == "coulomb");
+  CHECK(scene.at_path("oscillator.contacts[0].law.mu_d").value_or(0.0) == 0.2);
+  CHECK(scene.at_path("map.x").value_or(std::string()) == "contacts.1.law.mu_d");
+  CHECK(scene.at_path("map.y").value_or(std::string()) == "oscillator.contacts.1.law.mu_d");
+}
+
 TEST_CASE("a folder's name takes values of the scene, fit for a file system", "[aliases]") {
   using rosin::app::scene::filled_in;
   const auto scene = toml::parse("title = '../a b'\n[drive]\nspeed = 1e-5\nload = '10 µN/s'\nn = 20\non = true\n");
@@ -144,7 +156,8 @@ TEST_CASE("rosin's own scenes use rosin's own names", "[aliases]") {
       if (entry.path().extension() != ".toml") continue;
       INFO(entry.path());
       std::vector<std::string> notes;
-      rosin::app::scene::read_toml(entry.path().string(), {}, notes);
+      auto scene = rosin::app::scene::read_toml(entry.path().string());
+      rosin::app::scene::resolve_aliases(scene, notes);
       CHECK(notes == std::vector<std::string>{});
       ++scenes;
     }
