@@ -244,7 +244,8 @@ Status perform_on_structure(Job& job) {
     job.manifest().tolerance_reached = reached.value();
     return job.finish(document_of(scene, result, nullptr, {}), std::move(files), {});
   }
-  const auto& [parameter, axis] = *scene.stability_scan;
+  const auto& parameter = scene.stability_scan->parameter;
+  const auto& axis = scene.stability_scan->axis;
   job.explain("{} values of {}, with the eigenvalues of each; thresholds between them located to rounding",
               axis.values.size(), parameter.name);
   const auto scan = analysis::steady::scan(
