@@ -102,6 +102,7 @@ TEST_CASE("names that mean something else are refused with what to give, at thei
   CHECK_THAT(with("Dc = 1e-5\nL = 1e-5"), Contains("law.Dc means law.L, which is given too"));
   CHECK_THAT(with("theta = 1"), Contains("run.start"));
   CHECK_THAT(with("stifness = 1"), Contains("unknown key 'stifness'"));
+  CHECK_THAT(refusal(folder, "[law]\ntype = 'film'\n'μ_S' = 3\n" + slider), Contains("unknown key 'μ_S'"));
   CHECK_THAT(refusal(folder, "[law]\ntype = 'rate-and-state'\n" + slider), Contains("is a family of laws"));
   CHECK_THAT(refusal(folder, "[law]\ntype = 'stribeck'\nd_c = 3\n" + slider), Contains("law.v_s = 1/d_c"));
   CHECK_THAT(refusal(folder, "[law]\ntype = 'coulomb'\nF_s = 3\n" + slider), Contains("law.F_s is a force"));
