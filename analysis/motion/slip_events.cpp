@@ -2,6 +2,7 @@
 #include "analysis/motion/slip_events.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -72,9 +73,8 @@ double vertex(const std::vector<double>& time, const std::vector<double>& value,
   return curvature == 0 ? value[i] : value[i] - slope * slope / (4 * curvature);
 }
 
-}  // namespace
-
-SlipEvents slip_events(const Model& model, const Run& run, double stick_threshold) {
+/// Without errors.
+SlipEvents find_events(const Model& model, const Run& run, double stick_threshold) {
   SlipEvents events;
   const double V = model.drive.speed.level(), k = model.slider.stiffness;
   if (!model.drive.speed.constant() || V == 0 || k == infinity) return events;
@@ -101,6 +101,53 @@ SlipEvents slip_events(const Model& model, const Run& run, double stick_threshol
       if ((*rate)[i] / V > (*rate)[top] / V) top = i;
     events.peak_slip_rate.push_back(top > first && top + 1 < last ? vertex(run.time, *rate, top) : (*rate)[top]);
   }
+  return events;
+}
+
+/// Of a record, the events and every second sample.
+Run every_second(const Run& run) {
+  Run half;
+  half.column_names = run.column_names, half.events = run.events;
+  half.columns.resize(run.columns.size());
+  for (std::size_t i = 0; i < run.time.size(); i += 2) {
+    half.time.push_back(run.time[i]);
+    for (std::size_t c = 0; c < run.columns.size(); ++c) half.columns[c].push_back(run.columns[c][i]);
+  }
+  return half;
+}
+
+/// What the run states of a column.
+double stated(const Run& run, std::string_view name) {
+  const auto c = std::size_t(std::ranges::find(run.column_names, name) - run.column_names.begin());
+  return c < run.column_error.size() ? run.column_error[c] : 0;
+}
+
+}  // namespace
+
+SlipEvents slip_events(const Model& model, const Run& run, double stick_threshold) {
+  auto events = find_events(model, run, stick_threshold);
+  if (events.onset.empty()) return events;
+  const auto half = find_events(model, every_second(run), stick_threshold);
+  const auto error = [&](std::vector<double> SlipEvents::*column, double stated_error) {
+    const auto &all = events.*column, &some = half.*column;
+    if (all.size() != some.size()) return infinity;
+    double largest = 0;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (!std::isnan(all[i])) largest = std::isnan(some[i]) ? infinity : std::max(largest, std::abs(all[i] - some[i]));
+    return largest + stated_error;
+  };
+  const auto time = run.metrics.find("event_time_error");
+  const double of_time = time == run.metrics.end() ? 0 : time->second, of_place = 2 * stated(run, "displacement");
+  const double of_force = model.slider.stiffness * of_place;
+  double least_load = infinity;
+  for (const double onset : events.onset) least_load = std::min(least_load, model.drive.normal_load.value(onset));
+  events.error = {.onset = error(&SlipEvents::onset, of_time),
+                  .duration = error(&SlipEvents::duration, 2 * of_time),
+                  .force_drop = error(&SlipEvents::force_drop, of_force),
+                  .friction_drop = error(&SlipEvents::friction_drop, of_force / least_load),
+                  .slip = error(&SlipEvents::slip, of_place + 2 * std::abs(model.drive.speed.level()) * of_time),
+                  .peak_slip_rate = error(&SlipEvents::peak_slip_rate, stated(run, "slip_rate")),
+                  .recurrence = error(&SlipEvents::recurrence, 2 * of_time)};
   return events;
 }
 

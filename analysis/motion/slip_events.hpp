@@ -16,6 +16,12 @@ struct SlipEvents {
   std::vector<double> peak_slip_rate;  ///< m/s, through the samples around the highest; NaN where there are none
   std::vector<double> recurrence;      ///< s, from the onset before; NaN of the first
   int fewest_samples = 0;              ///< of the record in an event
+
+  /// The largest absolute error of each column: its change where only every second sample is looked at, and what the
+  /// run states of its columns and of the times of its events. Infinite where half the samples show other events.
+  struct Errors {
+    double onset = 0, duration = 0, force_drop = 0, friction_drop = 0, slip = 0, peak_slip_rate = 0, recurrence = 0;
+  } error;
 };
 
 /// Under set-valued laws slip lasts from the event "slip" to the event "stick". A law that creeps sticks while the slip

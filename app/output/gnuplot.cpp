@@ -75,6 +75,21 @@ Scaled scaled(const std::string& unit, double largest) {
 }
 
 std::string readable(std::string name) {
+  struct Shown {
+    std::string_view name, shown;
+  };
+  constexpr Shown symbols[] = {{"displacement", "displacement x"},
+                               {"velocity", "velocity ẋ"},
+                               {"slip_rate", "slip rate v"},
+                               {"friction_force", "friction force F"},
+                               {"friction_coefficient", "friction coefficient μ"},
+                               {"theta", "θ"},
+                               {"theta1", "θ₁"},
+                               {"theta2", "θ₂"},
+                               {"psi", "ψ"},
+                               {"phi", "φ"}};
+  for (const auto& symbol : symbols)
+    if (name == symbol.name) return std::string(symbol.shown);
   std::ranges::replace(name, '_', ' ');
   return name;
 }

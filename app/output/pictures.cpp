@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene, const Curve& curve) {
   std::string script = preamble("curve", "The steady friction curve with its extrema", 720, 480);
   script += fmt::format("set title {}\n", single_quoted(scene.title));
-  script += "set logscale x\nset format x '10^{%T}'\nset xlabel 'slip rate (m/s)'\n";
-  script += "set ylabel 'steady friction coefficient'\nset grid linecolor '#CCCCCC' linewidth 0.6\n";
+  script += "set logscale x\nset format x '10^{%T}'\nset xlabel 'slip rate v (m/s)'\n";
+  script += "set ylabel 'steady friction coefficient μ'\nset grid linecolor '#CCCCCC' linewidth 0.6\n";
   std::string marks;
   for (const auto& e : curve.extrema)
     marks += fmt::format("{},{},{},{:.3g} m/s\n", e.slip_rate, e.friction_coefficient, e.maximum ? 1 : 2, e.slip_rate);
@@ -214,7 +214,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                         single_quoted(scene.title), space ? 0.067 : 0.10, space ? 0.65 : 0.97, space ? 0.09 : 0.13);
   script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at graph 1,1.02 right bottom horizontal\n";
 
-  script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'slip rate ({})'\n", time.unit, decade_rate.unit);
+  script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'slip rate v ({})'\n", time.unit, decade_rate.unit);
   script += fmt::format("V = {}\n{}\n", decade_rate.factor, axis_scale('y', decades));
   script += R"(set xrange [0:2*period*T]
 plot 'cycle.csv' using ($1*T):($3*V) with lines linestyle 1 notitle, \
@@ -222,27 +222,31 @@ plot 'cycle.csv' using ($1*T):($3*V) with lines linestyle 1 notitle, \
      speed*V with lines linestyle 3 title 'drive'
 set autoscale x
 )";
-  script += fmt::format("\nset xlabel 'slip rate ({})'\nV = {}\n{}\n", rate.unit, rate.factor, axis_scale('y', false));
-  script += R"(set ylabel 'friction coefficient'
+  script +=
+      fmt::format("\nset xlabel 'slip rate v ({})'\nV = {}\n{}\n", rate.unit, rate.factor, axis_scale('y', false));
+  script += R"(set ylabel 'friction coefficient μ'
 plot 'cycle.csv' using ($3*V):4 with lines linestyle 1 title 'cycle', \
      'cycle-steady.csv' using ($1*V):2 with lines linestyle 2 title 'steady sliding'
 )";
-  const std::string plane = fmt::format("\nset xlabel 'displacement ({})'\nset ylabel 'slip rate ({})'\nV = {}\n{}\n",
-                                        way.unit, decade_rate.unit, decade_rate.factor, axis_scale('y', decades));
+  const std::string plane =
+      fmt::format("\nset xlabel 'displacement x ({})'\nset ylabel 'slip rate v ({})'\nV = {}\n{}\n", way.unit,
+                  decade_rate.unit, decade_rate.factor, axis_scale('y', decades));
   script += plane;
   script += R"(plot 'cycle.csv' using ($2*X):($3*V) with lines linestyle 1 title 'cycle', \
      speed*V with lines linestyle 3 title 'drive'
 )";
   script += fmt::format("\n{}\n{}\n", axis_scale('y', false), axis_scale('x', true));
-  script += R"(set xlabel '|slip rate| (m/s)'
-set ylabel 'friction coefficient'
+  script += R"(set xlabel '|slip rate v| (m/s)'
+set ylabel 'friction coefficient μ'
 plot 'cycle.csv' using (abs($3)):4 with lines linestyle 1 title 'cycle', \
      'cycle-steady.csv' using (abs($1)):2 with lines linestyle 2 title 'steady sliding'
 )";
   if (space) {
     const auto& state = scene.model.law->states().front();
     script += fmt::format("\n{}", axis_scale('x', false)) + plane;
-    script += fmt::format("set zlabel '{} ({})' rotate by 90 offset -2,0\n", state.name, readable_unit(state.unit));
+    script += fmt::format("set xlabel 'x ({})'\nset ylabel 'v ({})'\n", way.unit, decade_rate.unit);
+    script +=
+        fmt::format("set zlabel '{} ({})' rotate by 90 offset -2,0\n", readable(state.name), readable_unit(state.unit));
     script += R"(set origin 0.655,0.12
 set size 0.345,0.78
 set lmargin 8

@@ -93,11 +93,11 @@ constexpr Alias aliases[] = {
 constexpr std::string_view keys_of_laws[] = {
     "type", "preset", "lambda", "formula", "heating", "contact_stiffness", "load_memory"};
 
-/// Lower-case letters and digits alone: "D_c" and "dc" are one word.
+/// In lower case, without what only separates: "D_c" and "dc" are one word.
 std::string plain(std::string_view word) {
   std::string letters;
   for (const unsigned char c : word)
-    if (std::isalnum(c)) letters += char(std::tolower(c));
+    if (std::string_view("_- ").find(char(c)) == std::string_view::npos) letters += char(std::tolower(c));
   return letters;
 }
 
@@ -235,6 +235,7 @@ class Walk {
     Keys keys;
     if (last == "law") {
       const auto* at = node_at(scene_, table);
+      if (!at) at = node_at(scene_, "oscillator." + table);  // contacts go by their short name too
       const auto* named = table == "law" && law ? law : at ? at->as_table() : nullptr;
       const auto* type = named ? named->get_as<std::string>("type") : nullptr;
       if (type) keys = keys_of_law(type->get());

@@ -314,23 +314,27 @@ Status perform(Job& job) {
   }
   const double seconds = seconds_since(begin);
   const auto& unit = task.parameter.unit;
+  const auto with_unit = [](double value, const std::string& unit) {  // of what is chosen
+    return fmt::format("{:.9g}{}", value, unit == "1" ? "" : " " + unit);
+  };
   for (const auto& crossing : found.crossings)
     job.say("{:<17} {} = {}{}", crossing.angular_frequency > 0 ? "hopf" : "divergence", path,
             justified(crossing.value, crossing.error, unit),
             crossing.angular_frequency > 0 ? fmt::format(", {:.9g} rad/s", crossing.angular_frequency) : "");
   for (const auto& [from, value, parent, branch] : found.cycles) {
-    job.say("cycles from {} at {:.9g} {}: {} points, {}", from, value, unit, branch.points.size(),
+    job.say("cycles from {} at {}: {} points, {}", from, with_unit(value, unit), branch.points.size(),
             branch.outcome.detail.empty() ? "to the end of the range" : branch.outcome.detail);
     for (const auto& special : branch.special)
       job.say("  {:<15} {} = {}", special.kind, path, justified(special.p, special.error, unit));
     for (const auto& at : branch.points)
       if (at.asked)
-        job.say("  at {:.9g} {}: period {} s, {}", at.p, unit,
-                justified(at.view.metrics.at("period"), at.x_error * at.view.metrics.at("period"), ""),
+        job.say("  at {}: period {}, {}", with_unit(at.p, unit),
+                justified(at.view.metrics.at("period"), at.x_error * at.view.metrics.at("period"), "s"),
                 at.view.stable ? "stable" : "unstable");
   }
   if (found.cycles.empty() && found.crossings.empty())
-    job.say("steady sliding does not change its stability between {:.9g} and {:.9g} {}", range.from, range.to, unit);
+    job.say("steady sliding does not change its stability between {:.9g} and {}", range.from,
+            with_unit(range.to, unit));
   for (const auto& [kind, points, begins, ends] : loci.curves) {
     if (points.empty()) {
       found.notes.push_back(ends);
@@ -339,7 +343,7 @@ Status perform(Job& job) {
     const auto& second = task.locus->parameter;
     job.say("{} in two parameters, {} points:", kind, points.size());
     for (const auto& [point, why] : {std::pair{&points.front(), &begins}, {&points.back(), &ends}})
-      job.say("  {} = {:.9g}{}, {} = {}{}{}", second.name, point->q, second.unit == "1" ? "" : " " + second.unit, path,
+      job.say("  {} = {}, {} = {}{}{}", second.name, with_unit(point->q, second.unit), path,
               justified(point->p, point->p_error, unit), why->empty() ? "" : ": ", *why);
   }
   for (const auto& note : found.notes) job.note(note);

@@ -21,9 +21,12 @@ std::string justified(double value, double error, std::string_view unit) {
   const auto suffix = unit == "1" ? std::string() : fmt::format(" {}", unit);
   if (!std::isfinite(value)) return "none";
   if (std::isinf(error)) return fmt::format("{:.6g}{}, of unknown error", value, suffix);
-  if (!(error > 0) || value == 0) return fmt::format("{:.10g}{}", value, suffix);
-  const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(error)) + 1;
-  return fmt::format("{:.{}g} ± {:.0e}{}", value, static_cast<int>(std::clamp(digits, 1.0, 16.0)), error, suffix);
+  if (!(error > 0)) return fmt::format("{:.10g}{}", value, suffix);
+  const double whole = std::floor(std::log10(std::abs(value))) + 1, digits = whole - std::floor(std::log10(error));
+  if (digits < 1) return fmt::format("0 ± {:.0e}{}", error, suffix);
+  const int shown = int(std::min(digits, 16.0));
+  const auto text = digits > whole ? fmt::format("{:#.{}g}", value, shown) : fmt::format("{:.{}g}", value, shown);
+  return fmt::format("{} ± {:.0e}{}", text, error, suffix);
 }
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {

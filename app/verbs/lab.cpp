@@ -127,6 +127,9 @@ std::string document_of(const scene::Scene& scene, const analysis::lab::Result& 
   return output::text(document);
 }
 
+/// A reading that is yes or no has a meaning that begins so.
+bool is_truth(const analysis::lab::Reading& reading) { return reading.meaning.starts_with("1 if "); }
+
 Status perform(Job& job) {
   auto& scene = job.scene();
   auto& task = *scene.lab;
@@ -141,7 +144,9 @@ Status perform(Job& job) {
   Reached reached;
   for (const auto& reading : result.readings) {
     reached.add(reading.value, reading.error);
-    job.say("{:<24} {}", reading.name, justified(reading.value, reading.error, reading.unit));
+    job.say("{:<24} {}", reading.name,
+            is_truth(reading) ? (reading.value != 0 ? "yes" : "no")
+                              : justified(reading.value, reading.error, reading.unit));
   }
   auto& manifest = job.manifest();
   manifest.tolerance_asked = task.tolerance;

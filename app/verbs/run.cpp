@@ -169,19 +169,22 @@ void read(scene::SceneReader& reader) {
         "and step (s)");
 }
 
+using analysis::motion::SlipEvents;
+
 /// A column of the catalogue of slip events.
 struct EventColumn {
   const char *name, *unit;
-  std::vector<double> analysis::motion::SlipEvents::*values;
+  std::vector<double> SlipEvents::*values;
+  double SlipEvents::Errors::*error;
 };
-using analysis::motion::SlipEvents;
-constexpr EventColumn event_columns[] = {{"onset", "s", &SlipEvents::onset},
-                                         {"duration", "s", &SlipEvents::duration},
-                                         {"force_drop", "N", &SlipEvents::force_drop},
-                                         {"friction_drop", "1", &SlipEvents::friction_drop},
-                                         {"slip", "m", &SlipEvents::slip},
-                                         {"peak_slip_rate", "m/s", &SlipEvents::peak_slip_rate},
-                                         {"recurrence", "s", &SlipEvents::recurrence}};
+constexpr EventColumn event_columns[] = {
+    {"onset", "s", &SlipEvents::onset, &SlipEvents::Errors::onset},
+    {"duration", "s", &SlipEvents::duration, &SlipEvents::Errors::duration},
+    {"force_drop", "N", &SlipEvents::force_drop, &SlipEvents::Errors::force_drop},
+    {"friction_drop", "1", &SlipEvents::friction_drop, &SlipEvents::Errors::friction_drop},
+    {"slip", "m", &SlipEvents::slip, &SlipEvents::Errors::slip},
+    {"peak_slip_rate", "m/s", &SlipEvents::peak_slip_rate, &SlipEvents::Errors::peak_slip_rate},
+    {"recurrence", "s", &SlipEvents::recurrence, &SlipEvents::Errors::recurrence}};
 
 /// Of a slider that has slipped twice or more; else none.
 SlipEvents stick_slip(const scene::Scene& scene, const analysis::motion::Run& run) {
@@ -201,11 +204,10 @@ void tell_of(Job& job, const SlipEvents& events) {
     std::ranges::copy_if(values, std::back_inserter(known), [](double value) { return std::isfinite(value); });
     if (column.values == &SlipEvents::onset || known.empty()) continue;
     const auto [low, high] = std::ranges::minmax(known);
-    constexpr double alike = 1e-5;  // of six digits
     const double mean = std::accumulate(known.begin(), known.end(), 0.0) / double(known.size());
-    const auto unit = std::string_view(column.unit) == "1" ? std::string() : fmt::format(" {}", column.unit);
-    job.say("  {:<22} {:.6g}{}{}", column.name, mean, unit,
-            high - low > alike * std::abs(mean) ? fmt::format(", {:.6g} to {:.6g}", low, high) : "");
+    const double error = events.error.*column.error;
+    job.say("  {:<22} {}{}", column.name, justified(mean, error, column.unit),
+            high - low > 2 * error ? fmt::format(", {:.6g} to {:.6g}", low, high) : "");
   }
   constexpr int enough = 10;
   if (events.fewest_samples < enough)
@@ -240,7 +242,10 @@ std::string document_of(const scene::Scene& scene, const analysis::motion::Run& 
   }
   document["metrics"] = run.metrics;
   if (!slips.onset.empty())
-    for (const auto& column : event_columns) document["stick_slip"][column.name] = slips.*column.values;
+    for (const auto& column : event_columns) {
+      document["stick_slip"][column.name] = slips.*column.values;
+      document["stick_slip"]["error"][column.name] = slips.error.*column.error;
+    }
   document["solver"] = run.solver;
   document["cost"] = {{"steps", run.cost.steps}, {"evaluations", run.cost.evaluations}};
   document["notes"] = scene.notes;

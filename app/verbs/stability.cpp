@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "analysis/steady/sliding_modes.hpp"
 #include "analysis/steady/structure_hopf.hpp"
@@ -183,6 +185,17 @@ analysis::steady::StructureStability stability_of(const scene::Scene& scene, con
                                 : analysis::steady::stability(structure);
 }
 
+/// At most so many digits, none below the error; 0 of what its error hides.
+std::string known(double value, double error, int digits) {
+  if (!std::isfinite(error)) return fmt::format("{:.{}g}", value, digits);
+  if (std::abs(value) <= error) return "0";
+  const double vouched = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(error)) + 1;
+  return fmt::format("{:.{}g}", value, error > 0 && vouched < digits ? std::max(1, int(vouched)) : digits);
+}
+std::string signed_known(double value, double error, int digits) {
+  return (value < 0 ? "" : "+") + known(value, error, digits);
+}
+
 Status perform_on_structure(Job& job) {
   auto& scene = job.scene();
   const auto& structure = scene.structure->structure;
@@ -220,7 +233,9 @@ Status perform_on_structure(Job& job) {
   job.say("  {:>14} {:>16} {:>12}", "frequency (Hz)", "growth (1/s)", "damping (1)");
   Reached reached;
   for (const auto& mode : result.modes) {
-    job.say("  {:>14.8g} {:>+16.8g} {:>12.4g}", mode.frequency(), mode.growth_rate(), mode.damping_ratio());
+    const double turn = 2 * std::numbers::pi, size = std::abs(mode.eigenvalue);
+    job.say("  {:>14} {:>16} {:>12}", known(mode.frequency(), mode.error / turn, 8),
+            signed_known(mode.growth_rate(), mode.error, 8), known(mode.damping_ratio(), mode.error / size, 4));
     reached.add(std::abs(mode.eigenvalue), mode.error);
   }
   std::vector<std::string> files;
@@ -229,7 +244,8 @@ Status perform_on_structure(Job& job) {
     job.manifest().tolerance_reached = reached.value();
     return job.finish(document_of(scene, result, nullptr, {}), std::move(files), {});
   }
-  const auto& [parameter, axis] = *scene.stability_scan;
+  const auto& parameter = scene.stability_scan->parameter;
+  const auto& axis = scene.stability_scan->axis;
   job.explain("{} values of {}, with the eigenvalues of each; thresholds between them located to rounding",
               axis.values.size(), parameter.name);
   const auto scan = analysis::steady::scan(
@@ -283,7 +299,11 @@ Status perform(Job& job) {
   job.say("{}", result.stability.marginal ? "marginal: small disturbances neither grow nor decay"
                 : result.stability.stable ? "stable"
                                           : "unstable");
-  for (const auto& z : result.stability.eigenvalues) job.say("  eigenvalue {:.8g} {:+.8g} i 1/s", z.real(), z.imag());
+  for (std::size_t i = 0; i < result.stability.eigenvalues.size(); ++i) {
+    const auto z = result.stability.eigenvalues[i];
+    const double error = result.stability.eigenvalue_errors[i];
+    job.say("  eigenvalue {} {} i 1/s", known(z.real(), error, 8), signed_known(z.imag(), error, 8));
+  }
   Reached reached;
   for (const auto& path : paths) {
     const auto points = analysis::steady::hopf_points(model, path);

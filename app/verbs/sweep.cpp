@@ -221,8 +221,8 @@ Status perform(Job& job) {
     const auto count = [&](auto is) { return std::ranges::count_if(*points, is); };
     if (points->empty()) continue;
     const auto done = count(&SweepPoint::done), failed = count([](const auto&point) { return !point.why.empty(); });
-    job.say("{}: {} values of {} from {:g} to {:g} {}, {} ended short", direction, done, axis.parameter,
-            axis.values.front(), axis.values.back(), parameter.unit, failed);
+    job.say("{}: {} values of {} from {:g} to {:g}{}, {} ended short", direction, done, axis.parameter,
+            axis.values.front(), axis.values.back(), parameter.unit == "1" ? "" : " " + parameter.unit, failed);
     if (!of_metrics)
       job.say("  the motion recurs within {} returns at {} of them", options.keep / 2,
               count([](const auto& point) { return point.recurrence > 0; }));

@@ -44,6 +44,11 @@ TEST_CASE("slip events of Coulomb friction drop, last and return as in closed fo
   CHECK(std::isnan(events.recurrence[0]));
   for (std::size_t i = 1; i < 5; ++i) CHECK(events.recurrence[i] == Approx(2 * D / speed + duration).epsilon(1e-10));
   CHECK(events.fewest_samples > 300);
+  CHECK(std::abs(events.duration[0] - duration) <= events.error.duration);
+  CHECK(events.error.duration < 1e-12);
+  CHECK(std::abs(events.peak_slip_rate[0] - std::copysign(speed + std::hypot(w * D, V), V)) <=
+        events.error.peak_slip_rate);
+  CHECK(events.error.peak_slip_rate < 1e-5);
 }
 
 TEST_CASE("slip events of a law that creeps lie where the slip rate is above the drive's, and are found in samples",
@@ -68,6 +73,22 @@ TEST_CASE("slip events of a law that creeps lie where the slip rate is above the
     CHECK(events.peak_slip_rate[i] >= fastest);
     CHECK(events.slip[i] == Approx(1e-3 * events.duration[i] + events.force_drop[i] / 200).epsilon(1e-12));
   }
+}
+
+TEST_CASE("errors of slip events found in samples cover what more samples change", "[slip-events]") {
+  const auto model = slider_under("ageing", {0.6, 0.01, 0.015, 1e-5, 1e-6}, {1e-3, 200, 0}, 1e-3, 1);
+  const auto fine = slip_events(model, run_from_rest(model, 10, 50000));
+  const auto events = slip_events(model, run_from_rest(model, 10, 10000));  // 1 ms, 16 samples in an event
+  REQUIRE(events.onset.size() == fine.onset.size());
+  for (std::size_t i = 0; i < events.onset.size(); ++i) {
+    CHECK(std::abs(events.onset[i] - fine.onset[i]) <= events.error.onset);
+    CHECK(std::abs(events.duration[i] - fine.duration[i]) <= events.error.duration);
+    CHECK(std::abs(events.force_drop[i] - fine.force_drop[i]) <= events.error.force_drop);
+    CHECK(std::abs(events.peak_slip_rate[i] - fine.peak_slip_rate[i]) <= events.error.peak_slip_rate);
+  }
+  CHECK(events.error.duration < 2e-3);
+  CHECK(events.error.peak_slip_rate < 0.1);
+  CHECK(slip_events(model, run_from_rest(model, 10, 300)).error.force_drop > 0.01);  // seen by a sample or none
 }
 
 TEST_CASE("steady sliding, a drive at rest and an imposed slip rate have no slip events", "[slip-events]") {

@@ -19,6 +19,12 @@ TEST_CASE("texts with apostrophes and the end of an SVG's text stay texts", "[gn
   CHECK(output::single_quoted("a > b") == "'a > b'");
 }
 
+TEST_CASE("names on axes come with the symbols of their quantities", "[gnuplot]") {
+  CHECK(output::readable("slip_rate_max") == "slip rate max");
+  CHECK(output::readable("slip_rate") == "slip rate v");
+  CHECK(output::readable("theta") == "θ");
+}
+
 TEST_CASE("a picture that gnuplot left cut short does not get its name", "[gnuplot]") {
   const Folder folder;
   const auto bin = folder.path / "bin";

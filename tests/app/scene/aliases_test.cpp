@@ -102,6 +102,7 @@ TEST_CASE("names that mean something else are refused with what to give, at thei
   CHECK_THAT(with("Dc = 1e-5\nL = 1e-5"), Contains("law.Dc means law.L, which is given too"));
   CHECK_THAT(with("theta = 1"), Contains("run.start"));
   CHECK_THAT(with("stifness = 1"), Contains("unknown key 'stifness'"));
+  CHECK_THAT(refusal(folder, "[law]\ntype = 'film'\n'μ_S' = 3\n" + slider), Contains("unknown key 'μ_S'"));
   CHECK_THAT(refusal(folder, "[law]\ntype = 'rate-and-state'\n" + slider), Contains("is a family of laws"));
   CHECK_THAT(refusal(folder, "[law]\ntype = 'stribeck'\nd_c = 3\n" + slider), Contains("law.v_s = 1/d_c"));
   CHECK_THAT(refusal(folder, "[law]\ntype = 'coulomb'\nF_s = 3\n" + slider), Contains("law.F_s is a force"));
@@ -123,6 +124,18 @@ TEST_CASE("laws of members and contacts take other names too", "[aliases]") {
   CHECK(noted(scene, "compare.members.2.law.Dc is read as compare.members.2.law.L (m)"));
 }
 
+TEST_CASE("a contact of a structure takes other names, and so does its path, in full and in short", "[aliases]") {
+  auto scene = toml::parse(
+      "[oscillator]\ntype = 'structure'\ncontacts = [{ law = { type = 'Amontons', mu_k = 0.2 } }]\n"
+      "[map]\nx = 'contacts.1.law.mu_k'\ny = 'oscillator.contacts.1.law.muk'\n");
+  std::vector<std::string> notes;
+  rosin::app::scene::resolve_aliases(scene, notes);
+  CHECK(scene.at_path("oscillator.contacts[0].law.type").value_or(std::string()) == "coulomb");
+  CHECK(scene.at_path("oscillator.contacts[0].law.mu_d").value_or(0.0) == 0.2);
+  CHECK(scene.at_path("map.x").value_or(std::string()) == "contacts.1.law.mu_d");
+  CHECK(scene.at_path("map.y").value_or(std::string()) == "oscillator.contacts.1.law.mu_d");
+}
+
 TEST_CASE("a folder's name takes values of the scene, fit for a file system", "[aliases]") {
   using rosin::app::scene::filled_in;
   const auto scene = toml::parse("title = '../a b'\n[drive]\nspeed = 1e-5\nload = '10 µN/s'\nn = 20\non = true\n");
@@ -134,4 +147,20 @@ TEST_CASE("a folder's name takes values of the scene, fit for a file system", "[
   CHECK_THROWS_WITH(filled_in("{drive.on}", scene), Contains("is a truth value"));
   CHECK_THROWS_WITH(filled_in("{drive}", scene), Contains("is a table"));
   CHECK_THROWS_WITH(filled_in("{drive.speed", scene), Contains("without }"));
+}
+
+TEST_CASE("rosin's own scenes use rosin's own names", "[aliases]") {
+  int scenes = 0;
+  for (const char* folder : {"examples", "cases", "tests/scenes"})
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(std::filesystem::path(ROSIN_SOURCE_DIR) / folder)) {
+      if (entry.path().extension() != ".toml") continue;
+      INFO(entry.path());
+      std::vector<std::string> notes;
+      auto scene = rosin::app::scene::read_toml(entry.path().string());
+      rosin::app::scene::resolve_aliases(scene, notes);
+      CHECK(notes == std::vector<std::string>{});
+      ++scenes;
+    }
+  CHECK(scenes > 50);
 }
