@@ -4,4 +4,5 @@
 #include "analysis/response/extraction.hpp"
 #include "analysis/response/frf.hpp"
 #include "analysis/response/frf_simulation.hpp"
+#include "analysis/response/interval_means.hpp"
 #include "analysis/response/structure.hpp"
