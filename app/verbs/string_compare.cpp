@@ -102,14 +102,7 @@ Status perform_string_comparison(Job& job) {
   {
     Progress progress(job.request().quiet);
     for (const auto& member : task.members) {
-      std::vector<oscillators::BowedStringModel> models;
-      for (const double y : task.y.values)
-        for (const double x : task.x.values) {
-          auto values = member.changed;
-          values.emplace_back(task.x.parameter, x), values.emplace_back(task.y.parameter, y);
-          models.push_back(member.family->string_with(values));
-        }
-      planes.push_back(bow_plane(models, task.plane));
+      planes.push_back(bow_plane(strings_of_plane(task, *member.family, member.changed), task.plane));
       progress.show(planes.size(), total);
     }
   }

@@ -15,7 +15,6 @@
 #include "app/scene/string.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
-#include "app/verbs/stopping.hpp"
 
 namespace rosin::app::verbs {
 
@@ -241,6 +240,20 @@ analysis::planes::Map as_map(const scene::StringTask& task, const std::vector<Pi
 
 }  // namespace
 
+std::vector<oscillators::BowedStringModel> strings_of_plane(
+    const scene::StringTask& task, const scene::Family& family,
+    const std::vector<std::pair<std::string, double>>& changed) {
+  std::vector<oscillators::BowedStringModel> models;
+  for (const double y : task.y.values)
+    for (const double x : task.x.values) {
+      auto values = changed;
+      values.emplace_back(task.x.parameter, x), values.emplace_back(task.y.parameter, y);
+      models.push_back(family.string_with(values));
+      models.back().start = task.model.start;  // of [run], which a family does not vary
+    }
+  return models;
+}
+
 Status perform_string_map(Job& job) {
   auto& scene = job.scene();
   auto& task = *scene.string;
@@ -253,10 +266,7 @@ Status perform_string_map(Job& job) {
   else
     job.explain("the same at {} times the sample rate tells which pixels are reproducible",
                 fmt::join(task.plane.finer, " and "));
-  std::vector<oscillators::BowedStringModel> models;
-  for (const double y : task.y.values)
-    for (const double x : task.x.values)
-      models.push_back(scene.family->string_with({{task.x.parameter, x}, {task.y.parameter, y}}));
+  const auto models = strings_of_plane(task, *scene.family, {});
   const auto begin = std::chrono::steady_clock::now();
   std::vector<Pixel> pixels;
   {

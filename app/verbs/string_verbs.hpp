@@ -12,6 +12,9 @@ Status perform_string_run(Job&);
 /// [map] of a scene whose oscillator is a string, with what [run] and [transient] say.
 void read_string_map(scene::SceneReader&, scene::Table map);
 Status perform_string_map(Job&);
+/// The strings of the plane in rows of x, with other numbers beside those of the axes; they start as the scene's does.
+std::vector<oscillators::BowedStringModel> strings_of_plane(const scene::StringTask&, const scene::Family&,
+                                                            const std::vector<std::pair<std::string, double>>& changed);
 /// [compare] of such a scene: members, each with a law of its own or other numbers.
 void read_string_comparison(scene::SceneReader&, scene::Table compare);
 Status perform_string_comparison(Job&);

@@ -76,6 +76,19 @@ TEST_CASE("a plane of strings counts what is good and what finer sample rates co
   CHECK(answer_of(folder, map + "--threads 1")["metrics"] == document["metrics"]);
 }
 
+TEST_CASE("the strings of a plane start as [run] says", "[app][string]") {
+  const Folder folder;
+  const std::string schelleng = examples + "schelleng-diagram.toml --no-pictures ";
+  const auto alone = answer_of(folder, "run " + schelleng + "--set oscillator.bow_position=0.1 --out alone");
+  const auto plane = answer_of(folder, "map " + schelleng +
+                                           "--set map.x.from=0.1 --set map.x.points=2 --set map.y.from=1 "
+                                           "--set map.y.points=2 --out plane");
+  CHECK(plane["metrics"]["bridge_force"][0][0] == alone["metrics"]["bridge_force"]);
+  const auto rested =
+      answer_of(folder, "run " + schelleng + "--set oscillator.bow_position=0.1 --set run.start=rest --out rested");
+  CHECK(rested["metrics"]["bridge_force"] != alone["metrics"]["bridge_force"]);
+}
+
 TEST_CASE("strings under several laws, and where they differ most", "[app][string]") {
   const Folder folder;
   const auto document = answer_of(folder, "compare " + examples +
