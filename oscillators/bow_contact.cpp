@@ -20,6 +20,10 @@ constexpr int most_iterations = 100;
 ROSIN_INLINE Pack number(const Mask& mask) { return Pack(mask.truth); }
 ROSIN_INLINE Mask truth(const Pack& number) { return number > Pack(0.5); }
 
+// Those of logarithmic scale are carried as logarithms.
+double to_unknown(const Quantity& state, double value) { return state.scale == Scale::log ? std::log(value) : value; }
+double to_state(const Quantity& state, double z) { return state.scale == Scale::log ? std::exp(z) : z; }
+
 bool any(const Pack& truths) {
   double sum = 0;
   for (int i = 0; i < pack_width; ++i) sum += truths.block[i];
@@ -118,14 +122,12 @@ void BowContacts::slide(int lane, std::shared_ptr<const FrictionLaw> given, doub
       rise = flow.crowding(normal_load) * mu * v / (flow.h0 + flow.h1 * v);
     }
     for (std::size_t k = 0; k < heat_->parts.size(); ++k) heat_->parts[k].set(lane, flow.modes[k].share * rise);
-    const double mu = (*flow.friction)(rise);
-    heat_->friction.set(lane, mu);
-    heat_->heating.set(lane, flow.crowding(normal_load) * mu * v);
+    heat_->heating.set(lane, flow.crowding(normal_load) * (*flow.friction)(rise)*v);
     return;
   }
   const auto state = slip_rate == 0 ? law.rest(normal_load) : law.steady({slip_rate, normal_load});
   for (int k = 0; k < states_; ++k) {
-    z_[k].set(lane, law.states()[k].scale == Scale::log ? std::log(state[k]) : state[k]);
+    z_[k].set(lane, to_unknown(law.states()[k], state[k]));
     rate_[k].set(lane, 0);
   }
 }
@@ -137,10 +139,7 @@ std::vector<double> BowContacts::states(int lane) const {
     for (const auto& part : heat_->parts) state.back() += part[lane];
     return state;
   }
-  for (int k = 0; k < states_; ++k) {
-    const double z = z_[k][lane];
-    state.push_back(laws_[lane]->states()[k].scale == Scale::log ? std::exp(z) : z);
-  }
+  for (int k = 0; k < states_; ++k) state.push_back(to_state(laws_[lane]->states()[k], z_[k][lane]));
   return state;
 }
 
@@ -163,8 +162,7 @@ void BowContacts::limits(const Lanes* z, Lanes& limit) {
     std::vector<double> state(states_);
     for (int lane = 0; lane < lane_count; ++lane) {
       const auto& law = *laws_[lane];
-      for (int k = 0; k < states_; ++k)
-        state[k] = law.states()[k].scale == Scale::log ? std::exp(z[k][lane]) : z[k][lane];
+      for (int k = 0; k < states_; ++k) state[k] = to_state(law.states()[k], z[k][lane]);
       limit.set(lane, load_[lane] * law.static_limit(load_[lane], state));
     }
   }
@@ -402,8 +400,7 @@ void BowContacts::step(const Lanes& D, const Lanes& Z, Lanes& f) {
       if (direction[lane] != 0 || direction_[lane] == 0) continue;
       const auto before = states(lane), after = laws_[lane]->after_stop(before);
       for (int k = 0; k < states_; ++k)
-        if (after[k] != before[k])
-          z_[k].set(lane, laws_[lane]->states()[k].scale == Scale::log ? std::log(after[k]) : after[k]);
+        if (after[k] != before[k]) z_[k].set(lane, to_unknown(laws_[lane]->states()[k], after[k]));
     }
   drive_ = D;
   slip_rate_ = slip_rate;

@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <map>
+#include <limits>
 #include <mutex>
 
 #include "core/instruction_set.hpp"

@@ -70,6 +70,12 @@ PlaneDifference difference(std::span<const Pixel> a, std::span<const Pixel> b, d
   return result;
 }
 
+double friction_at_rest(const FrictionLaw& law, double normal_load) {
+  constexpr double creep = 1e-6;  // m/s
+  return law.set_valued() ? law.static_limit(normal_load, law.rest(normal_load))
+                          : law.steady_friction({creep, normal_load}).friction;
+}
+
 GuettlerRays guettler_rays(const oscillators::BowedString& string, double at_rest, double difference, double periods) {
   const double beta = string.bow_position, scale = string.impedance * string.period();  // N/a = x Z₀ T₀
   const double lower = 4 * at_rest * (1 - beta) / (beta * difference * difference);
@@ -84,8 +90,7 @@ SchellengLimits schelleng_limits(const BowedStringModel& model, double bow_speed
   const auto& string = model.string;
   const auto& law = *model.law;
   const double beta = string.bow_position, N = std::max(model.load.value(0), 1e-3);
-  const double at_rest = law.set_valued() ? law.static_limit(N, law.rest(N)) : law.steady_friction({1e-6, N}).friction;
-  const double falls = at_rest - law.steady_friction({bow_speed / beta, N}).friction;
+  const double falls = friction_at_rest(law, N) - law.steady_friction({bow_speed / beta, N}).friction;
   if (!(falls > 0)) return {0, INFINITY};
   const double Z = string.impedance;
   return {std::isfinite(string.bridge_resistance)

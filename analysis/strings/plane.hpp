@@ -41,6 +41,9 @@ struct PlaneDifference {
 };
 PlaneDifference difference(std::span<const Pixel>, std::span<const Pixel>, double good);
 
+/// Coefficient that holds at rest under a load after long rest; of laws without a limit there, that of slow creep.
+double friction_at_rest(const FrictionLaw&, double normal_load);
+
 /// Between the two rays of force over acceleration of the bow, N/a (N s²/m), a string is expected to come to Helmholtz
 /// motion within `periods`: below, several slips a period begin at once; above, slip after the first comes late. With
 /// friction of rest μ_s and of slip μ_s − Δμ, from Schelleng's maximum at the speed of the bow at the first slip and

@@ -58,6 +58,38 @@ std::string scale_of(char axis, const analysis::planes::Axis& values) {
   return script + fmt::format("set format {0} '%g'\nset {0}tics ({1:g})\n", axis, fmt::join(ticks, ", "));
 }
 
+/// Columns of a table of all strings of a plane, row by row: where each stands, and the ends of its cell.
+struct Cells {
+  std::array<std::vector<double>, 6> places;
+  std::array<std::string, 6> headers;
+  std::vector<Column> columns() const {
+    std::vector<Column> list;
+    for (std::size_t c = 0; c < places.size(); ++c) list.push_back({headers[c], places[c]});
+    return list;
+  }
+  /// Frame and labels of a picture of them.
+  std::string frame;
+};
+Cells cells_of(const scene::Scene& scene) {
+  const auto &x = scene.string->x, &y = scene.string->y;
+  const auto of_x = borders(x), of_y = borders(y);
+  Cells cells{{},
+              {column_header(x.parameter, scene.describe(x.parameter).unit),
+               column_header(y.parameter, scene.describe(y.parameter).unit), "x_low", "x_high", "y_low", "y_high"},
+              {}};
+  for (std::size_t j = 0; j < y.values.size(); ++j)
+    for (std::size_t i = 0; i < x.values.size(); ++i) {
+      const double place[] = {x.values[i], y.values[j], of_x[i], of_x[i + 1], of_y[j], of_y[j + 1]};
+      for (std::size_t c = 0; c < cells.places.size(); ++c) cells.places[c].push_back(place[c]);
+    }
+  cells.frame =
+      fmt::format("set xlabel {}\nset ylabel {}\n", label_of(scene, x.parameter), label_of(scene, y.parameter)) +
+      scale_of('x', x) + scale_of('y', y) +
+      fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset style fill solid 1 border\n", of_x.front(), of_x.back(),
+                  of_y.front(), of_y.back());
+  return cells;
+}
+
 /// A line of the theory over one axis of the plane.
 struct Limit {
   std::string title;
@@ -83,8 +115,7 @@ std::vector<Limit> limits_of(const scene::Scene& scene) {
     const double middle = along.values[along.values.size() / 2], N = force.values[force.values.size() / 2];
     const auto model = scene.family->string_with({{along.parameter, middle}, {force.parameter, N}});
     const auto& law = *model.law;
-    const double at_rest =
-        law.set_valued() ? law.static_limit(N, law.rest(N)) : law.steady_friction({1e-6, N}).friction;
+    const double at_rest = analysis::strings::friction_at_rest(law, N);
     const double speed = middle * analysis::strings::first_slip_of_slow_bow(model);
     const double falls = at_rest - law.steady_friction({speed / model.string.bow_position, N}).friction;
     if (!(falls > 0)) return {};
@@ -191,33 +222,18 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
 std::vector<std::string> write_string_picture(const std::filesystem::path& folder, const scene::Scene& scene,
                                               std::span<const Pixel> pixels) {
   const auto& task = *scene.string;
-  const auto nx = task.x.values.size();
-  const auto of_x = borders(task.x), of_y = borders(task.y);
-  std::array<std::vector<double>, 9> columns;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const std::size_t x = i % nx, y = i / nx;
-    const auto& pixel = pixels[i];
-    const double row[] = {task.x.values[x],
-                          task.y.values[y],
-                          of_x[x],
-                          of_x[x + 1],
-                          of_y[y],
-                          of_y[y + 1],
-                          pixel.bowing.transient.length,
-                          double(pixel.bowing.transient.regime),
-                          pixel.reproducible ? 1.0 : 0.0};
-    for (std::size_t c = 0; c < columns.size(); ++c) columns[c].push_back(row[c]);
+  const auto cells = cells_of(scene);
+  std::vector<double> lengths, regimes, reproducible;
+  for (const auto& pixel : pixels) {
+    lengths.push_back(pixel.bowing.transient.length);
+    regimes.push_back(double(pixel.bowing.transient.regime));
+    reproducible.push_back(pixel.reproducible ? 1.0 : 0.0);
   }
-  const auto quantity_x = scene.describe(task.x.parameter), quantity_y = scene.describe(task.y.parameter);
-  write_csv(folder / "map.csv", {{column_header(task.x.parameter, quantity_x.unit), columns[0]},
-                                 {column_header(task.y.parameter, quantity_y.unit), columns[1]},
-                                 {"x_low", columns[2]},
-                                 {"x_high", columns[3]},
-                                 {"y_low", columns[4]},
-                                 {"y_high", columns[5]},
-                                 {"transient_length", columns[6]},
-                                 {"regime", columns[7]},
-                                 {"reproducible", columns[8]}});
+  auto table = cells.columns();
+  table.push_back({"transient_length", lengths});
+  table.push_back({"regime", regimes});
+  table.push_back({"reproducible", reproducible});
+  write_csv(folder / "map.csv", table);
   const auto limits = limits_of(scene);
   std::string lines = "x,y\n";
   for (const auto& limit : limits) {
@@ -228,11 +244,7 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
 
   const auto frame = [&](const std::string& name, const char* what) {
     std::string script = preamble(name, what, 760, 560);
-    script += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", single_quoted(scene.title),
-                          label_of(scene, task.x.parameter), label_of(scene, task.y.parameter));
-    script += scale_of('x', task.x) + scale_of('y', task.y);
-    script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset style fill solid 1 border\n", of_x.front(),
-                          of_x.back(), of_y.front(), of_y.back());
+    script += fmt::format("set title {}\n", single_quoted(scene.title)) + cells.frame;
     script +=
         "set bmargin 8.5\nset key at screen 0.10,0.02 bottom left Left reverse samplen 2 maxrows 3\nset tics out "
         "nomirror\n";
@@ -246,14 +258,13 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
                                  k == 0 ? "#0072B2" : "#D55E00", k == 0 ? "solid" : "(8,4)",
                                  single_quoted(limits[k].title)));
   }
-  const char* cells = "'map.csv' using 1:2:3:4:5:6";
   constexpr std::size_t most_marks = 4000;
   std::string transients = frame("map", "Length of the transient of a bowed string");
   transients += fmt::format(
       "set palette defined (0 '#FFFFFF', 1 '#111111')\nset cbrange [0:{}]\nset cblabel 'transient (periods); black: "
       "none within {}'\n",
       task.options.transient.most, task.options.transient.most);
-  std::vector<std::string> plots = {std::string(cells) + ":7 with boxxyerror linecolor palette notitle"};
+  std::vector<std::string> plots = {"'map.csv' using 1:2:3:4:5:6:7 with boxxyerror linecolor palette notitle"};
   const bool checked = !task.plane.finer.empty();
   if (checked && pixels.size() <= most_marks)
     plots.push_back(
@@ -262,7 +273,7 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
   plots.insert(plots.end(), theory.begin(), theory.end());
   write_whole(folder / "map.gp", transients + fmt::format("plot {}\n", fmt::join(plots, ", \\\n     ")));
 
-  std::string regimes = frame("map-regime", "Motion that a bowed string ends in");
+  std::string motions = frame("map-regime", "Motion that a bowed string ends in");
   constexpr std::array<std::pair<const char*, const char*>, 6> colours = {{{"no slip", "#FFFFFF"},
                                                                            {"Helmholtz", "#F0E442"},
                                                                            {"two slips a period", "#56B4E9"},
@@ -279,7 +290,7 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
                                 colours[k].second, colours[k].first));
   }
   plots.insert(plots.end(), theory.begin(), theory.end());
-  write_whole(folder / "map-regime.gp", regimes + fmt::format("plot {}\n", fmt::join(plots, ", \\\n     ")));
+  write_whole(folder / "map-regime.gp", motions + fmt::format("plot {}\n", fmt::join(plots, ", \\\n     ")));
   return {"map.csv", "map-limits.csv", "map.gp", "map-regime.gp"};
 }
 
@@ -287,27 +298,14 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
                                               const std::vector<std::vector<Pixel>>& planes,
                                               const std::vector<double>& separation) {
   const auto& task = *scene.string;
-  const auto nx = task.x.values.size();
-  const auto of_x = borders(task.x), of_y = borders(task.y);
-  std::vector<std::vector<double>> columns(6 + planes.size() + 1);
-  for (std::size_t i = 0; i < separation.size(); ++i) {
-    const std::size_t x = i % nx, y = i / nx;
-    const double place[] = {task.x.values[x], task.y.values[y], of_x[x], of_x[x + 1], of_y[y], of_y[y + 1]};
-    for (std::size_t c = 0; c < 6; ++c) columns[c].push_back(place[c]);
-    for (std::size_t k = 0; k < planes.size(); ++k)
-      columns[6 + k].push_back(planes[k][i].reproducible ? planes[k][i].bowing.transient.length : NAN);
-    columns.back().push_back(separation[i]);
+  const auto cells = cells_of(scene);
+  auto table = cells.columns();
+  std::vector<std::vector<double>> lengths(planes.size());
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    for (const auto& pixel : planes[k]) lengths[k].push_back(pixel.reproducible ? pixel.bowing.transient.length : NAN);
+    table.push_back({"transient_length of " + task.members[k].name, lengths[k]});
   }
-  const auto quantity_x = scene.describe(task.x.parameter), quantity_y = scene.describe(task.y.parameter);
-  std::vector<Column> table = {{column_header(task.x.parameter, quantity_x.unit), columns[0]},
-                               {column_header(task.y.parameter, quantity_y.unit), columns[1]},
-                               {"x_low", columns[2]},
-                               {"x_high", columns[3]},
-                               {"y_low", columns[4]},
-                               {"y_high", columns[5]}};
-  for (std::size_t k = 0; k < planes.size(); ++k)
-    table.push_back({"transient_length of " + task.members[k].name, columns[6 + k]});
-  table.push_back({"separation", columns.back()});
+  table.push_back({"separation", separation});
   write_csv(folder / "compare.csv", table);
 
   const int panels = int(planes.size()) + 1;
@@ -315,11 +313,7 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
   script +=
       fmt::format("set multiplot layout 1,{} title {} margins {},{},0.17,0.83 spacing {},0\nset tics out nomirror\n",
                   panels, single_quoted(scene.title), 0.22 / panels, 1 - 0.28 / panels, 0.30 / panels);
-  script += fmt::format("set xlabel {}\nset ylabel {}\n", label_of(scene, task.x.parameter),
-                        label_of(scene, task.y.parameter));
-  script += scale_of('x', task.x) + scale_of('y', task.y);
-  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset style fill solid 1 border\nset cbrange [0:{}]\n",
-                        of_x.front(), of_x.back(), of_y.front(), of_y.back(), task.options.transient.most);
+  script += cells.frame + fmt::format("set cbrange [0:{}]\n", task.options.transient.most);
   // What hangs on the sample rate shows the ground.
   script += "set object 1 rectangle from graph 0,0 to graph 1,1 fillcolor '#E69F00' fillstyle solid noborder behind\n";
   script += "set palette defined (0 '#FFFFFF', 1 '#111111')\nunset colorbox\nunset key\n";
