@@ -77,7 +77,7 @@ class BowContacts {
     std::vector<laws::HeatFlow> law;  ///< of each lane
     std::vector<const laws::HeatedFriction*> curve;
     Lanes h1 = 0.0, crowding = 1.0, heating = 0.0;  ///< heating: μ|v| times crowding
-    std::vector<Lanes> parts, fades, answers;  ///< ϑ_k, e^{−step/τ_k}, (1 − e^{−step/τ_k}) ρ_k/h₀
+    std::vector<Lanes> parts, fades, answers;       ///< ϑ_k, e^{−step/τ_k}, (1 − e^{−step/τ_k}) ρ_k/h₀
   };
   void set_heat(int lane, double normal_load);
   std::optional<Heat> heat_;
