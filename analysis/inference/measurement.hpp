@@ -72,7 +72,7 @@ struct Measurement {
 struct Prediction {
   std::vector<double> y;
   std::vector<std::vector<double>> slopes;  ///< by number, then by y
-  std::vector<double> by_clock;             ///< ∂y/∂(clock offset), where the measurement has that term
+  std::vector<double> by_clock = {};        ///< ∂y/∂(clock offset), where the measurement has that term
   long steps = 0;                           ///< of the motion
 };
 

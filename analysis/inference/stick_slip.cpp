@@ -44,7 +44,7 @@ double observed(const Model& model, Measurement::Event event, const std::string&
   options.multipliers = false;
   const auto cycle = cycles::find_cycle(model, options);
   const double V = model.drive.speed.level();
-  if (cycle.outcome.ending != Ending::reached)
+  if (cycle.outcome.ending != Ending::reached_end)
     throw InputError(fmt::format("{}: no stick–slip at a drive speed of {:.6g} m/s: {}", name, V,
                                  cycle.outcome.detail.empty() ? "sliding is steady" : cycle.outcome.detail));
   switch (event) {

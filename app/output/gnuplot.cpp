@@ -46,6 +46,7 @@ set encoding utf8
 set border linewidth 0.8
 set tics nomirror out
 set key samplen 2.5 spacing 1.1
+set grid linetype 1 linecolor '#CCCCCC' linewidth 0.5; unset grid # its look, for pictures that set it
 # Lines differ in dash as well as in colour: readable in grey and by the colour-blind.
 set style line 1 linecolor '#00336F' linewidth 1.8 dashtype solid
 set style line 2 linecolor '#B0560F' linewidth 1.6 dashtype (8,4)

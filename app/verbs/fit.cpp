@@ -224,7 +224,7 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
   std::string script =
       output::preamble(name, "Data, fits, and residuals over their standard errors", 760, int(height)) +
       fmt::format(
-          "set multiplot\nset label 1 {} at screen 0.5,{:.4f} center\nset grid linecolor '#CCCCCC' linewidth 0.6\n"
+          "set multiplot\nset label 1 {} at screen 0.5,{:.4f} center\nset grid\n"
           "set lmargin at screen 0.13\nset rmargin at screen 0.97\n",
           output::single_quoted(scene.title), 1 - 20 / height);
   double y = line * 0.7;
