@@ -623,7 +623,7 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
     problem.noise.push_back({m.error.empty() ? roughness(m.y) : 1, 0});
     errors_given = errors_given && !m.error.empty();
     result.points += int(m.y.size());
-    if (!m.pairs()) {
+    if (!m.pairs() && m.kind != Measurement::Kind::stick_slip) {  // events repeat themselves
       response::ClippingWatch watch;
       for (const double y : m.y) watch.add(y);
       if (auto clipped = response::clipping_warning(watch, m.name + ": friction", "1", long(m.y.size()));

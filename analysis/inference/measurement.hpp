@@ -48,7 +48,7 @@ struct Measurement {
   /// What was read off each slip event.
   enum class Event {
     recurrence,     ///< s, from one event to the next
-    force_drop,     ///< N, range of the spring's force
+    force_drop,     ///< N, fall of the spring's force in it
     peak_slip_rate  ///< m/s
   };
   Event event = Event::recurrence;

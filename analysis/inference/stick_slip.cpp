@@ -38,6 +38,7 @@ double displacement_range(const std::vector<cycles::CyclePoint>& orbit, double V
   return high - low;
 }
 
+/// \throws InputError where there is no stick–slip.
 double observed(const Model& model, Measurement::Event event, const std::string& name) {
   cycles::CycleOptions options;
   options.tolerance = 1e-9;
@@ -52,8 +53,9 @@ double observed(const Model& model, Measurement::Event event, const std::string&
       return cycle.metrics.period;
     case Measurement::Event::peak_slip_rate:
       return cycle.metrics.slip_rate_max;
-    case Measurement::Event::force_drop:
-      return model.slider.stiffness * displacement_range(cycle.orbit, V);
+    case Measurement::Event::force_drop:  // the spring is loaded again while the contact sticks
+      return model.slider.stiffness * (model.law->set_valued() ? V * cycle.metrics.stick_fraction * cycle.metrics.period
+                                                               : displacement_range(cycle.orbit, V));
   }
   return 0;
 }
@@ -63,6 +65,11 @@ double observed(const Model& model, Measurement::Event event, const std::string&
 Prediction predict_stick_slip(const Model& given, const Measurement& m, const std::vector<std::string>& paths) {
   Prediction prediction{std::vector<double>(m.x.size()),
                         std::vector<std::vector<double>>(paths.size(), std::vector<double>(m.x.size()))};
+  if (given.law->set_valued() && given.contact_stiffness.present() && m.event == Measurement::Event::force_drop)
+    throw InputError(
+        fmt::format("{}: law '{}' that sticks to a contact spring has no force drop here; fit recurrence or "
+                    "peak_slip_rate",
+                    m.name, given.law->card().name));
   std::map<double, std::vector<std::size_t>> at;  // points by speed
   for (std::size_t k = 0; k < m.x.size(); ++k) at[m.x[k]].push_back(k);
   for (const auto& [speed, points] : at) {
@@ -73,9 +80,15 @@ Prediction predict_stick_slip(const Model& given, const Measurement& m, const st
     for (std::size_t i = 0; i < paths.size(); ++i) {
       constexpr double part = 1e-3;
       const double value = model.get(paths[i]), step = part * std::abs(value);
-      const double above = observed(model.with(paths[i], value + step), m.event, m.name),
-                   below = observed(model.with(paths[i], value - step), m.event, m.name);
-      for (const auto k : points) prediction.slopes[i][k] = (above - below) / (2 * step);
+      const auto at_value = [&](double p) { return observed(model.with(paths[i], p), m.event, m.name); };
+      const double slope = [&] {
+        try {
+          return (at_value(value + step) - at_value(value - step)) / (2 * step);
+        } catch (const InputError&) {  // stick–slip ends on one side
+          return (at_value(value + step) - y) / step;
+        }
+      }();
+      for (const auto k : points) prediction.slopes[i][k] = slope;
     }
   }
   return prediction;

@@ -295,9 +295,11 @@ std::vector<std::string> write_tables_and_pictures(const fs::path& folder, const
                                                    const std::vector<std::size_t>& order) {
   const auto& data = scene.fit.data;
   constexpr std::size_t most_shown = 4;  // laws
-  const std::vector<std::size_t> shown(order.begin(),
-                                       order.begin() + std::ptrdiff_t(std::min(order.size(), most_shown)));
+  std::vector<std::size_t> shown;
+  for (const auto k : order)
+    if (shown.size() < most_shown && !fits[k].measurements.empty()) shown.push_back(k);
   std::vector<std::string> files;
+  if (fits.front().measurements.empty()) return files;  // it ended before it could be laid beside the data
   for (std::size_t d = 0; d < data.size(); ++d)
     files.insert(files.end(),
                  {write_curve(folder, scene, fits, shown, d), write_standardised(folder, scene, fits, shown, d)});

@@ -30,7 +30,7 @@ struct ClosedForm {
 };
 ClosedForm closed_form(double difference, double V) {
   const double omega = std::sqrt(k / m), lead = N * difference / k, radius = std::hypot(lead, V / omega);
-  return {2 * lead / V + (std::numbers::pi + 2 * std::atan2(V, omega * lead)) / omega, 2 * k * radius,
+  return {2 * lead / V + (std::numbers::pi + 2 * std::atan2(V, omega * lead)) / omega, 2 * N * difference,
           V + radius * omega};
 }
 

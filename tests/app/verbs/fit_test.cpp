@@ -86,7 +86,7 @@ TEST_CASE("LuGre comes back from a recorded motion, with tables of the fit and o
   std::ifstream curve(folder.path / "out/fit-curve-1.csv");
   std::string header, row;
   std::getline(curve, header);
-  CHECK(header == "time (s),data,fit,residual,standard error");
+  CHECK(header == "time (s),data,fit,residual,standard error,displacement (m)");
   std::getline(curve, row);
   std::istringstream cells(row);
   double time, data, fitted, residual;
