@@ -11,6 +11,7 @@ from pathlib import Path
 import nbclient
 import nbformat
 
+os.environ.setdefault("PYDEVD_DISABLE_FILE_VALIDATION", "1")  # which only warns of frozen modules
 FOLDER = Path(__file__).resolve().parent
 LONGEST = 60  # s that a cell may take
 

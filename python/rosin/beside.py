@@ -22,7 +22,7 @@ def with_error(value: float, error: float) -> str:
     of_error = math.floor(math.log10(error))
     of_value = math.floor(math.log10(abs(value))) if value else of_error
     places = min(max(of_value - of_error, 0), 13)
-    size = f"{error:.0e}" if of_error < -3 or of_error > 3 else f"{error:.1g}"
+    size = f"{error:.0e}" if of_error < -3 or of_error > 3 else f"{round(error, -of_error):.{max(-of_error, 0)}f}"
     if -5 < of_value < 7:
         return f"{value:.{max(places - of_value, 0)}f} ± {size}"
     return f"{value:.{places}e} ± {size}"
@@ -30,7 +30,9 @@ def with_error(value: float, error: float) -> str:
 
 @dataclass(frozen=True)
 class Printed:
-    """A number that somebody printed: one, "0.09 ± 0.01", or a range, "10 … 11". Its last digit is uncertain by half."""
+    """A number that somebody printed: one, "0.09 ± 0.01", or a range, "10 … 11". Its last digit is uncertain by half.
+    What is no text is exact.
+    """
 
     text: str
     low: float
@@ -39,7 +41,9 @@ class Printed:
 
     @classmethod
     def read(cls, given: str | float) -> Printed:
-        text = str(given).replace("−", "-")
+        if not isinstance(given, str):
+            return cls(f"{given:.10g}", given, given, 0.0)
+        text = given.replace("−", "-")
         found = re.fullmatch(rf"\s*({NUMBER})\s*(?:(±|…)\s*({NUMBER}))?\s*", text)
         if not found:
             raise InputError("", f"printed number '{given}': one number, 'number ± error', or 'number … number'")
@@ -50,7 +54,7 @@ class Printed:
         elif found[2] == "…":
             high = float(found[3])
             accuracy = max(accuracy, _half_a_digit(found[3]))
-        return cls(str(given), low, high, accuracy)
+        return cls(given, low, high, accuracy)
 
     def difference(self, value: float) -> float:
         """From the number, or from the nearer end of the range; 0 within it."""
@@ -90,7 +94,8 @@ def beside(rows: Iterable[tuple[str, str | float, float, float]]) -> Beside:
     ----------
     rows : iterable of (what, printed, found, error)
         `what` names the quantity with its unit. `printed` is a text such as ``"12"``, ``"0.09 ± 0.01"`` or
-        ``"10 … 11"``: half of its last digit counts as its error where none is said. `error` is that of `found`.
+        ``"10 … 11"``: half of its last digit counts as its error where none is said. A number in its place is exact.
+        `error` is that of `found`.
 
     Returns
     -------

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Callable
 from .errors import InputError
 
 if TYPE_CHECKING:
+    import numpy
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -79,6 +80,7 @@ def plot(result: Result, what: str | list[str] | None = None) -> Figure:
     """
     import matplotlib.pyplot as pyplot
 
+    pyplot.draw_if_interactive()  # loads the backend, whose rcParams rc_context would undo: notebooks then show nothing more
     data = result.tables.get("curve-1") if result.verb == "fit" else result.dataset
     if data is None:
         raise InputError("", f"a result of '{result.verb}' ({result.outcome}) has no plane or table to draw")
@@ -124,7 +126,7 @@ def _of_plane(data: xarray.Dataset) -> list[str]:
 
 @_chosen(_of_plane)
 def _plane(data: xarray.Dataset, names: list[str]) -> Figure:
-    from matplotlib.colors import ListedColormap
+    from matplotlib.colors import ListedColormap, LogNorm
     import matplotlib.pyplot as pyplot
 
     panels = []  # a plane for each member of a comparison
@@ -136,18 +138,24 @@ def _plane(data: xarray.Dataset, names: list[str]) -> Figure:
         if member is not None:
             ax.set_title(str(member), fontsize=10)
         y, x = map(str, plane.dims)
+        edges = _edges(data[x]), _edges(data[y])
         words = plane.attrs.get("flag_meanings", "").split()
         if words:
             colours = ["#E8EEF4", "#00336F", "#B0560F", "#3A8F5C", "#8A4FA3", "#555555", "#C9A227", "#7FA6CC"]
             flags = list(plane.attrs["flag_values"])
             values = plane.where(plane >= 0)
-            cells = ax.pcolormesh(data[x], data[y], values, shading="nearest", rasterized=True, vmin=flags[0] - 0.5,
+            cells = ax.pcolormesh(*edges, values, shading="flat", rasterized=True, vmin=flags[0] - 0.5,
                                   vmax=flags[-1] + 0.5,
                                   cmap=ListedColormap([colours[i % len(colours)] for i in range(len(flags))]))
             figure.colorbar(cells, ax=ax, ticks=flags).ax.set_yticklabels(word.replace("_", " ") for word in words)
         else:
-            cells = ax.pcolormesh(data[x], data[y], plane, shading="nearest", rasterized=True, cmap="cividis")
-            figure.colorbar(cells, ax=ax, label=name.replace("_", " ") + _unit(plane))
+            norm, label = None, name.replace("_", " ")
+            if plane.attrs.get("scale") == "log":  # five decades below the most; white where less, or nothing, is told
+                most = float(plane.max()) or 1.0
+                norm, label = LogNorm(most * 1e-5, most), plane.attrs["long_name"]
+                plane = plane.where(plane >= most * 1e-5)
+            cells = ax.pcolormesh(*edges, plane, shading="flat", rasterized=True, cmap="cividis", norm=norm)
+            figure.colorbar(cells, ax=ax, label=label + _unit(plane))
         ax.set_facecolor("#FFFFFF")
         for axis, of in (("x", x), ("y", y)):
             if data[of].attrs.get("scale") == "log":
@@ -166,6 +174,25 @@ def _plane(data: xarray.Dataset, names: list[str]) -> Figure:
     if axes[0][0].lines:
         axes[0][0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=2, fontsize=9)
     return figure
+
+
+def _edges(axis: xarray.DataArray) -> numpy.ndarray:
+    """Where cells around the values of an axis meet: half way, on its scale."""
+    import numpy
+
+    values = axis.values
+    if values.size < 2:
+        return numpy.array([values[0] - 0.5, values[0] + 0.5])
+    if axis.attrs.get("scale") == "log":
+        return numpy.exp(_middles(numpy.log(values)))
+    return _middles(values)
+
+
+def _middles(values: numpy.ndarray) -> numpy.ndarray:
+    import numpy
+
+    between = (values[1:] + values[:-1]) / 2
+    return numpy.concatenate([[2 * values[0] - between[0]], between, [2 * values[-1] - between[-1]]])
 
 
 def _unit(column: xarray.DataArray) -> str:
@@ -271,7 +298,7 @@ def _fit(data: xarray.Dataset, names: list[str]) -> Figure:
             above.plot(x, data[fit], **LINES[number % len(LINES)], label=fit.removeprefix(part).replace("_", " "))
         below.plot(x, data[f"{part}residual"] / data[f"{part}standard_error"], linestyle="none", marker=".",
                    markersize=3, color=LINES[0]["color"])
-        above.set_ylabel(part.replace("_", " ").strip() or "measured, fitted")
+        above.set_ylabel(part.replace("_", " ").strip() or "measured and fitted")
         below.set_ylabel("residual /\nstandard error")
         below.set_xlabel(over.replace("_", " ") + _unit(x))
         above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=3, fontsize=9)
@@ -308,7 +335,14 @@ def _loop(data: xarray.Dataset, names: list[str]) -> Figure:
     return figure
 
 
-@_chosen(lambda data: [str(name) for name, one in data.items() if one.ndim == 2][:2])
+def _of_sweep(data: xarray.Dataset) -> list[str]:
+    """One quantity, in all directions in which it was recorded."""
+    names = [str(name) for name, one in data.items() if one.ndim == 2]
+    stem = names[0].removesuffix("_up").removesuffix("_down")
+    return [name for name in names if name.removesuffix("_up").removesuffix("_down") == stem]
+
+
+@_chosen(_of_sweep)
 def _sweep(data: xarray.Dataset, names: list[str]) -> Figure:
     """What a motion becomes: each recorded moment over the parameter."""
     import matplotlib.pyplot as pyplot

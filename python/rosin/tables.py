@@ -192,19 +192,19 @@ def _design(result: Result) -> xarray.Dataset:
     import xarray
 
     coordinates, dimensions = _axes(result)
-    words = ("information on the logarithm of " + _last(result.raw["parameter"]) if "parameter" in result.raw
+    words = ("information on ln " + _last(result.raw["parameter"]) if "parameter" in result.raw
              else "log-likelihood ratio of one measurement")
     data: dict[str, Any] = {}
 
-    def add(name: str, values: Any, long_name: str) -> None:
-        data[name] = (dimensions, numpy.array(values, dtype=float), {"units": "1", "long_name": long_name})
+    def add(name: str, values: Any, long_name: str, **more: str) -> None:
+        data[name] = (dimensions, numpy.array(values, dtype=float), {"units": "1", "long_name": long_name} | more)
 
-    add("discriminability", result.raw["discriminability"], words)
+    add("discriminability", result.raw["discriminability"], words, scale="log")
     add("discriminability_error", result.raw["discriminability_error"], "absolute error of discriminability")
     if "repeats" in result.raw:
         add("repeats", result.raw["repeats"], "measurements needed")
     for metric, one in result.raw["by_metric"].items():
-        add(f"discriminability_{metric}", one["discriminability"], f"{words} of {metric.replace('_', ' ')} alone")
+        add(f"discriminability_{metric}", one["discriminability"], f"{words}: {metric.replace('_', ' ')}", scale="log")
     return xarray.Dataset(data, coords=coordinates)
 
 
