@@ -24,7 +24,7 @@ def with_error(value: float, error: float) -> str:
     places = min(max(of_value - of_error, 0), 13)
     size = f"{error:.0e}" if of_error < -3 or of_error > 3 else f"{round(error, -of_error):.{max(-of_error, 0)}f}"
     if -5 < of_value < 7:
-        return f"{value:.{max(places - of_value, 0)}f} ± {size}"
+        return f"{value:.{max(min(-of_error, 13 - of_value), 0)}f} ± {size}"
     return f"{value:.{places}e} ± {size}"
 
 
@@ -70,13 +70,12 @@ def _half_a_digit(text: str) -> float:
 class Beside:
     """A table: what, printed, found with its error, and the difference with the error of both."""
 
-    HEADER = "quantity", "printed", "rosin", "difference"
-
-    def __init__(self, rows: list[tuple[str, str, str, str]]) -> None:
+    def __init__(self, rows: list[tuple[str, str, str, str]], against: str) -> None:
         self.rows = rows
+        self.header = "quantity", against, "rosin", "difference"
 
     def __repr__(self) -> str:
-        lines = [self.HEADER, *self.rows]
+        lines = [self.header, *self.rows]
         widths = [max(len(line[column]) for line in lines) for column in range(4)]
         return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines)
 
@@ -84,10 +83,10 @@ class Beside:
         def row(cells: Iterable[str], tag: str) -> str:
             return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
 
-        return "<table>\n" + "\n".join([row(self.HEADER, "th"), *(row(one, "td") for one in self.rows)]) + "\n</table>"
+        return "<table>\n" + "\n".join([row(self.header, "th"), *(row(one, "td") for one in self.rows)]) + "\n</table>"
 
 
-def beside(rows: Iterable[tuple[str, str | float, float, float]]) -> Beside:
+def beside(rows: Iterable[tuple[str, str | float, float, float]], against: str = "printed") -> Beside:
     """Printed numbers and those of rosin as a table.
 
     Parameters
@@ -96,6 +95,8 @@ def beside(rows: Iterable[tuple[str, str | float, float, float]]) -> Beside:
         `what` names the quantity with its unit. `printed` is a text such as ``"12"``, ``"0.09 ± 0.01"`` or
         ``"10 … 11"``: half of its last digit counts as its error where none is said. A number in its place is exact.
         `error` is that of `found`.
+    against : str
+        What stands above the numbers of others.
 
     Returns
     -------
@@ -107,4 +108,4 @@ def beside(rows: Iterable[tuple[str, str | float, float, float]]) -> Beside:
         other = Printed.read(printed)
         difference = with_error(other.difference(found), other.accuracy + error)
         lines.append((what, other.text, with_error(found, error), difference))
-    return Beside(lines)
+    return Beside(lines, against)

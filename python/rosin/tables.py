@@ -119,9 +119,8 @@ def _path(result: Result) -> xarray.Dataset:
 
     name = _last(result.raw["parameter"])
     values = numpy.array(result.raw["path"]["value"], dtype=float)
-    pairs = numpy.array(result.raw["path"]["eigenvalues"], dtype=float)
-    if pairs.shape[0] != values.size:  # stored mode by mode
-        pairs = pairs.swapaxes(0, 1)
+    pairs = numpy.array(result.raw["path"]["eigenvalues"], dtype=float)  # [value][mode]
+    pairs = pairs[:, (pairs[..., 1] >= 0).any(axis=0)]  # one of each conjugate pair
     return xarray.Dataset(
         {"growth_rate": ((name, "mode"), pairs[..., 0], {"units": "1/s", "long_name": "growth rate"}),
          "frequency": ((name, "mode"), numpy.abs(pairs[..., 1]) / (2 * numpy.pi), {"units": "Hz", "long_name": "frequency"})},
