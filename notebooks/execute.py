@@ -13,7 +13,7 @@ import nbformat
 
 os.environ.setdefault("PYDEVD_DISABLE_FILE_VALIDATION", "1")  # which only warns of frozen modules
 FOLDER = Path(__file__).resolve().parent
-LONGEST = 60  # s that a cell may take
+LONGEST = 300  # s that a cell may take
 
 
 def executed(file: Path) -> nbformat.NotebookNode:
@@ -35,6 +35,7 @@ def tidy(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
         if cell.cell_type != "code":
             continue
         cell.execution_count = None
+        cell.outputs = joined(cell.outputs)
         for output in cell.outputs:
             if output.output_type == "stream" and output.name == "stderr":
                 raise RuntimeError(f"cell {number} writes to standard error: {output.text}")
@@ -46,6 +47,17 @@ def tidy(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
                 if "image/png" in output.data:
                     output.data.pop("text/plain", None)
     return notebook
+
+
+def joined(outputs: list[nbformat.NotebookNode]) -> list[nbformat.NotebookNode]:
+    """Pieces in which printed text happened to come, as one."""
+    whole: list[nbformat.NotebookNode] = []
+    for output in outputs:
+        if whole and output.output_type == whole[-1].output_type == "stream" and output.name == whole[-1].name:
+            whole[-1].text += output.text
+        else:
+            whole.append(output)
+    return whole
 
 
 def main(files: list[Path]) -> None:

@@ -144,9 +144,9 @@ def test_printed_numbers_beside_found_ones():
         ("limit", 1, 0.9975, 1e-4),
         ("cases", 268, 252.0, 27),
     ])
-    assert [row[3] for row in table.rows] == ["0.001 ± 0.5", "2.6 ± 0.5", "0.0 ± 0.5", "-0.01 ± 0.01", "-0.0025 ± 1e-04", "-16 ± 30"]
+    assert [row[3] for row in table.rows] == ["0.0 ± 0.5", "2.6 ± 0.5", "0.0 ± 0.5", "-0.01 ± 0.01", "-0.0025 ± 1e-04", "-16 ± 30"]
     assert table.rows[0][2] == "12.001031290 ± 5e-09"
-    assert repr(table).splitlines()[1].split() == ["period", "(s)", "12", "12.001031290", "±", "5e-09", "0.001", "±", "0.5"]
+    assert repr(table).splitlines()[1].split() == ["period", "(s)", "12", "12.001031290", "±", "5e-09", "0.0", "±", "0.5"]
     assert "<td>10 … 11</td>" in table._repr_html_()
     with pytest.raises(rosin.InputError, match="printed number 'about 12': one number, 'number ± error'"):
         rosin.beside([("period", "about 12", 12.0, 0.1)])
