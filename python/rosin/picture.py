@@ -84,7 +84,8 @@ def plot(result: Result, what: str | list[str] | None = None) -> Figure:
     data = result.tables.get("curve-1") if result.verb == "fit" else result.dataset
     if data is None:
         raise InputError("", f"a result of '{result.verb}' ({result.outcome}) has no plane or table to draw")
-    draw = {"map": _plane, "basin": _plane, "cycle": _loop, "sweep": _sweep, "branch": _branch, "fit": _fit}.get(result.verb, _columns)
+    draw = {"map": _plane, "basin": _plane, "cycle": _loop, "sweep": _sweep, "branch": _branch, "fit": _fit}.get(
+        result.verb, _columns)
     if result.verb == "compare" and "scale" in next(iter(data.coords.values())).attrs:
         draw = _plane
     names = draw.chosen(data) if what is None else [what] if isinstance(what, str) else list(what)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,9 +28,10 @@ def dataset(result: Result) -> xarray.Dataset | None:
 
         with xarray.open_dataset(stored, decode_times=False) as plane:
             return plane.load()
-    for key, of in (("family", _family), ("path", _path), ("series", _series), ("planes", _planes),
-                    ("discriminability", _design), ("correlation", _fit)):
-        if result.raw.get(key):
+    for verb, key, of in (("frf", "family", _family), ("stability", "path", _path), ("fit", "correlation", _fit),
+                          ("compare", "series", _series), ("compare", "planes", _planes),
+                          ("compare", "discriminability", _design), ("compare", "separation", _strings)):
+        if result.verb == verb and result.raw.get(key):
             return _titled(of(result), result)
     table = result.folder / f"{result.verb}.csv"
     return _table(table, result, result.error) if table.exists() else None
@@ -70,7 +72,7 @@ def _columns(table: Path) -> tuple[dict[str, Any], dict[str, str]]:
     return columns, units
 
 
-def _table(table: Path, result: Result, errors: dict[str, Any] = {}) -> xarray.Dataset:
+def _table(table: Path, result: Result, errors: Mapping[str, Any] | None = None) -> xarray.Dataset:
     """A table whose first column is the coordinate of the others if it rises, or is time, which stands still in a
     jump; with errors of columns, if there are such."""
     import numpy
@@ -87,7 +89,7 @@ def _table(table: Path, result: Result, errors: dict[str, Any] = {}) -> xarray.D
         return {"units": units[name], "long_name": of.format(meaning.get(name, name.replace("_", " ")))}
 
     data: dict[str, Any] = {name: (dimension, values, described(name)) for name, values in columns.items()}
-    for name, error in errors.items():
+    for name, error in (errors or {}).items():
         if name in columns and isinstance(error, (int, float)):
             data[f"{name}_error"] = ((), float(error), described(name, "absolute error of {}"))
     return _titled(xarray.Dataset(data), result)
@@ -119,14 +121,15 @@ def _path(result: Result) -> xarray.Dataset:
 
     name = _last(result.raw["parameter"])
     values = numpy.array(result.raw["path"]["value"], dtype=float)
-    pairs = numpy.array(result.raw["path"]["eigenvalues"], dtype=float)  # [value][mode]
+    modes = result.raw["path"]["eigenvalues"]
+    most = max(map(len, modes))
+    pairs = numpy.array([one + [[None, None]] * (most - len(one)) for one in modes], dtype=float)  # [value][mode]
     pairs = pairs[:, (pairs[..., 1] >= 0).any(axis=0)]  # one of each conjugate pair
     return xarray.Dataset(
         {"growth_rate": ((name, "mode"), pairs[..., 0], {"units": "1/s", "long_name": "growth rate"}),
          "frequency": ((name, "mode"), numpy.abs(pairs[..., 1]) / (2 * numpy.pi), {"units": "Hz", "long_name": "frequency"})},
         coords={name: (name, values, {"long_name": name.replace("_", " ")}
                        | ({"units": UNITS[name]} if name in UNITS else {}))})
-
 
 
 
@@ -185,6 +188,27 @@ def _planes(result: Result) -> xarray.Dataset:
     return xarray.Dataset(data, coords=coordinates)
 
 
+def _strings(result: Result) -> xarray.Dataset:
+    """Transients of bowed strings under several laws, and how far the closest two lie apart."""
+    import numpy
+    import xarray
+
+    coordinates, dimensions = _axes(result)
+    members = result.raw["members"]
+    coordinates["member"] = ("member", [one["name"] for one in members], {"long_name": "member of the comparison"})
+
+    def of_all(key: str, kind: type) -> Any:
+        return numpy.array([one[key] for one in members], dtype=kind)
+
+    planes = ("member", *dimensions)
+    return xarray.Dataset(
+        {"transient_length": (planes, of_all("transient_length", float), {"units": "1", "long_name": "transient, in periods"}),
+         "reproducible": (planes, of_all("reproducible_at", bool), {"long_name": "whether a small change keeps it"}),
+         "separation": (dimensions, numpy.array(result.raw["separation"], dtype=float),
+                        {"units": "1", "long_name": "least difference of two transients, in periods"})},
+        coords=coordinates)
+
+
 def _design(result: Result) -> xarray.Dataset:
     """What a measurement tells, over the plane of test conditions."""
     import numpy
@@ -215,9 +239,9 @@ def _fit(result: Result) -> xarray.Dataset:
     found = result.raw["parameters"]
     names = list(found)
     count = len(names)
-    data: dict[str, Any] = {
-        "correlation": (("parameter", "other_parameter"), numpy.array(result.raw["correlation"], dtype=float).reshape(count, count),
-                        {"units": "1", "long_name": "correlation of two fitted parameters"})}
+    correlation = numpy.array(result.raw["correlation"], dtype=float).reshape(count, count)
+    data: dict[str, Any] = {"correlation": (("parameter", "other_parameter"), correlation,
+                                            {"units": "1", "long_name": "correlation of two fitted parameters"})}
     for name, one in found.items():
         about = {"units": one.get("unit", "1"), "long_name": name}
         data[name] = ((), _number(one["value"]), about)
