@@ -6,6 +6,7 @@ writes to standard error stops the work, and its notebook stays as it was.
 
 import os
 import sys
+import tempfile
 from pathlib import Path
 
 import nbclient
@@ -20,8 +21,10 @@ def executed(file: Path) -> nbformat.NotebookNode:
     """The notebook with the outputs that it has now, run in its folder."""
     notebook = nbformat.read(file, as_version=4)
     notebook.metadata.kernelspec = {"name": "python3", "display_name": "Python 3", "language": "python"}
-    nbclient.NotebookClient(notebook, timeout=LONGEST, kernel_name="python3",
-                            resources={"metadata": {"path": str(file.parent)}}).execute()
+    client = nbclient.NotebookClient(notebook, timeout=LONGEST, kernel_name="python3",
+                                     resources={"metadata": {"path": str(file.parent)}})
+    with tempfile.TemporaryDirectory() as nobodys:  # without what a user has set for IPython
+        client.execute(env=os.environ | {"IPYTHONDIR": nobodys})
     return tidy(notebook)
 
 
