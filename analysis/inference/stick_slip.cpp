@@ -78,14 +78,14 @@ Prediction predict_stick_slip(const Model& given, const Measurement& m, const st
     const double y = observed(model, m.event, m.name);
     for (const auto k : points) prediction.y[k] = y;
     for (std::size_t i = 0; i < paths.size(); ++i) {
-      constexpr double part = 1e-3;
+      constexpr double part = 3e-4;
       const double value = model.get(paths[i]), step = part * std::abs(value);
       const auto at_value = [&](double p) { return observed(model.with(paths[i], p), m.event, m.name); };
       const double slope = [&] {
         try {
-          return (at_value(value + step) - at_value(value - step)) / (2 * step);
-        } catch (const InputError&) {  // stick–slip ends on one side
           return (at_value(value + step) - y) / step;
+        } catch (const InputError&) {  // stick–slip ends on this side
+          return (y - at_value(value - step)) / step;
         }
       }();
       for (const auto k : points) prediction.slopes[i][k] = slope;

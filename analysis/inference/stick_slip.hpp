@@ -6,7 +6,7 @@
 namespace rosin::analysis::inference {
 
 /// The events of the cycle at each x of a measurement of stick–slip, and their slopes: cycles at a relative accuracy of
-/// 1e-9, slopes by central differences of 1e-3, good to 1e-5 where cycles change smoothly with the number.
+/// 1e-9, slopes by differences of 3e-4 of the number, good to 1e-3 where cycles change smoothly with it.
 /// \throws InputError where the slider does not stick and slip.
 Prediction predict_stick_slip(const Model&, const Measurement&, const std::vector<std::string>& paths);
 
