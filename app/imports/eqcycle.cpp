@@ -59,10 +59,13 @@ class Translation {
   }
 
   void law() {
-    for (const auto& [names, what] :
-         {std::pair{std::initializer_list<std::string_view>{"D_1", "D1"}, "a cohesive zone"},
-          {{"D_w1", "Dw1", "mu_t"}, "double slip weakening with initial strengthening"}})
-      if (const int line = line_of(names); line > 0)
+    struct Foreign {
+      const char *name, *what;
+    };
+    for (const auto& [name, what] :
+         {Foreign{"D_1", "a cohesive zone"}, Foreign{"D1", "a cohesive zone"}, Foreign{"D_w1", "double slip weakening"},
+          Foreign{"mu_t", "double slip weakening"}})
+      if (const int line = line_of({name}); line > 0)
         script_.refuse(line,
                        fmt::format("is a parameter of {}, for which rosin has no law of its own; write it as a law "
                                    "from text, docs/formula-laws.md",

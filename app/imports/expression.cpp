@@ -534,11 +534,12 @@ Value Expression::braces() {
   while (!is("}")) {
     if (next().kind != Token::text) throw Failure{};
     const auto key = next().word;
+    const int line = surroundings_.line + next().line;
     ++at_;
     need(":");
     const auto begin = at_;
     const int depth = depth_;
-    Slot slot{{}, surroundings_.line};
+    Slot slot{{}, line};
     try {
       slot.value = either();
     } catch (const Failure& failure) {  // the other entries stand all the same

@@ -48,14 +48,14 @@ class Division {
     if (c == (python ? '#' : '%')) return comment();
     if (!python && ahead("...")) {
       skip_line();
-      current_ += ' ';
+      join_line();
       return;
     }
     if (python && c == '\\') {
       ++at_;
       while (at_ < text_.size() && blank(text_[at_])) ++at_;
       if (at_ < text_.size() && text_[at_] == '\n') ++at_, ++line_;
-      current_ += ' ';
+      join_line();
       return;
     }
     if (c == '"' || (c == '\'' && (python || !transposes(current_)))) return quoted(c);
@@ -82,10 +82,15 @@ class Division {
     current_ += c;
   }
 
+  /// The statement goes on with the next line, whose end is kept so that lines can be counted.
+  void join_line() {
+    if (!current_.empty()) current_ += '\n';
+  }
+
   void new_line() {
     ++at_, ++line_;
     if (depth_ > 0) {
-      current_ += ' ';
+      join_line();
       return;
     }
     finish();
@@ -139,7 +144,7 @@ class Division {
   }
 
   void finish() {
-    while (!current_.empty() && blank(current_.back())) current_.pop_back();
+    while (!current_.empty() && (blank(current_.back()) || current_.back() == '\n')) current_.pop_back();
     if (!current_.empty()) found_.push_back({begin_, indent_, std::move(current_)});
     current_.clear();
   }
@@ -166,9 +171,14 @@ bool tokens_of(std::string_view statement, Dialect dialect, std::vector<Token>& 
       ".^",  "&&",  "||", "->", ":=", "+",  "-",  "*",  "/",  "%",  "^",  "=",  "<",  ">",  "(",
       ")",   "[",   "]",  "{",  "}",  ",",  ":",  ".",  ";",  "&",  "|",  "~",  "'",  "@",  "!"};
   tokens.clear();
+  int lines = 0;
   for (std::size_t at = 0; at < statement.size();) {
     Token token;
-    while (at < statement.size() && blank(statement[at])) token.after_space = true, ++at;
+    for (; at < statement.size() && (blank(statement[at]) || statement[at] == '\n'); ++at) {
+      token.after_space = true;
+      lines += statement[at] == '\n' ? 1 : 0;
+    }
+    token.line = lines;
     if (at == statement.size()) break;
     const auto rest = statement.substr(at);
     const bool point = rest.size() > 1 && rest[0] == '.' && digit(rest[1]);

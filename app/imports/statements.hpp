@@ -8,7 +8,7 @@
 
 namespace rosin::app::imports {
 
-/// What stands on one line, or on several where brackets or a mark of continuation join them; without comments.
+/// What stands on one line, or on several where brackets or a mark of continuation join them; without comments, and with the ends of its lines.
 struct Statement {
   int line;    ///< where it begins, from 1
   int indent;  ///< spaces before it
@@ -22,6 +22,7 @@ struct Token {
   std::string word;
   double value = 0;
   bool after_space = false;
+  int line = 0;  ///< counted from that of its statement
 };
 /// Ends with a token of kind `end`. False where a sign is none of the language.
 bool tokens_of(std::string_view statement, Dialect, std::vector<Token>& tokens);

@@ -62,7 +62,7 @@ TEST_CASE("three inputs of QDYN are one spring-slider", "[imports]") {
     INFO(name);
     const auto scene = scene_of_example(name);
     CHECK(scene.model.slider.mass == 0);
-    CHECK(scene.model.slider.stiffness == 2e9);              // Pa/m: 20 GPa/10 m
+    CHECK(scene.model.slider.stiffness == 2e9);  // Pa/m: 20 GPa/10 m
     CHECK(scene.model.slider.damping == Approx(1e10 / 3e3).epsilon(1e-15));
     CHECK(scene.model.drive.normal_load.level() == 5e6);
     CHECK(scene.model.drive.speed.level() == 1e-6);
@@ -122,12 +122,15 @@ TEST_CASE("oscillating shear stress of QDYN is a force against the slider", "[im
 }
 
 TEST_CASE("older and newer releases of qdyn.in are told apart by their lines", "[imports]") {
-  const std::string before = "0 meshdim\n1 NN\n10 1 L, W\n1 itheta_law\n2 i_rns_law\n0 i_sigma_cpl\n",
-                    after = "100 0 Tper, Aper\n1d-6 0 1D4 1e-10 dt_try, dtmax, tmax, acc\n0 nstop\n0 0 x\n1e18 1e-3 1e-4 y\n",
-                    node = "5e6 1e-6 10 0.01 0.025 1e-5 0.01 1e-7 0.6 2e-6 0 0";
-  const std::string oldest = before + "2 n_equations\n1 1 1 1 0 0 out\n3000 2e10 3e10 1e-5 elastic\n" + after + node + "\n";
+  const std::string
+      before = "0 meshdim\n1 NN\n10 1 L, W\n1 itheta_law\n2 i_rns_law\n0 i_sigma_cpl\n",
+      after = "100 0 Tper, Aper\n1d-6 0 1D4 1e-10 dt_try, dtmax, tmax, acc\n0 nstop\n0 0 x\n1e18 1e-3 1e-4 y\n",
+      node = "5e6 1e-6 10 0.01 0.025 1e-5 0.01 1e-7 0.6 2e-6 0 0";
+  const std::string oldest =
+      before + "2 n_equations\n1 1 1 1 0 0 out\n3000 2e10 3e10 1e-5 elastic\n" + after + node + "\n";
   const std::string newest = before + "0 restart\n0 restart time\n1 faults\n0 0 0 features\n1 1 1 1 1 1 1 0 0 out\n" +
-                             "3000 2e10 3e10 0 0 0.01 elastic\n" + after + "1 2 type\n" + node + " 0 3e-6\n0 0 0 90 1 0\n";
+                             "3000 2e10 3e10 0 0 0.01 elastic\n" + after + "1 2 type\n" + node +
+                             " 0 3e-6\n0 0 0 90 1 0\n";
   const auto old = scene_from("qdyn.in", oldest), recent = scene_from("qdyn.in", newest);
   CHECK(old.model.drive.speed.level() == 2e-6);  // of V_SS
   CHECK(recent.model.drive.speed.level() == 3e-6);
@@ -144,12 +147,14 @@ TEST_CASE("what no scene has is refused with file, line, name and reason", "[imp
     std::vector<std::string> parts;
   };
   const std::vector<Case> cases = {
-      {"a.py", replaced(python, "model.k = 1e-3", "model.k = stiffness()"), {"a.py:8: 'model.k = stiffness()", "model.k"}},
+      {"a.py",
+       replaced(python, "model.k = 1e-3", "model.k = stiffness()"),
+       {"a.py:8: 'model.k = stiffness()", "model.k"}},
       {"a.py", replaced(python, "model.k = 1e-3", "model.kk = 1e-3"), {"a.py:8:", "'kk'", "did you mean 'k'?"}},
       {"a.py", replaced(python, "model.a = 0.005", "model.b = 0.005"), {"a.py:7:", "'b'"}},
       {"a.py", replaced(python, "model.a = 0.005", "if 1 > 0:\n    model.a = 0.005"), {"a.py:8:", "condition"}},
       {"a.py", replaced(python, "lp_velocity[10 * rate :] = 10.0", "lp_velocity[ramp] = 10.0"), {"a.py:21:"}},
-      {"a.py", replaced(python, "[state1]", "[state1, state1, state1]"), {"a.py:15:", "law from text"}},
+      {"a.py", replaced(python, "[state1]", "[state1, state1, state1]"), {"a.py:15:", "text"}},
       {"q.py", replaced(qdyn, "\"MESHDIM\": 0", "\"MESHDIM\": 2"), {"q.py:6:", "MESHDIM = 2", "one slider"}},
       {"q.py", replaced(qdyn, "\"RSF\"", "\"CNS\""), {"q.py:7:", "Chen, Niemeijer and Spiers"}},
       {"q.py", replaced(qdyn, "\"RNS_LAW\": 0", "\"RNS_LAW\": 1"), {"q.py:17:", "RNS_LAW = 1", "V1"}},
@@ -191,8 +196,9 @@ TEST_CASE("damaged inputs become a scene or are refused", "[imports]") {
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
   const std::vector<std::string> names = {"velocity-step.py", "stick-slip-qdyn.py", "stick-slip-qdyn.m",
                                           "qdyn.in",          "earthquake-cycle.m", "slip-weakening.m"};
-  const std::vector<std::string> pieces = {"[", ")", "'", "=", "1e999", "-", "nan", "\n", "**", "%{\n", "\"\"\"", ":",
-                                           "model", "np.arange(0,1e9)", "\\", "...", "{", "0", "inf", ","};
+  const std::vector<std::string> pieces = {"[",  ")",   "'",    "=",      "1e999", "-",     "nan",
+                                           "\n", "**",  "%{\n", "\"\"\"", ":",     "model", "np.arange(0,1e9)",
+                                           "\\", "...", "{",    "0",      "inf",   ","};
   int scenes = 0;
   for (int i = 0; i < 500; ++i) {
     const auto& name = names[below(names.size())];
@@ -200,10 +206,17 @@ TEST_CASE("damaged inputs become a scene or are refused", "[imports]") {
     for (std::size_t change = 0, changes = 1 + below(3); change < changes && !text.empty(); ++change) {
       const auto at = below(text.size()), length = std::min(below(12), text.size() - at);
       switch (below(4)) {
-        case 0: text.erase(at, length); break;
-        case 1: text.insert(at, pieces[below(pieces.size())]); break;
-        case 2: text[at] = static_cast<char>(below(256)); break;
-        default: text.insert(below(text.size()), text.substr(at, length));
+        case 0:
+          text.erase(at, length);
+          break;
+        case 1:
+          text.insert(at, pieces[below(pieces.size())]);
+          break;
+        case 2:
+          text[at] = static_cast<char>(below(256));
+          break;
+        default:
+          text.insert(below(text.size()), text.substr(at, length));
       }
     }
     INFO(i << ": " << text);

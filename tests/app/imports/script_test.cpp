@@ -7,12 +7,13 @@
 
 using Catch::Matchers::Contains;
 using namespace rosin;
+namespace imports = rosin::app::imports;
 using namespace rosin::app::imports;
 
 namespace {
 
 Script read(std::string_view text, Dialect dialect = Dialect::python) {
-  return Script("script", text, dialect, [](std::string_view, const std::vector<Argument>&, int) { return Value{}; });
+  return Script("script", text, dialect, [](std::string_view, const std::vector<Argument>&, int) { return imports::Value{}; });
 }
 double number(const Script& script, std::string_view name) {
   const auto& slot = script.variables().slots.find(name)->second;
@@ -44,7 +45,7 @@ TEST_CASE("arithmetic of scripts is that of Python", "[imports]") {
   CHECK(number(script, "b") == 1.5e-3);
   CHECK(number(script, "c") == -1);
   CHECK(number(script, "d") == 4);
-  CHECK(number(script, "e") == Approx(0.017434202).epsilon(1e-8));
+  CHECK(number(script, "e") == Approx(0.0174345505).epsilon(1e-8));
   CHECK(number(script, "f") == 2);
   CHECK(*script.variables().slots.find("text")->second.value.as<std::string>() == "a # b");
 }
