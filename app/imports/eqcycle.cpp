@@ -62,9 +62,9 @@ class Translation {
     struct Foreign {
       const char *name, *what;
     };
-    for (const auto& [name, what] :
-         {Foreign{"D_1", "a cohesive zone"}, Foreign{"D1", "a cohesive zone"}, Foreign{"D_w1", "double slip weakening"},
-          Foreign{"mu_t", "double slip weakening"}})
+    for (const auto& [name, what] : {Foreign{"D_1", "a cohesive zone"}, Foreign{"D1", "a cohesive zone"},
+                                     Foreign{"D_w1", "double slip weakening"}, Foreign{"mu_t", "double slip weakening"},
+                                     Foreign{"s_sh", "a cohesive zone"}, Foreign{"s_str", "a cohesive zone"}})
       if (const int line = line_of({name}); line > 0)
         script_.refuse(line,
                        fmt::format("is a parameter of {}, for which rosin has no law of its own; write it as a law "
@@ -93,6 +93,8 @@ class Translation {
     if (line_of({"mu_s"}) == 0 || line_of({"mu_d"}) == 0)
       throw InputError(fmt::format(
           "{}: gives neither a and b (rate-and-state friction) nor mu_s and mu_d (slip weakening)", script_.path()));
+    if (const int line = line_of({"mu_i"}); line > 0)
+      script_.refuse(line, "is an initial friction below the static one, which slip weakening has not");
     const auto mu_s = need({"mu_s"}, "static friction"), mu_d = need({"mu_d"}, "dynamic friction");
     const auto D_c = need({"D_c", "Dc"}, "slip over which friction falls, m");
     scene_.key("type", "\"slip-distance\"", {"slip weakening that is whole again after each stop", 0});

@@ -54,7 +54,7 @@ class Translation {
   void find_model() {
     for (const auto& [name, slot] : script_.variables().slots) {
       const auto record = record_of(slot.value);
-      if (!record || record->type != "Model") continue;
+      if (!record || (record->type != "Model" && !record->slots.contains("state_relations"))) continue;
       if (model_ && model_ != record)
         script_.refuse(slot.line, fmt::format("is a second model beside '{}'; one scene is one model", model_name_));
       model_ = record, model_name_ = name;

@@ -14,9 +14,20 @@
 namespace rosin::app::imports {
 
 Dialect dialect_of(std::string_view text) {
-  const auto has = [&](std::string_view part) { return text.find(part) != std::string_view::npos; };
-  if (has("import ") || has("set_dict") || has("#")) return Dialect::python;
-  return has("%") || has(";") || has("qdyn('") ? Dialect::matlab : Dialect::python;
+  for (const std::string_view sure : {"import ", "set_dict"})
+    if (text.find(sure) != std::string_view::npos) return Dialect::python;
+  long matlab = text.find("qdyn('") != std::string_view::npos ? 1 : 0;
+  while (!text.empty()) {
+    const auto end = std::min(text.find('\n'), text.size());
+    auto line = text.substr(0, end);
+    text.remove_prefix(std::min(text.size(), end + 1));
+    line.remove_prefix(std::min(line.size(), line.find_first_not_of(" \t")));
+    line = line.substr(0, line.find_last_not_of(" \t\r") + 1);
+    if (line.empty()) continue;
+    matlab += line.front() == '%' || line.back() == ';' || line.find("; ") != std::string_view::npos ? 1 : 0;
+    matlab -= line.front() == '#' || line.find(" # ") != std::string_view::npos ? 1 : 0;
+  }
+  return matlab > 0 ? Dialect::matlab : Dialect::python;
 }
 
 std::shared_ptr<Record> record_of(const Value& value) {

@@ -161,7 +161,10 @@ TEST_CASE("what no scene has is refused with file, line, name and reason", "[imp
       {"q.py", replaced(qdyn, "\"V_PL\"", "\"V_PLL\""), {"V_PL"}},
       {"qdyn.in", replaced(text_of("qdyn.in"), "0     meshdim", "1     meshdim"), {"qdyn.in:1:", "MESHDIM = 1"}},
       {"qdyn.in", replaced(text_of("qdyn.in"), "0.01 0.025", "0.01"), {"qdyn.in"}},
-      {"e.m", replaced(text_of("slip-weakening.m"), "mu_d = 0.6", "mu_t = 0.6"), {"e.m:7:", "law from text"}}};
+      {"e.m", replaced(text_of("slip-weakening.m"), "mu_d = 0.6", "mu_t = 0.6"), {"e.m:7:", "law from text"}},
+      {"e.m",
+       text_of("slip-weakening.m") + "% D_c is that of slip weakening #\ns_sh = 0.1;\n",
+       {"e.m:13:", "cohesive zone"}}};
   for (const auto& [name, text, parts] : cases) {
     std::string said;
     try {

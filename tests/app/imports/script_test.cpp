@@ -13,7 +13,8 @@ using namespace rosin::app::imports;
 namespace {
 
 Script read(std::string_view text, Dialect dialect = Dialect::python) {
-  return Script("script", text, dialect, [](std::string_view, const std::vector<Argument>&, int) { return imports::Value{}; });
+  return Script("script", text, dialect,
+                [](std::string_view, const std::vector<Argument>&, int) { return imports::Value{}; });
 }
 double number(const Script& script, std::string_view name) {
   const auto& slot = script.variables().slots.find(name)->second;
