@@ -580,8 +580,10 @@ bool Expression::target(Target& target) {
       if (target.steps.back().name.empty()) target.steps.back().subscripts = std::move(found);
     }
     return true;
-  } catch (const Failure&) {
-    return false;
+  } catch (const Failure&) {  // a part that is not understood, of what came before
+    if (target.steps.empty()) return false;
+    target.steps.push_back({"", {Subscript{}}});
+    return true;
   }
 }
 

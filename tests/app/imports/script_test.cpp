@@ -106,6 +106,10 @@ TEST_CASE("what depends on running a script is not known", "[imports]") {
       "lp = np.ones(5)\n"
       "slice = lp[1:3]\n"
       "slice[:] = 4\n"
+      "ramp = np.ones(4)\n"
+      "ramp[where(ramp)] = 2\n"
+      "table = {'a': 1}\n"
+      "table[key] = 2\n"
       "if __name__ == '__main__':\n"
       "    o = 8\n");
   CHECK(unknown(script, "k"));
@@ -113,6 +117,8 @@ TEST_CASE("what depends on running a script is not known", "[imports]") {
   CHECK(number(script, "n") == 7);
   CHECK(unknown(script, "s"));
   CHECK(vector(script, "lp").empty());  // changed through a slice, so that nothing agrees with it any more
+  CHECK(unknown(script, "ramp"));
+  CHECK(unknown(script, "table"));
   CHECK(number(script, "o") == 8);
 }
 
