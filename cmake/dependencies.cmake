@@ -38,6 +38,18 @@ need("FFTW 3" FFTW_FOUND libfftw3-dev)
 need("GSL 2.7" GSL_FOUND libgsl-dev)
 find_program(GNUPLOT gnuplot)
 need("gnuplot 5.4" GNUPLOT gnuplot-nox)
+# Scales and axes of reports: modules of d3, each before those that use it, as Debian has them (node-d3-scale and
+# node-d3-axis bring the others) or as npm does (-DD3_ROOT=…/node_modules).
+set(D3 "")
+foreach(module array collection color format interpolate time time-format scale selection axis)
+  find_file(D3_${module} d3-${module}/dist/d3-${module}.min.js HINTS ${D3_ROOT} PATHS /usr/share/nodejs /usr/lib/nodejs)
+  if(D3_${module}) # newer versions do without d3-collection
+    list(APPEND D3 ${D3_${module}})
+  endif()
+endforeach()
+need("d3-scale of d3" D3_scale node-d3-scale)
+need("d3-axis of d3" D3_axis node-d3-axis)
+need("d3-selection of d3" D3_selection node-d3-selection)
 if(ROSIN_TESTS)
   find_package(Catch2 2.13 QUIET)
   need("Catch2 2.13" Catch2_FOUND catch2)
