@@ -75,6 +75,7 @@ const std::map<std::string, std::string>& headings() {
       {"fit", "Parameters from measurements"},
       {"lab", "Laboratory experiment"},
       {"study", "Study of force algorithms"},
+      {"verify", "Numbers of others"},
   };
   return list;
 }

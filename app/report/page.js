@@ -45,8 +45,8 @@ function scaled(quantity, largest) {
     const [size, prefix] = found || PREFIXES[PREFIXES.length - 1];
     return {factor: 1 / size, unit: prefix + unit};
   }
+  if (largest >= 0.01 && largest < 20000) return {factor: 1, unit};
   const exponent = 3 * Math.floor(Math.log10(largest) / 3);
-  if (exponent >= -3 && exponent <= 3) return {factor: 1, unit};
   return {factor: 10 ** -exponent, unit: `10${superscript(exponent)}${unit ? ' ' + unit : ''}`};
 }
 
@@ -444,13 +444,16 @@ class Plane extends Plot {
       if (value > 0) least = Math.min(least, value);
     }
     if (!numbers.length) return {of: () => null};
-    const log = low > 0 && high / low > 100;
-    const scale = (log ? d3.scaleLog() : d3.scaleLinear()).domain(low === high ? [low, low + (Math.abs(low) || 1)] : [low, high]).range([0, 1]);
+    const shallow = layer.decades && high > 0;  // 0 among numbers of many sizes: what is five decades below the largest is as good
+    if (shallow) low = Math.max(least, 1e-5 * high);
+    const log = shallow || (low > 0 && high / low > 100);
+    const scale = (log ? d3.scaleLog() : d3.scaleLinear()).domain(low === high ? [low, low + (Math.abs(low) || 1)] : [low, high])
+      .range([0, 1]).clamp(true);
     const colour = share => {
       const at = Math.min(Math.max(share, 0), 1) * (CIVIDIS.length - 1), i = Math.min(Math.floor(at), CIVIDIS.length - 2);
       return mix(CIVIDIS[i], CIVIDIS[i + 1], at - i);
     };
-    return {low, high, log, colour, of: value => typeof value === 'number' ? colour(scale(value)) : null};
+    return {low, high, log, colour, of: value => typeof value !== 'number' ? null : colour(log && value <= 0 ? 0 : scale(value))};
   }
 
   draw() {

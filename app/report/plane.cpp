@@ -112,6 +112,7 @@ struct Plane {
                        {"unit", of_key.unit.empty() ? "1" : of_key.unit},
                        {"values", rounded_grid(rows, 9)}};
     if (!of_key.symbol.empty()) layer["symbol"] = of_key.symbol;
+    if (key == "discriminability" || key == "separation") layer["decades"] = true;
     if (fits(errors)) layer["error"] = rounded_grid(errors, 2);
     layers.push_back(std::move(layer));
   }

@@ -405,6 +405,33 @@ std::string of_lab(const Result& result) {
                      texts.empty() ? "what its tables hold" : fmt::format("{}", fmt::join(texts, ", ")));
 }
 
+std::string of_study(const Result& result) {
+  const auto& document = result.document;
+  std::string best, worst;
+  double least = INFINITY, largest = 0;
+  if (const auto& algorithms = at(document, "algorithms"); algorithms.is_object())
+    for (const auto& [name, algorithm] : algorithms.items()) {
+      const double median = number(at(algorithm, "error"), "median");
+      if (median < least) least = median, best = name;
+      if (median > largest) largest = median, worst = name;
+    }
+  auto text = fmt::format("{} random oscillators were followed exactly and by the published algorithms",
+                          number_text(number(document, "cases")));
+  if (!best.empty())
+    text += fmt::format("; half of the errors of {} are below {}, of {} below {}", best, number_text(least, 2), worst,
+                        number_text(largest, 2));
+  return text + ".";
+}
+
+std::string of_verify(const Result& result) {
+  std::map<std::string, std::size_t> verdicts;
+  for (const auto& answer : list(result.document, "cases")) ++verdicts[word(answer, "verdict")];
+  std::vector<std::string> counts;
+  for (const auto& [verdict, n] : verdicts) counts.push_back(fmt::format("{}: {}", verdict, n));
+  return fmt::format("{} numbers of others were asked for again. {}.", list(result.document, "cases").size(),
+                     fmt::join(counts, ", "));
+}
+
 }  // namespace
 
 std::string verdict_of(const Folder& folder, const Result& result) {
@@ -421,7 +448,9 @@ std::string verdict_of(const Folder& folder, const Result& result) {
                                                                           {"design", of_compare},
                                                                           {"frf", of_frf},
                                                                           {"fit", of_fit},
-                                                                          {"lab", of_lab}};
+                                                                          {"lab", of_lab},
+                                                                          {"study", of_study},
+                                                                          {"verify", of_verify}};
   const auto found = by_label.find(result.label);
   auto text = found == by_label.end() ? std::string() : found->second(result);
   if (text.empty()) text = fmt::format("The work {}.", word(result.document, "outcome"));
