@@ -513,7 +513,7 @@ class Plane extends Plot {
       const svg = d3.select(item).append('svg').attr('width', 160).attr('height', 12).attr('aria-hidden', 'true');
       for (let i = 0; i < 40; ++i) svg.append('rect').attr('x', i * 4).attr('width', 4.5).attr('height', 12).attr('fill', of.colour(i / 39));
       item.prepend(`${nameOf(layer)}: ${show(of.low, 3)} `);
-      item.append(` ${show(of.high, 3)} ${unitOf(layer)}${of.log ? ', by decades' : ''}`);
+      item.append(` ${show(of.high, 3)}${unitOf(layer) && ' ' + unitOf(layer)}${of.log ? ', by decades' : ''}`);
       this.key.append(item);
       if (layer.values.some(row => row.includes(null))) this.key.append(element('li', {}, swatch('var(--empty)'), ' none'));
     }

@@ -247,7 +247,7 @@ void add_planes(const Folder& folder, const Result& result, std::vector<Figure>&
   if (plane.layers.empty()) return;
   const auto title = fmt::format("Over {} and {}", plane.x.parameter, plane.y.parameter);
   auto figure = plane.figure(title);
-  if (result.label == "map" || result.label == "compare") {
+  if (result.label == "map") {
     const bool string = word(result.manifest, "scene_resolved").find("type = \"string\"") != std::string::npos;
     figure.data["command"] = command_of(result, string ? "run" : "cycle", {plane.x.parameter, plane.y.parameter});
     figure.data["spots"] = spots_of(folder, plane.x, plane.y);

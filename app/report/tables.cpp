@@ -292,14 +292,14 @@ std::string rows_of_plane(const ordered_json& document) {
         if (std::isfinite(value)) f(value);
   };
   for (const auto& [name, grid] : metrics.items()) {
-    double least = INFINITY, largest = -INFINITY, error = 0;
+    double least = INFINITY, largest = -INFINITY, error = -1;  // none is known
     each(grid, [&](double value) { least = std::min(least, value), largest = std::max(largest, value); });
     each(at(at(document, "error"), name), [&](double value) { error = std::max(error, value); });
     if (!(least <= largest)) continue;
     const auto of_name = known(name);
     rows += row(name, of_name.symbol,
-                fmt::format("{} … {}, error at most {}", amount(least, of_name.unit), amount(largest, of_name.unit),
-                            number_text(error, 1)),
+                fmt::format("{} … {}{}", amount(least, of_name.unit), amount(largest, of_name.unit),
+                            error < 0 ? "" : ", error at most " + number_text(error, 1)),
                 of_name.meaning);
   }
   return rows;

@@ -184,7 +184,7 @@ std::string of_map(const Result& result) {
   for (const auto& [regime, n] : regimes) {
     const auto found = words.find(regime);
     shares.push_back(fmt::format("{} ({}) {}", n, percent(double(n) / double(total)),
-                                 found == words.end() ? "are of regime " + regime : found->second));
+                                 found == words.end() ? "show " + regime : found->second));
   }
   std::vector<std::string> parts{fmt::format("Of {} points over {} and {}, {}", total, range_text(at(document, "x")),
                                              range_text(at(document, "y")), fmt::join(shares, ", "))};
