@@ -347,7 +347,8 @@ class Curves extends Plot {
         const at = this.x(mark.at);
         inner.append('line').attr('class', 'mark').attr('x1', at).attr('x2', at).attr('y1', 0).attr('y2', this.height);
         if (at > this.margin.left && at < this.width - this.margin.right)
-          inner.append('text').attr('class', 'mark-label').attr('x', at + 4).attr('y', this.margin.top + 12).text(mark.label);
+          inner.append('text').attr('class', 'mark-label').attr('text-anchor', at > 0.8 * this.width ? 'end' : 'start')
+            .attr('x', at > 0.8 * this.width ? at - 4 : at + 4).attr('y', this.margin.top + 12).text(mark.label);
       }
     this.pointer = inner.append('circle').attr('class', 'cursor').attr('r', 5).attr('display', 'none');
     this.point();

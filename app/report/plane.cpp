@@ -168,7 +168,7 @@ struct Plane {
     Figure made;
     made.caption = title + ".";
     if (every > 1)
-      made.caption += fmt::format(" Every {}th value of each axis is shown; all stand in the results folder.", every);
+      made.caption += fmt::format(" One value in {} of each axis is shown; all stand in the results folder.", every);
     made.data = {{"kind", "plane"}, {"title", title},   {"x", x.json()},
                  {"y", y.json()},   {"layers", layers}, {"lines", lines}};
     return made;

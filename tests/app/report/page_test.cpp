@@ -192,7 +192,7 @@ TEST_CASE("large planes and long motions are thinned to a page that browsers ope
   rosin::app::report::Folder folder{"large", {plane_of(300)}};
   const auto page = page_of(folder);
   CHECK(page.size() < 1'000'000);
-  CHECK_THAT(page, Contains("Every 5th value") || Contains("value of each axis is shown"));
+  CHECK_THAT(page, Contains("One value in "));
   const auto data = figure(page, "map-1");
   const auto& axis = data["x"]["values"];
   REQUIRE(axis.size() > 40);
