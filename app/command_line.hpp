@@ -26,6 +26,7 @@ struct Request {
   std::string out;
   bool json = false, explain = false, quiet = false;
   bool no_pictures = false;                 ///< scripts are written, not drawn
+  bool pdf = false;                         ///< pictures are drawn as PDF, too
   bool design = false;                      ///< compare: where measurements would tell members apart
   bool exact = false;                       ///< map: compute every point
   bool quick = false;                       ///< bench: only check that everything works; verify: leave slow cases out
