@@ -1,11 +1,9 @@
 """How Sphinx makes the site out of the pages that docs/site/prepare.py has laid out."""
 
 import os
-import re
 import sys
-from pathlib import Path
 
-stage = Path(__file__).parent
+sys.path.insert(0, os.environ["ROSIN_PACKAGE"])
 project = "rosin"
 copyright = author = "the authors of rosin"
 version = release = os.environ["ROSIN_VERSION"]
@@ -19,7 +17,7 @@ myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4  # as GitHub names headings
 
 # Formulas are drawn by MathJax 2 out of Debian's libjs-mathjax, copied beside the pages: no network is asked.
-mathjax_path = os.environ.get("ROSIN_MATHJAX", "mathjax/MathJax.js") + "?config=TeX-AMS_SVG"
+mathjax_path = "mathjax/MathJax.js?config=TeX-AMS_SVG"
 myst_update_mathjax = False
 mathjax2_config = {
     "messageStyle": "none",

@@ -17,10 +17,10 @@ from pathlib import Path
 
 # Doors of rooms, with what they include, and what a user of the library meets in the other folders.
 ROOMS = ("analysis", "solvers")
-HEADERS = """laws/catalogue.hpp laws/law.hpp laws/adapter.hpp laws/formula.hpp laws/normal_law.hpp
+HEADERS = """laws/catalogue.hpp laws/law.hpp laws/adapter.hpp laws/formula.hpp
     oscillators/model.hpp oscillators/structure.hpp oscillators/block.hpp oscillators/rigid_block.hpp
     oscillators/pin_on_disk.hpp oscillators/bowed_string.hpp
-    core/error.hpp core/parameters.hpp core/signal.hpp core/units.hpp core/contact.hpp core/system.hpp""".split()
+    core/error.hpp core/parameters.hpp core/signal.hpp core/units.hpp core/system.hpp""".split()
 NAMESPACES = {"rosin": "Errors, signals, units, parameters (core/)", "rosin::laws": "Laws (laws/)",
               "rosin::oscillators": "Sliders, structures, strings (oscillators/)"}
 
@@ -73,17 +73,19 @@ class Gallery:
         self.pages = {page: page.read_text(encoding="utf-8") for page in sorted((source / "docs").rglob("*.md"))}
 
     def draw(self) -> None:
-        """Pictures of examples that no page of docs/ shows."""
+        """Pictures of examples that no page of docs/ shows; those that are newer than the program and what they show stay."""
         def one(row: tuple[str, str, str, str]) -> None:
             picture, file, _, command = row
             target, work = self.stage / picture, self.stage.parent / "results" / Path(picture).stem
-            scene = next(word for word in shlex.split(command) if word.startswith("examples/"))
-            newest = max((self.source / scene).stat().st_mtime, self.rosin.stat().st_mtime)
+            files = [word for word in shlex.split(command) if (self.source / word).is_file()]
+            newest = max((self.source / file).stat().st_mtime for file in [self.rosin, *files])
             if target.exists() and target.stat().st_mtime > newest:
                 return
             shutil.rmtree(work, ignore_errors=True)
-            ran = subprocess.run([self.rosin, *shlex.split(command), "--out", work, "--quiet", "--threads", "1"],
-                                 cwd=self.source, capture_output=True, text=True)
+            work.mkdir(parents=True)
+            words = ([command, self.rosin, work] if command.endswith(".sh") else
+                     [self.rosin, *shlex.split(command), "--out", work, "--quiet", "--threads", "1"])
+            ran = subprocess.run(words, cwd=self.source, stdin=subprocess.DEVNULL, capture_output=True, text=True)
             if ran.returncode:
                 raise SystemExit(f"rosin {command}: {ran.stderr}")
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -92,13 +94,16 @@ class Gallery:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             list(pool.map(one, [row for row in self.rows if row[0].startswith("gallery/")]))
 
-    def of(self, example: str) -> list[tuple[str, str]]:
-        """Picture, from the folder of the gallery, and command of an example, the first of each command."""
-        found: dict[str, str] = {}
+    def of(self, example: str) -> dict[str, list[str]]:
+        """Pictures of an example, from the folder of the gallery, by the line of shell that draws them."""
+        found: dict[str, list[str]] = {}
         for picture, _, _, command in self.rows:
-            if example in shlex.split(command) and command not in found:
-                found[command] = picture.removeprefix("gallery/") if "/" in picture else f"../docs/pictures/{picture}"
-        return [(picture, command) for command, picture in found.items()]
+            place = picture.removeprefix("gallery/") if "/" in picture else f"../docs/pictures/{picture}"
+            if command.endswith(".sh") and example in (self.source / command).read_text(encoding="utf-8"):
+                found.setdefault(f"{command} build/release/rosin FOLDER", []).append(place)
+            elif example in shlex.split(command):
+                found.setdefault(f"rosin {command}", []).append(place)
+        return found
 
     def shown_on(self, example: str) -> list[str]:
         links = []
@@ -123,8 +128,10 @@ class Gallery:
             up = "../" * name.count("/")
             language = {".toml": "toml", ".cpp": "cpp", ".py": "python"}[path.suffix]
             page = f"# {title}\n\n{escaped(question)}\n"
-            for picture, command in self.of(example):
-                page += f"\n```sh\nrosin {command}\n```\n\n![{title}]({up}{picture})\n"
+            drawn = self.of(example)
+            for command, pictures in drawn.items():
+                page += f"\n```sh\n{command}\n```\n"
+                page += "".join(f"\n![{escaped(title)}]({up}{picture})\n" for picture in pictures)
             if path.suffix == ".cpp":
                 page += f"\n```sh\nbuild/release/examples/example_{path.stem}\n```\n"
             if path.suffix == ".py":
@@ -135,11 +142,13 @@ class Gallery:
                 page += "\nExplained in: " + ", ".join(shown) + ".\n"
             write(self.stage / f"gallery/{name}.md", page)
             names.append(name)
-            pictures = self.of(example)
-            image = f"[![{title}]({pictures[0][0]})]({name}.md)" if pictures else ""
-            entries.append(f"::::{{div}} example\n{image}\n\n[{title}]({name}.md)\n::::\n")
+            first = next(iter(drawn.values()), [""])[0]
+            entries.append((title, name, first, question))
         overview = "# Examples\n\nEach is a file of `examples/`; a page shows it with its command and its picture.\n\n"
-        overview += ":::::{div} gallery\n" + "\n".join(entries) + ":::::\n" + toctree("Examples", names)
+        for title, name, picture, question in entries:
+            image = f"[![{escaped(title)}]({picture})]({name}.md)" if picture else ""
+            overview += f"::::{{div}} example\n{image}\n\n[{escaped(title)}]({name}.md)\n::::\n\n"
+        overview += toctree("Examples", names)
         write(self.stage / "gallery/index.md", overview)
 
 

@@ -45,17 +45,18 @@ if [ -z "$debian" ]; then
   exit
 fi
 
+mount -t proc proc "$debian/proc"
+trap 'umount "$debian/proc"; rm -rf "$place" "$debian/tmp/rosin"' EXIT
 mkdir "$debian/tmp/rosin"
 cp ./*.deb "$source/tests/install/same_plane.py" "$debian/tmp/rosin"
 chroot "$debian" sh -eu <<'END_OF_CHROOT'
 cd /tmp/rosin
 export DEBIAN_FRONTEND=noninteractive
 apt-get -q update >log
-apt-get -q install -y ./rosin_*.deb ./python3-rosin_*.deb >>log 2>&1 || { tail -n 20 log; exit 1; }
+apt-get -q install -y --no-install-recommends python3-matplotlib gnuplot-nox ./rosin_*.deb ./python3-rosin_*.deb >>log 2>&1 || { tail -n 20 log; exit 1; }
 python3 same_plane.py /usr/share/rosin/examples/bristol-board-plane.toml
 rosin verify slip-weakening-recurrence --out verified
 apt-get -q remove -y rosin python3-rosin >>log 2>&1
 left=$(find /usr -path '*rosin*' ! -path '/usr/share/doc*')
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
 END_OF_CHROOT
-rm -r "$debian/tmp/rosin"
