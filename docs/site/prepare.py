@@ -144,11 +144,12 @@ class Gallery:
             names.append(name)
             first = next(iter(drawn.values()), [""])[0]
             entries.append((title, name, first, question))
-        overview = "# Examples\n\nEach is a file of `examples/`; a page shows it with its command and its picture.\n\n"
+        overview = "# Examples\n\nEach is a file of `examples/`; its page shows it with its command and its picture.\n\n"
+        overview += "::::{container} gallery\n"
         for title, name, picture, question in entries:
-            image = f"[![{escaped(title)}]({picture})]({name}.md)" if picture else ""
-            overview += f"::::{{div}} example\n{image}\n\n[{escaped(title)}]({name}.md)\n::::\n\n"
-        overview += toctree("Examples", names)
+            image = f"[![{escaped(title)}]({picture})]({name}.md)\n\n" if picture else f"{escaped(question)}\n\n"
+            overview += f":::{{container}} example\n{image}[{escaped(title)}]({name}.md)\n:::\n"
+        overview += "::::\n" + toctree("Examples", names)
         write(self.stage / "gallery/index.md", overview)
 
 
@@ -192,11 +193,12 @@ def write_interfaces(source: Path, stage: Path) -> list[str]:
         body = f"```{{doxygennamespace}} {name}\n:content-only:\n:members:\n:undoc-members:\n```\n"
         pages.append(name.replace("::", "-"))
         write(stage / f"interface/{pages[-1]}.md", f"# {name}\n\n{title}.\n\n{included}{body}")
-    classes = "\n".join(f"```{{autoclass}} rosin.{one}\n:members:\n```\n" for one in
-                        ("Scene", "Result", "Law", "InputError", "IncompleteWarning"))
-    functions = "\n".join(f"```{{autofunction}} rosin.{one}\n```\n" for one in ("load", "laws", "plot"))
-    write(stage / "interface/python.md", "# The Python package\n\nHow it is used: [from Python](../docs/python.md).\n\n"
-          f"```{{py:module}} rosin\n```\n\n{functions}\n{classes}")
+    python = ["The Python package", "==================", "", "How it is used: :doc:`from Python </docs/python>`.", "",
+              ".. py:module:: rosin", ""]
+    python += [f".. autofunction:: rosin.{one}\n" for one in ("load", "laws", "plot")]
+    python += [f".. autoclass:: rosin.{one}\n   :members:\n" for one in
+               ("Scene", "Result", "Law", "InputError", "IncompleteWarning")]
+    write(stage / "interface/python.rst", "\n".join(python))
     return [f"../interface/{page}" for page in ("python", *pages)]
 
 
