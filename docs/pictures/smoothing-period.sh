@@ -30,7 +30,9 @@ set grid linecolor '#CCCCCC' linewidth 0.6
 set xlabel 'width of smoothing (m/s)'
 set ylabel 'period too short by (s)'
 set key bottom right
-plot for [i=2:5] 'smoothing-period.csv' using 1:i with linespoints linewidth 1.5 linecolor i - 1 pointtype 2*i + 1 pointsize 0.8 \
+colours = '#B0560F #00336F #3A8F5C #8A4FA3'
+plot for [i=2:5] 'smoothing-period.csv' using 1:i with linespoints linewidth 1.5 linecolor rgb word(colours, i - 1) \
+       pointtype 2*i + 1 pointsize 0.8 \
        title columnheader(i)[1:strlen(columnheader(i)) - 4], \
      'smoothing-period.csv' using 1:6 with lines dashtype 3 linecolor '#555555' title 'the exact period'
 GNUPLOT
