@@ -2,7 +2,7 @@
 """What a picture is drawn from, in a few numbers: digest.py FILE NAME, where FILE is a picture in a folder of results.
 
 Prints a line for each column of each table that the picture's script for gnuplot names: picture, table, column, how many numbers,
-the least, the mean and the largest of them to four digits.
+the least, the mean and the largest of them to four digits. Columns that hold nothing but rounding error have no line.
 """
 
 import csv
@@ -10,6 +10,8 @@ import math
 import re
 import sys
 from pathlib import Path
+
+ROUNDING = 1e-12  # SI
 
 
 def columns(table: Path) -> dict[str, list[float]]:
@@ -35,7 +37,7 @@ def digest(picture: Path, name: str) -> list[str]:
         if not (picture.parent / table).exists():
             continue  # the title of a panel, which names a measured table
         for column, numbers in columns(picture.parent / table).items():
-            if numbers:
+            if any(abs(number) > ROUNDING for number in numbers):
                 least, mean, largest = min(numbers), math.fsum(numbers) / len(numbers), max(numbers)
                 lines.append(f"{name}\t{table}\t{column}\t{len(numbers)}\t{least:.4g}\t{mean:.4g}\t{largest:.4g}")
     return lines
