@@ -207,7 +207,7 @@ def main() -> None:
     for page in [source / "README.md", source / "CONTRIBUTING.md", *(source / "docs").rglob("*.md")]:
         write(stage / page.relative_to(source), to_gallery(page.read_text(encoding="utf-8")))
     for file in [source / "LICENSE", *(source / "docs/pictures").iterdir(), *(source / "docs/verification").iterdir()]:
-        if file.suffix != ".md":
+        if file.is_file() and file.suffix != ".md":
             target = stage / file.relative_to(source)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(file, target)
