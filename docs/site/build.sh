@@ -20,5 +20,8 @@ if [ ! -d "$mathjax" ]; then
   cp -L MathJax.js "$mathjax"
 fi
 cd "$site"
-sphinx-build -W --keep-going -q -j auto -d doctrees source html
+if ! sphinx-build -W --keep-going -q -j auto -d doctrees source html; then
+  rm -r doctrees # or the next run would read changed pages only, and not warn of the others again
+  exit 1
+fi
 echo "the site: file://$site/html/index.html"

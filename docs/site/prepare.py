@@ -25,8 +25,12 @@ NAMESPACES = {"rosin": "Errors, signals, units, parameters (core/)", "rosin::law
               "rosin::oscillators": "Sliders, structures, strings (oscillators/)"}
 
 
+written: set[Path] = set()
+
+
 def write(path: Path, text: str) -> None:
     """A file is left as it is where its text is the same, so that Sphinx reads changed pages only."""
+    written.add(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         path.write_text(text, encoding="utf-8")
@@ -229,6 +233,10 @@ def main() -> None:
         index += toctree(caption, pages)
     index += toctree("Interfaces", interfaces)
     write(stage / "docs/index.md", index)
+    for folder in ("docs", "gallery", "interface"):  # pages that the tree no longer has
+        for page in (stage / folder).rglob("*"):
+            if page.suffix in (".md", ".rst") and page not in written:
+                page.unlink()
 
 
 if __name__ == "__main__":
