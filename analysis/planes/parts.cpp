@@ -61,10 +61,11 @@ Partition::Pieces even_pieces(const Axis& axis, int edge) {
 
 std::size_t alone(std::size_t, std::size_t) { return 1; }
 
-/// Several keep the lanes full.
+/// Four keep the lanes full, and take an eighth less time than one by one; but threads that have few groups each wait
+/// for the last of them.
 std::size_t tiles_together(std::size_t open, std::size_t threads) {
-  constexpr std::size_t most = 4;
-  return std::clamp<std::size_t>(open / threads, 1, most);
+  constexpr std::size_t most = 4, groups_of_each = 4;
+  return threads == 1 ? most : std::clamp<std::size_t>(open / (groups_of_each * threads), 1, most);
 }
 
 /// As few groups as keep the lanes full, and as many for one thread as for another.
@@ -100,7 +101,9 @@ Partition partition_of(const MapOptions& options, bool structure) {
 
 void Desk::points(FinishedPoints& found) {
   if (found.empty() && work_ == 0) return;
-  Report report{.group = group_.number, .work = std::exchange(work_, 0)};
+  Report report;
+  report.group = group_.number;
+  report.work = std::exchange(work_, 0);
   report.points.swap(found);
   queue_.take(std::move(report));
 }
@@ -117,7 +120,9 @@ void Desk::finish(const Partition& partition, double seconds) {
     return attempts_[part] + Forecast::judging * columns * rows;
   };
   for (const std::size_t part : group_.parts) all += weigh(part);
-  Report report{.group = group_.number, .finished = true};
+  Report report;
+  report.group = group_.number;
+  report.finished = true;
   for (const std::size_t part : group_.parts) report.costs.push_back({part, seconds * weigh(part) / all});
   queue_.take(std::move(report));
 }
