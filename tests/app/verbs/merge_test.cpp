@@ -73,11 +73,13 @@ TEST_CASE("four shares merged are the plane, byte for byte", "[merge]") {
 TEST_CASE("a journal of another plane is refused, and what differs is said", "[merge]") {
   const Folder folder;
   REQUIRE(run_rosin(folder, "map " + plane + "--out parts --shard 1/2").status == 0);
+  auto loose = plane;
+  loose.replace(loose.find("1e-3"), 4, "1e-2");
   CHECK_THAT(
-      run_rosin(folder, "merge " + plane + "--out parts --tolerance 1e-2").error,
+      run_rosin(folder, "merge " + loose + "--out parts").error,
       Contains("map.1-of-2.partial: is of another map: there stands \"tolerance 0.001\", here \"tolerance 0.01\""));
   CHECK_THAT(run_rosin(folder, "merge " + plane + "--out parts --set drive.speed=2e-5").error,
-             Contains("drive.speed") || Contains("speed = "));
+             Contains("is of another map") && Contains("drive.speed = 2e-05"));
   CHECK_THAT(run_rosin(folder, "merge " + plane + "--out nothing").error, Contains("in no journal of a map"));
   CHECK_THAT(run_rosin(folder, "map " + plane + "--out parts --shard 3/2").error, Contains("1 <= K <= N"));
   CHECK_THAT(run_rosin(folder, "map " + plane + "--out parts --shard 1/7").error, Contains("6 parts has no 7 shares"));
