@@ -30,6 +30,7 @@ struct Request {
   std::string out;
   bool json = false, explain = false, quiet = false;
   bool no_pictures = false;                 ///< scripts are written, not drawn
+  bool pdf = false;                         ///< pictures are drawn as PDF, too
   bool design = false;                      ///< compare: where measurements would tell members apart
   bool exact = false;                       ///< map: compute every point
   std::string shard;                        ///< map: "2/8", the share of the plane; empty: all, or a SLURM array's

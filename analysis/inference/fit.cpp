@@ -42,7 +42,7 @@ struct Variable {
 };
 
 Variable make_variable(const Model& model, const std::string& path) {
-  require_fittable(model, path);
+  require_fittable(model, path, true);
   Variable v{model.describe(path), false, 0, 0, 1};
   const double value = model.get(path);
   v.logarithmic = v.quantity.range.low >= 0;
@@ -301,13 +301,13 @@ double profile_end(Problem problem, const Minimum& best, std::size_t index, doub
 
 }  // namespace
 
-void require_fittable(const Model& model, const std::string& path) {
+void require_fittable(const Model& model, const std::string& path, bool with_slider) {
   const auto quantity = model.describe(path);
   const double value = model.get(path);
-  if (!path.starts_with("law."))
+  if (path.starts_with("oscillator.") ? !with_slider : !path.starts_with("law."))
     throw InputError(
-        fmt::format("{}: a fit finds numbers of the law and its contact, law.…; measurements have their own drive, and "
-                    "none of them knows a slider",
+        fmt::format("{}: a fit finds numbers of the law and its contact, law.…, and of the slider, oscillator.…, where "
+                    "events of stick-slip are among the data; measurements have their own drive",
                     path));
   if (!std::isfinite(value) || (quantity.range.low >= 0 && !(value > 0)))
     throw InputError(fmt::format("{} = {}: a fit needs a start above 0 and finite", path, value));
@@ -322,7 +322,8 @@ void check(const Measurement& m) {
     throw InputError(fmt::format("{}: as many values and errors as points are needed", m.name));
   if (!std::ranges::all_of(m.error, [](double e) { return e > 0 && std::isfinite(e); }))
     throw InputError(fmt::format("{}: standard errors must be above 0 and finite", m.name));
-  if (m.kind != Measurement::Kind::steady_curve && !std::ranges::is_sorted(m.x))
+  const bool any_order = m.kind == Measurement::Kind::steady_curve || m.kind == Measurement::Kind::stick_slip;
+  if (!any_order && !std::ranges::is_sorted(m.x))
     throw InputError(fmt::format("{}: its abscissae must ascend", m.name));
   if (m.kind == Measurement::Kind::velocity_step && m.x.back() < m.step_at)
     throw InputError(fmt::format("{}: every point lies before the step at {:.6g} {}: its transient is not in the data",
@@ -622,7 +623,7 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
     problem.noise.push_back({m.error.empty() ? roughness(m.y) : 1, 0});
     errors_given = errors_given && !m.error.empty();
     result.points += int(m.y.size());
-    if (!m.pairs()) {
+    if (!m.pairs() && m.kind != Measurement::Kind::stick_slip) {  // events repeat themselves
       response::ClippingWatch watch;
       for (const double y : m.y) watch.add(y);
       if (auto clipped = response::clipping_warning(watch, m.name + ": friction", "1", long(m.y.size()));

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "analysis/inference/stick_slip.hpp"
 #include "analysis/response/contact_slopes.hpp"
 #include "analysis/response/frf.hpp"
 #include "core/error.hpp"
@@ -422,6 +423,7 @@ void refuse_remembered_rest(const Model& model, const Measurement& m, const std:
 Prediction predict(const Model& given, const Measurement& m, const std::vector<std::string>& paths,
                    double clock_offset) {
   using Kind = Measurement::Kind;
+  if (m.kind == Kind::stick_slip) return predict_stick_slip(given, m, paths);
   Model model = given;
   double fastest = m.slip_rate;
   if (m.kind == Kind::record) {
@@ -432,6 +434,7 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
   model.drive = {fastest, m.normal_load, 0.0};
   // Steady sliding does not know the clock of the states, nor a spring.
   std::vector<std::string> own = paths;
+  std::erase_if(own, [](const std::string& path) { return path.starts_with("oscillator."); });
   if (m.kind == Kind::hold && (!model.law->has_states() || model.lambda == 0))
     throw InputError(fmt::format("law '{}' without states does not remember a hold", model.law->card().name));
   const bool reload = m.kind == Kind::hold && model.contact_stiffness.present();
@@ -487,38 +490,46 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
   return prediction;
 }
 
-std::vector<double> trend_abscissa(const Measurement& m) {
-  using Over = Measurement::Over;
-  using Trend = Measurement::Terms::Trend;
-  const bool by_displacement = m.terms.trend == Trend::displacement;
-  std::vector<double> s;
-  if (m.kind != Measurement::Kind::record) {
-    const double start = m.step_at;
-    for (const double x : m.x) s.push_back(x - start);
-    if (by_displacement == (m.over == Over::displacement)) return s;
-    const auto imposed = steps_of(m, 0);
-    if (!by_displacement) return imposed.times;
-  }
-  const auto imposed = m.kind == Measurement::Kind::record ? record_of(m, 0) : steps_of(m, 0);
+namespace {
+/// m that were imposed up to each time, from the begin of the second stretch of a step, or of a record.
+std::vector<double> way_of(const Imposed& imposed) {
   const auto& motion = imposed.motion;
-  if (!by_displacement) {
-    s.clear();
-    for (const double t : imposed.times) s.push_back(t - motion.front().begin);
-    return s;
-  }
-  // The way that was imposed up to each time, from the begin of the second stretch of a step, or of a record.
-  std::vector<double> way = {0};
+  std::vector<double> before = {0};  // each stretch
   for (std::size_t i = 0; i + 1 < motion.size(); ++i) {
     const double span = motion[i + 1].begin - motion[i].begin;
-    way.push_back(way.back() + span * (motion[i].slip_rate + motion[i].acceleration * span / 2));
+    before.push_back(before.back() + span * (motion[i].slip_rate + motion[i].acceleration * span / 2));
   }
-  s.clear();
+  std::vector<double> way;
   for (const double t : imposed.times) {
-    std::size_t i = 0;
-    while (i + 1 < motion.size() && motion[i + 1].begin <= t) ++i;
+    const auto next = std::upper_bound(motion.begin() + 1, motion.end(), t,
+                                       [](double time, const Stretch& stretch) { return time < stretch.begin; });
+    const auto i = std::size_t(next - motion.begin()) - 1;
     const double span = t - motion[i].begin;
-    s.push_back(way[i] + span * (motion[i].slip_rate + motion[i].acceleration * span / 2));
+    way.push_back(before[i] + span * (motion[i].slip_rate + motion[i].acceleration * span / 2));
   }
+  return way;
+}
+}  // namespace
+
+std::vector<double> imposed_displacement(const Measurement& m) {
+  if (!m.series()) return {};
+  return way_of(m.kind == Measurement::Kind::record ? record_of(m, 0) : steps_of(m, 0));
+}
+
+std::vector<double> trend_abscissa(const Measurement& m) {
+  using Over = Measurement::Over;
+  const bool by_displacement = m.terms.trend == Measurement::Terms::Trend::displacement;
+  const bool record = m.kind == Measurement::Kind::record;
+  if (!record && by_displacement == (m.over == Over::displacement)) {
+    std::vector<double> s;
+    for (const double x : m.x) s.push_back(x - m.step_at);
+    return s;
+  }
+  if (by_displacement) return imposed_displacement(m);
+  if (!record) return steps_of(m, 0).times;
+  const auto imposed = record_of(m, 0);
+  auto s = imposed.times;
+  for (double& t : s) t -= imposed.motion.front().begin;
   return s;
 }
 

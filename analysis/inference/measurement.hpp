@@ -1,5 +1,6 @@
 /// What a model says to a measurement, and how that changes with its numbers: frequency responses, steady curves,
-/// velocity steps, holds, and friction recorded while the slip rate or the load point moves in any way.
+/// velocity steps, holds, events of stick–slip, and friction recorded while the slip rate or the load point moves in
+/// any way.
 #pragma once
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ struct Measurement {
     steady_curve,        ///< x: m/s; y: friction coefficient
     hold,                ///< x: s that the drive rests; y: peak coefficient as it resumes, behind the contact's spring
     record,              ///< x: s; y: friction coefficient or force under the motion of `history`
+    stick_slip,          ///< x: drive speed, m/s; y: `event` of the slider's stick–slip
   };
   Kind kind = Kind::frequency_response;
   std::string name;
@@ -43,6 +45,13 @@ struct Measurement {
   };
   History history = {};
   bool in_force = false;  ///< y of a record in N
+  /// What was read off each slip event.
+  enum class Event {
+    recurrence,     ///< s, from one event to the next
+    force_drop,     ///< N, fall of the spring's force in it
+    peak_slip_rate  ///< m/s
+  };
+  Event event = Event::recurrence;
 
   /// What a laboratory adds to the friction of a law; a fit finds each that is true, or not none.
   struct Terms {
@@ -63,7 +72,7 @@ struct Measurement {
 struct Prediction {
   std::vector<double> y;
   std::vector<std::vector<double>> slopes;  ///< by number, then by y
-  std::vector<double> by_clock;             ///< ∂y/∂(clock offset), where the measurement has that term
+  std::vector<double> by_clock = {};        ///< ∂y/∂(clock offset), where the measurement has that term
   long steps = 0;                           ///< of the motion
 };
 
@@ -73,6 +82,9 @@ struct Prediction {
 /// \throws InputError where the law does not answer, and where no slope exists (analysis/response/contact_slopes.hpp).
 Prediction predict(const Model&, const Measurement&, const std::vector<std::string>& paths = {},
                    double clock_offset = 0);
+
+/// Of a step or a record at each x: m that were imposed since the first step or the begin; empty for others.
+std::vector<double> imposed_displacement(const Measurement&);
 
 /// What a trend is multiplied by at each x: s since the first step or the begin of the record, or m of displacement.
 std::vector<double> trend_abscissa(const Measurement&);

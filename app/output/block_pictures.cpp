@@ -79,7 +79,7 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
       preamble("block", "Steady sliding and the leading mode of an elastic block on its mesh", 960, 660);
   script += fmt::format("set multiplot layout 2,2 title {} margins 0.09,0.97,0.09,0.89 spacing 0.11,0.20\n",
                         single_quoted(scene.title));
-  script += fmt::format("X = {}\nset grid linecolor '#CCCCCC' linewidth 0.5\n", metres.factor);
+  script += fmt::format("X = {}\nset grid\n", metres.factor);
   // Room for the key above, and as much beside as fills the panel at equal scales.
   const double half = mesh.block.length / 2 * metres.factor, height = mesh.block.height * metres.factor;
   constexpr double below = 0.35, above = 1.75, panel = 1.85;  // parts of the height; width over height
@@ -144,7 +144,7 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
   std::string script = preamble("run", "Forces on a block, what sticks and what is open, and its motion", 860, 760);
   script += fmt::format("set multiplot layout 4,1 title {} margins 0.11,0.97,0.085,0.93 spacing 0,0.035\n",
                         single_quoted(scene.title));
-  script += "set grid x linecolor '#CCCCCC' linewidth 0.6\nset key top right horizontal\nset format x ''\n";
+  script += "set grid x\nset key top right horizontal\nset format x ''\n";
   script += "set offsets 0,0,graph 0.35,graph 0.04\n";
   script += fmt::format("set xrange [{}:{}]\n", run.time.front(), run.time.back());
   const auto curve = [&](const std::string& name, double factor, int style, const char* title) {

@@ -46,6 +46,7 @@ set encoding utf8
 set border linewidth 0.8
 set tics nomirror out
 set key samplen 2.5 spacing 1.1
+set grid linetype 1 linecolor '#CCCCCC' linewidth 0.5; unset grid # its look, for pictures that set it
 # Lines differ in dash as well as in colour: readable in grey and by the colour-blind.
 set style line 1 linecolor '#00336F' linewidth 1.8 dashtype solid
 set style line 2 linecolor '#B0560F' linewidth 1.6 dashtype (8,4)
@@ -105,7 +106,7 @@ namespace {
 
 /// Gnuplot says nothing of a disk that filled up while it drew: a picture is whole if it ends as its format does.
 bool is_whole(const fs::path& picture, std::string_view format) {
-  const auto end = format == "svg" ? std::string_view("</svg>\n\n") : std::string_view("IEND\xae\x42\x60\x82");
+  const std::string_view end = format == "svg" ? "</svg>\n\n" : format == "pdf" ? "%%EOF\n" : "IEND\xae\x42\x60\x82";
   std::ifstream file(picture, std::ios::binary | std::ios::ate);
   const auto size = std::streamoff(file.tellg()), length = std::streamoff(end.size());
   if (!file || size < length) return false;
@@ -123,7 +124,7 @@ double tick_step(double low, double high) {
   return decade * (step < 1.5 * decade ? 1 : step < 3.5 * decade ? 2 : step < 7.5 * decade ? 5 : 10);
 }
 
-Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts) {
+Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts, bool pdf) {
   Drawn drawn;
   if (scripts.empty()) return drawn;
   const auto gnuplot = find_program("gnuplot");  // before it enters the folder, which may hold a program of that name
@@ -132,8 +133,10 @@ Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts) {
         "no pictures: gnuplot is not there (install the package gnuplot-nox); 'rosin plot' draws them later");
     return drawn;
   }
+  std::vector<std::string> formats = {"svg", "png"};
+  if (pdf) formats.emplace_back("pdf");
   for (const auto& script : scripts)
-    for (const std::string format : {"svg", "png"}) {
+    for (const auto& format : formats) {
       const auto picture = fs::path(script).replace_extension(format);
       try {
         write_whole(folder / picture, [&](const fs::path& temporary) {

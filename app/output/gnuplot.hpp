@@ -32,10 +32,10 @@ std::string axis_scale(char axis, bool decades);
 /// A step between ticks that leaves about four: 1, 2 or 5 times a power of ten.
 double tick_step(double low, double high);
 
-/// Draws scripts of the folder, each as SVG and PNG.
+/// Draws scripts of the folder, each as SVG and PNG, and as PDF where that is asked for.
 struct Drawn {
   std::vector<std::string> files, problems;
 };
-Drawn draw(const std::filesystem::path& folder, const std::vector<std::string>& scripts);
+Drawn draw(const std::filesystem::path& folder, const std::vector<std::string>& scripts, bool pdf);
 
 }  // namespace rosin::app::output

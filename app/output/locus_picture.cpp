@@ -30,7 +30,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
   const auto& locus = *task.locus;
   std::string script = preamble("locus", "Where steady sliding and cycles change, in two parameters", 820, 520);
   script += fmt::format("set title {}\n", single_quoted(scene.title));
-  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key outside right top Left reverse\n";
+  script += "set grid\nset key outside right top Left reverse\n";
   for (const auto& [axis, parameter, range] :
        {std::tuple{'x', &task.parameter, &locus.options.p}, {'y', &locus.parameter, &locus.options.q}}) {
     const auto [low, high] = std::minmax(range->from, range->to);

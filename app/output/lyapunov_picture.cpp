@@ -24,7 +24,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
                820, height);
   script += fmt::format("set multiplot layout {},1 title {} margins 0.14,0.96,{:.4f},{:.4f} spacing 0,0.06\n", panels,
                         single_quoted(scene.title), 60.0 / height, 1 - 70.0 / height);
-  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at graph 1,1.02 right bottom horizontal\n";
+  script += "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
   script += fmt::format("set xrange [0:{}]\nset format x ''\n", spectrum.time.back());
   for (std::size_t c = 0; c < panels; ++c) {
     const auto& [value, error, trivial] = spectrum.exponents[c];

@@ -20,7 +20,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::string script = preamble("curve", "The steady friction curve with its extrema", 720, 480);
   script += fmt::format("set title {}\n", single_quoted(scene.title));
   script += "set logscale x\nset format x '10^{%T}'\nset xlabel 'slip rate v (m/s)'\n";
-  script += "set ylabel 'steady friction coefficient μ'\nset grid linecolor '#CCCCCC' linewidth 0.6\n";
+  script += "set ylabel 'steady friction coefficient μ'\nset grid\n";
   std::string marks;
   for (const auto& e : curve.extrema)
     marks += fmt::format("{},{},{},{:.3g} m/s\n", e.slip_rate, e.friction_coefficient, e.maximum ? 1 : 2, e.slip_rate);
@@ -109,9 +109,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n", panels,
                         single_quoted(scene.title), 65.0 / height, 1 - 65.0 / height);
   // The key stands between title and curves: a title may be as wide as the picture.
-  script +=
-      fmt::format("set grid x linecolor '#CCCCCC' linewidth 0.6\nset key at screen 0.97,{:.4f} top right horizontal\n",
-                  1 - 32.0 / height);
+  script += fmt::format("set grid x\nset key at screen 0.97,{:.4f} top right horizontal\n", 1 - 32.0 / height);
   if (run.time.size() > 1) script += fmt::format("set xrange [{}:{}]\n", run.time.front(), run.time.back());
   constexpr std::size_t most_lines = 200;  // more would hide the curve
   struct Kind {
@@ -166,9 +164,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
       for (const double x : run.columns[static_cast<std::size_t>(c)]) largest = std::max(largest, std::abs(x));
     const auto [factor, unit] = scaled("m", largest);
     std::string path = preamble("run-path", "The path in the plane, with its stops", 640, 600);
-    path += fmt::format(
-        "set title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\nset xlabel 'x ({})'\nset ylabel 'y ({})'\n",
-        single_quoted(scene.title), unit, unit);
+    path += fmt::format("set title {}\nset grid\nset xlabel 'x ({})'\nset ylabel 'y ({})'\n",
+                        single_quoted(scene.title), unit, unit);
     path += fmt::format(
         "plot 'run.csv' using ($2*{0}):($3*{0}) with lines linestyle 1 notitle, \\\n     'run-stops.csv' "
         "using ($1*{0}):($2*{0}) with points linestyle 2 pointtype 7 pointsize 0.8 title 'stick'\n",
@@ -212,7 +209,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                         time.factor, way.factor);
   script += fmt::format("set multiplot layout 2,2 title {} margins {},{},0.09,0.90 spacing {},0.16\n",
                         single_quoted(scene.title), space ? 0.067 : 0.10, space ? 0.65 : 0.97, space ? 0.09 : 0.13);
-  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at graph 1,1.02 right bottom horizontal\n";
+  script += "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
 
   script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'slip rate v ({})'\n", time.unit, decade_rate.unit);
   script += fmt::format("V = {}\n{}\n", decade_rate.factor, axis_scale('y', decades));
@@ -309,7 +306,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::string script = preamble("stability", "Frequencies and growth rates of the modes along a parameter", 820, 640);
   script += fmt::format("set multiplot layout 2,1 title {} margins 0.13,0.97,0.11,0.89 spacing 0,0.05\n",
                         single_quoted(scene.title));
-  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at screen 0.97,0.93 top right horizontal\n";
+  script += "set grid\nset key at screen 0.97,0.93 top right horizontal\n";
   script += axis_scale('x', axis.logarithmic) + '\n';
   script += fmt::format("set xrange [{}:{}]\n", scan.values.front(), scan.values.back());
   // Steady sliding is unstable from each onset to the next end.
@@ -388,7 +385,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::string script = preamble("branch", "Steady sliding and cycles along a parameter", 820, has_cycles ? 680 : 420);
   script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,0.11,{} spacing 0,0.05\n",
                         has_cycles ? 2 : 1, single_quoted(scene.title), has_cycles ? 0.87 : 0.80);
-  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at screen 0.97,0.955 top right horizontal maxcols 3\n";
+  script += "set grid\nset key at screen 0.97,0.955 top right horizontal maxcols 3\n";
   script += axis_scale('x', options.parameter.logarithmic) + '\n';
   const auto [low, high] = std::minmax(options.parameter.from, options.parameter.to);
   script += fmt::format("set xrange [{}:{}]\n", low, high);
@@ -462,7 +459,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::string script = preamble("cycle", "One periodic motion: slip rate in time, and the phase plane", 940, height);
   script += fmt::format("set multiplot layout {},2 title {} margins 0.10,0.97,{:.4f},{:.4f} spacing 0.13,{:.4f}\n",
                         rows, single_quoted(scene.title), 60.0 / height, 1 - 70.0 / height, 100.0 / height);
-  script += "set grid linecolor '#CCCCCC' linewidth 0.5\nset key at graph 1,1.02 right bottom horizontal\n";
+  script += "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
   script += "set offsets 0, 0, graph 0.05, graph 0.05\n";
   const auto time = scaled("s", cycle.metrics.at("period").value);
   for (std::size_t j = 0; j < drawn; ++j) {
@@ -530,7 +527,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
       preamble("lab", "What an experiment shows, a panel each", count == 1 ? 720 : 60 + 520 * count, 480);
   script += fmt::format("set multiplot layout 1,{} title {} margins {},0.97,0.14,0.86 spacing {},0.1\n", count,
                         single_quoted(title), 0.13 / count + 0.01, 0.2 / count);
-  script += "set grid linecolor '#CCCCCC' linewidth 0.5\n";
+  script += "set grid\n";
   std::vector<std::string> files;
   for (const auto& panel : panels) {
     double far = 0, high = 0;
@@ -598,7 +595,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::string script = preamble("compare", "Members of a comparison, one over the other", 820, height);
   script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n", panels,
                         single_quoted(scene.title), 65.0 / height, 1 - 75.0 / height);
-  script += "set grid linecolor '#CCCCCC' linewidth 0.6\n";
+  script += "set grid\n";
   script += fmt::format("set key at screen 0.97,{:.4f} right top horizontal\n", 1 - 35.0 / height);
   if (comparison.x_name == "slip_rate") script += axis_scale('x', true) + '\n';
   for (int panel = 0; panel < panels; ++panel) {

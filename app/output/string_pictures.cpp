@@ -22,7 +22,7 @@ using analysis::strings::StringRecord;
 constexpr const char *position = "oscillator.bow_position", *load = "drive.normal_load",
                      *acceleration = "drive.speed.ramp.rate";
 
-constexpr const char* axes_of_runs = "set grid x linecolor '#CCCCCC' linewidth 0.6\nset format x ''\n";
+constexpr const char* axes_of_runs = "set grid x\nset format x ''\n";
 
 /// Ends of cells around values on a scale.
 std::vector<double> borders(const analysis::planes::Axis& axis) {

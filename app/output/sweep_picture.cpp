@@ -79,9 +79,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
   std::string script = preamble("sweep", "What changes along a parameter", width, height);
   script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n",
                         panels.size(), single_quoted(scene.title), 65.0 / height, 1 - 70.0 / height);
-  script +=
-      fmt::format("set grid linecolor '#CCCCCC' linewidth 0.5\nset key at screen 0.97,{:.4f} right top horizontal\n",
-                  1 - 32.0 / height);
+  script += fmt::format("set grid\nset key at screen 0.97,{:.4f} right top horizontal\n", 1 - 32.0 / height);
   script += axis_scale('x', axis.logarithmic) + '\n';
   script += fmt::format("set xrange [{}:{}]\n", axis.values.front(), axis.values.back());
   for (const auto& threshold : sweep.thresholds)

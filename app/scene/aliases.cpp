@@ -72,7 +72,7 @@ constexpr Alias aliases[] = {
     {"law", "k stiffness kc kcrit criticalstiffness", "",
      "is no property of the law: give oscillator.stiffness (N/m); the critical one is an answer of 'rosin stability'"},
     {"law", "sigma sigman normalstress normalforce load", "",
-     "is no property of the law: give drive.normal_load (N), stress times area"},
+     "is no property of the law: give drive.normal_load (N), or a stress there and oscillator.area (m²)"},
     {"law", "theta thetainit theta0 thetai", "", "is a state, whose start is run.start = { theta = … }"},
 
     {"oscillator", "m", "mass"},
@@ -85,7 +85,7 @@ constexpr Alias aliases[] = {
     {"drive", "v vlp vl vload velocity loadingvelocity loadingrate loadpointvelocity beltspeed", "speed"},
     {"drive", "n fn normalforce load", "normal_load"},
     {"drive", "sigma sigman normalstress pressure", "normal_load",
-     "is a stress: give drive.normal_load (N), stress times area"},
+     "is a stress: give it as drive.normal_load = \"5 MPa\", say, and the area as oscillator.area (m²)"},
     {"drive", "f externalforce", "force"},
     {"run", "tend tfinal tmax stoptime", "duration"},
 };

@@ -85,6 +85,7 @@ double Family::value(const std::string& path) const {
   const auto quantity = describe(path);
   const auto* node = node_at(document_, quantity.name);
   if (!node) throw InputError(fmt::format("'{}' is left to its default: give it in the scene", path));
+  const Reference reference(document_);
   return number(*node, quantity);
 }
 

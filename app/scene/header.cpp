@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "app/scene/reference.hpp"
 #include "core/error.hpp"
 #include "core/units.hpp"
 
@@ -163,7 +164,7 @@ Conversion conversion_to_si(const HeaderCell& cell, const RecordColumn& column) 
   if (!unit.empty()) try {
       if (const auto parsed = parse_unit(unit); parsed && parsed->offset)
         throw InputError(fmt::format("{} counts from another zero, or is no factor at all", unit));
-      scale = to_si("1 " + unit, column.si);
+      scale = Reference::to_si("1 " + unit, column.si);
     } catch (const InputError& error) {
       if (!given.empty() || !cell.may_be_name)
         refuse(given.empty() && calibrated

@@ -24,6 +24,7 @@ struct HeaderCell {
   std::string name;          ///< without the unit
   std::string unit;          ///< empty: none is written; "1" for a dash
   bool may_be_name = false;  ///< the unit may be a part of the name, such as the s of "mu_s"
+  bool clock = false;        ///< the cells below are times of day: seconds, for which the unit stands
 };
 HeaderCell header_cell(std::string_view text);
 

@@ -20,6 +20,7 @@ struct SceneReader {
   std::set<std::string, std::less<>> needed;      ///< tables without which the verb has nothing to do
   std::optional<laws::Smoothing> smoothing = {};  ///< of every set-valued law of the scene
   bool smooths = false;                           ///< it has met one
+  Reference reference = Reference(document);      ///< area and radius of its contact
 
   /// Of a table that must be there. \throws InputError that says what would stand in it.
   const toml::node& need(const std::string& table, std::string_view meaning) {

@@ -50,10 +50,19 @@ void SceneReader::require_smoothing_to_matter() const {
 
 void SceneReader::law() { read_law(*this, Table(need("law", "the friction law"), "law"), scene.model); }
 
+namespace {
+/// [oscillator] with the keys that every type has.
+Table oscillator_table(const toml::node& node) {
+  Table table(node, "oscillator");
+  for (const auto* key : Reference::keys) table.find(key);
+  return table;
+}
+}  // namespace
+
 void SceneReader::oscillator() {
   const auto& node = need("oscillator", "mass, stiffness and damping of the slider");
   const auto& type = oscillator_type(*this, node);
-  type.read(*this, Table(node, "oscillator"), true);
+  type.read(*this, oscillator_table(node), true);
   type.read_drive(*this, Table(need("drive", "speed and normal load"), "drive"), true);
   if (!scene.plane && !scene.structure) located(node.source(), [&] { scene.model.check(); });
 }
@@ -61,7 +70,7 @@ void SceneReader::oscillator() {
 void SceneReader::oscillator_if_there(bool complete) {
   const auto *oscillator = root.find("oscillator"), *drive = root.find("drive");
   const auto& type = oscillator ? oscillator_type(*this, *oscillator) : oscillator_types().front();
-  if (oscillator) type.read(*this, Table(*oscillator, "oscillator"), complete);
+  if (oscillator) type.read(*this, oscillator_table(*oscillator), complete);
   if (drive) type.read_drive(*this, Table(*drive, "drive"), complete);
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "app/scene/record.hpp"
+#include "app/scene/reference.hpp"
 #include "core/error.hpp"
 #include "core/parameters.hpp"
 #include "core/units.hpp"
@@ -100,7 +101,7 @@ inline double number(const toml::node& node, const Quantity& quantity) {
   if (const auto* text = node.as_string())
     value = located(node.source(), [&] {
       try {
-        return to_si(text->get(), quantity.unit);
+        return Reference::to_si(text->get(), quantity.unit);
       } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", quantity.name, error.what()));
       }
@@ -174,7 +175,7 @@ class Table {
 
   /// Makes keys known ahead, so that a misspelt key is reported before the one that it leaves missing.
   Table& expect(std::initializer_list<std::string_view> keys) {
-    known_.assign(keys.begin(), keys.end());
+    known_.insert(known_.begin(), keys.begin(), keys.end());
     expected_ = true;
     return *this;
   }
@@ -275,7 +276,7 @@ inline RecordColumn read_column(const toml::node& node, const std::string& path,
   choose(table.required("column", "its name in the file or its number"), table.path("column"));
   if (const auto* unit = table.find("unit")) {
     column.unit = text(*unit, table.path("unit"));
-    located(unit->source(), [&] { to_si("1 " + column.unit, si); });
+    located(unit->source(), [&] { Reference::to_si("1 " + column.unit, si); });
   }
   const auto plain = [&](std::string_view key) -> std::optional<double> {
     const auto* value = table.find(key);

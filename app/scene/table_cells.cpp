@@ -5,7 +5,9 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <chrono>
 #include <cmath>
+#include <optional>
 
 namespace rosin::app::scene {
 
@@ -82,6 +84,52 @@ Kind read_number(std::string_view cell, char decimal, double& value) {
   if (problem == std::errc{} && end == digits.data() + digits.size() && std::isfinite(value)) return Kind::number;
   value = std::nan("");
   return means_missing(cell) ? Kind::missing : Kind::text;
+}
+
+Kind read_clock(std::string_view cell, double& seconds) {
+  seconds = std::nan("");
+  if (means_missing(cell)) return Kind::missing;
+  const auto whole = [](std::string_view digits, std::size_t most, int low, int high) -> std::optional<int> {
+    int value = 0;
+    const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const bool is_whole = !digits.empty() && is_digit(digits.front()) && digits.size() <= most &&
+                          problem == std::errc{} && end == digits.data() + digits.size();
+    return is_whole && value >= low && value <= high ? std::optional(value) : std::nullopt;
+  };
+  double days = 0;
+  if (cell.size() > 11 && (cell[10] == 'T' || cell[10] == ' ') && cell[4] == cell[7] &&
+      (cell[4] == '-' || cell[4] == '/')) {
+    const auto year = whole(cell.substr(0, 4), 4, 1900, 9999), month = whole(cell.substr(5, 2), 2, 1, 12),
+               day = whole(cell.substr(8, 2), 2, 1, 31);
+    if (!year || !month || !day) return Kind::text;
+    const std::chrono::year_month_day date{std::chrono::year(*year), std::chrono::month(unsigned(*month)),
+                                           std::chrono::day(unsigned(*day))};
+    if (!date.ok()) return Kind::text;
+    days = double(std::chrono::sys_days(date).time_since_epoch().count());
+    cell.remove_prefix(11);
+    if (cell.ends_with('Z')) cell.remove_suffix(1);
+  }
+  const auto first = cell.find(':'), second = cell.find(':', std::min(first, cell.size() - 1) + 1);
+  if (first == std::string_view::npos || second == std::string_view::npos) return Kind::text;
+  const auto point = std::min(cell.find_first_of(".,", second), cell.size());
+  const auto hours = whole(cell.substr(0, first), 4, 0, 9999),
+             minutes = whole(cell.substr(first + 1, second - first - 1), 2, 0, 59),
+             whole_seconds = whole(cell.substr(second + 1, point - second - 1), 2, 0, 59);
+  if (!hours || !minutes || !whole_seconds) return Kind::text;
+  double part = 0;
+  if (point < cell.size()) {
+    const auto digits = cell.substr(point + 1);
+    if (digits.empty() || !std::ranges::all_of(digits, is_digit)) return Kind::text;
+    const auto fraction = "0." + std::string(digits);
+    std::from_chars(fraction.data(), fraction.data() + fraction.size(), part);
+  }
+  seconds = days * 86400 + *hours * 3600 + *minutes * 60 + *whole_seconds + part;
+  return Kind::number;
+}
+
+Kind read_cell(std::string_view cell, char decimal, double& value) {
+  const auto kind = read_number(cell, decimal, value);
+  return kind == Kind::text ? read_clock(cell, value) : kind;
 }
 
 std::string_view without_end(std::string_view line) {

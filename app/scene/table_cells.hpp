@@ -23,5 +23,10 @@ bool next_cell(std::string_view& rest, char separator, std::string_view& cell);
 enum class Kind : char { number = 'N', missing = '-', text = 'T' };
 /// A number with this decimal sign, all of the cell; a comma has a digit on each side. NaN where it is none.
 Kind read_number(std::string_view cell, char decimal, double& value);
+/// A time of day, "12:30:01.5", in s since midnight; behind a date, "2026-03-01T12:30:01.5", in s since 1970, where a
+/// number holds 0.2 µs. NaN where it is none.
+Kind read_clock(std::string_view cell, double& seconds);
+/// One or the other.
+Kind read_cell(std::string_view cell, char decimal, double& value);
 
 }  // namespace rosin::app::scene

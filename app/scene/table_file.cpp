@@ -145,8 +145,10 @@ bool TableFile::row(std::vector<double>& cells) {
     bool last_is_empty = false;
     for (std::string_view cell; next_cell(rest, head_.separator, cell); ++index) {
       last_is_empty = cell.empty();
-      if (index < n && needed_[index] && read_number(cell, head_.decimal, cells[index]) == Kind::text)
-        refuse(line_number_, head_.no_number(index, cell));
+      if (index >= n || !needed_[index]) continue;
+      const auto kind =
+          head_.columns[index].clock ? read_clock(cell, cells[index]) : read_number(cell, head_.decimal, cells[index]);
+      if (kind == Kind::text) refuse(line_number_, head_.no_number(index, cell));
     }
     // a separator may end some rows and not others
     if (index == n + 1 && last_is_empty) --index;

@@ -27,7 +27,7 @@ std::string kinds_of(std::string_view text, const Dialect& dialect) {
   double value = 0;
   auto rest = without_comment(text);
   for (std::string_view cell; next_cell(rest, dialect.separator, cell);)
-    kinds += char(read_number(cell, dialect.decimal, value));
+    kinds += char(read_cell(cell, dialect.decimal, value));
   return kinds;
 }
 
@@ -39,7 +39,7 @@ bool holds_separator(std::string_view cell, const Dialect& dialect) {
   auto rest = cell;
   int pieces = 0, numbers = 0;
   for (std::string_view piece; next_cell(rest, ' ', piece); ++pieces)
-    numbers += read_number(piece, dialect.decimal, value) == Kind::number;
+    numbers += read_cell(piece, dialect.decimal, value) == Kind::number;
   return pieces > 1 && numbers > 0;
 }
 
@@ -269,6 +269,7 @@ class Finder {
     while (body_ < run_.begin && lines_[body_].comment) ++body_;
     refuse_lost_rows();
     name_columns();
+    find_clocks();
     refuse_odd_rows();
     const auto first = std::min(body_, run_.begin);
     head_.first_line = lines_[first].number;
@@ -340,7 +341,7 @@ class Finder {
     double value = 0;
     return found.size() == columns() && count.words + count.units > 0 && !says_nothing(found) &&
            std::ranges::none_of(found, [&](const std::string& cell) {
-             return read_number(cell, dialect_.decimal, value) == Kind::number;
+             return read_cell(cell, dialect_.decimal, value) == Kind::number;
            });
   }
   bool names_above(std::size_t i) const {
@@ -430,6 +431,33 @@ class Finder {
       std::string_view cell;
       for (std::size_t c = 0; found.size() == columns() && next_cell(rest, dialect_.separator, cell); ++c)
         if (run_.kinds[c] == 'N' && found[c] == 'T') refuse(lines_[i].number, head_.no_number(c, cell));
+    }
+  }
+
+  /// True where the first cell of a column that holds anything is a time of day.
+  bool is_clock(std::size_t column) const {
+    for (std::size_t i = run_.begin; i < lines_.size(); ++i) {
+      if (lines_[i].comment) continue;
+      auto rest = without_comment(lines_[i].text);
+      std::string_view cell;
+      double value = 0;
+      for (std::size_t c = 0; c <= column && next_cell(rest, dialect_.separator, cell);) ++c;
+      if (read_number(cell, dialect_.decimal, value) == Kind::missing) continue;
+      return read_number(cell, dialect_.decimal, value) == Kind::text && read_clock(cell, value) == Kind::number;
+    }
+    return false;
+  }
+  /// The unit of a time of day is the second; "(hh:mm:ss)" in a header says as much.
+  void find_clocks() {
+    for (std::size_t c = 0; c < columns(); ++c) {
+      auto& column = head_.columns[c];
+      column.clock = is_clock(c);
+      if (!column.clock) continue;
+      if (!column.unit.empty() && unit_known(column.unit) && column.unit != "s" && !column.may_be_name)
+        refuse(head_.units_line > 0 ? head_.units_line : head_.names_line,
+               fmt::format("{} is in {}, but its cells are times of day, such as 12:30:01, which count seconds",
+                           head_.label(c), column.unit));
+      column.unit = "s", column.may_be_name = false;
     }
   }
 

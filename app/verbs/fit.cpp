@@ -20,6 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using analysis::inference::Measurement;
 
+constexpr const char *curve_file = "fit-curve-{}.csv", *residual_file = "fit-residuals-{}.csv";
+
 const char* abscissa(const Measurement& m) {
   switch (m.kind) {
     case Measurement::Kind::frequency_response:
@@ -32,12 +34,29 @@ const char* abscissa(const Measurement& m) {
       return "time at rest (s)";
     case Measurement::Kind::record:
       return "time (s)";
+    case Measurement::Kind::stick_slip:
+      return "drive speed (m/s)";
+  }
+  return "";
+}
+
+const char* event_name(const Measurement& m) {
+  switch (m.event) {
+    case Measurement::Event::recurrence:
+      return "recurrence (s)";
+    case Measurement::Event::force_drop:
+      return "force drop (N)";
+    case Measurement::Event::peak_slip_rate:
+      return "peak slip rate (m/s)";
   }
   return "";
 }
 
 const char* ordinate(const Measurement& m) {
-  return m.pairs() ? "Z (N s/m)" : m.in_force ? "friction (N)" : "friction coefficient";
+  return m.kind == Measurement::Kind::stick_slip ? event_name(m)
+         : m.pairs()                             ? "Z (N s/m)"
+         : m.in_force                            ? "friction (N)"
+                                                 : "friction coefficient";
 }
 
 ordered_json parameters(const analysis::inference::Fit& fit) {
@@ -115,6 +134,20 @@ std::vector<Part> parts_of(const Measurement& m) {
   return {{"", 0, 1}};
 }
 
+/// What a picture is drawn over: the measurement's own abscissa, or the displacement that a series in time imposes,
+/// which stands last in its tables.
+struct Abscissa {
+  std::string name;
+  std::vector<double> values;
+  bool last = false;  ///< column of the tables; else the first
+};
+Abscissa own_abscissa(const Measurement& m) { return {abscissa(m), m.x}; }
+/// Empty values where there is none beside the measurement's own.
+Abscissa displacement_of(const Measurement& m) {
+  if (m.over == Measurement::Over::displacement) return {};
+  return {"displacement (m)", analysis::inference::imposed_displacement(m), true};
+}
+
 /// The numbers at the scene's law: x, data, fit, residual and standard error, and the fits of the others.
 std::string write_curve(const fs::path& folder, const scene::Scene& scene,
                         const std::vector<analysis::inference::Fit>& fits, const std::vector<std::size_t>& shown,
@@ -136,9 +169,13 @@ std::string write_curve(const fs::path& folder, const scene::Scene& scene,
       headers.push_back(fmt::format("{}fit of {}", part.name, scene.fit.candidates[k].name));
       columns.push_back(part.of(fits[k].measurements[d].fitted));
     }
+  if (auto way = displacement_of(m); !way.values.empty()) {
+    headers.push_back(way.name);
+    columns.push_back(std::move(way.values));
+  }
   std::vector<output::Column> table;
   for (std::size_t c = 0; c < columns.size(); ++c) table.push_back({headers[c], columns[c]});
-  const auto name = fmt::format("fit-curve-{}.csv", d + 1);
+  const auto name = fmt::format(curve_file, d + 1);
   output::write_csv(folder / name, table);
   return name;
 }
@@ -151,7 +188,9 @@ std::string write_standardised(const fs::path& folder, const scene::Scene& scene
   for (const double value : m.x) x.insert(x.end(), m.pairs() ? 2 : 1, value);
   std::vector<output::Column> table{{abscissa(m), x}};
   for (const auto k : shown) table.push_back({scene.fit.candidates[k].name, fits[k].measurements[d].residuals});
-  const auto name = fmt::format("fit-residuals-{}.csv", d + 1);
+  const auto way = displacement_of(m);
+  if (!way.values.empty()) table.push_back({way.name, way.values});
+  const auto name = fmt::format(residual_file, d + 1);
   output::write_csv(folder / name, table);
   return name;
 }
@@ -169,20 +208,23 @@ std::string write_correlation(const fs::path& folder, const analysis::inference:
 }
 
 /// Data, fits and residuals over the same axis, measurement by measurement, above the parameters of the scene's law.
-std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
-                                       const std::vector<analysis::inference::Fit>& fits,
-                                       const std::vector<std::size_t>& order) {
-  const auto& data = scene.fit.data;
+/// \param over_displacement each of those that are series in time, and no others
+void write_picture(const fs::path& folder, const std::string& name, const scene::Scene& scene,
+                   const std::vector<analysis::inference::Fit>& fits, const std::vector<std::size_t>& shown,
+                   bool over_displacement) {
   const auto& own = fits.front();
-  const std::vector<std::size_t> shown(order.begin(),
-                                       order.begin() + std::ptrdiff_t(std::min<std::size_t>(order.size(), 4)));
+  std::vector<std::pair<std::size_t, Abscissa>> data;
+  for (std::size_t d = 0; d < scene.fit.data.size(); ++d) {
+    auto over = over_displacement ? displacement_of(scene.fit.data[d]) : own_abscissa(scene.fit.data[d]);
+    if (!over.values.empty()) data.emplace_back(d, std::move(over));
+  }
   constexpr double top = 46, above = 66, curve = 230, residual = 120, below = 74, line = 19;  // pixels
   const double caption = 14 + line * double(own.parameters.size());
   const double height = top + double(data.size()) * (above + curve + residual + below) + caption;
   std::string script =
-      output::preamble("fit", "Data, fits, and residuals over their standard errors", 760, int(height)) +
+      output::preamble(name, "Data, fits, and residuals over their standard errors", 760, int(height)) +
       fmt::format(
-          "set multiplot\nset label 1 {} at screen 0.5,{:.4f} center\nset grid linecolor '#CCCCCC' linewidth 0.6\n"
+          "set multiplot\nset label 1 {} at screen 0.5,{:.4f} center\nset grid\n"
           "set lmargin at screen 0.13\nset rmargin at screen 0.97\n",
           output::single_quoted(scene.title), 1 - 20 / height);
   double y = line * 0.7;
@@ -191,17 +233,17 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
         fmt::format("set label {} {} at screen 0.05,{:.4f}\nset label {} {} at screen 0.36,{:.4f}\n", 2 * i + 2,
                     output::single_quoted(own.parameters[i].path), y / height, 2 * i + 3,
                     output::single_quoted(described(own.parameters[i], scene.fit.options.confidence)), y / height);
-  std::vector<std::string> files;
   constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3"};
   constexpr const char* dashes[] = {"solid", "(8,4)", "(12,3,2,3)", "(4,2)"};
   double edge = height - top;
-  for (std::size_t d = 0; d < data.size(); ++d) {
-    const auto& m = data[d];
-    const auto curves = write_curve(folder, scene, fits, shown, d);
-    const auto standardised = write_standardised(folder, scene, fits, shown, d);
-    files.insert(files.end(), {curves, standardised});
+  for (const auto& [d, over] : data) {
+    const auto& m = scene.fit.data[d];
+    const auto curves = fmt::format(curve_file, d + 1), standardised = fmt::format(residual_file, d + 1);
     const auto parts = parts_of(m);
-    const auto [low, high] = std::ranges::minmax(m.x);
+    const auto [low, high] = std::ranges::minmax(over.values);
+    const std::size_t others_shown = shown.size() - (std::ranges::find(shown, 0u) != shown.end() ? 1 : 0);
+    const auto x = over.last ? 2 + 4 * parts.size() + others_shown * parts.size() : 1;
+    const char* smooth = over.last ? "" : "smooth unique ";  // a path may come back to where it was
     edge -= above;
     script += fmt::format(
         "{} logscale x\nset xrange [{}:{}]\nset label 999 {} at graph 0,1.22\nset tmargin at screen {:.4f}\n"
@@ -213,16 +255,16 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     std::string plots;
     for (std::size_t part = 0; part < parts.size(); ++part)
       plots +=
-          fmt::format("{}'{}' using 1:{} with points pointtype {} pointsize 0.5 linecolor '#888888' title '{}data'",
-                      part > 0 ? ", \\\n     " : "", curves, 2 + 4 * part, part == 0 ? 7 : 6, parts[part].name);
+          fmt::format("{}'{}' using {}:{} with points pointtype {} pointsize 0.5 linecolor '#888888' title '{}data'",
+                      part > 0 ? ", \\\n     " : "", curves, x, 2 + 4 * part, part == 0 ? 7 : 6, parts[part].name);
     std::size_t others = 2 + 4 * parts.size();
     for (std::size_t k = 0; k < shown.size(); ++k)
       for (std::size_t part = 0; part < parts.size(); ++part) {
         const auto column = shown[k] == 0 ? 3 + 4 * part : others++;
-        plots += fmt::format(
-            ", \\\n     '{}' using 1:{} smooth unique with lines linewidth 1.8 dashtype {} linecolor '{}' title {}",
-            curves, column, dashes[k], colours[k],
-            part == 0 ? output::single_quoted(scene.fit.candidates[shown[k]].name) : "''");
+        plots +=
+            fmt::format(", \\\n     '{}' using {}:{} {}with lines linewidth 1.8 dashtype {} linecolor '{}' title {}",
+                        curves, x, column, smooth, dashes[k], colours[k],
+                        part == 0 ? output::single_quoted(scene.fit.candidates[shown[k]].name) : "''");
       }
     constexpr double gap = 16;
     edge -= curve + gap;
@@ -234,18 +276,40 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
         fmt::format(
             "\nunset label 999\nunset key\nset tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset format x "
             "'%g'\nset xlabel '{}'\nset ylabel \"residual /\\nstandard error\"\nset ytics {}\nplot ",
-            edge / height, (edge - residual) / height, abscissa(m), output::tick_step(least, most));
+            edge / height, (edge - residual) / height, over.name, output::tick_step(least, most));
     for (std::size_t k = 0; k < shown.size(); ++k)
-      script += fmt::format("{}'{}' using 1:{} with points pointtype {} pointsize 0.5 linecolor '{}'",
-                            k > 0 ? ", \\\n     " : "", standardised, k + 2, k == 0 ? 7 : int(k) + 3, colours[k]);
+      script += fmt::format("{}'{}' using {}:{} with points pointtype {} pointsize 0.5 linecolor '{}'",
+                            k > 0 ? ", \\\n     " : "", standardised, over.last ? shown.size() + 2 : 1, k + 2,
+                            k == 0 ? 7 : int(k) + 3, colours[k]);
     script += ", 2 with lines linecolor '#555555' dashtype (2,3), -2 with lines linecolor '#555555' dashtype (2,3)\n";
     edge -= residual - gap + below;
-    for (std::size_t i = 0; d == 0 && i < 2 * own.parameters.size() + 1; ++i)
+    for (std::size_t i = 0; d == data.front().first && i < 2 * own.parameters.size() + 1; ++i)
       script += fmt::format("unset label {}\n", i + 1);
   }
-  files.push_back(write_correlation(folder, own));
-  write_whole(folder / "fit.gp", script + "unset multiplot\n");
+  write_whole(folder / (name + ".gp"), script + "unset multiplot\n");
+}
+
+/// The tables of all measurements, and the pictures of them.
+std::vector<std::string> write_tables_and_pictures(const fs::path& folder, const scene::Scene& scene,
+                                                   const std::vector<analysis::inference::Fit>& fits,
+                                                   const std::vector<std::size_t>& order) {
+  const auto& data = scene.fit.data;
+  constexpr std::size_t most_shown = 4;  // laws
+  std::vector<std::size_t> shown;
+  for (const auto k : order)
+    if (shown.size() < most_shown && !fits[k].measurements.empty()) shown.push_back(k);
+  std::vector<std::string> files;
+  if (fits.front().measurements.empty()) return files;  // it ended before it could be laid beside the data
+  for (std::size_t d = 0; d < data.size(); ++d)
+    files.insert(files.end(),
+                 {write_curve(folder, scene, fits, shown, d), write_standardised(folder, scene, fits, shown, d)});
+  files.push_back(write_correlation(folder, fits.front()));
+  write_picture(folder, "fit", scene, fits, shown, false);
   files.emplace_back("fit.gp");
+  if (std::ranges::any_of(data, [](const auto& m) { return !displacement_of(m).values.empty(); })) {
+    write_picture(folder, "fit-displacement", scene, fits, shown, true);
+    files.emplace_back("fit-displacement.gp");
+  }
   return files;
 }
 
@@ -291,7 +355,7 @@ Status perform(Job& job) {
       job.say("rank {:<20} AIC {:+.2f}, BIC {:+.2f} from the best, left-out points {:.3f}",
               scene.fit.candidates[k].name, fits[k].aic - fits[order[0]].aic, fits[k].bic - fits[order[0]].bic,
               fits[k].cross_validation);
-  auto files = write_picture(job.folder(), scene, fits, order);
+  auto files = write_tables_and_pictures(job.folder(), scene, fits, order);
   return job.finish(to_json(scene, fits, order), std::move(files), fits.front().outcome);
 }
 
@@ -300,14 +364,19 @@ void read(scene::SceneReader& reader) {
   reader.oscillator_if_there();
   read_tables_of_models(reader);
   read_fit(scene::Table(reader.need("fit", "parameters and data"), "fit"), reader);
-  reader.note_unread({"oscillator", "drive.force", "law.load_memory"}, "a fit does not ask for it");
+  const auto& data = reader.scene.fit.data;
+  if (std::ranges::none_of(data, [](const auto& m) { return m.kind == Measurement::Kind::stick_slip; }))
+    reader.note_unread({"oscillator"}, "a fit does not ask for it");
+  reader.note_unread({"drive.force", "law.load_memory"}, "a fit does not ask for it");
 }
 
 }  // namespace
 
 Verb fit_verb() {
   return {.name = "fit",
-          .help = "parameters of laws from responses, velocity steps, steady curves, holds and records; laws ranked",
+          .help =
+              "parameters of laws from responses, velocity steps, steady curves, holds, records and stick-slip; laws "
+              "ranked",
           .example = "rosin fit examples/fit-laws.toml",
           .operands = {scene_operand},
           .needs = {{"law", "the friction law, with values to start from"},

@@ -31,7 +31,8 @@ const std::vector<KindOfData>& kinds() {
       {"velocity-step", Kind::velocity_step, {{"time", "s"}, {"friction_coefficient", "1"}}},
       {"steady-curve", Kind::steady_curve, {{"slip_rate", "m/s"}, {"friction_coefficient", "1"}}},
       {"hold", Kind::hold, {{"hold_time", "s"}, {"friction_coefficient", "1"}}},
-      {"record", Kind::record, {{"time", "s"}, {"friction_coefficient", "1"}}}};
+      {"record", Kind::record, {{"time", "s"}, {"friction_coefficient", "1"}}},
+      {"stick-slip", Kind::stick_slip, {{"speed", "m/s"}}}};
   return list;
 }
 
@@ -40,7 +41,8 @@ void refuse_without_effect(scene::Table& table, const KindOfData& kind) {
   const struct {
     const char* key;
     std::vector<Kind> kinds;
-  } listeners[] = {{"speed", {Kind::frequency_response, Kind::hold}},
+  } listeners[] = {{"speed", {Kind::frequency_response, Kind::hold, Kind::stick_slip}},
+                   {"events", {Kind::stick_slip}},
                    {"from", {Kind::velocity_step}},
                    {"to", {Kind::velocity_step}},
                    {"steps", {Kind::velocity_step}},
@@ -128,28 +130,65 @@ bool has_column(scene::RecordSource source, const scene::RecordColumn& column) {
   return false;
 }
 
+/// The columns of a file of data, by the names that a kind of measurement has for them.
+struct ColumnsOfFile {
+  const scene::RecordSource& source;
+  std::optional<scene::Table>& chosen;
+
+  scene::RecordColumn of(const char* name, const char* si) const {
+    const auto* given = chosen ? chosen->find(name) : nullptr;
+    return given ? scene::read_column(*given, chosen->path(name), si) : scene::RecordColumn{name, "", si};
+  }
+  bool has(const char* name, const char* si) const {
+    return (chosen && chosen->find(name)) || has_column(source, of(name, si));
+  }
+};
+
 /// The columns of a record beside time and friction: those that move and load it, of which a file has one or the other.
 struct MotionColumns {
   bool displacement = false, normal_load = false;
   std::vector<scene::RecordColumn> columns;
 };
-MotionColumns choose_columns(KindOfData& kind, std::optional<scene::Table>& columns, const scene::RecordSource& source,
-                             Measurement& data) {
-  const auto column = [&](const char* name, const char* si) {
-    const auto* given = columns ? columns->find(name) : nullptr;
-    return given ? scene::read_column(*given, columns->path(name), si) : scene::RecordColumn{name, "", si};
-  };
-  const auto there = [&](const char* name, const char* si) {
-    return (columns && columns->find(name)) || has_column(source, column(name, si));
-  };
-  data.in_force = !there("friction_coefficient", "1") && there("friction_force", "N");
+MotionColumns choose_motion(KindOfData& kind, const ColumnsOfFile& file, Measurement& data) {
+  data.in_force = !file.has("friction_coefficient", "1") && file.has("friction_force", "N");
   if (data.in_force) kind.columns.back() = {"friction_force", "N"};
   MotionColumns motion;
-  motion.displacement = !there("slip_rate", "m/s") && there("displacement", "m");
-  motion.columns.push_back(motion.displacement ? column("displacement", "m") : column("slip_rate", "m/s"));
-  motion.normal_load = there("normal_load", "N");
-  if (motion.normal_load) motion.columns.push_back(column("normal_load", "N"));
+  motion.displacement = !file.has("slip_rate", "m/s") && file.has("displacement", "m");
+  motion.columns.push_back(motion.displacement ? file.of("displacement", "m") : file.of("slip_rate", "m/s"));
+  motion.normal_load = file.has("normal_load", "N");
+  if (motion.normal_load) motion.columns.push_back(file.of("normal_load", "N"));
   return motion;
+}
+
+/// What may be read off slip events, as the catalogue of a run calls it.
+struct EventColumn {
+  const char *name, *si;
+  Measurement::Event event;
+};
+constexpr EventColumn event_columns[] = {{"recurrence", "s", Measurement::Event::recurrence},
+                                         {"force_drop", "N", Measurement::Event::force_drop},
+                                         {"peak_slip_rate", "m/s", Measurement::Event::peak_slip_rate}};
+/// Those that the scene names, or else those that the file has.
+std::vector<EventColumn> choose_events(scene::Table& table, const ColumnsOfFile& file) {
+  std::vector<EventColumn> events;
+  if (const auto* named = table.find("events")) {
+    std::vector<std::string> known;
+    for (const auto& column : event_columns) known.emplace_back(column.name);
+    for (const auto& element : scene::list(*named, table.path("events"), "names", std::size(event_columns))) {
+      const auto name = scene::choice(element, table.path("events"), known);
+      events.push_back(event_columns[std::ranges::find(known, name) - known.begin()]);
+    }
+    if (events.empty()) scene::fail(named->source(), "{} is empty", table.path("events"));
+  } else {
+    std::ranges::copy_if(event_columns, std::back_inserter(events),
+                         [&](const auto& column) { return file.has(column.name, column.si); });
+    if (events.empty())
+      scene::fail(table.source(),
+                  "{} has none of the columns recurrence, force_drop and peak_slip_rate: say columns = "
+                  "{{ recurrence = … }}",
+                  file.source.file.string());
+  }
+  return events;
 }
 
 /// The motion of a record from its columns: time, slip rate or displacement, and the load if it was recorded.
@@ -178,7 +217,47 @@ Measurement::History read_history(const std::vector<double>& time, const std::ve
   return history;
 }
 
-Measurement read_data(const toml::node& node, scene::Scene& scene, const fs::path& folder) {
+/// The numbers of a file, without rows that lack one or lie outside `low` … `high`.
+struct NumbersOfFile {
+  scene::RecordSource source;  ///< columns: abscissa, ordinates, motion, standard errors, each where there are any
+  bool has_abscissa = true;    ///< else all points are at `data.slip_rate`
+  std::size_t ordinates = 1;
+  MotionColumns motion = {};
+  double low, high;
+  std::optional<double> error = {};  ///< of every number
+  bool errors_by_column = false;     ///< the last one
+
+  void read(Measurement& data, std::vector<std::string>& notes) const {
+    std::vector<std::vector<double>> values(source.columns.size());
+    const auto end = scene::read_record(source, [&](double, std::span<const std::span<const double>> block) {
+      for (std::size_t c = 0; c < block.size(); ++c)
+        values[c].insert(values[c].end(), block[c].begin(), block[c].end());
+    });
+    if (end.gaps > 0)
+      notes.push_back(
+          fmt::format("{}: {} of {} rows lack a number and are left out", data.name, end.gaps, end.samples));
+    const std::size_t first = has_abscissa ? 1 : 0;
+    for (std::size_t i = 0; i < values[0].size(); ++i) {
+      if (std::ranges::any_of(values, [&](const auto& column) { return std::isnan(column[i]); })) continue;
+      const double x = has_abscissa ? values[0][i] : data.slip_rate;
+      if (x < low || x > high) continue;
+      data.x.push_back(x);
+      for (std::size_t c = first; c < first + ordinates; ++c) {
+        data.y.push_back(values[c][i]);
+        if (errors_by_column || error) data.error.push_back(errors_by_column ? values.back()[i] : *error);
+      }
+    }
+    if (data.x.empty()) throw InputError(fmt::format("{}: holds no point between low and high", data.name));
+    if (data.kind == Kind::record)
+      data.history =
+          read_history(values[0], values[first + ordinates],
+                       motion.normal_load ? &values[first + ordinates + 1] : nullptr, motion.displacement, data);
+  }
+};
+
+/// The measurements of one table of data: one, but for stick–slip, of which each column of events is one.
+std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& reader) {
+  auto& scene = reader.scene;
   scene::Table table(node, "fit.data");
   table.expect({"type", "file", "columns", "standard_error", "speed", "from", "to", "normal_load", "low", "high",
                 "names_line", "decimal"});
@@ -187,6 +266,9 @@ Measurement read_data(const toml::node& node, scene::Scene& scene, const fs::pat
   const auto type = scene::choice(table.required("type", "what was measured"), table.path("type"), names);
   auto kind = *std::ranges::find_if(kinds(), [&](const auto& k) { return k.name == type; });
   refuse_without_effect(table, kind);
+  const bool stick_slip = kind.kind == Kind::stick_slip;
+  if (stick_slip && !reader.root.find("oscillator"))
+    scene::fail(node.source(), "events of stick-slip are those of a slider: give [oscillator] with mass and stiffness");
   Measurement data;
   data.kind = kind.kind;
   data.slip_rate = data.next_slip_rate = scene.model.drive.speed.level();
@@ -198,63 +280,67 @@ Measurement read_data(const toml::node& node, scene::Scene& scene, const fs::pat
     table.read("speed", data.slip_rate, speed);
   read_terms(table, data);
   table.read("normal_load", data.normal_load, {"", "N", {1e-15, 1e15}, "normal load"});
-  double low = -infinity, high = infinity;
-  table.read("low", low, {"", kind.columns.front().si, {-1e300, 1e300}, "points below are left out"});
-  table.read("high", high, {"", kind.columns.front().si, {-1e300, 1e300}, "points above are left out"});
+  NumbersOfFile numbers{.source = scene::read_file(table, reader.folder), .low = -infinity, .high = infinity};
+  table.read("low", numbers.low, {"", kind.columns.front().si, {-1e300, 1e300}, "points below are left out"});
+  table.read("high", numbers.high, {"", kind.columns.front().si, {-1e300, 1e300}, "points above are left out"});
 
-  auto source = scene::read_file(table, folder);
   const auto& file_node = *table.find("file");
-  data.name = source.file.filename().string();
-  source.gaps = true;
+  data.name = numbers.source.file.filename().string();
+  numbers.source.gaps = true;
   auto columns = table.table("columns");
-  MotionColumns motion;
-  if (kind.kind == Kind::record) motion = choose_columns(kind, columns, source, data);
-  for (const auto& column : kind.columns) {
-    const auto* given = columns ? columns->find(column.name) : nullptr;
-    source.columns.push_back(given ? scene::read_column(*given, columns->path(column.name), column.si)
-                                   : scene::RecordColumn{column.name, "", column.si});
+  const ColumnsOfFile file{numbers.source, columns};
+  std::vector<scene::RecordColumn> chosen;
+  std::vector<EventColumn> events;
+  if (kind.kind == Kind::record) numbers.motion = choose_motion(kind, file, data);
+  if (stick_slip) {
+    events = choose_events(table, file);
+    numbers.has_abscissa = file.has("speed", "m/s");
+    if (const auto* key = table.find("speed"); key && numbers.has_abscissa)
+      scene::fail(key->source(), "fit.data.speed has no effect: {} has a column of speeds", data.name);
+    if (!numbers.has_abscissa) kind.columns.clear();
+  } else {
+    numbers.ordinates = kind.columns.size() - 1;
   }
-  source.columns.insert(source.columns.end(), motion.columns.begin(), motion.columns.end());
+  for (const auto& column : kind.columns) chosen.push_back(file.of(column.name, column.si));
+  chosen.insert(chosen.end(), numbers.motion.columns.begin(), numbers.motion.columns.end());
+  std::vector<scene::RecordColumn> columns_of_events;
+  for (const auto& event : events) columns_of_events.push_back(file.of(event.name, event.si));
   if (columns) columns->finish();
   const auto* error = data.pairs()
                           ? &table.required("standard_error", "of each number: a value, or the name of a column")
                           : table.find("standard_error");
-  const bool by_column =
+  if (error && events.size() > 1)
+    scene::fail(error->source(),
+                "fit.data.standard_error cannot hold for {} kinds of events at once: name one by "
+                "events = [\"{}\"], and give each a table of data of its own",
+                events.size(), events.front().name);
+  const char* si = stick_slip ? events.front().si : kind.columns.back().si;
+  numbers.errors_by_column =
       error && (error->is_table() ||
                 (error->is_string() && !std::isdigit(static_cast<unsigned char>(error->as_string()->get()[0]))));
-  double constant = 0;
-  if (by_column)
-    source.columns.push_back(scene::read_column(*error, table.path("standard_error"), kind.columns.back().si));
+  std::optional<scene::RecordColumn> column_of_errors;
+  if (numbers.errors_by_column)
+    column_of_errors = scene::read_column(*error, table.path("standard_error"), si);
   else if (error)
-    constant = scene::number(*error,
-                             {table.path("standard_error"), kind.columns.back().si, {1e-300, 1e300}, "standard error"});
+    numbers.error = scene::number(*error, {table.path("standard_error"), si, {1e-300, 1e300}, "standard error"});
   table.finish();
-  scene::located(file_node.source(), [&] {
-    std::vector<std::vector<double>> values(source.columns.size());
-    const auto end = scene::read_record(source, [&](double, std::span<const std::span<const double>> block) {
-      for (std::size_t c = 0; c < block.size(); ++c)
-        values[c].insert(values[c].end(), block[c].begin(), block[c].end());
-    });
-    if (end.gaps > 0)
-      scene.notes.push_back(
-          fmt::format("{}: {} of {} rows lack a number and are left out", data.name, end.gaps, end.samples));
-    for (std::size_t i = 0; i < values[0].size(); ++i) {
-      if (std::ranges::any_of(values, [&](const auto& column) { return std::isnan(column[i]); })) continue;
-      if (values[0][i] < low || values[0][i] > high) continue;
-      data.x.push_back(values[0][i]);
-      for (std::size_t c = 1; c < kind.columns.size(); ++c) {
-        data.y.push_back(values[c][i]);
-        if (error) data.error.push_back(by_column ? values.back()[i] : constant);
-      }
-    }
-    if (data.x.empty()) throw InputError(fmt::format("{}: holds no point between low and high", data.name));
-    if (kind.kind == Kind::record) {
-      const auto first = kind.columns.size();
-      data.history = read_history(values[0], values[first], motion.normal_load ? &values[first + 1] : nullptr,
-                                  motion.displacement, data);
-    }
-  });
-  return data;
+  std::vector<Measurement> found;
+  const auto add = [&](Measurement measurement, std::vector<scene::RecordColumn> own) {
+    if (column_of_errors) own.push_back(*column_of_errors);
+    numbers.source.columns = std::move(own);
+    scene::located(file_node.source(), [&] { numbers.read(measurement, scene.notes); });
+    found.push_back(std::move(measurement));
+  };
+  if (!stick_slip) add(data, chosen);
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    auto own = chosen;
+    own.push_back(columns_of_events[i]);
+    auto measurement = data;
+    measurement.event = events[i].event;
+    measurement.name += fmt::format(", {}", events[i].name);
+    add(std::move(measurement), std::move(own));
+  }
+  return found;
 }
 
 }  // namespace
@@ -264,11 +350,18 @@ void read_fit(scene::Table table, scene::SceneReader& reader) {
   auto& task = scene.fit;
   auto& options = task.options;
   table.expect({"parameters", "data", "candidates", "starts", "seed", "profiles", "folds", "confidence"});
-  const auto read_parameters = [](const toml::node& node, const std::string& path, const oscillators::Model& model) {
+  const auto& data = table.required("data", "tables with type and file");
+  for (const auto& element : scene::list(data, "fit.data", "tables", scene::most_names)) {
+    auto measurements = read_data(element, reader);
+    std::ranges::move(measurements, std::back_inserter(task.data));
+  }
+  if (task.data.empty()) scene::fail(data.source(), "fit.data is empty");
+  const bool with_slider = std::ranges::any_of(task.data, [](const auto& m) { return m.kind == Kind::stick_slip; });
+  const auto read_parameters = [&](const toml::node& node, const std::string& path, const oscillators::Model& model) {
     const auto paths = scene::texts(node, path);
     for (std::size_t i = 0; i < paths.size(); ++i)
       scene::located(node.as_array()->get(i)->source(),
-                     [&] { analysis::inference::require_fittable(model, paths[i]); });
+                     [&] { analysis::inference::require_fittable(model, paths[i], with_slider); });
     if (paths.empty()) scene::fail(node.source(), "{} is empty", path);
     return paths;
   };
@@ -295,10 +388,6 @@ void read_fit(scene::Table table, scene::SceneReader& reader) {
           scene::fail(element.source(), "fit.candidates: two are named '{}'; give one of them a name", candidate.name);
       task.candidates.push_back(std::move(candidate));
     }
-  const auto& data = table.required("data", "tables with type and file");
-  for (const auto& element : scene::list(data, "fit.data", "tables", scene::most_names))
-    task.data.push_back(read_data(element, scene, reader.folder));
-  if (task.data.empty()) scene::fail(data.source(), "fit.data is empty");
   if (int starts = 1; table.find("starts")) {
     table.read("starts", starts, 1, 1000, "starts of the least squares");
     options.starts = starts;

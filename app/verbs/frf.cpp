@@ -160,7 +160,7 @@ void write_script(const fs::path& folder, const scene::Scene& scene, const std::
   std::string script =
       output::preamble("frf", "Friction frequency response: magnitude, phase, parts, and the complex plane", 1000, 760);
   script += fmt::format("set multiplot layout 2,2 title {}\n", output::single_quoted(scene.title));
-  script += "set grid linecolor '#CCCCCC' linewidth 0.6\nset xlabel 'frequency (Hz)'\n";
+  script += "set grid\nset xlabel 'frequency (Hz)'\n";
   if (decades) script += "set logscale x\n";
   script += fmt::format("set xrange [{}:{}]\n", f.front(), f.back());
   const auto panel = [&](std::string_view y_label, const char* columns, std::string_view settings) {
@@ -178,7 +178,8 @@ void write_script(const fs::path& folder, const scene::Scene& scene, const std::
   panel("phase of Z (degree)", "1:5", "unset logscale y\nset yrange [*:*]\nset offsets 0, 0, graph 0.05, graph 0.05\n");
   panel("real part of Z (N s/m)", "1:2", "set xzeroaxis linecolor '#555555'\nset key top right\n");
   panel("imaginary part of Z (N s/m)", "2:3",
-        "unset logscale x\nset xrange [*:*]\nset key off\nset xlabel 'real part of Z (N s/m)'\nset yzeroaxis linecolor "
+        "unset logscale x\nset xrange [*:*]\nset xtics rotate by -30\nset key off\nset xlabel 'real part of Z (N "
+        "s/m)'\nset yzeroaxis linecolor "
         "'#555555'\n"
         "set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n");
   write_whole(folder / "frf.gp", script + "unset multiplot\n");
@@ -194,7 +195,7 @@ void write_measured_script(const fs::path& folder, const scene::Scene& scene,
                                         1000, 1000);
   script += fmt::format("set multiplot layout 3,2 title {}\n", output::single_quoted(scene.title));
   script += fmt::format(
-      "set grid linecolor '#CCCCCC' linewidth 0.6\nset xlabel 'frequency (Hz)'\n"
+      "set grid\nset xlabel 'frequency (Hz)'\n"
       "set xrange [{}:{}]\nset style fill solid 0.3 noborder\n",
       f.front(), f.back());
   if (f.back() / f.front() > 20) script += "set logscale x\n";
@@ -218,14 +219,14 @@ void write_measured_script(const fs::path& folder, const scene::Scene& scene,
   panel("real part of Z (N s/m)", "$2", "$6", "2", "set xzeroaxis linecolor '#555555'\n");
   panel("imaginary part of Z (N s/m)", "$3", "$6", "3", "");
   script +=
-      "unset logscale x\nset xrange [*:*]\nset xlabel 'real part of Z (N s/m)'\nset yzeroaxis linecolor "
-      "'#555555'\nset ylabel 'imaginary part of Z (N s/m)'\nplot 'frf.csv' using 2:3 with points pointtype 7 "
+      "unset logscale x\nset xrange [*:*]\nset xtics rotate by -30\nset xlabel 'real part of Z (N s/m)'\nset yzeroaxis "
+      "linecolor '#555555'\nset ylabel 'imaginary part of Z (N s/m)'\nplot 'frf.csv' using 2:3 with points pointtype 7 "
       "pointsize 0.3 linecolor '#00336F' title 'measured'";
   if (predicted)
     script +=
         ", 'frf-predicted.csv' using 2:3 with lines linewidth 2 linecolor '#B0560F' dashtype (8,4) title 'predicted'";
   script += fmt::format(
-      "\nset xlabel 'frequency (Hz)'\nset ylabel 'coherence'\nset xrange [{}:{}]\nset yrange "
+      "\nset xtics norotate\nset xlabel 'frequency (Hz)'\nset ylabel 'coherence'\nset xrange [{}:{}]\nset yrange "
       "[0:1.02]\n{}plot 'frf.csv' using 1:7 with lines linewidth 1.2 linecolor '#00336F' notitle\n",
       f.front(), f.back(), f.back() / f.front() > 20 ? "set logscale x\n" : "");
   write_whole(folder / "frf.gp", script + "unset multiplot\n");

@@ -28,8 +28,7 @@ void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector
                     {{"frequency (Hz)", frequency}, {"real", real}, {"imaginary", imaginary}, {"distance", distance}});
   if (frequency.size() < 2) return;  // no line
   std::string script = output::preamble("loop", "Nyquist's plot of the loop of friction and structure", 1000, 460);
-  script += fmt::format("set multiplot layout 1,2 title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\n",
-                        output::single_quoted(job.scene().title));
+  script += fmt::format("set multiplot layout 1,2 title {}\nset grid\n", output::single_quoted(job.scene().title));
   script +=
       "set xlabel 'real part of loop'\nset ylabel 'imaginary part of loop'\nset xzeroaxis\nset yzeroaxis\n"
       "plot 'loop.csv' using 2:3 with lines linewidth 1.7 linecolor '#00336F' notitle, '+' using (-1):(0) every "

@@ -50,6 +50,7 @@ fs::path results_folder(const Request& request) {
 }
 
 Job::Job(const Request& request) : request_(request), scene_(read_scene(request)), folder_(results_folder(request)) {
+  if (request.no_pictures && request.pdf) throw InputError("--pdf has no effect beside --no-pictures: leave one out");
   std::error_code problem;
   fs::create_directories(folder_, problem);
   if (problem) throw InputError(fmt::format("--out {}: cannot be made: {}", folder_.string(), problem.message()));
@@ -150,7 +151,7 @@ void draw_pictures(const Request& request, const fs::path& folder, output::Manif
       manifest.scripts[file] = checksum_of(folder / file);
     }
   if (request.no_pictures) return;
-  const auto drawn = output::draw(folder, scripts);
+  const auto drawn = output::draw(folder, scripts, request.pdf);
   if (!request.quiet)
     for (const auto& problem : drawn.problems) tell("note: {}\n", problem);
   manifest.files.insert(manifest.files.end(), drawn.files.begin(), drawn.files.end());

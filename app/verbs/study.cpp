@@ -153,8 +153,7 @@ std::vector<std::string> write_statistics(const fs::path& folder, const scene::S
                                           const StudyResult& result) {
   std::string data = "algorithm,error,distance,weibull,share\n";
   std::string script = output::preamble("study", "Errors of the force algorithms over random oscillators", 980, 820);
-  script += fmt::format("set multiplot layout 2,2 title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\n",
-                        output::single_quoted(scene.title));
+  script += fmt::format("set multiplot layout 2,2 title {}\nset grid\n", output::single_quoted(scene.title));
   std::vector<std::string> weibull, lines, shares, boxes, labels;
   int most_back_steps = 0;
   for (std::size_t a = 0; a < result.algorithms.size(); ++a) {
@@ -256,7 +255,7 @@ std::vector<std::string> write_case(const fs::path& folder, const scene::Scene& 
   const double first = result.cases[static_cast<std::size_t>(result.shown_case)].exact.first_stick;
   std::string script =
       output::preamble("study-case", "One case: response, strip of stick and slip, and entry into stick", 980, 900);
-  script += fmt::format("set multiplot layout 2,2 title {}\nset grid linecolor '#CCCCCC' linewidth 0.6\n",
+  script += fmt::format("set multiplot layout 2,2 title {}\nset grid\n",
                         output::single_quoted(fmt::format("{}, case {}", scene.title, result.shown_case)));
   script += "set style line 6 linecolor '#000000' linewidth 1\n";
   script += "set xlabel 'time (s)'\nset ylabel 'displacement (mm)'\nset key top right\nplot " +
@@ -279,7 +278,7 @@ std::vector<std::string> write_case(const fs::path& folder, const scene::Scene& 
     std::string path = output::preamble("study-path", "Path of one case in the plane", 640, 600);
     path += fmt::format(
         "set style line 6 linecolor '#000000' linewidth 1\nset title {}\nset key top left\n"
-        "set xlabel 'x (mm)'\nset ylabel 'y (mm)'\nset grid linecolor '#CCCCCC' linewidth 0.6\nplot {}\n",
+        "set xlabel 'x (mm)'\nset ylabel 'y (mm)'\nset grid\nplot {}\n",
         output::single_quoted(fmt::format("{}, case {}", scene.title, result.shown_case)),
         curves("motion", "($3*1e3):($5*1e3)", "lines"));
     write_whole(folder / "study-path.gp", path);

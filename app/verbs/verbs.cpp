@@ -39,6 +39,7 @@ const Verb& find_verb(std::string_view name) {
 const Operand scene_operand{"SCENE", &Request::target, "scene file (TOML)"};
 const Option json_option{"--json", &Request::json, "print the result as JSON, and nothing else"};
 const Option quiet_option{"--quiet", &Request::quiet, "say nothing but errors"};
+const Option pdf_option{"--pdf", &Request::pdf, "draw the pictures as PDF, too"};
 
 Option out_option(std::string_view usual) {
   return {"--out", &Request::out, fmt::format("results folder; default {}", usual)};
@@ -55,6 +56,7 @@ std::vector<Option> scene_options(std::vector<Option> own) {
       json_option,
       quiet_option,
       {"--no-pictures", &Request::no_pictures, "write no pictures, only what 'rosin plot' draws them from"},
+      pdf_option,
       {"--explain", &Request::explain, "say on standard error what is computed how, and what is skipped"},
   };
   options.insert(options.end(), own.begin(), own.end());
@@ -113,6 +115,8 @@ scene::Scene read_scene(const Request& request) {
     reader.find_smoothing();
     verb.read(reader);
     reader.require_smoothing_to_matter();
+    for (const auto& name : reader.reference.unused())
+      scene.notes.push_back(fmt::format("{} has no effect: no number that '{}' reads refers to it", name, verb.name));
     reader.root.finish();
   } catch (const scene::PlacedError&) {
     throw;

@@ -7,10 +7,11 @@
 >>> rosin.plot(plane)
 """
 
+from .beside import beside
 from .catalogue import Law, laws
 from .errors import IncompleteWarning, InputError
-from .picture import plot
+from .picture import STYLE, plot
 from .result import Result
 from .scene import Scene, load
 
-__all__ = ["IncompleteWarning", "InputError", "Law", "Result", "Scene", "laws", "load", "plot"]
+__all__ = ["STYLE", "IncompleteWarning", "InputError", "Law", "Result", "Scene", "beside", "laws", "load", "plot"]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Callable
 from .errors import InputError
 
 if TYPE_CHECKING:
+    import numpy
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -21,6 +22,7 @@ LINES = [
     {"color": "#8A4FA3", "linestyle": (0, (4, 2)), "linewidth": 1.6},
     {"color": "#555555", "linestyle": (0, (1.5, 2)), "linewidth": 1.4},
 ]
+# matplotlib.pyplot.rcParams.update(rosin.STYLE) gives other pictures the same looks.
 STYLE = {
     "font.size": 10,
     "axes.grid": True,
@@ -32,6 +34,7 @@ STYLE = {
     "ytick.direction": "out",
     "legend.frameon": False,
     "figure.constrained_layout.use": True,
+    "axes.prop_cycle": f"cycler(color={[line['color'] for line in LINES]}, linestyle={[line['linestyle'] for line in LINES]})",
 }
 SYMBOLS = {
     "time": "t",
@@ -56,7 +59,8 @@ SYMBOLS = {
 
 
 def plot(result: Result, what: str | list[str] | None = None) -> Figure:
-    """Draws a plane, a motion over time, a cycle as a loop, a frequency response, or a table over its coordinate.
+    """Draws a plane, a motion over time, a cycle as a loop, a frequency response, branches, a fit with its residuals,
+    or a table over its coordinate.
 
     Parameters
     ----------
@@ -76,10 +80,14 @@ def plot(result: Result, what: str | list[str] | None = None) -> Figure:
     """
     import matplotlib.pyplot as pyplot
 
-    data = result.dataset
+    pyplot.draw_if_interactive()  # loads the backend, whose rcParams rc_context would undo: notebooks then show nothing more
+    data = result.tables.get("curve-1") if result.verb == "fit" else result.dataset
     if data is None:
         raise InputError("", f"a result of '{result.verb}' ({result.outcome}) has no plane or table to draw")
-    draw = {"map": _plane, "basin": _plane, "cycle": _loop, "sweep": _sweep}.get(result.verb, _columns)
+    draw = {"map": _plane, "basin": _plane, "cycle": _loop, "sweep": _sweep, "branch": _branch, "fit": _fit}.get(
+        result.verb, _columns)
+    if result.verb == "compare" and "scale" in next(iter(data.coords.values())).attrs:
+        draw = _plane
     names = draw.chosen(data) if what is None else [what] if isinstance(what, str) else list(what)
     for name in names:
         if name not in data:
@@ -112,32 +120,43 @@ def _chosen(choose: Callable[[xarray.Dataset], list[str]]) -> Callable[[Any], An
 
 
 def _of_plane(data: xarray.Dataset) -> list[str]:
-    numbers = [str(name) for name, one in data.items() if one.ndim == 2 and one.dtype.kind == "f"]
+    numbers = [str(name) for name, one in data.items() if one.ndim >= 2 and one.dtype.kind == "f"]
     shown = [name for name in numbers if not name.endswith("_error")]
     return shown[:2] or [name for name in ("attractor", "regime") if name in data]
 
 
 @_chosen(_of_plane)
 def _plane(data: xarray.Dataset, names: list[str]) -> Figure:
-    from matplotlib.colors import ListedColormap
+    from matplotlib.colors import ListedColormap, LogNorm
     import matplotlib.pyplot as pyplot
 
-    figure, axes = pyplot.subplots(1, len(names), figsize=(5.6 * len(names), 4.4), squeeze=False, sharey=True)
-    for ax, name in zip(axes[0], names):
-        plane = data[name]
+    panels = []  # a plane for each member of a comparison
+    for name in names:
+        members = data.member.values if "member" in data[name].dims else [None]
+        panels += [(name, member, data[name] if member is None else data[name].sel(member=member)) for member in members]
+    figure, axes = pyplot.subplots(1, len(panels), figsize=(5.6 * len(panels), 4.4), squeeze=False, sharey=True)
+    for ax, (name, member, plane) in zip(axes[0], panels):
+        if member is not None:
+            ax.set_title(str(member), fontsize=10)
         y, x = map(str, plane.dims)
+        edges = _edges(data[x]), _edges(data[y])
         words = plane.attrs.get("flag_meanings", "").split()
         if words:
             colours = ["#E8EEF4", "#00336F", "#B0560F", "#3A8F5C", "#8A4FA3", "#555555", "#C9A227", "#7FA6CC"]
             flags = list(plane.attrs["flag_values"])
             values = plane.where(plane >= 0)
-            cells = ax.pcolormesh(data[x], data[y], values, shading="nearest", rasterized=True, vmin=flags[0] - 0.5,
+            cells = ax.pcolormesh(*edges, values, shading="flat", rasterized=True, vmin=flags[0] - 0.5,
                                   vmax=flags[-1] + 0.5,
                                   cmap=ListedColormap([colours[i % len(colours)] for i in range(len(flags))]))
             figure.colorbar(cells, ax=ax, ticks=flags).ax.set_yticklabels(word.replace("_", " ") for word in words)
         else:
-            cells = ax.pcolormesh(data[x], data[y], plane, shading="nearest", rasterized=True, cmap="cividis")
-            figure.colorbar(cells, ax=ax, label=name.replace("_", " ") + _unit(plane))
+            norm, label = None, name.replace("_", " ")
+            if plane.attrs.get("scale") == "log":  # five decades below the most; white where less, or nothing, is told
+                most = float(plane.max()) or 1.0
+                norm, label = LogNorm(most * 1e-5, most), plane.attrs["long_name"]
+                plane = plane.where(plane >= most * 1e-5)
+            cells = ax.pcolormesh(*edges, plane, shading="flat", rasterized=True, cmap="cividis", norm=norm)
+            figure.colorbar(cells, ax=ax, label=label + _unit(plane))
         ax.set_facecolor("#FFFFFF")
         for axis, of in (("x", x), ("y", y)):
             if data[of].attrs.get("scale") == "log":
@@ -158,14 +177,34 @@ def _plane(data: xarray.Dataset, names: list[str]) -> Figure:
     return figure
 
 
+def _edges(axis: xarray.DataArray) -> numpy.ndarray:
+    """Where cells around the values of an axis meet: half way, on its scale."""
+    import numpy
+
+    values = axis.values
+    if values.size < 2:
+        return numpy.array([values[0] - 0.5, values[0] + 0.5])
+    if axis.attrs.get("scale") == "log":
+        return numpy.exp(_middles(numpy.log(values)))
+    return _middles(values)
+
+
+def _middles(values: numpy.ndarray) -> numpy.ndarray:
+    import numpy
+
+    between = (values[1:] + values[:-1]) / 2
+    return numpy.concatenate([[2 * values[0] - between[0]], between, [2 * values[-1] - between[-1]]])
+
+
 def _unit(column: xarray.DataArray) -> str:
     unit = column.attrs.get("units", "1")
     return "" if unit == "1" else f" ({unit})"
 
 
 def _of_columns(data: xarray.Dataset) -> list[str]:
-    first = str(next(iter(data.dims)))
-    numbers = [str(name) for name, one in data.items() if one.dims == (first,) and one.dtype.kind == "f"]
+    first = next((name for name in map(str, data) if data[name].ndim), None)
+    dimensions = data[first].dims if first else ()
+    numbers = [str(name) for name, one in data.items() if one.dims == dimensions and one.dtype.kind == "f"]
     told = ("magnitude", "phase"), ("displacement", "slip_rate", "friction_coefficient")
     for names in told:
         if all(name in numbers for name in names):
@@ -175,18 +214,95 @@ def _of_columns(data: xarray.Dataset) -> list[str]:
 
 @_chosen(_of_columns)
 def _columns(data: xarray.Dataset, names: list[str]) -> Figure:
+    """One variable below the other; where there are several members, a line for each."""
     import matplotlib.pyplot as pyplot
 
     figure, axes = pyplot.subplots(len(names), 1, figsize=(7, 1.2 + 1.8 * len(names)), squeeze=False, sharex=True)
-    over = str(next(iter(data[names[0]].dims)))
+    over, many = _directions(data, names[0])
     for ax, name in zip(axes[:, 0], names):
-        ax.plot(data[over] if over in data else range(data.sizes[over]), data[name], **LINES[0])
+        members = [None] if many is None else range(data.sizes[many])
+        for number in members:
+            lines = data if number is None else data.isel({many: number})
+            x = lines[over] if over in lines.variables else range(data.sizes[over])
+            if many == "mode":  # whose order changes on the way
+                ax.plot(x, lines[name], linestyle="none", marker=".", markersize=3, color=LINES[0]["color"])
+            else:
+                ax.plot(x, lines[name], **LINES[(number or 0) % len(LINES)], label=_member(data, many, number))
         ax.set_ylabel(_label(data, name).replace(" $", "\n$", 1))
         if name == "magnitude":
             ax.set_yscale("log")
-    ax.set_xlabel(_label(data, over) if over in data else over)
-    if _decades(data[over]) > 3:
+    ax.set_xlabel(_label(data, over) if over in data.variables else over)
+    if over in data.variables and _decades(data[over]) >= 1.5:
         ax.set_xscale("log")
+    if many is not None and many != "mode":
+        axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=3, fontsize=9)
+    return figure
+
+
+def _directions(data: xarray.Dataset, name: str) -> tuple[str, str | None]:
+    """The coordinate that a variable is drawn over, and the dimension of which each entry is a line."""
+    dimensions = [str(one) for one in data[name].dims]
+    lines = [one for one in dimensions if one in ("member", "mode")]
+    if not lines and len(dimensions) == 2:
+        lines = [dimensions[0]]  # of a family
+    over = next(one for one in dimensions if one not in lines)
+    if over == "sample":  # each member has its own
+        over = next(str(one) for one in data.coords if data[one].ndim == 2)
+    return over, lines[0] if lines else None
+
+
+def _member(data: xarray.Dataset, many: str | None, number: int | None) -> str | None:
+    if many is None or number is None:
+        return None
+    value = data[many].values[number]
+    if many == "member":
+        return str(value)
+    unit = _unit(data[many]).strip(" ()")
+    return f"${SYMBOLS.get(many, many)}$ = {value:g} {unit}".rstrip()
+
+
+@_chosen(lambda data: [next(str(name) for name in data if str(name).endswith("_max"))])
+def _branch(data: xarray.Dataset, names: list[str]) -> Figure:
+    """Metrics over the parameter: stable motions as lines, unstable ones dashed."""
+    import matplotlib.pyplot as pyplot
+
+    figure, axes = pyplot.subplots(len(names), 1, figsize=(7, 1.6 + 2.8 * len(names)), squeeze=False, sharex=True)
+    over = str(list(data)[1])
+    for ax, name in zip(axes[:, 0], names):
+        for branch in sorted(set(data.branch.values)):
+            of = data.isel({data.branch.dims[0]: data.branch.values == branch})
+            colour = LINES[int(branch + 1) % len(LINES)]["color"]
+            steady = "steady sliding" if branch < 0 else f"cycles of branch {branch:g}"
+            for stable, dash in ((1, "-"), (0, (0, (4, 2)))):
+                ax.plot(of[over], of[name].where(of.stable == stable), color=colour, linestyle=dash, linewidth=1.6,
+                        label=f"{steady}, {'stable' if stable else 'unstable'}" if (of.stable == stable).any() else None)
+        ax.set_ylabel(_label(data, name))
+    ax.set_xlabel(_label(data, over))
+    axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=2, fontsize=9)
+    return figure
+
+
+@_chosen(lambda data: [str(name) for name in data if str(name).endswith("data")])
+def _fit(data: xarray.Dataset, names: list[str]) -> Figure:
+    """Data and fits above their residuals over the standard error."""
+    import matplotlib.pyplot as pyplot
+
+    over = str(next(iter(data.dims)))
+    x = data[over] if over in data.variables else data[str(next(iter(data)))]
+    figure, axes = pyplot.subplots(2, len(names), figsize=(7 if len(names) == 1 else 5 * len(names), 5), squeeze=False,
+                                   sharex=True, gridspec_kw={"height_ratios": [2, 1]})
+    for (above, below), name in zip(axes.T, names):
+        part = name.removesuffix("data")
+        above.plot(x, data[name], linestyle="none", marker="o", markersize=2.4, color="#888888", label="measured")
+        fits = [str(one) for one in data if str(one) == f"{part}fit" or str(one).startswith(f"{part}fit_of_")]
+        for number, fit in enumerate(fits):
+            above.plot(x, data[fit], **LINES[number % len(LINES)], label=fit.removeprefix(part).replace("_", " "))
+        below.plot(x, data[f"{part}residual"] / data[f"{part}standard_error"], linestyle="none", marker=".",
+                   markersize=3, color=LINES[0]["color"])
+        above.set_ylabel(part.replace("_", " ").strip() or "measured and fitted")
+        below.set_ylabel("residual /\nstandard error")
+        below.set_xlabel(over.replace("_", " ") + _unit(x))
+        above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=3, fontsize=9)
     return figure
 
 
@@ -194,7 +310,7 @@ def _decades(values: xarray.DataArray) -> float:
     import numpy
 
     low, high = float(values.min()), float(values.max())
-    return float(numpy.log10(high / low)) if low > 0 else 0
+    return float(numpy.log10(high / low)) if low > 0 and high < float("inf") else 0
 
 
 def _of_loop(data: xarray.Dataset) -> list[str]:
@@ -220,7 +336,14 @@ def _loop(data: xarray.Dataset, names: list[str]) -> Figure:
     return figure
 
 
-@_chosen(lambda data: [str(name) for name, one in data.items() if one.ndim == 2][:2])
+def _of_sweep(data: xarray.Dataset) -> list[str]:
+    """One quantity, in all directions in which it was recorded."""
+    names = [str(name) for name, one in data.items() if one.ndim == 2]
+    stem = names[0].removesuffix("_up").removesuffix("_down")
+    return [name for name in names if name.removesuffix("_up").removesuffix("_down") == stem]
+
+
+@_chosen(_of_sweep)
 def _sweep(data: xarray.Dataset, names: list[str]) -> Figure:
     """What a motion becomes: each recorded moment over the parameter."""
     import matplotlib.pyplot as pyplot

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import re
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from . import tables
 
 if TYPE_CHECKING:
     import xarray
@@ -67,7 +68,9 @@ class Result:
     @property
     def units(self) -> dict[str, str]:
         """Units by name, where the document tells them."""
-        return self.raw.get("units", {})
+        if "units" in self.raw or self.verb != "fit":
+            return self.raw.get("units", {})
+        return {name: one.get("unit", "1") for name, one in self.raw.get("parameters", {}).items()}
 
     @property
     def notes(self) -> list[str]:
@@ -78,47 +81,13 @@ class Result:
     @cached_property
     def dataset(self) -> xarray.Dataset | None:
         """The plane or table, if there is one: coordinates, and variables with `units` and `long_name`; errors are
-        the variables ``<name>_error``."""
-        plane, table = self.folder / f"{self.verb}.nc", self.folder / f"{self.verb}.csv"
-        if plane.exists():
-            import xarray
+        the variables ``<name>_error``. ``dataset.to_netcdf("plane.nc")`` keeps it."""
+        return tables.dataset(self)
 
-            with xarray.open_dataset(plane, decode_times=False) as stored:
-                return stored.load()
-        return self._dataset_of(table) if table.exists() else None
-
-    def _dataset_of(self, table: Path) -> xarray.Dataset:
-        """A table whose first column is the coordinate of the others if it rises, or is time, which stands still in a
-        jump."""
-        import numpy
-        import xarray
-
-        with table.open(newline="", encoding="utf-8") as file:
-            header, *rows = (row for row in csv.reader(file) if row)
-        columns: dict[str, Any] = {}
-        units = {}
-        for heading, cells in zip(header, zip(*rows) if rows else [()] * len(header)):
-            name, _, unit = heading.removesuffix(")").partition(" (")
-            units[name] = unit or "1"
-            try:
-                columns[name] = numpy.array(cells, dtype=float)
-            except ValueError:
-                columns[name] = numpy.array(cells)
-        first = next(iter(columns))
-        values = columns[first]
-        rises = values.dtype == float and bool(numpy.all(values[1:] > values[:-1]))
-        dimension = first if rises or first == "time" else "row"
-        meaning = self.raw.get("meaning", {})
-
-        def described(name: str, of: str = "{}") -> dict[str, str]:
-            return {"units": units[name], "long_name": of.format(meaning.get(name, name.replace("_", " ")))}
-
-        data: dict[str, Any] = {name: (dimension, values, described(name)) for name, values in columns.items()}
-        for name, error in self.error.items():
-            if name in columns and isinstance(error, (int, float)):
-                data[f"{name}_error"] = ((), float(error), described(name, "absolute error of {}"))
-        return xarray.Dataset(data, attrs={"title": self.raw.get("title", ""),
-                                           "version": f"rosin {self.raw.get('version', '')}"})
+    @cached_property
+    def tables(self) -> dict[str, xarray.Dataset]:
+        """Further tables by name: data and residuals of a fit, peaks of an experiment, events of a branch, …"""
+        return tables.beside(self)
 
     def __repr__(self) -> str:
         lines = [f"<rosin.Result of {self.verb}: {self.outcome}>"]

@@ -135,7 +135,7 @@ class Scene:
             if out is None:
                 weakref.finalize(result, undone.pop_all().close)
             else:
-                result.dataset  # now, as a later result may take the place of the files
+                result.dataset, result.tables  # now, as a later result may take the place of the files
         if not complete:
             warnings.warn(f"{verb} {target}: {result.outcome}" + (f": {result.detail}" if result.detail else ""),
                           IncompleteWarning, stacklevel=3)

@@ -39,6 +39,40 @@ def test_a_motion_a_loop_and_a_response():
     assert labels(response)[-1] == ("frequency $f$ (Hz)", "phase\n$\\arg Z$ (degree)")
 
 
+def test_several_lines_in_a_picture():
+    family = rosin.plot(rosin.load(ROOT / "examples/frf-load-family.toml").frf())
+    assert [line.get_label() for line in family.axes[0].lines] == [f"$N$ = {load} N" for load in (3, 16, 26, 37, 47)]
+    laws = rosin.plot(rosin.load(ROOT / "examples/compare-laws.toml").compare(), "friction_coefficient")
+    assert [line.get_label() for line in laws.axes[0].lines] == ["ageing", "slip", "Perrin-Rice-Zheng"]
+    assert labels(laws) == [("time $t$ (s)", "friction coefficient\n$\\mu$")]
+    motions = rosin.load(ROOT / "examples/two-motions.toml").set("branch.values", []).set("branch.to", 1.3).branch()
+    drawn = rosin.plot(motions, "slip_rate_max").axes[0]
+    dashed = [line for line in drawn.lines if line.get_linestyle() != "-"]
+    assert {line.get_label().split(", ")[1] for line in dashed if not line.get_label().startswith("_")} == {"unstable"}
+
+
+def test_cells_of_a_coarse_plane_meet_half_way():
+    scene = rosin.load(ROOT / "examples/information-on-lambda.toml").set("map.x.points", 3).set("map.y.points", 3)
+    axes = rosin.plot(scene.compare(design=True), "discriminability").axes[0]
+    edges = axes.collections[0].get_coordinates()[0, :, 0]
+    loads = [9.81e-8, 9.81e-4, 9.81]
+    assert edges[1] == pytest.approx((loads[0] * loads[1]) ** 0.5, rel=1e-9) and (edges > 0).all()
+    assert edges[0] < loads[0] < edges[1] < loads[1] < edges[2] < loads[2] < edges[3]
+
+
+def test_a_fit_is_drawn_with_its_residuals():
+    figure = rosin.plot(rosin.load(ROOT / "examples/step-with-trend.toml").fit())
+    above, below = figure.axes
+    assert below.get_xlabel() == "time (s)" and below.get_ylabel() == "residual /\nstandard error"
+    assert numpy.std(below.lines[0].get_ydata()) == pytest.approx(1, abs=0.1)
+
+
+def test_a_sweep_is_drawn_by_one_quantity():
+    sweep = rosin.load(ROOT / "examples/forced-belt-sweep.toml").set("sweep.points", 3).set("sweep.keep", 4)
+    shown = rosin.plot(sweep.set("sweep.direction", "up").set("sweep.transient", 20).sweep())
+    assert labels(shown) == [("speed of the driving surface $V$ (m/s)", "displacement, upwards $x$ (m)")]
+
+
 def test_what_cannot_be_drawn_says_so():
     run = rosin.Scene(SLIDER).run()
     with pytest.raises(rosin.InputError, match="there is no 'velocty' to draw; known here: displacement"):

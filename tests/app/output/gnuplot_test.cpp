@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
+#include "core/files.hpp"
 #include "tests/app/folder.hpp"
 
 using namespace rosin::app;
@@ -36,11 +37,20 @@ TEST_CASE("a picture that gnuplot left cut short does not get its name", "[gnupl
   std::ofstream(folder.path / "run.gp") << "plot x\n";
   const std::string before = std::getenv("PATH");
   setenv("PATH", (bin.string() + ":" + before).c_str(), 1);
-  const auto drawn = output::draw(folder.path, {"run.gp"});
+  const auto drawn = output::draw(folder.path, {"run.gp"}, true);
   setenv("PATH", before.c_str(), 1);
   CHECK(drawn.files.empty());
-  REQUIRE(drawn.problems.size() == 2);
+  REQUIRE(drawn.problems.size() == 3);
   CHECK_THAT(drawn.problems[0], Contains("cut short"));
   CHECK_FALSE(fs::exists(folder.path / "run.svg"));
   CHECK_FALSE(fs::exists(folder.path / "run.png"));
+  CHECK_FALSE(fs::exists(folder.path / "run.pdf"));
+}
+
+TEST_CASE("pictures are drawn as PDF where that is asked for", "[gnuplot]") {
+  const Folder folder;
+  std::ofstream(folder.path / "run.gp") << output::preamble("run", "A line", 400, 300) << "plot x\n";
+  CHECK(output::draw(folder.path, {"run.gp"}, true).files == std::vector<std::string>{"run.svg", "run.png", "run.pdf"});
+  CHECK(rosin::read_whole(folder.path / "run.pdf", 10'000'000).starts_with("%PDF"));
+  CHECK(output::draw(folder.path, {"run.gp"}, false).files.size() == 2);
 }

@@ -258,3 +258,24 @@ TEST_CASE("random tables are read right; damaged ones are read right where they 
   close(memory);
   CHECK(refused > damaged_files / 10);
 }
+
+TEST_CASE("times of day are seconds, with and without a date", "[table]") {
+  for (const char* content :
+       {"time,v\n12:30:01.5,1\n12:30:02,2\n", "time;v\n12:30:01,5;1\n12:30:02,0;2\n",
+        "time (hh:mm:ss)\tv\n12:30:01.5\t1\n12:30:02\t2\n", "time v\n12:30:01.5 1\n12:30:02 2\n"}) {
+    INFO(content);
+    const auto read = text(content);
+    CHECK(read.rows == Rows{{45001.5, 1}, {45002, 2}});
+    CHECK(read.head.columns[0].unit == "s");
+  }
+  // 2024-02-29 is day 19782 since 1970
+  CHECK(text("t,v\n2024-02-29T23:59:59Z,1\n2024-03-01 00:00:00.25,2\n").rows ==
+        Rows{{19783.0 * 86400 - 1, 1}, {19783.0 * 86400 + 0.25, 2}});
+  CHECK(std::isnan(text("t,v\n12:30:01,1\n,2\n").rows[1][0]));
+  for (const char* bad : {"t,v\n12:30:01,1\n12:60:00,2\n", "t,v\n12:30:01,1\n5,2\n", "t,v\n1,1\n12:30:01,2\n",
+                          "t,v\n2023-02-29T12:30:01,1\n2023-03-01T12:30:01,1\n", "t,v\n12:30,1\n12:31,1\n"}) {
+    INFO(bad);
+    CHECK_THROWS_AS(text(bad), InputError);
+  }
+  CHECK_THROWS_WITH(text("t (mm),v\n12:30:01,1\n12:30:02,1\n"), Contains("t.csv:1") && Contains("times of day"));
+}

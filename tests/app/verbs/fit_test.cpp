@@ -86,7 +86,7 @@ TEST_CASE("LuGre comes back from a recorded motion, with tables of the fit and o
   std::ifstream curve(folder.path / "out/fit-curve-1.csv");
   std::string header, row;
   std::getline(curve, header);
-  CHECK(header == "time (s),data,fit,residual,standard error");
+  CHECK(header == "time (s),data,fit,residual,standard error,displacement (m)");
   std::getline(curve, row);
   std::istringstream cells(row);
   double time, data, fitted, residual;
@@ -121,4 +121,25 @@ TEST_CASE("keys that a measurement does not listen to, and programs that say thi
   const auto twice = fit(folder, layer(from + "to = '30 um/s', base = true, trend = true, standard_error = 5e-4"));
   CHECK(twice.status == 1);
   CHECK_THAT(twice.error, Contains("a combination of it with data.1.base"));
+}
+
+TEST_CASE("the catalogue of a run's slip events is data of a fit", "[fit-command]") {
+  const Folder folder;
+  const std::string model =
+      "[law]\ntype = 'coulomb'\nmu_s = 0.4\nmu_d = 0.3\n[oscillator]\nmass = 2\nstiffness = 50\n"
+      "[drive]\nspeed = 0.2\nnormal_load = 10\n";
+  std::ofstream(folder.path / "run.toml") << model << "[run]\nduration = 40\nsamples = 20000\nstart = 'rest'\n";
+  REQUIRE(run_rosin(folder, "run run.toml --no-pictures --quiet --out out").status == 0);
+  const std::string data = "{ type = 'stick-slip', file = 'out/stick-slip.csv'";
+  const auto scene = [&](const std::string& keys) {
+    return model + "[fit]\nparameters = ['law.mu_s']\ndata = [" + data + keys + " }]\n";
+  };
+  const auto found = fit(folder, scene(", events = ['force_drop'], standard_error = 1e-3"), "--set law.mu_s=0.45");
+  INFO(found.error);
+  REQUIRE(found.status == 0);
+  check_within(found.document["parameters"], "law.mu_s", 0.4);
+  CHECK(found.document["parameters"]["law.mu_s"]["standard_error"].get<double>() < 1e-3);
+  CHECK_THAT(fit(folder, scene(", standard_error = 1e-3")).error, Contains("events = [\"recurrence\"]"));
+  CHECK_THAT(fit(folder, scene(", trend = true")).error, Contains("no effect on a stick-slip"));
+  CHECK_THAT(fit(folder, scene(", columns = { slip_rate = 2 }")).error, Contains("unknown key 'slip_rate'"));
 }
