@@ -156,7 +156,7 @@ TEST_CASE("bristles that deflect ring through stick in lanes too", "[cycle-lanes
       return std::pow(10, std::uniform_real_distribution<double>(low, high)(random));
     };
     std::vector<Model> models;
-    while (models.size() < 24) {
+    while (models.size() < 8) {
       Model model;
       model.law = laws::find_law(name);
       model.slider = {1, decades(0, 4), models.size() % 4 == 0 ? decades(-3, 0) : 0};
@@ -182,7 +182,7 @@ TEST_CASE("bristles that deflect ring through stick in lanes too", "[cycle-lanes
     }
   }
   INFO(found << " of " << known << " found, " << outside << " of " << numbers << " errors understated");
-  CHECK(known >= 30);
+  CHECK(known >= 10);
   CHECK(found >= 0.5 * known);  // elsewhere several turns make a period, or stick rings for longer than lanes wait
   CHECK(outside <= 0.01 * numbers);
 }
