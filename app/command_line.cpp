@@ -9,6 +9,7 @@
 #include <thread>
 #include <type_traits>
 
+#include "app/verbs/mail.hpp"
 #include "app/verbs/verb.hpp"
 #include "core/console.hpp"
 #include "core/error.hpp"
@@ -59,7 +60,7 @@ std::string footer(const verbs::Verb& verb) {
 
 /// The parser of all verbs, which writes into the request.
 void describe(CLI::App& app, Request& request) {
-  request.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  request.threads = verbs::launched() ? 1 : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   app.set_version_flag("--version", fmt::format("rosin {}", ROSIN_VERSION));
   app.require_subcommand(1);
   app.allow_extras();

@@ -8,6 +8,10 @@
 
 namespace rosin::app {
 
+namespace verbs {
+class Ranks;
+}
+
 /// What the user asked for.
 struct Request {
   std::string verb;                 ///< "laws", "curve", …
@@ -30,6 +34,10 @@ struct Request {
   bool pdf = false;                         ///< pictures are drawn as PDF, too
   bool design = false;                      ///< compare: where measurements would tell members apart
   bool exact = false;                       ///< map: compute every point
+  std::string shard;                        ///< map: "2/8", the share of the plane; empty: all, or a SLURM array's
+  std::vector<std::string> from;            ///< merge: folders or files of journals
+  bool forecast = false;                    ///< merge: say what the plane takes on many processes
+  verbs::Ranks* ranks = nullptr;            ///< the processes of one launcher; none: this one alone
   bool quick = false;                       ///< bench: only check that everything works; verify: leave slow cases out
   std::string python = "/usr/bin/python3";  ///< bench: the Python that has SciPy
   double limit = 60;                        ///< bench: seconds for all tolerances of one solver

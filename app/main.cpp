@@ -5,8 +5,12 @@
 
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <new>
+#include <string>
 
+#include "app/mpi.hpp"
+#include "app/verbs/ranks.hpp"
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/verbs.hpp"
 #include "core/console.hpp"
@@ -22,21 +26,50 @@ void keep_streams_apart() {
   for (const int harmless : {SIGPIPE, SIGXFSZ}) signal(harmless, SIG_IGN);
 }
 
+/// The processes that a launcher has started together with this one, if the verb shares its work out to them. Who does
+/// not lead prints nothing. \throws InputError where they would all do the same
+std::unique_ptr<rosin::app::verbs::Ranks> ranks_of(rosin::app::Request& request) {
+  using namespace rosin::app;
+  const auto launch = verbs::launched();
+  if (!launch || !verbs::find_verb(request.verb).spreads) return nullptr;
+  if (!has_mpi()) {
+    if (launch->rank > 0) _exit(verbs::wrong_input);  // the first has said it
+    throw rosin::InputError(fmt::format(
+        "{} processes were started, which would all compute the same plane: this rosin is built without MPI "
+        "(libopenmpi-dev); start one with --threads, or shares of the plane by --shard K/N and 'rosin merge'",
+        launch->size > 0 ? std::to_string(launch->size) : "several"));
+  }
+  auto ranks = std::make_unique<verbs::Ranks>(mail_by_mpi());
+  if (ranks->processes() == 1) return nullptr;
+  request.ranks = ranks.get();
+  if (!ranks->leads()) request.quiet = true, request.json = request.explain = false;
+  return ranks;
+}
+
 int perform(int argc, char** argv) {
   using namespace rosin;
   using namespace rosin::app;
+  std::unique_ptr<verbs::Ranks> ranks;
+  const auto say = [&](const std::string& why) {
+    if (ranks && !ranks->leads())
+      ranks->fail(why);
+    else
+      tell("{}\n", why);
+  };
   try {
-    const auto parsed = parse_command_line(argc, argv);
+    auto parsed = parse_command_line(argc, argv);
     if (const int* status = std::get_if<int>(&parsed)) return *status;
-    const auto& request = std::get<Request>(parsed);
-    return verbs::execute_until(verbs::watch_for_stop(request.time_limit), request);
+    auto& request = std::get<Request>(parsed);
+    const auto stop = verbs::watch_for_stop(request.time_limit);
+    ranks = ranks_of(request);
+    return verbs::execute_until(stop, request);
   } catch (const InputError& error) {
-    tell("{}\n", error.what());
+    say(error.what());
     return verbs::wrong_input;
   } catch (const std::bad_alloc&) {
-    tell("rosin: out of memory\n");
+    say("rosin: out of memory");
   } catch (const std::exception& error) {
-    tell("rosin: {}\n", error.what());
+    say(fmt::format("rosin: {}", error.what()));
   }
   return verbs::ended_short;
 }

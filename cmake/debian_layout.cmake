@@ -1,6 +1,18 @@
-# Where Debian wants files that others want elsewhere: a compressed man page, zsh's completion beside those of packages.
+# Where Debian wants files that others want elsewhere: a compressed man page, zsh's completion beside those of packages, Python
+# packages of the distribution in a folder of their own, and the licence in each package.
 set(share ${CPACK_TEMPORARY_DIRECTORY}/command/usr/share)
 execute_process(COMMAND gzip -9n ${share}/man/man1/rosin.1 COMMAND_ERROR_IS_FATAL ANY)
 file(RENAME ${share}/zsh/site-functions ${share}/zsh/vendor-completions)
 file(RENAME ${share}/doc/rosin/LICENSE ${share}/doc/rosin/copyright)
-file(COPY ${share}/doc/rosin/copyright DESTINATION ${CPACK_TEMPORARY_DIRECTORY}/development/usr/share/doc/librosin-dev)
+set(python ${CPACK_TEMPORARY_DIRECTORY}/python/usr)
+if(EXISTS ${python})
+  file(MAKE_DIRECTORY ${python}/lib/python3/dist-packages)
+  file(RENAME ${python}/rosin ${python}/lib/python3/dist-packages/rosin)
+endif()
+foreach(package development:librosin-dev python:python3-rosin)
+  string(REPLACE ":" ";" package ${package})
+  list(POP_FRONT package component)
+  if(EXISTS ${CPACK_TEMPORARY_DIRECTORY}/${component})
+    file(COPY ${share}/doc/rosin/copyright DESTINATION ${CPACK_TEMPORARY_DIRECTORY}/${component}/usr/share/doc/${package})
+  endif()
+endforeach()

@@ -13,7 +13,7 @@ if(TARGET rosin_command)
   install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/rosin
           FILES_MATCHING PATTERN *.toml PATTERN *.csv PATTERN *.cpp PATTERN *.py PATTERN *.m PATTERN *.in PATTERN out EXCLUDE)
   install(FILES README.md LICENSE TYPE DOC)
-  install(DIRECTORY docs TYPE DOC PATTERN *.sh EXCLUDE)
+  install(DIRECTORY docs TYPE DOC PATTERN *.sh EXCLUDE PATTERN *.py EXCLUDE PATTERN site EXCLUDE)
   install(FILES ${PROJECT_BINARY_DIR}/pages/rosin.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
   install(FILES ${PROJECT_BINARY_DIR}/pages/rosin.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME rosin)
   install(FILES ${PROJECT_BINARY_DIR}/pages/_rosin DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
@@ -64,4 +64,20 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libeigen3-dev, libfmt-dev, libsundials-dev, libudunits2-dev, libfftw3-dev, libgsl-dev, pkgconf")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Headers and the static library of rosin, for CMake and pkg-config.")
+if(ROSIN_PYTHON_PACKAGE)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-rosin)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  math(EXPR next "${Python_VERSION_MINOR} + 1") # the module is for one version of Python
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${next}), \
+python3-numpy, python3-xarray, python3-netcdf4")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS python3-matplotlib)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-tqdm, rosin")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/python3-rosin/postinst
+      ${PROJECT_SOURCE_DIR}/cmake/python3-rosin/prerm)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python package rosin: the verbs of the command as methods of scenes, results as
+xarray datasets, pictures by matplotlib.")
+endif()
 include(CPack)

@@ -107,7 +107,7 @@ struct Experiment {
   bool takes_motion = false;
   Result (*protocol)(const Task&);  ///< may throw NothingRecorded
 
-  /// \throws InputError; a record that nothing can be read off is a result whose outcome says why.
+  /// \throws InputError for a wrong input. A record that nothing can be read off is a result whose outcome says why.
   Result perform(const Task&) const;
 };
 

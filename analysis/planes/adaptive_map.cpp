@@ -5,18 +5,18 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "analysis/planes/forecast.hpp"
-#include "analysis/planes/map_jobs.hpp"
 #include "analysis/planes/map_point.hpp"
+#include "analysis/planes/parts.hpp"
 #include "analysis/planes/patch.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::analysis::planes {
 
 namespace {
 
-constexpr int fewest = 3;             ///< patches along one axis: together they keep the lanes full
-constexpr int longest = 160;          ///< intervals of a patch along one axis
 constexpr double node_share = 0.03;   ///< of the tolerance, asked of nodes: interpolation multiplies their errors
 constexpr double direct_share = 0.1;  ///< the same of other points: few, but beside borders, where cycles settle slowly
 constexpr int coarsest = 8;           ///< stride of the points beside borders that are looked at first
@@ -28,22 +28,15 @@ struct Frame {
   bool own_right, own_top;
 };
 
+/// In the order of the parts.
 std::vector<Frame> frames(const Axis& x, const Axis& y) {
-  struct Piece {
-    int first, last;
-    bool own_last;
-  };
-  const auto cut = [](const Axis& axis) {
-    std::vector<Piece> pieces;
-    const int n = axis.regular - 1, parts = std::clamp(n, 1, std::max(fewest, (n + longest - 1) / longest));
-    for (int k = 0; k < parts; ++k) pieces.push_back({n * k / parts, n * (k + 1) / parts, k + 1 == parts});
-    for (int i = axis.regular; i < int(axis.values.size()); ++i) pieces.push_back({i, i, true});
-    return pieces;
-  };
+  const auto is_last = [](const Axis& axis, int end) { return end >= axis.regular; };
   std::vector<Frame> list;
-  for (const auto& row : cut(y))
-    for (const auto& column : cut(x))
-      list.push_back({column.first, column.last, row.first, row.last, column.own_last, row.own_last});
+  for (const auto& [y0, y_end] : patches_along(y))
+    for (const auto& [x0, x_end] : patches_along(x)) {
+      const bool own_right = is_last(x, x_end), own_top = is_last(y, y_end);
+      list.push_back({x0, x_end - own_right, y0, y_end - own_top, own_right, own_top});
+    }
   return list;
 }
 
@@ -125,12 +118,11 @@ class Workshop {
   Workshop(const Model& model, const MapOptions& options, cycles::CoexistenceSearch& coexistence)
       : model_(model), options_(options), coexistence_(coexistence), quantities_(options) {}
 
-  /// `finish` is given the pixels of each patch once it is complete.
-  void compute(const std::vector<const Job<Plot>*>& jobs, const std::function<void(double work)>& advanced,
-               const std::function<void(FinishedPoints&)>& finish) {
+  /// The desk is given the pixels of each patch once it is complete.
+  void compute(const std::vector<Plot>& plots, const std::vector<std::size_t>& parts, Desk& desk) {
     std::vector<std::unique_ptr<Piece>> pieces;
-    for (const auto* job : jobs) {
-      const Plot& plot = job->what;
+    for (const std::size_t part : parts) {
+      const Plot& plot = plots[part];
       pieces.push_back(std::make_unique<Piece>(plot.frame, quantities_, options_, [this, &plot](int x, int y) {
         return plot.outline ? plot.outline->class_of(y * plot.width() + x) : classify(plot.frame, x, y);
       }));
@@ -142,7 +134,7 @@ class Workshop {
       end_if_stopped();
       if (auto batch = next_batch(*piece, k)) return batch;
       collect(*piece, finished);
-      finish(finished);
+      desk.points(finished);
       piece.reset();
       return std::nullopt;
     };
@@ -152,30 +144,32 @@ class Workshop {
     lanes::find_cycles(std::move(begun), options_.stick_threshold, quantities_.names, [&](lanes::CycleBatch& batch) {
       double attempts = 0;
       for (const auto& cycle : batch.cycles) attempts += Forecast::attempts_of(cycle);
-      advanced(attempts);
+      desk.work(parts[batch.label], attempts);
+      desk.points(finished);
       for (std::size_t i = 0; i < batch.cycles.size(); ++i) take(*pieces[batch.label], batch, i);
       return go_on(batch.label);
     });
   }
 
-  /// Divides the patch for the sake of its borders alone, and sums up what that will take.
-  void outline(Job<Plot>& job, const Forecast& forecast) const {
-    const Frame& f = job.what.frame;
-    const int width = job.what.width();
-    auto& outline = job.what.outline;
-    job.expected = Forecast::judging;
+  /// Divides the patch for the sake of its borders alone, and sums up what that will take, in step attempts.
+  double outline(Plot& plot, const Forecast& forecast) const {
+    const Frame& f = plot.frame;
+    const int width = plot.width();
+    double expected = Forecast::judging;
+    auto& outline = plot.outline;
     outline = std::make_unique<Patch>(Patch::Options{width, f.y1 - f.y0 + 1, options_.tolerance},
                                       [this, f](int x, int y) { return classify(f, x, y); });
     const auto weigh = [&](const std::vector<int>& pixels, double share) {
       for (const int pixel : pixels) {
         outline->set(pixel, outline->class_of(pixel), {{0.0}, {0.0}, {1.0}});
-        job.expected += share * forecast.attempts_at(f.x0 + pixel % width, f.y0 + pixel / width);
+        expected += share * forecast.attempts_at(f.x0 + pixel % width, f.y0 + pixel / width);
       }
     };
     for (auto wanted = outline->advance(); !wanted.empty(); wanted = outline->advance()) {
       weigh(wanted.nodes, 1);
       weigh(wanted.direct, 0.5);  // their tolerance is wider
     }
+    return expected;
   }
   double node_tolerance() const { return std::max(node_share * options_.tolerance, finest); }
   const std::vector<std::string>& metrics() const { return quantities_.names; }
@@ -291,37 +285,24 @@ bool interpolates(const MapOptions& options) {
 }
 
 void compute_adaptively(const Model& model, const MapOptions& options, cycles::CoexistenceSearch& coexistence,
-                        const std::vector<MapPoint>& known, bool foretell,
-                        const std::function<void(FinishedPoints&, double work)>& finish) {
-  std::vector<Job<Plot>> jobs;
-  for (const auto& f : frames(options.x, options.y)) {
-    bool missing = false;
-    for (int iy = f.y0; iy <= f.y1 - !f.own_top; ++iy)
-      for (int ix = f.x0; ix <= f.x1 - !f.own_right; ++ix)
-        missing |= !known[std::size_t(iy) * options.x.values.size() + ix].done;
-    if (missing) jobs.push_back({.what = {.frame = f}});
-  }
+                        const MapHooks& hooks, Map& map) {
+  std::vector<Plot> plots;
+  for (const auto& f : frames(options.x, options.y)) plots.push_back({.frame = f});
   const Workshop planner(model, options, coexistence);
-  if (foretell) {
-    const Forecast forecast(model, options, planner.node_tolerance(), planner.metrics(), coexistence);
-    in_parallel(options.threads, jobs.size(), [&](std::size_t k) { planner.outline(jobs[k], forecast); });
-  }
-  // As few groups as keep the lanes full, and as many for one thread as for another.
-  constexpr std::size_t most_together = 16;
-  const std::size_t threads = std::size_t(options.threads);
-  const std::size_t groups = threads * ((jobs.size() + most_together * threads - 1) / (most_together * threads));
-  const std::size_t together = std::max<std::size_t>((jobs.size() + groups - 1) / std::max<std::size_t>(groups, 1), 1);
+  std::optional<Forecast> forecast;
   // Borders are foretold, but not how finely the rest is divided: as the order of the polynomials has it, along both
   // axes.
   const int degree = Patch::degree(options.tolerance);
-  const double usual = (degree > 4 ? 0.95 : 1.1) * std::pow(1e-3 / options.tolerance, 2.0 / (degree + 1));
-  work_in_groups(jobs, together, options.threads, usual, finish,
-                 [&](const std::vector<const Job<Plot>*>& group, const auto& advanced) {
-                   Workshop(model, options, coexistence).compute(group, advanced, [&](FinishedPoints& finished) {
-                     finish(finished, 0);
-                   });
-                   return FinishedPoints();
-                 });
+  Expectation expectation;
+  expectation.usual = (degree > 4 ? 0.95 : 1.1) * std::pow(1e-3 / options.tolerance, 2.0 / (degree + 1));
+  if (hooks.progress) {
+    forecast.emplace(model, options, planner.node_tolerance(), planner.metrics(), coexistence);
+    expectation.attempts = [&](std::size_t part) { return planner.outline(plots[part], *forecast); };
+  }
+  compute_parts(partition_of(options, false), expectation, options, hooks, map,
+                [&](const std::vector<std::size_t>& parts, Desk& desk) {
+                  Workshop(model, options, coexistence).compute(plots, parts, desk);
+                });
 }
 
 }  // namespace rosin::analysis::planes

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,6 +28,11 @@ Axis make_axis(std::string parameter, double from, double to, int points, bool l
 enum class Regime : std::uint8_t { stable, cycle, bistable, failed };
 std::string name(Regime);
 
+/// What one process computes of a plane if others, which it knows nothing of, compute the rest.
+struct Share {
+  int index = 0, count = 1;
+};
+
 struct MapOptions {
   Axis x, y;
   std::vector<std::string> metrics;  ///< names; see metric_names()
@@ -35,6 +41,7 @@ struct MapOptions {
   int threads = 1;
   cycles::LyapunovOptions lyapunov;  ///< of that metric of structures
   bool exact = false;  ///< compute every point; otherwise large planes are interpolated between computed points
+  Share share;
 };
 
 /// Where the numbers of a point come from.
@@ -93,6 +100,9 @@ struct Map {
   std::vector<std::string> notes;                      ///< what was decided without integration, and why
 };
 
+class Crew;
+struct PartCost;
+
 struct MapProgress {
   std::size_t done = 0, total = 0;  ///< points
   double work = 0;                  ///< done now as a part of all that was missing, 0 … 1
@@ -100,15 +110,18 @@ struct MapProgress {
 
 /// Hooks for the caller; all may be empty. Called from one thread at a time.
 struct MapHooks {
-  std::function<const MapPoint*(std::size_t)> known;  ///< a point computed earlier, or nullptr
+  std::function<std::optional<MapPoint>(std::size_t)> known;  ///< a point computed earlier, or nothing
   /// Some points are done: keep them safe. Patches that are interpolated are known whole or computed again.
   std::function<void(std::span<const std::size_t>, const std::vector<MapPoint>&)> finished;
-  std::function<void(const MapProgress&)> progress;
+  std::function<void(const MapProgress&)> progress = nullptr;
+  std::function<void(const std::vector<PartCost>&)> costs = nullptr;  ///< parts of the plane that are done
+  Crew* crew = nullptr;  ///< the processes that compute the plane; none: this one alone
 };
 
 /// Computes the plane. Results do not depend on the number of threads. \throws InputError for unknown paths or metrics
 /// and for axis values outside the parameters' ranges. Asked to stop (core/stop.hpp), it ends "interrupted" with the
-/// points that are done.
+/// points that are done. Of a share the other points are not done, and there are no lines; the same where another
+/// process leads, which knows the plane.
 Map compute_map(const Model&, const MapOptions&, const MapHooks& = {});
 
 }  // namespace rosin::analysis::planes

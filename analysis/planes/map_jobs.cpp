@@ -1,5 +1,10 @@
-/// How far the work for a plane has come.
+/// Groups that take alike long, and how far the work for a plane has come.
 #include "analysis/planes/map_jobs.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <queue>
 
 namespace rosin::analysis::planes {
 
@@ -38,6 +43,28 @@ double Ledger::done_of_all() const {
     left += std::max(ratio * entry.expected - entry.done, at_least * entry.done);
   }
   return finished ? 1 : done / (done + left);
+}
+
+std::pair<std::vector<Group>, std::vector<double>> groups_of(const std::vector<std::size_t>& parts,
+                                                             const std::vector<double>& expected,
+                                                             std::size_t together) {
+  std::vector<Group> groups((parts.size() + together - 1) / together);
+  std::vector<double> of_groups(groups.size(), 0.0);
+  std::vector<std::size_t> order(parts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater(), [&](std::size_t k) { return expected[k]; });
+  // Groups by what they are expected to take, the least first, as long as they have room.
+  using Entry = std::pair<double, std::size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> room;
+  for (std::size_t g = 0; g < groups.size(); ++g) groups[g].number = g, room.emplace(0.0, g);
+  for (const std::size_t k : order) {
+    const std::size_t g = room.top().second;
+    room.pop();
+    groups[g].parts.push_back(parts[k]);
+    of_groups[g] += expected[k];
+    if (groups[g].parts.size() < together) room.emplace(of_groups[g], g);
+  }
+  return {std::move(groups), std::move(of_groups)};
 }
 
 }  // namespace rosin::analysis::planes

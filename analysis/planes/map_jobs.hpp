@@ -1,13 +1,10 @@
-/// Sharing the work for a plane out to threads.
+/// Groups of parts of a plane, and how far the work for them has come.
 #pragma once
-#include <algorithm>
-#include <functional>
-#include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
-#include "analysis/planes/adaptive_map.hpp"
-#include "core/workers.hpp"
+#include "analysis/planes/parts.hpp"
 
 namespace rosin::analysis::planes {
 
@@ -32,46 +29,9 @@ class Ledger {
   double usual_;
 };
 
-/// A part of the plane, and the work that it is expected to take, in step attempts.
-template <class Part>
-struct Job {
-  Part what;
-  double expected = 1;
-};
-
-/// Computes all jobs, `together` at a time, in groups that take alike long. `compute(group, advanced)` returns what
-/// `finish` takes over with what is done of all work; until then it may call `advanced(work)` for parts of it.
-/// \throws Stopped where it ends early; what was finished until then has been handed over.
-template <class Part, class Compute>
-void work_in_groups(const std::vector<Job<Part>>& jobs, std::size_t together, int threads, double usual,
-                    const std::function<void(FinishedPoints&, double done)>& finish, Compute compute) {
-  struct Group {
-    std::vector<const Job<Part>*> jobs;
-    double expected = 0;
-  };
-  std::vector<Group> groups((jobs.size() + together - 1) / together);
-  std::vector<const Job<Part>*> order;
-  for (const auto& job : jobs) order.push_back(&job);
-  std::ranges::stable_sort(order, std::greater(), &Job<Part>::expected);
-  for (const auto* job : order) {
-    auto& group = *std::ranges::min_element(
-        groups, {}, [&](const Group& g) { return g.jobs.size() < together ? g.expected : infinity; });
-    group.jobs.push_back(job);
-    group.expected += job->expected;
-  }
-  std::vector<double> of_groups;
-  for (const auto& group : groups) of_groups.push_back(group.expected);
-  Ledger ledger(of_groups, usual);
-  FinishedPoints none;
-  finish(none, 0);
-  in_parallel(threads, groups.size(), [&](std::size_t k) {
-    const auto advanced = [&](double more) {
-      FinishedPoints nothing;
-      finish(nothing, ledger.advance(k, more));
-    };
-    FinishedPoints finished = compute(groups[k].jobs, advanced);
-    finish(finished, ledger.finish(k));
-  });
-}
+/// Parts in groups of at most `together` that are expected to take alike long, the longest first, and what each group
+/// is expected to take.
+std::pair<std::vector<Group>, std::vector<double>> groups_of(const std::vector<std::size_t>& parts,
+                                                             const std::vector<double>& expected, std::size_t together);
 
 }  // namespace rosin::analysis::planes

@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <optional>
 
 #include "analysis/cycles/lyapunov.hpp"
 #include "analysis/planes/map_point.hpp"
+#include "analysis/planes/parts.hpp"
 #include "analysis/steady/structure_stability.hpp"
-#include "core/workers.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::analysis::planes {
 
@@ -110,37 +110,33 @@ Map compute_structure_map(const StructureFamily& family, const MapOptions& optio
   const std::size_t width = map.x.values.size(), total = width * map.y.values.size();
   auto blank = undecided_point();
   blank.measures.assign(metrics.size(), NAN), blank.measure_errors.assign(metrics.size(), NAN);
-  map.points.assign(total, blank);
-  std::vector<std::size_t> missing;
-  for (std::size_t i = 0; i < total; ++i) {
-    const MapPoint* known = hooks.known ? hooks.known(i) : nullptr;
-    if (known)
-      map.points[i] = *known;
-    else
-      missing.push_back(i);
-  }
-  std::mutex finishing;
-  std::size_t done = 0;
+  const bool leads = !hooks.crew || hooks.crew->leads();
+  if (leads) map.points.assign(total, blank);
+  const Partition partition = partition_of(options, true);
   try {
-    in_parallel(options.threads, missing.size(), [&](std::size_t k) {
-      const std::size_t i = missing[k];
-      MapPoint point = blank;
-      try {
-        point = compute_structure_point(family(map.x.values[i % width], map.y.values[i / width]), options.tolerance,
-                                        metrics, options.lyapunov);
-      } catch (const InputError& error) {
-        point.done = true, point.regime = Regime::failed, point.why = error.what();
-      }
-      const std::scoped_lock lock(finishing);
-      map.points[i] = std::move(point);
-      ++done;
-      if (hooks.finished) hooks.finished(std::span(&i, 1), map.points);
-      if (hooks.progress) hooks.progress({total - missing.size() + done, total, double(done) / double(missing.size())});
+    compute_parts(partition, {}, options, hooks, map, [&](const std::vector<std::size_t>& parts, Desk& desk) {
+      for (const std::size_t part : parts)
+        partition.for_each(part, [&](std::size_t i, int, int) {
+          end_if_stopped();
+          MapPoint point = blank;
+          try {
+            point = compute_structure_point(family(map.x.values[i % width], map.y.values[i / width]), options.tolerance,
+                                            metrics, options.lyapunov);
+          } catch (const InputError& error) {
+            point.done = true, point.regime = Regime::failed, point.why = error.what();
+          }
+          FinishedPoints finished;
+          finished.emplace_back(i, std::move(point));
+          desk.work(part, 1);
+          desk.points(finished);
+        });
     });
   } catch (const Stopped&) {
-    map.outcome = {Ending::interrupted, fmt::format("{} of {} points are done", total - missing.size() + done, total)};
+    map.outcome = {Ending::interrupted,
+                   fmt::format("{} of {} points are done", std::ranges::count_if(map.points, &MapPoint::done), total)};
     return map;
   }
+  if (!leads || options.share.count > 1) return map;
   for (const auto& point : map.points) (point.origin == Origin::computed ? map.integrated : map.skipped) += 1;
   if (std::ranges::all_of(map.points, [](const auto& p) { return p.regime == Regime::failed; }))
     map.outcome = {Ending::none_exists, "every point failed; the first: " + map.points.front().why};

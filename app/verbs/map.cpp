@@ -4,32 +4,29 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
+#include "analysis/planes/parts.hpp"
 #include "analysis/planes/structure_map.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
-#include "app/output/pictures.hpp"
-#include "app/output/planes.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/partial.hpp"
+#include "app/verbs/plane_job.hpp"
 #include "app/verbs/progress.hpp"
+#include "app/verbs/ranks.hpp"
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/string_verbs.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
 
-using nlohmann::ordered_json;
-
 namespace {
 
-using analysis::planes::Regime;
+using analysis::planes::Share;
 
 }  // namespace
 
@@ -131,62 +128,50 @@ void read(scene::SceneReader& reader) {
         .read(scene::Table(reader.need("lyapunov", "duration (s) for the metric of that name"), "lyapunov"), reader);
 }
 
-std::string document_of(const scene::Scene& scene, const output::MapResult& result) {
-  const auto& map = result.map;
-  auto document = output::begin(scene, "map", map.outcome);
-  document["x"] = output::axis(map.x, scene);
-  document["y"] = output::axis(map.y, scene);
-  document["regime"] = output::rows(map, [](const auto& point) { return name(point.regime); });
-  auto values = ordered_json::object(), error = values;
-  for (const auto& metric : map.metrics) {
-    values[metric.name] = output::rows(map, [&](const auto& point) { return metric.value(point); });
-    error[metric.name] = output::rows(map, [&](const auto& point) { return metric.error(point); });
+/// What --shard says, or else the array of jobs that a cluster's SLURM has started this one in. \throws InputError
+Share share_of(const Request& request, const Job& job) {
+  if (!request.shard.empty()) {
+    Share share;
+    int end = 0;
+    const int read = std::sscanf(request.shard.c_str(), "%d/%d%n", &share.index, &share.count, &end);
+    if (read != 2 || std::size_t(end) != request.shard.size() || share.index < 1 || share.index > share.count)
+      throw InputError(fmt::format(
+          "--shard {}: must be K/N with 1 <= K <= N, such as 2/8 for the second share of eight", request.shard));
+    --share.index;
+    return share;
   }
-  document["metrics"] = std::move(values);
-  document["error"] = std::move(error);
-  document["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
-  document["fold"] = {{"x", map.fold.x}, {"y", map.fold.y}, {"error_decades", map.fold_error}};
-  auto& failures = document["failures"] = ordered_json::array();
-  for (std::size_t i = 0; i < map.points.size(); ++i)
-    if (map.points[i].regime == analysis::planes::Regime::failed)
-      failures.push_back(
-          {{"ix", i % map.x.values.size()}, {"iy", i / map.x.values.size()}, {"why", map.points[i].why}});
-  document["stick_threshold"] = scene.map.stick_threshold;
-  document["tolerance"] = scene.map.tolerance;
-  document["cost"] = {{"seconds", result.seconds},
-                      {"points", map.points.size()},
-                      {"integrated", map.integrated},
-                      {"interpolated", map.interpolated},
-                      {"skipped", map.skipped}};
-  auto notes = scene.notes;
-  notes.insert(notes.end(), map.notes.begin(), map.notes.end());
-  document["notes"] = notes;
-  return output::text(document);
-}
-
-/// Everything that determines a map: two runs with the same key have the same points.
-std::string map_key(const scene::Scene& scene) {
-  std::string key = fmt::format("rosin {}\ntolerance {}\n{}\n", ROSIN_VERSION, scene.map.tolerance,
-                                scene.map.exact ? "exact" : "adaptive");
-  if (!scene.structure)
-    for (const auto& quantity : scene.model.parameters())
-      key += fmt::format("{} = {}\n", quantity.name, scene.model.get(quantity.name));
-  return key + scene.resolved;
+  const char *id = std::getenv("SLURM_ARRAY_TASK_ID"), *first = std::getenv("SLURM_ARRAY_TASK_MIN"),
+             *count = std::getenv("SLURM_ARRAY_TASK_COUNT"), *step = std::getenv("SLURM_ARRAY_TASK_STEP");
+  if (!id || !first || !count) return {};
+  const int every = step ? std::max(std::atoi(step), 1) : 1, distance = std::atoi(id) - std::atoi(first);
+  const Share share{distance / every, std::atoi(count)};
+  if (share.count < 2) return {};
+  if (distance < 0 || distance % every != 0 || share.index >= share.count)
+    throw InputError(
+        fmt::format("SLURM_ARRAY_TASK_ID={} is no place in an array of {} jobs from {} in steps of {}: say by --shard "
+                    "K/N which share "
+                    "of the plane is wanted, or by --shard 1/1 that all of it is",
+                    id, count, first, every));
+  job.note(fmt::format("job {} of the array computes --shard {}/{} of the plane; --shard 1/1 computes all of it", id,
+                       share.index + 1, share.count));
+  return share;
 }
 
 Status perform(Job& job) {
-  if (job.scene().string) return perform_string_map(job);
   const auto& request = job.request();
-  auto& scene = job.scene();
-  auto& options = scene.map;
-  options.tolerance = request.tolerance.value_or(options.tolerance);
-  options.threads = request.threads;
-  options.exact = request.exact;
-  options.lyapunov = scene.lyapunov;
-  const auto nx = options.x.values.size(), ny = options.y.values.size(), total = nx * ny;
-  const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
-  const auto metrics = structure ? analysis::planes::metrics_of_structure(*structure, options.metrics)
-                                 : analysis::planes::metrics_of_slider(options.metrics);
+  auto* ranks = request.ranks;
+  if (job.scene().string) {
+    if (ranks || !request.shard.empty())
+      throw InputError(
+          "a plane of strings is computed by the threads of one process: leave --shard and mpirun away, or cut the "
+          "plane along an axis into scenes of their own");
+    return perform_string_map(job);
+  }
+  PlaneJob plane(job);
+  auto& options = plane.options;
+  const auto* structure = plane.structure;
+  const auto share = options.share = share_of(request, job);
+  const auto nx = options.x.values.size(), ny = options.y.values.size(), total = plane.points;
   if (!structure) job.explain_model();
   job.explain("{} x {} points of {} and {}, tolerance {} of {}", nx, ny, options.x.parameter, options.y.parameter,
               options.tolerance, fmt::join(options.metrics, ", "));
@@ -196,78 +181,59 @@ Status perform(Job& job) {
                         ? "points are computed where they are needed, and the others interpolated to the tolerance"
                     : options.exact ? "every point is computed, as asked"
                                     : "every point is computed: interpolation would gain nothing here");
+  if (ranks) {
+    ranks->begin(plane.key, RecordForm(plane.metrics, total));
+    if (!ranks->leads()) {
+      analysis::planes::MapHooks hooks;
+      hooks.crew = ranks;
+      plane.compute(hooks);
+      return done;
+    }
+    job.explain("{} processes compute it, each with {} threads", ranks->processes(), options.threads);
+  }
 
-  Partial partial(job.folder() / "map.partial", map_key(scene), total, metrics);
+  // Which points are of this share is asked before there is a journal: a plane may have fewer parts.
+  const auto partition = analysis::planes::partition_of(options, structure != nullptr);
+  std::size_t of_share = 0;
+  const auto shares = partition.shares(share.count);
+  for (std::size_t part = 0; part < shares.size(); ++part)
+    if (const auto [columns, rows] = partition.size(part); shares[part] == share.index)
+      of_share += std::size_t(columns) * std::size_t(rows);
+
+  Partial partial(job.folder() / journal_name(share), plane.key, total, plane.metrics);
   if (!partial.lost().empty()) job.note(partial.lost());
   if (const auto known = partial.known_count()) job.note(fmt::format("going on from {} finished points", known));
   const auto begin = std::chrono::steady_clock::now();
   output::MapResult result;
+  std::map<std::size_t, double> costs;
   {
     Progress progress(request.quiet);
-    const analysis::planes::MapHooks hooks = {
-        .known = [&](std::size_t i) { return partial.known(i); },
-        .finished = [&](std::span<const std::size_t> indices,
-                        const std::vector<analysis::planes::MapPoint>& points) { partial.append(indices, points); },
-        .progress = progress.of_map()};
-    const auto at = [&](double x, double y) {
-      return scene.family->with({{options.x.parameter, x}, {options.y.parameter, y}});
-    };
-    result.map = structure ? analysis::planes::compute_structure_map(at, options, metrics, hooks)
-                           : analysis::planes::compute_map(scene.model, options, hooks);
+    result.map = plane.compute(
+        {.known = [&](std::size_t i) { return partial.known(i); },
+         .finished = [&](std::span<const std::size_t> indices,
+                         const std::vector<analysis::planes::MapPoint>& points) { partial.append(indices, points); },
+         .progress = progress.of_map(),
+         .costs =
+             [&](const std::vector<analysis::planes::PartCost>& of_parts) {
+               partial.append(of_parts);
+               for (const auto& cost : of_parts) costs[cost.part] = cost.seconds;
+             },
+         .crew = ranks});
   }
-  auto& map = result.map;
   result.seconds = seconds_since(begin);
-  if (map.outcome.ending == Ending::interrupted)
+  if (ranks) ranks->part();
+  const auto kept = std::ranges::count_if(result.map.points, &analysis::planes::MapPoint::done);
+  if (result.map.outcome.ending == Ending::interrupted)
     return stopped_early(request,
-                         fmt::format("{} of {} points are kept; the same command goes on from there",
-                                     std::ranges::count_if(map.points, &analysis::planes::MapPoint::done), total));
-  for (const auto& text : map.notes) job.explain("{}", text);
-  job.explain("{} points integrated, {} interpolated, {} decided without integration", map.integrated, map.interpolated,
-              map.skipped);
-
-  std::array<std::size_t, 4> regimes{};
-  for (const auto& point : map.points) ++regimes[static_cast<std::size_t>(point.regime)];
-  auto& manifest = job.manifest();
-  manifest.tolerance_asked = options.tolerance;
-  manifest.cost = {{"seconds", result.seconds},
-                   {"points", double(total)},
-                   {"integrated", double(map.integrated)},
-                   {"interpolated", double(map.interpolated)},
-                   {"skipped", double(map.skipped)},
-                   {"threads", double(options.threads)}};
-  const auto between = map.interpolated > 0 ? fmt::format("{} interpolated, ", map.interpolated) : std::string();
-  job.say("{} x {} points in {:.3g} s: {} integrated, {}{} decided without", nx, ny, result.seconds, map.integrated,
-          between, map.skipped);
-  for (const Regime regime : {Regime::stable, Regime::cycle, Regime::bistable, Regime::failed})
-    if (const auto count = regimes[static_cast<std::size_t>(regime)]) job.say("  {:<9} {}", name(regime), count);
-  for (const auto& metric : map.metrics) {
-    const auto& wanted = metric.name;
-    const bool fraction = wanted.find("fraction") != std::string::npos;
-    // Of a number of either sign, which is 0 somewhere, errors count beside the largest in the plane.
-    const bool of_either_sign = wanted == "growth_rate" || wanted == "lyapunov";
-    double largest = fraction ? 1 : 0;
-    for (const auto& point : map.points)
-      if (const double value = metric.value(point); of_either_sign && std::isfinite(value))
-        largest = std::max(largest, std::abs(value));
-    std::vector<double> errors;
-    for (const auto& point : map.points) {
-      const double value = largest > 0 ? largest : std::abs(metric.value(point)), error = metric.error(point);
-      if (std::isfinite(error) && value > 0) errors.push_back(error / value);
-    }
-    if (errors.empty()) continue;
-    std::ranges::sort(errors);
-    manifest.tolerance_reached = std::max(manifest.tolerance_reached, errors.back());
-    job.say("  {:<22} {} at most {:.1e}, at nine points in ten at most {:.1e}", wanted,
-            fraction         ? "error"
-            : of_either_sign ? "error over the largest"
-                             : "relative error",
-            errors.back(), errors[errors.size() * 9 / 10]);
+                         fmt::format("{} of {} points are kept; the same command goes on from there", kept, of_share));
+  if (share.count > 1) {
+    job.say("share {} of {} is done: {} of {} points in {:.3g} s, in {}", share.index + 1, share.count, kept, total,
+            result.seconds, (job.folder() / journal_name(share)).string());
+    if (request.json) write_output(output::to_json(request.verb, result.map.outcome));
+    job.say("'rosin merge {}' puts the shares together once all are done", request.target);
+    return done;
   }
-
-  output::write_plane(job.folder() / "map.nc", scene, map);
-  auto files = output::write_picture(job.folder(), scene, map);
-  files.push_back("map.nc");
-  const auto status = job.finish(document_of(scene, result), std::move(files), map.outcome);
+  const auto status = plane.write(result, costs);
   partial.remove();
   return status;
 }
@@ -275,15 +241,20 @@ Status perform(Job& job) {
 }  // namespace
 
 Verb map_verb() {
-  return {.name = "map",
-          .help = "regimes and metrics over a parameter plane",
-          .example = "rosin map examples/bristol-board-plane.toml --set map.x.points=12 --set map.y.points=12",
-          .operands = {scene_operand},
-          .needs = model_tables({{"map", "the two axes and the metrics"}}),
-          .options = scene_options({{"--exact", &Request::exact, "compute every point of a map, interpolate none"}}),
-          .tables = {{"map", read_table}},
-          .read = read,
-          .perform = perform};
+  return {
+      .name = "map",
+      .help = "regimes and metrics over a parameter plane",
+      .example = "rosin map examples/bristol-board-plane.toml --set map.x.points=12 --set map.y.points=12",
+      .operands = {scene_operand},
+      .needs = model_tables({{"map", "the two axes and the metrics"}}),
+      .options = scene_options(
+          {{"--exact", &Request::exact, "compute every point of a map, interpolate none"},
+           {"--shard", &Request::shard,
+            "K/N: compute the K-th of N shares of the plane, for 'rosin merge'; default that of a SLURM array job"}}),
+      .tables = {{"map", read_table}},
+      .read = read,
+      .perform = perform,
+      .spreads = true};
 }
 
 }  // namespace rosin::app::verbs

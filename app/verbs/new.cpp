@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/companion.hpp"
 #include "app/scene/scene_table.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/verb.hpp"
@@ -56,14 +57,6 @@ constexpr Starter starters[] = {{"velocity-step", "run"},
                                 {"lab-spring-pulled", "lab spring-pulled"},
                                 {"lab-reciprocation", "lab reciprocation"}};
 
-/// The examples that came with this program: where it was installed, or where it was built.
-fs::path examples() {
-  const auto installed = fs::read_symlink("/proc/self/exe").parent_path() / "../share/rosin/examples";
-  std::error_code problem;
-  return fs::is_directory(installed, problem) ? installed.lexically_normal()
-                                              : fs::path(ROSIN_CASES).parent_path() / "examples";
-}
-
 /// "rosin compare FILE --design"
 std::string command_of(const Starter& starter, std::string_view file) {
   const std::string verb = starter.verb;
@@ -72,7 +65,7 @@ std::string command_of(const Starter& starter, std::string_view file) {
 }
 
 Status print_starter(const Request& request) {
-  const auto folder = examples();
+  const auto folder = companion("examples");
   std::vector<std::string> names;
   for (const auto& starter : starters) {
     const auto path = folder / fmt::format("{}.toml", starter.name);

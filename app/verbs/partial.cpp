@@ -7,10 +7,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
-#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
-#include <type_traits>
 
 #include "core/error.hpp"
 #include "core/files.hpp"
@@ -20,20 +21,6 @@ namespace rosin::app::verbs {
 namespace {
 
 using analysis::planes::MapPoint;
-
-/// A record as it stands in the file; metrics, their errors and the reason of a failure follow it.
-struct Record {
-  std::uint64_t checksum;  ///< of everything after it
-  std::uint64_t index;
-  std::uint32_t reason_length;
-  std::uint8_t regime, origin, unused[2];
-};
-static_assert(std::is_trivially_copyable_v<Record>);
-
-constexpr std::uint32_t longest_reason = 1000;
-
-/// The checksummed part of a record.
-std::string_view body(std::string_view bytes) { return bytes.substr(sizeof(Record::checksum)); }
 
 constexpr std::string_view first_words = "rosin map, ";
 std::string header(const std::string& key) {
@@ -45,8 +32,8 @@ std::string header(const std::string& key) {
 Partial::Partial(std::filesystem::path path, const std::string& key, std::size_t points,
                  const std::vector<analysis::planes::PlaneMetric>& metrics)
     : path_(std::move(path)),
-      file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666)) {
-  kept_ = metrics;
+      file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666)),
+      known_(RecordForm(metrics, points)) {
   const auto refuse = [&](std::string_view why) {
     if (file_ >= 0) ::close(file_);
     throw InputError(fmt::format("{}: {}", path_.string(), why));
@@ -69,11 +56,11 @@ Partial::Partial(std::filesystem::path path, const std::string& key, std::size_t
   const std::string expected = header(key);
   std::size_t valid = 0;
   if (content.starts_with(expected)) {
-    valid = expected.size();
-    while (const auto length = take(std::string_view(content).substr(valid), points)) valid += length;
-    if (valid < content.size())
+    const auto size = content.size();
+    valid = known_.take(std::move(content), expected.size(), path_, false);
+    if (valid < size)
       lost_ = fmt::format("{}: damaged after {} whole records; what follows is computed again", path_.string(),
-                          known_.size());
+                          known_.count());
   } else if (content.size() > 0) {
     lost_ = fmt::format("{}: began another map, with other settings or by another version; it is begun afresh",
                         path_.string());
@@ -83,62 +70,71 @@ Partial::Partial(std::filesystem::path path, const std::string& key, std::size_t
   if (valid == 0) write_all(file_, expected, path_);
 }
 
-/// Takes over the record that `bytes` begin with. \returns its length; 0 if it is none that such a map writes.
-std::size_t Partial::take(std::string_view bytes, std::size_t points) {
-  Record record;
-  if (bytes.size() < sizeof record) return 0;
-  std::memcpy(&record, bytes.data(), sizeof record);
-  const std::size_t length = sizeof record + 2 * sizeof(double) * kept_.size() + record.reason_length;
-  if (record.reason_length > longest_reason || bytes.size() < length || record.index >= points) return 0;
-  if (record.regime > static_cast<int>(analysis::planes::Regime::failed) ||
-      record.origin > static_cast<int>(analysis::planes::Origin::interpolated))
-    return 0;
-  bytes = bytes.substr(0, length);
-  if (checksum(body(bytes)) != record.checksum) return 0;
-  MapPoint point = analysis::planes::undecided_point();
-  point.done = true;
-  point.regime = static_cast<analysis::planes::Regime>(record.regime);
-  point.origin = static_cast<analysis::planes::Origin>(record.origin);
-  const char* at = bytes.data() + sizeof record;
-  point.measures.resize(kept_.size()), point.measure_errors.resize(kept_.size());
-  for (const auto& metric : kept_) std::memcpy(&metric.value(point), at, sizeof(double)), at += sizeof(double);
-  for (const auto& metric : kept_) std::memcpy(&metric.error(point), at, sizeof(double)), at += sizeof(double);
-  for (const auto& metric : kept_)
-    if (std::isinf(metric.value(point)) || metric.error(point) < 0) return 0;
-  point.why = std::string(bytes.substr(length - record.reason_length));
-  known_.insert_or_assign(record.index, std::move(point));
-  return length;
-}
-
 Partial::~Partial() { ::close(file_); }
-
-const MapPoint* Partial::known(std::size_t index) const {
-  const auto it = known_.find(index);
-  return it == known_.end() ? nullptr : &it->second;
-}
 
 void Partial::append(std::span<const std::size_t> indices, const std::vector<MapPoint>& points) {
   std::string bytes;
-  for (const std::size_t index : indices) {
-    const MapPoint& point = points[index];
-    const auto reason = std::string_view(point.why).substr(0, longest_reason);
-    Record record{};
-    record.index = index;
-    record.reason_length = static_cast<std::uint32_t>(reason.size());
-    record.regime = static_cast<std::uint8_t>(point.regime);
-    record.origin = static_cast<std::uint8_t>(point.origin);
-    const std::size_t begin = bytes.size();
-    bytes.append(reinterpret_cast<const char*>(&record), sizeof record);
-    const auto append = [&](double number) { bytes.append(reinterpret_cast<const char*>(&number), sizeof number); };
-    for (const auto& metric : kept_) append(metric.value(point));
-    for (const auto& metric : kept_) append(metric.error(point));
-    bytes += reason;
-    record.checksum = checksum(body(std::string_view(bytes).substr(begin)));
-    std::memcpy(bytes.data() + begin, &record.checksum, sizeof record.checksum);
-  }
+  for (const std::size_t index : indices) known_.form().append(bytes, index, points[index]);
+  write_all(file_, bytes, path_);
+}
+
+void Partial::append(const std::vector<analysis::planes::PartCost>& costs) {
+  std::string bytes;
+  for (const auto& cost : costs) known_.form().append(bytes, cost);
   write_all(file_, bytes, path_);
 }
 
 void Partial::remove() { std::filesystem::remove(path_); }
+
+std::string journal_name(analysis::planes::Share share) {
+  return share.count == 1 ? "map.partial" : fmt::format("map.{}-of-{}.partial", share.index + 1, share.count);
+}
+
+std::optional<analysis::planes::Share> share_of_journal(const std::string& name) {
+  analysis::planes::Share share;
+  if (name == journal_name(share)) return share;
+  if (std::sscanf(name.c_str(), "map.%d-of-%d.partial", &share.index, &share.count) != 2) return std::nullopt;
+  --share.index;
+  return name == journal_name(share) ? std::optional(share) : std::nullopt;
+}
+
+namespace {
+
+std::vector<std::string_view> lines_of(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const auto end = std::min(text.find('\n'), text.size());
+    lines.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+/// The first line in which two keys differ, "tolerance 1e-06, this map has tolerance 0.001".
+std::string difference(std::string_view theirs, std::string_view ours) {
+  const auto a = lines_of(theirs), b = lines_of(ours);
+  for (std::size_t k = 0; k < std::max(a.size(), b.size()); ++k) {
+    const auto there = k < a.size() ? a[k] : "nothing more", here = k < b.size() ? b[k] : "nothing more";
+    if (there != here) return fmt::format("there stands \"{}\", here \"{}\"", there, here);
+  }
+  return "nothing differs";
+}
+
+}  // namespace
+
+void read_journal(const std::filesystem::path& path, const std::string& key, KnownPoints& known) {
+  constexpr std::uintmax_t largest = 100'000'000'000;  // bytes
+  auto content = read_whole(path, largest);
+  const auto refuse = [&](const std::string& why) { throw InputError(fmt::format("{}: {}", path.string(), why)); };
+  if (!content.starts_with(first_words)) refuse("is not the journal of a map");
+  const std::string expected = header(key);
+  if (!content.starts_with(expected)) {
+    const auto begin = content.find('\n');
+    const auto length = std::strtoull(content.c_str() + first_words.size(), nullptr, 10);
+    const auto theirs = begin == std::string::npos ? std::string() : content.substr(begin + 1, length);
+    refuse("is of another map: " + difference(theirs, key));
+  }
+  known.take(std::move(content), expected.size(), path, true);
+}
 
 }  // namespace rosin::app::verbs

@@ -1,15 +1,21 @@
-/// The finished points of a map kept on disk while it is computed, so that an interrupted map goes on where it stopped.
+/// The finished points of a map kept on disk while it is computed, so that an interrupted map goes on where it stopped,
+/// and shares of a map that several processes compute are put together.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
-#include "analysis/planes/map.hpp"
+#include "app/verbs/point_records.hpp"
 
 namespace rosin::app::verbs {
+
+/// "map.partial", or of a share "map.2-of-8.partial".
+std::string journal_name(analysis::planes::Share);
+/// The share that a journal of such a name holds; nothing for any other name.
+std::optional<analysis::planes::Share> share_of_journal(const std::string& name);
 
 /// A journal: a header (everything that determines the result), then one record a point with its checksum.
 class Partial {
@@ -22,24 +28,26 @@ class Partial {
   ~Partial();
   Partial(const Partial&) = delete;
 
-  /// The point as an earlier run left it, or nullptr.
-  const analysis::planes::MapPoint* known(std::size_t index) const;
-  std::size_t known_count() const { return known_.size(); }
+  /// The point as an earlier run left it, or nothing.
+  std::optional<analysis::planes::MapPoint> known(std::size_t index) const { return known_.point(index); }
+  std::size_t known_count() const { return known_.count(); }
   /// What is not taken over of the journal that was there, and why; empty if nothing is lost.
   const std::string& lost() const { return lost_; }
   /// Appends some of the points; they survive the end of the process from here on.
   void append(std::span<const std::size_t> indices, const std::vector<analysis::planes::MapPoint>& points);
+  void append(const std::vector<analysis::planes::PartCost>&);
   /// The map is written elsewhere: the journal is not needed any more.
   void remove();
 
  private:
-  std::size_t take(std::string_view bytes, std::size_t points);
-
   std::filesystem::path path_;
   int file_;
-  std::vector<analysis::planes::PlaneMetric> kept_;
-  std::unordered_map<std::size_t, analysis::planes::MapPoint> known_;
+  KnownPoints known_;
   std::string lost_;
 };
+
+/// Takes over a journal as it stands on disk, be it finished or not, and leaves it alone. \throws InputError if it
+/// is of a map with another key, and says what differs.
+void read_journal(const std::filesystem::path&, const std::string& key, KnownPoints&);
 
 }  // namespace rosin::app::verbs

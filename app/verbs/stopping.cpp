@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "app/output/results.hpp"
+#include "app/verbs/ranks.hpp"
 #include "core/console.hpp"
 #include "core/stop.hpp"
 
@@ -91,6 +92,7 @@ Status execute_until(const std::stop_token& stop, const Request& request) {
   try {
     return execute(request);
   } catch (const Stopped&) {
+    if (request.ranks && !request.ranks->leads()) return interrupted;
     return stopped_early(request, "nothing is kept");
   }
 }

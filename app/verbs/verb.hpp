@@ -66,6 +66,8 @@ struct Verb {
   Status (*perform)(Job&) = nullptr;
   /// Of the others: does the work.
   Status (*without_scene)(const Request&) = nullptr;
+  /// The processes that a launcher such as mpirun starts share the work.
+  bool spreads = false;
 };
 
 /// All verbs, in the order of the help.

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <mutex>
 
+#include "app/companion.hpp"
 #include "app/output/json.hpp"
 #include "app/output/results.hpp"
 #include "app/verbs/job.hpp"
@@ -26,13 +27,6 @@ namespace {
 
 constexpr double longest = 120;                         ///< s, for one question
 constexpr std::uintmax_t largest_result = 500'000'000;  ///< bytes
-
-/// The dossier that came with this program: where it was installed, or where it was built.
-fs::path dossier(const fs::path& program) {
-  const auto installed = program.parent_path() / "../share/rosin/cases";
-  std::error_code problem;
-  return fs::is_directory(installed, problem) ? installed.lexically_normal() : fs::path(ROSIN_CASES);
-}
 
 /// One command and the answers that are taken out of its document.
 struct Inquiry {
@@ -171,7 +165,7 @@ void say(const std::vector<Answer>& answers) {
 
 verbs::Status verify(const Request& request) {
   const auto program = fs::read_symlink("/proc/self/exe");
-  auto cases = read_cases(request.dossier.empty() ? dossier(program) : fs::path(request.dossier), request.cases);
+  auto cases = read_cases(request.dossier.empty() ? companion("cases") : fs::path(request.dossier), request.cases);
   if (request.quick) std::erase_if(cases, &Case::slow);
   if (cases.empty()) throw InputError("--quick leaves no case: all that are named are slow");
   const fs::path folder = request.out.empty() ? fs::path("out/verify") : fs::path(request.out);

@@ -2,7 +2,7 @@
 #include "analysis/planes/map_jobs.hpp"
 
 #include <catch2/catch.hpp>
-#include <mutex>
+#include <cmath>
 #include <set>
 
 using namespace rosin::analysis;
@@ -42,30 +42,22 @@ TEST_CASE("more work than expected never looks finished", "[map-jobs]") {
   CHECK(ledger.finish(1) == 1);
 }
 
-TEST_CASE("every job is done once, in groups of like work", "[map-jobs]") {
-  std::vector<Job<int>> jobs;
-  for (int k = 0; k < 12; ++k) jobs.push_back({k, double(1 + k)});
-  std::mutex mutex;
-  std::set<int> done;
-  std::vector<double> of_groups;
-  double told = 0;
-  work_in_groups(
-      jobs, 3, 2, 1.0,
-      [&](FinishedPoints&, double part) {
-        const std::scoped_lock lock(mutex);
-        told = std::max(told, part);
-      },
-      [&](const std::vector<const Job<int>*>& group, const auto& advanced) {
-        double all = 0;
-        for (const auto* job : group) all += job->expected;
-        advanced(all);
-        const std::scoped_lock lock(mutex);
-        for (const auto* job : group) CHECK(done.insert(job->what).second);
-        of_groups.push_back(all);
-        return FinishedPoints{};
-      });
-  CHECK(done.size() == 12);
-  REQUIRE(of_groups.size() == 4);
-  for (const double work : of_groups) CHECK(std::abs(work - 19.5) <= 3);
-  CHECK(told == 1);
+TEST_CASE("every part is in one group, and groups take alike long", "[map-jobs]") {
+  std::vector<std::size_t> parts;
+  std::vector<double> expected;
+  for (std::size_t k = 0; k < 12; ++k) parts.push_back(100 + k), expected.push_back(double(1 + k));
+  const auto [groups, of_groups] = groups_of(parts, expected, 3);
+  REQUIRE(groups.size() == 4);
+  std::set<std::size_t> seen;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    double all = 0;
+    for (const std::size_t part : groups[g].parts) {
+      CHECK(seen.insert(part).second);
+      all += expected[part - 100];
+    }
+    CHECK(groups[g].number == g);
+    CHECK(of_groups[g] == all);
+    CHECK(std::abs(all - 19.5) <= 3);
+  }
+  CHECK(seen.size() == 12);
 }

@@ -133,7 +133,7 @@ TEST_CASE("results do not depend on threads, and known points are not computed a
   options.threads = 3;
   int computed = 0;
   MapHooks hooks;
-  hooks.known = [&](std::size_t i) { return i % 2 == 0 ? &one.points[i] : nullptr; };
+  hooks.known = [&](std::size_t i) { return i % 2 == 0 ? std::optional(one.points[i]) : std::nullopt; };
   hooks.finished = [&](auto indices, const auto&) { computed += int(indices.size()); };
   const Map resumed = compute_map(model, options, hooks);
   CHECK(computed == int(one.points.size() / 2));
@@ -183,7 +183,7 @@ TEST_CASE("a large plane from few points agrees with the plane of all points", "
   options.threads = 3;
   MapHooks hooks;
   const int nx = int(few.x.values.size());
-  hooks.known = [&](std::size_t i) { return int(i / nx) < 60 ? &few.points[i] : nullptr; };
+  hooks.known = [&](std::size_t i) { return int(i / nx) < 60 ? std::optional(few.points[i]) : std::nullopt; };
   const Map resumed = compute_map(model, options, hooks);
   for (std::size_t i = 0; i < few.points.size(); ++i) {
     CHECK(few.points[i].origin == resumed.points[i].origin);

@@ -1,0 +1,187 @@
+/// Symbols, units and meanings of what stands in documents.
+#include "app/report/quantities.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+
+#include "analysis/cycles/cycle.hpp"
+#include "app/output/gnuplot.hpp"
+#include "oscillators/model.hpp"
+
+namespace rosin::app::report {
+
+namespace {
+
+/// Symbols as docs/glossary.md has them; of metrics, unit and meaning come from their own list.
+const std::map<std::string, Known, std::less<>>& table() {
+  static const auto known = [] {
+    std::map<std::string, Known, std::less<>> list = {
+        {"time", {"t", "s", "time"}},
+        {"displacement", {"x", "m", "of the slider from the unstretched spring, positive where friction pulls"}},
+        {"velocity", {"ẋ", "m/s", "of the slider"}},
+        {"slip_rate", {"v", "m/s", "V − ẋ, of the surfaces against each other"}},
+        {"friction_force", {"F", "N", "on the slider"}},
+        {"friction_coefficient", {"μ", "1", "friction over normal load"}},
+        {"normal_load", {"N", "N", "normal force"}},
+        {"theta", {"θ", "s", "mean age of the contacts"}},
+        {"psi", {"ψ", "1", "state of the interface"}},
+        {"phi", {"φ", "1", "state of the interface"}},
+        {"angular_frequency", {"ω", "rad/s", "of the oscillation"}},
+        {"frequency", {"f", "Hz", "of the oscillation"}},
+        {"growth_rate", {"σ", "1/s", "of small motions; positive: they grow"}},
+        {"damping_ratio", {"ζ", "1", "decay over frequency; negative: it grows"}},
+        {"first_lyapunov_coefficient",
+         {"ℓ₁", "1/s", "sign of the cubic term at onset; negative: vibration sets in softly"}},
+        {"criticality", {"", "", "supercritical: sets in softly; subcritical: with a jump"}},
+        {"eigenvalues", {"s", "1/s", "of small motions about steady sliding"}},
+        {"multipliers", {"", "1", "factor of a small change after one period"}},
+        {"exponents", {"λ", "1/s", "mean rate at which neighbouring motions part"}},
+        {"growth", {"", "1", "logarithm of the amplitude's growth in one period"}},
+        {"sum", {"Σλ", "1/s", "of all exponents"}},
+        {"divergence", {"", "1/s", "mean divergence of the motion, equal to the sum of exponents"}},
+        {"duration", {"", "s", "over which is averaged"}},
+        {"transient", {"", "s", "left out before"}},
+        {"switches", {"", "1", "number of changes between stick and slip"}},
+        {"returns", {"", "1", "of the map until the motion recurred"}},
+        {"stick_threshold", {"ε", "1", "slip slower than ε V counts as stick"}},
+        {"tolerance", {"", "1", "relative accuracy asked for"}},
+        {"share", {"", "1", "of starts that come here"}},
+        {"standard_error", {"", "", "of the estimate"}},
+        {"chi_square", {"χ²", "1", "sum of squared residuals over their variance"}},
+        {"points", {"", "1", "number of data"}},
+        {"confidence", {"", "1", "probability that an interval is meant to hold"}},
+        {"aic", {"AIC", "1", "information criterion of Akaike; the lower the better"}},
+        {"bic", {"BIC", "1", "Bayesian information criterion; the lower the better"}},
+        {"margin", {"", "1", "least distance of the loop to −1"}},
+        {"margin_frequency", {"", "Hz", "at which the loop comes nearest to −1"}},
+        {"coherence", {"γ²", "1", "part of the answer that is linear in the input"}},
+        {"recurrence", {"T", "s", "from one slip event to the next"}},
+        {"force_drop", {"ΔF", "N", "fall of the spring's force in a slip event"}},
+        {"closed_form", {"", "", "whether the value is that of a formula"}},
+        {"marginal", {"", "", "an eigenvalue lies on the imaginary axis within its error"}},
+        {"stable", {"", "", "small disturbances die out"}},
+        {"displacement_max", {"", "m", "largest displacement of the period"}},
+        {"displacement_min", {"", "m", "least displacement of the period"}},
+        {"amplitude", {"", "m", "half the range of the displacement"}},
+        {"lyapunov", {"λ₁", "1/s", "largest Lyapunov exponent; positive: chaos"}},
+        {"transient_length", {"", "1", "periods until Helmholtz motion"}},
+        {"drive.normal_load", {"N", "N", "normal load"}},
+        {"drive.speed", {"V", "m/s", "speed of the drive"}},
+        {"drive.force", {"f", "N", "force on the slider along its motion"}},
+        {"oscillator.mass", {"m", "kg", "mass of the slider"}},
+        {"oscillator.stiffness", {"k", "N/m", "stiffness of the spring"}},
+        {"oscillator.damping", {"c", "N s/m", "damping of the slider's motion"}},
+        {"law.lambda", {"λ", "1", "clock factor of the states"}},
+        {"law.mu_s", {"μ_s", "1", "largest coefficient at rest"}},
+        {"law.mu_d", {"μ_d", "1", "coefficient in motion"}},
+        {"law.v_s", {"v_s", "m/s", "speed over which friction falls"}},
+        {"law.mu0", {"μ₀", "1", "friction in steady sliding at v0"}},
+        {"law.v0", {"v₀", "m/s", "reference slip rate"}},
+        {"law.a", {"a", "1", "direct effect"}},
+        {"law.b", {"b", "1", "evolution effect"}},
+        {"law.L", {"L", "m", "slip that renews the contacts"}},
+    };
+    const std::map<std::string_view, const char*> symbols = {
+        {"period", "T"},           {"slip_rate_max", "v_max"}, {"slip_rate_min", "v_min"}, {"friction_max", "μ_max"},
+        {"friction_min", "μ_min"}, {"friction_mean", "⟨μ⟩"},   {"slip_rate_mean", "⟨v⟩"}};
+    for (const auto& metric : analysis::cycles::metric_names()) {
+      const auto symbol = symbols.find(metric.name);
+      list[metric.name] = {symbol == symbols.end() ? "" : symbol->second, metric.unit, metric.meaning};
+    }
+    return list;
+  }();
+  return known;
+}
+
+bool is_number(std::string_view text) {
+  return !text.empty() && std::ranges::all_of(text, [](unsigned char c) { return std::isdigit(c); });
+}
+
+}  // namespace
+
+Known known(std::string_view key) {
+  if (const auto found = table().find(key); found != table().end()) return found->second;
+  if (const auto dot = key.rfind('.'); dot != key.npos) return known(key.substr(dot + 1));
+  // "slip_rate_2_max" and "slip_rate_2": of one of several contacts
+  for (std::size_t from = key.find('_'); from != key.npos; from = key.find('_', from + 1)) {
+    const auto end = std::min(key.find('_', from + 1), key.size());
+    const auto place = key.substr(from + 1, end - from - 1);
+    if (!is_number(place)) continue;
+    auto of_one = known(std::string(key.substr(0, from)) + std::string(key.substr(end)));
+    if (!of_one.meaning.empty()) of_one.meaning += fmt::format(" ({})", place);
+    of_one.symbol.clear();
+    return of_one;
+  }
+  for (const auto& [ending, word] : {std::pair<std::string_view, const char*>{"_max", "largest"},
+                                     {"_min", "least"},
+                                     {"_mean", "mean"},
+                                     {"_amplitude", "half the range"}}) {
+    if (!key.ends_with(ending)) continue;
+    const auto whole = known(key.substr(0, key.size() - ending.size()));
+    return {"", whole.unit, whole.meaning.empty() ? "" : fmt::format("{}: {}", word, whole.meaning)};
+  }
+  return {};
+}
+
+std::string readable(std::string key) {
+  std::ranges::replace(key, '_', ' ');
+  return key;
+}
+
+namespace {
+
+std::string superscript(int n) {
+  const char* const digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string text = n < 0 ? "⁻" : "";
+  for (const char c : std::to_string(std::abs(n))) text += digits[c - '0'];
+  return text;
+}
+
+/// "-8.4507e-05" as −8.4507·10⁻⁵.
+std::string typeset(std::string text) {
+  std::string power;
+  if (const auto e = text.find('e'); e != text.npos) {
+    power = "10" + superscript(std::stoi(text.substr(e + 1)));
+    text.resize(e);
+    if (text == "1" || text == "-1")
+      text.pop_back();
+    else
+      power = "·" + power;
+  }
+  if (text.starts_with('-')) text = "−" + text.substr(1);
+  return text + power;
+}
+
+}  // namespace
+
+std::string number_text(double value, int digits) {
+  if (std::isnan(value)) return "none";
+  if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
+  return typeset(fmt::format("{:.{}g}", value, digits));
+}
+
+std::string number_text(double value, double error, int digits) {
+  if (!std::isfinite(value) || !(error > 0)) return number_text(value, digits);
+  if (std::isinf(error)) return number_text(value, digits) + ", of unknown error";
+  const double whole = std::floor(std::log10(std::abs(value))) + 1, kept = whole - std::floor(std::log10(error));
+  if (!(kept >= 1)) return fmt::format("0 ± {}", typeset(fmt::format("{:.0e}", error)));
+  const int shown = int(std::min(kept, 16.0));
+  const auto text = kept > whole ? fmt::format("{:#.{}g}", value, shown) : fmt::format("{:.{}g}", value, shown);
+  return fmt::format("{} ± {}", typeset(text), typeset(fmt::format("{:.1g}", error)));
+}
+
+std::string amount(double value, std::string_view unit, double error, int digits) {
+  const auto [factor, prefixed] = output::scaled(std::string(unit), std::abs(value));
+  auto text = number_text(value * factor, error * factor, digits);
+  const bool has_unit = std::isfinite(value) && !unit.empty() && unit != "1";
+  if (has_unit && text.find(" ± ") != text.npos && prefixed != unit) text = "(" + text + ")";
+  return has_unit ? text + " " + prefixed : text;
+}
+
+std::string amount(double value, std::string_view unit) { return amount(value, unit, std::nan(""), 4); }
+
+}  // namespace rosin::app::report

@@ -1,0 +1,149 @@
+/// Asking for a plane, and writing what a map writes.
+#include "app/verbs/plane_job.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "analysis/planes/structure_map.hpp"
+#include "app/output/json.hpp"
+#include "app/output/pictures.hpp"
+#include "app/output/planes.hpp"
+#include "app/scene/family.hpp"
+
+namespace rosin::app::verbs {
+
+using analysis::planes::Regime;
+using nlohmann::ordered_json;
+
+namespace {
+
+std::string document_of(const scene::Scene& scene, const output::MapResult& result) {
+  const auto& map = result.map;
+  auto document = output::begin(scene, "map", map.outcome);
+  document["x"] = output::axis(map.x, scene);
+  document["y"] = output::axis(map.y, scene);
+  document["regime"] = output::rows(map, [](const auto& point) { return name(point.regime); });
+  auto values = ordered_json::object(), error = values;
+  for (const auto& metric : map.metrics) {
+    values[metric.name] = output::rows(map, [&](const auto& point) { return metric.value(point); });
+    error[metric.name] = output::rows(map, [&](const auto& point) { return metric.error(point); });
+  }
+  document["metrics"] = std::move(values);
+  document["error"] = std::move(error);
+  document["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
+  document["fold"] = {{"x", map.fold.x}, {"y", map.fold.y}, {"error_decades", map.fold_error}};
+  auto& failures = document["failures"] = ordered_json::array();
+  for (std::size_t i = 0; i < map.points.size(); ++i)
+    if (map.points[i].regime == analysis::planes::Regime::failed)
+      failures.push_back(
+          {{"ix", i % map.x.values.size()}, {"iy", i / map.x.values.size()}, {"why", map.points[i].why}});
+  document["stick_threshold"] = scene.map.stick_threshold;
+  document["tolerance"] = scene.map.tolerance;
+  document["cost"] = {{"seconds", result.seconds},
+                      {"points", map.points.size()},
+                      {"integrated", map.integrated},
+                      {"interpolated", map.interpolated},
+                      {"skipped", map.skipped}};
+  auto notes = scene.notes;
+  notes.insert(notes.end(), map.notes.begin(), map.notes.end());
+  document["notes"] = notes;
+  return output::text(document);
+}
+
+/// Everything that determines a map: two runs with the same key have the same points.
+std::string map_key(const scene::Scene& scene) {
+  std::string key = fmt::format("rosin {}\ntolerance {}\n{}\n", ROSIN_VERSION, scene.map.tolerance,
+                                scene.map.exact ? "exact" : "adaptive");
+  if (!scene.structure)
+    for (const auto& quantity : scene.model.parameters())
+      key += fmt::format("{} = {}\n", quantity.name, scene.model.get(quantity.name));
+  return key + scene.resolved;
+}
+
+}  // namespace
+
+PlaneJob::PlaneJob(Job& job_) : job(job_), options(job_.scene().map) {
+  auto& scene = job.scene();
+  const auto& request = job.request();
+  options.tolerance = request.tolerance.value_or(options.tolerance);
+  options.threads = request.threads;
+  options.exact = request.exact;
+  options.lyapunov = scene.lyapunov;
+  if (scene.structure) structure = &scene.structure->structure;
+  metrics = structure ? analysis::planes::metrics_of_structure(*structure, options.metrics)
+                      : analysis::planes::metrics_of_slider(options.metrics);
+  key = map_key(scene);
+  points = options.x.values.size() * options.y.values.size();
+}
+
+analysis::planes::Map PlaneJob::compute(const analysis::planes::MapHooks& hooks) const {
+  const auto& scene = job.scene();
+  const auto at = [&](double x, double y) {
+    return scene.family->with({{options.x.parameter, x}, {options.y.parameter, y}});
+  };
+  return structure ? analysis::planes::compute_structure_map(at, options, metrics, hooks)
+                   : analysis::planes::compute_map(scene.model, options, hooks);
+}
+
+Status PlaneJob::write(const output::MapResult& result, const std::map<std::size_t, double>& costs) const {
+  const auto& map = result.map;
+  const auto& scene = job.scene();
+  const auto nx = options.x.values.size(), ny = options.y.values.size(), total = points;
+  for (const auto& text : map.notes) job.explain("{}", text);
+  job.explain("{} points integrated, {} interpolated, {} decided without integration", map.integrated, map.interpolated,
+              map.skipped);
+
+  std::array<std::size_t, 4> regimes{};
+  for (const auto& point : map.points) ++regimes[static_cast<std::size_t>(point.regime)];
+  auto& manifest = job.manifest();
+  manifest.tolerance_asked = options.tolerance;
+  double all_parts = 0, longest_part = 0;  // processor time of those that were computed
+  for (const auto& [part, seconds] : costs) all_parts += seconds, longest_part = std::max(longest_part, seconds);
+  manifest.cost = {{"seconds", result.seconds},
+                   {"points", double(total)},
+                   {"integrated", double(map.integrated)},
+                   {"interpolated", double(map.interpolated)},
+                   {"skipped", double(map.skipped)},
+                   {"threads", double(options.threads)},
+                   {"parts", double(costs.size())},
+                   {"part_seconds", all_parts},
+                   {"longest_part_seconds", longest_part}};
+  const auto between = map.interpolated > 0 ? fmt::format("{} interpolated, ", map.interpolated) : std::string();
+  job.say("{} x {} points in {:.3g} s: {} integrated, {}{} decided without", nx, ny, result.seconds, map.integrated,
+          between, map.skipped);
+  for (const Regime regime : {Regime::stable, Regime::cycle, Regime::bistable, Regime::failed})
+    if (const auto count = regimes[static_cast<std::size_t>(regime)]) job.say("  {:<9} {}", name(regime), count);
+  for (const auto& metric : map.metrics) {
+    const auto& wanted = metric.name;
+    const bool fraction = wanted.find("fraction") != std::string::npos;
+    // Of a number of either sign, which is 0 somewhere, errors count beside the largest in the plane.
+    const bool of_either_sign = wanted == "growth_rate" || wanted == "lyapunov";
+    double largest = fraction ? 1 : 0;
+    for (const auto& point : map.points)
+      if (const double value = metric.value(point); of_either_sign && std::isfinite(value))
+        largest = std::max(largest, std::abs(value));
+    std::vector<double> errors;
+    for (const auto& point : map.points) {
+      const double value = largest > 0 ? largest : std::abs(metric.value(point)), error = metric.error(point);
+      if (std::isfinite(error) && value > 0) errors.push_back(error / value);
+    }
+    if (errors.empty()) continue;
+    std::ranges::sort(errors);
+    manifest.tolerance_reached = std::max(manifest.tolerance_reached, errors.back());
+    job.say("  {:<22} {} at most {:.1e}, at nine points in ten at most {:.1e}", wanted,
+            fraction         ? "error"
+            : of_either_sign ? "error over the largest"
+                             : "relative error",
+            errors.back(), errors[errors.size() * 9 / 10]);
+  }
+
+  output::write_plane(job.folder() / "map.nc", scene, map);
+  auto files = output::write_picture(job.folder(), scene, map);
+  files.push_back("map.nc");
+  return job.finish(document_of(scene, result), std::move(files), map.outcome);
+}
+
+}  // namespace rosin::app::verbs

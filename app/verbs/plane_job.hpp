@@ -1,0 +1,27 @@
+/// What the verbs map and merge have in common: the plane that a scene asks for, and its results.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "analysis/planes/map.hpp"
+#include "app/output/results.hpp"
+#include "app/verbs/job.hpp"
+
+namespace rosin::app::verbs {
+
+struct PlaneJob {
+  explicit PlaneJob(Job&);
+  analysis::planes::Map compute(const analysis::planes::MapHooks&) const;
+  /// Says what was found, draws it and writes it. `costs`: processor time (s) of parts, as far as they are known.
+  Status write(const output::MapResult&, const std::map<std::size_t, double>& costs) const;
+
+  Job& job;
+  analysis::planes::MapOptions& options;
+  const oscillators::Structure* structure = nullptr;  ///< none: the plane is a slider's
+  std::vector<analysis::planes::PlaneMetric> metrics;
+  std::string key;  ///< everything that determines the plane: two with the same key have the same points
+  std::size_t points = 0;
+};
+
+}  // namespace rosin::app::verbs
