@@ -19,13 +19,13 @@ std::string text(const Series& series) {
                      series.states.empty() ? " (not filled)" : "");
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < series.time.size(); ++i) {
-    out += fmt::format("{:24.14E}", series.time[i]);
+    out += fmt::format("{:>24.14E}", series.time[i]);
     const double theta = series.states.empty() ? none : series.states.front().values[i];
     // tau is the contact's, dtau_dt that of the spring, K (V_PL - V)
     for (const double value :
          {none, none, series.slip_rate[i], theta, series.friction_force[i] / series.area,
           series.stiffness * series.velocity[i] / series.area, series.slip(i), series.normal_load[i] / series.area})
-      out += fmt::format("{:24.14E}", value);
+      out += fmt::format("{:>24.14E}", value);
     out += '\n';
   }
   return out;
