@@ -8,7 +8,8 @@
 
 namespace rosin::app::imports {
 
-/// What stands on one line, or on several where brackets or a mark of continuation join them; without comments, and with the ends of its lines.
+/// What stands on one line, or on several where brackets or a mark of continuation join them; without comments, and
+/// with the ends of its lines.
 struct Statement {
   int line;    ///< where it begins, from 1
   int indent;  ///< spaces before it
