@@ -26,11 +26,12 @@ struct Mark {
   double from_x = 0, from_y = 0, to_x = 0, to_y = 0;
 };
 
-/// Where a curve comes nearest to a value.
+/// Where a curve comes nearest to a value; the last such place.
 double place_of(const Panel::Curve& curve, double value) {
-  const auto off = [&](double y) { return std::abs(y - value); };
-  const auto nearest = std::ranges::min_element(curve.y, {}, off);
-  return nearest == curve.y.end() ? 0 : curve.x[std::size_t(nearest - curve.y.begin())];
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < curve.y.size(); ++i)
+    if (std::abs(curve.y[i] - value) <= std::abs(curve.y[nearest] - value)) nearest = i;
+  return curve.x.empty() ? 0 : curve.x[nearest];
 }
 
 std::vector<Mark> marks_in(const Result& result, const scene::Scene& scene, const Panel& panel) {
@@ -41,17 +42,17 @@ std::vector<Mark> marks_in(const Result& result, const scene::Scene& scene, cons
     const double before = value("friction_before"), peak = value("peak"), level = before + value("final_change"),
                  length = value("decay_length"), at = place_of(curve, peak),
                  decayed = std::lerp(level, peak, std::exp(-1)), end = 0.9 * curve.x.back();
-    return {{"a", "direct_effect", "a ln(V/V₀)", true, at, before, at, peak},
-            {"a − b", "rate_dependence", "(a − b) ln(V/V₀)", true, end, before, end, level},
-            {"L", "decay_length", "L", std::isfinite(length), at, decayed, at + length, decayed}};
+    std::vector<Mark> marks = {{"a − b", "rate_dependence", "(a − b) ln(V/V₀)", true, end, before, end, level}};
+    if (!std::isfinite(length)) return marks;  // no extreme apart from the level after: nothing jumps
+    const bool jumps = std::abs(peak - before) > 0.02 * std::abs(peak - level);
+    marks.insert(marks.begin(), {"a", "direct_effect", "a ln(V/V₀)", jumps, at, before, at, peak});
+    marks.push_back({"decay length", "decay_length", "1/e", true, at, decayed, at + length, decayed});
+    return marks;
   }
   if (experiment == "slide-hold-slide" && panel.x_decades) return {{"β", "healing_rate"}};
   if (experiment == "slide-hold-slide") {
-    const double peak = std::ranges::max(curve.y), rise = value("last_rise");
-    const auto& peaks = result.tables.front().values[1];
-    const double at = place_of(curve, peaks.back());
-    if (peak != peaks.back()) return {{"Δμ", "last_rise"}};  // another peak is higher, and hides it
-    return {{"Δμ", "last_rise", "Δμ", true, at, peak - rise, at, peak}};
+    const double peak = result.tables.front().values[1].back(), at = place_of(curve, peak);
+    return {{"Δμ", "last_rise", "Δμ", value("last_rise") > 0, at, peak - value("last_rise"), at, peak}};
   }
   return {};
 }

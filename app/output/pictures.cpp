@@ -146,6 +146,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
         fmt::format("\n{}\nset ylabel {}\n", axis_scale('y', decades), label(readable(run.column_names[c]), unit));
     script +=
         decades ? "set ytics autofreq\n" : fmt::format("set ytics {:g}\n", tick_step(low * factor, high * factor));
+    script += decades ? "unset offsets\n" : "set offsets 0, 0, graph 0.05, graph 0.05\n";
     script +=
         c == shown.back() && !strip && !loaded ? "set xlabel 'time (s)'\nset format x '%g'\n" : "set format x ''\n";
     script += fmt::format("plot 'run.csv' using 1:(${}*{}) with lines linestyle 1 notitle", c + 2, factor);
@@ -175,12 +176,11 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                           axis_scale('y', false), label(readable("normal_load"), unit),
                           tick_step(low * factor, high * factor));
     script += strip ? "set format x ''\n" : "set xlabel 'time (s)'\nset format x '%g'\n";
-    script +=
-        fmt::format("plot 'run-drive.csv' using 1:($3*{}) with lines linestyle 1 notitle\nunset offsets\n", factor);
+    script += fmt::format("plot 'run-drive.csv' using 1:($3*{}) with lines linestyle 1 notitle\n", factor);
   }
   if (strip)
     script +=
-        "\nunset logscale y\nset ylabel ''\nset yrange [-0.2:1.2]\nset ytics ('slip' 0, 'stick' 1)\n"
+        "\nunset logscale y\nunset offsets\nset ylabel ''\nset yrange [-0.2:1.2]\nset ytics ('slip' 0, 'stick' 1)\n"
         "set xlabel 'time (s)'\nset format x '%g'\n"
         "plot 'run-strip.csv' using 1:2 with steps linestyle 1 notitle\n";
   write_whole(folder / "run.gp", captioned(script, scene) + "unset multiplot\n");
@@ -585,7 +585,9 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     return static_cast<std::size_t>(found - comparison.column_names.begin());
   };
   const auto rate = named("slip_rate"), friction = named("friction_coefficient"), none = comparison.column_names.size();
-  const bool loops = comparison.x_name == "time" && rate < none && friction < none;
+  const bool imposed =
+      std::isinf(scene.compare.members.front().model.slider.stiffness);  // the slip rate: loops are one
+  const bool loops = !imposed && comparison.x_name == "time" && rate < none && friction < none;
   constexpr int below = 65 + caption_room, loop = 380;  // pixels
   const int under = below + (loops ? loop : 0), height = under + 75 + (panels == 1 ? 380 : run_panel * panels);
   std::string script = preamble("compare", "Members of a comparison, one over the other", 820, height);

@@ -169,7 +169,7 @@ void write_script(const fs::path& folder, const scene::Scene& scene, const std::
   const bool decades = f.back() / f.front() > 20;
   std::string script =
       output::preamble("frf", "Friction frequency response: magnitude, phase, parts, and the complex plane", 1000, 760);
-  script += fmt::format("set multiplot layout 2,2 title {} margins 0.085,0.97,0.115,0.90 spacing 0.12,0.14\n",
+  script += fmt::format("set multiplot layout 2,2 title {} margins 0.085,0.97,0.105,0.885 spacing 0.12,0.10\n",
                         output::single_quoted(scene.title));
   script += "set grid\nset xlabel 'frequency f (Hz)'\nset key at screen 0.97,0.955 top right horizontal maxcols 5\n";
   if (decades) script += "set logscale x\n";

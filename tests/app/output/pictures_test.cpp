@@ -21,7 +21,7 @@ double number_of(const std::string& script, const std::string& symbol) {
 
 }  // namespace
 
-TEST_CASE("pictures of velocity steps show a, a - b and L as they are read off", "[pictures]") {
+TEST_CASE("pictures of velocity steps show a, a - b and the decay length as they are read off", "[pictures]") {
   const Folder folder;
   std::ofstream(folder.path / "scene.toml") << "[law]\ntype = \"slip\"\na = 0.012\nb = 0.02\nL = \"4 um\"\n";
   REQUIRE(run_rosin(folder, "lab velocity-step scene.toml --out out --no-pictures").status == 0);
@@ -30,7 +30,7 @@ TEST_CASE("pictures of velocity steps show a, a - b and L as they are read off",
   CHECK(number_of(script, "a") == Approx(readings["direct_effect"]).epsilon(1e-3));
   CHECK(number_of(script, "a") == Approx(0.012).epsilon(1e-3));  // of the law
   CHECK(number_of(script, "a − b") == Approx(-0.008).epsilon(1e-3));
-  CHECK(number_of(script, "L") == Approx(4).epsilon(0.01));  // µm: the slip law decays by e over L (Ruina 1983)
+  CHECK(number_of(script, "decay length") == Approx(4).epsilon(0.01));  // µm: the slip law decays by e over L (Ruina 1983)
   CHECK_THAT(script, Contains("law: slip, L = 4 um, a = 0.012, b = 0.02"));
 }
 
