@@ -19,9 +19,9 @@ for page in "$root"/docs/laws/*.md; do
     "$rosin" laws "$law" | sed '/^$/d'
     printf '```\n\n![Steady friction curve of the law with its default parameters](../pictures/law-%s.svg)\n' "$law"
     for shown in 'step:Answer to velocity steps (`rosin lab velocity-step`)' \
-        'hold:Peaks after holds (`rosin lab slide-hold-slide`)' 'run:Stick-slip (`rosin run`)'; do
+        'hold:Peaks after holds (`rosin lab slide-hold-slide`)' 'run:Stick-slip under a drive that slows down (`rosin run`)'; do
       if grep -q "^law-$law-${shown%%:*}\.svg " "$root/docs/pictures.txt"; then
-        printf '\n![%s of the law with its default parameters](../pictures/law-%s-%s.svg)\n' "${shown#*:}" "$law" "${shown%%:*}"
+        printf '\n![%s of the law](../pictures/law-%s-%s.svg)\n' "${shown#*:}" "$law" "${shown%%:*}"
       fi
     done
   } >"$page.new"
