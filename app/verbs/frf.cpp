@@ -171,7 +171,7 @@ void write_script(const fs::path& folder, const scene::Scene& scene, const std::
       output::preamble("frf", "Friction frequency response: magnitude, phase, parts, and the complex plane", 1000, 760);
   script += fmt::format("set multiplot layout 2,2 title {} margins 0.085,0.97,0.105,0.885 spacing 0.12,0.10\n",
                         output::single_quoted(scene.title));
-  script += "set grid\nset xlabel 'frequency f (Hz)'\nset key at screen 0.97,0.955 top right horizontal maxcols 5\n";
+  script += "set grid\nset xlabel 'frequency f (Hz)'\nset key off\n";
   if (decades) script += "set logscale x\n";
   script += fmt::format("set xrange [{}:{}]\n", f.front(), f.back());
   const auto panel = [&](std::string_view y_label, const char* columns, std::string_view settings) {
@@ -187,13 +187,17 @@ void write_script(const fs::path& folder, const scene::Scene& scene, const std::
   else
     panel("magnitude |Z| (N s/m)", "1:4", "set yrange [-1:1]\n");
   panel("phase arg Z (degree)", "1:5",
-        "set key off\nunset logscale y\nset yrange [*:*]\nset offsets 0, 0, graph 0.05, graph 0.05\n");
-  panel("real part Re Z (N s/m)", "1:2", "set xzeroaxis linecolor '#555555'\n");
+        "unset logscale y\nset yrange [*:*]\nset offsets 0, 0, graph 0.05, graph 0.05\n");
+  panel("real part Re Z (N s/m)", "1:2",
+        std::string("set xzeroaxis linecolor '#555555'\n") +
+            (lines.size() > 2 ? "set key on top right\n"
+                              : "set key on at screen 0.97,0.955 top right horizontal\n"));  // many are no line
   std::vector<const std::vector<Complex>*> responses;
   for (const auto& line : lines) responses.push_back(line.response);
   panel("imaginary part Im Z (N s/m)", "2:3",
         real_ticks(responses) +
-            "unset logscale x\nset xrange [*:*]\nset xlabel 'real part Re Z (N s/m)'\nset yzeroaxis linecolor "
+            "set key off\nunset logscale x\nset xrange [*:*]\nset xlabel 'real part Re Z (N s/m)'\nset yzeroaxis "
+            "linecolor "
             "'#555555'\nset offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n");
   write_whole(folder / "frf.gp", output::captioned(script, scene) + "unset multiplot\n");
 }
