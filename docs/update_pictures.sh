@@ -14,6 +14,7 @@ trap 'rm -rf "$results"' EXIT
 digests=docs/pictures/digests.txt
 grep -v -e '^#' -e '^$' -e '^gallery/' docs/pictures.txt >"$results/rows"
 while read -r picture file speed command; do
+  [ "$speed" != browser ] || continue
   case " $* " in
     *" $picture "*) ;;
     '  ') [ "$speed" != measured ] || continue ;;

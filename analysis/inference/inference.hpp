@@ -3,3 +3,4 @@
 #include "analysis/inference/discrimination.hpp"
 #include "analysis/inference/equalise.hpp"
 #include "analysis/inference/fit.hpp"
+#include "analysis/inference/stick_slip.hpp"

@@ -47,9 +47,10 @@ struct Measurement {
   bool in_force = false;  ///< y of a record in N
   /// What was read off each slip event.
   enum class Event {
-    recurrence,     ///< s, from one event to the next
-    force_drop,     ///< N, fall of the spring's force in it
-    peak_slip_rate  ///< m/s
+    recurrence,      ///< s, from one event to the next
+    force_drop,      ///< N, fall of the spring's force in it
+    peak_slip_rate,  ///< m/s
+    force_range      ///< N, from the highest to the lowest force of the spring, which goes on rising as slip begins
   };
   Event event = Event::recurrence;
 

@@ -48,6 +48,8 @@ const char* event_name(const Measurement& m) {
       return "force drop (N)";
     case Measurement::Event::peak_slip_rate:
       return "peak slip rate (m/s)";
+    case Measurement::Event::force_range:
+      return "range of force (N)";
   }
   return "";
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "analysis/inference/stick_slip.hpp"
 #include "app/scene/law.hpp"
 #include "app/scene/scene_table.hpp"
 
@@ -32,9 +33,13 @@ const std::vector<KindOfData>& kinds() {
       {"steady-curve", Kind::steady_curve, {{"slip_rate", "m/s"}, {"friction_coefficient", "1"}}},
       {"hold", Kind::hold, {{"hold_time", "s"}, {"friction_coefficient", "1"}}},
       {"record", Kind::record, {{"time", "s"}, {"friction_coefficient", "1"}}},
-      {"stick-slip", Kind::stick_slip, {{"speed", "m/s"}}}};
+      {"stick-slip", Kind::stick_slip, {{"speed", "m/s"}}},
+      {"stick-slip-record", Kind::stick_slip, {{"time", "s"}, {"friction_force", "N"}}}};
   return list;
 }
+
+/// Events that are to be found in a record of force; else they stand in the file.
+bool holds_record(const KindOfData& kind) { return kind.kind == Kind::stick_slip && kind.columns.size() > 1; }
 
 /// Keys that only some kinds of measurement listen to.
 void refuse_without_effect(scene::Table& table, const KindOfData& kind) {
@@ -53,6 +58,11 @@ void refuse_without_effect(scene::Table& table, const KindOfData& kind) {
                    {"base", {Kind::velocity_step, Kind::record, Kind::steady_curve, Kind::hold}}};
   for (const auto& [key, those] : listeners)
     if (const auto* node = table.find(key); node && std::ranges::find(those, kind.kind) == those.end())
+      scene::fail(node->source(), "{} has no effect on a {}", table.path(key), kind.name);
+  for (const auto& [key, matters] :
+       {std::pair{"least_drop", holds_record(kind)}, std::pair{"events", !holds_record(kind)},
+        std::pair{"standard_error", !holds_record(kind)}})
+    if (const auto* node = matters ? nullptr : table.find(key))
       scene::fail(node->source(), "{} has no effect on a {}", table.path(key), kind.name);
 }
 
@@ -255,6 +265,40 @@ struct NumbersOfFile {
   }
 };
 
+/// What the events of a record of force say, and a note of it.
+std::vector<Measurement> read_off(const Measurement& record, std::optional<double> least_drop,
+                                  std::vector<std::string>& notes) {
+  const auto [low, high] = std::ranges::minmax(record.y);
+  const double least = least_drop.value_or((high - low) / 2);
+  const auto drops = analysis::inference::force_drops(record.x, record.y, least);
+  constexpr std::size_t fewest = 3;
+  if (drops.size() < fewest)
+    throw InputError(fmt::format(
+        "{}: {} whole events in which force falls by more than {:.4g} N; a fit needs {} (least_drop says from "
+        "which fall on an event counts)",
+        record.name, drops.size(), least, fewest));
+  std::vector<Measurement> found;
+  constexpr EventColumn read[] = {{"recurrence", "s", Measurement::Event::recurrence},
+                                  {"force_range", "N", Measurement::Event::force_range}};
+  for (const auto& [name, unit, event] : read) {
+    auto events = record;
+    events.x.clear(), events.y.clear();
+    events.event = event;
+    events.name += fmt::format(", {}", name);
+    const bool recurs = event == Measurement::Event::recurrence;
+    for (std::size_t i = recurs ? 1 : 0; i < drops.size(); ++i)
+      events.y.push_back(recurs ? drops[i].onset - drops[i - 1].onset : drops[i].size);
+    events.x.assign(events.y.size(), record.slip_rate);
+    double mean = 0, square = 0;
+    for (const double y : events.y) mean += y / double(events.y.size());
+    for (const double y : events.y) square += (y - mean) * (y - mean) / double(events.y.size() - 1);
+    notes.push_back(fmt::format("{}: {} events, {:.6g} {} each, with a scatter of {:.2g} {}", events.name,
+                                events.y.size(), mean, unit, std::sqrt(square), unit));
+    found.push_back(std::move(events));
+  }
+  return found;
+}
+
 /// The measurements of one table of data: one, but for stick–slip, of which each column of events is one.
 std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& reader) {
   auto& scene = reader.scene;
@@ -266,8 +310,8 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
   const auto type = scene::choice(table.required("type", "what was measured"), table.path("type"), names);
   auto kind = *std::ranges::find_if(kinds(), [&](const auto& k) { return k.name == type; });
   refuse_without_effect(table, kind);
-  const bool stick_slip = kind.kind == Kind::stick_slip;
-  if (stick_slip && !reader.root.find("oscillator"))
+  const bool finds_events = holds_record(kind), stick_slip = kind.kind == Kind::stick_slip && !finds_events;
+  if (kind.kind == Kind::stick_slip && !reader.root.find("oscillator"))
     scene::fail(node.source(), "events of stick-slip are those of a slider: give [oscillator] with mass and stiffness");
   Measurement data;
   data.kind = kind.kind;
@@ -284,6 +328,8 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
   table.read("low", numbers.low, {"", kind.columns.front().si, {-1e300, 1e300}, "points below are left out"});
   table.read("high", numbers.high, {"", kind.columns.front().si, {-1e300, 1e300}, "points above are left out"});
 
+  std::optional<double> least_drop;
+  table.read("least_drop", least_drop, {"", "N", {1e-300, 1e300}, "fall of force from which on it is an event"});
   const auto& file_node = *table.find("file");
   data.name = numbers.source.file.filename().string();
   numbers.source.gaps = true;
@@ -332,6 +378,10 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
     found.push_back(std::move(measurement));
   };
   if (!stick_slip) add(data, chosen);
+  if (finds_events) {
+    const auto record = std::move(found.front());
+    return scene::located(file_node.source(), [&] { return read_off(record, least_drop, scene.notes); });
+  }
   for (std::size_t i = 0; i < events.size(); ++i) {
     auto own = chosen;
     own.push_back(columns_of_events[i]);

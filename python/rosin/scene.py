@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import copy
 import inspect
+import keyword
 import os
 import re
 import shutil
@@ -162,10 +163,16 @@ def load(path: str | os.PathLike[str]) -> Scene:
 _OWN = {"--help", "--set", "--json", "--quiet", "--out", "--no-pictures", "--explain"}
 
 
+def _keyword(option: str) -> str:
+    """The argument of an option: '--time-limit' is time_limit, '--from' is from_, as `from` is a word of Python."""
+    name = option[2:].replace("-", "_")
+    return name + "_" if keyword.iskeyword(name) else name
+
+
 def _method(verb: dict[str, Any]) -> Callable[..., Result]:
     """The method of a verb: operands but the scene by position, options by keyword."""
     operands = [one for one in verb["arguments"] if one["name"] != "SCENE"]
-    options = {one["name"][2:].replace("-", "_"): one for one in verb["options"] if one["name"] not in _OWN}
+    options = {_keyword(one["name"]): one for one in verb["options"] if one["name"] not in _OWN}
     draws = any(one["name"] == "--no-pictures" for one in verb["options"])
 
     kind = inspect.Parameter

@@ -72,7 +72,7 @@ def test_every_verb_with_a_scene_is_a_method():
     listed = help[help.index("Subcommands:") :].splitlines()[1:]
     verbs = {line.split()[0] for line in listed if line.startswith("  ") and line.strip() and not line.startswith("   ")}
     assert {"run", "map", "lab", "laws"} <= verbs
-    assert verbs - {"laws", "new", "merge", "verify", "stress", "bench", "plot", "report", "help"} == {
+    assert verbs - {"laws", "new", "verify", "stress", "bench", "plot", "report", "help"} == {
         verb for verb in verbs if callable(getattr(rosin.Scene, verb, None))}
     assert "exact" in rosin.Scene.map.__signature__.parameters
     assert "velocity-step" in rosin.Scene.lab.__doc__

@@ -264,7 +264,7 @@ void compare_random_cycles(int cycles) {
 }  // namespace
 
 TEST_CASE("multipliers of random cycles are within their errors of CVODE's", "[multipliers][long]") {
-  compare_random_cycles(30);
+  compare_random_cycles(10);
 }
 
 TEST_CASE("multipliers of 200 random cycles are within their errors of CVODE's", "[.][multipliers-200]") {

@@ -26,12 +26,12 @@ Model block(double mu_s, double mu_d) {
 
 /// Without damping slip is a part of a circle about the spring's length under kinetic friction.
 struct ClosedForm {
-  double recurrence, force_drop, peak_slip_rate;
+  double recurrence, force_drop, peak_slip_rate, force_range;
 };
 ClosedForm closed_form(double difference, double V) {
   const double omega = std::sqrt(k / m), lead = N * difference / k, radius = std::hypot(lead, V / omega);
   return {2 * lead / V + (std::numbers::pi + 2 * std::atan2(V, omega * lead)) / omega, 2 * N * difference,
-          V + radius * omega};
+          V + radius * omega, 2 * k * radius};
 }
 
 Measurement events(Event event, const std::vector<double>& speeds) {
@@ -43,16 +43,24 @@ Measurement events(Event event, const std::vector<double>& speeds) {
 }
 
 double value(const ClosedForm& form, Event event) {
-  return event == Event::recurrence   ? form.recurrence
-         : event == Event::force_drop ? form.force_drop
-                                      : form.peak_slip_rate;
+  switch (event) {
+    case Event::recurrence:
+      return form.recurrence;
+    case Event::force_drop:
+      return form.force_drop;
+    case Event::peak_slip_rate:
+      return form.peak_slip_rate;
+    case Event::force_range:
+      return form.force_range;
+  }
+  return 0;
 }
 
 }  // namespace
 
 TEST_CASE("events of a block without damping are those of the closed form, with their slopes", "[stick-slip-fit]") {
   const std::vector<double> speeds = {0.05, 0.2, 0.05, 1.0};
-  for (const auto event : {Event::recurrence, Event::force_drop, Event::peak_slip_rate}) {
+  for (const auto event : {Event::recurrence, Event::force_drop, Event::peak_slip_rate, Event::force_range}) {
     const auto said = predict_stick_slip(block(0.4, 0.3), events(event, speeds), {"law.mu_s"});
     for (std::size_t i = 0; i < speeds.size(); ++i) {
       constexpr double h = 1e-5;
@@ -88,4 +96,23 @@ TEST_CASE("a fit of events finds the static coefficient and the machine's stiffn
 
 TEST_CASE("a slider that slides steadily has no events", "[stick-slip-fit]") {
   CHECK_THROWS_AS(predict_stick_slip(block(0.3, 0.3), events(Event::recurrence, {0.1}), {}), InputError);
+}
+
+TEST_CASE("drops of a record of force are found whole, through noise", "[stick-slip-fit]") {
+  // A sawtooth of period 2 s: 1.8 s up by 3 N, 0.2 s down, begun within a fall and ended within a rise.
+  std::vector<double> time, force;
+  for (int i = 0; i <= 1000; ++i) {
+    const double t = 0.01 * i, phase = std::fmod(t + 1.9, 2);
+    time.push_back(t);
+    force.push_back((phase < 1.8 ? phase / 1.8 : (2 - phase) / 0.2) * 3 + 0.05 * std::sin(1e5 * i));
+  }
+  const auto drops = force_drops(time, force, 1.5);
+  REQUIRE(drops.size() == 4);
+  for (std::size_t i = 0; i < drops.size(); ++i) {
+    CHECK(drops[i].onset == Approx(1.9 + 2.0 * double(i)).margin(0.03));
+    CHECK(drops[i].size == Approx(3).margin(0.11));
+    CHECK(drops[i].duration == Approx(0.2).margin(0.05));
+  }
+  CHECK(force_drops(time, force, 4).empty());
+  CHECK(force_drops({}, {}, 1).empty());
 }

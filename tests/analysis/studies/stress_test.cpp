@@ -38,7 +38,7 @@ TEST_CASE("a small seed set has no NaN, crash or wrong number, and stated errors
   studies::StressOptions options;
   options.laws = laws::catalogue();
   options.seed = 20;
-  options.scenes = 150;
+  options.scenes = 80;
   const auto report =
       studies::stress(options, {.finished =
                                     [](const studies::StressScene& scene, const studies::Judgement& judgement) {
@@ -49,11 +49,11 @@ TEST_CASE("a small seed set has no NaN, crash or wrong number, and stated errors
   CHECK(report.wrong == 0);
   CHECK(report.not_finite == 0);
   CHECK(report.crashed == 0);
-  CHECK(report.certified + report.none_exists > 130);
+  CHECK(report.certified + report.none_exists > 68);
   // A share of so few scenes varies by some hundredths with each law that joins the draw; docs/stress.md has larger
   // sets.
   CHECK(report.failure_share() < 0.08);
-  CHECK(report.compared > 60);
+  CHECK(report.compared > 30);
   CHECK(report.coverage() >= 0.98);
 }
 

@@ -142,4 +142,15 @@ TEST_CASE("the catalogue of a run's slip events is data of a fit", "[fit-command
   CHECK_THAT(fit(folder, scene(", standard_error = 1e-3")).error, Contains("events = [\"recurrence\"]"));
   CHECK_THAT(fit(folder, scene(", trend = true")).error, Contains("no effect on a stick-slip"));
   CHECK_THAT(fit(folder, scene(", columns = { slip_rate = 2 }")).error, Contains("unknown key 'slip_rate'"));
+  // The same out of the load cell: the spring's force is -50 N/m times displacement.
+  const std::string record =
+      model +
+      "[fit]\nparameters = ['law.mu_s']\ndata = [{ type = 'stick-slip-record', file = 'out/run.csv', "
+      "columns = { friction_force = { column = 'displacement', factor = 50, unit = 'N' } } }]\n";
+  const auto read_off = fit(folder, record, "--set law.mu_s=0.45");
+  INFO(read_off.error);
+  REQUIRE(read_off.status == 0);
+  CHECK(read_off.document["parameters"]["law.mu_s"]["value"].get<double>() == Approx(0.4).margin(2e-3));
+  CHECK_THAT(read_off.error, Contains("events"));
+  CHECK_THAT(fit(folder, record, "--set \"fit.data.1.least_drop='9 N'\"").error, Contains("0 whole events"));
 }
