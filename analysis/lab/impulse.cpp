@@ -188,7 +188,7 @@ Result perform(const Task& task) {
 
   Panel panel{.x_label = "way of the block",
               .x_unit = "m",
-              .y_label = "slip rate",
+              .y_label = "slip rate v",
               .y_unit = "m/s",
               .y_decades = !set_valued,
               .curves = {}};

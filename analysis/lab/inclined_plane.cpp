@@ -145,13 +145,13 @@ Result perform(const Task& task) {
   for (const double alpha : seen.column("slope")) tangent.push_back(std::tan(alpha));
   result.panels = {{.x_label = "slope",
                     .x_unit = "rad",
-                    .y_label = "slip rate",
+                    .y_label = "slip rate v",
                     .y_unit = "m/s",
                     .y_decades = law.has_states(),
                     .curves = {{"", seen.column("slope"), seen.column("slip_rate")}}},
                    {.x_label = "slope",
                     .x_unit = "rad",
-                    .y_label = "friction coefficient",
+                    .y_label = "friction coefficient μ",
                     .y_unit = "1",
                     .curves = {{"friction", seen.column("slope"), seen.column("friction_coefficient")},
                                {"tan of the slope", seen.column("slope"), tangent}}}};

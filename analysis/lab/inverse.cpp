@@ -263,7 +263,7 @@ Result perform(const Task& task) {
 
   Panel history{.x_label = "time",
                 .x_unit = "s",
-                .y_label = "friction force",
+                .y_label = "friction force F",
                 .y_unit = "N",
                 .curves = {{.label = "reconstructed", .x = record.time, .y = force, .low = low, .high = high}}};
   if (simulated) {
@@ -281,9 +281,9 @@ Result perform(const Task& task) {
     history.curves.push_back({"true", record.time, truth});
   }
   result.panels = {std::move(history),
-                   {.x_label = "slip rate",
+                   {.x_label = "slip rate v",
                     .x_unit = "m/s",
-                    .y_label = "friction force",
+                    .y_label = "friction force F",
                     .y_unit = "N",
                     .curves = {{"", slip_rate, force}}}};
   return result;

@@ -94,12 +94,12 @@ Result perform(const Task& task) {
         fmt::format("the last two loops differ by {:.1e}: raise lab.cycles", std::abs(before / now - 1)));
   result.panels = {{.x_label = "stroke",
                     .x_unit = "m",
-                    .y_label = "friction force",
+                    .y_label = "friction force F",
                     .y_unit = "N",
                     .curves = {{"", seen.column("stroke"), seen.column("friction_force")}}},
-                   {.x_label = "slip rate",
+                   {.x_label = "slip rate v",
                     .x_unit = "m/s",
-                    .y_label = "friction force",
+                    .y_label = "friction force F",
                     .y_unit = "N",
                     .curves = {{"", seen.column("slip_rate"), seen.column("friction_force")}}}};
   return result;

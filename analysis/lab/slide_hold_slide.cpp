@@ -174,18 +174,18 @@ Result perform(const Task& task) {
                            {"hold_time", "peak", "rise", "local_rate"},
                            {"s", "1", "1", "1"},
                            {hold_times, peaks.peak, peaks.rise, peaks.local_rate}});
-  Panel::Curve fit{"least squares", {}, {}};
+  Panel::Curve fit{"line fitted, slope β", {}, {}};
   for (std::size_t i = part.first; i < part.last; ++i)
     fit.x.push_back(hold_times[i]), fit.y.push_back(line.offset + line.slope * std::log(hold_times[i]));
   const auto& seen = result.record;
   result.panels = {{.x_label = "load-point displacement",
                     .x_unit = "m",
-                    .y_label = "friction coefficient",
+                    .y_label = "friction coefficient μ",
                     .y_unit = "1",
                     .curves = {{"", seen.column("load_point"), seen.column("friction_coefficient")}}},
                    {.x_label = "hold time",
                     .x_unit = "s",
-                    .y_label = "peak above sliding",
+                    .y_label = "peak above sliding Δμ",
                     .y_unit = "1",
                     .x_decades = true,
                     .curves = {{"peaks", hold_times, peaks.rise, true}}}};

@@ -125,9 +125,9 @@ Result perform(const Task& task) {
                     .y_unit = "N",
                     .curves = {{"", way, force}}}};
   if (oscillates) {
-    Panel loop{.x_label = "slip rate",
+    Panel loop{.x_label = "slip rate v",
                .x_unit = "m/s",
-               .y_label = "friction coefficient",
+               .y_label = "friction coefficient μ",
                .y_unit = "1",
                .curves = {{"cycle", {}, {}}}};
     for (const auto& point : cycle.orbit)

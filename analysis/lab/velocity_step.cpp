@@ -16,6 +16,7 @@ namespace {
 struct Step {
   double from, to, before, jump, peak, change, decay_length;
   double before_error, after_error;  ///< what transients leave of the levels
+  double peak_slip;                  ///< m, where the extreme is
 };
 
 /// When a step happens, and the time constants at the slip rates before and after it.
@@ -28,13 +29,14 @@ struct Moment {
 Step read_step(const Record& record, double from, double to, const Moment& moment) {
   const auto [begin, at, end, settling_before, settling_after] = moment;
   const auto &t = record.time, &mu = record.column("friction_coefficient"), &slip = record.column("slip");
-  Step step{from, to, level(t, mu, begin, at), 0, 0, 0, std::nan(""), 0, 0};
+  Step step{from, to, level(t, mu, begin, at), 0, 0, 0, std::nan(""), 0, 0, 0};
   step.before_error = unsettled(t, mu, begin, at, settling_before);
   step.after_error = unsettled(t, mu, at, end, settling_after);
   const auto [first, last] = between(t, at, end);
   const auto peak = extreme(record, mu, {at, end, to > from});
   const double after = level(t, mu, at, end), height = peak.value - after;
   step.peak = peak.value;
+  step.peak_slip = at_time(t, slip, peak.time);
   step.jump = peak.value - step.before;
   step.change = after - step.before;
   if (std::abs(height) <= 1e-6 * std::abs(after)) return step;  // no transient
@@ -42,10 +44,29 @@ Step read_step(const Record& record, double from, double to, const Moment& momen
     const double now = (mu[i] - after) / height, was = std::min(1.0, (mu[i - 1] - after) / height);
     if (now > std::exp(-1)) continue;
     const double part = now > 0 ? (std::log(was) + 1) / (std::log(was) - std::log(now)) : 1;
-    step.decay_length = std::lerp(slip[i - 1], slip[i], part) - at_time(t, slip, peak.time);
+    step.decay_length = std::lerp(slip[i - 1], slip[i], part) - step.peak_slip;
     break;
   }
   return step;
+}
+
+/// The first step at close range: from some decay lengths before it until the transient is gone.
+Panel close_up(const Record& record, const Step& step, const Moment& moment) {
+  const auto &slip = record.column("slip"), &mu = record.column("friction_coefficient");
+  const double at = at_time(record.time, slip, moment.at), begin = at_time(record.time, slip, moment.begin),
+               end = at_time(record.time, slip, moment.end), length = step.decay_length;
+  const bool decays = std::isfinite(length);
+  const double before = decays ? std::max(begin - at, -3 * length) : 0.2 * (begin - at),
+               after = decays ? std::min(end - at, step.peak_slip - at + 9 * length) : 0.6 * (end - at);
+  Panel panel{.x_label = "slip since the step",
+              .x_unit = "m",
+              .y_label = "friction coefficient μ",
+              .y_unit = "1",
+              .curves = {{"", {}, {}}, {"level before", {before, after}, {step.before, step.before}}}};
+  for (std::size_t i = 0; i < slip.size(); ++i)
+    if (slip[i] >= at + before && slip[i] <= at + after)
+      panel.curves[0].x.push_back(slip[i] - at), panel.curves[0].y.push_back(mu[i]);
+  return panel;
 }
 
 Result perform(const Task& task) {
@@ -139,15 +160,17 @@ Result perform(const Task& task) {
   const auto& seen = result.record;
   result.panels = {{.x_label = "slip",
                     .x_unit = "m",
-                    .y_label = "friction coefficient",
+                    .y_label = "friction coefficient μ",
                     .y_unit = "1",
                     .curves = {{"", seen.column("slip"), seen.column("friction_coefficient")}}},
-                   {.x_label = "slip",
-                    .x_unit = "m",
-                    .y_label = "slip rate",
-                    .y_unit = "m/s",
-                    .y_decades = true,
-                    .curves = {{"", seen.column("slip"), seen.column("slip_rate")}}}};
+                   close_up(seen, steps_of(seen).front(), moments.front())};
+  if (!rigid_machine(model))  // the slip rate is not what the protocol says
+    result.panels.push_back({.x_label = "slip",
+                             .x_unit = "m",
+                             .y_label = "slip rate v",
+                             .y_unit = "m/s",
+                             .y_decades = true,
+                             .curves = {{"", seen.column("slip"), seen.column("slip_rate")}}});
   return result;
 }
 

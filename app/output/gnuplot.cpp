@@ -32,11 +32,14 @@ std::string single_quoted(std::string_view text) {
 
 std::string preamble(const std::string& name, std::string_view what, int width, int height) {
   constexpr double pixels = 96;  // an inch
+  // A journal prints a picture over two columns: texts are then 8 points high, as wide as the picture may be.
+  constexpr double journal = 175 / 25.4, printed = 8;  // inches, points
+  const double points = std::max(10.0, printed * width / pixels / journal);
   return fmt::format(R"(# {what}. Redraw with: gnuplot {name}.gp   or   gnuplot -e "format='png'" {name}.gp   or 'pdf'
 if (!exists("format")) format = 'svg'
 if (!exists("output")) output = '{name}.'.format
 if (format eq 'png') {{ set terminal pngcairo size {width},{height} font 'sans,11' background 'white' }}
-if (format eq 'pdf') {{ set terminal pdfcairo size {inches_wide}in,{inches_high}in font 'sans,10' background 'white' }}
+if (format eq 'pdf') {{ set terminal pdfcairo size {inches_wide}in,{inches_high}in font 'sans,{points:.3g}' background 'white' }}
 if (format eq 'svg') {{ set terminal svg size {width},{height} font 'sans,13' background 'white' }}
 if (format ne 'png' && format ne 'pdf' && format ne 'svg') {{ exit message "format is 'svg', 'png' or 'pdf'" }}
 set output output
@@ -56,7 +59,7 @@ set style line 5 linecolor '#8A4FA3' linewidth 1.6 dashtype (4,2)
 )",
                      fmt::arg("what", what), fmt::arg("name", name), fmt::arg("width", width),
                      fmt::arg("height", height), fmt::arg("inches_wide", width / pixels),
-                     fmt::arg("inches_high", height / pixels));
+                     fmt::arg("inches_high", height / pixels), fmt::arg("points", points));
 }
 
 std::string label(std::string_view meaning, std::string_view unit) {
@@ -80,17 +83,34 @@ std::string readable(std::string name) {
     std::string_view name, shown;
   };
   constexpr Shown symbols[] = {{"displacement", "displacement x"},
+                               {"displacement_x", "displacement x"},
+                               {"displacement_y", "displacement y"},
                                {"velocity", "velocity ẋ"},
                                {"slip_rate", "slip rate v"},
+                               {"slip_rate_max", "largest slip rate v"},
+                               {"slip_rate_min", "smallest slip rate v"},
                                {"friction_force", "friction force F"},
                                {"friction_coefficient", "friction coefficient μ"},
+                               {"normal_load", "normal load N"},
+                               {"angular_frequency", "angular frequency ω"},
+                               {"period", "period T"},
+                               {"lambda", "λ"},
                                {"theta", "θ"},
                                {"theta1", "θ₁"},
                                {"theta2", "θ₂"},
                                {"psi", "ψ"},
-                               {"phi", "φ"}};
+                               {"phi", "φ"},
+                               {"mu", "μ"}};
   for (const auto& symbol : symbols)
     if (name == symbol.name) return std::string(symbol.shown);
+  // Of one of several contacts: "slip_rate_2".
+  if (const auto bar = name.rfind('_');
+      bar != std::string::npos && bar + 2 == name.size() && name.back() >= '1' && name.back() <= '9') {
+    constexpr std::string_view below[] = {"₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈", "₉"};
+    for (const char* of_contact : {"slip_rate", "friction_force", "friction_coefficient", "normal_load", "theta"})
+      if (name.substr(0, bar) == of_contact)
+        return readable(of_contact) + std::string(below[std::size_t(name.back() - '1')]);
+  }
   std::ranges::replace(name, '_', ' ');
   return name;
 }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 
@@ -20,7 +21,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::string script = preamble("curve", "The steady friction curve with its extrema", 720, 480);
   script += fmt::format("set title {}\n", single_quoted(scene.title));
   script += "set logscale x\nset format x '10^{%T}'\nset xlabel 'slip rate v (m/s)'\n";
-  script += "set ylabel 'steady friction coefficient μ'\nset grid\n";
+  script += "set ylabel 'steady friction coefficient μ'\nset grid\nset bmargin 5\n";
   std::string marks;
   for (const auto& e : curve.extrema)
     marks += fmt::format("{},{},{},{:.3g} m/s\n", e.slip_rate, e.friction_coefficient, e.maximum ? 1 : 2, e.slip_rate);
@@ -36,11 +37,12 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     script += fmt::format(", \\\n     {}:4 with labels offset 0,{} notitle", chosen, maximum ? 1.1 : -1.2);
   }
   script += '\n';
-  write_whole(folder / "curve.gp", script);
+  write_whole(folder / "curve.gp", captioned(script, scene));
   return {"curve.gp"};
 }
 
-constexpr int run_panel = 170, run_margin = 130;  // pixels: height of a panel, and of the texts around them all
+constexpr int run_panel = 170,
+              run_margin = 130 + caption_room;  // pixels: height of a panel, and of the texts around them all
 
 /// Number of the contact in "slip_rate_2"; 0 for what is no contact's.
 int contact_of_column(const std::string& name) {
@@ -102,12 +104,22 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     steps += fmt::format("{},{}\n", run.time.back(), stick ? 1 : 0);
     write_whole(folder / "run-strip.csv", steps);
   }
-  const int panels = static_cast<int>(shown.size()) + (strip ? 1 : 0);
+  // What the slider is driven by: its speed beside the slip rate, and a load that changes in a panel of its own.
+  const bool driven = !scene.plane && !scene.structure && run.time.size() > 1;
+  const auto& drive = scene.model.drive;
+  const bool loaded = driven && !drive.normal_load.constant();
+  if (driven) {
+    std::vector<double> speed, load;
+    for (const double t : run.time) speed.push_back(drive.speed.value(t)), load.push_back(drive.normal_load.value(t));
+    write_csv(folder / "run-drive.csv",
+              {{"time (s)", run.time}, {"drive_speed (m/s)", speed}, {"normal_load (N)", load}});
+  }
+  const int panels = static_cast<int>(shown.size()) + (strip ? 1 : 0) + (loaded ? 1 : 0);
   std::string script =
       preamble("run", "Every column of a run against time, with its events", 820, run_margin + run_panel * panels);
   const int height = run_margin + run_panel * panels;
   script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n", panels,
-                        single_quoted(scene.title), 65.0 / height, 1 - 65.0 / height);
+                        single_quoted(scene.title), (65.0 + caption_room) / height, 1 - 65.0 / height);
   // The key stands between title and curves: a title may be as wide as the picture.
   script += fmt::format("set grid x\nset key at screen 0.97,{:.4f} top right horizontal\n", 1 - 32.0 / height);
   if (run.time.size() > 1) script += fmt::format("set xrange [{}:{}]\n", run.time.front(), run.time.back());
@@ -126,15 +138,21 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   bool in_key = false;
   for (const auto c : shown) {
     const auto [low, high] = std::ranges::minmax(run.columns[c]);
-    const bool decades = spans_decades(low, high);
+    // A coefficient that begins near 0 has its decades there alone.
+    const bool decades = !run.column_names[c].starts_with("friction_coefficient") && spans_decades(low, high);
     const auto [factor, unit] =
         decades ? Scaled{1, run.column_units[c]} : scaled(run.column_units[c], std::max(std::abs(low), std::abs(high)));
     script +=
         fmt::format("\n{}\nset ylabel {}\n", axis_scale('y', decades), label(readable(run.column_names[c]), unit));
     script +=
         decades ? "set ytics autofreq\n" : fmt::format("set ytics {:g}\n", tick_step(low * factor, high * factor));
-    script += c == shown.back() && !strip ? "set xlabel 'time (s)'\nset format x '%g'\n" : "set format x ''\n";
+    script += decades ? "unset offsets\n" : "set offsets 0, 0, graph 0.05, graph 0.05\n";
+    script +=
+        c == shown.back() && !strip && !loaded ? "set xlabel 'time (s)'\nset format x '%g'\n" : "set format x ''\n";
     script += fmt::format("plot 'run.csv' using 1:(${}*{}) with lines linestyle 1 notitle", c + 2, factor);
+    if (driven && c == shown.front()) script += ", \\\n     NaN with lines linestyle 3 title 'drive speed'";
+    if (driven && run.column_names[c] == "slip_rate")
+      script += fmt::format(", \\\n     'run-drive.csv' using 1:($2*{}) with lines linestyle 3 notitle", factor);
     const int contact = several ? contact_of_column(run.column_names[c]) : 0;
     for (const auto& kind : kinds) {  // a line over the height of the curve
       if (several && contact == 0) continue;
@@ -147,12 +165,25 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     in_key = in_key || !several || contact > 0;
     script += '\n';
   }
+  if (loaded) {
+    double low = infinity, high = -infinity;
+    for (const double t : run.time) {
+      low = std::min(low, drive.normal_load.value(t));
+      high = std::max(high, drive.normal_load.value(t));
+    }
+    const auto [factor, unit] = scaled("N", high);
+    script += fmt::format("\n{}\nset ylabel {}\nset ytics {:g}\nset offsets 0, 0, graph 0.06, graph 0.06\n",
+                          axis_scale('y', false), label(readable("normal_load"), unit),
+                          tick_step(low * factor, high * factor));
+    script += strip ? "set format x ''\n" : "set xlabel 'time (s)'\nset format x '%g'\n";
+    script += fmt::format("plot 'run-drive.csv' using 1:($3*{}) with lines linestyle 1 notitle\n", factor);
+  }
   if (strip)
     script +=
-        "\nunset logscale y\nset ylabel ''\nset yrange [-0.2:1.2]\nset ytics ('slip' 0, 'stick' 1)\n"
+        "\nunset logscale y\nunset offsets\nset ylabel ''\nset yrange [-0.2:1.2]\nset ytics ('slip' 0, 'stick' 1)\n"
         "set xlabel 'time (s)'\nset format x '%g'\n"
         "plot 'run-strip.csv' using 1:2 with steps linestyle 1 notitle\n";
-  write_whole(folder / "run.gp", script + "unset multiplot\n");
+  write_whole(folder / "run.gp", captioned(script, scene) + "unset multiplot\n");
   std::vector<std::string> files = {"run-events.csv", "run.gp"};
   if (scene.plane) {
     std::string stops = "x (m),y (m)\n";
@@ -174,6 +205,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     files.insert(files.end(), {"run-path.gp", "run-stops.csv"});
   }
   if (strip) files.emplace_back("run-strip.csv");
+  if (driven) files.emplace_back("run-drive.csv");
   return files;
 }
 
@@ -203,12 +235,15 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
 
   // A law with memory moves in three dimensions: a panel more.
   const bool space = scene.model.law->has_states() && scene.model.lambda > 0;
-  std::string script = preamble("cycle", "One periodic motion: in time, against slip rate, and in the phase plane",
-                                space ? 1400 : 940, 760);
+  constexpr int row = 360, around = 60, below = 70 + caption_room;  // pixels
+  const int rows = space ? 3 : 2, height = around + below + row * rows - 60;
+  std::string script =
+      preamble("cycle", "One periodic motion: in time, against slip rate, and in the phase plane", 940, height);
   script += fmt::format("period = {}\nspeed = {}\n# from SI to the units of the axes\nT = {}\nX = {}\n", period, speed,
                         time.factor, way.factor);
-  script += fmt::format("set multiplot layout 2,2 title {} margins {},{},0.09,0.90 spacing {},0.16\n",
-                        single_quoted(scene.title), space ? 0.067 : 0.10, space ? 0.65 : 0.97, space ? 0.09 : 0.13);
+  script +=
+      fmt::format("set multiplot layout {},2 title {} margins 0.10,0.97,{:.4f},{:.4f} spacing 0.13,{:.4f}\n", rows,
+                  single_quoted(scene.title), double(below) / height, 1 - double(around) / height, 95.0 / height);
   script += "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
 
   script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'slip rate v ({})'\n", time.unit, decade_rate.unit);
@@ -241,26 +276,29 @@ plot 'cycle.csv' using (abs($3)):4 with lines linestyle 1 title 'cycle', \
   if (space) {
     const auto& state = scene.model.law->states().front();
     script += fmt::format("\n{}", axis_scale('x', false)) + plane;
-    script += fmt::format("set xlabel 'x ({})'\nset ylabel 'v ({})'\n", way.unit, decade_rate.unit);
-    script +=
-        fmt::format("set zlabel '{} ({})' rotate by 90 offset -2,0\n", readable(state.name), readable_unit(state.unit));
-    script += R"(set origin 0.655,0.12
-set size 0.345,0.78
-set lmargin 8
-set rmargin 3
-set tmargin 0
-set bmargin 3
-set view 62,35
+    double nearest = farthest;
+    for (const auto& point : cycle.orbit) nearest = std::min(nearest, point.displacement);
+    double onward = nearest;
+    for (const auto& point : cycle.orbit) onward = std::max(onward, point.displacement);
+    script += fmt::format("set xlabel 'displacement x ({})' offset 0,-0.5\nset ylabel 'v ({})' offset 2,-1\n", way.unit,
+                          decade_rate.unit);
+    script += fmt::format("set zlabel '{} ({})' rotate by 90 offset -3,0\nset xtics {:g} offset -1,-0.5\n",
+                          readable(state.name), readable_unit(state.unit),
+                          2 * tick_step(nearest * way.factor, onward * way.factor));
+    if (!decades) script += fmt::format("set ytics {:g}\n", 2 * tick_step(low * rate.factor, high * rate.factor));
+    script += fmt::format("set origin 0.15,{:.4f}\nset size 0.7,{:.4f}\n", (20.0 + caption_room) / height,
+                          (row + 10.0) / height);
+    script += R"(unset lmargin
+unset rmargin
+unset tmargin
+unset bmargin
+set view 62,35,1.15,1
 set xyplane 0
-set xtics offset -1,-0.5
-set xlabel offset -1,-1.5
-set ylabel offset 2,-1.5
 unset key
 splot 'cycle.csv' using ($2*X):($3*V):5 with lines linestyle 1
 )";
   }
-  script += "unset multiplot\n";
-  write_whole(folder / "cycle.gp", script);
+  write_whole(folder / "cycle.gp", captioned(script, scene) + "unset multiplot\n");
   return {"cycle-steady.csv", "cycle.gp"};
 }
 
@@ -304,7 +342,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   for (std::size_t c = 0; c < columns.size(); ++c) table.push_back({names[c], columns[c]});
   write_csv(folder / "stability.csv", table);
   std::string script = preamble("stability", "Frequencies and growth rates of the modes along a parameter", 820, 640);
-  script += fmt::format("set multiplot layout 2,1 title {} margins 0.13,0.97,0.11,0.89 spacing 0,0.05\n",
+  script += fmt::format("set multiplot layout 2,1 title {} margins 0.13,0.97,0.13,0.89 spacing 0,0.05\n",
                         single_quoted(scene.title));
   script += "set grid\nset key at screen 0.97,0.93 top right horizontal\n";
   script += axis_scale('x', axis.logarithmic) + '\n';
@@ -357,7 +395,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                         label(parameter.name + ", " + parameter.meaning, parameter.unit));
   script += view(growth, 1);
   script += plot(3, 1, "0 with lines linecolor '#000000' linewidth 0.6 notitle");
-  write_whole(folder / "stability.gp", script + "unset multiplot\n");
+  write_whole(folder / "stability.gp", captioned(script, scene) + "unset multiplot\n");
   return {"stability.csv", "stability.gp"};
 }
 
@@ -382,9 +420,10 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const auto speed = scaled("m/s", fastest), time = scaled("s", longest);
   const auto period = std::ranges::find(names, "period") - names.begin() + 6;
   const bool has_cycles = !found.cycles.empty();
-  std::string script = preamble("branch", "Steady sliding and cycles along a parameter", 820, has_cycles ? 680 : 420);
-  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,0.11,{} spacing 0,0.05\n",
-                        has_cycles ? 2 : 1, single_quoted(scene.title), has_cycles ? 0.87 : 0.80);
+  std::string script = preamble("branch", "Steady sliding and cycles along a parameter", 820, has_cycles ? 680 : 440);
+  script +=
+      fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{},{} spacing 0,0.05\n", has_cycles ? 2 : 1,
+                  single_quoted(scene.title), has_cycles ? 0.13 : 0.2, has_cycles ? 0.87 : 0.80);
   script += "set grid\nset key at screen 0.97,0.955 top right horizontal maxcols 3\n";
   script += axis_scale('x', options.parameter.logarithmic) + '\n';
   const auto [low, high] = std::minmax(options.parameter.from, options.parameter.to);
@@ -430,7 +469,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   script += curves(4, speed.factor, true, true);
   if (has_cycles)
     script += fmt::format("{}set ylabel 'period ({})'\n{}", axis, time.unit, curves(period, time.factor, false, false));
-  write_whole(folder / "branch.gp", script + "unset multiplot\n");
+  write_whole(folder / "branch.gp", captioned(script, scene) + "unset multiplot\n");
   return {"branch.gp"};
 }
 
@@ -454,11 +493,12 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::size_t rows = 0, drawn = 0;  // of the contacts that have room
   for (std::size_t of_this = 0; drawn < contacts; ++drawn, rows += of_this)
     if (of_this = shows_forces(drawn) ? 2 : 1; rows + of_this > most_rows) break;
-  constexpr int row_height = 300, margin = 110;
+  constexpr int row_height = 300, margin = 110 + caption_room;
   const int height = margin + row_height * int(rows);
   std::string script = preamble("cycle", "One periodic motion: slip rate in time, and the phase plane", 940, height);
-  script += fmt::format("set multiplot layout {},2 title {} margins 0.10,0.97,{:.4f},{:.4f} spacing 0.13,{:.4f}\n",
-                        rows, single_quoted(scene.title), 60.0 / height, 1 - 70.0 / height, 100.0 / height);
+  script +=
+      fmt::format("set multiplot layout {},2 title {} margins 0.10,0.97,{:.4f},{:.4f} spacing 0.13,{:.4f}\n", rows,
+                  single_quoted(scene.title), (60.0 + caption_room) / height, 1 - 70.0 / height, 100.0 / height);
   script += "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
   script += "set offsets 0, 0, graph 0.05, graph 0.05\n";
   const auto time = scaled("s", cycle.metrics.at("period").value);
@@ -514,60 +554,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     script += fmt::format("\nset xlabel 'load ({})'\nset ylabel 'friction ({})'\nplot {}{}", force.unit, held.unit,
                           curve(N, F, alone), stick(N, F));
   }
-  script += "unset multiplot\n";
-  write_whole(folder / "cycle.gp", script);
+  write_whole(folder / "cycle.gp", captioned(script, scene) + "unset multiplot\n");
   return {"cycle.gp"};
-}
-
-std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
-                                       const std::vector<analysis::lab::Panel>& panels) {
-  const int count = static_cast<int>(panels.size());
-  const auto title = scene.title.empty() ? std::string(scene.experiment->title) : scene.title;
-  std::string script =
-      preamble("lab", "What an experiment shows, a panel each", count == 1 ? 720 : 60 + 520 * count, 480);
-  script += fmt::format("set multiplot layout 1,{} title {} margins {},0.97,0.14,0.86 spacing {},0.1\n", count,
-                        single_quoted(title), 0.13 / count + 0.01, 0.2 / count);
-  script += "set grid\n";
-  std::vector<std::string> files;
-  for (const auto& panel : panels) {
-    double far = 0, high = 0;
-    for (const auto& curve : panel.curves)
-      for (std::size_t i = 0; i < curve.x.size(); ++i) {
-        if (std::isfinite(curve.x[i])) far = std::max(far, std::abs(curve.x[i]));
-        if (std::isfinite(curve.y[i])) high = std::max(high, std::abs(curve.y[i]));
-      }
-    const auto x = panel.x_decades ? Scaled{1, panel.x_unit} : scaled(panel.x_unit, far);
-    const auto y = panel.y_decades ? Scaled{1, panel.y_unit} : scaled(panel.y_unit, high);
-    script += fmt::format("\n{}\n{}\nset xlabel {}\nset ylabel {}\n", axis_scale('x', panel.x_decades),
-                          axis_scale('y', panel.y_decades), label(panel.x_label, x.unit), label(panel.y_label, y.unit));
-    script += panel.y_decades ? "unset offsets\n" : "set offsets 0, 0, graph 0.06, graph 0.06\n";
-    script += panel.curves.size() > 3 ? "set key inside top right vertical\n"
-                                      : "set key at graph 1,1.02 right bottom horizontal\n";
-    std::vector<std::string> curves;
-    for (const auto& curve : panel.curves) {
-      const auto file =
-          fmt::format("lab-panel-{}-{}.csv", &panel - panels.data() + 1, &curve - panel.curves.data() + 1);
-      std::vector<Column> table = {{column_header(panel.x_label, panel.x_unit), curve.x},
-                                   {column_header(panel.y_label, panel.y_unit), curve.y}};
-      if (!curve.low.empty()) {
-        table.push_back({"low", curve.low});
-        table.push_back({"high", curve.high});
-        curves.push_back(fmt::format("'{}' using ($1*{}):($3*{}):($4*{}) with filledcurves linecolor '#B8CBE0' notitle",
-                                     file, x.factor, y.factor, y.factor));
-      }
-      write_csv(folder / file, table);
-      files.push_back(file);
-      const auto title = curve.label.empty() ? std::string("notitle") : "title " + single_quoted(curve.label);
-      const int style = static_cast<int>(&curve - panel.curves.data()) % 3 + 1;
-      curves.push_back(fmt::format("'{}' using ($1*{}):($2*{}) with {} {} {}", file, x.factor, y.factor,
-                                   curve.points ? "points pointtype 7 pointsize 0.9 linecolor" : "lines linestyle",
-                                   curve.points ? "'#00336F'" : fmt::format("{}", style), title));
-    }
-    script += fmt::format("plot {}\n", fmt::join(curves, ", \\\n     "));
-  }
-  write_whole(folder / "lab.gp", script + "unset multiplot\n");
-  files.push_back("lab.gp");
-  return files;
 }
 
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
@@ -591,10 +579,20 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
       shown.push_back(c);
   if (shown.empty()) shown.push_back(0);
   const int panels = static_cast<int>(shown.size());
-  const int height = run_margin + (panels == 1 ? 380 : run_panel * panels);
+  // Motions are told apart by their loops of friction over slip rate, which stand below.
+  const auto named = [&](const char* name) {
+    const auto found = std::ranges::find(comparison.column_names, name);
+    return static_cast<std::size_t>(found - comparison.column_names.begin());
+  };
+  const auto rate = named("slip_rate"), friction = named("friction_coefficient"), none = comparison.column_names.size();
+  const bool imposed =
+      std::isinf(scene.compare.members.front().model.slider.stiffness);  // the slip rate: loops are one
+  const bool loops = !imposed && comparison.x_name == "time" && rate < none && friction < none;
+  constexpr int below = 65 + caption_room, loop = 380;  // pixels
+  const int under = below + (loops ? loop : 0), height = under + 75 + (panels == 1 ? 380 : run_panel * panels);
   std::string script = preamble("compare", "Members of a comparison, one over the other", 820, height);
   script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n", panels,
-                        single_quoted(scene.title), 65.0 / height, 1 - 75.0 / height);
+                        single_quoted(scene.title), double(under) / height, 1 - 75.0 / height);
   script += "set grid\n";
   script += fmt::format("set key at screen 0.97,{:.4f} right top horizontal\n", 1 - 35.0 / height);
   if (comparison.x_name == "slip_rate") script += axis_scale('x', true) + '\n';
@@ -606,7 +604,11 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
       for (const double value : series.columns[c]) largest = std::max(largest, std::abs(value));
     const auto [factor, prefixed] = scaled(unit, largest);
     const bool last = panel + 1 == panels;
+    double low = infinity, high = -infinity;
+    for (const auto& series : comparison.series)
+      for (const double value : series.columns[c]) low = std::min(low, value), high = std::max(high, value);
     script += fmt::format("set ylabel {}\n", label(readable(name), prefixed));
+    if (panels > 1) script += fmt::format("set ytics {:g}\n", tick_step(low * factor, high * factor));
     if (last)
       script += fmt::format("set xlabel {}\n", label(readable(comparison.x_name), comparison.x_unit));
     else
@@ -620,7 +622,22 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                             files[k], c + 2, factor, k + 1, single_quoted(scene.compare.members[k].name));
     script += '\n';
   }
-  write_whole(folder / "compare.gp", script + "unset multiplot\n");
+  if (loops) {
+    double fastest = 0;
+    for (const auto& series : comparison.series)
+      for (const double v : series.columns[rate]) fastest = std::max(fastest, std::abs(v));
+    const auto speed = scaled("m/s", fastest);
+    script += fmt::format(
+        "\nset lmargin at screen 0.13\nset rmargin at screen 0.97\nset bmargin at screen {:.4f}\nset tmargin at screen "
+        "{:.4f}\nset xrange [*:*]\nset format x '%g'\nset ytics autofreq\nset xlabel {}\nset ylabel {}\nplot ",
+        double(below) / height, double(under - 75) / height, label(readable("slip_rate"), speed.unit),
+        label(readable("friction_coefficient"), "1"));
+    for (std::size_t k = 0; k < comparison.series.size(); ++k)
+      script += fmt::format("{}'{}' using (${}*{}):{} with lines linestyle {} notitle", k > 0 ? ", \\\n     " : "",
+                            files[k], rate + 2, speed.factor, friction + 2, k + 1);
+    script += '\n';
+  }
+  write_whole(folder / "compare.gp", captioned(script, scene) + "unset multiplot\n");
   files.push_back("compare.gp");
   return files;
 }

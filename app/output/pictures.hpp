@@ -33,8 +33,6 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&, const Comparison&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::inference::Design&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
-                                       const std::vector<analysis::lab::Panel>&);
 
 /// Of an elastic block: steady sliding and its leading mode on the mesh; a motion with what sticks and what is open.
 std::vector<std::string> write_block_picture(const std::filesystem::path& folder, const scene::Scene&,

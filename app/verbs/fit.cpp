@@ -57,8 +57,8 @@ const char* event_name(const Measurement& m) {
 const char* ordinate(const Measurement& m) {
   return m.kind == Measurement::Kind::stick_slip ? event_name(m)
          : m.pairs()                             ? "Z (N s/m)"
-         : m.in_force                            ? "friction (N)"
-                                                 : "friction coefficient";
+         : m.in_force                            ? "friction force F (N)"
+                                                 : "friction coefficient μ";
 }
 
 ordered_json parameters(const analysis::inference::Fit& fit) {
@@ -273,20 +273,19 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
     double least = -2, most = 2;
     for (const auto k : shown)
       for (const double r : fits[k].measurements[d].residuals) least = std::min(least, r), most = std::max(most, r);
-    script +=
-        plots +
-        fmt::format(
-            "\nunset label 999\nunset key\nset tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset format x "
-            "'%g'\nset xlabel '{}'\nset ylabel \"residual /\\nstandard error\"\nset ytics {}\nplot ",
-            edge / height, (edge - residual) / height, over.name, output::tick_step(least, most));
+    script += plots + '\n';
+    for (std::size_t i = 0; d == data.front().first && i < 2 * own.parameters.size() + 1; ++i)
+      script += fmt::format("unset label {}\n", i + 1);  // each plot would draw them again, and bolder
+    script += fmt::format(
+        "unset label 999\nunset key\nset tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset format x "
+        "'%g'\nset xlabel '{}'\nset ylabel \"residual /\\nstandard error\"\nset ytics {}\nplot ",
+        edge / height, (edge - residual) / height, over.name, output::tick_step(least, most));
     for (std::size_t k = 0; k < shown.size(); ++k)
       script += fmt::format("{}'{}' using {}:{} with points pointtype {} pointsize 0.5 linecolor '{}'",
                             k > 0 ? ", \\\n     " : "", standardised, over.last ? shown.size() + 2 : 1, k + 2,
-                            k == 0 ? 7 : int(k) + 3, colours[k]);
+                            k == 0 ? 7 : 2 + 2 * int(k), colours[k]);
     script += ", 2 with lines linecolor '#555555' dashtype (2,3), -2 with lines linecolor '#555555' dashtype (2,3)\n";
     edge -= residual - gap + below;
-    for (std::size_t i = 0; d == data.front().first && i < 2 * own.parameters.size() + 1; ++i)
-      script += fmt::format("unset label {}\n", i + 1);
   }
   write_whole(folder / (name + ".gp"), script + "unset multiplot\n");
 }

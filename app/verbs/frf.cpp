@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "analysis/response/interval_means.hpp"
+#include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/json.hpp"
@@ -145,10 +146,19 @@ bool write_curve(const fs::path& path, const std::vector<double>& frequency, con
   return std::ranges::any_of(magnitude, [](double size) { return size > 0; });
 }
 
-/// One line of a picture: a table of write_curve.
+/// One line of a picture: a table of write_curve, and what it holds.
 struct Line {
   std::string file, title;
+  const std::vector<Complex>* response;
 };
+
+/// Ticks along the real part of responses that do not collide.
+std::string real_ticks(const std::vector<const std::vector<Complex>*>& responses) {
+  double low = infinity, high = -infinity;
+  for (const auto* response : responses)
+    for (const auto& z : *response) low = std::min(low, z.real()), high = std::max(high, z.real());
+  return fmt::format("set xtics {:g}\n", output::tick_step(low, high));
+}
 
 /// Magnitude, phase, real and imaginary part, and the path in the complex plane. `answers`: some magnitude is above 0,
 /// or a logarithmic axis has nothing to show.
@@ -159,8 +169,9 @@ void write_script(const fs::path& folder, const scene::Scene& scene, const std::
   const bool decades = f.back() / f.front() > 20;
   std::string script =
       output::preamble("frf", "Friction frequency response: magnitude, phase, parts, and the complex plane", 1000, 760);
-  script += fmt::format("set multiplot layout 2,2 title {}\n", output::single_quoted(scene.title));
-  script += "set grid\nset xlabel 'frequency (Hz)'\n";
+  script += fmt::format("set multiplot layout 2,2 title {} margins 0.085,0.97,0.105,0.885 spacing 0.12,0.10\n",
+                        output::single_quoted(scene.title));
+  script += "set grid\nset xlabel 'frequency f (Hz)'\nset key off\n";
   if (decades) script += "set logscale x\n";
   script += fmt::format("set xrange [{}:{}]\n", f.front(), f.back());
   const auto panel = [&](std::string_view y_label, const char* columns, std::string_view settings) {
@@ -172,17 +183,23 @@ void write_script(const fs::path& folder, const scene::Scene& scene, const std::
     script += '\n';
   };
   if (answers)
-    panel("magnitude of Z (N s/m)", "1:($4 > 0 ? $4 : NaN)", "set logscale y\nset key off\n");
+    panel("magnitude |Z| (N s/m)", "1:($4 > 0 ? $4 : NaN)", "set logscale y\n");
   else
-    panel("magnitude of Z (N s/m)", "1:4", "set key off\nset yrange [-1:1]\n");
-  panel("phase of Z (degree)", "1:5", "unset logscale y\nset yrange [*:*]\nset offsets 0, 0, graph 0.05, graph 0.05\n");
-  panel("real part of Z (N s/m)", "1:2", "set xzeroaxis linecolor '#555555'\nset key top right\n");
-  panel("imaginary part of Z (N s/m)", "2:3",
-        "unset logscale x\nset xrange [*:*]\nset xtics rotate by -30\nset key off\nset xlabel 'real part of Z (N "
-        "s/m)'\nset yzeroaxis linecolor "
-        "'#555555'\n"
-        "set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n");
-  write_whole(folder / "frf.gp", script + "unset multiplot\n");
+    panel("magnitude |Z| (N s/m)", "1:4", "set yrange [-1:1]\n");
+  panel("phase arg Z (degree)", "1:5",
+        "unset logscale y\nset yrange [*:*]\nset offsets 0, 0, graph 0.05, graph 0.05\n");
+  panel("real part Re Z (N s/m)", "1:2",
+        std::string("set xzeroaxis linecolor '#555555'\n") +
+            (lines.size() > 2 ? "set key on top right\n"
+                              : "set key on at screen 0.97,0.955 top right horizontal\n"));  // many are no line
+  std::vector<const std::vector<Complex>*> responses;
+  for (const auto& line : lines) responses.push_back(line.response);
+  panel("imaginary part Im Z (N s/m)", "2:3",
+        real_ticks(responses) +
+            "set key off\nunset logscale x\nset xrange [*:*]\nset xlabel 'real part Re Z (N s/m)'\nset yzeroaxis "
+            "linecolor "
+            "'#555555'\nset offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n");
+  write_whole(folder / "frf.gp", output::captioned(script, scene) + "unset multiplot\n");
 }
 
 /// Measured points with bands of two standard errors, the prediction as a line, and the coherence.
@@ -193,9 +210,10 @@ void write_measured_script(const fs::path& folder, const scene::Scene& scene,
                                         "Friction frequency response as measured, with bands of two standard errors, "
                                         "and as predicted",
                                         1000, 1000);
-  script += fmt::format("set multiplot layout 3,2 title {}\n", output::single_quoted(scene.title));
+  script += fmt::format("set multiplot layout 3,2 title {} margins 0.085,0.97,0.09,0.92 spacing 0.12,0.095\n",
+                        output::single_quoted(scene.title));
   script += fmt::format(
-      "set grid\nset xlabel 'frequency (Hz)'\n"
+      "set grid\nset key at screen 0.97,0.96 top right horizontal\nset xlabel 'frequency f (Hz)'\n"
       "set xrange [{}:{}]\nset style fill solid 0.3 noborder\n",
       f.front(), f.back());
   if (f.back() / f.front() > 20) script += "set logscale x\n";
@@ -214,22 +232,22 @@ void write_measured_script(const fs::path& folder, const scene::Scene& scene,
     script += '\n';
   };
   const char* angle = "($6/$4*57.3)";
-  panel("magnitude of Z (N s/m)", "$4", "$6", "4", "set key bottom right\n");
-  panel("phase of Z (degree)", "$5", angle, "5", "set key off\n");
-  panel("real part of Z (N s/m)", "$2", "$6", "2", "set xzeroaxis linecolor '#555555'\n");
-  panel("imaginary part of Z (N s/m)", "$3", "$6", "3", "");
-  script +=
-      "unset logscale x\nset xrange [*:*]\nset xtics rotate by -30\nset xlabel 'real part of Z (N s/m)'\nset yzeroaxis "
-      "linecolor '#555555'\nset ylabel 'imaginary part of Z (N s/m)'\nplot 'frf.csv' using 2:3 with points pointtype 7 "
-      "pointsize 0.3 linecolor '#00336F' title 'measured'";
+  panel("magnitude |Z| (N s/m)", "$4", "$6", "4", "");
+  panel("phase arg Z (degree)", "$5", angle, "5", "set key off\n");
+  panel("real part Re Z (N s/m)", "$2", "$6", "2", "set xzeroaxis linecolor '#555555'\n");
+  panel("imaginary part Im Z (N s/m)", "$3", "$6", "3", "");
+  script += real_ticks({&measured.tangential}) +
+            "unset logscale x\nset xrange [*:*]\nset xlabel 'real part Re Z (N s/m)'\nset yzeroaxis linecolor "
+            "'#555555'\nset ylabel 'imaginary part Im Z (N s/m)'\nplot 'frf.csv' using 2:3 with points pointtype 7 "
+            "pointsize 0.3 linecolor '#00336F' title 'measured'";
   if (predicted)
     script +=
         ", 'frf-predicted.csv' using 2:3 with lines linewidth 2 linecolor '#B0560F' dashtype (8,4) title 'predicted'";
   script += fmt::format(
-      "\nset xtics norotate\nset xlabel 'frequency (Hz)'\nset ylabel 'coherence'\nset xrange [{}:{}]\nset yrange "
+      "\nset xtics autofreq\nset xlabel 'frequency f (Hz)'\nset ylabel 'coherence'\nset xrange [{}:{}]\nset yrange "
       "[0:1.02]\n{}plot 'frf.csv' using 1:7 with lines linewidth 1.2 linecolor '#00336F' notitle\n",
       f.front(), f.back(), f.back() / f.front() > 20 ? "set logscale x\n" : "");
-  write_whole(folder / "frf.gp", script + "unset multiplot\n");
+  write_whole(folder / "frf.gp", output::captioned(script, scene) + "unset multiplot\n");
 }
 
 /// Writes what was measured, by whatever means, beside what is predicted.
@@ -441,7 +459,9 @@ Status simulate_sweep(Job& job) {
                        write_curve(job.folder() / "frf-predicted.csv", options.frequencies, predicted);
   std::vector<std::string> files{"frf.csv", "frf-predicted.csv"};
   if (options.frequencies.size() > 1) {
-    write_script(job.folder(), scene, {{"frf.csv", "simulated"}, {"frf-predicted.csv", "predicted"}}, answers);
+    write_script(job.folder(), scene,
+                 {{"frf.csv", "simulated", &swept.tangential}, {"frf-predicted.csv", "predicted", &predicted}},
+                 answers);
     files.emplace_back("frf.gp");
   }
   return job.finish(output::text(document), std::move(files), {});
@@ -492,10 +512,12 @@ Status perform(Job& job) {
     files.push_back(fmt::format("frf-{}.csv", k + 1));
     answers |= write_curve(job.folder() / files.back(), scene.frf.frequencies, member.tangential);
     const auto quantity = model.describe(scene.frf.family);
-    lines.push_back({files.back(), fmt::format("{} = {:g}{}", quantity.meaning.substr(0, quantity.meaning.find(';')),
-                                               member.value, quantity.unit == "1" ? "" : " " + quantity.unit)});
+    lines.push_back({files.back(),
+                     fmt::format("{} = {:g}{}", quantity.meaning.substr(0, quantity.meaning.find(';')), member.value,
+                                 quantity.unit == "1" ? "" : " " + quantity.unit),
+                     &member.tangential});
   }
-  if (lines.empty()) lines.push_back({"frf.csv", "predicted"});
+  if (lines.empty()) lines.push_back({"frf.csv", "predicted", &curve.tangential});
   if (scene.frf.frequencies.size() > 1) {  // one frequency is no line
     write_script(job.folder(), scene, lines, answers);
     files.emplace_back("frf.gp");

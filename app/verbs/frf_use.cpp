@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "core/random.hpp"
@@ -16,8 +17,33 @@ namespace {
 namespace fs = std::filesystem;
 using Complex = std::complex<double>;
 
-/// The loop iω Z H in the complex plane and the distance to −1 along frequency.
-void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector<Complex>& loop,
+/// What a picture of the loop says beside its line.
+struct Verdict {
+  std::string text;           ///< "unstable: 2 roots in the right half-plane"
+  std::vector<double> modes;  ///< Hz, marked along the loop
+  double margin, margin_frequency;
+};
+
+/// "174 Hz" of each mode where the loop passes it, away from the origin.
+std::string marks_of(const std::vector<double>& modes, const std::vector<double>& frequency,
+                     const std::vector<Complex>& loop) {
+  std::string script;
+  for (const double mode : modes) {
+    const auto above = std::ranges::upper_bound(frequency, mode);
+    if (above == frequency.begin() || above == frequency.end()) continue;
+    const auto k = std::size_t(above - frequency.begin());
+    const double part = (mode - frequency[k - 1]) / (frequency[k] - frequency[k - 1]);
+    const Complex at = loop[k - 1] + part * (loop[k] - loop[k - 1]);
+    script += fmt::format(
+        "set label '{:.4g} Hz' at {:g},{:g} {} offset {},{:.2f} point pointtype 7 pointsize 0.7 linecolor '#00336F'\n",
+        mode, at.real(), at.imag(), at.real() < 0 ? "right" : "left", at.real() < 0 ? -0.7 : 0.7,
+        std::copysign(0.8, at.imag()));
+  }
+  return script;
+}
+
+/// The loop iω Z H in the complex plane with the modes along it, the verdict, and the distance to −1 along frequency.
+void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector<Complex>& loop, const Verdict& verdict,
                std::vector<std::string>& files) {
   std::vector<double> real, imaginary, distance;
   for (const auto& L : loop) {
@@ -27,18 +53,31 @@ void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector
   output::write_csv(job.folder() / "loop.csv",
                     {{"frequency (Hz)", frequency}, {"real", real}, {"imaginary", imaginary}, {"distance", distance}});
   if (frequency.size() < 2) return;  // no line
-  std::string script = output::preamble("loop", "Nyquist's plot of the loop of friction and structure", 1000, 460);
-  script += fmt::format("set multiplot layout 1,2 title {}\nset grid\n", output::single_quoted(job.scene().title));
-  script +=
-      "set xlabel 'real part of loop'\nset ylabel 'imaginary part of loop'\nset xzeroaxis\nset yzeroaxis\n"
-      "plot 'loop.csv' using 2:3 with lines linewidth 1.7 linecolor '#00336F' notitle, '+' using (-1):(0) every "
-      "::0::0 with points pointtype 7 pointsize 1.2 linecolor '#B0560F' title 'critical point'\n"
-      "set xlabel 'frequency (Hz)'\nset ylabel 'distance to the critical point'\nset logscale y\nunset key\n";
-  if (frequency.back() > 20 * frequency.front()) script += "set logscale x\n";
+  std::string script = output::preamble("loop", "Nyquist's plot of the loop of friction and structure", 1000, 520);
   script += fmt::format(
-      "set xrange [{}:{}]\nplot 'loop.csv' using 1:4 with lines linewidth 1.7 linecolor '#00336F'\nunset multiplot\n",
-      frequency.front(), frequency.back());
-  write_whole(job.folder() / "loop.gp", script);
+      "set multiplot layout 1,2 title {}.\"\\n\".'{{/*0.9 '.{}.'}}' margins 0.08,0.97,0.16,0.84 spacing 0.12,0.1\n"
+      "set grid\nset key at graph 1,1.02 right bottom horizontal\n",
+      output::single_quoted(job.scene().title), output::single_quoted(verdict.text));
+  script += marks_of(verdict.modes, frequency, loop);
+  script +=
+      "set xlabel 'real part of the loop iω Z H'\nset ylabel 'imaginary part of the loop'\nset xzeroaxis\nset "
+      "yzeroaxis\nset offsets graph 0.1, graph 0.1, graph 0.06, graph 0.06\n"
+      "plot 'loop.csv' using 2:3 with lines linewidth 1.7 linecolor '#00336F' title 'loop, modes along it', '+' using "
+      "(-1):(0) every ::0::0 with points pointtype 7 pointsize 1.2 linecolor '#B0560F' title 'critical point −1'\n"
+      "unset label\nunset offsets\nset xlabel 'frequency (Hz)'\nset ylabel 'distance to the critical point'\nset "
+      "logscale y\n";
+  if (frequency.back() > 20 * frequency.front()) script += "set logscale x\n";
+  const auto [nearest, farthest] = std::ranges::minmax(distance);
+  script += fmt::format(
+      "set xrange [{}:{}]\nset yrange [{:g}:{:g}]\nplot 'loop.csv' using 1:4 with lines linewidth 1.7 "
+      "linecolor '#00336F' notitle",
+      frequency.front(), frequency.back(), nearest / 1.5, farthest * 1.5);
+  if (std::isfinite(verdict.margin))
+    script += fmt::format(
+        ", '+' using ({:g}):({:g}) every ::0::0 with points pointtype 7 pointsize 1.0 linecolor "
+        "'#B0560F' title 'margin {:.3g} at {:.4g} Hz'",
+        verdict.margin_frequency, verdict.margin, verdict.margin, verdict.margin_frequency);
+  write_whole(job.folder() / "loop.gp", output::captioned(script + '\n', job.scene()) + "unset multiplot\n");
   files.insert(files.end(), {"loop.csv", "loop.gp"});
 }
 
@@ -115,7 +154,13 @@ void table_stability(Job& job, ordered_json& stability, std::vector<std::string>
         });
     add_uncertainty(job, stability, spread, "margin", "");
   }
-  draw_loop(job, table.frequency, loop.loop, files);
+  draw_loop(job, table.frequency, loop.loop,
+            {fmt::format("{} by tables: {} roots in the right half-plane", loop.unstable == 0 ? "stable" : "unstable",
+                         loop.unstable),
+             {},
+             loop.margin,
+             loop.margin_frequency},
+            files);
 }
 
 }  // namespace
@@ -200,7 +245,17 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
       }
       frequency = std::move(finer), values = std::move(finer_values);
     }
-    draw_loop(job, frequency, values, files);
+    std::vector<double> modes;
+    for (const auto& eigenvalue : loop.eigenvalues)
+      if (eigenvalue.imag() > 0) modes.push_back(eigenvalue.imag() / (2 * std::numbers::pi));
+    const auto text =
+        fmt::format("{}: {} roots in the right half-plane; largest growth {:.4g} 1/s at {:.4g} Hz",
+                    loop.marginal ? "marginal"
+                    : loop.stable ? "stable"
+                                  : "unstable",
+                    loop.unstable_by_eigenvalues, leading.real(), std::abs(leading.imag()) / (2 * std::numbers::pi));
+    draw_loop(job, frequency, values,
+              {text, std::move(modes), loop.margin, loop.margin_frequency / (2 * std::numbers::pi)}, files);
   }
 }
 

@@ -7,7 +7,7 @@
 #include "analysis/lab/experiment.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
-#include "app/output/pictures.hpp"
+#include "app/output/lab_picture.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/signal.hpp"
 #include "app/verbs/job.hpp"
@@ -165,7 +165,7 @@ Status perform(Job& job) {
     output::write_csv(job.folder() / files.back(), columns);
   }
   if (!result.panels.empty()) {
-    const auto written = output::write_picture(job.folder(), scene, result.panels);
+    const auto written = output::write_lab_picture(job.folder(), scene, result);
     files.insert(files.end(), written.begin(), written.end());
   }
   return job.finish(document_of(scene, result), std::move(files), result.outcome);

@@ -153,7 +153,8 @@ std::vector<std::string> write_statistics(const fs::path& folder, const scene::S
                                           const StudyResult& result) {
   std::string data = "algorithm,error,distance,weibull,share\n";
   std::string script = output::preamble("study", "Errors of the force algorithms over random oscillators", 980, 820);
-  script += fmt::format("set multiplot layout 2,2 title {}\nset grid\n", output::single_quoted(scene.title));
+  script += fmt::format("set multiplot layout 2,2 title {} margins 0.09,0.97,0.08,0.92 spacing 0.12,0.13\nset grid\n",
+                        output::single_quoted(scene.title));
   std::vector<std::string> weibull, lines, shares, boxes, labels;
   int most_back_steps = 0;
   for (std::size_t a = 0; a < result.algorithms.size(); ++a) {
@@ -175,7 +176,8 @@ std::vector<std::string> write_statistics(const fs::path& folder, const scene::S
       lines.push_back(fmt::format("(x/{})**({}) with lines linestyle {} notitle",
                                   std::abs(fit.characteristic - fit.threshold), fit.shape, style));
     }
-    shares.push_back(fmt::format("{}:5 with lines linestyle {} title {}", of(2), style, title));
+    shares.push_back(fmt::format("{}:5 with linespoints linestyle {} pointtype {} pointsize 0.3 title {}", of(2), style,
+                                 4 + 2 * a, title));
     boxes.push_back(fmt::format("'study-errors.csv' using ({}):($1=={}?$2:NaN) with boxplot linestyle {} notitle",
                                 a + 1, a, style));
     labels.push_back(fmt::format("{} {}", title, a + 1));

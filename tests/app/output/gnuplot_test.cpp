@@ -21,7 +21,10 @@ TEST_CASE("texts with apostrophes and the end of an SVG's text stay texts", "[gn
 }
 
 TEST_CASE("names on axes come with the symbols of their quantities", "[gnuplot]") {
-  CHECK(output::readable("slip_rate_max") == "slip rate max");
+  CHECK(output::readable("slip_rate_max") == "largest slip rate v");
+  CHECK(output::readable("normal_load") == "normal load N");
+  CHECK(output::readable("slip_rate_2") == "slip rate v₂");
+  CHECK(output::readable("stick_time") == "stick time");
   CHECK(output::readable("slip_rate") == "slip rate v");
   CHECK(output::readable("theta") == "θ");
 }
