@@ -130,8 +130,9 @@ const tests = {
   async 'the numbers of a figure open as a table, and the scene can be copied'() {
     const page = await open('motion'), motion = document_('motion/run.json');
     await page.locator('#run details.numbers summary').first().click();
-    const rows = await page.locator('#run details.numbers').first().locator('tbody tr').count();
-    assert.equal(rows, Math.min(500, motion.time.length));
+    const rows = page.locator('#run details.numbers').first().locator('tbody tr');
+    await rows.first().waitFor(); // they are written as the table opens
+    assert.equal(await rows.count(), Math.min(500, motion.time.length));
     await page.getByText('The scene, as resolved').click();
     await page.locator('#run button.copy').last().click();
     await page.close();
