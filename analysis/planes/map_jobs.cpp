@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <numeric>
 #include <queue>
 
@@ -46,8 +47,8 @@ double Ledger::done_of_all() const {
 }
 
 std::pair<std::vector<Group>, std::vector<double>> groups_of(const std::vector<std::size_t>& parts,
-                                                             const std::vector<double>& expected,
-                                                             std::size_t together) {
+                                                             const std::vector<double>& expected, std::size_t together,
+                                                             std::size_t hands) {
   std::vector<Group> groups((parts.size() + together - 1) / together);
   std::vector<double> of_groups(groups.size(), 0.0);
   std::vector<std::size_t> order(parts.size());
@@ -63,6 +64,21 @@ std::pair<std::vector<Group>, std::vector<double>> groups_of(const std::vector<s
     groups[g].parts.push_back(parts[k]);
     of_groups[g] += expected[k];
     if (groups[g].parts.size() < together) room.emplace(of_groups[g], g);
+  }
+  if (hands > 1) {
+    const std::size_t whole = groups.size() - std::min(hands, groups.size());
+    const std::vector<Group> last(groups.begin() + std::ptrdiff_t(whole), groups.end());
+    const std::map<std::size_t, double> of_part = [&] {
+      std::map<std::size_t, double> found;
+      for (std::size_t k = 0; k < parts.size(); ++k) found[parts[k]] = expected[k];
+      return found;
+    }();
+    groups.resize(whole), of_groups.resize(whole);
+    for (const auto& group : last)
+      for (const std::size_t part : group.parts) {
+        groups.push_back({groups.size(), {part}});
+        of_groups.push_back(of_part.at(part));
+      }
   }
   return {std::move(groups), std::move(of_groups)};
 }

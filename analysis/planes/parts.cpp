@@ -217,7 +217,7 @@ void compute_parts(const Partition& partition, const Expectation& expectation, c
   if (expectation.attempts)
     in_parallel(options.threads, open.size(), [&](std::size_t k) { expected[k] = expectation.attempts(open[k]); });
   const std::size_t hands = std::size_t(options.threads) * std::size_t(hooks.crew ? hooks.crew->processes() : 1);
-  auto [groups, of_groups] = groups_of(open, expected, partition.together(open.size(), hands));
+  auto [groups, of_groups] = groups_of(open, expected, partition.together(open.size(), hands), hands);
   WholeQueue queue(map, hooks, std::move(groups), of_groups, expectation.usual);
   if (hooks.crew) return hooks.crew->work(queue, options.threads, compute_groups);
   in_threads(options.threads, [&](int) { compute_groups(queue); });

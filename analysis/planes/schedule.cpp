@@ -28,12 +28,12 @@ Schedule schedule(std::span<const double> groups, std::size_t processes, double 
 
 Schedule schedule(const Partition& partition, std::span<const double> seconds, std::size_t processes) {
   constexpr double answer = 20e-6;  // s, in which rank 0 takes a report over and hands a group out
-  constexpr double wait = 1e-3;     // s, in which both look at their letters
+  constexpr double wait = 2e-3;     // s, in which both look at their letters
   std::vector<std::size_t> parts(partition.count());
   std::iota(parts.begin(), parts.end(), std::size_t{0});
   const std::vector<double> alike(parts.size(), 1.0);
   std::vector<double> groups;
-  for (const auto& group : groups_of(parts, alike, partition.together(parts.size(), processes)).first) {
+  for (const auto& group : groups_of(parts, alike, partition.together(parts.size(), processes), processes).first) {
     double all = 0;
     for (const std::size_t part : group.parts) all += seconds[part];
     groups.push_back(all);

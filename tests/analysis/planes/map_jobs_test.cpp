@@ -46,7 +46,7 @@ TEST_CASE("every part is in one group, and groups take alike long", "[map-jobs]"
   std::vector<std::size_t> parts;
   std::vector<double> expected;
   for (std::size_t k = 0; k < 12; ++k) parts.push_back(100 + k), expected.push_back(double(1 + k));
-  const auto [groups, of_groups] = groups_of(parts, expected, 3);
+  const auto [groups, of_groups] = groups_of(parts, expected, 3, 1);
   REQUIRE(groups.size() == 4);
   std::set<std::size_t> seen;
   for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -60,4 +60,15 @@ TEST_CASE("every part is in one group, and groups take alike long", "[map-jobs]"
     CHECK(std::abs(all - 19.5) <= 3);
   }
   CHECK(seen.size() == 12);
+  // Two hands: the last two groups part by part.
+  const auto [split, of_split] = groups_of(parts, expected, 3, 2);
+  REQUIRE(split.size() == 8);
+  std::set<std::size_t> again;
+  for (std::size_t g = 0; g < split.size(); ++g) {
+    CHECK(split[g].number == g);
+    CHECK(split[g].parts.size() == (g < 2 ? 3u : 1u));
+    for (const std::size_t part : split[g].parts) again.insert(part);
+    if (g >= 2) CHECK(of_split[g] == expected[split[g].parts.front() - 100]);
+  }
+  CHECK(again == seen);
 }
