@@ -32,7 +32,7 @@ namespace {
 enum Kind : int { ask = 1, group, report, failure, end, farewell };
 
 constexpr auto look_every = std::chrono::milliseconds(2);  ///< at letters: each look takes some tens of microseconds
-constexpr auto patience = std::chrono::seconds(5);           ///< with ranks that are to end
+constexpr auto patience = std::chrono::seconds(5);         ///< with ranks that are to end
 
 void put(std::string& text, const auto& value) { text.append(reinterpret_cast<const char*>(&value), sizeof value); }
 
