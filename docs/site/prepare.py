@@ -215,7 +215,7 @@ def main() -> None:
             target = stage / file.relative_to(source)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(file, target)
-    for folder in ("examples", "cases", "bench"):  # files that pages link to
+    for folder in ("examples", "cases", "bench", "notebooks"):  # files that pages link to
         if not (stage / folder).is_symlink():
             (stage / folder).symlink_to(source / folder)
     (stage / "_static").mkdir(exist_ok=True)
