@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <map>
 #include <numeric>
 #include <queue>
 
@@ -49,36 +48,30 @@ double Ledger::done_of_all() const {
 std::pair<std::vector<Group>, std::vector<double>> groups_of(const std::vector<std::size_t>& parts,
                                                              const std::vector<double>& expected, std::size_t together,
                                                              std::size_t hands) {
-  std::vector<Group> groups((parts.size() + together - 1) / together);
-  std::vector<double> of_groups(groups.size(), 0.0);
+  std::vector<std::vector<std::size_t>> members((parts.size() + together - 1) / together);  // by place in `parts`
   std::vector<std::size_t> order(parts.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::greater(), [&](std::size_t k) { return expected[k]; });
   // Groups by what they are expected to take, the least first, as long as they have room.
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> room;
-  for (std::size_t g = 0; g < groups.size(); ++g) groups[g].number = g, room.emplace(0.0, g);
+  for (std::size_t g = 0; g < members.size(); ++g) room.emplace(0.0, g);
   for (const std::size_t k : order) {
-    const std::size_t g = room.top().second;
+    const auto [taken, g] = room.top();
     room.pop();
-    groups[g].parts.push_back(parts[k]);
-    of_groups[g] += expected[k];
-    if (groups[g].parts.size() < together) room.emplace(of_groups[g], g);
+    members[g].push_back(k);
+    if (members[g].size() < together) room.emplace(taken + expected[k], g);
   }
-  if (hands > 1) {
-    const std::size_t whole = groups.size() - std::min(hands, groups.size());
-    const std::vector<Group> last(groups.begin() + std::ptrdiff_t(whole), groups.end());
-    const std::map<std::size_t, double> of_part = [&] {
-      std::map<std::size_t, double> found;
-      for (std::size_t k = 0; k < parts.size(); ++k) found[parts[k]] = expected[k];
-      return found;
-    }();
-    groups.resize(whole), of_groups.resize(whole);
-    for (const auto& group : last)
-      for (const std::size_t part : group.parts) {
-        groups.push_back({groups.size(), {part}});
-        of_groups.push_back(of_part.at(part));
-      }
+  const std::size_t split = hands > 1 ? std::min(hands, members.size()) : 0;
+  const std::vector last(members.end() - std::ptrdiff_t(split), members.end());
+  members.resize(members.size() - split);
+  for (const auto& group : last)
+    for (const std::size_t k : group) members.push_back({k});
+  std::vector<Group> groups(members.size());
+  std::vector<double> of_groups(members.size(), 0.0);
+  for (std::size_t g = 0; g < members.size(); ++g) {
+    groups[g].number = g;
+    for (const std::size_t k : members[g]) groups[g].parts.push_back(parts[k]), of_groups[g] += expected[k];
   }
   return {std::move(groups), std::move(of_groups)};
 }

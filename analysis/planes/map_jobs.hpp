@@ -30,8 +30,8 @@ class Ledger {
 };
 
 /// Parts in groups of at most `together` that are expected to take alike long, the longest first, and what each group
-/// is expected to take. Of several `hands`, the last group of each is handed out part by part: none waits long for the
-/// others at the end.
+/// is expected to take. Of several `hands`, as much as a group of each is handed out part by part at the end, where
+/// none then waits long for the others.
 std::pair<std::vector<Group>, std::vector<double>> groups_of(const std::vector<std::size_t>& parts,
                                                              const std::vector<double>& expected, std::size_t together,
                                                              std::size_t hands);

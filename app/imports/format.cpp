@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "app/program_list.hpp"
 #include "core/error.hpp"
 
 namespace rosin::app::imports {
@@ -24,21 +25,19 @@ const std::vector<Format>& formats() {
 
 const Format& format_of(std::string_view name, const std::string& path, std::string_view text) {
   std::vector<std::string> names;
-  std::string listed;
   for (const auto& format : formats()) {
     if (name == format.name) return format;
     names.emplace_back(format.name);
-    listed += fmt::format("{}{} ({})", listed.empty() ? "" : ", ", format.name, format.what);
   }
   if (!name.empty()) {
     const auto near = nearest_name(name, names);
     throw InputError(fmt::format("--as {} is no format that is read{}; there are {}", name,
-                                 near.empty() ? "" : fmt::format("; did you mean '{}'?", near), listed));
+                                 near.empty() ? "" : fmt::format("; did you mean '{}'?", near), listed(formats())));
   }
   const auto likest =
       std::ranges::max_element(formats(), {}, [&](const Format& format) { return format.likeness(text); });
   if (likest->likeness(text) > 0) return *likest;
-  throw InputError(fmt::format("{}: looks like no input of {}; say which by --as", path, listed));
+  throw InputError(fmt::format("{}: looks like no input of {}; say which by --as", path, listed(formats())));
 }
 
 }  // namespace rosin::app::imports

@@ -26,6 +26,8 @@ class Reference {
   /// missing, where that is all
   static double to_si(std::string_view text, std::string_view si_unit);
 
+  std::optional<double> area() const { return values_[0]; }  ///< m²
+
   /// Of each key that is there although no number needed it.
   std::vector<std::string> unused() const;
 

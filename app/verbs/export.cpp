@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/exports/series.hpp"
+#include "app/program_list.hpp"
 #include "app/scene/scene_table.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/verb.hpp"
@@ -75,12 +76,7 @@ exports::Series series_of(const fs::path& folder) {
       if (columns.contains(state.name))
         series.states.push_back({state.name, columns.at(state.name).get<std::vector<double>>()});
     series.stiffness = scene.model.slider.stiffness;
-    const auto document = scene::parse_toml(*request.text, request.target);
-    const auto area = document["oscillator"]["area"];
-    if (const auto text = area.value<std::string>())
-      series.area = to_si(*text, "m^2");
-    else
-      series.area = area.value<double>().value_or(1);
+    series.area = scene::Reference(scene::parse_toml(*request.text, request.target)).area().value_or(1);
     const auto& drive = scene.model.drive;
     double before = 0, way = 0;
     for (const double t : series.time) {
@@ -123,14 +119,11 @@ Status print_export(const Request& request) {
 }  // namespace
 
 Verb export_verb() {
-  std::string listed;
-  for (const auto& format : exports::formats())
-    listed += fmt::format("{}{} ({})", listed.empty() ? "" : ", ", format.name, format.what);
   return {.name = "export",
           .help = "print the series of a run in the columns of another program",
           .example = "rosin export out/slide-hold-slide --as rsfmodel > results.csv",
           .operands = {{"DIR", &Request::target, "results folder of a run"}},
-          .options = {{"--as", &Request::as, "the program: " + listed}},
+          .options = {{"--as", &Request::as, "the program: " + listed(exports::formats())}},
           .without_scene = print_export};
 }
 

@@ -45,24 +45,22 @@ bool holds_record(const KindOfData& kind) { return kind.kind == Kind::stick_slip
 void refuse_without_effect(scene::Table& table, const KindOfData& kind) {
   const struct {
     const char* key;
-    std::vector<Kind> kinds;
-  } listeners[] = {{"speed", {Kind::frequency_response, Kind::hold, Kind::stick_slip}},
-                   {"events", {Kind::stick_slip}},
-                   {"from", {Kind::velocity_step}},
-                   {"to", {Kind::velocity_step}},
-                   {"steps", {Kind::velocity_step}},
-                   {"step_at", {Kind::velocity_step}},
-                   {"over", {Kind::velocity_step}},
-                   {"trend", {Kind::velocity_step, Kind::record}},
-                   {"clock_offset", {Kind::velocity_step, Kind::record}},
-                   {"base", {Kind::velocity_step, Kind::record, Kind::steady_curve, Kind::hold}}};
+    std::vector<std::string_view> kinds;
+  } listeners[] = {
+      {"speed", {"frequency-response", "hold", "stick-slip", "stick-slip-record"}},
+      {"events", {"stick-slip"}},
+      {"least_drop", {"stick-slip-record"}},
+      {"from", {"velocity-step"}},
+      {"to", {"velocity-step"}},
+      {"steps", {"velocity-step"}},
+      {"step_at", {"velocity-step"}},
+      {"over", {"velocity-step"}},
+      {"trend", {"velocity-step", "record"}},
+      {"clock_offset", {"velocity-step", "record"}},
+      {"base", {"velocity-step", "record", "steady-curve", "hold"}},
+      {"standard_error", {"frequency-response", "velocity-step", "steady-curve", "hold", "record", "stick-slip"}}};
   for (const auto& [key, those] : listeners)
-    if (const auto* node = table.find(key); node && std::ranges::find(those, kind.kind) == those.end())
-      scene::fail(node->source(), "{} has no effect on a {}", table.path(key), kind.name);
-  for (const auto& [key, matters] :
-       {std::pair{"least_drop", holds_record(kind)}, std::pair{"events", !holds_record(kind)},
-        std::pair{"standard_error", !holds_record(kind)}})
-    if (const auto* node = matters ? nullptr : table.find(key))
+    if (const auto* node = table.find(key); node && std::ranges::find(those, kind.name) == those.end())
       scene::fail(node->source(), "{} has no effect on a {}", table.path(key), kind.name);
 }
 

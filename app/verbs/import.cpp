@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/imports/format.hpp"
+#include "app/program_list.hpp"
 #include "app/verbs/verb.hpp"
 #include "app/verbs/verbs.hpp"
 #include "core/console.hpp"
@@ -59,15 +60,14 @@ Status print_import(const Request& request) {
 }  // namespace
 
 Verb import_verb() {
-  std::string listed;
-  for (const auto& format : imports::formats())
-    listed += fmt::format("{}{} ({})", listed.empty() ? "" : ", ", format.name, format.what);
-  return {.name = "import",
-          .help = "print the input of another program as a scene: rsfmodel, QDYN, EQcycle",
-          .example = "rosin import examples/import/velocity-step.py > scene.toml",
-          .operands = {{"FILE", &Request::target, "a script or an input file; scripts are read, not run"}},
-          .options = {{"--as", &Request::as, "the program, where the file does not show it: " + listed}, quiet_option},
-          .without_scene = print_import};
+  return {
+      .name = "import",
+      .help = "print the input of another program as a scene: rsfmodel, QDYN, EQcycle",
+      .example = "rosin import examples/import/velocity-step.py > scene.toml",
+      .operands = {{"FILE", &Request::target, "a script or an input file; scripts are read, not run"}},
+      .options = {{"--as", &Request::as, "the program, where the file does not show it: " + listed(imports::formats())},
+                  quiet_option},
+      .without_scene = print_import};
 }
 
 }  // namespace rosin::app::verbs

@@ -129,8 +129,8 @@ TEST_CASE("three ranks find what one process finds, and compute nothing twice", 
 TEST_CASE("ranks of different scenes are told apart, and what fails at one is said by rank 0", "[ranks]") {
   const auto model = bristol_board(1e-4, 10);
   std::string why;
-  together([&](Ranks& ranks, int rank) {
-    ranks.begin(rank == 2 ? "another key" : "key", form());
+  const auto compute = [&](Ranks& ranks, int rank, const char* key) {
+    ranks.begin(key, form());
     MapHooks hooks;
     hooks.crew = &ranks;
     try {
@@ -138,18 +138,12 @@ TEST_CASE("ranks of different scenes are told apart, and what fails at one is sa
     } catch (const InputError& error) {
       if (rank == 0) why = error.what();
     }
-  });
+  };
+  together([&](Ranks& ranks, int rank) { compute(ranks, rank, rank == 2 ? "another key" : "key"); });
   CHECK_THAT(why, Contains("rank 2 on here has another scene"));
   together([&](Ranks& ranks, int rank) {
     if (rank == 1) return ranks.fail("scene.toml: no such file");
-    ranks.begin("key", form());
-    MapHooks hooks;
-    hooks.crew = &ranks;
-    try {
-      compute_map(model, plane(), hooks);
-    } catch (const InputError& error) {
-      if (rank == 0) why = error.what();
-    }
+    compute(ranks, rank, "key");
   });
   CHECK_THAT(why, Contains("rank 1 on here: scene.toml: no such file"));
 }
