@@ -205,7 +205,7 @@ TEST_CASE("random tables are read right; damaged ones are read right where they 
   const std::filesystem::path path = fmt::format("/proc/self/fd/{}", memory);
   std::mt19937 dice(1);
   int refused = 0, damaged_files = 0;
-  for (int k = 0; k < 2000; ++k) {
+  for (int k = 0; k < 10000; ++k) {
     auto file = random_table(dice);
     const bool damages = k % 3 > 0, in_head = k % 6 == 1;
     std::size_t from = file.content.size(), to = from;  // bytes that differ from what was meant
