@@ -30,7 +30,8 @@ TEST_CASE("pictures of velocity steps show a, a - b and the decay length as they
   CHECK(number_of(script, "a") == Approx(readings["direct_effect"]).epsilon(1e-3));
   CHECK(number_of(script, "a") == Approx(0.012).epsilon(1e-3));  // of the law
   CHECK(number_of(script, "a − b") == Approx(-0.008).epsilon(1e-3));
-  CHECK(number_of(script, "decay length") == Approx(4).epsilon(0.01));  // µm: the slip law decays by e over L (Ruina 1983)
+  CHECK(number_of(script, "decay length") ==
+        Approx(4).epsilon(0.01));  // µm: the slip law decays by e over L (Ruina 1983)
   CHECK_THAT(script, Contains("law: slip, L = 4 um, a = 0.012, b = 0.02"));
 }
 
