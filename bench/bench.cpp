@@ -38,6 +38,7 @@ std::string style(const std::string& solver) {
   constexpr Look looks[] = {{"rosin, closed form", "#000000", 3, 3},
                             {"rosin, events", "#000000", 14, 14},
                             {"CVODE Adams", "#56B4E9", 13, 12},
+                            {"CVODE BDF", "#0072B2", 5, 4},
                             {"meijaard", "#009E73", 15, 14},
                             {"cfm", "#999999", 1, 1},
                             {"o-fbfm", "#E69F00", 11, 10},
@@ -49,6 +50,8 @@ std::string style(const std::string& solver) {
                             {"rosin, swept sine", "#000000", 7, 7},
                             {"rosin, explicit", "#000000", 3, 3},
                             {"rosin, collocation", "#000000", 14, 14},
+                            {"rosin, average acceleration", "#000000", 1, 1},
+                            {"rosin, generalised-alpha", "#000000", 14, 14},
                             {"rosin, friction curve", "#000000", 7, 7},
                             {"rosin, temperature", "#000000", 5, 4},
                             {"loop by hand, friction curve", "#0072B2", 7, 6},
@@ -124,8 +127,8 @@ bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
 }  // namespace
 
 const std::vector<std::string>& names() {
-  static const std::vector<std::string> list = {"chain",    "cycle",      "history", "plane",
-                                                "response", "stick-slip", "string"};
+  static const std::vector<std::string> list = {"block", "chain",    "cycle",      "history",
+                                                "plane", "response", "stick-slip", "string"};
   return list;
 }
 
@@ -150,7 +153,11 @@ bool run(const Settings& settings) {
   curves.replace_extension(".dat");
   Record record;
   std::vector<Panel> panels;
-  if (settings.what == "chain") {
+  if (settings.what == "block") {
+    record = bench_block(settings, curves);
+    panels = {{curves, "An elastic block that sticks and slides on a slow belt",
+               "true error of the mean friction over the load", "processor time (s)"}};
+  } else if (settings.what == "chain") {
     record = bench_chain(settings, curves);
     panels = {{curves, "Chain of 200 blocks under smooth friction",
                "largest true error of a displacement over the largest start", "processor time (s)"}};

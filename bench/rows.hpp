@@ -120,6 +120,7 @@ struct Record {
 /// Time of one step of the ensemble solver in one lane, for every law with states, a contact spring, a user's law, and
 /// each instruction set.
 json lane_steps(const Settings&);
+Record bench_block(const Settings&, const std::filesystem::path& curves);
 Record bench_chain(const Settings&, const std::filesystem::path& curves);
 Record bench_cycle(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_history(const Settings&, const SciPy&, const std::filesystem::path& curves);

@@ -127,7 +127,7 @@ class StepAudit {
 
   const StationForces& contacts_;
   const Structure& structure_;
-  Sparse C_, symmetric_, skew_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> C_, symmetric_, skew_;
   double before_ = 0, work_ = 0;
   Power power_;
 };

@@ -13,12 +13,31 @@ namespace {
 using Eigen::MatrixXd, Eigen::VectorXd;
 using oscillators::StationForces, oscillators::Structure;
 using Sparse = Eigen::SparseMatrix<double>;
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;  // whose products gather
 
-VectorXd external_force(const Structure& structure, const StationForces& contacts, double t) {
-  VectorXd f = contacts.dead_load(t);
-  for (std::size_t i = 0; i < structure.force.size(); ++i) f[Eigen::Index(i)] += structure.force[i].value(t);
-  return f;
-}
+/// Dead loads and the drive's forces, which mostly stay the same.
+class ExternalForce {
+ public:
+  ExternalForce(const Structure& structure, const StationForces& contacts)
+      : structure_(structure), contacts_(contacts), constant_(structure.constant()) {
+    sum_ = sum(0);
+  }
+  const VectorXd& at(double t) {
+    if (!constant_) sum_ = sum(t);
+    return sum_;
+  }
+
+ private:
+  VectorXd sum(double t) const {
+    VectorXd f = contacts_.dead_load(t);
+    for (std::size_t i = 0; i < structure_.force.size(); ++i) f[Eigen::Index(i)] += structure_.force[i].value(t);
+    return f;
+  }
+  const Structure& structure_;
+  const StationForces& contacts_;
+  bool constant_;
+  VectorXd sum_;
+};
 
 /// (1 − α_m) M a₊ + α_m M a = (1 − α_f) R₊ + α_f R with all other forces R, q₊ = q + h v + h² ((½ − β) a + β a₊),
 /// v₊ = v + h ((1 − γ) a + γ a₊).
@@ -39,72 +58,44 @@ class ImplicitStepper final : public Stepper {
  public:
   ImplicitStepper(const Structure& structure, const StationForces& contacts, const Stepping& stepping,
                   const VectorXd& q, const VectorXd& v)
-      : structure_(structure),
-        contacts_(contacts),
+      : contacts_(contacts),
+        external_(structure, contacts),
         h_(stepping.step),
         w_(weights_of(stepping)),
         M_(structure.M.sparseView()),
         C_(structure.C.sparseView()),
-        K_(structure.K.sparseView()) {
+        K_(structure.K.sparseView()),
+        B_(contacts.rows()) {
     q_ = q, v_ = v;
-    const Sparse A = (1 - w_.alpha_m) * M_ + (1 - w_.alpha_f) * h_ * (w_.gamma * C_ + w_.beta * h_ * K_);
-    lu_.compute(A);
-    const Sparse& B = contacts_.rows();
-    from_rows_ = lu_.solve(MatrixXd(B.transpose()));
-    G_ = B * from_rows_;
-    place_ = B * q_, rate_ = B * v_;
+    const SparseRows A = (1 - w_.alpha_m) * M_ + (1 - w_.alpha_f) * h_ * (w_.gamma * C_ + w_.beta * h_ * K_);
+    lu_.compute(Sparse(A));
+    from_rows_ = lu_.solve(MatrixXd(B_.transpose()));
+    G_ = (1 - w_.alpha_f) * (B_ * from_rows_);
+    from_rows_ *= 1 - w_.alpha_f;
+    largest_ = G_.cwiseAbs();
+    place_ = B_ * q_, rate_ = B_ * v_;
     contacts_.evaluate(0, place_, rate_, forces_);
-    others_ = other_forces(0, q_, v_);
-    const Eigen::SparseLU<Sparse> of_mass(M_);
-    a_ = of_mass.solve(others_ + B.transpose() * forces_.value);
+    all_forces_ = other_forces(0, q_, v_) + B_.transpose() * forces_.value;
+    const Eigen::SparseLU<Sparse> of_mass{Sparse(M_)};
+    a_ = of_mass.solve(all_forces_);
     kinetic_energy_ = v_.dot(M_ * v_) / 2;
   }
 
   Outcome advance() override {
-    const Sparse& B = contacts_.rows();
-    const double t = t_ + h_, kept = 1 - w_.alpha_f;
-    const VectorXd q = q_ + h_ * v_ + h_ * h_ * (0.5 - w_.beta) * a_, v = v_ + h_ * (1 - w_.gamma) * a_;
+    const double t = t_ + h_, by_place = w_.beta * h_ * h_, by_rate = w_.gamma * h_;
+    q_ += h_ * v_ + h_ * h_ * (0.5 - w_.beta) * a_, v_ += h_ * (1 - w_.gamma) * a_;
     // Without the contacts at the end of the step.
-    const VectorXd a = lu_.solve(kept * other_forces(t, q, v) + w_.alpha_f * (others_ + B.transpose() * forces_.value) -
-                                 w_.alpha_m * (M_ * a_));
-    const VectorXd place = B * q, rate = B * v, free = B * a;
-    const double by_place = w_.beta * h_ * h_, by_rate = w_.gamma * h_;
-    // Accelerations of the rows: x = free + kept G f(place + β h² x, rate + γ h x).
-    VectorXd x = B * a_;
-    const auto residual = [&](const VectorXd& x, StationForces::Forces& forces) -> VectorXd {
-      contacts_.evaluate(t, place + by_place * x, rate + by_rate * x, forces);
-      return x - free - kept * (G_ * forces.value);
-    };
-    VectorXd r = residual(x, forces_);
-    constexpr int most_iterations = 60;
-    constexpr double rounding = 1e-14, least_part = 1e-4;
-    for (int iteration = 0;; ++iteration) {
-      const double size = r.cwiseAbs().maxCoeff(), terms = x.cwiseAbs().maxCoeff() + free.cwiseAbs().maxCoeff() +
-                                                           (G_.cwiseAbs() * forces_.value.cwiseAbs()).maxCoeff();
-      if (size <= accuracy * (x.cwiseAbs().maxCoeff() + free.cwiseAbs().maxCoeff()) || size <= rounding * terms) break;
-      if (iteration == most_iterations || !std::isfinite(size))
-        return {std::isfinite(size) ? Ending::tolerance_not_met : Ending::not_finite,
-                fmt::format("Newton's method did not solve the step to t = {:.9g} s of {:.3g} s; give a shorter one", t,
-                            h_)};
-      ++iterations_;
-      const MatrixXd slope = MatrixXd::Identity(x.size(), x.size()) -
-                             kept * G_ * (by_place * forces_.by_place + by_rate * forces_.by_rate);
-      const VectorXd change = -slope.partialPivLu().solve(r);
-      // Slopes jump where a station opens or begins to slip: a shorter change then goes further.
-      double part = 1;
-      VectorXd next_r;
-      for (;; part /= 2) {
-        next_r = residual(x + part * change, forces_);
-        if (next_r.norm() < r.norm() || part < least_part) break;
-      }
-      const bool stalls = next_r.norm() >= r.norm();
-      x += part * change, r = next_r;
-      if (stalls && size <= 1e3 * rounding * terms) break;
-    }
-    a_ = a + kept * (from_rows_ * forces_.value);
-    q_ = q + by_place * a_, v_ = v + by_rate * a_;
+    VectorXd from = (1 - w_.alpha_f) * other_forces(t, q_, v_);
+    if (w_.alpha_f != 0) from += w_.alpha_f * all_forces_;
+    if (w_.alpha_m != 0) from -= w_.alpha_m * (M_ * a_);
+    x_ = B_ * a_;
+    a_ = lu_.solve(from);
+    place_ = B_ * q_, rate_ = B_ * v_, free_ = B_ * a_;
+    if (const auto outcome = solve_rows(t, by_place, by_rate); !outcome.complete()) return outcome;
+    a_ += from_rows_ * forces_.value;
+    q_ += by_place * a_, v_ += by_rate * a_;
     t_ = t;
-    others_ = other_forces(t_, q_, v_);
+    if (w_.alpha_f != 0) all_forces_ = other_forces(t_, q_, v_) + B_.transpose() * forces_.value;
     kinetic_energy_ = v_.dot(M_ * v_) / 2;
     return {};
   }
@@ -112,18 +103,100 @@ class ImplicitStepper final : public Stepper {
  private:
   static constexpr double accuracy = 1e-12;
 
-  VectorXd other_forces(double t, const VectorXd& q, const VectorXd& v) const {
-    return external_force(structure_, contacts_, t) - K_ * q - C_ * v;
+  /// Accelerations x of the rows: x = free + G f(place + β h² x, rate + γ h x), by Newton's method from x_ on.
+  Outcome solve_rows(double t, double by_place, double by_rate) {
+    evaluate(t, by_place, by_rate, x_, r_);
+    constexpr int most_iterations = 60;
+    constexpr double rounding = 1e-14, least_part = 1e-4;
+    const double free = free_.cwiseAbs().maxCoeff();
+    for (int iteration = 0;; ++iteration) {
+      const double size = r_.cwiseAbs().maxCoeff(), known = x_.cwiseAbs().maxCoeff() + free;
+      if (size <= accuracy * known) break;
+      const double terms = known + (largest_ * forces_.value.cwiseAbs()).maxCoeff();
+      if (size <= rounding * terms) break;
+      if (iteration == most_iterations || !std::isfinite(size))
+        return {std::isfinite(size) ? Ending::tolerance_not_met : Ending::not_finite,
+                fmt::format("Newton's method did not solve the step to t = {:.9g} s of {:.3g} s; give a shorter one", t,
+                            h_)};
+      ++iterations_;
+      find_change(by_place, by_rate);
+      // Slopes jump where a station opens or begins to slip: a shorter change then goes further.
+      const double norm = r_.norm();
+      double part = 1;
+      for (;; part /= 2) {
+        next_x_ = x_ + part * change_;
+        evaluate(t, by_place, by_rate, next_x_, next_r_);
+        if (next_r_.norm() < norm || part < least_part) break;
+      }
+      const bool stalls = next_r_.norm() >= norm;
+      x_.swap(next_x_), r_.swap(next_r_);
+      if (stalls && size <= 1e3 * rounding * terms) break;
+    }
+    return {};
   }
 
-  const Structure& structure_;
+  void evaluate(double t, double by_place, double by_rate, const VectorXd& x, VectorXd& residual) {
+    at_place_ = place_ + by_place * x, at_rate_ = rate_ + by_rate * x;
+    contacts_.evaluate(t, at_place_, at_rate_, forces_);
+    residual = x - free_;
+    residual.noalias() -= G_ * forces_.value;
+  }
+
+  /// The change of x by (1 − G D) change = −r, where the slopes D of forces have columns of their own: friction that
+  /// slides answers to no acceleration along the surface, and an open station to none, so that fewer are solved for.
+  void find_change(double by_place, double by_rate) {
+    const auto size = x_.size();
+    felt_.clear();
+    columns_.resize(size, size);
+    const auto slope = [&](int i, int k) {
+      return by_place * forces_.by_place(i, k) + by_rate * forces_.by_rate(i, k);
+    };
+    for (const auto& [slip, first, stations, area] : contacts_.contacts()) {
+      if (const double own = slope(slip, slip); own != 0) {
+        columns_.col(Eigen::Index(felt_.size())) = own * G_.col(slip);
+        felt_.push_back(slip);
+      }
+      for (int s = first; s < first + stations; ++s) {
+        const double own = slope(s, s), friction = slope(slip, s);
+        if (own == 0 && friction == 0) continue;
+        columns_.col(Eigen::Index(felt_.size())) = own * G_.col(s) + friction * G_.col(slip);
+        felt_.push_back(s);
+      }
+    }
+    change_ = -r_;
+    const auto count = Eigen::Index(felt_.size());
+    if (count == 0) return;
+    few_.resize(count, count), of_few_.resize(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      few_.row(i) = -columns_.row(felt_[std::size_t(i)]).head(count);
+      few_(i, i) += 1;
+      of_few_[i] = -r_[felt_[std::size_t(i)]];
+    }
+    few_lu_.compute(few_);
+    of_few_ = few_lu_.solve(of_few_).eval();
+    change_.noalias() += columns_.leftCols(count) * of_few_;
+  }
+
+  VectorXd other_forces(double t, const VectorXd& q, const VectorXd& v) {
+    VectorXd f = external_.at(t);
+    f.noalias() -= K_ * q;
+    f.noalias() -= C_ * v;
+    return f;
+  }
+
   const StationForces& contacts_;
+  ExternalForce external_;
   double h_;
   Weights w_;
-  Sparse M_, C_, K_;
+  SparseRows M_, C_, K_, B_;
   Eigen::SparseLU<Sparse> lu_;
-  MatrixXd from_rows_, G_;
-  VectorXd a_, others_, place_, rate_;
+  MatrixXd from_rows_, G_, largest_;  ///< times the weight of the forces at the end of the step; |G|
+  VectorXd a_, all_forces_;
+  // Of a step: rows without the contacts, and what Newton's method works on.
+  VectorXd place_, rate_, free_, x_, r_, next_x_, next_r_, change_, at_place_, at_rate_, of_few_;
+  std::vector<int> felt_;  ///< rows on which forces depend
+  MatrixXd columns_, few_;
+  Eigen::PartialPivLU<MatrixXd> few_lu_;
 };
 
 /// v₊ = v + h M⁻¹ (f − K q − C v + contacts(q, v)), q₊ = q + h v₊, v half a step before q.
@@ -131,11 +204,12 @@ class ExplicitStepper final : public Stepper {
  public:
   ExplicitStepper(const Structure& structure, const StationForces& contacts, const Stepping& stepping,
                   const VectorXd& q, const VectorXd& v)
-      : structure_(structure),
-        contacts_(contacts),
+      : contacts_(contacts),
+        external_(structure, contacts),
         h_(stepping.step),
         width_(stepping.stick_width),
         mass_(structure.M.diagonal()),
+        B_(contacts.rows()),
         C_(structure.C.sparseView()),
         K_(structure.K.sparseView()),
         rows_to_coordinates_(contacts.rows().transpose()),
@@ -172,9 +246,9 @@ class ExplicitStepper final : public Stepper {
 
  private:
   VectorXd acceleration() {
-    place_ = contacts_.rows() * q_, rate_ = contacts_.rows() * half_;
+    place_ = B_ * q_, rate_ = B_ * half_;
     contacts_.evaluate(t_, place_, rate_, forces_);
-    return (external_force(structure_, contacts_, t_) - K_ * q_ - C_ * half_ + rows_to_coordinates_ * forces_.value)
+    return (external_.at(t_) - K_ * q_ - C_ * half_ + rows_to_coordinates_ * forces_.value)
         .cwiseQuotient(mass_);
   }
   /// Velocity and energy in the middle of the half steps, of second order in h.
@@ -185,11 +259,11 @@ class ExplicitStepper final : public Stepper {
     ++iterations_;
   }
 
-  const Structure& structure_;
   const StationForces& contacts_;
+  ExternalForce external_;
   double h_, width_;
   VectorXd mass_;
-  Sparse C_, K_, rows_to_coordinates_;
+  SparseRows B_, C_, K_, rows_to_coordinates_;
   StepLimits limits_;
   VectorXd half_, next_half_, place_, rate_;
 };
