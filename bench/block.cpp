@@ -1,4 +1,6 @@
 /// `rosin bench block`: an elastic block that sticks and slides on a slow belt, rosin's steps beside CVODE.
+#include "oscillators/block.hpp"
+
 #include <cmath>
 
 #include "analysis/motion/stepped_run.hpp"
@@ -8,7 +10,6 @@
 #include "bench/rows.hpp"
 #include "laws/catalogue.hpp"
 #include "laws/smoothing.hpp"
-#include "oscillators/block.hpp"
 
 namespace bench {
 namespace {
@@ -38,8 +39,7 @@ struct Block {
     like.law = laws::smoothed(laws::find_law("coulomb")->with({p.friction, p.friction}),
                               {laws::Smoothing::Type::parabolic, p.width});
     like.speed = p.speed, like.normal_load = 0.5;
-    structure =
-        oscillators::block_on_belt(mesh, {p.spring, p.stiffness_damping, laws::normal_law(contact)}, like);
+    structure = oscillators::block_on_belt(mesh, {p.spring, p.stiffness_damping, laws::normal_law(contact)}, like);
   }
   VectorXd start(const oscillators::StationForces& contacts) const {
     return analysis::steady::steady_sliding(structure, contacts) + mesh.rigid(0, 0, start_tilt);
@@ -158,15 +158,12 @@ Record bench_block(const Settings& settings, const std::filesystem::path& curves
   const std::vector<double> steps = {0.1, 0.05, 0.025, 0.0125, 0.00625, 0.003125};
   const std::string ours = "rosin, average acceleration", theirs = "CVODE BDF";
   add(ours, steps, [&](double step) { return follow(block, {.step = step}, duration); });
-  add("rosin, generalised-alpha", steps, [&](double step) {
-    return follow(block, {.scheme = Scheme::generalised_alpha, .step = step}, duration);
-  });
+  add("rosin, generalised-alpha", steps,
+      [&](double step) { return follow(block, {.scheme = Scheme::generalised_alpha, .step = step}, duration); });
   add("rosin, whole run", steps, [&](double step) { return whole_run(block, {.step = step}, duration); });
-  add("rosin, explicit steps", {4e-4, 2e-4, 1e-4}, [&](double step) {
-    return follow(block, {.scheme = Scheme::explicit_steps, .step = step}, duration);
-  });
-  add(theirs, {1e-3, 1e-4, 1e-5, 1e-6, 1e-7},
-      [&](double tolerance) { return follow_cvode_block(problem, tolerance); });
+  add("rosin, explicit steps", {4e-4, 2e-4, 1e-4},
+      [&](double step) { return follow(block, {.scheme = Scheme::explicit_steps, .step = step}, duration); });
+  add(theirs, {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}, [&](double tolerance) { return follow_cvode_block(problem, tolerance); });
   print(settings, rows, {"friction"});
   record.content["friction"] = truth;
   record.content["rows"] = as_json(rows, {"friction"});

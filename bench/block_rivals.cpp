@@ -22,8 +22,7 @@ struct Touch {
 
 Touch touch(const BlockProblem& p, const BlockProblem::Station& s, const double* q, const double* v) {
   double a = 0, rate = 0, w = -p.speed;
-  for (int k = 0; k < 3; ++k)
-    a -= s.shape[k] * q[s.y[k]], rate -= s.shape[k] * v[s.y[k]], w += s.shape[k] * v[s.x[k]];
+  for (int k = 0; k < 3; ++k) a -= s.shape[k] * q[s.y[k]], rate -= s.shape[k] * v[s.y[k]], w += s.shape[k] * v[s.x[k]];
   Touch t;
   if (!(a > 0)) return t;
   const double part = std::abs(w) / p.width, sign = w < 0 ? -1 : 1;

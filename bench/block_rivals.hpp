@@ -22,7 +22,7 @@ struct BlockProblem {
   };
   std::vector<Station> stations;
   double coefficient = 0.25, damping = 0.01, friction = 0.5, speed = 0.1, width = 0.005;
-  std::vector<double> start;     ///< q, from which it starts at rest
+  std::vector<double> start;      ///< q, from which it starts at rest
   double from = 0, duration = 0;  ///< s: friction is averaged from the one to the other
 };
 
@@ -32,8 +32,8 @@ struct BlockMotion {
   std::string failure = {};
 };
 
-/// BDF with the exact sparse Jacobian, solved by KLU, as its user would write it for this problem. The equations have no
-/// jump, so that no root is looked for. Impulses of friction and of the load are unknowns.
+/// BDF with the exact sparse Jacobian, solved by KLU, as its user would write it for this problem. The equations have
+/// no jump, so that no root is looked for. Impulses of friction and of the load are unknowns.
 BlockMotion follow_cvode_block(const BlockProblem&, double tolerance);
 /// Largest deviation of the Jacobian from differences at the start, over its largest entry.
 double block_jacobian_defect(const BlockProblem&);

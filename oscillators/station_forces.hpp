@@ -49,7 +49,7 @@ class StationForces {
   std::vector<Contact> contacts_;
   std::vector<std::unique_ptr<rosin::Contact<double>>> law_;
   Eigen::SparseMatrix<double> B_;
-  std::vector<int> pressing_;                ///< contacts that press
+  std::vector<int> pressing_;               ///< contacts that press
   Eigen::SparseMatrix<double> directions_;  ///< in which their dead loads act
   Eigen::VectorXd area_, gap_;
 };

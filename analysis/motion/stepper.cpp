@@ -248,8 +248,7 @@ class ExplicitStepper final : public Stepper {
   VectorXd acceleration() {
     place_ = B_ * q_, rate_ = B_ * half_;
     contacts_.evaluate(t_, place_, rate_, forces_);
-    return (external_.at(t_) - K_ * q_ - C_ * half_ + rows_to_coordinates_ * forces_.value)
-        .cwiseQuotient(mass_);
+    return (external_.at(t_) - K_ * q_ - C_ * half_ + rows_to_coordinates_ * forces_.value).cwiseQuotient(mass_);
   }
   /// Velocity and energy in the middle of the half steps, of second order in h.
   void settle() {
