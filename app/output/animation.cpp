@@ -174,11 +174,11 @@ class Drawing {
     const auto down = [&](double value) { return bottom - curve_height * (value - low) / (high - low); };
     const auto unit = scaled(of_.curve_unit, std::max(std::abs(low), std::abs(high)));
     std::string text = fmt::format(
-        "<path d=\"M{0} {1}V{2}H{3}\" fill=\"none\" stroke=\"#999\"/>\n"
+        "<path d=\"M{0} {1}V{2}M{0} {10}H{3}\" fill=\"none\" stroke=\"#999\"/>\n"
         "<text x=\"{4}\" y=\"{5}\" text-anchor=\"end\">{6:.3g} {7}</text>\n"
         "<text x=\"{4}\" y=\"{8}\" text-anchor=\"end\">{9:.3g}</text>\n",
         px(left), px(top), px(bottom), px(right), px(left - 6), px(top + 10), high * unit.factor, unit.unit, px(bottom),
-        low * unit.factor);
+        low * unit.factor, px(down(0)));
     const auto time = scaled("s", of_.begin + of_.period);
     text += fmt::format("<text x=\"{}\" y=\"{}\">{:.6g} {}</text>\n", px(left), px(bottom + 17),
                         of_.begin * time.factor, time.unit);

@@ -71,10 +71,11 @@ std::vector<std::string> write_block_motion(const std::filesystem::path& folder,
         if (j == 0) lines.emplace_back();
         lines.back().push_back(place(q, j * columns + i));
       }
-    held.frames.push_back({spring(wall, -half + scale * (mesh.elongation.dot(q) - mean),
-                                  height / 2 + scale * mesh.centre_y.dot(q), 0.05 * height)});
+    const auto [face, at] = place(q, ny * columns);  // in the middle
+    held.frames.push_back({spring(wall, face, at, 0.05 * height)});
   }
-  animation.lines = {std::move(held), std::move(edges)};
+  const std::vector<std::vector<Place>> frame{{{wall, 0.1 * height}, {wall, 0.75 * height}}};
+  animation.lines = {std::move(held), std::move(edges), {spring_style, {frame, frame}}};
   for (std::size_t s = 0; s < mesh.stations.size(); ++s) {
     const auto& station = mesh.stations[s];
     auto& drawn = animation.stations.emplace_back();
@@ -89,9 +90,10 @@ std::vector<std::string> write_block_motion(const std::filesystem::path& folder,
                       {"friction", "fill:none;stroke:#b0560f;stroke-width:1.8;stroke-dasharray:7 3", frames.friction}};
   const auto time = scaled("s", animation.begin + animation.period), length = scaled("m", largest);
   animation.caption = {
-      fmt::format("One oscillation of {:.4g} {}, from {:.6g} to {:.6g} {} of the run.", animation.period * time.factor,
-                  time.unit, animation.begin * time.factor, (animation.begin + animation.period) * time.factor,
-                  time.unit),
+      fmt::format(
+          "One oscillation of {:.4g} {}, from {:.6g} to {:.6g} {} of the run, in 6 s. The belt moves at {:.4g} m/s.",
+          animation.period * time.factor, time.unit, animation.begin * time.factor,
+          (animation.begin + animation.period) * time.factor, time.unit, V),
       fmt::format("Displacements × {:.3g}, the largest {:.3g} {}; along the belt about their mean of {:.4g} m.", scale,
                   largest * length.factor, length.unit, mean)};
   write_whole(folder / "motion.svg", svg(animation));
