@@ -330,8 +330,11 @@ Run run_stepped(const StructureModel& model, const RunOptions& options) {
   if (!pass.outcome.complete()) return run;
   const Pass half = follow(model, options, contacts, step / 2, times);
   run.cost.steps += half.cost.steps, run.cost.evaluations += half.cost.evaluations;
-  if (half.outcome.ending == Ending::interrupted) run.outcome = half.outcome;
-  if (!half.outcome.complete()) return run;
+  if (!half.outcome.complete()) {
+    run.outcome = {half.outcome.ending,
+                   "errors are unknown, for half the step does not reach the end: " + half.outcome.detail};
+    return run;
+  }
   for (std::size_t c = 0; c < run.columns.size(); ++c) {
     run.column_error[c] = 0;
     for (std::size_t i = 0; i < run.time.size(); ++i)

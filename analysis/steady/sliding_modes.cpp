@@ -50,10 +50,11 @@ class Sliding {
   bool balance(double friction, VectorXd& q) const {
     constexpr int most_iterations = 40;
     constexpr double rounding = 1e-13, least_part = 1e-3;
+    constexpr double balanced = 1e-9, of_use = 1e-6;  // parts of the loads
     StationForces::Forces forces;
     VectorXd size, r = residual(friction, q, forces, size);
     for (int iteration = 0; iteration < most_iterations; ++iteration) {
-      if ((r.cwiseAbs() - rounding * size).maxCoeff() <= 0) return balances(r, forces);
+      if ((r.cwiseAbs() - rounding * size).maxCoeff() <= 0 && balances(r, forces, balanced)) return true;
       const VectorXd change = solve(tangent(forces), r);
       if (!change.allFinite()) return false;
       double part = 1;
@@ -65,15 +66,15 @@ class Sliding {
       }
       if (part <= least_part) return false;
       q += part * change, r = next;
-      if (r.norm() < rounded && r.norm() >= before / 2) return balances(r, forces);  // rounding is reached
+      if (r.norm() < rounded && r.norm() >= before / 2) return balances(r, forces, of_use);  // rounding is reached
     }
     return false;
   }
 
-  /// A block that friction tips over goes so far that rounding of K q is more than its weight: that is no balance.
-  bool balances(const VectorXd& residual, const StationForces::Forces& forces) const {
-    constexpr double small = 1e-8;  // of the loads
-    return residual.norm() <= small * (load_.norm() + (contacts_.rows().transpose() * forces.value).norm());
+  /// Up to a part of the loads. A block that friction tips over goes so far that rounding of K q is more than its
+  /// weight: that is no balance. One on a soft spring goes far, too, and rounding is a small part of its weight.
+  bool balances(const VectorXd& residual, const StationForces::Forces& forces, double part) const {
+    return residual.norm() <= part * (load_.norm() + (contacts_.rows().transpose() * forces.value).norm());
   }
 
   /// −∂R/∂q at the forces.

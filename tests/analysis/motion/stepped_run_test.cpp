@@ -148,3 +148,18 @@ TEST_CASE(
   CHECK(at_stick < 25);
   CHECK(longest == Approx((at_release - at_stick) / 0.02).epsilon(0.05));  // creep of what sticks
 }
+
+TEST_CASE("a run by steps whose errors are unknown does not end as if they were known") {
+  const FlatBlock block;
+  StructureModel model{block.structure(), {}};
+  model.start.beside = block.mesh().rigid(0, 0, 1e-2);
+  RunOptions options;
+  options.duration = 8, options.samples = 10, options.stepping = Stepping{.step = 0.1, .stick_width = block.width};
+  options.most_steps = 100;  // enough for the step, not for half of it
+  const auto run = run_stepped(model, options);
+  CHECK(run.outcome.ending == Ending::budget_spent);
+  CHECK_THAT(run.outcome.detail, Catch::Contains("errors are unknown"));
+  CHECK(run.time.size() == 11);
+  options.most_steps = 160;
+  CHECK(run_stepped(model, options).outcome.complete());
+}

@@ -147,3 +147,28 @@ TEST_CASE("the lowest modes of a small structure are among all of its modes") {
   CHECK(lowest.contacts[0].normal_load == Approx(all.contacts[0].normal_load).epsilon(1e-12));
   CHECK(lowest.contacts[0].friction_force == Approx(all.contacts[0].friction_force).epsilon(1e-12));
 }
+
+TEST_CASE("a stiff block that friction would tip over has no steady sliding, however far rounding lets it fall") {
+  // μ H/2 against half the length: 10.2 mm against 6.5 mm. Far down |K||q| ε is more than the weight.
+  oscillators::ElasticBlock shape{.length = 0.013,
+                                  .height = 0.0073,
+                                  .thickness = 0.016,
+                                  .youngs_modulus = 3.4e5,
+                                  .poisson_ratio = 0.14,
+                                  .density = 20};
+  shape.elements = {3, 3}, shape.gauss_points = 1;
+  const oscillators::BlockMesh mesh(shape);
+  const laws::PowerContact contact{
+      .coefficient = 2.9e24, .exponent = 2.5, .bound_coefficient = 2.9e24, .bound_exponent = 2.5};
+  const auto structure = [&](double friction) {
+    oscillators::FrictionContact like;
+    like.law = laws::find_law("coulomb")->with({friction, friction});
+    like.speed = 4e-4, like.normal_load = 5.2;
+    return oscillators::block_on_belt(mesh, {2.9e5, 0, laws::normal_law(contact)}, like);
+  };
+  const auto of = structure(2.8);
+  CHECK_THROWS_WITH(steady_sliding(of, oscillators::StationForces(of)), Catch::Contains("no steady sliding"));
+  double load = 0;
+  for (const auto& station : lowest_modes_of_sliding(structure(0.5), 3).contacts) load += station.normal_load;
+  CHECK(load == Approx(5.2).epsilon(1e-8));
+}
