@@ -176,7 +176,7 @@ class Averages {
       if (turns_[i] > 1) metrics[names[i] + "_period"] = (last_[k] - first_[k]) / double(turns_[i] - 1);
     }
     metrics["friction_force_mean"] = friction_ / n, metrics["normal_load_mean"] = load_ / n;
-    metrics["apparent_friction"] = friction_ / load_;
+    if (load_ != 0) metrics["apparent_friction"] = friction_ / load_;  // nothing touches through all of the second half
     metrics["normal_load_min"] = load_low_, metrics["normal_load_max"] = load_high_;
     metrics["stick_fraction"] = stick_ / n, metrics["full_stick_fraction"] = full_ / n;
     metrics["open_fraction"] = open_ / n;

@@ -199,7 +199,7 @@ void must_be_finite(double value, const char* what) {
 }
 
 /// Part of what is compared, beyond which a balance is wrong.
-constexpr double accuracy = 1e-7;
+constexpr double accuracy = 1e-6;
 
 /// Forces of steady sliding against the load, the spring and the normal law.
 void judge_steady(const scene::Scene& scene, const analysis::steady::StructureStability& found) {
