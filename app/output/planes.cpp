@@ -173,6 +173,11 @@ void write_basins(const std::filesystem::path& path, const scene::Scene& scene, 
   plane.attribute(label, "flag_values", numbers);
   plane.attribute(label, "flag_meanings", meanings);
   plane.values(label, labels);
+  if (!found.followed.empty()) {
+    const int followed = plane.variable("followed", NC_BYTE, dimensions);
+    plane.attribute(followed, "long_name", "1: the start was followed; 0: it has the label of its neighbours");
+    plane.values(followed, std::vector<signed char>(found.followed.begin(), found.followed.end()));
+  }
   write_whole(path, plane.close());
 }
 
