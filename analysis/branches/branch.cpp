@@ -269,6 +269,13 @@ Settled settle(const oscillators::Model& model, double tolerance) {
   return settled;
 }
 
+const SmallCycles* small_cycles_of(const Branches& found, const CycleBranch& cycle) {
+  if (cycle.from != "hopf") return nullptr;
+  for (std::size_t k = 0; k < found.small_cycles.size(); ++k)
+    if (found.crossings[k].value == cycle.from_value && found.small_cycles[k]) return &*found.small_cycles[k];
+  return nullptr;
+}
+
 std::vector<steady::Crossing> crossings_of(const oscillators::Model& model, std::string_view parameter,
                                            const ParameterScale& range) {
   std::vector<steady::Crossing> found;

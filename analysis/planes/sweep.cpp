@@ -106,57 +106,68 @@ bool slides(const oscillators::Structure& structure) {
   return std::ranges::all_of(structure.contacts, [](const auto& contact) { return contact.speed.level() != 0; });
 }
 
-/// Counts the values that are done.
+/// Counts the values that are done, and tells of them.
 class Progress {
  public:
-  Progress(const std::function<void(std::size_t, std::size_t)>& tell, std::size_t total) : tell_(tell), total_(total) {}
+  Progress(const SweepHooks& hooks, std::size_t total) : hooks_(hooks), total_(total) {}
+  void finished(bool up, std::size_t value, const SweepPoint& point) {
+    const std::scoped_lock lock(mutex_);
+    if (hooks_.finished) hooks_.finished(up, value, point);
+  }
   void advance() {
     const std::scoped_lock lock(mutex_);
     ++done_;
-    if (tell_) tell_(done_, total_);
+    if (hooks_.progress) hooks_.progress(done_, total_);
   }
   std::size_t done() const { return done_; }
 
  private:
-  const std::function<void(std::size_t, std::size_t)>& tell_;
+  const SweepHooks& hooks_;
   std::size_t total_, done_ = 0;
   std::mutex mutex_;
 };
 
-/// Calls compute(place of the value, where the motion before it ended, the point) for all values of all directions:
-/// one direction after the other where threads are few, each value by itself where all begin anew.
+/// Calls compute(place of the value, the point, whose `end` is that of the value before it) for all values of all
+/// directions: one direction after the other where threads are few, each value by itself where all begin anew.
 template <class Compute>
-void for_each_value(const SweepOptions& options, Sweep& sweep,
-                    const std::function<void(std::size_t, std::size_t)>& tell, Compute compute) {
+void for_each_value(const SweepOptions& options, Sweep& sweep, const SweepHooks& hooks, Compute compute) {
   require(options.threads, {1, 4096}, "threads", "number of threads", "1");
   const std::size_t n = options.axis.values.size();
   if (options.up) sweep.up.resize(n);
   if (options.down) sweep.down.resize(n);
   const std::size_t directions = std::size_t(options.up) + std::size_t(options.down);
-  Progress progress(tell, directions * n);
+  const std::size_t total = options.anew ? n : directions * n;
+  Progress progress(hooks, total);
   const auto along = [&](bool up, std::size_t k) { return up ? k : n - 1 - k; };
+  const auto settle = [&](bool up, std::size_t i, std::vector<double> before) {
+    auto& point = (up ? sweep.up : sweep.down)[i];
+    auto known = hooks.known ? hooks.known(up, i) : std::nullopt;
+    if (known) {
+      point = std::move(*known);
+    } else {
+      point.end = std::move(before);
+      compute(i, point);
+      progress.finished(up, i, point);
+    }
+    progress.advance();
+  };
   try {
     if (options.anew) {  // directions do not differ
       in_parallel(options.threads, n, [&](std::size_t i) {
-        std::vector<double> end;
-        auto& point = options.up ? sweep.up[i] : sweep.down[i];
-        compute(i, end, point);
-        if (options.up && options.down) sweep.down[i] = point;
-        progress.advance();
+        settle(options.up, i, {});
+        if (options.up && options.down) sweep.down[i] = sweep.up[i];
       });
     } else {
       in_parallel(options.threads, directions, [&](std::size_t d) {
         const bool up = options.up && d == 0;
-        std::vector<double> end;
         for (std::size_t k = 0; k < n; ++k) {
           end_if_stopped();
-          compute(along(up, k), end, (up ? sweep.up : sweep.down)[along(up, k)]);
-          progress.advance();
+          settle(up, along(up, k), k == 0 ? std::vector<double>() : (up ? sweep.up : sweep.down)[along(up, k - 1)].end);
         }
       });
     }
   } catch (const Stopped&) {
-    sweep.outcome = {Ending::interrupted, fmt::format("{} of {} values are done", progress.done(), directions * n)};
+    sweep.outcome = {Ending::interrupted, fmt::format("{} of {} values are done", progress.done(), total)};
     return;
   }
   std::size_t failed = 0;
@@ -170,8 +181,7 @@ void for_each_value(const SweepOptions& options, Sweep& sweep,
 
 }  // namespace
 
-Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOptions& options,
-            const std::function<void(std::size_t, std::size_t)>& progress) {
+Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOptions& options, const SweepHooks& hooks) {
   Sweep result;
   const auto first = family(options.axis.values.front());
   {
@@ -191,20 +201,20 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
       result.thresholds_left_out = fmt::format("thresholds of steady sliding are not marked: {}", error.what());
     }
   }
-  for_each_value(options, result, progress, [&](std::size_t i, std::vector<double>& end, SweepPoint& point) {
+  for_each_value(options, result, hooks, [&](std::size_t i, SweepPoint& point) {
     try {
       auto model = family(options.axis.values[i]);
       const auto size = std::size_t(oscillators::StructureSystem(model.structure).size());
       // Where a parameter changes which unknowns there are, the motion begins anew.
-      if (end.size() == size) model.start.unknowns = end;
+      if (point.end.size() == size) model.start.unknowns = point.end;
       if (options.record == Record::metrics) {
         std::vector<double> reached;
-        point.metrics = compute_structure_point(model, options.tolerance, result.metrics, {}, &reached);
+        point.metrics = compute_structure_point(model, options.tolerance, result.metrics, options.lyapunov, &reached);
         point.why = point.metrics.regime == Regime::failed ? point.metrics.why : "";
         point.done = true;
-        if (!reached.empty()) end = reached;
+        if (!reached.empty()) point.end = reached;
       } else {
-        end = record_point(model, options, point);
+        point.end = record_point(model, options, point);
       }
     } catch (const InputError& error) {
       point.done = true, point.why = error.what();
@@ -216,18 +226,17 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
   return result;
 }
 
-Sweep sweep_of_slider(const Model& model, const SweepOptions& options,
-                      const std::function<void(std::size_t, std::size_t)>& progress) {
+Sweep sweep_of_slider(const Model& model, const SweepOptions& options, const SweepHooks& hooks) {
   Sweep result;
   result.metrics = metrics_of_slider(options.metrics);
   for (const double value : options.axis.values) (void)model.with(options.axis.parameter, value);
-  for_each_value(options, result, progress, [&](std::size_t i, std::vector<double>&, SweepPoint& point) {
+  for_each_value(options, result, hooks, [&](std::size_t i, SweepPoint& point) {
     const Model here = model.with(options.axis.parameter, options.axis.values[i]);
     bool attracts = false;
     try {
       const auto sliding = steady::stability(here);
       attracts = sliding.stable || sliding.marginal;
-      point.metrics = compute_point(here, options.tolerance, 0.1, attracts, {});
+      point.metrics = compute_point(here, options.tolerance, options.stick_threshold, attracts, {});
     } catch (const InputError& error) {
       point.metrics = failed_point(error.what());
     }

@@ -162,10 +162,12 @@ TEST_CASE("a sweep that is asked to stop keeps the values that are done", "[swee
   options.transient = 5, options.keep = 5;
   std::stop_source source;
   const Listening listening(source.get_token());
-  const auto result = sweep(over_belt_speed(forced_belt()), options, [&](std::size_t done, std::size_t total) {
+  SweepHooks hooks;
+  hooks.progress = [&](std::size_t done, std::size_t total) {
     CHECK(total == 6);
     if (done == 2) source.request_stop();
-  });
+  };
+  const auto result = sweep(over_belt_speed(forced_belt()), options, hooks);
   CHECK(result.outcome.ending == Ending::interrupted);
   CHECK(result.up[1].done);
   CHECK_FALSE(result.up[2].done);
