@@ -74,10 +74,10 @@ struct Bench {
   std::string_view name;
   Record (*run)(const Settings&, const SciPy&, const fs::path& curves);
 };
-constexpr std::array benches{Bench{"branch", bench_branch},         Bench{"chain", bench_chain},
-                             Bench{"cycle", bench_cycle},           Bench{"history", bench_history},
-                             Bench{"plane", bench_plane},           Bench{"response", bench_response},
-                             Bench{"stick-slip", bench_stick_slip}, Bench{"string", bench_string}};
+constexpr std::array benches{
+    Bench{"branch", bench_branch},     Bench{"chain", bench_chain},           Bench{"cycle", bench_cycle},
+    Bench{"history", bench_history},   Bench{"plane", bench_plane},           Bench{"response", bench_response},
+    Bench{"sections", bench_sections}, Bench{"stick-slip", bench_stick_slip}, Bench{"string", bench_string}};
 
 /// A gnuplot script of its own, to be restyled at will, and its SVG and PNG.
 bool draw(const fs::path& stem, const std::vector<Panel>& panels) {

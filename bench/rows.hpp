@@ -133,6 +133,7 @@ Record bench_cycle(const Settings&, const SciPy&, const std::filesystem::path& c
 Record bench_history(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_plane(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_response(const Settings&, const SciPy&, const std::filesystem::path& curves);
+Record bench_sections(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_stick_slip(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_string(const Settings&, const SciPy&, const std::filesystem::path& curves);
 

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "analysis/cycles/section_map.hpp"
+#include "analysis/lanes/driven_lanes.hpp"
 #include "analysis/motion/structure_record.hpp"
 #include "analysis/planes/map_point.hpp"
 #include "analysis/planes/structure_map.hpp"
@@ -127,10 +128,71 @@ class Progress {
   std::mutex mutex_;
 };
 
-/// Calls compute(place of the value, the point, whose `end` is that of the value before it) for all values of all
-/// directions: one direction after the other where threads are few, each value by itself where all begin anew.
+/// A value to compute; the point's `end` is that of the value before it.
+struct Due {
+  std::size_t value;
+  SweepPoint* point;
+};
+
+/// Blocks under a periodic force, each from its start, whose sections are followed in lanes.
+class Batch {
+ public:
+  static constexpr std::size_t size = 4 * lane_count;
+
+  explicit Batch(const SweepOptions& options) : options_(options) {}
+  /// Leaves undone what is no such block, or could not be followed so.
+  void run(const std::function<StructureModel(double)>& family, std::span<const Due> due) {
+    for (const auto& [i, point] : due) try {
+        take(family(options_.axis.values[i]), *point);
+      } catch (const InputError&) {
+        continue;  // told where the value is computed by itself
+      }
+    if (!motions_.empty()) lanes::DrivenLanes(motions_.front().block).run(motions_);
+    for (std::size_t m = 0; m < motions_.size(); ++m)
+      if (motions_[m].why.empty()) record(motions_[m], of_[m].structure, *of_[m].point);
+  }
+
+ private:
+  void take(const StructureModel& model, SweepPoint& point) {
+    auto block = lanes::DrivenBlock::of(model.structure);
+    if (!block || (!motions_.empty() && !lanes::DrivenLanes::alike(motions_.front().block, *block))) return;
+    const auto y = motion::starting_point(oscillators::StructureSystem(model.structure), model.start);
+    motions_.push_back({.block = std::move(*block),
+                        .displacement = y[0],
+                        .slip_rate = y[1],
+                        .tolerance = 0.1 * options_.tolerance,
+                        .transient = options_.transient,
+                        .keep = options_.keep});
+    of_.push_back({model.structure, &point});
+  }
+  static void record(const lanes::DrivenMotion& motion, const oscillators::Structure& structure, SweepPoint& point) {
+    oscillators::StructureSystem system(structure);
+    StructureRecord record(system);
+    for (const auto& [displacement, slip_rate, contact] : motion.moments) {
+      system.set_mode(0, contact);
+      const double y[] = {displacement, slip_rate};
+      record.record(0, y);
+    }
+    point.columns = std::move(record.values);
+    point.recurrence = recurrence_of(point.columns);
+    point.end = {motion.displacement, motion.slip_rate};
+    point.done = true;
+  }
+
+  struct Taken {
+    oscillators::Structure structure;
+    SweepPoint* point;
+  };
+  const SweepOptions& options_;
+  std::vector<lanes::DrivenMotion> motions_;
+  std::vector<Taken> of_;
+};
+
+/// Calls compute(values that are due) for all values of all directions: one by one in a direction, and `group` at a
+/// time where all begin anew.
 template <class Compute>
-void for_each_value(const SweepOptions& options, Sweep& sweep, const SweepHooks& hooks, Compute compute) {
+void for_each_value(const SweepOptions& options, Sweep& sweep, const SweepHooks& hooks, std::size_t group,
+                    Compute compute) {
   require(options.threads, {1, 4096}, "threads", "number of threads", "1");
   const std::size_t n = options.axis.values.size();
   if (options.up) sweep.up.resize(n);
@@ -139,30 +201,39 @@ void for_each_value(const SweepOptions& options, Sweep& sweep, const SweepHooks&
   const std::size_t total = options.anew ? n : directions * n;
   Progress progress(hooks, total);
   const auto along = [&](bool up, std::size_t k) { return up ? k : n - 1 - k; };
-  const auto settle = [&](bool up, std::size_t i, std::vector<double> before) {
-    auto& point = (up ? sweep.up : sweep.down)[i];
-    auto known = hooks.known ? hooks.known(up, i) : std::nullopt;
-    if (known) {
-      point = std::move(*known);
-    } else {
-      point.end = std::move(before);
-      compute(i, point);
-      progress.finished(up, i, point);
+  const auto settle = [&](bool up, std::size_t first, std::size_t count, const std::vector<double>& before) {
+    auto& points = up ? sweep.up : sweep.down;
+    std::vector<Due> due;
+    for (std::size_t i = first; i < first + count; ++i) {
+      if (auto known = hooks.known ? hooks.known(up, i) : std::nullopt) {
+        points[i] = std::move(*known);
+        progress.advance();
+      } else {
+        points[i].end = before;
+        due.push_back({i, &points[i]});
+      }
     }
-    progress.advance();
+    if (!due.empty()) compute(std::span<const Due>(due));
+    for (const auto& [i, point] : due) {
+      progress.finished(up, i, *point);
+      progress.advance();
+    }
   };
   try {
     if (options.anew) {  // directions do not differ
-      in_parallel(options.threads, n, [&](std::size_t i) {
-        settle(options.up, i, {});
-        if (options.up && options.down) sweep.down[i] = sweep.up[i];
+      in_parallel(options.threads, (n + group - 1) / group, [&](std::size_t g) {
+        const std::size_t first = g * group, count = std::min(group, n - first);
+        settle(options.up, first, count, {});
+        if (options.up && options.down)
+          std::copy_n(sweep.up.begin() + long(first), count, sweep.down.begin() + long(first));
       });
     } else {
       in_parallel(options.threads, directions, [&](std::size_t d) {
         const bool up = options.up && d == 0;
         for (std::size_t k = 0; k < n; ++k) {
           end_if_stopped();
-          settle(up, along(up, k), k == 0 ? std::vector<double>() : (up ? sweep.up : sweep.down)[along(up, k - 1)].end);
+          settle(up, along(up, k), 1,
+                 k == 0 ? std::vector<double>() : (up ? sweep.up : sweep.down)[along(up, k - 1)].end);
         }
       });
     }
@@ -201,7 +272,7 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
       result.thresholds_left_out = fmt::format("thresholds of steady sliding are not marked: {}", error.what());
     }
   }
-  for_each_value(options, result, hooks, [&](std::size_t i, SweepPoint& point) {
+  const auto compute = [&](std::size_t i, SweepPoint& point) {
     try {
       auto model = family(options.axis.values[i]);
       const auto size = std::size_t(oscillators::StructureSystem(model.structure).size());
@@ -222,6 +293,13 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
       point.metrics = undecided_point();
       point.metrics.measures.assign(result.metrics.size(), NAN), point.metrics.measure_errors = point.metrics.measures;
     }
+  };
+  const bool in_lanes =
+      options.anew && options.record == Record::section && lanes::DrivenBlock::of(first.structure).has_value();
+  for_each_value(options, result, hooks, in_lanes ? Batch::size : 1, [&](std::span<const Due> due) {
+    if (in_lanes) Batch(options).run(family, due);
+    for (const auto& [i, point] : due)
+      if (!point->done) compute(i, *point);
   });
   return result;
 }
@@ -230,8 +308,9 @@ Sweep sweep_of_slider(const Model& model, const SweepOptions& options, const Swe
   Sweep result;
   result.metrics = metrics_of_slider(options.metrics);
   for (const double value : options.axis.values) (void)model.with(options.axis.parameter, value);
-  for_each_value(options, result, hooks, [&](std::size_t i, SweepPoint& point) {
-    const Model here = model.with(options.axis.parameter, options.axis.values[i]);
+  for_each_value(options, result, hooks, 1, [&](std::span<const Due> due) {
+    auto& point = *due.front().point;
+    const Model here = model.with(options.axis.parameter, options.axis.values[due.front().value]);
     bool attracts = false;
     try {
       const auto sliding = steady::stability(here);

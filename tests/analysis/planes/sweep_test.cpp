@@ -88,6 +88,35 @@ TEST_CASE("a sweep meets the forced motion of period three, and the irregular on
   for (std::size_t i = 1; i < sorted.size(); ++i) CHECK(sorted[i] - sorted[i - 1] > 1e-8);
 }
 
+TEST_CASE("values that begin anew are the same motions in lanes and one by one", "[sweep]") {
+  auto options = along(0.1, 0.5, 9);
+  options.anew = true, options.transient = 5, options.keep = 4;
+  const auto family = over_belt_speed(forced_belt());
+  const auto in_lanes = sweep(family, options);
+  // A functional keeps a structure out of lanes, and changes nothing of its motion.
+  const auto alone = sweep(
+      [&](double speed) {
+        auto model = family(speed);
+        model.structure.functionals.push_back({"double", "m", Eigen::VectorXd::Constant(1, 2)});
+        return model;
+      },
+      options);
+  REQUIRE(in_lanes.column_names ==
+          std::vector<std::string>{"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"});
+  int stuck = 0;
+  for (std::size_t i = 0; i < in_lanes.up.size(); ++i) {
+    REQUIRE(in_lanes.up[i].columns[0].size() == 4);
+    for (std::size_t n = 0; n < 4; ++n) {
+      const auto& here = in_lanes.up[i].columns;
+      const auto& there = alone.up[i].columns;
+      // Irregular motions part.
+      for (std::size_t c = 0; c < here.size(); ++c) CHECK(here[c][n] == Approx(there[c][n]).margin(1e-6));
+      stuck += here[2][n] == 0;
+    }
+  }
+  CHECK(stuck > 4);
+}
+
 TEST_CASE("extrema of a forced motion are its turning points", "[sweep]") {
   auto options = along(0.1, 0.11, 2);
   options.record = Record::extrema, options.keep = 3;
