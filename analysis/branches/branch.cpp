@@ -35,7 +35,11 @@ Eigen::VectorXcd mode(const Linearised& at, double angular_frequency) {
 class Tracer {
  public:
   Tracer(const Family& family, const BranchOptions& options, Branches& result)
-      : family_(family), options_(options), result_(result) {}
+      : family_(family), options_(options), result_(result) {
+    // Where disturbances grow a thousandfold in an arc, a looser one leaves too little to find the next cycle by.
+    constexpr double loosest = 1e-5;
+    options_.tolerance = std::min(options_.tolerance, loosest);
+  }
 
   ContinuationOptions continuation() const {
     ContinuationOptions options;
@@ -206,7 +210,7 @@ class Tracer {
   }
 
   const Family& family_;
-  const BranchOptions& options_;
+  BranchOptions options_;
   Branches& result_;
 };
 

@@ -28,7 +28,7 @@ Settled settle(const oscillators::Model&, double tolerance);
 
 struct BranchOptions {
   ParameterScale parameter;
-  double tolerance = 1e-8;      ///< relative
+  double tolerance = 1e-8;      ///< relative; 1e-5 at most is used
   int most_points = 1000;       ///< of each branch
   double longest_step = 0.05;   ///< 1 is the range of the parameter, or the size of the cycle
   int doublings = 1;            ///< how many period doublings one after another are followed
