@@ -36,8 +36,8 @@ struct RecordEnd {
 RecordEnd read_record(const RecordSource&,
                       const std::function<void(double sample_rate, std::span<const std::span<const double>>)>& use);
 
-/// While it lives, what is understood of files that are read in this thread is noted, for whoever wants it explained, and
-/// what their numbers are, for whoever must know them again.
+/// While it lives, what is understood of files that are read in this thread is noted, for whoever wants it explained,
+/// and what their numbers are, for whoever must know them again.
 class FilesRead {
  public:
   FilesRead();
