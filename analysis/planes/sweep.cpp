@@ -107,6 +107,10 @@ bool slides(const oscillators::Structure& structure) {
   return std::ranges::all_of(structure.contacts, [](const auto& contact) { return contact.speed.level() != 0; });
 }
 
+std::string thresholds_left_out(const InputError& error) {
+  return fmt::format("thresholds of steady sliding are not marked: {}", error.what());
+}
+
 /// Counts the values that are done, and tells of them.
 class Progress {
  public:
@@ -269,7 +273,7 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
       result.thresholds =
           steady::scan([&](double value) { return steady::stability(family(value).structure); }, sliding).thresholds;
     } catch (const InputError& error) {
-      result.thresholds_left_out = fmt::format("thresholds of steady sliding are not marked: {}", error.what());
+      result.thresholds_left_out = thresholds_left_out(error);
     }
   }
   const auto compute = [&](std::size_t i, SweepPoint& point) {
@@ -307,10 +311,22 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
 Sweep sweep_of_slider(const Model& model, const SweepOptions& options, const SweepHooks& hooks) {
   Sweep result;
   result.metrics = metrics_of_slider(options.metrics);
-  for (const double value : options.axis.values) (void)model.with(options.axis.parameter, value);
+  const auto at = [&](double value) { return model.with(options.axis.parameter, value); };
+  for (const double value : options.axis.values) (void)at(value);
+  try {
+    const auto leading = [&](double value) {
+      const auto sliding = steady::stability(at(value));
+      const auto& first = sliding.eigenvalues.front();
+      return steady::Leading{first.real(), sliding.eigenvalue_errors.front(), std::abs(first.imag())};
+    };
+    for (const auto& crossing : steady::crossings(leading, options.axis.values))
+      result.thresholds.push_back({crossing, {}});
+  } catch (const InputError& error) {
+    result.thresholds_left_out = thresholds_left_out(error);
+  }
   for_each_value(options, result, hooks, 1, [&](std::span<const Due> due) {
     auto& point = *due.front().point;
-    const Model here = model.with(options.axis.parameter, options.axis.values[due.front().value]);
+    const Model here = at(options.axis.values[due.front().value]);
     bool attracts = false;
     try {
       const auto sliding = steady::stability(here);

@@ -24,6 +24,7 @@ std::string journal_header(std::string_view verb, const std::string& key) {
 
 std::string journal_key(const scene::Scene& scene, double tolerance, std::string_view how) {
   std::string key = fmt::format("rosin {}\ntolerance {}\n{}\n", ROSIN_VERSION, tolerance, how);
+  if (scene.files_checksum != 0) key += fmt::format("numbers of files {:016x}\n", scene.files_checksum);
   if (!scene.structure)
     for (const auto& quantity : scene.model.parameters())
       key += fmt::format("{} = {}\n", quantity.name, scene.model.get(quantity.name));

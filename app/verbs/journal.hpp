@@ -17,7 +17,8 @@ namespace rosin::app::verbs {
 std::string journal_header(std::string_view verb, const std::string& key);
 /// The same words that any journal of a verb begins with: "rosin map, ".
 std::string journal_words(std::string_view verb);
-/// Version, tolerance, the scene as resolved, and `how`, such as "exact": two runs with the same have the same result.
+/// Version, tolerance, the scene as resolved, the numbers of files that it names, and `how`, such as "exact": two runs
+/// with the same have the same result.
 std::string journal_key(const scene::Scene&, double tolerance, std::string_view how);
 
 /// A header (everything that determines the result), then records with checksums.

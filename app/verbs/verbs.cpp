@@ -125,6 +125,7 @@ scene::Scene read_scene(const Request& request) {
     throw InputError(scene.placed(error.what()));
   }
   scene.files_read = files.texts;
+  scene.files_checksum = files.checksum;
   scene::write_table(scene.resolved, document, "");
   return scene;
 }

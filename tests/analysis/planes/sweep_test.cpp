@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "analysis/steady/stability.hpp"
 #include "core/stop.hpp"
 #include "laws/catalogue.hpp"
 
@@ -215,6 +216,26 @@ TEST_CASE("a slider without mass is swept by its cycles", "[sweep]") {
   REQUIRE(result.outcome.complete());
   CHECK(std::abs(result.metrics[0].value(result.up[0].metrics) - 22.048104111) < 1e-7);
   CHECK(std::abs(result.metrics[0].value(result.up[1].metrics) - 19.516047457) < 1e-7);
+}
+
+TEST_CASE("a sweep of a slider marks where steady sliding loses its stability, in closed form", "[sweep]") {
+  Model model;
+  model.law = laws::find_law("ageing")->with({0.6, 0.010, 0.015, 1e-6, 1e-6});
+  model.slider = {1, 4500, 0};
+  model.drive.speed = 1e-6;
+  const auto critical = analysis::steady::critical_load(model);
+  REQUIRE(critical);
+  SweepOptions options;
+  options.axis = make_axis("drive.normal_load", 0.8 * critical->normal_load, 1.2 * critical->normal_load, 3, false, {});
+  options.record = Record::metrics, options.metrics = {"period"};
+  const auto result = sweep_of_slider(model, options);
+  REQUIRE(result.thresholds.size() == 1);
+  const auto& threshold = result.thresholds.front();
+  CHECK(threshold.onset);
+  CHECK(std::abs(threshold.value - critical->normal_load) <= threshold.error + 1e-14 * critical->normal_load);
+  CHECK(threshold.angular_frequency == Approx(critical->angular_frequency).epsilon(1e-9));
+  CHECK(result.up.front().metrics.regime == Regime::stable);
+  CHECK(result.up.back().metrics.regime == Regime::cycle);
 }
 
 TEST_CASE("a value at which nothing moves says so, and leaves the others", "[sweep]") {

@@ -5,6 +5,7 @@
 
 #include "app/verbs/sweep_journal.hpp"
 #include "tests/app/command.hpp"
+#include "tests/app/scene_of.hpp"
 
 using Catch::Matchers::Contains;
 using namespace rosin;
@@ -70,6 +71,19 @@ TEST_CASE("a sweep that is interrupted says how to go on, and does not go on fro
   CHECK(other.status == 0);
   CHECK_THAT(other.error, Contains("began another sweep"));
   CHECK(json::parse(content(folder.path / "a/sweep.json"))["outcome"] == "reached the end");
+}
+
+TEST_CASE("a journal belongs to the numbers of the files that its scene names", "[sweep][partial]") {
+  const Folder folder;
+  const auto key_with = [&](const std::string& load) {
+    std::ofstream(folder.path / "load.csv") << "time (s),load (N)\n0,1\n1," + load + "\n";
+    const auto scene = scene_of(ROSIN_SOURCE_DIR "/examples/coulomb-stick-slip.toml",
+                                {"drive.normal_load={ table = '" + (folder.path / "load.csv").string() + "' }"}, "run");
+    return verbs::journal_key(scene, 1e-6, "exact");
+  };
+  const auto key = key_with("2");
+  CHECK(key_with("2") == key);
+  CHECK(key_with("2.0000000000000004") != key);
 }
 
 TEST_CASE("records of a sweep are held to its sizes", "[sweep]") {
