@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/instruction_set.hpp"
@@ -79,8 +80,8 @@ bool DrivenLanes::alike(const DrivenBlock& a, const DrivenBlock& b) {
   return a.law->card().name == b.law->card().name && a.force.terms.size() == b.force.terms.size();
 }
 
-DrivenLanes::DrivenLanes(const DrivenBlock& pattern)
-    : setup_{.unknowns = Unknowns::states}, terms_(pattern.force.terms.size()) {
+DrivenLanes::DrivenLanes(const DrivenBlock& pattern, bool disturb)
+    : setup_{.unknowns = Unknowns::states}, terms_(pattern.force.terms.size()), disturb_(disturb) {
   contact_ = pattern.law->lanes(setup_);
   for (auto& term : terms_) term.fill(0.0);
 }
@@ -134,6 +135,40 @@ void DrivenLanes::begin_stage() {
   });
 }
 
+/// The same of the disturbance: dx′ = −dw, dw′ = (k dx − (c + ∂F/∂w) dw)/m.
+template <int s>
+void DrivenLanes::begin_disturbed_stage() {
+  run_on_lanes([&] {
+    for (int p = 0; p < lane_packs; ++p) {
+      const Pack h = h_.pack[p];
+      if constexpr (s > 0)
+        disturbed_acceleration_[s - 1].pack[p] =
+            per_mass_.pack[p] * (stiffness_.pack[p] * stage_dx_.pack[p] -
+                                 (damping_.pack[p] + slopes_.F_u.pack[p]) * disturbed_slip_rate_[s - 1].pack[p]);
+      if constexpr (s < Method::stages) {
+        Pack rise = 0.0, slipped = 0.0;
+        [&]<std::size_t... j>(std::index_sequence<j...>) __attribute__((always_inline)) {
+          ((Method::a[s][j] != 0 ? (rise = rise + Method::a[s][j] * disturbed_acceleration_[j].pack[p],
+                                    slipped = slipped + Method::a[s][j] * disturbed_slip_rate_[j].pack[p], 0)
+                                 : 0),
+           ...);
+        }
+        (std::make_index_sequence<s>());
+        disturbed_slip_rate_[s].pack[p] = dw_.pack[p] + h * rise;
+        stage_dx_.pack[p] = dx_.pack[p] - h * slipped;
+      } else {
+        Pack rise = 0.0, slipped = 0.0;
+        for (int j = 0; j < Method::stages; ++j) {
+          rise = rise + Method::b[j] * disturbed_acceleration_[j].pack[p];
+          slipped = slipped + Method::b[j] * disturbed_slip_rate_[j].pack[p];
+        }
+        next_dw_.pack[p] = dw_.pack[p] + h * rise;
+        next_dx_.pack[p] = dx_.pack[p] - h * slipped;
+      }
+    }
+  });
+}
+
 void DrivenLanes::decide() {
   constexpr double order = Method::estimate_order;
   run_on_lanes([&] {
@@ -172,12 +207,18 @@ void DrivenLanes::attempt() {
     const auto stage = [&]<int number>(std::integral_constant<int, number>) {
       begin_stage<number>();
       in.slip_rate = slip_rate_[number];
-      contact_->evaluate(in, nullptr, nullptr, friction_);
+      if (disturb_) {
+        begin_disturbed_stage<number>();
+        contact_->linearise(in, nullptr, nullptr, friction_, slopes_);
+      } else {
+        contact_->evaluate(in, nullptr, nullptr, friction_);
+      }
     };
     (stage(std::integral_constant<int, int(s)>()), ...);
   }
   (std::make_index_sequence<Method::stages>());
   begin_stage<Method::stages>();
+  if (disturb_) begin_disturbed_stage<Method::stages>();
   decide();
 }
 
@@ -225,6 +266,7 @@ void DrivenLanes::follow(int lane) {
   at.step = h * factor_[lane] > at.step || h >= at.step ? h * factor_[lane] : at.step;
   at.stalls = 0;
   x_.set(lane, next_x_[lane]), w_.set(lane, next_w_[lane]);
+  dx_.set(lane, next_dx_[lane]), dw_.set(lane, next_dw_[lane]);
   time_.set(lane, time_[lane] + h);
   if (arrived && !arrive(lane, slip_along(direction))) return;
   plan_step(lane);
@@ -238,23 +280,40 @@ void DrivenLanes::end_slip(int lane, double left) {
   const double x = next_x_[lane] + left * (speed_[lane] - 0.5 * next_w_[lane]);
   at.stalls = h < 1e-9 * at.motion->block.period ? at.stalls + 1 : 0;
   if (at.stalls > most_stalls) return give_up(lane, "slip ends as it begins");
-  if (h > 0) x_.set(lane, x);
+  const int last = Method::stages - 1;
+  if (h > 0) {
+    x_.set(lane, x);
+    dx_.set(lane, next_dx_[lane] - left * next_dw_[lane]);
+    dw_.set(lane, next_dw_[lane] + left * disturbed_acceleration_[last][lane]);
+  }
   w_.set(lane, 0);
   time_.set(lane, time_[lane] + std::max(h, 0.0));
-  settle(lane);
+  settle(lane, acceleration_[last][lane]);
 }
 
-void DrivenLanes::settle(int lane) {
+void DrivenLanes::settle(int lane, double before) {
   auto& at = lanes_[lane];
   for (;;) {
     const double period = at.motion->block.period, t = time_[lane], x = x_[lane], V = speed_[lane];
     const double holding = held(lane, t, x);
-    if (std::abs(holding) > at.limit * (1 + 1e-14)) return slip(lane, holding);
+    // A disturbance shifts the moment of a switch, and with it that from which another acceleration counts: the
+    // disturbance of the slip rate becomes dw + (before − after) × shift (Aizerman & Gantmakher 1958).
+    const auto acceleration = [&](double force) {
+      return per_mass_[lane] * (force - std::copysign(at.kinetic, force));
+    };
+    if (std::abs(holding) > at.limit * (1 + 1e-14)) {
+      dw_.set(lane, dw_[lane] * acceleration(holding) / before);
+      return slip(lane, holding);
+    }
+    dw_.set(lane, 0);
     const double stuck = time_to_release(lane, period - t);
     x_.set(lane, x + V * stuck);
     if (t + stuck < period) {
       time_.set(lane, t + stuck);
-      return slip(lane, held(lane, t + stuck, x_[lane]));
+      const double released = held(lane, t + stuck, x_[lane]);
+      const double rate = stiffness_[lane] * V - force_rate(lane, t + stuck);
+      dw_.set(lane, acceleration(released) * stiffness_[lane] * dx_[lane] / rate);
+      return slip(lane, released);
     }
     time_.set(lane, period);
     if (!arrive(lane, ContactMode::stick)) return;
@@ -303,7 +362,13 @@ bool DrivenLanes::arrive(int lane, ContactMode contact) {
   auto& motion = *at.motion;
   time_.set(lane, 0);
   at.attempts = 0;
-  if (++at.passed > motion.transient) motion.moments.push_back({x_[lane], w_[lane], contact});
+  const bool recorded = ++at.passed > motion.transient;
+  if (recorded) motion.moments.push_back({x_[lane], w_[lane], contact});
+  if (disturb_) {
+    const double along = dx_[lane] / at.size, across = dw_[lane] / at.speed_size, grown = std::hypot(along, across);
+    if (recorded) motion.growth.push_back({std::log(grown), along / grown, across / grown});
+    dx_.set(lane, dx_[lane] / grown), dw_.set(lane, dw_[lane] / grown);
+  }
   if (at.passed < motion.transient + motion.keep) return true;
   motion.displacement = x_[lane], motion.slip_rate = w_[lane];
   --active_;
@@ -332,7 +397,7 @@ void DrivenLanes::begin(int lane) {
   at.fresh = false;
   auto& motion = *at.motion;
   const auto& block = motion.block;
-  motion.moments.clear();
+  motion.moments.clear(), motion.growth.clear();
   contact_->load(lane, block.law->values(), setup_);
   mean_.set(lane, block.force.value);
   double swing = std::abs(block.force.value), fastest = std::sqrt(block.stiffness / block.mass);
@@ -346,12 +411,14 @@ void DrivenLanes::begin(int lane) {
   per_mass_.set(lane, 1 / block.mass), stiffness_.set(lane, block.stiffness), damping_.set(lane, block.damping);
   speed_.set(lane, block.speed), load_.set(lane, block.load);
   at.limit = block.load * block.law->static_limit(block.load);
+  at.kinetic = block.load * block.law->friction({std::numeric_limits<double>::min(), block.load}, {});
   at.size = std::max((swing + at.limit) / block.stiffness, std::abs(motion.displacement));
   at.speed_size = std::max(std::abs(block.speed), at.size * std::sqrt(block.stiffness / block.mass));
   size_.set(lane, at.size), speed_size_.set(lane, at.speed_size), tolerance_.set(lane, motion.tolerance);
   at.step = 0.1 / fastest;
   x_.set(lane, motion.displacement), w_.set(lane, motion.slip_rate), time_.set(lane, 0);
-  if (motion.slip_rate == 0) return settle(lane);
+  dx_.set(lane, at.size), dw_.set(lane, 0);
+  if (motion.slip_rate == 0) return settle(lane, 1);
   direction_.set(lane, std::copysign(1.0, motion.slip_rate));
   plan_step(lane);
 }

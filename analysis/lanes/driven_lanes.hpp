@@ -37,7 +37,12 @@ struct DrivenMotion {
     ContactMode contact;
   };
   std::vector<Moment> moments;  ///< at the end of each period that is recorded
-  std::string why;              ///< the motion could not be followed to its end; else empty
+  struct Growth {
+    double logarithm;      ///< of what a disturbance has grown by in a period of the force
+    double along, across;  ///< its displacement and slip rate at the end, in sizes of the motion: a unit vector
+  };
+  std::vector<Growth> growth;  ///< in each period that is recorded, if asked
+  std::string why;             ///< the motion could not be followed to its end; else empty
 };
 
 /// Follows motions 32 at a time; a lane that has finished one takes the next. Slip by an explicit method of order 8,
@@ -48,16 +53,17 @@ class DrivenLanes {
   /// Whether motions of both may be followed at once.
   static bool alike(const DrivenBlock&, const DrivenBlock&);
   /// \param pattern  any of the blocks; all must be alike
-  explicit DrivenLanes(const DrivenBlock& pattern);
+  /// \param disturb  carries a disturbance along each motion, exact through the ends of slip and stick
+  explicit DrivenLanes(const DrivenBlock& pattern, bool disturb = false);
   /// \throws Stopped if the thread was asked to stop.
   void run(std::span<DrivenMotion>);
 
  private:
   using Method = solvers::lanes::DormandPrince8;
   struct Lane {
-    DrivenMotion* motion = nullptr;  ///< nullptr: idle
-    bool fresh = false;              ///< has not begun
-    double limit = 0;                 ///< N, of the friction that holds
+    DrivenMotion* motion = nullptr;   ///< nullptr: idle
+    bool fresh = false;               ///< has not begun
+    double limit = 0, kinetic = 0;    ///< N, of the friction that holds
     double bend = 0;                  ///< N/s², bound of f″
     double size = 1, speed_size = 1;  ///< m, m/s: what errors are measured by
     double step = 0;                  ///< s, that accuracy allows
@@ -70,12 +76,16 @@ class DrivenLanes {
   void attempt();
   template <int stage>
   void begin_stage();
+  template <int stage>
+  void begin_disturbed_stage();
   void decide();
+  void decide_disturbed();
   /// What the last try means for a lane.
   void follow(int lane);
   void end_slip(int lane, double left);
   /// From rest: stick until the force releases the contact, period after period, or slip at once.
-  void settle(int lane);
+  /// \param before  slip acceleration with which the contact came to rest, m/s²
+  void settle(int lane, double before);
   void slip(int lane, double direction);
   void plan_step(int lane);
   /// Time until the contact is released, or `most` (s).
@@ -99,6 +109,10 @@ class DrivenLanes {
   Lanes stage_x_{}, force_{}, friction_{};
   std::array<Lanes, Method::stages> slip_rate_{}, acceleration_{};
   Lanes next_x_{}, next_w_{}, error_{}, factor_{};  ///< error over the tolerance; factor of the next step
+  bool disturb_;
+  Slopes<Lanes> slopes_{};
+  Lanes dx_ = 0.0, dw_ = 0.0, stage_dx_{}, next_dx_{}, next_dw_{};  ///< of displacement and slip rate
+  std::array<Lanes, Method::stages> disturbed_slip_rate_{}, disturbed_acceleration_{};
   std::array<Lane, lane_count> lanes_;
   std::span<DrivenMotion> waiting_;
   int active_ = 0;

@@ -3,9 +3,11 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "analysis/cycles/section_map.hpp"
+#include "analysis/lanes/driven_exponents.hpp"
 #include "laws/catalogue.hpp"
 #include "oscillators/model.hpp"
 
@@ -96,4 +98,44 @@ TEST_CASE("forced blocks in lanes move as each does by itself, under every law w
   CHECK(near > 140);
   CHECK(stuck > 50);
   CHECK(backward > 50);
+}
+
+TEST_CASE("exponents in lanes are those of multipliers, and of independent averages", "[lanes]") {
+  const auto at = [](const char* law, std::vector<Value> values, double speed, double amplitude, double damping) {
+    motion::StructureModel model{
+        forced(laws::find_law(law)->with(std::move(values)), speed, {0, {{amplitude, 2, 0}}}, damping), {}};
+    model.start.kind = motion::Start::Kind::rest;
+    return model;
+  };
+  const std::vector<Value> belt{1.0, 3.0};
+  // Two that stick and repeat (multiplier -0.2574062 in three periods), one that does not (0.0731(4), by 4e5 s of an
+  // integrator with saltation, and by the slope of the map from release to release).
+  const std::vector<motion::StructureModel> models{at("hyperbolic", belt, 0.1, 0.5, 0),
+                                                   at("hyperbolic", belt, 0.4, 0.5, 0)};
+  const auto found = lanes::driven_exponents(models, {.duration = 20000, .transient = 400, .accuracy = 1e-9});
+  REQUIRE((found[0] && found[1]));
+  CHECK(found[0]->returns == 3);
+  CHECK(std::abs(found[0]->value + 0.1439927) < 1e-7);
+  CHECK(found[0]->error < 1e-7);
+  CHECK(found[1]->returns == 0);
+  CHECK(std::abs(found[1]->value - 0.0731) < 3 * std::hypot(found[1]->error, 0.0004));
+  CHECK(found[1]->error < 0.003);
+
+  // Dry friction on ground at rest turns slip round without stick: exponents by multipliers of the cycle. And contacts
+  // that let go at a jump, 0.4 to 0.25.
+  std::vector<motion::StructureModel> others{
+      at("coulomb", {0.3, 0.3}, 0, 1.2, 0.02), at("coulomb", {0.4, 0.25}, 0.2, 0.9, 0.05),
+      at("coulomb", {0.4, 0.25}, 0.05, 1.5, 0.05), at("coulomb", {0.3, 0.3}, 0.3, 2, 0.1)};
+  const auto exponents = lanes::driven_exponents(others, {.duration = 600, .transient = 600, .accuracy = 1e-9});
+  int compared = 0;
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const auto cycle = cycles::find_cycle(others[i], {.tolerance = 1e-9});
+    INFO(i);
+    REQUIRE(exponents[i]);
+    if (!cycle.outcome.complete() || !(std::abs(cycle.multipliers.front()) > 1e-3)) continue;
+    CHECK(exponents[i]->returns == cycle.returns);
+    CHECK(std::abs(exponents[i]->value - std::log(std::abs(cycle.multipliers.front())) / (cycle.returns * std::numbers::pi)) < 1e-6);
+    ++compared;
+  }
+  CHECK(compared >= 2);
 }
