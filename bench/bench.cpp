@@ -37,6 +37,7 @@ std::string style(const std::string& solver) {
                             {"rosin, closed form", "#000000", 3, 3},
                             {"rosin, events", "#000000", 14, 14},
                             {"CVODE Adams", "#56B4E9", 13, 12},
+                            {"CVODE BDF", "#0072B2", 5, 4},
                             {"meijaard", "#009E73", 15, 14},
                             {"cfm", "#999999", 1, 1},
                             {"o-fbfm", "#E69F00", 11, 10},
@@ -48,6 +49,8 @@ std::string style(const std::string& solver) {
                             {"rosin, swept sine", "#000000", 7, 7},
                             {"rosin, explicit", "#000000", 3, 3},
                             {"rosin, collocation", "#000000", 14, 14},
+                            {"rosin, average acceleration", "#000000", 1, 1},
+                            {"rosin, generalised-alpha", "#000000", 14, 14},
                             {"rosin, friction curve", "#000000", 7, 7},
                             {"rosin, temperature", "#000000", 5, 4},
                             {"loop by hand, friction curve", "#0072B2", 7, 6},
@@ -74,10 +77,11 @@ struct Bench {
   std::string_view name;
   Record (*run)(const Settings&, const SciPy&, const fs::path& curves);
 };
-constexpr std::array benches{
-    Bench{"branch", bench_branch},     Bench{"chain", bench_chain},           Bench{"cycle", bench_cycle},
-    Bench{"history", bench_history},   Bench{"plane", bench_plane},           Bench{"response", bench_response},
-    Bench{"sections", bench_sections}, Bench{"stick-slip", bench_stick_slip}, Bench{"string", bench_string}};
+constexpr std::array benches{Bench{"block", bench_block},           Bench{"branch", bench_branch},
+                             Bench{"chain", bench_chain},           Bench{"cycle", bench_cycle},
+                             Bench{"history", bench_history},       Bench{"plane", bench_plane},
+                             Bench{"response", bench_response},     Bench{"sections", bench_sections},
+                             Bench{"stick-slip", bench_stick_slip}, Bench{"string", bench_string}};
 
 /// A gnuplot script of its own, to be restyled at will, and its SVG and PNG.
 bool draw(const fs::path& stem, const std::vector<Panel>& panels) {

@@ -127,6 +127,7 @@ struct Record {
 /// each instruction set.
 json lane_steps(const Settings&);
 // A bench leaves its curves in the file `curves`; SciPy takes part where a bench asks it.
+Record bench_block(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_branch(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_chain(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_cycle(const Settings&, const SciPy&, const std::filesystem::path& curves);

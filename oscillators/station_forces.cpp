@@ -36,6 +36,17 @@ StationForces::StationForces(const Structure& structure) : structure_(structure)
     }
     if (from.area.size() > 0) contact.area = from.area.sum();
   }
+  std::vector<Eigen::Triplet<double>> of_loads;
+  for (std::size_t j = 0; j < contacts_.size(); ++j) {
+    if (!contacts_[j].presses()) continue;
+    const FrictionContact& from = structure.contacts[j];
+    const VectorXd along = from.load_along.size() > 0 ? from.load_along : VectorXd(from.normal.col(0));
+    for (Eigen::Index i = 0; i < along.size(); ++i)
+      if (along[i] != 0) of_loads.emplace_back(int(i), int(pressing_.size()), along[i]);
+    pressing_.push_back(int(j));
+  }
+  directions_.resize(structure.size(), Eigen::Index(pressing_.size()));
+  directions_.setFromTriplets(of_loads.begin(), of_loads.end());
   B_.resize(Eigen::Index(area.size()), structure.size());
   B_.setFromTriplets(entries.begin(), entries.end());
   area_ = Eigen::Map<VectorXd>(area.data(), Eigen::Index(area.size()));
@@ -49,17 +60,10 @@ double StationForces::load(int contact, double t) const {
   return of.load_factor * of.normal_load.value(t);
 }
 
-namespace {
-VectorXd direction_of_load(const FrictionContact& contact) {
-  return contact.load_along.size() > 0 ? contact.load_along : VectorXd(contact.normal.col(0));
-}
-}  // namespace
-
 VectorXd StationForces::dead_load(double t) const {
-  VectorXd sum = VectorXd::Zero(structure_.size());
-  for (std::size_t j = 0; j < contacts_.size(); ++j)
-    if (contacts_[j].presses()) sum += load(int(j), t) * direction_of_load(structure_.contacts[j]);
-  return sum;
+  VectorXd loads(Eigen::Index(pressing_.size()));
+  for (std::size_t i = 0; i < pressing_.size(); ++i) loads[Eigen::Index(i)] = load(pressing_[i], t);
+  return directions_ * loads;
 }
 
 void StationForces::evaluate(double t, const VectorXd& place, const VectorXd& rate, Forces& forces,

@@ -49,6 +49,8 @@ class StationForces {
   std::vector<Contact> contacts_;
   std::vector<std::unique_ptr<rosin::Contact<double>>> law_;
   Eigen::SparseMatrix<double> B_;
+  std::vector<int> pressing_;               ///< contacts that press
+  Eigen::SparseMatrix<double> directions_;  ///< in which their dead loads act
   Eigen::VectorXd area_, gap_;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,8 @@ struct RunEvent {
   double speed = 0;                         ///< m/s, before an impact
 };
 
+struct Frames;
+
 struct Run {
   Outcome outcome;
   std::vector<double> time;
@@ -46,10 +49,11 @@ struct Run {
   std::vector<double> column_error;          ///< largest absolute difference to a run at a smaller tolerance
   std::vector<double> column_size;  ///< reference size of column_error, for a run at two tolerances; else empty
   std::vector<RunEvent> events;
-  std::map<std::string, double> metrics;  ///< metrics of the record: extremes, means, stick time
-  std::string solver;                     ///< the solver used
-  std::string why;                        ///< reason for this solver; time of a handover to another
-  std::string remark;                     ///< a remark on the motion; mostly empty
+  std::map<std::string, double> metrics;           ///< metrics of the record: extremes, means, stick time
+  std::shared_ptr<const Frames> oscillation = {};  ///< of a motion by steps, its last whole one (last_oscillation.hpp)
+  std::string solver;                              ///< the solver used
+  std::string why;                                 ///< reason for this solver; time of a handover to another
+  std::string remark;                              ///< a remark on the motion; mostly empty
   struct Cost {
     long steps = 0, evaluations = 0;
   } cost;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/motion/last_oscillation.hpp"
 #include "analysis/motion/stepper.hpp"
 #include "analysis/steady/sliding_modes.hpp"
 #include "core/stop.hpp"
@@ -23,6 +24,7 @@ struct Seen {
   VectorXd functionals, pressures, slip_rates;  ///< of each contact
   double friction = 0, load = 0, stick = 0, open = 0, pressure_min = infinity;
   bool all_stick = false;
+  std::vector<Touch> touch;  ///< of each station
 };
 
 class Observer {
@@ -59,10 +61,10 @@ class Observer {
       for (int s = first; s < first + stations; ++s) {
         const double part = contacts_.area(s) / area_;
         seen.pressure_min = std::min(seen.pressure_min, -value[s] / contacts_.area(s));
-        if (contacts_.approach(s, place) <= 0)
-          seen.open += part;
-        else if (closed = true; sticks)
-          seen.stick += part;
+        const Touch touch = contacts_.approach(s, place) <= 0 ? Touch::open : sticks ? Touch::sticks : Touch::slips;
+        seen.touch.push_back(touch);
+        seen.open += touch == Touch::open ? part : 0, seen.stick += touch == Touch::sticks ? part : 0;
+        closed = closed || touch != Touch::open;
       }
       seen.all_stick = seen.all_stick && (sticks || !closed);
     }
@@ -127,7 +129,7 @@ class StepAudit {
 
   const StationForces& contacts_;
   const Structure& structure_;
-  Sparse C_, symmetric_, skew_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> C_, symmetric_, skew_;
   double before_ = 0, work_ = 0;
   Power power_;
 };
@@ -158,6 +160,11 @@ class Averages {
       }
     }
     before_ = seen.functionals;
+  }
+  /// Over its mean over the second quarter, in the second half.
+  std::optional<double> departure(Eigen::Index functional, const Seen& seen) const {
+    if (count_ == 0) return std::nullopt;
+    return seen.functionals[functional] - level_[functional];
   }
   void write(const std::vector<std::string>& names, bool presses, std::map<std::string, double>& metrics) const {
     if (count_ == 0) return;
@@ -190,6 +197,7 @@ struct Pass {
   std::vector<double> time;
   std::vector<std::vector<double>> columns;
   std::map<std::string, double> metrics;
+  Frames oscillation;
   Run::Cost cost;
 };
 
@@ -230,6 +238,9 @@ Pass follow(const StructureModel& model, const RunOptions& options, const Statio
   StepAudit audit(structure, contacts);
   const double end = std::max(options.duration, times.back());
   Averages averages(end, observer.functionals());
+  // Oscillations are told by the last functional, the tilt of a block.
+  LastOscillation oscillation;
+  const auto told_by = Eigen::Index(structure.functionals.size()) - 1;
   Pass pass;
   std::vector<std::string> units;
   const auto names = names_of(structure, units);
@@ -266,6 +277,8 @@ Pass follow(const StructureModel& model, const RunOptions& options, const Statio
     seen = observer.see(*stepper);
     audit.add(*stepper, step);
     averages.add(stepper->time(), step, seen);
+    if (const auto place = told_by >= 0 ? averages.departure(told_by, seen) : std::nullopt)
+      oscillation.add(*place, stepper->time(), stepper->coordinates(), seen.touch, seen.friction, seen.load);
     const VectorXd now = values_of(seen);
     for (; next < times.size() && times[next] <= stepper->time() + same_moment * step;) {
       const double part = (times[next] - t) / step;
@@ -279,6 +292,7 @@ Pass follow(const StructureModel& model, const RunOptions& options, const Statio
   averages.write(names, presses, pass.metrics);
   pass.metrics["energy_residual"] = audit.residual(*stepper);
   pass.metrics["friction_work"] = audit.heat;
+  pass.oscillation = oscillation.whole();
   return pass;
 }
 
@@ -310,6 +324,7 @@ Run run_stepped(const StructureModel& model, const RunOptions& options) {
     run.remark =
         "the motion starts in steady sliding, which nothing disturbs; to see what becomes of a disturbance, start "
         "beside it (run.start)";
+  if (!pass.oscillation.empty()) run.oscillation = std::make_shared<const Frames>(std::move(pass.oscillation));
   run.time = pass.time, run.columns = pass.columns, run.metrics = pass.metrics, run.cost = pass.cost;
   run.column_error.assign(run.columns.size(), infinity);
   if (!pass.outcome.complete()) return run;

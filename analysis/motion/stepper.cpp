@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
+#include <optional>
+
+#include "analysis/motion/row_solver.hpp"
 
 namespace rosin::analysis::motion {
 
@@ -13,12 +15,31 @@ namespace {
 using Eigen::MatrixXd, Eigen::VectorXd;
 using oscillators::StationForces, oscillators::Structure;
 using Sparse = Eigen::SparseMatrix<double>;
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;  // whose products gather
 
-VectorXd external_force(const Structure& structure, const StationForces& contacts, double t) {
-  VectorXd f = contacts.dead_load(t);
-  for (std::size_t i = 0; i < structure.force.size(); ++i) f[Eigen::Index(i)] += structure.force[i].value(t);
-  return f;
-}
+/// Dead loads and the drive's forces, which mostly stay the same.
+class ExternalForce {
+ public:
+  ExternalForce(const Structure& structure, const StationForces& contacts)
+      : structure_(structure), contacts_(contacts), constant_(structure.constant()) {
+    sum_ = sum(0);
+  }
+  const VectorXd& at(double t) {
+    if (!constant_) sum_ = sum(t);
+    return sum_;
+  }
+
+ private:
+  VectorXd sum(double t) const {
+    VectorXd f = contacts_.dead_load(t);
+    for (std::size_t i = 0; i < structure_.force.size(); ++i) f[Eigen::Index(i)] += structure_.force[i].value(t);
+    return f;
+  }
+  const Structure& structure_;
+  const StationForces& contacts_;
+  bool constant_;
+  VectorXd sum_;
+};
 
 /// (1 − α_m) M a₊ + α_m M a = (1 − α_f) R₊ + α_f R with all other forces R, q₊ = q + h v + h² ((½ − β) a + β a₊),
 /// v₊ = v + h ((1 − γ) a + γ a₊).
@@ -39,159 +60,123 @@ class ImplicitStepper final : public Stepper {
  public:
   ImplicitStepper(const Structure& structure, const StationForces& contacts, const Stepping& stepping,
                   const VectorXd& q, const VectorXd& v)
-      : structure_(structure),
-        contacts_(contacts),
+      : external_(structure, contacts),
         h_(stepping.step),
         w_(weights_of(stepping)),
         M_(structure.M.sparseView()),
         C_(structure.C.sparseView()),
-        K_(structure.K.sparseView()) {
+        K_(structure.K.sparseView()),
+        B_(contacts.rows()) {
     q_ = q, v_ = v;
-    const Sparse A = (1 - w_.alpha_m) * M_ + (1 - w_.alpha_f) * h_ * (w_.gamma * C_ + w_.beta * h_ * K_);
-    lu_.compute(A);
-    const Sparse& B = contacts_.rows();
-    from_rows_ = lu_.solve(MatrixXd(B.transpose()));
-    G_ = B * from_rows_;
-    place_ = B * q_, rate_ = B * v_;
-    contacts_.evaluate(0, place_, rate_, forces_);
-    others_ = other_forces(0, q_, v_);
-    const Eigen::SparseLU<Sparse> of_mass(M_);
-    a_ = of_mass.solve(others_ + B.transpose() * forces_.value);
+    const SparseRows A = (1 - w_.alpha_m) * M_ + (1 - w_.alpha_f) * h_ * (w_.gamma * C_ + w_.beta * h_ * K_);
+    lu_.compute(Sparse(A));
+    from_rows_ = (1 - w_.alpha_f) * lu_.solve(MatrixXd(B_.transpose()));
+    rows_.emplace(contacts, B_ * from_rows_, w_.beta * h_ * h_, w_.gamma * h_);
+    contacts.evaluate(0, B_ * q_, B_ * v_, forces_);
+    all_forces_ = other_forces(0, q_, v_) + B_.transpose() * forces_.value;
+    const Eigen::SparseLU<Sparse> of_mass{Sparse(M_)};
+    a_ = of_mass.solve(all_forces_);
     kinetic_energy_ = v_.dot(M_ * v_) / 2;
   }
 
   Outcome advance() override {
-    const Sparse& B = contacts_.rows();
-    const double t = t_ + h_, kept = 1 - w_.alpha_f;
-    const VectorXd q = q_ + h_ * v_ + h_ * h_ * (0.5 - w_.beta) * a_, v = v_ + h_ * (1 - w_.gamma) * a_;
+    const double t = t_ + h_;
+    q_ += h_ * v_ + h_ * h_ * (0.5 - w_.beta) * a_, v_ += h_ * (1 - w_.gamma) * a_;
     // Without the contacts at the end of the step.
-    const VectorXd a = lu_.solve(kept * other_forces(t, q, v) + w_.alpha_f * (others_ + B.transpose() * forces_.value) -
-                                 w_.alpha_m * (M_ * a_));
-    const VectorXd place = B * q, rate = B * v, free = B * a;
-    const double by_place = w_.beta * h_ * h_, by_rate = w_.gamma * h_;
-    // Accelerations of the rows: x = free + kept G f(place + β h² x, rate + γ h x).
-    VectorXd x = B * a_;
-    const auto residual = [&](const VectorXd& x, StationForces::Forces& forces) -> VectorXd {
-      contacts_.evaluate(t, place + by_place * x, rate + by_rate * x, forces);
-      return x - free - kept * (G_ * forces.value);
-    };
-    VectorXd r = residual(x, forces_);
-    constexpr int most_iterations = 60;
-    constexpr double rounding = 1e-14, least_part = 1e-4;
-    for (int iteration = 0;; ++iteration) {
-      const double size = r.cwiseAbs().maxCoeff(), terms = x.cwiseAbs().maxCoeff() + free.cwiseAbs().maxCoeff() +
-                                                           (G_.cwiseAbs() * forces_.value.cwiseAbs()).maxCoeff();
-      if (size <= accuracy * (x.cwiseAbs().maxCoeff() + free.cwiseAbs().maxCoeff()) || size <= rounding * terms) break;
-      if (iteration == most_iterations || !std::isfinite(size))
-        return {std::isfinite(size) ? Ending::tolerance_not_met : Ending::not_finite,
-                fmt::format("Newton's method did not solve the step to t = {:.9g} s of {:.3g} s; give a shorter one", t,
-                            h_)};
-      ++iterations_;
-      const MatrixXd slope = MatrixXd::Identity(x.size(), x.size()) -
-                             kept * G_ * (by_place * forces_.by_place + by_rate * forces_.by_rate);
-      const VectorXd change = -slope.partialPivLu().solve(r);
-      // Slopes jump where a station opens or begins to slip: a shorter change then goes further.
-      double part = 1;
-      VectorXd next_r;
-      for (;; part /= 2) {
-        next_r = residual(x + part * change, forces_);
-        if (next_r.norm() < r.norm() || part < least_part) break;
-      }
-      const bool stalls = next_r.norm() >= r.norm();
-      x += part * change, r = next_r;
-      if (stalls && size <= 1e3 * rounding * terms) break;
-    }
-    a_ = a + kept * (from_rows_ * forces_.value);
-    q_ = q + by_place * a_, v_ = v + by_rate * a_;
-    t_ = t;
-    others_ = other_forces(t_, q_, v_);
+    VectorXd from = (1 - w_.alpha_f) * other_forces(t, q_, v_);
+    if (w_.alpha_f != 0) from += w_.alpha_f * all_forces_;
+    if (w_.alpha_m != 0) from -= w_.alpha_m * (M_ * a_);
+    x_ = B_ * a_;
+    a_ = lu_.solve(from);
+    rows_->place = B_ * q_, rows_->rate = B_ * v_, rows_->free = B_ * a_;
+    if (const auto outcome = rows_->solve(t, x_, forces_); !outcome.complete()) return outcome;
+    a_ += from_rows_ * forces_.value;
+    q_ += w_.beta * h_ * h_ * a_, v_ += w_.gamma * h_ * a_;
+    t_ = t, iterations_ = rows_->iterations();
+    if (w_.alpha_f != 0) all_forces_ = other_forces(t_, q_, v_) + B_.transpose() * forces_.value;
     kinetic_energy_ = v_.dot(M_ * v_) / 2;
     return {};
   }
 
  private:
-  static constexpr double accuracy = 1e-12;
-
-  VectorXd other_forces(double t, const VectorXd& q, const VectorXd& v) const {
-    return external_force(structure_, contacts_, t) - K_ * q - C_ * v;
+  VectorXd other_forces(double t, const VectorXd& q, const VectorXd& v) {
+    VectorXd f = external_.at(t);
+    f.noalias() -= K_ * q;
+    f.noalias() -= C_ * v;
+    return f;
   }
 
-  const Structure& structure_;
-  const StationForces& contacts_;
+  ExternalForce external_;
   double h_;
   Weights w_;
-  Sparse M_, C_, K_;
+  SparseRows M_, C_, K_, B_;
   Eigen::SparseLU<Sparse> lu_;
-  MatrixXd from_rows_, G_;
-  VectorXd a_, others_, place_, rate_;
+  MatrixXd from_rows_;  ///< accelerations by forces on the rows at the end of the step
+  std::optional<RowSolver> rows_;
+  VectorXd a_, all_forces_, x_;
 };
 
-/// v₊ = v + h M⁻¹ (f − K q − C v + contacts(q, v)), q₊ = q + h v₊, v half a step before q.
+/// v₊ = v + h a, q₊ = q + h v₊, v half a step before q, M a = f − K q − C v + contacts(q, (v + v₊)/2): friction on a
+/// station answers to the mean of both velocities, so that stick sets no bound to the step.
 class ExplicitStepper final : public Stepper {
  public:
   ExplicitStepper(const Structure& structure, const StationForces& contacts, const Stepping& stepping,
                   const VectorXd& q, const VectorXd& v)
-      : structure_(structure),
-        contacts_(contacts),
+      : contacts_(contacts),
+        external_(structure, contacts),
         h_(stepping.step),
-        width_(stepping.stick_width),
         mass_(structure.M.diagonal()),
+        B_(contacts.rows()),
         C_(structure.C.sparseView()),
         K_(structure.K.sparseView()),
-        rows_to_coordinates_(contacts.rows().transpose()),
-        limits_(explicit_limits(structure, contacts, q)) {
+        from_rows_(mass_.cwiseInverse().asDiagonal() * Sparse(contacts.rows().transpose())),
+        rows_(contacts, MatrixXd(B_ * from_rows_), 0, h_ / 2) {
     if (!structure.M.isDiagonal(0))
       throw InputError(
           "solver.scheme = \"explicit\" needs a diagonal mass matrix (oscillator.mass_matrix = \"lumped\")");
-    if (h_ > limits_.slipping)
+    if (const double longest = longest_explicit_step(structure, contacts, q); h_ > longest)
       throw InputError(fmt::format(
           "solver.step = {:.4g} s of explicit steps is longer than {:.6g} s, beyond which the fastest vibration of the "
           "structure grows without bound; give a shorter one, or an implicit scheme",
-          h_, limits_.slipping));
-    q_ = q, half_ = v, v_ = v;
-    half_ -= h_ / 2 * acceleration();
-    settle();
+          h_, longest));
+    q_ = q, v_ = v;
+    contacts_.evaluate(0, B_ * q_, B_ * v_, forces_);
+    const VectorXd a = other_accelerations(0, v_) + from_rows_ * forces_.value;
+    half_ = v_ - h_ / 2 * a, next_half_ = v_ + h_ / 2 * a;
+    x_ = B_ * a;
+    kinetic_energy_ = half_.dot(mass_.cwiseProduct(next_half_)) / 2;
   }
 
   Outcome advance() override {
-    half_ = next_half_;
+    half_.swap(next_half_);
     q_ += h_ * half_;
-    t_ += h_;
-    settle();
+    const VectorXd a = other_accelerations(t_ + h_, half_);
+    rows_.place = B_ * q_, rows_.rate = B_ * half_, rows_.free = B_ * a;
+    if (const auto outcome = rows_.solve(t_ + h_, x_, forces_); !outcome.complete()) return outcome;
+    next_half_ = half_ + h_ * (a + from_rows_ * forces_.value);
+    // Velocity and energy in the middle of the half steps, of second order in h.
+    v_ = (half_ + next_half_) / 2;
+    kinetic_energy_ = half_.dot(mass_.cwiseProduct(next_half_)) / 2;
+    t_ += h_, iterations_ = rows_.iterations();
     if (!std::isfinite(kinetic_energy_)) return {Ending::not_finite, fmt::format("at t = {:.9g} s", t_)};
-    if (h_ > limits_.sticking)
-      for (std::size_t j = 0; j < contacts_.contacts().size(); ++j)
-        if (const int slip = contacts_.contacts()[j].slip;
-            forces_.value[slip] != 0 && std::abs(contacts_.speed(int(j), t_) - rate_[slip]) < width_)
-          return {Ending::tolerance_not_met,
-                  fmt::format("contact {} came to stick at t = {:.6g} s, where explicit steps must be shorter than "
-                              "{:.3g} s",
-                              j + 1, t_, limits_.sticking)};
     return {};
   }
 
  private:
-  VectorXd acceleration() {
-    place_ = contacts_.rows() * q_, rate_ = contacts_.rows() * half_;
-    contacts_.evaluate(t_, place_, rate_, forces_);
-    return (external_force(structure_, contacts_, t_) - K_ * q_ - C_ * half_ + rows_to_coordinates_ * forces_.value)
-        .cwiseQuotient(mass_);
-  }
-  /// Velocity and energy in the middle of the half steps, of second order in h.
-  void settle() {
-    next_half_ = half_ + h_ * acceleration();
-    v_ = (half_ + next_half_) / 2;
-    kinetic_energy_ = half_.dot(mass_.cwiseProduct(next_half_)) / 2;
-    ++iterations_;
+  VectorXd other_accelerations(double t, const VectorXd& v) {
+    VectorXd f = external_.at(t);
+    f.noalias() -= K_ * q_;
+    f.noalias() -= C_ * v;
+    return f.cwiseQuotient(mass_);
   }
 
-  const Structure& structure_;
   const StationForces& contacts_;
-  double h_, width_;
+  ExternalForce external_;
+  double h_;
   VectorXd mass_;
-  Sparse C_, K_, rows_to_coordinates_;
-  StepLimits limits_;
-  VectorXd half_, next_half_, place_, rate_;
+  SparseRows B_, C_, K_, from_rows_;
+  RowSolver rows_;
+  VectorXd half_, next_half_, x_;
 };
 
 /// Largest eigenvalue of M⁻¹ A with its vector, by iteration of powers.
@@ -218,28 +203,18 @@ Largest largest_eigenvalue(const Sparse& A, const VectorXd& mass) {
 
 }  // namespace
 
-StepLimits explicit_limits(const Structure& structure, const StationForces& contacts, const VectorXd& q) {
+double longest_explicit_step(const Structure& structure, const StationForces& contacts, const VectorXd& q) {
   const Sparse &B = contacts.rows(), K = structure.K.sparseView(), C = structure.C.sparseView();
   const VectorXd mass = structure.M.diagonal();
-  const auto slopes = [&](bool at_rest) {
-    VectorXd rate = VectorXd::Zero(B.rows());
-    for (std::size_t j = 0; j < contacts.contacts().size() && at_rest; ++j)
-      rate[contacts.contacts()[j].slip] = contacts.speed(int(j), 0);
-    StationForces::Forces forces;
-    contacts.evaluate(0, B * q, rate, forces);
-    return std::pair<Sparse, Sparse>(forces.by_place.sparseView(), forces.by_rate.sparseView());
-  };
+  StationForces::Forces forces;
+  contacts.evaluate(0, B * q, VectorXd::Zero(B.rows()), forces);
   const auto symmetric = [](const Sparse& A) -> Sparse { return (A + Sparse(A.transpose())) / 2; };
-  const auto [by_place, by_rate] = slopes(false);
-  const Sparse stiffness = symmetric(K - Sparse(B.transpose() * by_place * B)),
-               damping = symmetric(C - Sparse(B.transpose() * by_rate * B));
-  const auto fastest = largest_eigenvalue(stiffness, mass);
+  const auto fastest =
+      largest_eigenvalue(symmetric(K - Sparse(B.transpose() * Sparse(forces.by_place.sparseView()) * B)), mass);
   const double omega = std::sqrt(std::max(fastest.value, 0.0)),
                of_mass = fastest.vector.dot(mass.cwiseProduct(fastest.vector));
-  const double xi = fastest.vector.dot(damping * fastest.vector) / (2 * omega * of_mass);
-  const auto resting = slopes(true);
-  const Sparse held = symmetric(C - Sparse(B.transpose() * resting.second * B));
-  return {2 / omega * (std::sqrt(1 + xi * xi) - xi), 2 / largest_eigenvalue(held, mass).value};
+  const double xi = fastest.vector.dot(symmetric(C) * fastest.vector) / (2 * omega * of_mass);
+  return 2 / omega * (std::sqrt(1 + xi * xi) - xi);
 }
 
 std::unique_ptr<Stepper> make_stepper(const Structure& structure, const StationForces& contacts,

@@ -15,7 +15,7 @@ namespace rosin::analysis::motion {
 class Stepper {
  public:
   virtual ~Stepper() = default;
-  /// One step. An Outcome that is not complete where none was found, or none of such a length is stable.
+  /// One step. An Outcome that is not complete where none was found.
   virtual Outcome advance() = 0;
   double time() const { return t_; }
   const Eigen::VectorXd& coordinates() const { return q_; }
@@ -36,11 +36,8 @@ class Stepper {
 std::unique_ptr<Stepper> make_stepper(const oscillators::Structure&, const oscillators::StationForces&, const Stepping&,
                                       const Eigen::VectorXd& q, const Eigen::VectorXd& v);
 
-/// Longest stable explicit steps (s): while all contacts slip, (2/ω)(√(1 + ξ²) − ξ) of the fastest vibration with its
-/// damping ratio ξ, and where they stick, 2 over the largest eigenvalue of M⁻¹ C with the slope of friction at rest.
-struct StepLimits {
-  double slipping, sticking;
-};
-StepLimits explicit_limits(const oscillators::Structure&, const oscillators::StationForces&, const Eigen::VectorXd& q);
+/// Longest stable explicit step (s), (2/ω)(√(1 + ξ²) − ξ) of the fastest vibration with its damping ratio ξ.
+double longest_explicit_step(const oscillators::Structure&, const oscillators::StationForces&,
+                             const Eigen::VectorXd& q);
 
 }  // namespace rosin::analysis::motion

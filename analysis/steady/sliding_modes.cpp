@@ -53,7 +53,7 @@ class Sliding {
     StationForces::Forces forces;
     VectorXd size, r = residual(friction, q, forces, size);
     for (int iteration = 0; iteration < most_iterations; ++iteration) {
-      if ((r.cwiseAbs() - rounding * size).maxCoeff() <= 0) return true;
+      if ((r.cwiseAbs() - rounding * size).maxCoeff() <= 0) return balances(r, forces);
       const VectorXd change = solve(tangent(forces), r);
       if (!change.allFinite()) return false;
       double part = 1;
@@ -65,9 +65,15 @@ class Sliding {
       }
       if (part <= least_part) return false;
       q += part * change, r = next;
-      if (r.norm() < rounded && r.norm() >= before / 2) return true;  // rounding is reached
+      if (r.norm() < rounded && r.norm() >= before / 2) return balances(r, forces);  // rounding is reached
     }
     return false;
+  }
+
+  /// A block that friction tips over goes so far that rounding of K q is more than its weight: that is no balance.
+  bool balances(const VectorXd& residual, const StationForces::Forces& forces) const {
+    constexpr double small = 1e-8;  // of the loads
+    return residual.norm() <= small * (load_.norm() + (contacts_.rows().transpose() * forces.value).norm());
   }
 
   /// −∂R/∂q at the forces.

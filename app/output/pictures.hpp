@@ -40,6 +40,10 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
 std::vector<std::string> write_block_picture(const std::filesystem::path& folder, const scene::Scene&,
                                              const analysis::motion::Run&);
 
+/// Of the last oscillation of an elastic block, a drawing that moves: motion.svg.
+std::vector<std::string> write_block_motion(const std::filesystem::path& folder, const scene::Scene&,
+                                            const analysis::motion::Frames&);
+
 /// Of a bowed string: what happens under the bow and at the bridge; a plane of transients, of regimes, or both.
 std::vector<std::string> write_string_picture(const std::filesystem::path& folder, const scene::Scene&,
                                               const analysis::strings::StringRecord&);

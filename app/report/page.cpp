@@ -11,6 +11,7 @@
 #include "app/report/assets.hpp"
 #include "app/report/figures.hpp"
 #include "app/report/quantities.hpp"
+#include "app/output/markup.hpp"
 #include "app/report/tables.hpp"
 #include "app/report/verdicts.hpp"
 #include "core/error.hpp"
@@ -18,6 +19,8 @@
 #include "laws/catalogue.hpp"
 
 namespace rosin::app::report {
+
+using output::escaped;
 
 namespace fs = std::filesystem;
 

@@ -6,9 +6,6 @@
 
 namespace rosin::app::report {
 
-/// A text that may hold anything, as content of an element or of an attribute.
-std::string escaped(std::string_view);
-
 /// All numbers of a document but long lists, as HTML.
 std::string tables_of(const Result&);
 

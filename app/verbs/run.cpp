@@ -5,6 +5,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "analysis/motion/last_oscillation.hpp"
 #include "analysis/motion/slip_events.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
@@ -324,6 +325,9 @@ Status perform(Job& job) {
   for (auto& file : scene.block ? output::write_block_picture(job.folder(), scene, run)
                                 : output::write_picture(job.folder(), scene, run))
     files.push_back(std::move(file));
+  if (scene.block && run.oscillation && !job.request().no_pictures)
+    for (auto& file : output::write_block_motion(job.folder(), scene, *run.oscillation))
+      files.push_back(std::move(file));
   return job.finish(document_of(scene, run, slips), std::move(files), run.outcome);
 }
 

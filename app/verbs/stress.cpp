@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/output/files.hpp"
+#include "app/verbs/contact_stress.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/verb.hpp"
@@ -135,6 +136,7 @@ void say(const StressReport& report) {
 }
 
 Status stress(const Request& request) {
+  if (request.target == "contacts") return stress_contacts(request);
   const fs::path folder =
       request.out.empty() ? fs::path("out") / fmt::format("stress-{}", request.seed) : fs::path(request.out);
   std::error_code problem;
@@ -205,6 +207,11 @@ Verb stress_verb() {
   return {.name = "stress",
           .help = "random scenes over ten decades, each certified by a second method or refused with a reason",
           .example = "rosin stress --seed 2 --scenes 20",
+          .operands = {{"WHAT",
+                        &Request::target,
+                        "sliders if left out, or contacts: elastic blocks and pins on disks",
+                        false,
+                        {"contacts"}}},
           .options = {{"--seed", &Request::seed, "of the random scenes"},
                       {"--scenes", &Request::scenes, "number of scenes"},
                       {"--only", &Request::only, "one scene by its number"},

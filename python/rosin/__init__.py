@@ -8,10 +8,10 @@
 """
 
 from .beside import beside
-from .catalogue import Law, laws
+from .catalogue import Law, laws, normal_laws
 from .errors import IncompleteWarning, InputError
 from .picture import STYLE, plot
 from .result import Result
 from .scene import Scene, load
 
-__all__ = ["STYLE", "IncompleteWarning", "InputError", "Law", "Result", "Scene", "beside", "laws", "load", "plot"]
+__all__ = ["STYLE", "IncompleteWarning", "InputError", "Law", "Result", "Scene", "beside", "laws", "load", "normal_laws", "plot"]

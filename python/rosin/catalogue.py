@@ -1,4 +1,4 @@
-"""Cards of the friction laws."""
+"""Cards of the friction laws, and of the normal laws."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Preset:
 
 @dataclass(frozen=True)
 class Law:
-    """A friction law: ``scene.set("law", {"type": law.name})``."""
+    """A friction law, ``scene.set("law", {"type": law.name})``, or a normal law."""
 
     name: str
     title: str
@@ -55,7 +55,16 @@ class Law:
 
 
 def laws() -> list[Law]:
-    """All laws of the catalogue, as ``rosin laws`` lists them."""
+    """All friction laws of the catalogue, as ``rosin laws`` lists them."""
+    return _cards("friction")
+
+
+def normal_laws() -> list[Law]:
+    """All laws of ``normal_contact``; units follow from exponents, and a default of None must be given."""
+    return _cards("normal")
+
+
+def _cards(kind: str) -> list[Law]:
     _, output, _ = perform(["laws", "--json"])
     return [
         Law(
@@ -66,4 +75,5 @@ def laws() -> list[Law]:
             raw=card,
         )
         for card in json.loads(output)
+        if card["kind"] == kind
     ]

@@ -85,6 +85,16 @@ def test_cards_of_laws():
     assert "bristol-board" in [preset.name for preset in cards["spinodal"].presets]
 
 
+def test_cards_of_normal_laws():
+    cards = {law.name: law for law in rosin.normal_laws()}
+    assert not {law.name for law in rosin.laws()} & set(cards)
+    power = {parameter.name: parameter for parameter in cards["power"].parameters}
+    assert (power["exponent"].default, power["exponent"].minimum, power["exponent"].maximum) == (1, 1, 10)
+    assert power["coefficient"].default is None and power["adhesion"].default is False
+    assert power["bound_exponent"].default == "exponent"
+    assert "stiffness" in {parameter.name for parameter in cards["linear"].parameters}
+
+
 def test_a_law_as_text():
     scene = rosin.Scene(SLIDER).set("law", {"type": "formula", "formula": {
         "title": "Constant",

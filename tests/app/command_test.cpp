@@ -169,8 +169,20 @@ TEST_CASE("with --json one document is printed, the same as result.json, and not
   const auto laws = json::parse(run_rosin(folder, {"laws", "--json"}).out);
   CHECK(laws.size() >= 10);
   for (const auto& law : laws)
-    for (const char* field : {"name", "title", "formula", "source", "parameters", "states", "presets"})
+    for (const char* field : {"name", "kind", "title", "formula", "source", "parameters", "states", "presets"})
       CHECK(law.contains(field));
+  const auto normal = json::parse(run_rosin(folder, {"laws", "power", "--json"}).out);
+  REQUIRE(normal.size() == 1);
+  CHECK(normal[0]["kind"] == "normal");
+  // Keys are those that a scene takes: none is unknown, and the required one alone suffices.
+  for (const auto& parameter : normal[0]["parameters"]) {
+    const auto key = parameter["name"].get<std::string>();
+    const auto answer = run_rosin(folder, {"stability", example("drop-on-rough-surface"), "--out", "n", "--set",
+                                           "oscillator.contacts.1.normal_contact." + key + "=-7"});
+    CHECK(answer.status == 2);
+    CHECK_THAT(answer.error, !Catch::Contains("is not a key") && !Catch::Contains("unknown"));
+    CHECK_THAT(answer.error, Catch::Contains(key));
+  }
 }
 
 TEST_CASE("a cycle that does not exist ends with status 1 and keeps its result") {
