@@ -101,7 +101,7 @@ bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
       << fmt::format("  set output sprintf('{}.%s', format)\n", base)
       << "  set logscale xy\n  set format '10^{%T}'\n  set grid lc rgb '#dddddd' lw 0.6 dt 1\n  set border 3\n"
       << "  set tics nomirror out\n  set xrange [*:*] reverse\n  set key outside right top Left reverse samplen 3 "
-         "width -4 font ',11'\n"
+         "font ',11'\n"
       << fmt::format("  set multiplot layout 1,{}\n", panels.size());
   for (const auto& panel : panels) {
     out << fmt::format("  set title '{}'\n  set xlabel '{}'\n  set ylabel '{}'\n", panel.title, panel.error,
