@@ -31,6 +31,7 @@ struct Request {
   std::string out;
   bool json = false, explain = false, quiet = false;
   bool no_pictures = false;                 ///< scripts are written, not drawn
+  bool netcdf = false;                      ///< tables are written as NetCDF, too
   bool pdf = false;                         ///< pictures are drawn as PDF, too
   bool design = false;                      ///< compare: where measurements would tell members apart
   bool exact = false;                       ///< map: compute every point

@@ -3,6 +3,8 @@
 
 #include <fmt/chrono.h>
 
+#include <algorithm>
+#include <array>
 #include <ctime>
 #include <fstream>
 #include <sstream>
@@ -23,11 +25,6 @@ std::string processor() {
   return "unknown";
 }
 
-struct Panel {
-  fs::path curves;  ///< gnuplot data beside the script
-  std::string title, error, time;
-};
-
 /// Colours of Okabe & Ito by package, marks by variables; accelerated: the same mark, open and dashed. Curves can be
 /// told apart without colour.
 std::string style(const std::string& solver) {
@@ -35,7 +32,9 @@ std::string style(const std::string& solver) {
     const char *solver, *colour;
     int mark, open;
   };
-  constexpr Look looks[] = {{"rosin, closed form", "#000000", 3, 3},
+  constexpr Look looks[] = {{"AUTO-07p, 4", "#0072B2", 5, 4},
+                            {"AUTO-07p, 7", "#D55E00", 9, 8},
+                            {"rosin, closed form", "#000000", 3, 3},
                             {"rosin, events", "#000000", 14, 14},
                             {"CVODE Adams", "#56B4E9", 13, 12},
                             {"CVODE BDF", "#0072B2", 5, 4},
@@ -74,6 +73,16 @@ std::string style(const std::string& solver) {
   return "";
 }
 
+struct Bench {
+  std::string_view name;
+  Record (*run)(const Settings&, const SciPy&, const fs::path& curves);
+};
+constexpr std::array benches{Bench{"block", bench_block},           Bench{"branch", bench_branch},
+                             Bench{"chain", bench_chain},           Bench{"cycle", bench_cycle},
+                             Bench{"history", bench_history},       Bench{"plane", bench_plane},
+                             Bench{"response", bench_response},     Bench{"sections", bench_sections},
+                             Bench{"stick-slip", bench_stick_slip}, Bench{"string", bench_string}};
+
 /// A gnuplot script of its own, to be restyled at will, and its SVG and PNG.
 bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
   const auto base = stem.filename().string();
@@ -92,7 +101,7 @@ bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
       << fmt::format("  set output sprintf('{}.%s', format)\n", base)
       << "  set logscale xy\n  set format '10^{%T}'\n  set grid lc rgb '#dddddd' lw 0.6 dt 1\n  set border 3\n"
       << "  set tics nomirror out\n  set xrange [*:*] reverse\n  set key outside right top Left reverse samplen 3 "
-         "width -4 font ',11'\n"
+         "font ',11'\n"
       << fmt::format("  set multiplot layout 1,{}\n", panels.size());
   for (const auto& panel : panels) {
     out << fmt::format("  set title '{}'\n  set xlabel '{}'\n  set ylabel '{}'\n", panel.title, panel.error,
@@ -127,8 +136,11 @@ bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
 }  // namespace
 
 const std::vector<std::string>& names() {
-  static const std::vector<std::string> list = {"block", "chain",    "cycle",      "history",
-                                                "plane", "response", "stick-slip", "string"};
+  static const auto list = [] {
+    std::vector<std::string> list;
+    for (const auto& bench : benches) list.emplace_back(bench.name);
+    return list;
+  }();
   return list;
 }
 
@@ -151,53 +163,14 @@ bool run(const Settings& settings) {
   const fs::path stem = folder / settings.what;
   fs::path curves = stem;
   curves.replace_extension(".dat");
-  Record record;
-  std::vector<Panel> panels;
-  if (settings.what == "block") {
-    record = bench_block(settings, curves);
-    panels = {{curves, "An elastic block that sticks and slides on a slow belt",
-               "true error of the mean friction over the load", "processor time (s)"}};
-  } else if (settings.what == "chain") {
-    record = bench_chain(settings, curves);
-    panels = {{curves, "Chain of 200 blocks under smooth friction",
-               "largest true error of a displacement over the largest start", "processor time (s)"}};
-  } else if (settings.what == "cycle") {
-    record = bench_cycle(settings, scipy, curves);
-    panels = {{curves, "One cycle: N = 10^{−4} m g, λ = 10",
-               "largest true error of period, stick fraction, loop area (relative)", "processor time (s)"}};
-  } else if (settings.what == "history") {
-    record = bench_history(settings, scipy, curves);
-    fs::path stiff = curves;
-    stiff.replace_extension(".stiff.dat");
-    panels = {
-        {curves, "Fault patch, five earthquakes in 5000 s", "true error of ln v at the end", "processor time (s)"},
-        {stiff, "Board slider, stick and slip over 600 s", "largest true error of x k/(N a), μ/a, ln ψ at the end",
-         "processor time (s)"}};
-  } else if (settings.what == "stick-slip") {
-    record = bench_stick_slip(settings, curves);
-    panels = {{curves, "Stick-slip: seven cases, two to eighteen sticks in 2 s",
-               "largest true error of eight displacements over the start, met by nine cases in ten",
-               "processor time per case (s)"}};
-  } else if (settings.what == "response") {
-    record = bench_response(settings, curves);
-    panels = {{curves, "Friction frequency response of an ageing contact",
-               "true error of Z over |Z|, met by nine frequencies in ten", "processor time per frequency (s)"}};
-  } else if (settings.what == "string") {
-    record = bench_string(settings, curves);
-    panels = {{curves, "400 cello strings under a bow that speeds up",
-               "true error of the onset of the fourth slip in periods, met by nine strings in ten",
-               "processor time per string (s)"}};
-  } else {
-    record = bench_plane(settings, scipy, curves);
-    panels = {{curves, "Plane: N/(m g) = 10^{−8} … 1, λ = 10^{−4} … 10^2",
-               "largest true error of period, stick fraction, loop area, met by nine cycles in ten",
-               "processor time per cycle (s)"}};
-  }
+  const auto record = std::find_if(benches.begin(), benches.end(), [&](const Bench& bench) {
+                        return bench.name == settings.what;
+                      })->run(settings, scipy, curves);
   document[settings.what] = record.content;
   document["findings"] = record.findings;
   for (const auto& finding : record.findings) rosin::tell("FINDING: {}\n", finding);
   rosin::write_whole(stem.string() + ".json", document.dump(1) + '\n');
-  if (!draw(stem, panels)) rosin::tell("note: the picture could not be drawn\n");
+  if (!draw(stem, record.panels)) rosin::tell("note: the picture could not be drawn\n");
   if (settings.json)
     rosin::print("{}\n", document.dump(1));
   else

@@ -120,7 +120,7 @@ BlockMotion whole_run(const Block& block, Stepping stepping, double duration) {
 
 }  // namespace
 
-Record bench_block(const Settings& settings, const std::filesystem::path& curves) {
+Record bench_block(const Settings& settings, const SciPy&, const std::filesystem::path& curves) {
   Record record;
   const Block block(4);
   const double duration = settings.quick ? 20 : 600;
@@ -204,6 +204,8 @@ Record bench_block(const Settings& settings, const std::filesystem::path& curves
                                       {"microseconds", 1e6 * each}});
   }
   write_curves(curves, rows);
+  record.panels = {{curves, "An elastic block that sticks and slides on a slow belt",
+                    "true error of the mean friction over the load", "processor time (s)"}};
   return record;
 }
 

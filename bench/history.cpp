@@ -250,6 +250,10 @@ Record bench_history(const Settings& settings, const SciPy& scipy, const std::fi
   write_curves(curves, rows);
   record.content["slider"] = bench_slider(settings, record, rows);
   write_curves(second.replace_extension(".stiff.dat"), rows);
+  record.panels = {
+      {curves, "Fault patch, five earthquakes in 5000 s", "true error of ln v at the end", "processor time (s)"},
+      {second, "Board slider, stick and slip over 600 s", "largest true error of x k/(N a), μ/a, ln ψ at the end",
+       "processor time (s)"}};
   return record;
 }
 

@@ -76,7 +76,7 @@ json long_record(const Settings& settings) {
 
 }  // namespace
 
-Record bench_response(const Settings& settings, const std::filesystem::path& curves) {
+Record bench_response(const Settings& settings, const SciPy&, const std::filesystem::path& curves) {
   Record record;
   std::vector<double> frequency;  // two decades to either side of where the state turns
   const int count = settings.quick ? 4 : 12;
@@ -122,6 +122,8 @@ Record bench_response(const Settings& settings, const std::filesystem::path& cur
   record.content["laws"] = every_law(settings);
   record.content["record"] = long_record(settings);
   write_curves(curves, rows);
+  record.panels = {{curves, "Friction frequency response of an ageing contact",
+                    "true error of Z over |Z|, met by nine frequencies in ten", "processor time per frequency (s)"}};
   return record;
 }
 

@@ -112,21 +112,30 @@ class SciPy {
   std::string version_;
 };
 
+/// A picture of times over errors.
+struct Panel {
+  std::filesystem::path curves;  ///< gnuplot data beside the script
+  std::string title, error, time;
+};
 /// One bench's part of the record. Findings are faults: references that disagree, rivals set up wrongly.
 struct Record {
   json content;
   std::vector<std::string> findings;
+  std::vector<Panel> panels;
 };
 /// Time of one step of the ensemble solver in one lane, for every law with states, a contact spring, a user's law, and
 /// each instruction set.
 json lane_steps(const Settings&);
-Record bench_block(const Settings&, const std::filesystem::path& curves);
-Record bench_chain(const Settings&, const std::filesystem::path& curves);
+// A bench leaves its curves in the file `curves`; SciPy takes part where a bench asks it.
+Record bench_block(const Settings&, const SciPy&, const std::filesystem::path& curves);
+Record bench_branch(const Settings&, const SciPy&, const std::filesystem::path& curves);
+Record bench_chain(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_cycle(const Settings&, const SciPy&, const std::filesystem::path& curves);
 Record bench_history(const Settings&, const SciPy&, const std::filesystem::path& curves);
-Record bench_stick_slip(const Settings&, const std::filesystem::path& curves);
-Record bench_response(const Settings&, const std::filesystem::path& curves);
-Record bench_string(const Settings&, const std::filesystem::path& curves);
 Record bench_plane(const Settings&, const SciPy&, const std::filesystem::path& curves);
+Record bench_response(const Settings&, const SciPy&, const std::filesystem::path& curves);
+Record bench_sections(const Settings&, const SciPy&, const std::filesystem::path& curves);
+Record bench_stick_slip(const Settings&, const SciPy&, const std::filesystem::path& curves);
+Record bench_string(const Settings&, const SciPy&, const std::filesystem::path& curves);
 
 }  // namespace bench

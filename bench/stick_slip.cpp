@@ -94,7 +94,7 @@ Displacements by_algorithm(const char* name, const StickSlip& p, double step) {
 
 }  // namespace
 
-Record bench_stick_slip(const Settings& settings, const std::filesystem::path& curves) {
+Record bench_stick_slip(const Settings& settings, const SciPy&, const std::filesystem::path& curves) {
   Record record;
   std::vector<Displacements> truth;
   for (const auto& p : cases) truth.push_back(exactly<long double>(p));
@@ -148,6 +148,9 @@ Record bench_stick_slip(const Settings& settings, const std::filesystem::path& c
       record.content["over_closed_form"][solver][fmt::format("{:.0e}", error)] = ratio;
     }
   write_curves(curves, rows);
+  record.panels = {{curves, "Stick-slip: seven cases, two to eighteen sticks in 2 s",
+                    "largest true error of eight displacements over the start, met by nine cases in ten",
+                    "processor time per case (s)"}};
   return record;
 }
 

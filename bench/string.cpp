@@ -30,7 +30,7 @@ BowedStringModel model_of(const StringProblem& problem, const char* law) {
 
 }  // namespace
 
-Record bench_string(const Settings& settings, const std::filesystem::path& curves) {
+Record bench_string(const Settings& settings, const SciPy&, const std::filesystem::path& curves) {
   struct Contender {
     const char *law, *name;
     StringMotion (*by_hand)(const StringProblem&);
@@ -108,6 +108,9 @@ Record bench_string(const Settings& settings, const std::filesystem::path& curve
   print(settings, rows, {"onset of the fourth slip, periods"});
   record.content = {{"rows", as_json(rows, {"fourth slip"})}, {"speeds", std::move(speeds)}};
   write_curves(curves, rows);
+  record.panels = {{curves, "400 cello strings under a bow that speeds up",
+                    "true error of the onset of the fourth slip in periods, met by nine strings in ten",
+                    "processor time per string (s)"}};
   return record;
 }
 

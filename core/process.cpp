@@ -95,8 +95,12 @@ std::optional<Ran> run_program(const Command& command) {
   std::vector<char*> argv = {program.data()}, environment;
   for (auto& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  for (auto& entry : added) environment.push_back(entry.data());  // the first of a name counts
-  for (char** entry = environ; *entry; ++entry) environment.push_back(*entry);
+  const auto name_of = [](std::string_view entry) { return entry.substr(0, entry.find('=')); };
+  // Each name once: of two, some programs take the first and some the last.
+  for (auto& entry : added) environment.push_back(entry.data());
+  for (char** entry = environ; *entry; ++entry)
+    if (std::none_of(added.begin(), added.end(), [&](const auto& own) { return name_of(own) == name_of(*entry); }))
+      environment.push_back(*entry);
   environment.push_back(nullptr);
   pid_t child = 0;
   const int problem = posix_spawn(&child, program.c_str(), &actions, &attributes, argv.data(), environment.data());

@@ -15,7 +15,7 @@ struct Command {
   std::filesystem::path program;  ///< absolute
   std::vector<std::string> arguments;
   std::filesystem::path folder = {};          ///< in which it runs; empty: the present one
-  std::vector<std::string> environment = {};  ///< "NAME=value", besides what is there
+  std::vector<std::string> environment = {};  ///< "NAME=value", in place of what is there
   bool stops_with_us = false;                 ///< is ended where this thread is asked to stop
 };
 

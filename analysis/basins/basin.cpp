@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numeric>
+#include <utility>
 
+#include "analysis/basins/refined_borders.hpp"
 #include "core/random.hpp"
 #include "core/workers.hpp"
 
@@ -16,6 +19,19 @@ namespace {
 
 constexpr std::size_t at_a_time = 16;  ///< starts that are identified before what they came to is known to the others
 
+/// Starts in no order: the first of them, and those that are done where a search is stopped, stand for all.
+void mix(std::vector<std::size_t>& starts) {
+  std::ranges::sort(starts, {}, [](std::size_t i) { return splitmix(splitmix_step * (i + 1)); });
+}
+
+/// Starts that took the label of their neighbours, and are followed in the end.
+std::vector<std::size_t> sample_of(std::vector<std::size_t> filled) {
+  constexpr std::size_t fewest = 100, one_in = 100;
+  mix(filled);
+  filled.resize(std::min(filled.size(), std::max(fewest, filled.size() / one_in)));
+  return filled;
+}
+
 class Search {
  public:
   Search(Recogniser& recogniser, const BasinTask& task, const std::function<void(std::size_t, std::size_t)>& progress)
@@ -24,9 +40,16 @@ class Search {
   /// Labels of all starts, as far as they are done where the search is stopped.
   void label(const std::vector<std::vector<double>>& starts, std::vector<int>& labels) {
     labels.assign(starts.size(), Recogniser::unknown);
+    std::vector<std::size_t> all(starts.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    label(starts, all, labels);
+  }
+  /// The same of some of the starts.
+  void label(const std::vector<std::vector<double>>& starts, std::vector<std::size_t> open, std::vector<int>& labels) {
     Work work{starts, labels};
-    auto open = mixed(starts.size());
-    identify(work, {open.begin(), open.begin() + long(std::min(at_a_time, open.size()))}, false);
+    mix(open);
+    if (!std::exchange(begun_, true))
+      identify(work, {open.begin(), open.begin() + long(std::min(at_a_time, open.size()))}, false);
     for (std::size_t known = 0; keep_unlabelled(work, open);) {
       if (recogniser_.known().size() > known) {
         known = recogniser_.known().size();
@@ -49,14 +72,6 @@ class Search {
     const std::vector<std::vector<double>>& starts;
     std::vector<int>& labels;
   };
-
-  /// So many in no order: the first of them, and those that are done where a search is stopped, stand for all.
-  static std::vector<std::size_t> mixed(std::size_t count) {
-    std::vector<std::size_t> order(count);
-    for (std::size_t i = 0; i < count; ++i) order[i] = i;
-    std::ranges::sort(order, {}, [](std::size_t i) { return splitmix(splitmix_step * (i + 1)); });
-    return order;
-  }
 
   static bool keep_unlabelled(const Work& work, std::vector<std::size_t>& open) {
     std::erase_if(open, [&](std::size_t i) { return work.labels[i] != Recogniser::unknown; });
@@ -95,6 +110,7 @@ class Search {
   const std::function<void(std::size_t, std::size_t)> progress_;
   std::mutex mutex_;
   std::size_t done_ = 0;
+  bool begun_ = false;  ///< some attractors are known
 };
 
 /// Halving the interval between a disturbance that returns and one that does not.
@@ -175,6 +191,25 @@ void find_threshold(const oscillators::Structure& structure, const BasinTask& ta
   }
 }
 
+/// A grid, of which only the borders are followed, and a sample of the rest.
+void label_borders(const BasinTask& task, Search& search, Basins& result) {
+  const auto columns = task.refined_columns;
+  RefinedBorders borders(columns, int(task.starts.size()) / columns);
+  const auto follow = [&](const std::vector<std::size_t>& starts, std::vector<int>& labels) {
+    search.label(task.starts, starts, labels);
+  };
+  try {
+    borders.find(follow, result.labels);
+    const auto sample = sample_of(borders.filled());
+    result.sample = sample.size();
+    result.sample_wrong = borders.check(sample, follow, result.labels);
+    result.followed = borders.followed();
+  } catch (const Stopped&) {
+    result.followed = borders.followed();
+    throw;
+  }
+}
+
 /// The known attractors that are of interest, in the order: steady sliding, rest, cycles by their share, and the rest.
 void arrange(const Recogniser& recogniser, Basins& result) {
   const auto& known = recogniser.known();
@@ -201,6 +236,10 @@ void arrange(const Recogniser& recogniser, Basins& result) {
     // Laplace's rule: none, or all, of a few starts leave a doubt too.
     const double likely = double(basin.count + 1) / double(done + 2);
     basin.error = std::sqrt(likely * (1 - likely) / double(done));
+    if (result.followed.empty()) continue;
+    const auto filled = std::size_t(std::ranges::count(result.followed, false));
+    const double wrong = filled == 0 ? 0 : double(result.sample_wrong + 1) / double(result.sample + 2);
+    basin.error = std::hypot(basin.error, wrong * double(filled) / double(done));
   }
   for (int& label : result.labels)
     if (label >= 0) label = place[std::size_t(label)];
@@ -218,7 +257,10 @@ Basins find_basins(const oscillators::Structure& structure, const BasinTask& tas
   if (task.disturbance) (void)recogniser.steady_sliding();
   Search search(recogniser, task, progress);
   try {
-    search.label(task.starts, result.labels);
+    if (task.refined_columns > 0)
+      label_borders(task, search, result);
+    else
+      search.label(task.starts, result.labels);
     if (task.disturbance) {
       Search quiet(recogniser, task, {});
       find_threshold(structure, task, recogniser, quiet, result);

@@ -19,6 +19,9 @@ struct Disturbance {
 
 struct BasinTask {
   std::vector<std::vector<double>> starts;  ///< unknowns of the structure
+  /// Starts lie on a grid with so many in each row: only those at borders are followed, and the others take the label
+  /// of their neighbours. 0: every start is followed.
+  int refined_columns = 0;
   std::optional<Disturbance> disturbance;
   double tolerance = 1e-6;  ///< of cycles and of the threshold; steps are taken at a tenth of it
   int most_returns = 1000;  ///< within which a motion is recognised, or is irregular
@@ -36,11 +39,17 @@ struct Basins {
   /// Steady sliding, if it attracts, then all that any start came to.
   struct Basin {
     Attractor attractor;
-    std::size_t count = 0;        ///< starts that come to it
-    double share = 0, error = 0;  ///< of the starts that are done; the standard error of as many random starts
+    std::size_t count = 0;  ///< starts that come to it
+    /// Of the starts that are done; the standard error of as many random starts. Of refined borders the sample's part
+    /// of wrong labels is added.
+    double share = 0, error = 0;
   };
   std::vector<Basin> basins;
   std::vector<int> labels;  ///< number of the basin of each start; −1: not done
+  /// Of refined borders: which starts were followed; of the others a sample, followed in the end, and how many of it
+  /// came to something else than their neighbours.
+  std::vector<bool> followed;
+  std::size_t sample = 0, sample_wrong = 0;
   std::optional<Threshold> threshold;
   std::string no_threshold;  ///< why there is none although one was asked for
 };

@@ -35,7 +35,11 @@ Eigen::VectorXcd mode(const Linearised& at, double angular_frequency) {
 class Tracer {
  public:
   Tracer(const Family& family, const BranchOptions& options, Branches& result)
-      : family_(family), options_(options), result_(result) {}
+      : family_(family), options_(options), result_(result) {
+    // Where disturbances grow a thousandfold in an arc, a looser one leaves too little to find the next cycle by.
+    constexpr double loosest = 1e-5;
+    options_.tolerance = std::min(options_.tolerance, loosest);
+  }
 
   ContinuationOptions continuation() const {
     ContinuationOptions options;
@@ -206,7 +210,7 @@ class Tracer {
   }
 
   const Family& family_;
-  const BranchOptions& options_;
+  BranchOptions options_;
   Branches& result_;
 };
 
@@ -263,6 +267,13 @@ Settled settle(const oscillators::Model& model, double tolerance) {
   for (int k = 0; k < periods && settled.outcome.complete(); ++k)
     settled.outcome = follower.follow(0, settled.y, settled.period);
   return settled;
+}
+
+const SmallCycles* small_cycles_of(const Branches& found, const CycleBranch& cycle) {
+  if (cycle.from != "hopf") return nullptr;
+  for (std::size_t k = 0; k < found.small_cycles.size(); ++k)
+    if (found.crossings[k].value == cycle.from_value && found.small_cycles[k]) return &*found.small_cycles[k];
+  return nullptr;
 }
 
 std::vector<steady::Crossing> crossings_of(const oscillators::Model& model, std::string_view parameter,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/branches/continuation.hpp"
+#include "analysis/branches/normal_form.hpp"
 #include "analysis/branches/oscillator.hpp"
 #include "analysis/cycles/cycle.hpp"
 #include "analysis/motion/structure_start.hpp"
@@ -27,7 +28,7 @@ Settled settle(const oscillators::Model&, double tolerance);
 
 struct BranchOptions {
   ParameterScale parameter;
-  double tolerance = 1e-8;      ///< relative
+  double tolerance = 1e-8;      ///< relative; 1e-5 at most is used
   int most_points = 1000;       ///< of each branch
   double longest_step = 0.05;   ///< 1 is the range of the parameter, or the size of the cycle
   int doublings = 1;            ///< how many period doublings one after another are followed
@@ -54,10 +55,14 @@ struct Branches {
   Outcome outcome;  ///< interrupted: what was found until then
   std::vector<SteadyPoint> steady;
   std::vector<steady::Crossing> crossings;  ///< of steady sliding: Hopf points, and divergence (frequency 0)
+  std::vector<std::optional<SmallCycles>> small_cycles;  ///< of the normal form at each crossing; empty: not asked
   std::vector<CycleBranch> cycles;
   std::vector<std::string> notes;  ///< what could not be followed, and why
   long steps = 0, residuals = 0;
 };
+
+/// What the normal form has at the Hopf point that a branch is born at.
+const SmallCycles* small_cycles_of(const Branches&, const CycleBranch&);
 
 /// Steady sliding over the range and every branch that is born at its Hopf points.
 /// \param crossings  where it loses or regains stability, if that is known better than from eigenvalues at the values

@@ -61,6 +61,12 @@ Partition::Pieces even_pieces(const Axis& axis, int edge) {
 
 std::size_t alone(std::size_t, std::size_t) { return 1; }
 
+/// Points that lanes follow, of which few wait for the last in a group.
+std::size_t lanes_full(std::size_t open, std::size_t threads) {
+  constexpr std::size_t most = 8 * lane_count, groups_of_each = 4;
+  return std::clamp<std::size_t>(open / (groups_of_each * threads), 1, most);
+}
+
 /// Four keep the lanes full, and take an eighth less time than one by one; but threads that have few groups each wait
 /// for the last of them.
 std::size_t tiles_together(std::size_t open, std::size_t threads) {
@@ -87,12 +93,13 @@ Partition::Pieces patches_along(const Axis& axis) {
   return pieces;
 }
 
-Partition partition_of(const MapOptions& options, bool structure) {
+Partition partition_of(const MapOptions& options, bool structure, bool in_lanes) {
   if (structure) {
     // Points take long, so that each is a part; of large planes as many as keep the costs of parts a short list.
     constexpr std::size_t most = 1 << 16;
     const std::size_t points = options.x.values.size() * options.y.values.size();
-    return {even_pieces(options.x, int((points + most - 1) / most)), even_pieces(options.y, 1), alone};
+    return {even_pieces(options.x, int((points + most - 1) / most)), even_pieces(options.y, 1),
+            in_lanes ? lanes_full : alone};
   }
   constexpr int edge = 32;  // most points of a tile along one axis
   return interpolates(options) ? Partition(patches_along(options.x), patches_along(options.y), patches_together)

@@ -46,8 +46,8 @@ class Partition {
 };
 
 /// How a plane is cut: patches that are interpolated, tiles whose points help each other to a start, or, of
-/// structures, points by themselves.
-Partition partition_of(const MapOptions&, bool structure);
+/// structures, points by themselves; many at a time where lanes follow them.
+Partition partition_of(const MapOptions&, bool structure, bool in_lanes = false);
 /// Pieces whose last value belongs to the next as well; given without it, but for the last.
 Partition::Pieces patches_along(const Axis&);
 

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "analysis/cycles/lyapunov.hpp"
+#include "analysis/lanes/driven_exponents.hpp"
 #include "analysis/planes/map_point.hpp"
 #include "analysis/planes/parts.hpp"
 #include "analysis/steady/structure_stability.hpp"
@@ -102,6 +103,18 @@ MapPoint compute_structure_point(const motion::StructureModel& model, double tol
   return point;
 }
 
+namespace {
+/// A forced block that lanes have followed.
+MapPoint point_of(const lanes::DrivenExponent& exponent, MapPoint point, const std::vector<PlaneMetric>& metrics) {
+  point.done = true, point.regime = Regime::cycle, point.origin = Origin::computed;
+  for (const auto& metric : metrics) {
+    if (metric.name == lyapunov) metric.value(point) = exponent.value, metric.error(point) = exponent.error;
+    if (metric.name == returns && exponent.returns > 0) metric.value(point) = exponent.returns, metric.error(point) = 0;
+  }
+  return point;
+}
+}  // namespace
+
 Map compute_structure_map(const StructureFamily& family, const MapOptions& options,
                           const std::vector<PlaneMetric>& metrics, const MapHooks& hooks) {
   require(options.threads, {1, 4096}, "threads", "number of threads", "1");
@@ -112,24 +125,40 @@ Map compute_structure_map(const StructureFamily& family, const MapOptions& optio
   blank.measures.assign(metrics.size(), NAN), blank.measure_errors.assign(metrics.size(), NAN);
   const bool leads = !hooks.crew || hooks.crew->leads();
   if (leads) map.points.assign(total, blank);
-  const Partition partition = partition_of(options, true);
+  const auto model_at = [&](std::size_t i) { return family(map.x.values[i % width], map.y.values[i / width]); };
+  const bool in_lanes =
+      std::ranges::all_of(metrics,
+                          [](const auto& metric) { return metric.name == lyapunov || metric.name == returns; }) &&
+      lanes::serves_exponents(model_at(0), options.lyapunov);
+  auto exponents = options.lyapunov;
+  exponents.accuracy = options.tolerance;
+  const Partition partition = partition_of(options, true, in_lanes);
   try {
     compute_parts(partition, {}, options, hooks, map, [&](const std::vector<std::size_t>& parts, Desk& desk) {
+      std::vector<std::pair<std::size_t, std::size_t>> places;  // point and part
       for (const std::size_t part : parts)
-        partition.for_each(part, [&](std::size_t i, int, int) {
-          end_if_stopped();
-          MapPoint point = blank;
-          try {
-            point = compute_structure_point(family(map.x.values[i % width], map.y.values[i / width]), options.tolerance,
-                                            metrics, options.lyapunov);
-          } catch (const InputError& error) {
-            point.done = true, point.regime = Regime::failed, point.why = error.what();
-          }
-          FinishedPoints finished;
-          finished.emplace_back(i, std::move(point));
-          desk.work(part, 1);
-          desk.points(finished);
-        });
+        partition.for_each(part, [&](std::size_t i, int, int) { places.emplace_back(i, part); });
+      std::vector<std::optional<lanes::DrivenExponent>> known(places.size());
+      if (in_lanes) {
+        std::vector<motion::StructureModel> models;
+        for (const auto& [i, part] : places) models.push_back(model_at(i));
+        known = lanes::driven_exponents(models, exponents);
+      }
+      for (std::size_t k = 0; k < places.size(); ++k) {
+        const auto& [i, part] = places[k];
+        end_if_stopped();
+        MapPoint point = blank;
+        try {
+          point = known[k] ? point_of(*known[k], blank, metrics)
+                           : compute_structure_point(model_at(i), options.tolerance, metrics, options.lyapunov);
+        } catch (const InputError& error) {
+          point.done = true, point.regime = Regime::failed, point.why = error.what();
+        }
+        FinishedPoints finished;
+        finished.emplace_back(i, std::move(point));
+        desk.work(part, 1);
+        desk.points(finished);
+      }
     });
   } catch (const Stopped&) {
     map.outcome = {Ending::interrupted,

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "analysis/cycles/section_map.hpp"
+#include "analysis/lanes/driven_lanes.hpp"
 #include "analysis/motion/structure_record.hpp"
 #include "analysis/planes/map_point.hpp"
 #include "analysis/planes/structure_map.hpp"
@@ -106,57 +107,142 @@ bool slides(const oscillators::Structure& structure) {
   return std::ranges::all_of(structure.contacts, [](const auto& contact) { return contact.speed.level() != 0; });
 }
 
-/// Counts the values that are done.
+std::string thresholds_left_out(const InputError& error) {
+  return fmt::format("thresholds of steady sliding are not marked: {}", error.what());
+}
+
+/// Counts the values that are done, and tells of them.
 class Progress {
  public:
-  Progress(const std::function<void(std::size_t, std::size_t)>& tell, std::size_t total) : tell_(tell), total_(total) {}
+  Progress(const SweepHooks& hooks, std::size_t total) : hooks_(hooks), total_(total) {}
+  void finished(bool up, std::size_t value, const SweepPoint& point) {
+    const std::scoped_lock lock(mutex_);
+    if (hooks_.finished) hooks_.finished(up, value, point);
+  }
   void advance() {
     const std::scoped_lock lock(mutex_);
     ++done_;
-    if (tell_) tell_(done_, total_);
+    if (hooks_.progress) hooks_.progress(done_, total_);
   }
   std::size_t done() const { return done_; }
 
  private:
-  const std::function<void(std::size_t, std::size_t)>& tell_;
+  const SweepHooks& hooks_;
   std::size_t total_, done_ = 0;
   std::mutex mutex_;
 };
 
-/// Calls compute(place of the value, where the motion before it ended, the point) for all values of all directions:
-/// one direction after the other where threads are few, each value by itself where all begin anew.
+/// A value to compute; the point's `end` is that of the value before it.
+struct Due {
+  std::size_t value;
+  SweepPoint* point;
+};
+
+/// Blocks under a periodic force, each from its start, whose sections are followed in lanes.
+class Batch {
+ public:
+  static constexpr std::size_t size = 4 * lane_count;
+
+  explicit Batch(const SweepOptions& options) : options_(options) {}
+  /// Leaves undone what is no such block, or could not be followed so.
+  void run(const std::function<StructureModel(double)>& family, std::span<const Due> due) {
+    for (const auto& [i, point] : due) try {
+        take(family(options_.axis.values[i]), *point);
+      } catch (const InputError&) {
+        continue;  // told where the value is computed by itself
+      }
+    if (!motions_.empty()) lanes::DrivenLanes(motions_.front().block).run(motions_);
+    for (std::size_t m = 0; m < motions_.size(); ++m)
+      if (motions_[m].why.empty()) record(motions_[m], of_[m].structure, *of_[m].point);
+  }
+
+ private:
+  void take(const StructureModel& model, SweepPoint& point) {
+    auto block = lanes::DrivenBlock::of(model.structure);
+    if (!block || (!motions_.empty() && !lanes::DrivenLanes::alike(motions_.front().block, *block))) return;
+    const auto y = motion::starting_point(oscillators::StructureSystem(model.structure), model.start);
+    motions_.push_back({.block = std::move(*block),
+                        .displacement = y[0],
+                        .slip_rate = y[1],
+                        .tolerance = 0.1 * options_.tolerance,
+                        .transient = options_.transient,
+                        .keep = options_.keep});
+    of_.push_back({model.structure, &point});
+  }
+  static void record(const lanes::DrivenMotion& motion, const oscillators::Structure& structure, SweepPoint& point) {
+    oscillators::StructureSystem system(structure);
+    StructureRecord record(system);
+    for (const auto& [displacement, slip_rate, contact] : motion.moments) {
+      system.set_mode(0, contact);
+      const double y[] = {displacement, slip_rate};
+      record.record(0, y);
+    }
+    point.columns = std::move(record.values);
+    point.recurrence = recurrence_of(point.columns);
+    point.end = {motion.displacement, motion.slip_rate};
+    point.done = true;
+  }
+
+  struct Taken {
+    oscillators::Structure structure;
+    SweepPoint* point;
+  };
+  const SweepOptions& options_;
+  std::vector<lanes::DrivenMotion> motions_;
+  std::vector<Taken> of_;
+};
+
+/// Calls compute(values that are due) for all values of all directions: one by one in a direction, and `group` at a
+/// time where all begin anew.
 template <class Compute>
-void for_each_value(const SweepOptions& options, Sweep& sweep,
-                    const std::function<void(std::size_t, std::size_t)>& tell, Compute compute) {
+void for_each_value(const SweepOptions& options, Sweep& sweep, const SweepHooks& hooks, std::size_t group,
+                    Compute compute) {
   require(options.threads, {1, 4096}, "threads", "number of threads", "1");
   const std::size_t n = options.axis.values.size();
   if (options.up) sweep.up.resize(n);
   if (options.down) sweep.down.resize(n);
   const std::size_t directions = std::size_t(options.up) + std::size_t(options.down);
-  Progress progress(tell, directions * n);
+  const std::size_t total = options.anew ? n : directions * n;
+  Progress progress(hooks, total);
   const auto along = [&](bool up, std::size_t k) { return up ? k : n - 1 - k; };
+  const auto settle = [&](bool up, std::size_t first, std::size_t count, const std::vector<double>& before) {
+    auto& points = up ? sweep.up : sweep.down;
+    std::vector<Due> due;
+    for (std::size_t i = first; i < first + count; ++i) {
+      if (auto known = hooks.known ? hooks.known(up, i) : std::nullopt) {
+        points[i] = std::move(*known);
+        progress.advance();
+      } else {
+        points[i].end = before;
+        due.push_back({i, &points[i]});
+      }
+    }
+    if (!due.empty()) compute(std::span<const Due>(due));
+    for (const auto& [i, point] : due) {
+      progress.finished(up, i, *point);
+      progress.advance();
+    }
+  };
   try {
     if (options.anew) {  // directions do not differ
-      in_parallel(options.threads, n, [&](std::size_t i) {
-        std::vector<double> end;
-        auto& point = options.up ? sweep.up[i] : sweep.down[i];
-        compute(i, end, point);
-        if (options.up && options.down) sweep.down[i] = point;
-        progress.advance();
+      in_parallel(options.threads, (n + group - 1) / group, [&](std::size_t g) {
+        const std::size_t first = g * group, count = std::min(group, n - first);
+        settle(options.up, first, count, {});
+        if (options.up && options.down)
+          std::copy_n(sweep.up.begin() + long(first), count, sweep.down.begin() + long(first));
       });
     } else {
       in_parallel(options.threads, directions, [&](std::size_t d) {
         const bool up = options.up && d == 0;
-        std::vector<double> end;
         for (std::size_t k = 0; k < n; ++k) {
           end_if_stopped();
-          compute(along(up, k), end, (up ? sweep.up : sweep.down)[along(up, k)]);
-          progress.advance();
+          settle(up, along(up, k), 1,
+                 k == 0 ? std::vector<double>() : (up ? sweep.up : sweep.down)[along(up, k - 1)].end);
         }
       });
     }
   } catch (const Stopped&) {
-    sweep.outcome = {Ending::interrupted, fmt::format("{} of {} values are done", progress.done(), directions * n)};
+    sweep.outcome = {Ending::interrupted, fmt::format("{} of {} values are done", progress.done(), total)};
     return;
   }
   std::size_t failed = 0;
@@ -170,8 +256,7 @@ void for_each_value(const SweepOptions& options, Sweep& sweep,
 
 }  // namespace
 
-Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOptions& options,
-            const std::function<void(std::size_t, std::size_t)>& progress) {
+Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOptions& options, const SweepHooks& hooks) {
   Sweep result;
   const auto first = family(options.axis.values.front());
   {
@@ -188,23 +273,23 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
       result.thresholds =
           steady::scan([&](double value) { return steady::stability(family(value).structure); }, sliding).thresholds;
     } catch (const InputError& error) {
-      result.thresholds_left_out = fmt::format("thresholds of steady sliding are not marked: {}", error.what());
+      result.thresholds_left_out = thresholds_left_out(error);
     }
   }
-  for_each_value(options, result, progress, [&](std::size_t i, std::vector<double>& end, SweepPoint& point) {
+  const auto compute = [&](std::size_t i, SweepPoint& point) {
     try {
       auto model = family(options.axis.values[i]);
       const auto size = std::size_t(oscillators::StructureSystem(model.structure).size());
       // Where a parameter changes which unknowns there are, the motion begins anew.
-      if (end.size() == size) model.start.unknowns = end;
+      if (point.end.size() == size) model.start.unknowns = point.end;
       if (options.record == Record::metrics) {
         std::vector<double> reached;
-        point.metrics = compute_structure_point(model, options.tolerance, result.metrics, {}, &reached);
+        point.metrics = compute_structure_point(model, options.tolerance, result.metrics, options.lyapunov, &reached);
         point.why = point.metrics.regime == Regime::failed ? point.metrics.why : "";
         point.done = true;
-        if (!reached.empty()) end = reached;
+        if (!reached.empty()) point.end = reached;
       } else {
-        end = record_point(model, options, point);
+        point.end = record_point(model, options, point);
       }
     } catch (const InputError& error) {
       point.done = true, point.why = error.what();
@@ -212,22 +297,41 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
       point.metrics = undecided_point();
       point.metrics.measures.assign(result.metrics.size(), NAN), point.metrics.measure_errors = point.metrics.measures;
     }
+  };
+  const bool in_lanes =
+      options.anew && options.record == Record::section && lanes::DrivenBlock::of(first.structure).has_value();
+  for_each_value(options, result, hooks, in_lanes ? Batch::size : 1, [&](std::span<const Due> due) {
+    if (in_lanes) Batch(options).run(family, due);
+    for (const auto& [i, point] : due)
+      if (!point->done) compute(i, *point);
   });
   return result;
 }
 
-Sweep sweep_of_slider(const Model& model, const SweepOptions& options,
-                      const std::function<void(std::size_t, std::size_t)>& progress) {
+Sweep sweep_of_slider(const Model& model, const SweepOptions& options, const SweepHooks& hooks) {
   Sweep result;
   result.metrics = metrics_of_slider(options.metrics);
-  for (const double value : options.axis.values) (void)model.with(options.axis.parameter, value);
-  for_each_value(options, result, progress, [&](std::size_t i, std::vector<double>&, SweepPoint& point) {
-    const Model here = model.with(options.axis.parameter, options.axis.values[i]);
+  const auto at = [&](double value) { return model.with(options.axis.parameter, value); };
+  for (const double value : options.axis.values) (void)at(value);
+  try {
+    const auto leading = [&](double value) {
+      const auto sliding = steady::stability(at(value));
+      const auto& first = sliding.eigenvalues.front();
+      return steady::Leading{first.real(), sliding.eigenvalue_errors.front(), std::abs(first.imag())};
+    };
+    for (const auto& crossing : steady::crossings(leading, options.axis.values))
+      result.thresholds.push_back({crossing, {}});
+  } catch (const InputError& error) {
+    result.thresholds_left_out = thresholds_left_out(error);
+  }
+  for_each_value(options, result, hooks, 1, [&](std::span<const Due> due) {
+    auto& point = *due.front().point;
+    const Model here = at(options.axis.values[due.front().value]);
     bool attracts = false;
     try {
       const auto sliding = steady::stability(here);
       attracts = sliding.stable || sliding.marginal;
-      point.metrics = compute_point(here, options.tolerance, 0.1, attracts, {});
+      point.metrics = compute_point(here, options.tolerance, options.stick_threshold, attracts, {});
     } catch (const InputError& error) {
       point.metrics = failed_point(error.what());
     }

@@ -1,6 +1,7 @@
 /// What changes along one parameter: sections or extrema of the motion, or metrics, upwards and downwards.
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct SweepOptions {
   int watch = 0;            ///< coordinate
   double tolerance = 1e-8;  ///< relative
   std::vector<std::string> metrics;
+  double stick_threshold = 0.1;      ///< of a slider's metrics
+  cycles::LyapunovOptions lyapunov;  ///< of that metric of structures
   int threads = 1;
 };
 
@@ -35,6 +38,7 @@ struct SweepPoint {
   std::vector<std::vector<double>> columns;
   int recurrence = 0;  ///< returns after which the motion recurs; 0: not among those kept
   MapPoint metrics;
+  std::vector<double> end;  ///< unknowns from which the motion goes on at the next value
 };
 
 struct Sweep {
@@ -46,16 +50,21 @@ struct Sweep {
   std::string thresholds_left_out;            ///< the reason why they are not known; empty: they are
 };
 
+/// Hooks for the caller; all may be empty. Called from one thread at a time, but for `known`.
+struct SweepHooks {
+  std::function<void(std::size_t done, std::size_t total)> progress = nullptr;
+  /// A value of a direction as an earlier run left it, or nothing.
+  std::function<std::optional<SweepPoint>(bool up, std::size_t value)> known = nullptr;
+  /// A value is done: keep it safe. Where values begin anew and both directions are asked for, it is told of one.
+  std::function<void(bool up, std::size_t value, const SweepPoint&)> finished = nullptr;
+};
+
 /// A structure along the parameter. Directions run in threads of their own, and so do values that begin anew: the
 /// result does not depend on the number of threads. Asked to stop, it ends "interrupted" with the values that are done.
-/// \param progress  called with the number of values done, from one thread at a time
 /// \throws InputError for unknown metrics, and where the drive has no period
-Sweep sweep(const std::function<motion::StructureModel(double)>&, const SweepOptions&,
-            const std::function<void(std::size_t done, std::size_t total)>& progress = {});
+Sweep sweep(const std::function<motion::StructureModel(double)>&, const SweepOptions&, const SweepHooks& = {});
 
-/// Metrics of a slider under a constant drive, by the search for its cycle at each value: of one without mass, which
-/// has no section.
-Sweep sweep_of_slider(const Model&, const SweepOptions&,
-                      const std::function<void(std::size_t done, std::size_t total)>& progress = {});
+/// Metrics of a slider under a constant drive, by the search for its cycle at each value.
+Sweep sweep_of_slider(const Model&, const SweepOptions&, const SweepHooks& = {});
 
 }  // namespace rosin::analysis::planes

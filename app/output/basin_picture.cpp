@@ -112,9 +112,12 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
     columns[0].push_back(task.places[i].first), columns[1].push_back(task.places[i].second);
     columns[2].push_back(found.labels[i] < 0 ? NAN : double(found.labels[i]));
   }
-  write_csv(folder / "basin.csv", {{column_header(x.name, x.unit()), columns[0]},
-                                   {column_header(y.name, y.unit()), columns[1]},
-                                   {"attractor", columns[2]}});
+  std::vector<Column> table{{column_header(x.name, x.unit()), columns[0]},
+                            {column_header(y.name, y.unit()), columns[1]},
+                            {"attractor", columns[2]}};
+  const std::vector<double> followed(found.followed.begin(), found.followed.end());
+  if (!followed.empty()) table.push_back({"followed", followed});
+  write_csv(folder / "basin.csv", table);
   write_orbits(folder / "basin-cycles.csv", task, found);
   std::vector<std::string> files = {"basin.csv", "basin-cycles.csv", "basin.gp"};
   if (!task.random) write_cells(folder / files.emplace_back("basin-cells.csv"), task, found);

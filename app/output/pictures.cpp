@@ -8,6 +8,7 @@
 #include <cctype>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "app/output/caption.hpp"
 #include "app/output/files.hpp"
@@ -456,6 +457,12 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                                                        : "");
       part(int(b), 0, dashed.c_str(), b == 0 ? "unstable" : "");
     }
+    bool named = false;
+    for (std::size_t b = 0; titled && b < found.cycles.size(); ++b)
+      if (small_cycles_of(found, found.cycles[b]))
+        parts.push_back(fmt::format(
+            "'branch.csv' using ($1 == {} ? $2 : NaN):(${}*{}) with lines linecolor '#C0392B' linewidth 1 {}", b,
+            names.size() + 6, factor, std::exchange(named, true) ? "notitle" : "title 'weakly nonlinear'"));
     if (titled && !found.crossings.empty())
       parts.emplace_back("NaN with lines linecolor '#888888' dashtype (6,4) title 'Hopf point'");
     if (titled && std::ranges::any_of(found.cycles, [](const auto& c) { return !c.branch.special.empty(); }))

@@ -1,77 +1,17 @@
-/// Writing maps, sweeps and basins with the NetCDF C interface. Nothing in the file depends on when or where it was
-/// written.
+/// Writing maps, sweeps and basins as NetCDF.
 #include "app/output/planes.hpp"
 
 #include <fmt/format.h>
-#include <netcdf.h>
-#include <netcdf_mem.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <stdexcept>
 
 #include "app/output/files.hpp"
+#include "app/output/netcdf_file.hpp"
 
 namespace rosin::app::output {
 
 namespace {
-
-void check(int status) {
-  if (status != NC_NOERR) throw std::runtime_error(fmt::format("NetCDF: {}", nc_strerror(status)));
-}
-
-/// A file being written in memory, because the HDF5 library does not survive a disk that fills up: definitions and
-/// values in any order (NetCDF-4 needs no define mode).
-class Plane {
- public:
-  Plane() { check(nc_create_mem("plane.nc", NC_NETCDF4, 1 << 16, &file_)); }
-  ~Plane() {
-    if (open_) nc_abort(file_);
-    std::free(image_.memory);
-  }
-  Plane(const Plane&) = delete;
-  /// The bytes of the file; they live as long as this object.
-  std::string_view close() {
-    open_ = false;
-    check(nc_close_memio(file_, &image_));
-    return {static_cast<const char*>(image_.memory), image_.size};
-  }
-
-  int dimension(const std::string& name, std::size_t length) const {
-    int id;
-    check(nc_def_dim(file_, name.c_str(), length, &id));
-    return id;
-  }
-  int variable(const std::string& name, nc_type type, const std::vector<int>& dimensions) const {
-    int id;
-    check(nc_def_var(file_, name.c_str(), type, static_cast<int>(dimensions.size()), dimensions.data(), &id));
-    return id;
-  }
-  void attribute(int variable, const char* name, const std::string& value) const {
-    check(nc_put_att_text(file_, variable, name, value.size(), value.c_str()));
-  }
-  void attribute(int variable, const char* name, const std::vector<signed char>& values) const {
-    check(nc_put_att_schar(file_, variable, name, NC_BYTE, values.size(), values.data()));
-  }
-  void attribute(int variable, const char* name, int value) const {
-    check(nc_put_att_int(file_, variable, name, NC_INT, 1, &value));
-  }
-  void attribute(int variable, const char* name, double value) const {
-    check(nc_put_att_double(file_, variable, name, NC_DOUBLE, 1, &value));
-  }
-  void values(int variable, const std::vector<double>& list) const {
-    check(nc_put_var_double(file_, variable, list.data()));
-  }
-  void values(int variable, const std::vector<signed char>& list) const {
-    check(nc_put_var_schar(file_, variable, list.data()));
-  }
-
- private:
-  int file_ = 0;
-  bool open_ = true;
-  NC_memio image_{};
-};
 
 std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
 
@@ -81,7 +21,7 @@ std::string whole_path(std::string path) {
   return path;
 }
 
-int write_axis(const Plane& plane, const std::string& name, const analysis::planes::Axis& axis,
+int write_axis(const NetcdfFile& plane, const std::string& name, const analysis::planes::Axis& axis,
                const scene::Scene& scene) {
   const int dimension = plane.dimension(name, axis.values.size());
   const int variable = plane.variable(name, NC_DOUBLE, {dimension});
@@ -98,10 +38,8 @@ int write_axis(const Plane& plane, const std::string& name, const analysis::plan
 }  // namespace
 
 void write_plane(const std::filesystem::path& path, const scene::Scene& scene, const analysis::planes::Map& map) {
-  Plane plane;
-  plane.attribute(NC_GLOBAL, "title", scene.title);
-  plane.attribute(NC_GLOBAL, "version", std::string("rosin ") + ROSIN_VERSION);
-  plane.attribute(NC_GLOBAL, "scene", scene.resolved);
+  NetcdfFile plane;
+  plane.begin(scene);
   plane.attribute(NC_GLOBAL, "tolerance", scene.map.tolerance);
   plane.attribute(NC_GLOBAL, "stick_threshold", scene.map.stick_threshold);
 
@@ -160,10 +98,8 @@ void write_plane(const std::filesystem::path& path, const scene::Scene& scene, c
 }
 
 void write_sweep(const std::filesystem::path& path, const scene::Scene& scene, const analysis::planes::Sweep& sweep) {
-  Plane plane;
-  plane.attribute(NC_GLOBAL, "title", scene.title);
-  plane.attribute(NC_GLOBAL, "version", std::string("rosin ") + ROSIN_VERSION);
-  plane.attribute(NC_GLOBAL, "scene", scene.resolved);
+  NetcdfFile plane;
+  plane.begin(scene);
   plane.attribute(NC_GLOBAL, "tolerance", scene.sweep.tolerance);
   const int value = write_axis(plane, last_part(scene.sweep.axis.parameter), scene.sweep.axis, scene);
   std::size_t longest = 1;
@@ -203,10 +139,8 @@ void write_sweep(const std::filesystem::path& path, const scene::Scene& scene, c
 
 void write_basins(const std::filesystem::path& path, const scene::Scene& scene, const analysis::basins::Basins& found) {
   const auto& [x, y, random, places, direction, task] = scene.basin;
-  Plane plane;
-  plane.attribute(NC_GLOBAL, "title", scene.title);
-  plane.attribute(NC_GLOBAL, "version", std::string("rosin ") + ROSIN_VERSION);
-  plane.attribute(NC_GLOBAL, "scene", scene.resolved);
+  NetcdfFile plane;
+  plane.begin(scene);
   plane.attribute(NC_GLOBAL, "tolerance", task.tolerance);
   const auto write = [&](const scene::StartAxis& axis, int dimension, const std::vector<double>& values) {
     const int variable = plane.variable(axis.name, NC_DOUBLE, {dimension});
@@ -239,6 +173,11 @@ void write_basins(const std::filesystem::path& path, const scene::Scene& scene, 
   plane.attribute(label, "flag_values", numbers);
   plane.attribute(label, "flag_meanings", meanings);
   plane.values(label, labels);
+  if (!found.followed.empty()) {
+    const int followed = plane.variable("followed", NC_BYTE, dimensions);
+    plane.attribute(followed, "long_name", "1: the start was followed; 0: it has the label of its neighbours");
+    plane.values(followed, std::vector<signed char>(found.followed.begin(), found.followed.end()));
+  }
   write_whole(path, plane.close());
 }
 

@@ -121,7 +121,10 @@ std::vector<TableColumn> read_table(const fs::path& path) {
       double value = 0;
       const auto [rest, failure] = std::from_chars(row[c].data(), row[c].data() + row[c].size(), value);
       const bool whole = failure == std::errc() && rest == row[c].data() + row[c].size();
-      table[c].values.push_back(whole ? value : std::numeric_limits<double>::quiet_NaN());
+      auto& column = table[c];
+      const bool word = !column.texts.empty() || (column.values.empty() && !whole && !row[c].empty());
+      if (word) column.texts.push_back(row[c]);
+      column.values.push_back(whole ? value : std::numeric_limits<double>::quiet_NaN());
     }
   }
   return table;

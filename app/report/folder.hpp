@@ -29,6 +29,7 @@ Folder read_folder(const std::filesystem::path&);
 struct TableColumn {
   std::string name, unit;
   std::vector<double> values;
+  std::vector<std::string> texts = {};  ///< of a column whose first cell is a word: all its cells
 };
 /// Empty where the file is missing or is no table of numbers.
 std::vector<TableColumn> read_table(const std::filesystem::path&);

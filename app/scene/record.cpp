@@ -431,12 +431,21 @@ FilesRead*& files_read() {
   return now;
 }
 
+/// Of a sequence of checksums.
+std::uint64_t chained(std::uint64_t before, std::uint64_t next) {
+  const std::uint64_t both[] = {before, next};
+  return checksum({reinterpret_cast<const char*>(both), sizeof both});
+}
+
 }  // namespace
 
 FilesRead::FilesRead() : before_(std::exchange(files_read(), this)) {}
 FilesRead::~FilesRead() { files_read() = before_; }
-void FilesRead::note(const std::string& text) {
-  if (auto* now = files_read()) now->texts.push_back(text);
+void FilesRead::note(const std::string& understood, std::uint64_t checksum) {
+  auto* now = files_read();
+  if (!now) return;
+  now->texts.push_back(understood);
+  now->checksum = chained(now->checksum, checksum);
 }
 
 RecordEnd read_record(const RecordSource& source,
@@ -456,6 +465,7 @@ RecordEnd read_record(const RecordSource& source,
 
   Clock clock;
   RecordEnd end{source.sample_rate};
+  std::uint64_t sum = 0;
   std::vector<std::vector<double>> block(wanted.size());
   while (rows->read(block)) {
     for (std::size_t i = 0; i < block.front().size(); ++i) {
@@ -477,6 +487,8 @@ RecordEnd read_record(const RecordSource& source,
     for (std::size_t c = 0; c < source.columns.size(); ++c) columns.emplace_back(block[c]);
     use(end.sample_rate, columns);
     end.samples += long(block.front().size());
+    for (const auto& list : block)
+      sum = chained(sum, checksum({reinterpret_cast<const char*>(list.data()), list.size() * sizeof(double)}));
     for (auto& list : block) list.clear();
   }
   if (end.samples < source.least)
@@ -485,7 +497,7 @@ RecordEnd read_record(const RecordSource& source,
   end.understood = fmt::format("{}: {}; {} rows, {} with gaps", source.file.string(), rows->understood(), end.samples,
                                end.gaps == 0 ? "none" : std::to_string(end.gaps));
   if (source.time) end.understood += fmt::format(", one each {:.6g} s", 1 / end.sample_rate);
-  FilesRead::note(end.understood);
+  FilesRead::note(end.understood, sum);
   return end;
 }
 

@@ -1,5 +1,6 @@
 /// Measured records: columns of a CSV or NetCDF file at even spacing, read in blocks so that memory does not grow.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -35,14 +36,16 @@ struct RecordEnd {
 RecordEnd read_record(const RecordSource&,
                       const std::function<void(double sample_rate, std::span<const std::span<const double>>)>& use);
 
-/// While it lives, what is understood of files that are read in this thread is noted, for whoever wants it explained.
+/// While it lives, what is understood of files that are read in this thread is noted, for whoever wants it explained,
+/// and what their numbers are, for whoever must know them again.
 class FilesRead {
  public:
   FilesRead();
   ~FilesRead();
   FilesRead(const FilesRead&) = delete;
-  static void note(const std::string&);
+  static void note(const std::string& understood, std::uint64_t checksum);
   std::vector<std::string> texts;
+  std::uint64_t checksum = 0;  ///< of all numbers, in their order; 0: none were read
 
  private:
   FilesRead* before_;

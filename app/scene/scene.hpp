@@ -188,6 +188,7 @@ struct Scene {
   std::string resolved;                       ///< the scene as TOML, overrides included
   std::vector<std::string> notes;             ///< what was read but has no effect
   std::vector<std::string> files_read;        ///< what was understood of measured files
+  std::uint64_t files_checksum = 0;           ///< of their numbers; 0: no file was read
   std::map<std::string, std::string> places;  ///< of keys by their paths: "scene.toml:7:5"
 
   /// The parameter at a path: of the family where there is one, else of the model.

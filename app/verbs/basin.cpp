@@ -67,14 +67,17 @@ void read_starts(scene::Table& table, scene::Scene& scene) {
   auto& [x, y, random, places, direction, task] = scene.basin;
   const auto& structure = scene.structure->structure;
   const auto *of_x = table.find("x"), *of_y = table.find("y"), *samples = table.find("samples"),
-             *seed = table.find("seed"), *start = table.find("start");
+             *seed = table.find("seed"), *start = table.find("start"), *refine = table.find("refine");
   if (!of_x && !of_y) {
-    for (const auto& [key, node] : {std::pair{"samples", samples}, {"seed", seed}, {"start", start}})
+    for (const auto& [key, node] :
+         {std::pair{"samples", samples}, {"seed", seed}, {"start", start}, {"refine", refine}})
       if (node) scene::fail(node->source(), "basin.{} has no effect without basin.x and basin.y", key);
     return;
   }
   random = samples != nullptr;
   if (seed && !random) scene::fail(seed->source(), "basin.seed has no effect without basin.samples: a grid of starts");
+  if (refine && random)
+    scene::fail(refine->source(), "basin.refine has no effect on basin.samples: give a grid of starts");
   const char* what = "{ start = \"displacement\", from, to, points }";
   x = read_axis(scene::Table(table.required("x", what), table.path("x")), structure, random);
   y = read_axis(scene::Table(table.required("y", what), table.path("y")), structure, random);
@@ -91,6 +94,10 @@ void read_starts(scene::Table& table, scene::Scene& scene) {
                   scene::most_points);
     for (const double at_y : y.values)
       for (const double at_x : x.values) places.emplace_back(at_x, at_y);
+  }
+  if (refine) {
+    if (!refine->is_boolean()) scene::wrong_kind(*refine, table.path("refine"), "true or false");
+    if (*refine->value<bool>()) task.refined_columns = int(x.values.size());
   }
   analysis::motion::StructureStart beside;
   beside.kind = analysis::motion::Start::Kind::given;
@@ -147,7 +154,7 @@ void read(scene::SceneReader& reader) {
   scene::Table table(reader.need("basin", "starts along x and y, or a direction from steady sliding"), "basin");
   scene::read_structure_model(reader);
   scene::located(reader.root.find("drive")->source(), [&] { common_period(scene.structure->structure); });
-  table.expect({"x", "y", "samples", "seed", "start", "direction", "from", "to", "points", "returns"});
+  table.expect({"x", "y", "samples", "seed", "start", "direction", "from", "to", "points", "returns", "refine"});
   read_starts(table, scene);
   read_direction(table, scene);
   if (scene.basin.places.empty() && !scene.basin.task.disturbance)
@@ -191,6 +198,10 @@ std::string document_of(const scene::Scene& scene, const Basins& found, double s
       document["labels"] = std::move(rows);
     }
   }
+  if (!found.followed.empty())
+    document["refined"] = {{"followed", std::ranges::count(found.followed, true)},
+                           {"sample", found.sample},
+                           {"sample_wrong", found.sample_wrong}};
   if (found.threshold)
     document["threshold"] = {
         {"value", found.threshold->value}, {"error", found.threshold->error}, {"beyond", found.threshold->beyond}};
@@ -249,6 +260,11 @@ Status perform(Job& job) {
     job.say("{}  {:<9}{}{}", k, name(attractor.kind), part, what);
   }
   manifest.tolerance_reached = reached.value();
+  if (!found.followed.empty())
+    job.say(
+        "{} of {} starts followed, the others lie amid their like; {} of a sample of {} of those came to something "
+        "else",
+        std::ranges::count(found.followed, true), task.starts.size(), found.sample_wrong, found.sample);
   if (found.threshold) {
     const auto& [value, error, beyond] = *found.threshold;
     job.say("steady sliding is left from {} on, to {}", disturbance_of(scene.basin, value, error), beyond);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "analysis/branches/branches.hpp"
@@ -164,11 +165,16 @@ std::string document_of(const scene::Scene& scene, const Branches& found, const 
     }
     points.push_back(std::move(point));
   }
-  for (const auto& crossing : found.crossings)
+  for (std::size_t k = 0; k < found.crossings.size(); ++k) {
+    const auto& crossing = found.crossings[k];
     events.push_back({{"kind", crossing.angular_frequency > 0 ? "hopf" : "divergence"},
                       {"value", crossing.value},
                       {"error", crossing.error},
                       {"angular_frequency", crossing.angular_frequency}});
+    if (k < found.small_cycles.size() && found.small_cycles[k])
+      events.back().update({{"first_lyapunov_coefficient", found.small_cycles[k]->first_lyapunov_coefficient},
+                            {"squared_amplitude_slope", found.small_cycles[k]->slope}});
+  }
   for (std::size_t b = 0; b < found.cycles.size(); ++b) {
     const auto& [from, value, parent, branch] = found.cycles[b];
     branches.push_back({{"from", from},
@@ -202,12 +208,20 @@ std::string document_of(const scene::Scene& scene, const Branches& found, const 
   return output::text(document);
 }
 
-void write_table(const std::filesystem::path& folder, const scene::Scene& scene, const Branches& found) {
+/// Of steady sliding at a value (m/s), at the first contact.
+using SteadySlipRate = std::function<double(double p)>;
+
+void write_table(const std::filesystem::path& folder, const scene::Scene& scene, const Branches& found,
+                 const SteadySlipRate& steady_slip_rate) {
+  const auto weakly_nonlinear = [&](double p, const analysis::branches::SmallCycles* small) {
+    const double amplitude = small ? small->amplitude(p) : NAN;
+    return std::isnan(amplitude) ? NAN : std::abs(steady_slip_rate(p)) * (1 + amplitude);
+  };
   std::vector<std::string> names;
   for (const auto& cycle : found.cycles)
     if (!cycle.branch.points.empty() && names.empty())
       for (const auto& [name, value] : cycle.branch.points.front().view.metrics) names.push_back(name);
-  std::vector<std::vector<double>> columns(5 + names.size());
+  std::vector<std::vector<double>> columns(6 + names.size());
   const auto add = [&](double branch, double value, bool stable, double rate, double multiplier) {
     columns[0].push_back(branch), columns[1].push_back(value), columns[2].push_back(stable);
     columns[3].push_back(rate), columns[4].push_back(multiplier);
@@ -215,7 +229,7 @@ void write_table(const std::filesystem::path& folder, const scene::Scene& scene,
   for (const auto& at : found.steady) {
     if (!at.why.empty()) continue;
     add(-1, at.value, at.stable, at.slip_rates.front(), NAN);
-    for (std::size_t k = 0; k < names.size(); ++k) columns[5 + k].push_back(NAN);
+    for (std::size_t k = 0; k <= names.size(); ++k) columns[5 + k].push_back(NAN);
   }
   const auto drawn = drawn_metric(found);
   for (std::size_t b = 0; b < found.cycles.size(); ++b)
@@ -224,6 +238,7 @@ void write_table(const std::filesystem::path& folder, const scene::Scene& scene,
       add(double(b), at.p, at.view.stable, metric == at.view.metrics.end() ? NAN : metric->second,
           at.view.multipliers.empty() ? NAN : std::abs(at.view.multipliers.front()));
       for (std::size_t k = 0; k < names.size(); ++k) columns[5 + k].push_back(at.view.metrics.at(names[k]));
+      columns.back().push_back(weakly_nonlinear(at.p, analysis::branches::small_cycles_of(found, found.cycles[b])));
     }
   std::vector<output::Column> table{
       {"branch", columns[0]},
@@ -234,6 +249,8 @@ void write_table(const std::filesystem::path& folder, const scene::Scene& scene,
   std::vector<std::string> headers;
   for (const auto& name : names) headers.push_back(output::column_header(name, unit_of(scene, name)));
   for (std::size_t k = 0; k < names.size(); ++k) table.push_back({headers[k], columns[5 + k]});
+  const auto of_normal_form = output::column_header(drawn + "_normal_form", "m/s");
+  if (!found.small_cycles.empty()) table.push_back({of_normal_form, columns.back()});
   output::write_csv(folder / "branch.csv", table);
 }
 
@@ -255,6 +272,14 @@ void write_loci(const std::filesystem::path& folder, const scene::BranchTask& ta
                                            {output::column_header(q.name, q.unit), columns[3]},
                                            {output::column_header(q.name + "_error", q.unit), columns[4]},
                                            {"period (s)", columns[5]}});
+}
+
+/// Nothing for what is no number of the slider itself, such as an amplitude of its drive.
+std::optional<analysis::branches::SmallCycles> small_cycles_at(const oscillators::Model& model, const std::string& path,
+                                                               const analysis::steady::Crossing& crossing) {
+  if (std::ranges::none_of(model.parameters(), [&](const auto& quantity) { return quantity.name == path; }))
+    return std::nullopt;
+  return analysis::branches::small_cycles(model, path, crossing);
 }
 
 Status perform(Job& job) {
@@ -299,6 +324,13 @@ Status perform(Job& job) {
       found.steady = std::move(steady);
     }
   }
+  for (const auto& crossing : found.crossings)
+    found.small_cycles.push_back(is_slider ? small_cycles_at(scene.model, path, crossing)
+                                           : analysis::branches::small_cycles(
+                                                 [&](double p) {
+                                                   return scene.family->with({{path, p}}).structure;
+                                                 },
+                                                 crossing));
   Loci loci;
   if (task.locus && found.outcome.complete()) {
     auto& locus = *task.locus;
@@ -354,7 +386,10 @@ Status perform(Job& job) {
     for (const auto& at : cycle.branch.points)
       manifest.tolerance_reached = std::max(manifest.tolerance_reached, at.x_error);
   manifest.cost = {{"seconds", seconds}, {"steps", double(found.steps)}, {"closures", double(found.residuals)}};
-  write_table(job.folder(), scene, found);
+  write_table(job.folder(), scene, found, [&](double p) {
+    const auto oscillator = family(p);
+    return oscillator->slip_rates(oscillator->steady()).front();
+  });
   auto files = output::write_picture(job.folder(), scene, found);
   files.push_back("branch.csv");
   if (!loci.curves.empty()) {

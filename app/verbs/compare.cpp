@@ -167,6 +167,9 @@ void read(scene::SceneReader& reader) {
   if (protocol == "run") reader.need("run", "duration and start");
   if (protocol == "map" || design) reader.need("map", "the two axes and the metrics");
   read_tables_of_models(reader);
+  if ((protocol == "map" || design) && reader.scene.map.y.values.empty())
+    scene::Table(*reader.root.find("map"), "map")
+        .required("y", "second axis of the plane in which members are compared");
   read_comparison(scene::Table(reader.need("compare", "members, and what is made equal in them"), "compare"), reader);
 }
 

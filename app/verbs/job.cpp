@@ -9,6 +9,7 @@
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/json.hpp"
+#include "app/output/netcdf_tables.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/stopping.hpp"
 
@@ -49,7 +50,11 @@ fs::path results_folder(const Request& request) {
   return "out" / (stem == "." || stem == ".." ? scene.filename() : stem);  // "...toml" would be the folder above
 }
 
-Job::Job(const Request& request) : request_(request), scene_(read_scene(request)), folder_(results_folder(request)) {
+Job::Job(const Request& request)
+    : request_(request),
+      scene_(read_scene(request)),
+      folder_(results_folder(request)),
+      label_(request.design ? "design" : request.verb) {
   if (request.no_pictures && request.pdf) throw InputError("--pdf has no effect beside --no-pictures: leave one out");
   std::error_code problem;
   fs::create_directories(folder_, problem);
@@ -58,6 +63,11 @@ Job::Job(const Request& request) : request_(request), scene_(read_scene(request)
   for (const auto& text : scene_.files_read) explain("{}", text);
   manifest_.verb = request.verb;
   manifest_.overrides = request.overrides;
+}
+
+void Job::results_of(std::string verb) {
+  manifest_.verb = verb;
+  label_ = std::move(verb);
 }
 
 void Job::note(std::string_view text) const {
@@ -112,8 +122,8 @@ ordered_json read_manifest(const fs::path& path) {
 
 }  // namespace
 
-void Job::say_what_is_replaced(const std::string& label) const {
-  const auto old = read_manifest(folder_ / (label + ".manifest.json"));
+void Job::say_what_is_replaced() const {
+  const auto old = read_manifest(folder_ / (label_ + ".manifest.json"));
   if (old.empty()) return;
   const auto now = ordered_json::parse(output::to_json(scene_, manifest_));
   const auto of = [](const ordered_json& manifest, const char* key) { return manifest.value(key, ordered_json()); };
@@ -139,7 +149,7 @@ void Job::say_what_is_replaced(const std::string& label) const {
         const auto text = given.get<std::string>();
         example = fmt::format(", such as --out \"out/{{{}}}\"", text.substr(0, text.find('=')));
       }
-  note(fmt::format("{} replaces a result{}; --out keeps results apart{}", (folder_ / (label + ".json")).string(), how,
+  note(fmt::format("{} replaces a result{}; --out keeps results apart{}", (folder_ / (label_ + ".json")).string(), how,
                    example));
 }
 
@@ -170,11 +180,14 @@ Status Job::finish(const std::string& document, std::vector<std::string> files, 
   results_are_due();
   manifest_.files = std::move(files);
   draw_pictures(request_, folder_, manifest_);
-  const std::string label = request_.design ? "design" : request_.verb;
-  manifest_.files.push_back(label + ".json");
+  if (request_.netcdf) {
+    const auto tables = output::write_netcdf_tables(folder_, manifest_.files, scene_, document);
+    manifest_.files.insert(manifest_.files.end(), tables.begin(), tables.end());
+  }
+  manifest_.files.push_back(label_ + ".json");
   manifest_.outcome = outcome;
-  say_what_is_replaced(label);
-  write_results(folder_, label, document, output::to_json(scene_, manifest_));
+  say_what_is_replaced();
+  write_results(folder_, label_, document, output::to_json(scene_, manifest_));
   if (request_.json) write_output(document);
   if (!outcome.complete() && !request_.quiet)
     tell("{}: {}{}{}\n", scene_.path, name(outcome.ending), outcome.detail.empty() ? "" : ": ", outcome.detail);

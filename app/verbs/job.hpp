@@ -62,16 +62,20 @@ class Job {
   /// What all plans have in common: the unknowns that are kept.
   void explain_model() const;
 
+  /// The results are named as those of another verb, which the scene asks for.
+  void results_of(std::string verb);
+
   /// Draws the scripts (*.gp) among the files, writes the document and the manifest, each under the verb's name and as
   /// the folder's latest; prints the document if asked. Call last.
   Status finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome);
 
  private:
-  void say_what_is_replaced(const std::string& label) const;
+  void say_what_is_replaced() const;
 
   const Request& request_;
   scene::Scene scene_;
   std::filesystem::path folder_;
+  std::string label_;  ///< of the results
   output::Manifest manifest_;
 };
 

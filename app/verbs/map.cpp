@@ -20,6 +20,7 @@
 #include "app/verbs/ranks.hpp"
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/string_verbs.hpp"
+#include "app/verbs/sweep_job.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
@@ -69,13 +70,18 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   if (!reader.needs("map") && !is_of_slider(reader)) return;  // its paths and metrics are known to the verb map alone
   auto& map = scene.map;
   table.expect({"x", "y", "metrics", "stick_threshold"});
-  const auto &x = table.required("x", "first axis"),
-             &y = table.required("y", "second axis; along one parameter alone use [sweep] and 'rosin sweep'");
+  const auto& x = table.required("x", "first axis");
   map.x = read_axis(scene::Table(x, table.path("x")), scene);
-  map.y = read_axis(scene::Table(y, table.path("y")), scene);
-  if (map.x.parameter == map.y.parameter)
-    scene::fail(y.source(), "map.x and map.y are the same parameter, {}", map.y.parameter);
-  if (map.x.values.size() > scene::most_points / map.y.values.size())
+  const auto* y = table.find("y");
+  if (y) {
+    map.y = read_axis(scene::Table(*y, table.path("y")), scene);
+    if (map.x.parameter == map.y.parameter)
+      scene::fail(y->source(), "map.x and map.y are the same parameter, {}", map.y.parameter);
+  } else if (const auto* extra = scene::Table(x, table.path("x")).find("extra")) {
+    scene::fail(extra->source(),
+                "map.x.extra goes with a plane; without map.y its values belong into from, to, points");
+  }
+  if (y && map.x.values.size() > scene::most_points / map.y.values.size())
     scene::fail(table.source(), "map has {} x {} points, more than {}", map.x.values.size(), map.y.values.size(),
                 scene::most_points);
   const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
@@ -157,6 +163,27 @@ Share share_of(const Request& request, const Job& job) {
   return share;
 }
 
+/// A plane of one axis is the sweep of that parameter, each value from the scene's start, with the plane's metrics.
+Status perform_one_axis(Job& job) {
+  const auto& request = job.request();
+  if (request.ranks || !request.shard.empty())
+    throw InputError(fmt::format(
+        "[map] has one axis, {}, whose values the threads of one process compute: leave --shard and mpirun away, or "
+        "give map.y",
+        job.scene().map.x.parameter));
+  const auto& map = job.scene().map;
+  auto& sweep = job.scene().sweep;
+  sweep.axis = map.x;
+  std::ranges::sort(sweep.axis.values);
+  sweep.record = analysis::planes::SweepOptions::Record::metrics;
+  sweep.anew = true;
+  sweep.metrics = map.metrics, sweep.stick_threshold = map.stick_threshold;
+  sweep.tolerance = map.tolerance;
+  sweep.lyapunov = job.scene().lyapunov;
+  job.results_of("sweep");
+  return perform_sweep(job);
+}
+
 Status perform(Job& job) {
   const auto& request = job.request();
   auto* ranks = request.ranks;
@@ -167,6 +194,7 @@ Status perform(Job& job) {
           "plane along an axis into scenes of their own");
     return perform_string_map(job);
   }
+  if (job.scene().map.y.values.empty()) return perform_one_axis(job);
   PlaneJob plane(job);
   auto& options = plane.options;
   const auto* structure = plane.structure;
@@ -243,7 +271,7 @@ Status perform(Job& job) {
 Verb map_verb() {
   return {
       .name = "map",
-      .help = "regimes and metrics over a parameter plane",
+      .help = "regimes and metrics over a parameter plane, or along one parameter",
       .example = "rosin map examples/bristol-board-plane.toml --set map.x.points=12 --set map.y.points=12",
       .operands = {scene_operand},
       .needs = model_tables({{"map", "the two axes and the metrics"}}),

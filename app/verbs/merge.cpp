@@ -116,6 +116,8 @@ Status merge(const Request& given) {
   request.verb = "map";  // whose results are written
   Job job(request);
   if (job.scene().string) throw InputError("a plane of strings has no shares; 'rosin map' computes it");
+  if (job.scene().map.y.values.empty())
+    throw InputError("[map] has one axis, which has no shares; 'rosin map' computes it");
   const PlaneJob plane(job);
   const auto partition = analysis::planes::partition_of(plane.options, plane.structure != nullptr);
   const auto journals = journals_of(request, job.folder());

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/verbs/journal.hpp"
 #include "app/verbs/point_records.hpp"
 
 namespace rosin::app::verbs {
@@ -17,7 +18,7 @@ std::string journal_name(analysis::planes::Share);
 /// The share that a journal of such a name holds; nothing for any other name.
 std::optional<analysis::planes::Share> share_of_journal(const std::string& name);
 
-/// A journal: a header (everything that determines the result), then one record a point with its checksum.
+/// The journal of a map: one record a point.
 class Partial {
  public:
   /// Takes over the records of an earlier run with the same key, up to the first damaged one; else starts afresh.
@@ -25,25 +26,21 @@ class Partial {
   /// and if what stands there is no journal, which is left as it is.
   Partial(std::filesystem::path path, const std::string& key, std::size_t points,
           const std::vector<analysis::planes::PlaneMetric>& metrics);
-  ~Partial();
-  Partial(const Partial&) = delete;
 
   /// The point as an earlier run left it, or nothing.
   std::optional<analysis::planes::MapPoint> known(std::size_t index) const { return known_.point(index); }
   std::size_t known_count() const { return known_.count(); }
   /// What is not taken over of the journal that was there, and why; empty if nothing is lost.
-  const std::string& lost() const { return lost_; }
+  const std::string& lost() const { return journal_.lost(); }
   /// Appends some of the points; they survive the end of the process from here on.
   void append(std::span<const std::size_t> indices, const std::vector<analysis::planes::MapPoint>& points);
   void append(const std::vector<analysis::planes::PartCost>&);
   /// The map is written elsewhere: the journal is not needed any more.
-  void remove();
+  void remove() { journal_.remove(); }
 
  private:
-  std::filesystem::path path_;
-  int file_;
   KnownPoints known_;
-  std::string lost_;
+  Journal journal_;
 };
 
 /// Takes over a journal as it stands on disk, be it finished or not, and leaves it alone. \throws InputError if it

@@ -12,6 +12,7 @@
 #include "app/output/pictures.hpp"
 #include "app/output/planes.hpp"
 #include "app/scene/family.hpp"
+#include "app/verbs/journal.hpp"
 
 namespace rosin::app::verbs {
 
@@ -53,16 +54,6 @@ std::string document_of(const scene::Scene& scene, const output::MapResult& resu
   return output::text(document);
 }
 
-/// Everything that determines a map: two runs with the same key have the same points.
-std::string map_key(const scene::Scene& scene) {
-  std::string key = fmt::format("rosin {}\ntolerance {}\n{}\n", ROSIN_VERSION, scene.map.tolerance,
-                                scene.map.exact ? "exact" : "adaptive");
-  if (!scene.structure)
-    for (const auto& quantity : scene.model.parameters())
-      key += fmt::format("{} = {}\n", quantity.name, scene.model.get(quantity.name));
-  return key + scene.resolved;
-}
-
 }  // namespace
 
 PlaneJob::PlaneJob(Job& job_) : job(job_), options(job_.scene().map) {
@@ -75,7 +66,7 @@ PlaneJob::PlaneJob(Job& job_) : job(job_), options(job_.scene().map) {
   if (scene.structure) structure = &scene.structure->structure;
   metrics = structure ? analysis::planes::metrics_of_structure(*structure, options.metrics)
                       : analysis::planes::metrics_of_slider(options.metrics);
-  key = map_key(scene);
+  key = journal_key(scene, options.tolerance, options.exact ? "exact" : "adaptive");
   points = options.x.values.size() * options.y.values.size();
 }
 

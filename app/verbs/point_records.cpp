@@ -4,122 +4,73 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstring>
-#include <type_traits>
 
+#include "app/verbs/records.hpp"
 #include "core/error.hpp"
-#include "core/files.hpp"
 
 namespace rosin::app::verbs {
 
-namespace {
-
 using analysis::planes::MapPoint;
 using analysis::planes::PartCost;
-
-enum class Kind : std::uint8_t { point, cost };
-
-/// A record as it stands in the file. Of a point its metrics, their errors and the reason of a failure follow, of a
-/// part its time.
-struct Record {
-  std::uint64_t checksum;  ///< of everything after it
-  std::uint64_t index;
-  std::uint32_t reason_length;
-  std::uint8_t regime, origin;
-  Kind kind;
-  std::uint8_t unused;
-};
-static_assert(std::is_trivially_copyable_v<Record>);
-
-constexpr std::uint32_t longest_reason = 1000;
-
-/// The checksummed part of a record.
-std::string_view body(std::string_view bytes) { return bytes.substr(sizeof(Record::checksum)); }
-
-void append_number(std::string& bytes, double number) {
-  bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
-}
-
-/// The record, whose rest stands behind `begin` of `bytes` already but for the head itself, is signed and put there.
-void sign(std::string& bytes, std::size_t begin, Record& record) {
-  std::memcpy(bytes.data() + begin, &record, sizeof record);
-  record.checksum = checksum(body(std::string_view(bytes).substr(begin)));
-  std::memcpy(bytes.data() + begin, &record.checksum, sizeof record.checksum);
-}
-
-}  // namespace
+using Kind = Record::Kind;
 
 RecordForm::RecordForm(std::vector<analysis::planes::PlaneMetric> metrics, std::size_t points)
     : metrics_(std::move(metrics)), points_(points) {}
 
 void RecordForm::append(std::string& bytes, std::size_t index, const MapPoint& point) const {
-  const auto reason = std::string_view(point.why).substr(0, longest_reason);
-  Record record{};
-  record.index = index;
-  record.reason_length = static_cast<std::uint32_t>(reason.size());
-  record.regime = static_cast<std::uint8_t>(point.regime);
-  record.origin = static_cast<std::uint8_t>(point.origin);
-  const std::size_t begin = bytes.size();
-  bytes.resize(begin + sizeof record);
-  for (const auto& metric : metrics_) append_number(bytes, metric.value(point));
-  for (const auto& metric : metrics_) append_number(bytes, metric.error(point));
-  bytes += reason;
-  sign(bytes, begin, record);
+  RecordWriter writer(bytes, Kind::point, index, static_cast<std::uint8_t>(point.regime),
+                      static_cast<std::uint8_t>(point.origin));
+  for (const auto& metric : metrics_) writer.number(metric.value(point));
+  for (const auto& metric : metrics_) writer.number(metric.error(point));
+  writer.finish(point.why);
 }
 
 void RecordForm::append(std::string& bytes, const PartCost& cost) const {
-  Record record{};
-  record.index = cost.part;
-  record.kind = Kind::cost;
-  const std::size_t begin = bytes.size();
-  bytes.resize(begin + sizeof record);
-  append_number(bytes, cost.seconds);
-  sign(bytes, begin, record);
+  RecordWriter writer(bytes, Kind::cost, cost.part);
+  writer.number(cost.seconds);
+  writer.finish();
+}
+
+Record RecordForm::record(std::string_view bytes) const {
+  return record_at(bytes, [this](const Record& head, std::string_view) -> std::optional<std::size_t> {
+    if (head.kind > Kind::cost || head.index >= points_ || !known_regime(head)) return std::nullopt;
+    return head.kind == Kind::point ? 2 * metrics_.size() : 1;
+  });
 }
 
 RecordForm::Found RecordForm::find(std::string_view bytes) const {
-  Record record;
-  if (bytes.size() < sizeof record) return {};
-  std::memcpy(&record, bytes.data(), sizeof record);
-  const bool of_point = record.kind == Kind::point;
-  const std::size_t numbers = of_point ? 2 * metrics_.size() : 1;
-  const std::size_t length = sizeof record + sizeof(double) * numbers + record.reason_length;
-  if (record.kind > Kind::cost || record.reason_length > longest_reason || bytes.size() < length ||
-      record.index >= points_)
-    return {};
-  if (record.regime > static_cast<int>(analysis::planes::Regime::failed) ||
-      record.origin > static_cast<int>(analysis::planes::Origin::interpolated))
-    return {};
-  bytes = bytes.substr(0, length);
-  if (checksum(body(bytes)) != record.checksum) return {};
-  const auto number = [&](std::size_t k) {
-    double value = 0;
-    std::memcpy(&value, bytes.data() + sizeof record + k * sizeof value, sizeof value);
-    return value;
-  };
-  if (!of_point) {
-    if (!(number(0) >= 0) || std::isinf(number(0))) return {};
-    return {length, 0, PartCost{record.index, number(0)}};
+  const auto found = record(bytes);
+  if (found.length == 0) return {};
+  if (found.kind == Kind::cost) {
+    if (!(found.number(0) >= 0) || std::isinf(found.number(0))) return {};
+    return {found.length, 0, PartCost{found.index, found.number(0)}};
   }
   for (std::size_t k = 0; k < metrics_.size(); ++k)
-    if (std::isinf(number(k)) || number(metrics_.size() + k) < 0) return {};
-  return {length, record.index, {}};
+    if (std::isinf(found.number(k)) || found.number(metrics_.size() + k) < 0) return {};
+  return {found.length, found.index, {}};
 }
 
 MapPoint RecordForm::point(std::string_view bytes) const {
-  Record record;
-  std::memcpy(&record, bytes.data(), sizeof record);
+  const auto found = record(bytes);
+  return point_of(found, metrics_, 0);
+}
+
+bool known_regime(const Record& record) {
+  return record.regime <= static_cast<int>(analysis::planes::Regime::failed) &&
+         record.origin <= static_cast<int>(analysis::planes::Origin::interpolated);
+}
+
+MapPoint point_of(const Record& record, const std::vector<analysis::planes::PlaneMetric>& metrics, std::size_t first) {
   MapPoint point = analysis::planes::undecided_point();
   point.done = true;
   point.regime = static_cast<analysis::planes::Regime>(record.regime);
   point.origin = static_cast<analysis::planes::Origin>(record.origin);
-  const char* at = bytes.data() + sizeof record;
   std::size_t measures = 0;
-  for (const auto& metric : metrics_) measures += metric.member == nullptr;
+  for (const auto& metric : metrics) measures += metric.member == nullptr;
   point.measures.resize(measures), point.measure_errors.resize(measures);
-  for (const auto& metric : metrics_) std::memcpy(&metric.value(point), at, sizeof(double)), at += sizeof(double);
-  for (const auto& metric : metrics_) std::memcpy(&metric.error(point), at, sizeof(double)), at += sizeof(double);
-  point.why = std::string(bytes.substr(bytes.size() - record.reason_length));
+  for (const auto& metric : metrics) metric.value(point) = record.number(first++);
+  for (const auto& metric : metrics) metric.error(point) = record.number(first++);
+  point.why = std::string(record.text);
   return point;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "analysis/planes/parts.hpp"
+#include "app/verbs/records.hpp"
 
 namespace rosin::app::verbs {
 
@@ -33,9 +34,16 @@ class RecordForm {
   analysis::planes::MapPoint point(std::string_view record) const;
 
  private:
+  Record record(std::string_view bytes) const;
   std::vector<analysis::planes::PlaneMetric> metrics_;
   std::size_t points_;
 };
+
+/// Whether regime and origin are such as points have.
+bool known_regime(const Record&);
+/// The point whose metrics, and behind them their errors, are the numbers of a record from `first` on.
+analysis::planes::MapPoint point_of(const Record&, const std::vector<analysis::planes::PlaneMetric>&,
+                                    std::size_t first);
 
 /// What journals know of a plane.
 class KnownPoints {

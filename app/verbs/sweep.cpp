@@ -15,6 +15,9 @@
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
+#include "app/verbs/stopping.hpp"
+#include "app/verbs/sweep_job.hpp"
+#include "app/verbs/sweep_journal.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
@@ -184,7 +187,24 @@ std::string document_of(const scene::Scene& scene, const Sweep& sweep, double se
   return output::text(document);
 }
 
-Status perform(Job& job) {
+/// The journal beside the results, with what an interrupted run of the same sweep has left there.
+SweepJournal journal_of(const Job& job, const scene::Scene& scene) {
+  const auto& options = scene.sweep;
+  const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
+  std::vector<analysis::planes::PlaneMetric> metrics;
+  std::size_t columns = 0;
+  if (options.record != Record::metrics)
+    columns = analysis::motion::StructureRecord(oscillators::StructureSystem(*structure)).names.size();
+  else
+    metrics = structure ? analysis::planes::metrics_of_structure(*structure, options.metrics)
+                        : analysis::planes::metrics_of_slider(options.metrics);
+  return {job.folder() / "sweep.partial", journal_key(scene, options.tolerance, "sweep"), options.axis.values.size(),
+          columns, std::move(metrics)};
+}
+
+}  // namespace
+
+Status perform_sweep(Job& job) {
   auto& scene = job.scene();
   auto& options = scene.sweep;
   options.tolerance = job.request().tolerance.value_or(options.tolerance);
@@ -193,7 +213,7 @@ Status perform(Job& job) {
   const auto parameter = scene.describe(axis.parameter);
   const bool of_metrics = options.record == Record::metrics;
   job.explain("{} values of {}, {}", axis.values.size(), axis.parameter,
-              !scene.structure ? "each a search for the cycle of a slider without mass"
+              !scene.structure ? "each a search for the slider's cycle"
               : options.anew   ? "each from the scene's start"
                                : "each from the motion at the value before");
   if (!of_metrics)
@@ -201,18 +221,24 @@ Status perform(Job& job) {
                 options.record == Record::extrema               ? "maxima and minima of the displacement"
                 : common_period(scene.structure->structure) > 0 ? "the moment t = 0 of the drive"
                                                                 : "maxima of the displacement");
+  auto journal = journal_of(job, scene);
+  if (!journal.lost().empty()) job.note(journal.lost());
+  if (const auto known = journal.known_count()) job.note(fmt::format("going on from {} finished values", known));
   const auto begin = std::chrono::steady_clock::now();
   Sweep sweep;
   {
     Progress progress(job.request().quiet);
-    const auto show = [&](std::size_t done, std::size_t total) { progress.show(done, total); };
-    sweep = scene.structure ? analysis::planes::sweep(
-                                  [&](double value) {
-                                    return scene.family->with({{axis.parameter, value}});
-                                  },
-                                  options, show)
-                            : analysis::planes::sweep_of_slider(scene.model, options, show);
+    const analysis::planes::SweepHooks hooks{
+        .progress = [&](std::size_t done, std::size_t total) { progress.show(done, total); },
+        .known = [&](bool up, std::size_t value) { return journal.known(up, value); },
+        .finished = [&](bool up, std::size_t value, const SweepPoint& point) { journal.append(up, value, point); }};
+    const auto at = [&](double value) { return scene.family->with({{axis.parameter, value}}); };
+    sweep = scene.structure ? analysis::planes::sweep(at, options, hooks)
+                            : analysis::planes::sweep_of_slider(scene.model, options, hooks);
   }
+  const bool stopped = sweep.outcome.ending == Ending::interrupted;
+  if (stopped) sweep.outcome.detail += "; the same command goes on from there";
+  sweep.outcome = why_stopped(sweep.outcome);
   const double seconds = seconds_since(begin);
   auto& manifest = job.manifest();
   manifest.tolerance_asked = options.tolerance;
@@ -234,10 +260,10 @@ Status perform(Job& job) {
   output::write_sweep(job.folder() / "sweep.nc", scene, sweep);
   auto files = output::write_picture(job.folder(), scene, sweep);
   files.push_back("sweep.nc");
-  return job.finish(document_of(scene, sweep, seconds), std::move(files), sweep.outcome);
+  const auto status = job.finish(document_of(scene, sweep, seconds), std::move(files), sweep.outcome);
+  if (!stopped) journal.remove();
+  return status;
 }
-
-}  // namespace
 
 Verb sweep_verb() {
   return {.name = "sweep",
@@ -247,7 +273,7 @@ Verb sweep_verb() {
           .needs = model_tables({{"sweep", "the parameter, its values, and what is recorded"}}),
           .options = scene_options(),
           .read = read,
-          .perform = perform};
+          .perform = perform_sweep};
 }
 
 }  // namespace rosin::app::verbs

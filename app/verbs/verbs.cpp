@@ -57,6 +57,7 @@ std::vector<Option> scene_options(std::vector<Option> own) {
       quiet_option,
       {"--no-pictures", &Request::no_pictures, "write no pictures, only what 'rosin plot' draws them from"},
       pdf_option,
+      {"--netcdf", &Request::netcdf, "write every table (CSV) as NetCDF, too"},
       {"--explain", &Request::explain, "say on standard error what is computed how, and what is skipped"},
   };
   options.insert(options.end(), own.begin(), own.end());
@@ -124,6 +125,7 @@ scene::Scene read_scene(const Request& request) {
     throw InputError(scene.placed(error.what()));
   }
   scene.files_read = files.texts;
+  scene.files_checksum = files.checksum;
   scene::write_table(scene.resolved, document, "");
   return scene;
 }

@@ -29,9 +29,9 @@ class Result:
     """
 
     def __init__(self, verb: str, complete: bool, output: str, messages: str, folder: Path) -> None:
-        self.verb = verb
         self.complete = complete
         self.raw: dict[str, Any] = json.loads(output) if output else {}
+        self.verb: str = self.raw.get("verb", verb)  # a map of one axis is a sweep
         self.folder = folder
         self._messages = messages
 

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 # Tables beside the main one, by verb: patterns of their files. What only a picture needs is no table.
 BESIDE = {"run": ["stick-slip"], "branch": ["locus"], "fit": ["fit-curve-*", "fit-residuals-*"], "lab": ["lab-*"]}
 
+# Verbs whose NetCDF files have more than a table.
+PLANES = {"map", "sweep", "basin"}
+
 # Of what documents have without its unit: columns in which members of a comparison are followed, parameters of a scan.
 UNITS = {"time": "s", "slip_rate": "m/s", "displacement": "m", "velocity": "m/s", "friction_force": "N", "normal_load": "N",
          "speed": "m/s", "mass": "kg", "stiffness": "N/m", "damping": "N s/m", "mu_s": "1", "mu_d": "1", "lambda": "1"}
@@ -22,17 +25,17 @@ UNITS = {"time": "s", "slip_rate": "m/s", "displacement": "m", "velocity": "m/s"
 
 def dataset(result: Result) -> xarray.Dataset | None:
     """The main plane or table of a result, None where it has none."""
-    stored = result.folder / f"{result.verb}.nc"
-    if stored.exists():
-        import xarray
-
-        with xarray.open_dataset(stored, decode_times=False) as plane:
-            return plane.load()
     for verb, key, of in (("frf", "family", _family), ("stability", "path", _path), ("fit", "correlation", _fit),
                           ("compare", "series", _series), ("compare", "planes", _planes),
                           ("compare", "discriminability", _design), ("compare", "separation", _strings)):
         if result.verb == verb and result.raw.get(key):
             return _titled(of(result), result)
+    stored = result.folder / f"{result.verb}.nc"
+    if result.verb in PLANES and stored.exists():
+        import xarray
+
+        with xarray.open_dataset(stored, decode_times=False) as plane:
+            return plane.load()
     table = result.folder / f"{result.verb}.csv"
     return _table(table, result, result.error) if table.exists() else None
 

@@ -152,3 +152,50 @@ def test_printed_numbers_beside_found_ones():
     assert "<td>10 … 11</td>" in table._repr_html_()
     with pytest.raises(rosin.InputError, match="printed number 'about 12': one number, 'number ± error'"):
         rosin.beside([("period", "about 12", 12.0, 0.1)])
+
+
+TABLES = [
+    ("run", "coulomb-stick-slip", {}, (), ["run", "stick-slip"]),
+    ("cycle", "bristol-board-cycle", {}, (), ["cycle"]),
+    ("lab", "lab-slide-hold-slide", {}, ("slide-hold-slide",), ["lab", "lab-peaks"]),
+    ("frf", "frf-load-family", {}, (), ["frf", "frf-5"]),
+    ("fit", "step-with-trend", {}, (), ["fit-curve-1", "fit-residuals-1"]),
+    ("compare", "compare-laws", {}, (), ["compare-1", "compare-3"]),
+    ("branch", "two-motions", FEW, (), ["branch"]),
+    ("lyapunov", "belt-chaos", {"lyapunov.duration": 60}, (), ["lyapunov"]),
+]
+
+
+@pytest.mark.parametrize("verb, example, changes, words, files", TABLES, ids=[one[0] for one in TABLES])
+def test_the_command_writes_tables_as_netcdf_too(tmp_path, verb, example, changes, words, files):
+    asked(verb, example, changes, *words, out=tmp_path, netcdf=True)
+    for name in files:
+        with xarray.open_dataset(tmp_path / f"{name}.nc", decode_times=False) as data:
+            header, *rows = (tmp_path / f"{name}.csv").read_text().splitlines()
+            assert data.attrs["title"] and data.attrs["version"].startswith("rosin ") and "[law]" in data.attrs["scene"]
+            headings = header.split(",")
+            for place, heading in enumerate(headings):
+                if headings.index(heading) < place:
+                    continue  # told before
+                title, _, unit = heading.removesuffix(")").partition(" (")
+                column = data[title.replace(" ", "_").replace("/", "_")]
+                assert column.attrs["units"] == (unit or "1") and column.attrs["long_name"]
+                written = numpy.array([row.split(",")[place] for row in rows], dtype=float)
+                numpy.testing.assert_array_equal(column.values, written)
+
+
+def test_columns_of_words_and_errors_of_columns(tmp_path):
+    result = asked("cycle", "bristol-board-cycle", {}, out=tmp_path, netcdf=True)
+    asked("run", "coulomb-stick-slip", {}, out=tmp_path, netcdf=True)
+    with xarray.open_dataset(tmp_path / "run-events.nc", decode_times=False) as events:
+        assert "stick" in events.kind.values.tolist()
+    with xarray.open_dataset(tmp_path / "cycle.nc", decode_times=False) as cycle:
+        assert set(cycle.dims) == {"time"} and cycle.sizes == result.dataset.sizes
+
+
+def test_a_plane_of_one_axis_is_a_sweep():
+    scene = rosin.load(ROOT / "examples/bristol-board-plane.toml").set("map", {
+        "x": {"parameter": "drive.normal_load", "from": 1e-5, "to": 1e-2, "points": 3}, "metrics": ["stick_fraction"]})
+    result = scene.map()
+    assert result.verb == "sweep"
+    assert result.dataset.stick_fraction_up.dims == ("normal_load",)

@@ -24,6 +24,8 @@ TEST_CASE("arguments reach a program as they are, whatever a shell would make of
   CHECK(run_program({"/bin/sh", {"-c", "exit 3"}})->status == 3);
   CHECK(run_program({"/bin/sh", {"-c", "kill -9 $$"}})->status == 128 + 9);
   CHECK(run_program({"/bin/sh", {"-c", "head -c 1000000 /dev/zero"}})->output.size() == 65536);
+  CHECK(run_program({"/bin/sh", {"-c", "printf '%s' \"$HOME\"; env | grep -c ^HOME="}, {}, {"HOME=there"}})->output ==
+        "there1\n");
   const auto both = run_program({"/bin/sh", {"-c", "head -c 1000000 /dev/zero >&2; echo done; echo why >&2"}});
   CHECK(both->output == "done\n");
   CHECK(both->messages.size() == 65536);

@@ -198,3 +198,26 @@ TEST_CASE("two coupled blocks end where long motions do", "[basin]") {
     for (std::size_t k = 0; k < 4; ++k) CHECK(std::abs(end[k] - there[k]) < 1e-2);
   }
 }
+
+TEST_CASE("refined borders are those of the full grid, and most starts are not followed", "[basin]") {
+  const auto structure = oscillators::one_slider(two_motions(1.5));
+  BasinTask task;
+  const int columns = 81, rows = 65;
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i)
+      task.starts.push_back(start_at(structure, -2 + 5.0 * i / (columns - 1), -2 + 4.0 * j / (rows - 1)));
+  const auto full = find_basins(structure, task);
+  task.refined_columns = columns;
+  const auto refined = find_basins(structure, task);
+  REQUIRE(refined.outcome.complete());
+  CHECK(refined.labels == full.labels);
+  CHECK(full.followed.empty());
+  REQUIRE(refined.followed.size() == task.starts.size());
+  CHECK(std::ranges::count(refined.followed, true) < 0.45 * double(task.starts.size()));
+  CHECK(refined.sample == 100);
+  CHECK(refined.sample_wrong == 0);
+  for (std::size_t k = 0; k < 2; ++k) {
+    CHECK(refined.basins[k].share == full.basins[k].share);
+    CHECK(refined.basins[k].error > full.basins[k].error);
+  }
+}

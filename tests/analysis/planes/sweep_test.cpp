@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "analysis/steady/stability.hpp"
 #include "core/stop.hpp"
 #include "laws/catalogue.hpp"
 
@@ -88,6 +89,35 @@ TEST_CASE("a sweep meets the forced motion of period three, and the irregular on
   for (std::size_t i = 1; i < sorted.size(); ++i) CHECK(sorted[i] - sorted[i - 1] > 1e-8);
 }
 
+TEST_CASE("values that begin anew are the same motions in lanes and one by one", "[sweep]") {
+  auto options = along(0.1, 0.5, 9);
+  options.anew = true, options.transient = 5, options.keep = 4;
+  const auto family = over_belt_speed(forced_belt());
+  const auto in_lanes = sweep(family, options);
+  // A functional keeps a structure out of lanes, and changes nothing of its motion.
+  const auto alone = sweep(
+      [&](double speed) {
+        auto model = family(speed);
+        model.structure.functionals.push_back({"double", "m", Eigen::VectorXd::Constant(1, 2)});
+        return model;
+      },
+      options);
+  REQUIRE(in_lanes.column_names ==
+          std::vector<std::string>{"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"});
+  int stuck = 0;
+  for (std::size_t i = 0; i < in_lanes.up.size(); ++i) {
+    REQUIRE(in_lanes.up[i].columns[0].size() == 4);
+    for (std::size_t n = 0; n < 4; ++n) {
+      const auto& here = in_lanes.up[i].columns;
+      const auto& there = alone.up[i].columns;
+      // Irregular motions part.
+      for (std::size_t c = 0; c < here.size(); ++c) CHECK(here[c][n] == Approx(there[c][n]).margin(1e-6));
+      stuck += here[2][n] == 0;
+    }
+  }
+  CHECK(stuck > 4);
+}
+
 TEST_CASE("extrema of a forced motion are its turning points", "[sweep]") {
   auto options = along(0.1, 0.11, 2);
   options.record = Record::extrema, options.keep = 3;
@@ -162,10 +192,12 @@ TEST_CASE("a sweep that is asked to stop keeps the values that are done", "[swee
   options.transient = 5, options.keep = 5;
   std::stop_source source;
   const Listening listening(source.get_token());
-  const auto result = sweep(over_belt_speed(forced_belt()), options, [&](std::size_t done, std::size_t total) {
+  SweepHooks hooks;
+  hooks.progress = [&](std::size_t done, std::size_t total) {
     CHECK(total == 6);
     if (done == 2) source.request_stop();
-  });
+  };
+  const auto result = sweep(over_belt_speed(forced_belt()), options, hooks);
   CHECK(result.outcome.ending == Ending::interrupted);
   CHECK(result.up[1].done);
   CHECK_FALSE(result.up[2].done);
@@ -184,6 +216,26 @@ TEST_CASE("a slider without mass is swept by its cycles", "[sweep]") {
   REQUIRE(result.outcome.complete());
   CHECK(std::abs(result.metrics[0].value(result.up[0].metrics) - 22.048104111) < 1e-7);
   CHECK(std::abs(result.metrics[0].value(result.up[1].metrics) - 19.516047457) < 1e-7);
+}
+
+TEST_CASE("a sweep of a slider marks where steady sliding loses its stability, in closed form", "[sweep]") {
+  Model model;
+  model.law = laws::find_law("ageing")->with({0.6, 0.010, 0.015, 1e-6, 1e-6});
+  model.slider = {1, 4500, 0};
+  model.drive.speed = 1e-6;
+  const auto critical = analysis::steady::critical_load(model);
+  REQUIRE(critical);
+  SweepOptions options;
+  options.axis = make_axis("drive.normal_load", 0.8 * critical->normal_load, 1.2 * critical->normal_load, 3, false, {});
+  options.record = Record::metrics, options.metrics = {"period"};
+  const auto result = sweep_of_slider(model, options);
+  REQUIRE(result.thresholds.size() == 1);
+  const auto& threshold = result.thresholds.front();
+  CHECK(threshold.onset);
+  CHECK(std::abs(threshold.value - critical->normal_load) <= threshold.error + 1e-14 * critical->normal_load);
+  CHECK(threshold.angular_frequency == Approx(critical->angular_frequency).epsilon(1e-9));
+  CHECK(result.up.front().metrics.regime == Regime::stable);
+  CHECK(result.up.back().metrics.regime == Regime::cycle);
 }
 
 TEST_CASE("a value at which nothing moves says so, and leaves the others", "[sweep]") {

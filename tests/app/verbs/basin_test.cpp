@@ -82,3 +82,24 @@ TEST_CASE("wrong keys of a basin are refused with their range or the nearest nam
   CHECK(alone.status == 2);
   CHECK_THAT(alone.error, Contains("the scene has no [basin]"));
 }
+
+TEST_CASE("refined borders say which starts were followed, and are refused for random starts", "[app][basin]") {
+  const Folder folder;
+  const std::string grid = "--set basin.x.points=33 --set basin.y.points=33 --set basin.points=3 --no-pictures ";
+  REQUIRE(run_rosin(folder, command + grid + "--out full").status == 0);
+  const auto answer = run_rosin(folder, command + grid + "--set basin.refine=true --out refined");
+  REQUIRE(answer.status == 0);
+  CHECK_THAT(answer.out, Contains("of 1089 starts followed"));
+  const auto full = nlohmann::json::parse(content(folder.path / "full/basin.json")),
+             refined = nlohmann::json::parse(content(folder.path / "refined/basin.json"));
+  CHECK(refined["labels"] == full["labels"]);
+  CHECK_FALSE(full.contains("refined"));
+  CHECK(refined["refined"]["followed"] < 1089);
+  CHECK_THAT(content(folder.path / "refined/basin.csv"), Contains("attractor,followed\n"));
+  const auto random = run_rosin(folder, command +
+                                            "--set \"basin.x={start='displacement',from=-1,to=1}\" --set "
+                                            "\"basin.y={start='velocity',from=-1,to=1}\" --set basin.samples=5 --set "
+                                            "basin.refine=true");
+  CHECK(random.status == 2);
+  CHECK_THAT(random.error, Contains("basin.refine has no effect on basin.samples"));
+}

@@ -65,3 +65,29 @@ TEST_CASE("a second parameter gives curves from one end of its range to the othe
   CHECK(first["value"] == Approx(0.5 * std::log(1 / 0.08)));
   CHECK(last["value"] == Approx(0.5 * std::log(1 / 0.3)));
 }
+
+TEST_CASE("a branch tells the cycles of the normal form beside its own", "[app][branches]") {
+  const Folder folder;
+  const auto answer = run_rosin(folder, "branch " ROSIN_SOURCE_DIR
+                                        "/examples/two-motions.toml --set branch.values='[]' --set branch.to=1.3 "
+                                        "--no-pictures --json --out out");
+  REQUIRE(answer.status == 0);
+  const auto hopf = nlohmann::json::parse(answer.out)["events"][0];
+  const double critical = 0.5 * std::log(10);
+  CHECK(hopf["squared_amplitude_slope"].get<double>() == Approx(4 / (critical * critical)).epsilon(1e-6));
+  std::istringstream table(content(folder.path / "out/branch.csv"));
+  std::string line;
+  std::getline(table, line);
+  CHECK_THAT(line, Catch::Matchers::EndsWith(",slip_rate_max_normal_form (m/s)"));
+  int compared = 0;
+  while (std::getline(table, line)) {
+    const auto ending = line.substr(line.rfind(',') + 1);
+    const double value = std::stod(line.substr(line.find(',') + 1));
+    if (line.starts_with("-1,")) CHECK(ending == "nan");
+    if (!line.starts_with("0,") || value - critical > 0.02) continue;
+    ++compared;
+    CHECK(std::stod(ending) == Approx(value * (1 + std::sqrt(4 * (value - critical)) / critical)).epsilon(1e-9));
+  }
+  CHECK(compared > 1);
+  CHECK_THAT(content(folder.path / "out/branch.gp"), Contains("weakly nonlinear"));
+}
