@@ -8,10 +8,10 @@
 #include <cctype>
 #include <map>
 
+#include "app/output/markup.hpp"
 #include "app/report/assets.hpp"
 #include "app/report/figures.hpp"
 #include "app/report/quantities.hpp"
-#include "app/output/markup.hpp"
 #include "app/report/tables.hpp"
 #include "app/report/verdicts.hpp"
 #include "core/error.hpp"

@@ -134,7 +134,8 @@ TEST_CASE("exponents in lanes are those of multipliers, and of independent avera
     REQUIRE(exponents[i]);
     if (!cycle.outcome.complete() || !(std::abs(cycle.multipliers.front()) > 1e-3)) continue;
     CHECK(exponents[i]->returns == cycle.returns);
-    CHECK(std::abs(exponents[i]->value - std::log(std::abs(cycle.multipliers.front())) / (cycle.returns * std::numbers::pi)) < 1e-6);
+    CHECK(std::abs(exponents[i]->value -
+                   std::log(std::abs(cycle.multipliers.front())) / (cycle.returns * std::numbers::pi)) < 1e-6);
     ++compared;
   }
   CHECK(compared >= 2);
