@@ -424,7 +424,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::string script = preamble("branch", "Steady sliding and cycles along a parameter", 820, has_cycles ? 680 : 440);
   script +=
       fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{},{} spacing 0,0.05\n", has_cycles ? 2 : 1,
-                  single_quoted(scene.title), has_cycles ? 0.13 : 0.2, has_cycles ? 0.87 : 0.80);
+                  single_quoted(scene.title), has_cycles ? 0.13 : 0.2, has_cycles ? 0.84 : 0.77);
   script += "set grid\nset key at screen 0.97,0.955 top right horizontal maxcols 3\n";
   script += axis_scale('x', options.parameter.logarithmic) + '\n';
   const auto [low, high] = std::minmax(options.parameter.from, options.parameter.to);
