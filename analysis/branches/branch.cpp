@@ -128,10 +128,17 @@ class Tracer {
       auto doubled = single.doubled(x, special.p, options_.tolerance * 1e-2);
       if (!doubled) continue;
       Continuation branching(*doubled->problem, this->continuation());
+      // Multipliers of a doubled cycle are squares where it is born: one below -1 says that it has doubled again
+      // before.
+      const auto has_doubled = [](const BranchPoint& at) {
+        return std::ranges::any_of(at.view.multipliers, [](auto m) { return m.imag() == 0 && m.real() < -1; });
+      };
       std::optional<BranchPoint> point;
-      for (const double step : {0.02, 0.005, 0.001}) {
-        point = branching.branch_off(doubled->x, special.p, {doubled->direction, 0}, step);
-        if (point) break;
+      for (const double step : {0.02, 0.005, 0.001, 2e-4}) {
+        auto there = branching.branch_off(doubled->x, special.p, {doubled->direction, 0}, step);
+        if (!there) continue;
+        point = std::move(there);
+        if (!has_doubled(*point)) break;
       }
       if (!point) {
         result_.notes.push_back(fmt::format("the doubled cycles at {:.9g} could not be closed", special.p));

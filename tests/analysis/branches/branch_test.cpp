@@ -127,19 +127,26 @@ TEST_CASE("a cycle whose disturbances grow 1e10-fold in a period lies on its bra
   CHECK(folds[0].error < 1e-8 * folds[0].p);
 }
 
-TEST_CASE("period doublings of two states lie where shooting has them", "[branches]") {
+TEST_CASE("period doublings of two states lie where shooting has them, five of them, and closer by 4.67",
+          "[branches]") {
   const auto model = two_state_slip(400);
   constexpr double stiffness = 5000;
   BranchOptions options;
   options.parameter = {0.0805 * stiffness, 0.0685 * stiffness, false};
+  options.doublings = 5;
   const auto found = from_steady_sliding(along(model, "oscillator.stiffness"), options,
                                          crossings_of(model, "oscillator.stiffness", options.parameter));
   REQUIRE(found.crossings.size() == 1);
   CHECK(std::abs(found.crossings[0].value / stiffness - 0.0802755656492) < 1e-12);
   const auto doublings = special(found, "period-doubling");
-  REQUIRE(doublings.size() >= 2);
+  REQUIRE(doublings.size() == 5);
   CHECK(std::abs(doublings[0].p / stiffness - 0.0695394087541) < 1e-11);
   CHECK(std::abs(doublings[1].p / stiffness - 0.0687992769253) < 1e-11);
+  CHECK(std::abs(doublings[2].p / stiffness - 0.0686671929453) < 1e-11);
+  // By collocation (AUTO-07p), to its digits; Feigenbaum's ratio is 4.669.
+  CHECK(std::abs(doublings[3].p / stiffness - 0.06863961634) < 2e-11);
+  CHECK(std::abs(doublings[4].p / stiffness - 0.06863374015) < 2e-11);
+  CHECK((doublings[3].p - doublings[2].p) / (doublings[4].p - doublings[3].p) == Approx(4.693).margin(1e-3));
   CHECK(std::abs(doublings[1].view.metrics.at("period") / 2 - 79.957152893) < 1e-6);
 }
 
