@@ -269,6 +269,8 @@ std::optional<SpecialPoint> Continuation::approach_border(const Solution& from, 
     special.error = std::abs(options_.parameter.slope(c_zero)) * (change + seen.back().at.c_error);
     if (!best || special.error < best->error) best = std::move(special);
   }
+  // As it is seen just before.
+  if (best) best->view = problem_.view(best->x, best->p, finer * options_.tolerance);
   return best;
 }
 

@@ -145,6 +145,9 @@ std::string follow_hopf(HopfProblem& problem, Continuation& continuation, const 
   return end;
 }
 
+/// Slip that just touches rest, and slip that just comes to rest, graze alike.
+std::string shown_kind(const std::string& kind) { return kind == grazing_of_landing ? "grazing" : kind; }
+
 /// The branch of cycles near one, cut across and followed a little.
 class NearSpecial {
  public:
@@ -181,7 +184,7 @@ class NearSpecial {
         const auto branch = continuation.follow(*start, *onward);
         if (branch.outcome.ending == Ending::interrupted) throw Stopped{};
         for (const auto& special : branch.special)
-          if (special.kind == kind_) return special;
+          if (shown_kind(special.kind) == kind_) return special;
       }
     return std::nullopt;
   }
@@ -189,7 +192,7 @@ class NearSpecial {
  private:
   double test(const BranchPoint& point) const {
     for (const auto& test : point.view.tests)
-      if (test.kind == kind_) return test.value;
+      if (shown_kind(test.kind) == kind_) return test.value;
     return NAN;
   }
   /// Of the branch through a cycle, or near one.
@@ -226,11 +229,13 @@ std::string follow_special(const NearSpecial& near, const LocusOptions& options,
     // Whole steps of the range, so that curves have their points at the same values.
     double next = (sign > 0 ? std::floor(c / step + 1 + 1e-9) : std::ceil(c / step - 1 - 1e-9)) * step;
     next = std::clamp(next, 0.0, 1.0);
-    const double c_p = options.p.coordinate(at.p), ahead = std::clamp(c_p + p_slope * (next - c), 0.0, 1.0);
+    const double c_p = options.p.coordinate(at.p), expected = c_p + p_slope * (next - c);
+    const double ahead = std::clamp(expected, 0.0, 1.0);
     const auto found = near.find(at, options.p.value(ahead), options.q.value(next));
     if (!found) {
       step *= 0.5;
-      if (step < least * longest) return "no such cycle follows, however near";
+      const bool leaves = expected < 0 || expected > 1;
+      if (step < least * longest) return leaves ? "" : "no such cycle follows, however near";
       continue;
     }
     p_slope = (options.p.coordinate(found->p) - c_p) / (next - c);
@@ -295,8 +300,7 @@ Loci find_loci(const Family2& family, const Branches& found, double q, const Loc
       if (crossing.angular_frequency > 0) loci.curves.push_back(hopf_locus(family, crossing, q, options));
     for (const auto& cycle : found.cycles)
       for (const auto& special : cycle.branch.special)
-        if (special.kind == "fold" || special.kind == "period-doubling")
-          loci.curves.push_back(cycle_locus(family, special, q, options));
+        if (special.kind != "switching-sliding") loci.curves.push_back(cycle_locus(family, special, q, options));
   } catch (const Stopped&) {
     loci.outcome = {Ending::interrupted, "the curves that were followed until then are kept"};
   }

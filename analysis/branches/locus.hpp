@@ -1,4 +1,4 @@
-/// Curves in two parameters: Hopf points of steady sliding, folds and period doublings of cycles.
+/// Curves in two parameters: Hopf points of steady sliding, folds, period doublings, tori and grazing of cycles.
 #pragma once
 #include <functional>
 #include <map>
@@ -27,7 +27,7 @@ struct LocusPoint {
 
 /// A curve, from one end to the other.
 struct Locus {
-  std::string kind;  ///< "hopf", "fold", "period-doubling"
+  std::string kind;  ///< "hopf", "fold", "period-doubling", "torus", "grazing"
   std::vector<LocusPoint> points;
   std::string begins, ends;  ///< why there; empty: at the end of a range
 };
@@ -35,8 +35,8 @@ struct Locus {
 /// The Hopf points through a crossing at q, as far as both parameters stay in their ranges, round turning points.
 Locus hopf_locus(const Family2&, const steady::Crossing&, double q, const LocusOptions&);
 
-/// The folds or period doublings that go on from one at q. At each value of q the branch of cycles is cut across near
-/// the last of them, and followed a little in both directions; a curve that turns in q ends there.
+/// The special points of cycles of one kind that go on from one at q. At each value of q the branch of cycles is cut
+/// across near the last of them, and followed a little in both directions; a curve that turns in q ends there.
 Locus cycle_locus(const Family2&, const SpecialPoint&, double q, const LocusOptions&);
 
 struct Loci {
@@ -44,7 +44,8 @@ struct Loci {
   std::vector<Locus> curves;
 };
 
-/// Through every Hopf point, fold and period doubling of the branches, which were followed at q.
+/// Through every Hopf point of the branches, which were followed at q, and every special point of their cycles but
+/// those of switching-sliding.
 Loci find_loci(const Family2&, const Branches&, double q, const LocusOptions&);
 
 }  // namespace rosin::analysis::branches

@@ -121,3 +121,63 @@ TEST_CASE("two modes that merge without damping have no Hopf curve", "[branches]
   CHECK(loci.curves[0].points.empty());
   CHECK_THAT(loci.curves[0].ends, Catch::Contains("no mode crosses by itself"));
 }
+
+TEST_CASE("the speed at which stick-slip ends by grazing scales with load and curve", "[branches]") {
+  // Friction 0.5 + 0.5 e^(−|v|/0.5), damping 0.1, all forces and speeds times q: 1.8366 q by a Runge-Kutta integration
+  // of order 4.
+  const Family2 family = [](double speed, double q) {
+    Model model;
+    model.law = laws::find_law("stribeck")->with({1.0, 0.5, 0.5 * q, 1.0, 0.0});
+    model.slider = {1, 1, 0.1};
+    model.drive.normal_load = q, model.drive.speed = speed;
+    return oscillator_of(model);
+  };
+  LocusOptions options;
+  options.p = {0.5, 2.1, false}, options.q = {0.7, 1.5, false}, options.points = 4;
+  const auto found = at(family, 1, options.p);
+  const auto curves = find_loci(family, found, 1, options).curves;
+  const auto& grazing = of(curves, "grazing");
+  REQUIRE(grazing.points.size() >= 3);
+  CHECK(grazing.points.front().q == Approx(0.7));
+  CHECK(grazing.begins.empty());
+  for (const auto& [speed, q, error, q_error, metrics] : grazing.points) {
+    CHECK(std::abs(speed / q - 1.8366009722) < error + 1e-8);
+    CHECK(metrics.at("period") > 6);
+  }
+  CHECK(grazing.points.back().p > 1.9);  // and then it leaves the range
+  CHECK(grazing.ends.empty());
+}
+
+TEST_CASE("the torus of a modulated load comes to the critical stiffness as its amplitude squared", "[branches]") {
+  // Ageing law with radiation damping (Perfettini & Schmittbuhl 2001): k/kc = 0.9997466853417 at an amplitude of 1e-3
+  // by shooting; without modulation sliding loses its stability at kc (1 − D/(b − a)).
+  const Family2 family = [](double stiffness, double amplitude) {
+    Model model;
+    model.law = laws::find_law("ageing")->with({0.6, 0.01, 0.015, 1e-6, 1e-6});
+    model.slider = {0, stiffness, 1};
+    model.drive.speed = 1e-6;
+    model.drive.normal_load = Signal(Signal::Harmonics{1, {{amplitude, 1.1, 0}}});
+    return oscillator_of(model);
+  };
+  constexpr double critical = 5000 * (1 - 1e-6 / 0.005);
+  LocusOptions options;
+  options.p = {5100, 4990, false}, options.q = {2e-4, 1e-3, false}, options.points = 2, options.tolerance = 1e-9;
+  Model model;
+  model.law = laws::find_law("ageing")->with({0.6, 0.01, 0.015, 1e-6, 1e-6});
+  model.slider = {0, 5100, 1};
+  model.drive.speed = 1e-6;
+  model.drive.normal_load = Signal(Signal::Harmonics{1, {{1e-3, 1.1, 0}}});
+  const auto settled = settle(model, 1e-9);
+  REQUIRE(settled.outcome.complete());
+  BranchOptions along;
+  along.parameter = options.p, along.tolerance = 1e-9, along.doublings = 0;
+  const auto found = from_cycle([&](double p) { return family(p, 1e-3); }, settled, 5100, along);
+  const auto curves = find_loci(family, found, 1e-3, options).curves;
+  const auto& torus = of(curves, "torus");
+  REQUIRE(torus.points.size() >= 3);
+  CHECK(torus.points.front().q == Approx(2e-4));
+  CHECK(torus.points.back().q == Approx(1e-3));
+  CHECK(std::abs(torus.points.back().p - 4998.7334267085) < 5e-8);
+  const auto below = [&](const LocusPoint& at) { return (critical - at.p) / (at.q * at.q); };
+  CHECK(below(torus.points.front()) / below(torus.points.back()) == Approx(1).margin(0.01));
+}
