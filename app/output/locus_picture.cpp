@@ -1,4 +1,4 @@
-/// The picture of curves in two parameters: Hopf points, folds and period doublings.
+/// The picture of curves in two parameters: Hopf points, folds, period doublings, tori and grazing.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -44,11 +44,17 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
   for (std::size_t k = 0; k < loci.curves.size(); ++k) {
     const auto& kind = loci.curves[k].kind;
     const bool again = std::ranges::find(titled, kind) != titled.end();
-    const int style = kind == "hopf" ? 1 : kind == "fold" ? 2 : 4;
-    const char* title = kind == "hopf"   ? "Hopf points of sliding"
-                        : kind == "fold" ? "folds of cycles"
-                                         : "period doublings";
-    curves.push_back(fmt::format("'locus.csv' using ($1=={}?$2:NaN):4 with lines linestyle {} {}", k, style,
+    struct Look {
+      const char *kind, *title, *line;
+    };
+    static constexpr Look looks[] = {{"hopf", "Hopf points of sliding", "linestyle 1"},
+                                     {"fold", "folds of cycles", "linestyle 2"},
+                                     {"period-doubling", "period doublings", "linestyle 4"},
+                                     {"torus", "tori", "linestyle 5"},
+                                     {"grazing", "grazing", "linestyle 2 dashtype (2,2)"}};
+    const auto& [named, title, line] =
+        *std::ranges::find_if(looks, [&](const Look& look) { return look.kind == kind; });
+    curves.push_back(fmt::format("'locus.csv' using ($1=={}?$2:NaN):4 with lines {} {}", k, line,
                                  again ? "notitle" : fmt::format("title '{}'", title)));
     titled.push_back(kind);
   }
