@@ -199,7 +199,7 @@ TEST_CASE("two coupled blocks end where long motions do", "[basin]") {
   }
 }
 
-TEST_CASE("refined borders are those of the full grid, and most starts are not followed", "[basin]") {
+TEST_CASE("refined borders are those of the full grid, and most starts are not followed", "[basin][long]") {
   const auto structure = oscillators::one_slider(two_motions(1.5));
   BasinTask task;
   const int columns = 81, rows = 65;
