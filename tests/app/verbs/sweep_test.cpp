@@ -37,7 +37,7 @@ bool killed(const Folder& folder, const std::string& arguments, const std::strin
 
 }  // namespace
 
-TEST_CASE("a sweep that is killed goes on to the same bytes, wherever each value starts", "[app][sweep]") {
+TEST_CASE("a sweep that is killed goes on to the same bytes, wherever each value starts", "[app][sweep][long]") {
   const std::string few = forced + "--set sweep.points=24 --set sweep.keep=40 ";
   const std::string metrics = "sweep '" ROSIN_SOURCE_DIR
                               "/examples/sliding-or-stick-slip.toml' --no-pictures --set sweep.points=40 --set "
