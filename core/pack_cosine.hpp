@@ -30,7 +30,7 @@ ROSIN_INLINE Block cos_block(Block x) {
 }
 }  // namespace detail
 
-/// Within 2e-16 for |x| < 1e7.
+/// Within 3e-16 for |x| < 1e7.
 ROSIN_INLINE Pack cos(const Pack& x) { return Pack(detail::cos_block(x.block)); }
 
 }  // namespace rosin

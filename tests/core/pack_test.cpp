@@ -4,6 +4,7 @@
 #include <cstring>
 #include <random>
 
+#include "core/pack_cosine.hpp"
 #include "core/pack_pair.hpp"
 
 using namespace rosin;
@@ -106,6 +107,18 @@ TEST_CASE("pack functions are within 2 ulp of the exact value", "[core][pack]") 
     check(worst_error([](const Pack& x) { return sqrt(x); }, [](L x) { return std::sqrt(x); },
                       arguments(0, 1e6, -1073, 1023)));
   }
+}
+
+TEST_CASE("the cosine of packs is within 3e-16 of the exact value", "[core][pack]") {
+  std::mt19937_64 random(4);
+  double worst = 0;
+  for (const double most : {1.0, 100.0, 1e7})
+    for (int i = 0; i < 20'000; ++i) {
+      const double x = std::uniform_real_distribution<double>(-most, most)(random);
+      worst = std::max(worst, double(std::abs((long double)(cos(Pack(x)).block[0]) - std::cos((long double)x))));
+    }
+  CHECK(worst < 3e-16);
+  CHECK(cos(Pack(0.0)).block[0] == 1);
 }
 
 TEST_CASE("pack comparisons, choices and signs act lane by lane", "[core][pack]") {
