@@ -109,9 +109,7 @@ class Tracer {
     const auto place = result_.cycles.size();
     result_.cycles.push_back({from, value, parent, continuation.follow(start, along)});
     auto& branch = result_.cycles[place].branch;
-    // Slip that just touches rest, and slip that just comes to rest, graze alike.
-    for (auto& special : branch.special)
-      if (special.kind == grazing_of_landing) special.kind = "grazing";
+    for (auto& special : branch.special) special.kind = shown_kind(special.kind);
     if (const auto at = branch.outcome.detail.find(grazing_of_landing); at != std::string::npos)
       branch.outcome.detail.replace(at, std::string_view(grazing_of_landing).size(), "grazing");
     if (branch.outcome.ending == Ending::interrupted) throw Stopped{};  // with the points until then

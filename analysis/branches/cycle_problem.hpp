@@ -12,6 +12,8 @@ namespace rosin::analysis::branches {
 
 /// The test of slip that just comes to rest.
 inline constexpr const char* grazing_of_landing = "grazing of a landing";
+/// As it is told: slip that just touches rest, and slip that just comes to rest, graze alike.
+inline std::string shown_kind(const std::string& kind) { return kind == grazing_of_landing ? "grazing" : kind; }
 
 /// Unknowns: the period, where the drive is constant, and then the moving unknowns at the nodes of the cycle. Each arc
 /// ends on the next node; under a constant drive the first node does not move along the cycle. Nodes stand so close

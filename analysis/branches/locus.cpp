@@ -145,9 +145,6 @@ std::string follow_hopf(HopfProblem& problem, Continuation& continuation, const 
   return end;
 }
 
-/// Slip that just touches rest, and slip that just comes to rest, graze alike.
-std::string shown_kind(const std::string& kind) { return kind == grazing_of_landing ? "grazing" : kind; }
-
 /// The branch of cycles near one, cut across and followed a little.
 class NearSpecial {
  public:

@@ -6,27 +6,11 @@
 #include <numeric>
 
 #include "analysis/lanes/driven_lanes.hpp"
+#include "analysis/motion/recurrence.hpp"
 
 namespace rosin::analysis::lanes {
 
 namespace {
-
-/// The periods after which all moments of the second half are what they were; 0: none.
-int recurrence_of(const std::vector<DrivenMotion::Moment>& moments) {
-  constexpr double same = 1e-6;
-  const int count = int(moments.size());
-  double size = 0, speed = 0;
-  for (const auto& at : moments)
-    size = std::max(size, std::abs(at.displacement)), speed = std::max(speed, std::abs(at.slip_rate));
-  for (int period = 1; period <= count / 4; ++period) {
-    bool recurs = true;
-    for (int i = count - 1; recurs && i >= count / 2; --i)
-      recurs = std::abs(moments[i].displacement - moments[i - period].displacement) <= same * size &&
-               std::abs(moments[i].slip_rate - moments[i - period].slip_rate) <= same * speed;
-    if (recurs) return period;
-  }
-  return 0;
-}
 
 /// Logarithm of the larger multiplier of the motion over `n` periods, from the last 2n before `end`, in which a
 /// disturbance goes from one direction to a second and a third: M² = tr M − det.
@@ -53,7 +37,9 @@ double multiplier(const std::vector<DrivenMotion::Growth>& growth, long end, lon
 DrivenExponent exponent_of(const DrivenMotion& motion) {
   const auto& growth = motion.growth;
   const double T = motion.block.period;
-  const int returns = recurrence_of(motion.moments);
+  std::vector<std::vector<double>> columns(2);
+  for (const auto& at : motion.moments) columns[0].push_back(at.displacement), columns[1].push_back(at.slip_rate);
+  const int returns = motion::recurrence_of(columns, int(growth.size()) / 4);
   if (returns == 0) {
     std::vector<double> series;
     for (const auto& at : growth) series.push_back(at.logarithm);
@@ -80,7 +66,12 @@ std::vector<std::optional<DrivenExponent>> driven_exponents(std::span<const moti
   for (std::size_t i = 0; i < models.size(); ++i) {
     auto block = serves_exponents(models[i], options) ? DrivenBlock::of(models[i].structure) : std::nullopt;
     if (!block || (!motions.empty() && !DrivenLanes::alike(motions.front().block, *block))) continue;
-    const auto y = motion::starting_point(oscillators::StructureSystem(models[i].structure), models[i].start);
+    std::vector<double> y;
+    try {
+      y = motion::starting_point(oscillators::StructureSystem(models[i].structure), models[i].start);
+    } catch (const InputError&) {
+      continue;  // a start that does not fit
+    }
     const double T = block->period, transient = options.transient < 0 ? 0.1 * options.duration : options.transient;
     constexpr int fewest = 32;  // periods of the force: blocks of an error need them
     motions.push_back({.block = std::move(*block),

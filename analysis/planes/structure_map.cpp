@@ -126,10 +126,16 @@ Map compute_structure_map(const StructureFamily& family, const MapOptions& optio
   const bool leads = !hooks.crew || hooks.crew->leads();
   if (leads) map.points.assign(total, blank);
   const auto model_at = [&](std::size_t i) { return family(map.x.values[i % width], map.y.values[i / width]); };
-  const bool in_lanes =
-      std::ranges::all_of(metrics,
-                          [](const auto& metric) { return metric.name == lyapunov || metric.name == returns; }) &&
-      lanes::serves_exponents(model_at(0), options.lyapunov);
+  const bool only_exponents = std::ranges::all_of(
+      metrics, [](const auto& metric) { return metric.name == lyapunov || metric.name == returns; });
+  const auto first_is_served = [&] {
+    try {
+      return lanes::serves_exponents(model_at(0), options.lyapunov);
+    } catch (const InputError&) {
+      return false;  // told where the point is computed
+    }
+  };
+  const bool in_lanes = only_exponents && options.lyapunov.duration > 0 && first_is_served();
   auto exponents = options.lyapunov;
   exponents.accuracy = options.tolerance;
   const Partition partition = partition_of(options, true, in_lanes);
@@ -141,8 +147,15 @@ Map compute_structure_map(const StructureFamily& family, const MapOptions& optio
       std::vector<std::optional<lanes::DrivenExponent>> known(places.size());
       if (in_lanes) {
         std::vector<motion::StructureModel> models;
-        for (const auto& [i, part] : places) models.push_back(model_at(i));
-        known = lanes::driven_exponents(models, exponents);
+        std::vector<std::size_t> place_of;
+        for (std::size_t k = 0; k < places.size(); ++k) try {
+            models.push_back(model_at(places[k].first));
+            place_of.push_back(k);
+          } catch (const InputError&) {
+            continue;  // told where the point is computed by itself
+          }
+        const auto found = lanes::driven_exponents(models, exponents);
+        for (std::size_t m = 0; m < models.size(); ++m) known[place_of[m]] = found[m];
       }
       for (std::size_t k = 0; k < places.size(); ++k) {
         const auto& [i, part] = places[k];

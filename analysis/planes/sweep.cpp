@@ -9,6 +9,7 @@
 
 #include "analysis/cycles/section_map.hpp"
 #include "analysis/lanes/driven_lanes.hpp"
+#include "analysis/motion/recurrence.hpp"
 #include "analysis/motion/structure_record.hpp"
 #include "analysis/planes/map_point.hpp"
 #include "analysis/planes/structure_map.hpp"
@@ -51,22 +52,8 @@ class Extrema {
   StructureRecord& record_;
 };
 
-/// The smallest number of moments after which all columns are what they were, over the second half of the record.
-int recurrence_of(const std::vector<std::vector<double>>& columns) {
-  constexpr double same = 1e-6;  // of the range of a column, or of its size where that is larger
-  const int count = int(columns.front().size());
-  if (count == 1) return 1;
-  for (int period = 1; period <= count / 2; ++period) {
-    const bool recurs = std::ranges::all_of(columns, [&](const std::vector<double>& column) {
-      double size = 0, apart = 0;
-      for (const double value : column) size = std::max(size, std::abs(value));
-      for (int i = count - 1; i - period >= 0 && i >= count / 2; --i)
-        apart = std::max(apart, std::abs(column[i] - column[i - period]));
-      return apart <= same * size;
-    });
-    if (recurs) return period;
-  }
-  return 0;
+int recurrence(const std::vector<std::vector<double>>& columns) {
+  return motion::recurrence_of(columns, int(columns.front().size()) / 2);
 }
 
 /// One value: the motion from the model's start.
@@ -97,7 +84,7 @@ std::vector<double> record_point(const StructureModel& model, const SweepOptions
   if (!outcome.complete()) point.why = fmt::format("{}: {}", name(outcome.ending), outcome.detail);
   if (record.values.front().empty() && outcome.complete()) record.record(map.driven() ? 0 : time, end.data());
   point.columns = std::move(record.values);
-  if (!point.columns.front().empty()) point.recurrence = recurrence_of(point.columns);
+  if (!point.columns.front().empty()) point.recurrence = recurrence(point.columns);
   point.done = true;
   return end;
 }
@@ -178,7 +165,7 @@ class Batch {
       record.record(0, y);
     }
     point.columns = std::move(record.values);
-    point.recurrence = recurrence_of(point.columns);
+    point.recurrence = recurrence(point.columns);
     point.end = {motion.displacement, motion.slip_rate};
     point.done = true;
   }

@@ -8,6 +8,7 @@
 
 #include "analysis/cycles/section_map.hpp"
 #include "analysis/lanes/driven_exponents.hpp"
+#include "analysis/planes/structure_map.hpp"
 #include "laws/catalogue.hpp"
 #include "oscillators/model.hpp"
 
@@ -139,4 +140,28 @@ TEST_CASE("exponents in lanes are those of multipliers, and of independent avera
     ++compared;
   }
   CHECK(compared >= 2);
+}
+
+TEST_CASE("a point of a plane of exponents that is refused fails, and leaves the others", "[lanes]") {
+  planes::MapOptions options;
+  options.x = planes::make_axis("drive.speed", 0.1, 0.4, 4, false, {});
+  options.y = planes::make_axis("drive.force.amplitude", 0.5, 0.6, 2, false, {});
+  options.lyapunov.duration = 100, options.lyapunov.transient = 50;
+  for (const std::size_t refused : {0, 5}) {
+    const planes::StructureFamily family = [&](double speed, double amplitude) {
+      if (speed == options.x.values[refused % 4] && amplitude == options.y.values[refused / 4])
+        throw InputError("no such block");
+      motion::StructureModel model{forced(hyperbolic(), speed, {0, {{amplitude, 2, 0}}}), {}};
+      model.start.kind = motion::Start::Kind::rest;
+      return model;
+    };
+    const auto metrics = planes::metrics_of_structure(forced(hyperbolic(), 0.1, {0, {{0.5, 2, 0}}}), {"lyapunov"});
+    const auto map = planes::compute_structure_map(family, options, metrics);
+    REQUIRE(map.outcome.complete());
+    for (std::size_t i = 0; i < map.points.size(); ++i) {
+      CHECK((map.points[i].regime == planes::Regime::failed) == (i == refused));
+      CHECK(std::isfinite(metrics[0].value(map.points[i])) == (i != refused));
+    }
+    CHECK(map.points[refused].why == "no such block");
+  }
 }
