@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
+#include "app/output/sheet.hpp"
 #include "core/files.hpp"
 #include "tests/app/folder.hpp"
 
@@ -40,7 +41,7 @@ TEST_CASE("a picture that gnuplot left cut short does not get its name", "[gnupl
   std::ofstream(folder.path / "run.gp") << "plot x\n";
   const std::string before = std::getenv("PATH");
   setenv("PATH", (bin.string() + ":" + before).c_str(), 1);
-  const auto drawn = output::draw(folder.path, {"run.gp"}, true);
+  const auto drawn = output::draw(folder.path, {"run.gp"}, {.pdf = true});
   setenv("PATH", before.c_str(), 1);
   CHECK(drawn.files.empty());
   REQUIRE(drawn.problems.size() == 3);
@@ -52,8 +53,10 @@ TEST_CASE("a picture that gnuplot left cut short does not get its name", "[gnupl
 
 TEST_CASE("pictures are drawn as PDF where that is asked for", "[gnuplot]") {
   const Folder folder;
-  std::ofstream(folder.path / "run.gp") << output::preamble("run", "A line", 400, 300) << "plot x\n";
-  CHECK(output::draw(folder.path, {"run.gp"}, true).files == std::vector<std::string>{"run.svg", "run.png", "run.pdf"});
+  const output::Sheet sheet{"run", "A line", {.width = 400, .panel = 200}, "A line"};
+  std::ofstream(folder.path / "run.gp") << sheet.with("plot x\n");
+  CHECK(output::draw(folder.path, {"run.gp"}, {.pdf = true}).files ==
+        std::vector<std::string>{"run.svg", "run.png", "run.pdf"});
   CHECK(rosin::read_whole(folder.path / "run.pdf", 10'000'000).starts_with("%PDF"));
-  CHECK(output::draw(folder.path, {"run.gp"}, false).files.size() == 2);
+  CHECK(output::draw(folder.path, {"run.gp"}, {}).files.size() == 2);
 }
