@@ -52,7 +52,7 @@ std::string caption(const scene::Scene& scene, const std::vector<std::string>& v
   std::string line;
   for (const char* section : {"law", "oscillator", "drive"}) {
     const auto* table = document[section].as_table();
-    if (!table) continue;
+    if (!table || std::ranges::find(varied, section) != varied.end()) continue;
     std::vector<std::string> items;
     if (const auto type = (*table)["type"].value<std::string>()) items.push_back(*type);
     collect(scene, *table, section, "", varied, items);

@@ -62,6 +62,7 @@ std::string readable(std::string name) {
                                {"normal_load", "normal load N"},
                                {"angular_frequency", "angular frequency ω"},
                                {"period", "period T"},
+                               {"lyapunov", "largest Lyapunov exponent λ₁"},
                                {"lambda", "λ"},
                                {"theta", "θ"},
                                {"theta1", "θ₁"},

@@ -110,7 +110,7 @@ std::vector<std::string> write_lab_picture(const fs::path& folder, const scene::
                      .panels = count,
                      .columns = std::min(count, 2),
                      .panel = 310,
-                     .above = 26 + 19.0 * above_first,
+                     .above = 28 + 20.0 * above_first,
                      .between_rows = 95,
                      .key = Layout::Key::own},
                     title,

@@ -613,13 +613,17 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const bool imposed =
       std::isinf(scene.compare.members.front().model.slider.stiffness);  // the slip rate: loops are one
   const bool loops = !imposed && comparison.x_name == "time" && rate < none && friction < none;
+  const auto law_of = [&](std::size_t k) { return scene.compare.members[k].model.law->card().name; };
+  std::vector<std::string> varied;  // the caption tells what members have in common
+  for (std::size_t k = 1; k < scene.compare.members.size() && varied.empty(); ++k)
+    if (law_of(k) != law_of(0)) varied.emplace_back("law");
   constexpr int loop = 290, between = 85;  // pixels
   const Sheet sheet{
       "compare",
       "Members of a comparison, one over the other",
       {.panels = panels, .panel = panels == 1 ? 380.0 : run_panel, .below = 54.0 + (loops ? loop + between : 0)},
       scene.title,
-      caption(scene)};
+      caption(scene, varied)};
   std::string script = "set grid\n";
   if (comparison.x_name == "slip_rate") script += axis_scale('x', true) + '\n';
   for (int panel = 0; panel < panels; ++panel) {

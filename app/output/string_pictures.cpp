@@ -319,6 +319,9 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
   write_csv(folder / "compare.csv", table);
 
   const int panels = int(planes.size()) + 1;
+  std::vector<std::string> varied = {task.x.parameter, task.y.parameter};
+  if (std::ranges::any_of(task.members, [&](const auto& member) { return member.family != task.members[0].family; }))
+    varied.emplace_back("law");
   const Sheet sheet{"compare",
                     "Transients of bowed strings side by side",
                     {.width = 330 * panels + 40,
@@ -327,10 +330,10 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
                      .panel = 270,
                      .right = 110,
                      .above = 32,
-                     .between_columns = 95,
+                     .between_columns = 125,
                      .between_rows = 90},
                     scene.title,
-                    caption(scene, {task.x.parameter, task.y.parameter})};
+                    caption(scene, varied)};
   std::string script = cells.frame + fmt::format("set cbrange [0:{}]\n", task.options.transient.most);
   // What hangs on the sample rate shows the ground.
   script += "set object 1 rectangle from graph 0,0 to graph 1,1 fillcolor '#E69F00' fillstyle solid noborder behind\n";

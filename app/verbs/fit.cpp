@@ -250,7 +250,7 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
         output::single_quoted(
             std::isnan(p.low)
                 ? described(p, scene.fit.options.confidence)
-                : fmt::format("{} ({:.5g} … {:.5g})", justified(p.value, p.standard_error, p.unit), p.low, p.high)),
+                : fmt::format("{} ({:.4g} … {:.4g})", justified(p.value, p.standard_error, p.unit), p.low, p.high)),
         row);
   }
   constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3"};
