@@ -426,7 +426,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     for (const auto& at : cycle.branch.points) {
       if (at.view.metrics.contains("slip_rate_1_max")) metric = "slip_rate_1_max";
       if (names.empty())
-        for (const auto& [name, value] : at.view.metrics) names.push_back(name);
+        for (const auto& [name, value] : at.view.metrics)
+          if (name != metric) names.push_back(name);
       fastest = std::max(fastest, at.view.metrics.at(metric));
       longest = std::max(longest, at.view.metrics.at("period"));
     }
