@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "analysis/branches/cycle_problem.hpp"
@@ -145,11 +146,11 @@ std::string follow_hopf(HopfProblem& problem, Continuation& continuation, const 
   return end;
 }
 
-/// The branch of cycles near one, cut across and followed a little.
+/// The branch of cycles near one along one parameter at a value of the other, followed a little.
 class NearSpecial {
  public:
-  NearSpecial(const Family2& family, const LocusOptions& options, std::string kind)
-      : family_(family), options_(options), kind_(std::move(kind)) {}
+  NearSpecial(Family2 family, const ParameterScale& scale, double tolerance, std::string kind)
+      : family_(std::move(family)), scale_(scale), tolerance_(tolerance), kind_(std::move(kind)) {}
 
   /// The special point at q near one whose cycle is known.
   std::optional<SpecialPoint> find(const SpecialPoint& known, double p, double q) const {
@@ -160,7 +161,7 @@ class NearSpecial {
       for (const double sign : {1.0, -1.0}) {
         CycleProblem problem(family, turns);
         ContinuationOptions how;
-        how.parameter = options_.p, how.tolerance = options_.tolerance;
+        how.parameter = scale_, how.tolerance = tolerance_;
         how.first_step = how.longest_step = reach;
         constexpr int few = 8;
         how.most_points = few;
@@ -170,7 +171,7 @@ class NearSpecial {
         if (!along) return std::nullopt;
         auto start = continuation.branch_off(x, p, *along, -sign * reach);
         if (!start) continue;
-        problem.refer_to(start->x, start->p, options_.tolerance);
+        problem.refer_to(start->x, start->p, tolerance_);
         const double before = test(*start);
         continuation.arrived = [&](const BranchPoint& point) { return (test(point) > 0) == (before > 0); };
         // The unknowns may be others by now: the parameter and the period keep their meaning.
@@ -194,54 +195,110 @@ class NearSpecial {
   }
   /// Of the branch through a cycle, or near one.
   std::optional<Direction> direction(CycleProblem& problem, const VectorXd& x, double p) const {
-    const auto found = problem.residual(x, p, options_.tolerance, true);
+    const auto found = problem.residual(x, p, tolerance_, true);
     if (!found.outcome.complete() || !found.F_x.allFinite() || !found.F_p.allFinite()) return std::nullopt;
     const Eigen::Index n = x.size();
     MatrixXd A(n + 1, n + 1);
     A.topLeftCorner(n, n) = found.F_x * problem.scale().asDiagonal();
-    A.topRightCorner(n, 1) = found.F_p * options_.p.slope(options_.p.coordinate(p));
+    A.topRightCorner(n, 1) = found.F_p * scale_.slope(scale_.coordinate(p));
     A.bottomRows(1).setOnes();
     const VectorXd t = solve_linear(A, VectorXd::Unit(n + 1, n)).normalized();
     if (!t.allFinite()) return std::nullopt;
     return Direction{t.head(n), t[n]};
   }
 
-  const Family2& family_;
-  const LocusOptions& options_;
+  Family2 family_;
+  ParameterScale scale_;
+  double tolerance_;
   std::string kind_;
 };
 
-LocusPoint locus_point(const SpecialPoint& special, double q) {
-  return {special.p, q, special.error, 0, special.view.metrics};
-}
+/// A curve of special points, followed at whole steps of that parameter along which it runs: where it turns in one, the
+/// other goes on.
+class SpecialCurve {
+ public:
+  SpecialCurve(const Family2& family, const SpecialPoint& start, double q, const LocusOptions& options)
+      : scales_{options.p, options.q},
+        near_{NearSpecial(family, options.p, options.tolerance, start.kind),
+              NearSpecial([family](double at_q, double at_p) { return family(at_p, at_q); }, options.q,
+                          options.tolerance, start.kind)},
+        start_(start),
+        q_(q),
+        start_place_{options.p.coordinate(start.p), options.q.coordinate(q)},
+        longest_(1.0 / options.points) {}
 
-/// From a special point towards larger or smaller q. \returns why it ends; empty: at the end of the range
-std::string follow_special(const NearSpecial& near, const LocusOptions& options, SpecialPoint at, double q, int sign,
-                           std::vector<LocusPoint>& points) {
-  double c = options.q.coordinate(q), p_slope = 0;
-  const double longest = 1.0 / options.points;
-  constexpr double least = 1.0 / 64;
-  for (double step = longest; sign > 0 ? c < 1 : c > 0;) {
-    end_if_stopped();
-    // Whole steps of the range, so that curves have their points at the same values.
-    double next = (sign > 0 ? std::floor(c / step + 1 + 1e-9) : std::ceil(c / step - 1 - 1e-9)) * step;
-    next = std::clamp(next, 0.0, 1.0);
-    const double c_p = options.p.coordinate(at.p), expected = c_p + p_slope * (next - c);
-    const double ahead = std::clamp(expected, 0.0, 1.0);
-    const auto found = near.find(at, options.p.value(ahead), options.q.value(next));
-    if (!found) {
-      step *= 0.5;
-      const bool leaves = expected < 0 || expected > 1;
-      if (step < least * longest) return leaves ? "" : "no such cycle follows, however near";
-      continue;
+  LocusPoint start() const { return {start_.p, q_, start_.error, 0, start_.view.metrics}; }
+  /// Towards smaller or larger q at first. \returns why it ends; empty: at the end of a range
+  std::string follow(int sign, std::vector<LocusPoint>& points) {
+    SpecialPoint at = start_;
+    Place place = start_place_, tangent = {0, double(sign)};
+    bool knows_tangent = false, has_left = false;
+    constexpr double least = 1.0 / 64;
+    for (double step = longest_;;) {
+      end_if_stopped();
+      const int along = std::abs(tangent[1]) >= std::abs(tangent[0]) ? 1 : 0, across = 1 - along;
+      if (tangent[along] > 0 ? place[along] >= 1 : place[along] <= 0) return {};
+      const double next = next_step(place[along], tangent[along], step);
+      const double expected = place[across] + tangent[across] / tangent[along] * (next - place[along]);
+      const auto found =
+          near_[across].find(at, scales_[across].value(std::clamp(expected, 0.0, 1.0)), scales_[along].value(next));
+      // Near a turn the other side of the curve is near as well.
+      const double reached = found ? scales_[across].coordinate(found->p) : NAN;
+      constexpr double most = 2;  // steps
+      if (!found || (knows_tangent && std::abs(reached - expected) > most * std::abs(next - place[along]))) {
+        step *= 0.5;
+        if (step < least * longest_)
+          return expected < 0 || expected > 1
+                     ? ""
+                     : "no such cycle follows, however near: a cusp, or a point of another kind";
+        continue;
+      }
+      const Place before = place;
+      place[along] = next, place[across] = reached;
+      tangent = {place[0] - before[0], place[1] - before[1]};
+      knows_tangent = true;
+      // Where it comes back to the value that it began at, it passes a special point of the branches there.
+      const double level = start_place_[1];
+      if ((before[1] - level) * (place[1] - level) < 0) {
+        const double part = (level - before[1]) / tangent[1];
+        if (const auto passed = near_[0].find(*found, scales_[0].value(before[0] + part * tangent[0]), q_))
+          points.push_back({passed->p, q_, passed->error, 0, passed->view.metrics});
+      }
+      at = *found;
+      points.push_back(point(at, place, along));
+      has_left = has_left || distance(place, start_place_) > 2 * longest_;
+      if (has_left && distance(place, start_place_) < longest_) {
+        points.push_back(start());
+        closed_ = true;
+        return "it closes on itself";
+      }
+      step = std::min(longest_, 2 * step);
     }
-    p_slope = (options.p.coordinate(found->p) - c_p) / (next - c);
-    at = *found, c = next;
-    points.push_back(locus_point(at, options.q.value(c)));
-    step = std::min(longest, 2 * step);
   }
-  return {};
-}
+  bool closed() const { return closed_; }
+
+ private:
+  using Place = std::array<double, 2>;  ///< coordinates of p and q
+  static double distance(const Place& a, const Place& b) { return std::hypot(a[0] - b[0], a[1] - b[1]); }
+  /// Whole steps of the range, so that curves have their points at the same values.
+  static double next_step(double from, double towards, double step) {
+    const double next = (towards > 0 ? std::floor(from / step + 1 + 1e-9) : std::ceil(from / step - 1 - 1e-9)) * step;
+    return std::clamp(next, 0.0, 1.0);
+  }
+  LocusPoint point(const SpecialPoint& special, const Place& place, int along) const {
+    const double given = scales_[along].value(place[along]);
+    return along == 1 ? LocusPoint{special.p, given, special.error, 0, special.view.metrics}
+                      : LocusPoint{given, special.p, 0, special.error, special.view.metrics};
+  }
+
+  ParameterScale scales_[2];
+  NearSpecial near_[2];  ///< along p at a value of q, and along q at a value of p
+  SpecialPoint start_;
+  double q_;
+  Place start_place_;
+  double longest_;
+  bool closed_ = false;
+};
 
 /// The curve through a point from its two halves, which both lead away from it.
 Locus joined(std::string kind, std::vector<LocusPoint> backwards, const std::vector<LocusPoint>& forwards) {
@@ -280,15 +337,25 @@ Locus hopf_locus(const Family2& family, const steady::Crossing& crossing, double
 }
 
 Locus cycle_locus(const Family2& family, const SpecialPoint& special, double q, const LocusOptions& options) {
-  const NearSpecial near(family, options, special.kind);
-  std::vector<LocusPoint> halves[2] = {{locus_point(special, q)}, {}};
+  SpecialCurve curve(family, special, q, options);
+  std::vector<LocusPoint> halves[2] = {{curve.start()}, {}};
   std::string ends[2];
-  for (const int half : {0, 1})
-    ends[half] = follow_special(near, options, special, q, half == 0 ? -1 : 1, halves[half]);
+  ends[0] = curve.follow(-1, halves[0]);
+  ends[1] = curve.closed() ? ends[0] : curve.follow(1, halves[1]);
   auto locus = joined(special.kind, std::move(halves[0]), halves[1]);
   locus.begins = ends[0], locus.ends = ends[1];
   return locus;
 }
+
+namespace {
+/// Whether a curve passes a special point of the branches at q: where it comes back to q, it has a point.
+bool passes(const Locus& curve, const SpecialPoint& special, double q, const LocusOptions& options) {
+  constexpr double same = 1e-6;  // of the range
+  return curve.kind == special.kind && std::ranges::any_of(curve.points, [&](const LocusPoint& point) {
+           return point.q == q && std::abs(options.p.coordinate(point.p) - options.p.coordinate(special.p)) < same;
+         });
+}
+}  // namespace
 
 Loci find_loci(const Family2& family, const Branches& found, double q, const LocusOptions& options) {
   Loci loci;
@@ -297,7 +364,9 @@ Loci find_loci(const Family2& family, const Branches& found, double q, const Loc
       if (crossing.angular_frequency > 0) loci.curves.push_back(hopf_locus(family, crossing, q, options));
     for (const auto& cycle : found.cycles)
       for (const auto& special : cycle.branch.special)
-        if (special.kind != "switching-sliding") loci.curves.push_back(cycle_locus(family, special, q, options));
+        if (special.kind != "switching-sliding" &&
+            std::ranges::none_of(loci.curves, [&](const Locus& curve) { return passes(curve, special, q, options); }))
+          loci.curves.push_back(cycle_locus(family, special, q, options));
   } catch (const Stopped&) {
     loci.outcome = {Ending::interrupted, "the curves that were followed until then are kept"};
   }

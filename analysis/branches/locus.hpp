@@ -35,8 +35,9 @@ struct Locus {
 /// The Hopf points through a crossing at q, as far as both parameters stay in their ranges, round turning points.
 Locus hopf_locus(const Family2&, const steady::Crossing&, double q, const LocusOptions&);
 
-/// The special points of cycles of one kind that go on from one at q. At each value of q the branch of cycles is cut
-/// across near the last of them, and followed a little in both directions; a curve that turns in q ends there.
+/// The special points of cycles of one kind that go on from one at q, as far as both parameters stay in their ranges,
+/// round turning points: at each value of that parameter along which the curve runs, the branch over the other is cut
+/// across near the last of them, and followed a little in both directions. A curve ends at a cusp.
 Locus cycle_locus(const Family2&, const SpecialPoint&, double q, const LocusOptions&);
 
 struct Loci {
@@ -45,7 +46,7 @@ struct Loci {
 };
 
 /// Through every Hopf point of the branches, which were followed at q, and every special point of their cycles but
-/// those of switching-sliding.
+/// those of switching-sliding; one curve where several lie on it.
 Loci find_loci(const Family2&, const Branches&, double q, const LocusOptions&);
 
 }  // namespace rosin::analysis::branches

@@ -77,7 +77,8 @@ frame = (narrow ? 0.75 : 1) * {panel}
   script += wrapped("title_text", "title_rows", single_quoted(title), 7.5);
   script += wrapped("caption_text", "caption_rows", single_quoted(caption), 5.7);
   script += fmt::format(
-      R"(key_columns = {key} < 1 ? 1 : floor(((wide - {left} - {right} + {between_columns}) / columns - {between_columns}) / (7.3 * {longest} + 55))
+      R"(left = {left} > 0.62 * wide ? 0.62 * wide : {left}
+key_columns = {key} < 1 ? 1 : floor(((wide - left - {right} + {between_columns}) / columns - {between_columns}) / (7.3 * {longest} + 55))
 if (key_columns < 1) {{ key_columns = 1 }}
 if (key_columns > {key}) {{ key_columns = {key} }}
 key_rows = {key} > 0 ? ceil({key}. / key_columns) : 0
@@ -109,7 +110,7 @@ set style line 2 linecolor '#B0560F' linewidth 1.6 dashtype (8,4)
 set style line 3 linecolor '#555555' linewidth 1.2 dashtype (2,3)
 set style line 4 linecolor '#3A8F5C' linewidth 1.6 dashtype (12,3,2,3)
 set style line 5 linecolor '#8A4FA3' linewidth 1.6 dashtype (4,2)
-{set_key}set multiplot layout rows,columns title title_text margins {left}/wide,1-{right}/wide,below/high,1-above/high spacing {between_columns}/wide,{between_rows}/high
+{set_key}set multiplot layout rows,columns title title_text margins left/wide,1-{right}/wide,below/high,1-above/high spacing {between_columns}/wide,{between_rows}/high
 )",
       fmt::arg("above", l.above), fmt::arg("below", l.below), fmt::arg("key", titles), fmt::arg("longest", longest),
       fmt::arg("above_has_key", key_below ? "0" : "key_rows"), fmt::arg("below_has_key", key_below ? "key_rows" : "0"),

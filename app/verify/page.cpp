@@ -96,7 +96,7 @@ set xrange [5e-17:2]
 set yrange [{}.5:-0.5]
 set format x '10^{{%T}}'
 set xtics 1e-16, 100
-set ytics ({}) font ',11'
+set ytics ({}) font narrow ? small : sprintf(',%.4g', 11/13.*size)
 set grid x linecolor '#DDDDDD'
 set xlabel 'difference over the number wanted (dimensionless)'
 )",
@@ -107,13 +107,13 @@ set xlabel 'difference over the number wanted (dimensionless)'
     add(fmt::format("{} using (5e-17):1:($3-5e-17):(0) with vectors nohead linewidth 8 linecolor '#CFCFCF' {}", data,
                     title));
   };
-  if (!agreeing.empty()) bars("$agreeing", "title \"source's accuracy\"");
-  if (!explained.empty()) bars("$explained", agreeing.empty() ? "title \"source's accuracy\"" : "notitle");
+  if (!agreeing.empty()) bars("$agreeing", "title 'source''s accuracy'");
+  if (!explained.empty()) bars("$explained", agreeing.empty() ? "title 'source''s accuracy'" : "notitle");
   for (const char* data : {"$agreeing", "$explained"}) {
     const bool first = data == std::string("$agreeing");
     if ((first ? agreeing : explained).empty()) continue;
     add(fmt::format("{} using 4:1 with points pointtype 8 pointsize 1 linewidth 1.5 linecolor '#00336F' {}", data,
-                    first || agreeing.empty() ? "title \"rosin's stated error\"" : "notitle"));
+                    first || agreeing.empty() ? "title 'rosin''s stated error'" : "notitle"));
   }
   if (!agreeing.empty())
     add("$agreeing using 2:1 with points pointtype 7 pointsize 0.7 linecolor 'black' title 'difference'");

@@ -181,3 +181,81 @@ TEST_CASE("the torus of a modulated load comes to the critical stiffness as its 
   const auto below = [&](const LocusPoint& at) { return (critical - at.p) / (at.q * at.q); };
   CHECK(below(torus.points.front()) / below(torus.points.back()) == Approx(1).margin(0.01));
 }
+
+TEST_CASE("the curve of grazing turns in the force at resonance, and is that of the closed form", "[branches]") {
+  // Constant friction while a block slips one way on a belt: it moves as a linear oscillator under F cos(ωt), whose
+  // velocity reaches that of the belt, V, where F = V sqrt(c² + (k/ω − mω)²): least at k = mω², where F = cV.
+  constexpr double V = 0.5, c = 0.2, w = 1;
+  const Family2 family = [](double stiffness, double amplitude) {
+    Model model;
+    model.law = laws::find_law("coulomb")->with({0.3, 0.3});
+    model.slider = {1, stiffness, c};
+    model.drive.speed = V, model.drive.normal_load = 1;
+    model.drive.force = Signal(Signal::Harmonics{0, {{amplitude, w, 0}}});
+    return oscillator_of(model);
+  };
+  Model start;
+  start.law = laws::find_law("coulomb")->with({0.3, 0.3});
+  start.slider = {1, 0.7, c};
+  start.drive.speed = V, start.drive.normal_load = 1;
+  constexpr double F = 0.16;
+  start.drive.force = Signal(Signal::Harmonics{0, {{F, w, 0}}});
+  const auto settled = settle(start, 1e-9);
+  REQUIRE(settled.outcome.complete());
+  BranchOptions along;
+  along.parameter = {0.5, 1.5, false};
+  const auto found = from_cycle([&](double p) { return family(p, F); }, settled, 0.7, along);
+  LocusOptions options;
+  options.p = along.parameter, options.q = {0.05, 0.25, false}, options.points = 10;
+  const auto curves = find_loci(family, found, F, options).curves;
+  REQUIRE(found.cycles[0].branch.special.size() == 2);  // on either side of resonance, and both on one curve
+  REQUIRE(curves.size() == 1);
+  const auto& grazing = of(curves, "grazing");
+  CHECK(grazing.begins.empty());  // both ends stand at the border of a range
+  CHECK(grazing.ends.empty());
+  double least = infinity;
+  for (const auto& [k, amplitude, k_error, error, metrics] : grazing.points) {
+    const double reactance = k / w - w, wanted = V * std::hypot(c, reactance);
+    CHECK(std::abs(amplitude - wanted) < error + k_error * V * std::abs(reactance) / wanted / w + 1e-8);
+    least = std::min(least, amplitude);
+  }
+  CHECK(least < 1.05 * c * V);
+  CHECK(std::min(grazing.points.front().p, grazing.points.back().p) < 0.56);  // sqrt(0.25²/V² − c²) from resonance
+  CHECK(std::max(grazing.points.front().p, grazing.points.back().p) > 1.44);
+}
+
+TEST_CASE("a closed curve in two parameters is followed once round", "[branches]") {
+  // The block of which grazing stands at V = 1.8366009722, at a speed that has this value on a circle of the plane.
+  constexpr double grazes = 1.8366009722, radius = 0.3;
+  const Family2 family = [](double p, double q) {
+    Model model;
+    model.law = laws::find_law("stribeck")->with({1.0, 0.5, 0.5, 1.0, 0.0});
+    model.slider = {1, 1, 0.1};
+    model.drive.normal_load = 1.0, model.drive.speed = grazes + p * p + q * q - radius * radius;
+    return oscillator_of(model);
+  };
+  LocusOptions options;
+  options.p = {-0.5, 0.5, false}, options.q = {-0.5, 0.5, false}, options.points = 10;
+  BranchOptions along;
+  along.parameter = {-0.2, -0.5, false};
+  // Cycles from rest, at a speed below.
+  Model slow;
+  slow.law = laws::find_law("stribeck")->with({1.0, 0.5, 0.5, 1.0, 0.0});
+  slow.slider = {1, 1, 0.1};
+  slow.drive.normal_load = 1.0, slow.drive.speed = grazes + 0.04 - radius * radius;
+  const auto settled = settle(slow, 1e-9);
+  const auto found = from_cycle([&](double p) { return family(p, 0); }, settled, -0.2, along);
+  const auto curves = find_loci(family, found, 0, options).curves;
+  REQUIRE(curves.size() == 1);
+  const auto& grazing = curves[0];
+  CHECK(grazing.ends == "it closes on itself");
+  double angle = 0;
+  for (std::size_t i = 0; i < grazing.points.size(); ++i) {
+    const auto& at = grazing.points[i];
+    CHECK(std::abs(std::hypot(at.p, at.q) - radius) < at.p_error + at.q_error + 1e-7);
+    if (i == 0) continue;
+    const auto& before = grazing.points[i - 1];
+    angle += std::atan2(before.p * at.q - before.q * at.p, before.p * at.p + before.q * at.q);
+  }
+  CHECK(std::abs(angle) == Approx(2 * 3.14159265358979).epsilon(1e-6));
+}
