@@ -151,6 +151,7 @@ ordered_json loci_of(const scene::BranchTask& task, const Loci& loci) {
 std::string document_of(const scene::Scene& scene, const Branches& found, const Loci& loci, double seconds) {
   auto document = output::begin(scene, "branch", found.outcome);
   document["parameter"] = scene.branch.parameter.name;
+  document["unit"] = scene.branch.parameter.unit;
   auto points = ordered_json::array(), events = points, branches = points;
   for (const auto& at : found.steady) {
     ordered_json point{{"value", at.value}, {"kind", "equilibrium"}, {"asked", false}};

@@ -22,6 +22,8 @@ using rosin::app::report::numbers;
 using rosin::app::report::ordered_json;
 using rosin::app::report::page_of;
 using rosin::app::report::Result;
+using rosin::app::report::unit_of;
+using rosin::app::report::unit_of_parameter;
 namespace fs = std::filesystem;
 
 namespace {
@@ -98,6 +100,23 @@ TEST_CASE("numbers of reports have the digits of their errors, and units with pr
   CHECK(amount(0.02, "m/s", 2e-5) == "(20.00 ± 0.02) mm/s");
   CHECK(known("slip_rate_2_max").unit == "m/s");
   CHECK(known("drive.normal_load").symbol == "N");
+}
+
+TEST_CASE("the unit that a document states goes before the usual one", "[app][report]") {
+  const ordered_json units = {{"tilt", "rad"}, {"period", "1"}};  // of a string, over that of the open one
+  CHECK(unit_of("tilt_amplitude", units) == "rad");
+  CHECK(unit_of("period", units) == "1");
+  CHECK(unit_of("period", ordered_json()) == "s");
+  CHECK(unit_of("slip_rate_mean", units) == "m/s");
+  CHECK(unit_of("nothing", units).empty());
+  CHECK(unit_of_parameter(ordered_json{{"parameter", "law.period"}, {"unit", "1"}}) == "1");
+
+  const Folder folder;
+  REQUIRE(run_rosin(folder, "run " + examples + "bowed-string.toml --out out --no-pictures").status == 0);
+  REQUIRE(run_rosin(folder, "report out").status == 0);
+  const auto rows = section(content(folder.path / "out/report.html"), "run");
+  const auto row = rows.substr(rows.find("<tr><th scope=\"row\">period"), 120);
+  CHECK_THAT(row, Contains("</td><td>period at the end over that of the open string") && !Contains(" s</td>"));
 }
 
 TEST_CASE("a report has a section for each verb, with the numbers of its document", "[app][report]") {
