@@ -94,8 +94,13 @@ def plot(result: Result, what: str | list[str] | None = None) -> Figure:
             raise InputError("", f"there is no '{name}' to draw; known here: {', '.join(map(str, data.data_vars))}")
     with pyplot.rc_context(STYLE):
         figure = draw(data, names)
-        figure.suptitle(result.raw.get("title", ""), fontsize=11)
+        figure.suptitle(_plain(result.raw.get("title", "")), fontsize=11)
         return figure
+
+
+def _plain(words: str) -> str:
+    """Words of a scene, as they are: matplotlib sets what stands between two dollars as a formula."""
+    return words.replace("$", r"\$")
 
 
 def _label(data: xarray.Dataset, name: str) -> str:
@@ -137,7 +142,7 @@ def _plane(data: xarray.Dataset, names: list[str]) -> Figure:
     figure, axes = pyplot.subplots(1, len(panels), figsize=(5.6 * len(panels), 4.4), squeeze=False, sharey=True)
     for ax, (name, member, plane) in zip(axes[0], panels):
         if member is not None:
-            ax.set_title(str(member), fontsize=10)
+            ax.set_title(_plain(str(member)), fontsize=10)
         y, x = map(str, plane.dims)
         edges = _edges(data[x]), _edges(data[y])
         words = plane.attrs.get("flag_meanings", "").split()
@@ -256,7 +261,7 @@ def _member(data: xarray.Dataset, many: str | None, number: int | None) -> str |
         return None
     value = data[many].values[number]
     if many == "member":
-        return str(value)
+        return _plain(str(value))
     unit = _unit(data[many]).strip(" ()")
     return f"${SYMBOLS.get(many, many)}$ = {value:g} {unit}".rstrip()
 
@@ -338,7 +343,7 @@ def _loop(data: xarray.Dataset, names: list[str]) -> Figure:
 
 def _of_sweep(data: xarray.Dataset) -> list[str]:
     """One quantity, in all directions in which it was recorded."""
-    names = [str(name) for name, one in data.items() if one.ndim == 2]
+    names = [str(name) for name in data if "_error_" not in str(name)]
     stem = names[0].removesuffix("_up").removesuffix("_down")
     return [name for name in names if name.removesuffix("_up").removesuffix("_down") == stem]
 
@@ -350,8 +355,9 @@ def _sweep(data: xarray.Dataset, names: list[str]) -> Figure:
 
     figure, ax = pyplot.subplots(figsize=(7, 4.4))
     over = str(data[names[0]].dims[0])
+    size = 2.2 if data[names[0]].ndim > 1 else 5  # a cloud of moments, or one number at each value
     for number, name in enumerate(names):
-        ax.plot(data[over], data[name], linestyle="none", marker="os^vD"[number % 5], markersize=2.2 - 0.6 * (number % 2),
+        ax.plot(data[over], data[name], linestyle="none", marker="os^vD"[number % 5], markersize=size * (1 - 0.27 * (number % 2)),
                 markeredgewidth=0, color=LINES[number % len(LINES)]["color"])
         ax.plot([], [], linestyle="none", marker="os^vD"[number % 5], color=LINES[number % len(LINES)]["color"],
                 label=data[name].attrs.get("long_name", name).replace("_", " "))

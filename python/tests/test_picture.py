@@ -79,3 +79,20 @@ def test_what_cannot_be_drawn_says_so():
         rosin.plot(run, "velocty")
     with pytest.raises(rosin.InputError, match=r"a result of 'stability' \(reached the end\) has no plane or table"):
         rosin.plot(rosin.load(ROOT / "examples/load-step.toml").stability())
+
+
+def test_a_sweep_of_metrics_is_drawn_too():
+    scene = rosin.load(ROOT / "examples/coulomb-stick-slip.toml")
+    sweep = scene.set("sweep", {"parameter": "drive.speed", "from": 0.1, "to": 0.2, "points": 2, "record": "metrics"}).sweep()
+    [axes] = rosin.plot(sweep).axes
+    assert axes.get_xlabel() == "speed of the driving surface $V$ (m/s)"
+    assert axes.lines[0].get_ydata().tolist() == sweep.dataset.displacement_amplitude_up.values.tolist()
+
+
+def test_titles_and_names_are_no_formulas(tmp_path):
+    title = r"5 $ and \nonsense 6 $ of _ ^ {"
+    result = rosin.Scene({**SLIDER, "title": title}).run()
+    figure = rosin.plot(result)
+    figure.savefig(tmp_path / "run.png")  # sets the text
+    shown = figure._suptitle.get_text()
+    assert shown.replace(r"\$", "$") == title and shown.count("$") == shown.count(r"\$")
