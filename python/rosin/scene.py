@@ -39,6 +39,8 @@ class Scene:
     """
 
     def __init__(self, content: Mapping[str, Any]) -> None:
+        if not isinstance(content, Mapping):
+            raise TypeError(f"a scene is made of a mapping, not of {type(content).__name__}; rosin.load reads a file")
         self._path: str | None = None
         self._text = toml.document(content)
         self._changes: tuple[str, ...] = ()
@@ -71,8 +73,10 @@ class Scene:
             Keys with dots between them, ``"drive.speed"``; entries of lists are numbered from 1.
         value
             A boolean, a number (in SI units), a text (also a quantity with its unit, ``"10 um/s"``), a list or a
-            mapping.
+            mapping; an array, which an attribute ``units`` makes quantities, such as ``plane.dataset.normal_load[3]``.
         """
+        if not isinstance(path, str):
+            raise TypeError(f"a path is a text, such as 'drive.speed', not {type(path).__name__}")
         scene = copy.copy(self)
         written = toml.value(value, path)
         scene._document = copy.deepcopy(self._document)
@@ -131,8 +135,8 @@ class Scene:
         with contextlib.ExitStack() as undone:
             if out is None:
                 undone.callback(shutil.rmtree, folder, ignore_errors=True)
-            complete, output, messages = perform([*words, target], target, self._text, progress)
-            result = Result(verb, complete, output, messages, folder)
+            complete, output, messages, made = perform([*words, target], target, self._text, progress)
+            result = Result(verb, complete, output, messages, Path(made).absolute())
             if out is None:
                 weakref.finalize(result, undone.pop_all().close)
             else:

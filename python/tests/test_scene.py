@@ -102,3 +102,25 @@ def test_a_law_as_text():
         "parameters": {"mu0": {"default": 0.4, "unit": "1", "minimum": 0, "maximum": 5, "meaning": "coefficient"},
                        "v0": {"default": "1 mm/s", "unit": "m/s", "minimum": 1e-9, "maximum": 1, "meaning": "width"}}}})
     assert scene.stability().metrics["friction_coefficient"] == pytest.approx(0.4 * numpy.tanh(100))
+
+
+def test_arrays_with_units_are_quantities(tmp_path):
+    import xarray
+
+    scene = rosin.Scene(SLIDER)
+    for value in (xarray.DataArray(20.0, attrs={"units": "cm/s"}), xarray.DataArray(0.2), numpy.array(0.2)):
+        assert scene.set("drive.speed", value).run().raw == scene.set("drive.speed", 0.2).run().raw
+    with pytest.raises(rosin.InputError, match="is in N, but needed is m/s"):
+        scene.set("drive.speed", xarray.DataArray(1.0, attrs={"units": "N"})).run()
+    times = scene.set("run.times", xarray.DataArray([0.0, 1e3], attrs={"units": "ms"})).run().dataset.time
+    assert times.values.tolist() == scene.set("run.times", range(2)).run().dataset.time.values.tolist() == [0, 1]
+    record = tmp_path / "speed.csv"
+    record.write_text("0,0.1\n1,0.2\n")
+    assert scene.set("drive.speed", {"table": record}).run().complete
+
+
+def test_what_is_no_scene_and_no_path():
+    with pytest.raises(TypeError, match="rosin.load reads a file"):
+        rosin.Scene("scene.toml")
+    with pytest.raises(TypeError, match="a path is a text"):
+        rosin.Scene(SLIDER).set(3, 4)
