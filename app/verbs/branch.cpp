@@ -16,6 +16,7 @@
 #include "app/scene/reader.hpp"
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
+#include "app/verbs/stopping.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
@@ -380,6 +381,7 @@ Status perform(Job& job) {
               justified(point->p, point->p_error, unit), why->empty() ? "" : ": ", *why);
   }
   for (const auto& note : found.notes) job.note(note);
+  found.outcome = why_stopped(found.outcome);
   if (!found.outcome.complete()) job.note(fmt::format("{}: {}", name(found.outcome.ending), found.outcome.detail));
   auto& manifest = job.manifest();
   manifest.tolerance_asked = task.options.tolerance;
