@@ -147,6 +147,9 @@ Known known(std::string_view key) {
     of_one.symbol.clear();
     return of_one;
   }
+  for (const auto& [ending, unit] :
+       {std::pair<std::string_view, const char*>{"_work", "J"}, {"_time", "s"}, {"_fraction", "1"}})
+    if (key.ends_with(ending)) return {"", unit, ""};
   if (const auto [word, whole] = reading_of(key); *word) {
     const auto of_whole = known(whole);
     return {"", of_whole.unit, of_whole.meaning.empty() ? "" : fmt::format("{}: {}", word, of_whole.meaning)};

@@ -108,6 +108,7 @@ TEST_CASE("the unit that a document states goes before the usual one", "[app][re
   CHECK(unit_of("period", units) == "1");
   CHECK(unit_of("period", ordered_json()) == "s");
   CHECK(unit_of("slip_rate_mean", units) == "m/s");
+  CHECK(unit_of("impact_work", units) == "J");
   CHECK(unit_of("nothing", units).empty());
   CHECK(unit_of_parameter(ordered_json{{"parameter", "law.period"}, {"unit", "1"}}) == "1");
 
@@ -161,6 +162,18 @@ TEST_CASE("a report has a section for each verb, with the numbers of its documen
   const auto rates = numbers(data["series"][0]["data"][std::size_t(slip)]);
   CHECK(*std::max_element(rates.begin(), rates.end()) == Approx(cycle["slip_rate_max"].get<double>()).epsilon(1e-2));
   CHECK(count(page, "data-figure=\"cycle-1\"") == 2);  // the same numbers over time and as a loop
+}
+
+TEST_CASE("only the loop of a structure has the point that it must not go round", "[app][report]") {
+  const Folder folder;
+  for (const auto& [scene, marked] : {std::pair{"frf-load-family", false}, {"frf-squeal", true}}) {
+    INFO(scene);
+    REQUIRE(run_rosin(folder, "frf " + examples + scene + ".toml --no-pictures --out " + scene).status == 0);
+    REQUIRE(run_rosin(folder, std::string("report ") + scene).status == 0);
+    const auto page = content(folder.path / scene / "report.html");
+    CHECK(count(page, R"("label":"−1")") == int(marked));
+    CHECK_FALSE(figure(page, "frf-1").contains("marks"));
+  }
 }
 
 TEST_CASE("a report points nowhere but into itself", "[app][report]") {
