@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Callable
 
 from .errors import InputError
+from .result import Result
 
 if TYPE_CHECKING:
     import numpy
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from .result import Result
 
 # Lines differ in dash as well as in colour: readable in grey and by the colour-blind.
 LINES = [
@@ -80,6 +79,8 @@ def plot(result: Result, what: str | list[str] | None = None) -> Figure:
     """
     import matplotlib.pyplot as pyplot
 
+    if not isinstance(result, Result):
+        raise TypeError(f"results are drawn, such as scene.run(), not {type(result).__name__}")
     pyplot.draw_if_interactive()  # loads the backend, whose rcParams rc_context would undo: notebooks then show nothing more
     data = result.tables.get("curve-1") if result.verb == "fit" else result.dataset
     if data is None:
@@ -88,10 +89,12 @@ def plot(result: Result, what: str | list[str] | None = None) -> Figure:
         result.verb, _columns)
     if result.verb == "compare" and "scale" in next(iter(data.coords.values())).attrs:
         draw = _plane
-    names = draw.chosen(data) if what is None else [what] if isinstance(what, str) else list(what)
-    for name in names:
-        if name not in data:
-            raise InputError("", f"there is no '{name}' to draw; known here: {', '.join(map(str, data.data_vars))}")
+    usual = draw.chosen(data)
+    names = usual if what is None else [what] if isinstance(what, str) else list(what)
+    known = usual if draw is _fit else [str(name) for name in data.variables if data[name].dims == data[usual[0]].dims]
+    for name in names or [""]:
+        if name not in known:
+            raise InputError("", f"there is no '{name}' to draw; known here: {', '.join(known)}")
     with pyplot.rc_context(STYLE):
         figure = draw(data, names)
         figure.suptitle(_plain(result.raw.get("title", "")), fontsize=11)

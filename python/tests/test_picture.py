@@ -96,3 +96,11 @@ def test_titles_and_names_are_no_formulas(tmp_path):
     figure.savefig(tmp_path / "run.png")  # sets the text
     shown = figure._suptitle.get_text()
     assert shown.replace(r"\$", "$") == title and shown.count("$") == shown.count(r"\$")
+
+
+@pytest.mark.parametrize("what", ["displacement_error", "nothing", []])
+def test_what_cannot_be_drawn_is_refused(what):
+    with pytest.raises(rosin.InputError, match="to draw; known here: time, displacement, velocity, slip_rate"):
+        rosin.plot(rosin.Scene(SLIDER).run(), what)
+    with pytest.raises(TypeError, match="results are drawn"):
+        rosin.plot(rosin.Scene(SLIDER))

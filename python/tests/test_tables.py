@@ -152,6 +152,8 @@ def test_printed_numbers_beside_found_ones():
     assert "<td>10 … 11</td>" in table._repr_html_()
     with pytest.raises(rosin.InputError, match="printed number 'about 12': one number, 'number ± error'"):
         rosin.beside([("period", "about 12", 12.0, 0.1)])
+    [row] = rosin.beside([("period", "12.0", xarray.DataArray(12.5), None)]).rows
+    assert row == ("period", "12.0", "12.5, of unknown error", "0.5, of unknown error")
 
 
 TABLES = [
