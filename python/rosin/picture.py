@@ -94,7 +94,8 @@ def plot(result: Result, what: str | list[str] | None = None) -> Figure:
     known = usual if draw is _fit else [str(name) for name in data.variables if data[name].dims == data[usual[0]].dims]
     for name in names or [""]:
         if name not in known:
-            raise InputError("", f"there is no '{name}' to draw; known here: {', '.join(known)}")
+            raise InputError("", f"there is no '{name}' to draw; known here: "
+                                 f"{', '.join(one for one in known if one not in data.coords)}")
     with pyplot.rc_context(STYLE):
         figure = draw(data, names)
         figure.suptitle(_plain(result.raw.get("title", "")), fontsize=11)
