@@ -53,7 +53,7 @@ class Scene:
         if scene._path.startswith("-"):  # which would be read as an option
             scene._path = "./" + scene._path
         try:
-            scene._text = Path(path).read_text(encoding="utf-8")
+            scene._text = Path(path).read_text(encoding="utf-8-sig")  # editors of Windows begin with a mark
             scene._document = tomllib.loads(scene._text)
         except OSError as problem:
             raise InputError(scene._path, problem.strerror or str(problem)) from None

@@ -29,6 +29,12 @@ def test_a_scene_is_its_file_as_it_was(tmp_path):
     assert scene.run().raw == rosin.Scene(SLIDER).run().raw != rosin.load(file).run().raw
 
 
+def test_a_file_may_begin_with_a_mark_of_its_encoding(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(rosin.Scene(SLIDER).toml, encoding="utf-8-sig")
+    assert rosin.load(file).run().raw == rosin.Scene(SLIDER).run().raw
+
+
 def test_entries_of_lists_are_numbered_from_1():
     scene = rosin.load(LARGE_PLANE)
     assert scene.get("map.metrics.1") == "stick_fraction"
