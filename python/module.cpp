@@ -18,6 +18,8 @@
 #include "app/command_line.hpp"
 #include "app/output/planes.hpp"
 #include "app/report/quantities.hpp"
+#include "app/scene/aliases.hpp"
+#include "app/scene/toml_document.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/stopping.hpp"
 #include "core/console.hpp"
@@ -142,6 +144,17 @@ std::string unit_of(const std::string& name, const std::map<std::string, std::st
   return report::unit_of(name, stated);
 }
 
+/// What a path is called by rosin where another program's name is given, such as "drive.speed" for "drive.V".
+std::string own_path(const std::string& text, const std::string& path) try {
+  auto scene = scene::parse_toml(text, "");
+  scene.insert_or_assign("asked", path);
+  std::vector<std::string> notes;
+  scene::resolve_aliases(scene, notes);
+  return scene["asked"].value_or(path);
+} catch (const InputError&) {  // which the verb that reads the scene tells
+  return path;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_rosin, module) {
@@ -149,5 +162,6 @@ PYBIND11_MODULE(_rosin, module) {
   module.def("perform", &perform, py::arg("words"), py::arg("text") = py::none(), py::arg("progress") = py::none());
   module.def("verbs", &verb_list);
   module.def("unit_of", &unit_of, py::arg("name"), py::arg("stated"));
+  module.def("own_path", &own_path, py::arg("text"), py::arg("path"));
   module.def("axis_names", &output::axis_names, py::arg("paths"), py::arg("taken"));
 }

@@ -80,7 +80,8 @@ class Scene:
         scene = copy.copy(self)
         written = toml.value(value, path)
         scene._document = copy.deepcopy(self._document)
-        keys = path.split(".")
+        own = path if self._has(path) else _rosin.own_path(self.toml, path)
+        keys = own.split(".")
         at: Any = scene._document
         for depth, key in enumerate(keys):
             last = depth == len(keys) - 1
@@ -98,11 +99,21 @@ class Scene:
             else:
                 raise InputError(path, f"{'.'.join(keys[:depth])} is {at!r}, not a table")
             if last:
+                if isinstance(at, dict) and index not in at:  # what stands there under another program's name gives way
+                    for other in [one for one in at if _rosin.own_path(self.toml, ".".join([*keys[:-1], one])) == own]:
+                        del at[other]
                 at[index] = tomllib.loads("value = " + written)["value"]
             else:
                 at = at[index]
         scene._changes = (*self._changes, f"{path}={written}")
         return scene
+
+    def _has(self, path: str) -> bool:
+        try:
+            self.get(path)
+        except KeyError:
+            return False
+        return True
 
     def get(self, path: str) -> Any:
         """What the scene says at a path, as it stands there.

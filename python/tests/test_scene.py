@@ -125,6 +125,17 @@ def test_arrays_with_units_are_quantities(tmp_path):
     assert scene.set("drive.speed", {"table": record}).run().complete
 
 
+def test_names_of_other_programs_are_what_rosin_calls_them():
+    scene = rosin.Scene(SLIDER)
+    faster = scene.set("drive.V", 0.2)
+    assert faster.get("drive.speed") == 0.2 and faster.toml == scene.set("drive.speed", 0.2).toml
+    assert faster.run().metrics == scene.set("drive.speed", 0.2).run().metrics
+    other = rosin.Scene({**SLIDER, "drive": {"V": 0.1, "normal_load": 1}}).set("drive.speed", 0.2)
+    assert other.get("drive") == {"normal_load": 1, "speed": 0.2}
+    assert rosin.Scene(tomllib.loads(other.toml)).run().metrics == other.run().metrics
+    assert scene.set("law", {"type": "aging"}).set("law.Dc", "3 um").get("law.L") == "3 um"
+
+
 def test_what_is_no_scene_and_no_path():
     with pytest.raises(TypeError, match="rosin.load reads a file"):
         rosin.Scene("scene.toml")
