@@ -9,6 +9,7 @@
 #include <thread>
 #include <type_traits>
 
+#include "app/output/sheet.hpp"
 #include "app/verbs/mail.hpp"
 #include "app/verbs/verb.hpp"
 #include "core/console.hpp"
@@ -158,6 +159,8 @@ std::variant<Request, int> parse_command_line(int argc, char** argv) {
   }
   try {
     if (request.tolerance) require(*request.tolerance, {1e-13, 0.1}, "--tolerance", "relative accuracy", "1");
+    if (request.width)
+      require(*request.width, {output::least_width, output::most_width}, "--width", "width of pictures in print", "mm");
     if (request.time_limit) require(*request.time_limit, {1e-3, 1e9}, "--time-limit", "time for all work", "s");
     require(request.threads, {1, 4096}, "--threads", "number of threads", "1");
   } catch (const InputError& error) {

@@ -33,6 +33,7 @@ struct Request {
   bool no_pictures = false;                 ///< scripts are written, not drawn
   bool netcdf = false;                      ///< tables are written as NetCDF, too
   bool pdf = false;                         ///< pictures are drawn as PDF, too
+  std::optional<double> width;              ///< mm, of pictures in print; none: as on a screen
   bool design = false;                      ///< compare: where measurements would tell members apart
   bool exact = false;                       ///< map: compute every point
   std::string shard;                        ///< map: "2/8", the share of the plane; empty: all, or a SLURM array's

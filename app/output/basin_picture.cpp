@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 
+#include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
+#include "app/output/sheet.hpp"
 
 namespace rosin::app::output {
 
@@ -122,13 +124,17 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
   std::vector<std::string> files = {"basin.csv", "basin-cycles.csv", "basin.gp"};
   if (!task.random) write_cells(folder / files.emplace_back("basin-cells.csv"), task, found);
 
-  constexpr int width = 900, height = 560;
-  std::string script = preamble("basin", "What starts come to", width, height);
-  script += fmt::format("set title {}\n", single_quoted(scene.title));
-  script += fmt::format("set xlabel {}\nset ylabel {}\n", label(readable(x.name) + " at the start", x.unit()),
-                        label(readable(y.name) + " at the start", y.unit()));
+  const Sheet sheet{"basin",
+                    "What starts come to",
+                    {.width = 760, .panel = 420, .key = Layout::Key::below},
+                    scene.title,
+                    caption(scene)};
+  std::string script =
+      fmt::format("set xlabel {}\nset ylabel {}\n", label(readable(x.name) + " at the start", x.unit()),
+                  label(readable(y.name) + " at the start", y.unit()));
   script +=
-      "set key outside right top Left reverse samplen 1.6 width 1\nset style fill solid 1 border linecolor '#777777'\n";
+      "set key samplen 1.6\nset style fill "
+      "solid 1 border linecolor '#777777'\n";
   const auto range = [&](const StartAxis& axis) {
     const auto [low, high] = std::ranges::minmax(axis.values);
     const double margin = task.random ? 0 : 0.5 * std::abs(axis.values[1] - axis.values[0]);
@@ -177,7 +183,8 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
                       "linecolor '#000000' title 'where sliding is steady'",
                       at(x), at(y)));
     }
-  write_whole(folder / "basin.gp", script + fmt::format("plot {}\n", fmt::join(curves, ", \\\n     ")));
+  script += fmt::format("plot {}\n", fmt::join(curves, ", \\\n     "));
+  write_whole(folder / "basin.gp", sheet.with(std::move(script)));
   return files;
 }
 

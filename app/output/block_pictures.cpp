@@ -5,9 +5,11 @@
 #include <cmath>
 #include <complex>
 
+#include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
+#include "app/output/sheet.hpp"
 
 namespace rosin::app::output {
 
@@ -75,11 +77,18 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
   const auto metres = scaled("m", std::max(mesh.block.length, mesh.block.height));
   const auto pascal = scaled("Pa", *std::ranges::max_element(pressure));
   const auto hertz = scaled("Hz", mode.frequency());
-  std::string script =
-      preamble("block", "Steady sliding and the leading mode of an elastic block on its mesh", 960, 660);
-  script += fmt::format("set multiplot layout 2,2 title {} margins 0.09,0.97,0.09,0.89 spacing 0.11,0.20\n",
-                        single_quoted(scene.title));
-  script += fmt::format("X = {}\nset grid\n", metres.factor);
+  const Sheet sheet{"block",
+                    "Steady sliding and the leading mode of an elastic block on its mesh",
+                    {.width = 960,
+                     .panels = 4,
+                     .columns = 2,
+                     .panel = 205,
+                     .above = 32,
+                     .between_rows = 100,
+                     .key = Layout::Key::own},
+                    scene.title,
+                    caption(scene)};
+  std::string script = fmt::format("X = {}\nset grid\n", metres.factor);
   // Room for the key above, and as much beside as fills the panel at equal scales.
   const double half = mesh.block.length / 2 * metres.factor, height = mesh.block.height * metres.factor;
   constexpr double below = 0.35, above = 1.75, panel = 1.85;  // parts of the height; width over height
@@ -112,7 +121,7 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
       "set title 'lower face in the leading mode'\nset ylabel 'amplitude over the largest'\n"
       "plot 'block-face.csv' using ($1*X):4 with linespoints linestyle 1 pointtype 7 pointsize 0.5 title 'approach', "
       "\\\n     'block-face.csv' using ($1*X):5 with linespoints linestyle 2 pointtype 5 pointsize 0.5 title 'slip'\n";
-  write_whole(folder / "block.gp", script + "unset multiplot\n");
+  write_whole(folder / "block.gp", sheet.with(std::move(script)));
   return {"block-mesh.csv", "block-face.csv", "block.gp"};
 }
 
@@ -141,10 +150,12 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
                                                                           : scene.model.drive.normal_load.level());
   const auto pascal = scaled("Pa", largest_pressure), speed = scaled("m/s", fastest);
 
-  std::string script = preamble("run", "Forces on a block, what sticks and what is open, and its motion", 860, 760);
-  script += fmt::format("set multiplot layout 4,1 title {} margins 0.11,0.97,0.085,0.93 spacing 0,0.035\n",
-                        single_quoted(scene.title));
-  script += "set grid x\nset key top right horizontal\nset format x ''\n";
+  const Sheet sheet{"run",
+                    "Forces on a block, what sticks and what is open, and its motion",
+                    {.width = 860, .panels = 4, .panel = 140, .key = Layout::Key::own},
+                    scene.title,
+                    caption(scene)};
+  std::string script = "set grid x\nset key top right horizontal\nset format x ''\n";
   script += "set offsets 0,0,graph 0.35,graph 0.04\n";
   script += fmt::format("set xrange [{}:{}]\n", run.time.front(), run.time.back());
   const auto curve = [&](const std::string& name, double factor, int style, const char* title) {
@@ -169,14 +180,15 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
   panel("elongation", "elongation");
   script += "set format x '%g'\nset xlabel 'time (s)'\n";
   panel("tilt", "tilt");
-  write_whole(folder / "run.gp", script + "unset multiplot\n");
+  write_whole(folder / "run.gp", sheet.with(std::move(script)));
 
-  std::string map =
-      preamble("block-face", "Pressure and slip rate along the lower face of a block over time", 860, 620);
-  map += fmt::format("set multiplot layout 2,1 title {} margins 0.10,0.86,0.10,0.92 spacing 0,0.05\n",
-                     single_quoted(scene.title));
-  map += fmt::format("X = {}\nset pm3d map corners2color c1\nset ylabel 'x ({})'\nset format x ''\n", metres.factor,
-                     metres.unit);
+  const Sheet plane{"block-face",
+                    "Pressure and slip rate along the lower face of a block over time",
+                    {.width = 860, .panels = 2, .panel = 240, .right = 110},
+                    scene.title,
+                    caption(scene)};
+  std::string map = fmt::format("X = {}\nset pm3d map corners2color c1\nset ylabel 'x ({})'\nset format x ''\n",
+                                metres.factor, metres.unit);
   map += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", run.time[first], run.time.back(),
                      mesh.stations.front().place * metres.factor, mesh.stations.back().place * metres.factor);
   map += fmt::format(
@@ -190,7 +202,7 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
       "({})'\n"
       "splot 'block-face.csv' using 1:($2*X):($4*{}) skip 1 notitle\n",
       -fastest * speed.factor, fastest * speed.factor, speed.unit, speed.factor);
-  write_whole(folder / "block-face.gp", map + "unset multiplot\n");
+  write_whole(folder / "block-face.gp", plane.with(std::move(map)));
   return {"run.gp", "block-face.csv", "block-face.gp"};
 }
 

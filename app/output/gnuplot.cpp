@@ -30,38 +30,6 @@ std::string single_quoted(std::string_view text) {
   return out + '\'';
 }
 
-std::string preamble(const std::string& name, std::string_view what, int width, int height) {
-  constexpr double pixels = 96;  // an inch
-  // A journal prints a picture over two columns: texts are then 8 points high, as wide as the picture may be.
-  constexpr double journal = 175 / 25.4, printed = 8;  // inches, points
-  const double points = std::max(10.0, printed * width / pixels / journal);
-  return fmt::format(R"(# {what}. Redraw with: gnuplot {name}.gp   or   gnuplot -e "format='png'" {name}.gp   or 'pdf'
-if (!exists("format")) format = 'svg'
-if (!exists("output")) output = '{name}.'.format
-if (format eq 'png') {{ set terminal pngcairo size {width},{height} font 'sans,11' background 'white' }}
-if (format eq 'pdf') {{ set terminal pdfcairo size {inches_wide}in,{inches_high}in font 'sans,{points:.3g}' background 'white' }}
-if (format eq 'svg') {{ set terminal svg size {width},{height} font 'sans,13' background 'white' }}
-if (format ne 'png' && format ne 'pdf' && format ne 'svg') {{ exit message "format is 'svg', 'png' or 'pdf'" }}
-set output output
-set datafile separator ','
-set datafile missing 'nan'
-set encoding utf8
-set border linewidth 0.8
-set tics nomirror out
-set key samplen 2.5 spacing 1.1
-set grid linetype 1 linecolor '#CCCCCC' linewidth 0.5; unset grid # its look, for pictures that set it
-# Lines differ in dash as well as in colour: readable in grey and by the colour-blind.
-set style line 1 linecolor '#00336F' linewidth 1.8 dashtype solid
-set style line 2 linecolor '#B0560F' linewidth 1.6 dashtype (8,4)
-set style line 3 linecolor '#555555' linewidth 1.2 dashtype (2,3)
-set style line 4 linecolor '#3A8F5C' linewidth 1.6 dashtype (12,3,2,3)
-set style line 5 linecolor '#8A4FA3' linewidth 1.6 dashtype (4,2)
-)",
-                     fmt::arg("what", what), fmt::arg("name", name), fmt::arg("width", width),
-                     fmt::arg("height", height), fmt::arg("inches_wide", width / pixels),
-                     fmt::arg("inches_high", height / pixels), fmt::arg("points", points));
-}
-
 std::string label(std::string_view meaning, std::string_view unit) {
   return single_quoted(column_header(meaning.substr(0, meaning.find(';')), unit));
 }
@@ -94,6 +62,7 @@ std::string readable(std::string name) {
                                {"normal_load", "normal load N"},
                                {"angular_frequency", "angular frequency ω"},
                                {"period", "period T"},
+                               {"lyapunov", "largest Lyapunov exponent λ₁"},
                                {"lambda", "λ"},
                                {"theta", "θ"},
                                {"theta1", "θ₁"},
@@ -144,7 +113,7 @@ double tick_step(double low, double high) {
   return decade * (step < 1.5 * decade ? 1 : step < 3.5 * decade ? 2 : step < 7.5 * decade ? 5 : 10);
 }
 
-Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts, bool pdf) {
+Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts, const Formats& wanted) {
   Drawn drawn;
   if (scripts.empty()) return drawn;
   const auto gnuplot = find_program("gnuplot");  // before it enters the folder, which may hold a program of that name
@@ -154,14 +123,14 @@ Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts, bool
     return drawn;
   }
   std::vector<std::string> formats = {"svg", "png"};
-  if (pdf) formats.emplace_back("pdf");
+  if (wanted.pdf) formats.emplace_back("pdf");
   for (const auto& script : scripts)
     for (const auto& format : formats) {
       const auto picture = fs::path(script).replace_extension(format);
       try {
         write_whole(folder / picture, [&](const fs::path& temporary) {
           const auto output = temporary.parent_path().filename() / temporary.filename();
-          const auto setting = fmt::format("format='{}'; output='{}'", format, output.string());
+          const auto setting = fmt::format("format='{}'; output='{}'; width={}", format, output.string(), wanted.width);
           const auto ran = run_program({*gnuplot, {"-e", setting, script}, folder});
           if (!ran || ran->status != 0)
             throw std::runtime_error(fmt::format("gnuplot could not draw {}; run 'gnuplot {}' in {} to see why",

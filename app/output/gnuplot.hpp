@@ -14,9 +14,6 @@ std::string label(std::string_view meaning, std::string_view unit);
 /// "slip_rate" as it is read on an axis.
 std::string readable(std::string name);
 
-/// What every script begins with. `format` and `output` may be set by the caller: gnuplot -e "format='png'" map.gp
-std::string preamble(const std::string& name, std::string_view what, int width, int height);
-
 /// A unit with the prefix that suits the largest value: ticks read 20, 40 µm/s instead of 2e-05, 4e-05 m/s.
 struct Scaled {
   double factor;  ///< multiplies SI values
@@ -32,10 +29,15 @@ std::string axis_scale(char axis, bool decades);
 /// A step between ticks that leaves about four: 1, 2 or 5 times a power of ten.
 double tick_step(double low, double high);
 
-/// Draws scripts of the folder, each as SVG and PNG, and as PDF where that is asked for.
+/// What pictures are drawn as besides SVG and PNG, and how wide they are in print (mm); 0: as on a screen.
+struct Formats {
+  bool pdf = false;
+  double width = 0;
+};
+/// Draws scripts of the folder.
 struct Drawn {
   std::vector<std::string> files, problems;
 };
-Drawn draw(const std::filesystem::path& folder, const std::vector<std::string>& scripts, bool pdf);
+Drawn draw(const std::filesystem::path& folder, const std::vector<std::string>& scripts, const Formats&);
 
 }  // namespace rosin::app::output

@@ -10,6 +10,7 @@
 #include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
+#include "app/output/sheet.hpp"
 
 namespace rosin::app::output {
 
@@ -95,15 +96,26 @@ std::string drawn(const std::vector<Mark>& marks, const std::vector<std::string>
 
 std::vector<std::string> write_lab_picture(const fs::path& folder, const scene::Scene& scene, const Result& result) {
   const auto& panels = result.panels;
-  const int count = static_cast<int>(panels.size()), columns = std::min(count, 2), rows = (count + 1) / 2;
+  const int count = static_cast<int>(panels.size());
   const auto title = scene.title.empty() ? std::string(scene.experiment->title) : scene.title;
-  constexpr int row = 400, around = 64, below = 60 + caption_room;  // pixels
-  const int height = around + below + row * rows - 60;
-  std::string script = preamble("lab", "What an experiment shows, a panel each", count == 1 ? 720 : 940, height);
-  script +=
-      fmt::format("set multiplot layout {},{} title {} margins 0.10,0.97,{:.4f},{:.4f} spacing 0.13,{:.4f}\n", rows,
-                  columns, single_quoted(title), double(below) / height, 1 - double(around) / height, 110.0 / height);
-  script += "set grid\n";
+  // Keys stand above their panels, a row for each two curves; of many curves inside.
+  const auto labelled = [](const Panel& panel) {
+    const auto count = std::ranges::count_if(panel.curves, [](const auto& curve) { return !curve.label.empty(); });
+    return count > 3 ? 0 : int(count);
+  };
+  const int above_first = std::max(0, labelled(panels.front()) - 2);
+  const Sheet sheet{"lab",
+                    "What an experiment shows, a panel each",
+                    {.width = count == 1 ? 720 : 940,
+                     .panels = count,
+                     .columns = std::min(count, 2),
+                     .panel = 310,
+                     .above = 28 + 20.0 * above_first,
+                     .between_rows = 95,
+                     .key = Layout::Key::own},
+                    title,
+                    caption(scene)};
+  std::string script = "set grid\n";
   std::vector<std::string> files;
   for (const auto& panel : panels) {
     double far = 0, high = 0;
@@ -146,7 +158,7 @@ std::vector<std::string> write_lab_picture(const fs::path& folder, const scene::
     }
     script += fmt::format("plot {}\n", fmt::join(curves, ", \\\n     "));
   }
-  write_whole(folder / "lab.gp", captioned(script, scene) + "unset multiplot\n");
+  write_whole(folder / "lab.gp", sheet.with(std::move(script)));
   files.push_back("lab.gp");
   return files;
 }

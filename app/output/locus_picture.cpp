@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
+#include "app/output/sheet.hpp"
 
 namespace rosin::app::output {
 
@@ -28,9 +30,12 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
                                        const analysis::branches::Loci& loci) {
   const auto& task = scene.branch;
   const auto& locus = *task.locus;
-  std::string script = preamble("locus", "Where steady sliding and cycles change, in two parameters", 820, 520);
-  script += fmt::format("set title {}\n", single_quoted(scene.title));
-  script += "set grid\nset key outside right top Left reverse\n";
+  const Sheet sheet{"locus",
+                    "Where steady sliding and cycles change, in two parameters",
+                    {.panel = 400},
+                    scene.title,
+                    caption(scene, {task.parameter.name, locus.parameter.name})};
+  std::string script = "set grid\n";
   for (const auto& [axis, parameter, range] :
        {std::tuple{'x', &task.parameter, &locus.options.p}, {'y', &locus.parameter, &locus.options.q}}) {
     const auto [low, high] = std::minmax(range->from, range->to);
@@ -59,7 +64,8 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
     titled.push_back(kind);
   }
   curves.push_back(fmt::format("{} with lines linestyle 3 title 'the scene'", locus.value));
-  write_whole(folder / "locus.gp", script + fmt::format("plot {}\n", fmt::join(curves, ", \\\n     ")));
+  script += fmt::format("plot {}\n", fmt::join(curves, ", \\\n     "));
+  write_whole(folder / "locus.gp", sheet.with(std::move(script)));
   return {"locus.gp"};
 }
 

@@ -13,16 +13,17 @@
 #include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
+#include "app/output/sheet.hpp"
 
 namespace rosin::app::output {
 
 namespace fs = std::filesystem;
 
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene, const Curve& curve) {
-  std::string script = preamble("curve", "The steady friction curve with its extrema", 720, 480);
-  script += fmt::format("set title {}\n", single_quoted(scene.title));
-  script += "set logscale x\nset format x '10^{%T}'\nset xlabel 'slip rate v (m/s)'\n";
-  script += "set ylabel 'steady friction coefficient μ'\nset grid\nset bmargin 5\n";
+  const Sheet sheet{
+      "curve", "The steady friction curve with its extrema", {.width = 720, .panel = 370}, scene.title, caption(scene)};
+  std::string script = "set logscale x\nset format x '10^{%T}'\nset xlabel 'slip rate v (m/s)'\n";
+  script += "set ylabel 'steady friction coefficient μ'\nset grid\n";
   std::string marks;
   for (const auto& e : curve.extrema)
     marks += fmt::format("{},{},{},{:.3g} m/s\n", e.slip_rate, e.friction_coefficient, e.maximum ? 1 : 2, e.slip_rate);
@@ -38,12 +39,11 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     script += fmt::format(", \\\n     {}:4 with labels offset 0,{} notitle", chosen, maximum ? 1.1 : -1.2);
   }
   script += '\n';
-  write_whole(folder / "curve.gp", captioned(script, scene));
+  write_whole(folder / "curve.gp", sheet.with(std::move(script)));
   return {"curve.gp"};
 }
 
-constexpr int run_panel = 170,
-              run_margin = 130 + caption_room;  // pixels: height of a panel, and of the texts around them all
+constexpr int run_panel = 140;  ///< pixels: height of a panel's frame
 
 /// Number of the contact in "slip_rate_2"; 0 for what is no contact's.
 int contact_of_column(const std::string& name) {
@@ -81,8 +81,14 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     return name.find("velocity") == std::string::npos && !name.starts_with("friction_force") &&
            (!name.starts_with("normal_load") || load_tells);
   };
+  // What never changes has nothing to show, but for the slip rate, beside which the drive stands.
+  const auto tells = [&](std::size_t c) {
+    const auto [low, high] = std::ranges::minmax(run.columns[c]);
+    return low < high || run.column_names[c].starts_with("slip_rate");
+  };
   for (std::size_t c = 0; c < run.columns.size() && shown.size() < most_panels; ++c)
-    if (is_shown(run.column_names[c])) shown.push_back(c);
+    if (is_shown(run.column_names[c]) && tells(c)) shown.push_back(c);
+  if (shown.empty()) shown.push_back(0);
   std::string events;
   for (const auto& event : run.events) events += fmt::format("{},{},{}\n", event.time, event.kind, event.contact);
   write_whole(folder / "run-events.csv", "time (s),kind,contact\n" + events);
@@ -116,14 +122,6 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
               {{"time (s)", run.time}, {"drive_speed (m/s)", speed}, {"normal_load (N)", load}});
   }
   const int panels = static_cast<int>(shown.size()) + (strip ? 1 : 0) + (loaded ? 1 : 0);
-  std::string script =
-      preamble("run", "Every column of a run against time, with its events", 820, run_margin + run_panel * panels);
-  const int height = run_margin + run_panel * panels;
-  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n", panels,
-                        single_quoted(scene.title), (65.0 + caption_room) / height, 1 - 65.0 / height);
-  // The key stands between title and curves: a title may be as wide as the picture.
-  script += fmt::format("set grid x\nset key at screen 0.97,{:.4f} top right horizontal\n", 1 - 32.0 / height);
-  if (run.time.size() > 1) script += fmt::format("set xrange [{}:{}]\n", run.time.front(), run.time.back());
   constexpr std::size_t most_lines = 200;  // more would hide the curve
   struct Kind {
     const char *name, *dash, *colour;
@@ -134,6 +132,15 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     return run.events.size() > most_lines ||
            std::ranges::none_of(run.events, [&](const auto& event) { return event.kind == kind.name; });
   });
+  const Sheet sheet{"run",
+                    "Every column of a run against time, with its events",
+                    {.panels = panels, .panel = run_panel},
+                    scene.title,
+                    caption(scene)};
+  std::string script;
+  // The key stands between title and curves: a title may be as wide as the picture.
+  script += "set grid x\n";
+  if (run.time.size() > 1) script += fmt::format("set xrange [{}:{}]\n", run.time.front(), run.time.back());
   // Where there are several contacts, each panel of a contact has its own events.
   const bool several = std::ranges::any_of(run.events, [](const auto& event) { return event.contact > 0; });
   bool in_key = false;
@@ -184,7 +191,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
         "\nunset logscale y\nunset offsets\nset ylabel ''\nset yrange [-0.2:1.2]\nset ytics ('slip' 0, 'stick' 1)\n"
         "set xlabel 'time (s)'\nset format x '%g'\n"
         "plot 'run-strip.csv' using 1:2 with steps linestyle 1 notitle\n";
-  write_whole(folder / "run.gp", captioned(script, scene) + "unset multiplot\n");
+  write_whole(folder / "run.gp", sheet.with(std::move(script)));
   std::vector<std::string> files = {"run-events.csv", "run.gp"};
   if (scene.plane) {
     std::string stops = "x (m),y (m)\n";
@@ -195,14 +202,14 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     for (const int c : {0, 1})
       for (const double x : run.columns[static_cast<std::size_t>(c)]) largest = std::max(largest, std::abs(x));
     const auto [factor, unit] = scaled("m", largest);
-    std::string path = preamble("run-path", "The path in the plane, with its stops", 640, 600);
-    path += fmt::format("set title {}\nset grid\nset xlabel 'x ({})'\nset ylabel 'y ({})'\n",
-                        single_quoted(scene.title), unit, unit);
+    const Sheet plane{
+        "run-path", "The path in the plane, with its stops", {.width = 640, .panel = 480}, scene.title, caption(scene)};
+    std::string path = fmt::format("set grid\nset xlabel 'x ({0})'\nset ylabel 'y ({0})'\n", unit);
     path += fmt::format(
         "plot 'run.csv' using ($2*{0}):($3*{0}) with lines linestyle 1 notitle, \\\n     'run-stops.csv' "
         "using ($1*{0}):($2*{0}) with points linestyle 2 pointtype 7 pointsize 0.8 title 'stick'\n",
         factor);
-    write_whole(folder / "run-path.gp", path);
+    write_whole(folder / "run-path.gp", plane.with(std::move(path)));
     files.insert(files.end(), {"run-path.gp", "run-stops.csv"});
   }
   if (strip) files.emplace_back("run-strip.csv");
@@ -236,15 +243,19 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
 
   // A law with memory moves in three dimensions: a panel more.
   const bool space = scene.model.law->has_states() && scene.model.lambda > 0;
-  constexpr int row = 360, around = 60, below = 70 + caption_room;  // pixels
-  const int rows = space ? 3 : 2, height = around + below + row * rows - 60;
-  std::string script =
-      preamble("cycle", "One periodic motion: in time, against slip rate, and in the phase plane", 940, height);
-  script += fmt::format("period = {}\nspeed = {}\n# from SI to the units of the axes\nT = {}\nX = {}\n", period, speed,
-                        time.factor, way.factor);
-  script +=
-      fmt::format("set multiplot layout {},2 title {} margins 0.10,0.97,{:.4f},{:.4f} spacing 0.13,{:.4f}\n", rows,
-                  single_quoted(scene.title), double(below) / height, 1 - double(around) / height, 95.0 / height);
+  const Sheet sheet{"cycle",
+                    "One periodic motion: in time, against slip rate, and in the phase plane",
+                    {.width = 940,
+                     .panels = space ? 5 : 4,
+                     .columns = 2,
+                     .panel = 270,
+                     .above = 26,
+                     .between_rows = 90,
+                     .key = Layout::Key::own},
+                    scene.title,
+                    caption(scene)};
+  std::string script = fmt::format("period = {}\nspeed = {}\n# from SI to the units of the axes\nT = {}\nX = {}\n",
+                                   period, speed, time.factor, way.factor);
   script += "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
 
   script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'slip rate v ({})'\n", time.unit, decade_rate.unit);
@@ -287,8 +298,7 @@ plot 'cycle.csv' using (abs($3)):4 with lines linestyle 1 title 'cycle', \
                           readable(state.name), readable_unit(state.unit),
                           2 * tick_step(nearest * way.factor, onward * way.factor));
     if (!decades) script += fmt::format("set ytics {:g}\n", 2 * tick_step(low * rate.factor, high * rate.factor));
-    script += fmt::format("set origin 0.15,{:.4f}\nset size 0.7,{:.4f}\n", (20.0 + caption_room) / height,
-                          (row + 10.0) / height);
+    script += "set origin narrow ? 0.16 : 0.15,below_rows/high\nset size narrow ? 0.74 : 0.7,(frame+100)/high\n";
     script += R"(unset lmargin
 unset rmargin
 unset tmargin
@@ -299,7 +309,7 @@ unset key
 splot 'cycle.csv' using ($2*X):($3*V):5 with lines linestyle 1
 )";
   }
-  write_whole(folder / "cycle.gp", captioned(script, scene) + "unset multiplot\n");
+  write_whole(folder / "cycle.gp", sheet.with(std::move(script)));
   return {"cycle-steady.csv", "cycle.gp"};
 }
 
@@ -342,10 +352,12 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::vector<Column> table;
   for (std::size_t c = 0; c < columns.size(); ++c) table.push_back({names[c], columns[c]});
   write_csv(folder / "stability.csv", table);
-  std::string script = preamble("stability", "Frequencies and growth rates of the modes along a parameter", 820, 640);
-  script += fmt::format("set multiplot layout 2,1 title {} margins 0.13,0.97,0.13,0.89 spacing 0,0.05\n",
-                        single_quoted(scene.title));
-  script += "set grid\nset key at screen 0.97,0.93 top right horizontal\n";
+  const Sheet sheet{"stability",
+                    "Frequencies and growth rates of the modes along a parameter",
+                    {.panels = 2, .panel = 235},
+                    scene.title,
+                    caption(scene, {parameter.name})};
+  std::string script = "set grid\n";
   script += axis_scale('x', axis.logarithmic) + '\n';
   script += fmt::format("set xrange [{}:{}]\n", scan.values.front(), scan.values.back());
   // Steady sliding is unstable from each onset to the next end.
@@ -396,7 +408,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                         label(parameter.name + ", " + parameter.meaning, parameter.unit));
   script += view(growth, 1);
   script += plot(3, 1, "0 with lines linecolor '#000000' linewidth 0.6 notitle");
-  write_whole(folder / "stability.gp", captioned(script, scene) + "unset multiplot\n");
+  write_whole(folder / "stability.gp", sheet.with(std::move(script)));
   return {"stability.csv", "stability.gp"};
 }
 
@@ -414,18 +426,20 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     for (const auto& at : cycle.branch.points) {
       if (at.view.metrics.contains("slip_rate_1_max")) metric = "slip_rate_1_max";
       if (names.empty())
-        for (const auto& [name, value] : at.view.metrics) names.push_back(name);
+        for (const auto& [name, value] : at.view.metrics)
+          if (name != metric) names.push_back(name);
       fastest = std::max(fastest, at.view.metrics.at(metric));
       longest = std::max(longest, at.view.metrics.at("period"));
     }
   const auto speed = scaled("m/s", fastest), time = scaled("s", longest);
   const auto period = std::ranges::find(names, "period") - names.begin() + 6;
   const bool has_cycles = !found.cycles.empty();
-  std::string script = preamble("branch", "Steady sliding and cycles along a parameter", 820, has_cycles ? 680 : 440);
-  script +=
-      fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{},{} spacing 0,0.05\n", has_cycles ? 2 : 1,
-                  single_quoted(scene.title), has_cycles ? 0.13 : 0.2, has_cycles ? 0.84 : 0.77);
-  script += "set grid\nset key at screen 0.97,0.955 top right horizontal maxcols 3\n";
+  const Sheet sheet{"branch",
+                    "Steady sliding and cycles along a parameter",
+                    {.panels = has_cycles ? 2 : 1, .panel = 240},
+                    scene.title,
+                    caption(scene, {parameter.name})};
+  std::string script = "set grid\n";
   script += axis_scale('x', options.parameter.logarithmic) + '\n';
   const auto [low, high] = std::minmax(options.parameter.from, options.parameter.to);
   script += fmt::format("set xrange [{}:{}]\n", low, high);
@@ -476,7 +490,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   script += curves(4, speed.factor, true, true);
   if (has_cycles)
     script += fmt::format("{}set ylabel 'period ({})'\n{}", axis, time.unit, curves(period, time.factor, false, false));
-  write_whole(folder / "branch.gp", captioned(script, scene) + "unset multiplot\n");
+  write_whole(folder / "branch.gp", sheet.with(std::move(script)));
   return {"branch.gp"};
 }
 
@@ -500,13 +514,18 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::size_t rows = 0, drawn = 0;  // of the contacts that have room
   for (std::size_t of_this = 0; drawn < contacts; ++drawn, rows += of_this)
     if (of_this = shows_forces(drawn) ? 2 : 1; rows + of_this > most_rows) break;
-  constexpr int row_height = 300, margin = 110 + caption_room;
-  const int height = margin + row_height * int(rows);
-  std::string script = preamble("cycle", "One periodic motion: slip rate in time, and the phase plane", 940, height);
-  script +=
-      fmt::format("set multiplot layout {},2 title {} margins 0.10,0.97,{:.4f},{:.4f} spacing 0.13,{:.4f}\n", rows,
-                  single_quoted(scene.title), (60.0 + caption_room) / height, 1 - 70.0 / height, 100.0 / height);
-  script += "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
+  const Sheet sheet{"cycle",
+                    "One periodic motion: slip rate in time, and the phase plane",
+                    {.width = 940,
+                     .panels = int(2 * rows),
+                     .columns = 2,
+                     .panel = 205,
+                     .above = 26,
+                     .between_rows = 90,
+                     .key = Layout::Key::own},
+                    scene.title,
+                    caption(scene)};
+  std::string script = "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
   script += "set offsets 0, 0, graph 0.05, graph 0.05\n";
   const auto time = scaled("s", cycle.metrics.at("period").value);
   for (std::size_t j = 0; j < drawn; ++j) {
@@ -561,7 +580,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     script += fmt::format("\nset xlabel 'load ({})'\nset ylabel 'friction ({})'\nplot {}{}", force.unit, held.unit,
                           curve(N, F, alone), stick(N, F));
   }
-  write_whole(folder / "cycle.gp", captioned(script, scene) + "unset multiplot\n");
+  write_whole(folder / "cycle.gp", sheet.with(std::move(script)));
   return {"cycle.gp"};
 }
 
@@ -595,13 +614,18 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const bool imposed =
       std::isinf(scene.compare.members.front().model.slider.stiffness);  // the slip rate: loops are one
   const bool loops = !imposed && comparison.x_name == "time" && rate < none && friction < none;
-  constexpr int below = 65 + caption_room, loop = 380;  // pixels
-  const int under = below + (loops ? loop : 0), height = under + 75 + (panels == 1 ? 380 : run_panel * panels);
-  std::string script = preamble("compare", "Members of a comparison, one over the other", 820, height);
-  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n", panels,
-                        single_quoted(scene.title), double(under) / height, 1 - 75.0 / height);
-  script += "set grid\n";
-  script += fmt::format("set key at screen 0.97,{:.4f} right top horizontal\n", 1 - 35.0 / height);
+  const auto law_of = [&](std::size_t k) { return scene.compare.members[k].model.law->card().name; };
+  std::vector<std::string> varied;  // the caption tells what members have in common
+  for (std::size_t k = 1; k < scene.compare.members.size() && varied.empty(); ++k)
+    if (law_of(k) != law_of(0)) varied.emplace_back("law");
+  constexpr int loop = 290, between = 85;  // pixels
+  const Sheet sheet{
+      "compare",
+      "Members of a comparison, one over the other",
+      {.panels = panels, .panel = panels == 1 ? 380.0 : run_panel, .below = 54.0 + (loops ? loop + between : 0)},
+      scene.title,
+      caption(scene, varied)};
+  std::string script = "set grid\n";
   if (comparison.x_name == "slip_rate") script += axis_scale('x', true) + '\n';
   for (int panel = 0; panel < panels; ++panel) {
     const std::size_t c = shown[std::size_t(panel)];
@@ -635,16 +659,17 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
       for (const double v : series.columns[rate]) fastest = std::max(fastest, std::abs(v));
     const auto speed = scaled("m/s", fastest);
     script += fmt::format(
-        "\nset lmargin at screen 0.13\nset rmargin at screen 0.97\nset bmargin at screen {:.4f}\nset tmargin at screen "
-        "{:.4f}\nset xrange [*:*]\nset format x '%g'\nset ytics autofreq\nset xlabel {}\nset ylabel {}\nplot ",
-        double(below) / height, double(under - 75) / height, label(readable("slip_rate"), speed.unit),
+        "\nset lmargin at screen 85/wide\nset rmargin at screen 1-25/wide\nset bmargin at screen (below-{0})/high\n"
+        "set tmargin at screen (below-{1})/high\nset xrange [*:*]\nset format x '%g'\nset ytics autofreq\nset xlabel "
+        "{2}\nset ylabel {3}\nplot ",
+        loop + between, between, label(readable("slip_rate"), speed.unit),
         label(readable("friction_coefficient"), "1"));
     for (std::size_t k = 0; k < comparison.series.size(); ++k)
       script += fmt::format("{}'{}' using (${}*{}):{} with lines linestyle {} notitle", k > 0 ? ", \\\n     " : "",
                             files[k], rate + 2, speed.factor, friction + 2, k + 1);
     script += '\n';
   }
-  write_whole(folder / "compare.gp", captioned(script, scene) + "unset multiplot\n");
+  write_whole(folder / "compare.gp", sheet.with(std::move(script)));
   files.push_back("compare.gp");
   return files;
 }

@@ -7,9 +7,11 @@
 #include <set>
 #include <tuple>
 
+#include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
+#include "app/output/sheet.hpp"
 
 namespace rosin::app::output {
 
@@ -127,8 +129,8 @@ void write_grid(const fs::path& path, const analysis::planes::Map& map, const Dr
   write_whole(path, bytes);
 }
 
-/// Points that carry a mark: of those with a cycle so few that colours show between them, of the others so many that
-/// marks touch.
+/// Points that may carry a mark: of those with a cycle, or steady, so few that colours show between them, of the others
+/// so many that marks touch.
 void write_marks(const fs::path& path, const analysis::planes::Map& map, const DrawnAxis& x, const DrawnAxis& y) {
   constexpr std::size_t most_cycles = 24, most_others = finest_boxes;  // a side
   const auto width = map.x.values.size(), height = map.y.values.size();
@@ -137,9 +139,8 @@ void write_marks(const fs::path& path, const analysis::planes::Map& map, const D
   std::set<std::tuple<analysis::planes::Regime, std::size_t, std::size_t>> marked;
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     const auto regime = map.points[i].regime;
-    if (regime == analysis::planes::Regime::stable) continue;
     const auto ix = i % width, iy = i / width;
-    if (regime == analysis::planes::Regime::cycle) {
+    if (regime == analysis::planes::Regime::cycle || regime == analysis::planes::Regime::stable) {
       if (ix % spacing(width, most_cycles) != 0 || iy % spacing(height, most_cycles) != 0) continue;
     } else if (!marked.emplace(regime, ix / spacing(width, most_others), iy / spacing(height, most_others)).second) {
       continue;
@@ -181,12 +182,12 @@ std::string colour_scale(const analysis::planes::Map& map, const analysis::plane
                      range);
 }
 
-/// Marks of the points of each regime and the threshold: further curves of each panel, and one key for all panels,
-/// at a height of the picture.
+/// Marks of the points of each regime and the threshold: further curves of each panel, and one key below all panels:
+/// marks in a row, lines in a second where the sheet is narrow.
 struct Marks {
   std::string curves, key;
 };
-Marks marks(const analysis::planes::Map& map, double key_height) {
+Marks marks(const analysis::planes::Map& map) {
   struct Mark {
     analysis::planes::Regime regime;
     const char *style, *title;
@@ -195,74 +196,80 @@ Marks marks(const analysis::planes::Map& map, double key_height) {
   // black on white, so that marks and lines show on every colour
   const Mark list[] = {{Regime::cycle, "pointtype 1 pointsize 0.65 linewidth 2.6 linecolor '#FFFFFF'", ""},
                        {Regime::cycle, "pointtype 1 pointsize 0.6 linewidth 0.9 linecolor '#000000'", "cycle"},
+                       {Regime::stable, "pointtype 1 pointsize 0.65 linewidth 2.6 linecolor '#FFFFFF'", ""},
+                       {Regime::stable, "pointtype 1 pointsize 0.6 linewidth 0.9 linecolor '#000000'", "steady"},
                        {Regime::bistable, "pointtype 7 pointsize 0.55 linecolor '#FFFFFF'", ""},
                        {Regime::bistable, "pointtype 6 pointsize 0.55 linewidth 1.2 linecolor '#000000'", "bistable"},
                        {Regime::failed, "pointtype 2 pointsize 0.7 linewidth 1.8 linecolor '#D01C00'", "failed"}};
   const auto all = [&](Regime regime) {
     return std::ranges::all_of(map.points, [&](const auto& point) { return point.regime == regime; });
   };
-  // Where no sliding is steady all motion is periodic: nothing to tell apart.
-  const bool all_move = std::ranges::none_of(
-      map.points, [](const auto& point) { return point.regime == Regime::stable || point.regime == Regime::bistable; });
+  // Where no threshold parts cycles from steady sliding, those are marked that are the exception.
+  const auto number_of = [&](Regime regime) {
+    return std::ranges::count(map.points, regime, &analysis::planes::MapPoint::regime);
+  };
+  const auto cycles = number_of(Regime::cycle), steady = number_of(Regime::stable);
+  const auto is_plain = [&](Regime regime) {
+    return (regime == Regime::cycle && (!map.threshold.x.empty() || cycles >= steady)) ||
+           (regime == Regime::stable && (!map.threshold.x.empty() || steady > cycles));
+  };
   Marks result;
-  double at = 0.05;  // of the key's entries, across the picture
+  double at = 60;  // of the key's entries, pixels from the left
   for (const auto& mark : list) {
     if (std::ranges::none_of(map.points, [&](const auto& point) { return point.regime == mark.regime; })) continue;
-    if (mark.regime == Regime::cycle && all_move) continue;
+    if (is_plain(mark.regime)) continue;
     result.curves += fmt::format(", \\\n     'map-marks.csv' using 2:($1=={} ? $3 : NaN) with points {} notitle",
                                  int(mark.regime), mark.style);
     if (std::string_view(mark.title).empty()) continue;
-    result.key += fmt::format("set label '{}' at screen {:.3f},{:.4f} left offset 1.2,0 point {}\n", mark.title, at,
-                              key_height, mark.style);
-    at += 0.13;
+    result.key += fmt::format("set label '{}' at screen {}./wide,rows_top-9/high left offset 1.2,0 point {}\n",
+                              mark.title, at, mark.style);
+    at += 100;
   }
-  const auto line = [&](const char* file, const char* dash, const char* title, double length) {
+  result.key += fmt::format("at = narrow ? 60 : {}; row = narrow ? 28 : 9\n", at);
+  const auto line = [&](const char* file, const char* dash, const char* title, int length) {
     for (const auto& [width, colour] : {std::pair{5, "#FFFFFF"}, {2, "#000000"}})
       result.curves +=
           fmt::format(", \\\n     '{}' using 1:2 with lines linewidth {} dashtype {} linecolor '{}' notitle", file,
                       width, width == 5 ? "solid" : dash, colour);
-    result.key +=
-        fmt::format("set arrow from screen {0:.3f},{1:.4f} to screen {2:.3f},{1:.4f} nohead linewidth 2 dashtype {3}\n",
-                    at, key_height, at + 0.04, dash);
-    result.key += fmt::format("set label '{}' at screen {:.3f},{:.4f} left\n", title, at + 0.05, key_height);
-    at += length;
+    result.key += fmt::format(
+        "set arrow from screen at/wide,rows_top-row/high to screen (at+34)/wide,rows_top-row/high nohead linewidth 2 "
+        "dashtype {}\nset label '{}' at screen (at+42)/wide,rows_top-row/high left\nat = at + {}\n",
+        dash, title, length);
   };
   if (!map.threshold.x.empty()) {
-    line("map-threshold.csv", "solid", "threshold of steady sliding", 0.3);
-    if (!map.fold.x.empty()) line("map-fold.csv", "(6,4)", "fold of cycles", 0.2);
+    line("map-threshold.csv", "solid", "threshold of steady sliding", 245);
+    if (!map.fold.x.empty()) line("map-fold.csv", "(6,4)", "fold of cycles", 160);
   } else if (all(Regime::stable)) {
-    result.key = fmt::format("set label 'steady sliding is stable everywhere here' at screen {:.3f},{:.4f} left\n", at,
-                             key_height);
+    result.key = "set label 'steady sliding is stable everywhere here' at screen 60./wide,rows_top-9/high left\n";
   }
   return result;
 }
 
-/// The beginning of a script that draws planes side by side, two across: axes, palette, and the size of it all.
-struct PlanePanels {
-  PlanePanels(const std::string& name, std::string_view what, const scene::Scene& scene,
-              const analysis::planes::Axis& x_axis, const analysis::planes::Axis& y_axis, int count, double below,
-              double above, double between)
-      : height(90 + 440 * ((count + 1) / 2)) {
-    const DrawnAxis x(x_axis), y(y_axis);
-    const int across = std::min(count, 2), down = (count + 1) / 2;
-    script = preamble(name, what, 60 + 540 * across, height);
-    script += fmt::format("set multiplot layout {},{} title {} margins {},{},{:.4f},{:.4f} spacing 0.19,{:.4f}\n", down,
-                          across, single_quoted(scene.title), across == 1 ? 0.14 : 0.075, across == 1 ? 0.82 : 0.91,
-                          below / height, 1 - above / height, between / height);
-    const auto [x_low, x_high] = x.ends();
-    const auto [y_low, y_high] = y.ends();
-    script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
-    script += fmt::format("set xtics {}\nset ytics {}\n", x.ticks(), y.ticks());
-    const auto axis_label = [&](const analysis::planes::Axis& axis) {
-      const auto quantity = scene.describe(axis.parameter);
-      return label(quantity.meaning, quantity.unit);
-    };
-    script += fmt::format("set xlabel {}\nset ylabel {}\n", axis_label(x_axis), axis_label(y_axis));
-    script += palette;
-  }
-  int height;  ///< pixels
-  std::string script;
-};
+/// Planes side by side, two across.
+Sheet sheet_of_planes(const std::string& name, const char* what, const scene::Scene& scene,
+                      const analysis::planes::Axis& x, const analysis::planes::Axis& y, int count, const Layout& own) {
+  Layout layout = own;
+  layout.panels = count, layout.columns = std::min(count, 2);
+  layout.width = 60 + 540 * layout.columns;
+  layout.panel = 340, layout.right = 110, layout.between_columns = 205;
+  layout.key = Layout::Key::own;
+  return {name, what, layout, scene.title, caption(scene, {x.parameter, y.parameter})};
+}
+
+/// Their axes and palette.
+std::string frame_of_planes(const scene::Scene& scene, const analysis::planes::Axis& x_axis,
+                            const analysis::planes::Axis& y_axis) {
+  const DrawnAxis x(x_axis), y(y_axis);
+  const auto [x_low, x_high] = x.ends();
+  const auto [y_low, y_high] = y.ends();
+  const auto axis_label = [&](const analysis::planes::Axis& axis) {
+    const auto quantity = scene.describe(axis.parameter);
+    return label(quantity.meaning, quantity.unit);
+  };
+  return fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset xtics {}\nset ytics {}\n", x_low, x_high, y_low,
+                     y_high, x.ticks(), y.ticks()) +
+         fmt::format("set xlabel {}\nset ylabel {}\n", axis_label(x_axis), axis_label(y_axis)) + palette;
+}
 
 }  // namespace
 
@@ -277,13 +284,15 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   if (boxes) write_cells(folder / files.emplace_back("map-cells.csv"), map, x, y);
   if (image) write_grid(folder / files.emplace_back("map-grid.bin"), map, x, y);
   const int count = static_cast<int>(map.metrics.size());
-  auto [height, script] = PlanePanels("map", "Metrics over a parameter plane", scene, map.x, map.y, count, 105, 50, 80);
+  const auto sheet = sheet_of_planes("map", "Metrics over a parameter plane", scene, map.x, map.y, count,
+                                     {.between_rows = 80, .rows_below = 1, .narrow_rows_below = 2});
+  std::string script = frame_of_planes(scene, map.x, map.y);
   const auto [x_low, x_high] = x.ends();
   const auto [y_low, y_high] = y.ends();
   if (boxes)
     script += fmt::format("# cells overlap by a trifle, so that no seams show\nover_x = {:g}\nover_y = {:g}\n",
                           0.002 * (x_high - x_low), 0.002 * (y_high - y_low));
-  const auto [curves, key] = marks(map, 24.0 / height);
+  const auto [curves, key] = marks(map);
   script += key;
   for (int m = 0; m < count; ++m) {
     script += '\n' + colour_scale(map, map.metrics[static_cast<std::size_t>(m)]);
@@ -298,7 +307,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
           "'map-cells.csv' using 1:2:3:($4+over_x):5:($6+over_y):{} with boxxyerror linecolor palette notitle", 7 + m));
     script += fmt::format("plot {}{}\nunset label\nunset arrow\n", fmt::join(layers, ", \\\n     "), curves);
   }
-  write_whole(folder / "map.gp", script + "unset multiplot\n");
+  write_whole(folder / "map.gp", sheet.with(std::move(script)));
   return files;
 }
 
@@ -341,9 +350,9 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   }
 
   const int count = static_cast<int>(planes.size());
-  std::string script =
-      PlanePanels("design", "Where measurements tell the members apart", scene, design.x, design.y, count, 80, 75, 110)
-          .script;
+  const auto sheet = sheet_of_planes("design", "Where measurements tell the members apart", scene, design.x, design.y,
+                                     count, {.above = 34, .between_rows = 100});
+  std::string script = frame_of_planes(scene, design.x, design.y);
   // Five decades below the most; white where less, or nothing, is to be learned.
   script += fmt::format(
       "set logscale cb\nset format cb '10^{{%T}}'\nset cbrange [{0}:{1}]\nset cblabel {2}\n",
@@ -367,7 +376,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
                      : "(2,3)");
     script += '\n';
   }
-  write_whole(folder / "design.gp", script + "unset multiplot\n");
+  write_whole(folder / "design.gp", sheet.with(std::move(script)));
   files.push_back("design.gp");
   return files;
 }

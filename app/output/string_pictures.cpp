@@ -7,9 +7,11 @@
 #include <array>
 #include <cmath>
 
+#include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
+#include "app/output/sheet.hpp"
 #include "app/scene/family.hpp"
 
 namespace rosin::app::output {
@@ -152,12 +154,13 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
   const auto ends = [&](const std::vector<double>& list) {
     return std::ranges::minmax(std::span(list).subspan(from, std::max<std::size_t>(to - from, 1)));
   };
-  std::string script =
-      preamble("run", "A bowed string: what happens under the bow and at the bridge", 900, 190 * panels);
-  script += fmt::format("set multiplot layout {},1 title {} margins 0.10,0.97,{},0.92 spacing 0,0.045\n", panels,
-                        single_quoted(scene.title), warms ? 0.085 : 0.11);
-  script += axes_of_runs;
-  script += fmt::format("set xrange [{}:{}]\nset key top right horizontal opaque\n", first * 1e3, last * 1e3);
+  const Sheet sheet{"run",
+                    "A bowed string: what happens under the bow and at the bridge",
+                    {.width = 900, .panels = panels, .panel = 140},
+                    scene.title,
+                    caption(scene)};
+  std::string script = axes_of_runs;
+  script += fmt::format("set xrange [{}:{}]\n", first * 1e3, last * 1e3);
   // Slip is shaded in each panel: merged slips that count as one.
   int object = 0;
   std::string shades;
@@ -174,7 +177,7 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
   const auto [lowest, fastest] = ends(record.velocity);
   const double span = std::max(std::abs(lowest), std::abs(fastest));
   script += fmt::format("set ylabel 'velocity (m/s)'\nset yrange [{}:{}]\nset ytics {:g}\nplot {}, \\\n     {}\n",
-                        lowest - 0.06 * span, fastest + 0.45 * span, tick_step(lowest, fastest + 0.3 * span),
+                        lowest - 0.06 * span, fastest + 0.06 * span, tick_step(lowest, fastest),
                         curve("3", 1, "string"), curve("2", 2, "bow"));
   script += fmt::format("set ylabel 'friction over load'\nset autoscale y\nset ytics 0.5\nplot {}\n",
                         curve("($5/$6)", 1, ""));
@@ -189,7 +192,7 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
       "set format x '%g'\nset xlabel 'time (ms); slip is shaded'\nset ylabel 'bridge force (N)'\nset ytics {:g}\nplot "
       "{}\n",
       tick_step(pull, push), curve("7", 1, ""));
-  write_whole(folder / "run.gp", script + "unset multiplot\n");
+  write_whole(folder / "run.gp", sheet.with(std::move(script)));
 
   // Friction against slip rate over the last periods, and the steady curve.
   constexpr double orbit = 8;
@@ -205,17 +208,21 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
     steady.push_back(task.model.law->steady_friction({rates.back(), N}).friction);
   }
   write_csv(folder / "run-steady.csv", {{"slip_rate (m/s)", rates}, {"friction_coefficient", steady}});
-  std::string locus = preamble("run-friction", "Friction against slip rate under the bow", 640, 480);
-  locus += fmt::format(
-      "set title {}\nset xlabel 'slip rate (m/s)'\nset ylabel 'friction over load'\nset key top right\nset yrange "
-      "[0:*]\n"
+  const Sheet plane{"run-friction",
+                    "Friction against slip rate under the bow",
+                    {.width = 640, .panel = 380},
+                    scene.title,
+                    caption(scene)};
+  std::string locus = fmt::format(
+      "set grid\nset xlabel 'slip rate v (m/s)'\nset ylabel 'friction over load μ'\n"
+      "set yrange [0:*]\n"
       "set offsets 0,0,graph 0.12,0\n"
       "plot 'run-steady.csv' using 1:2 with lines linestyle 2 title 'steady sliding', \\\n"
       "     'run.csv' using ($1>={}&&$8<0.5?$4:NaN):($5/$6) with linespoints pointtype 7 pointsize 0.25 linewidth 0.7 "
       "linecolor '#00336F' "
       "title 'in slip, last {:g} periods'\n",
-      single_quoted(scene.title), begin, orbit);
-  write_whole(folder / "run-friction.gp", locus);
+      begin, orbit);
+  write_whole(folder / "run-friction.gp", plane.with(std::move(locus)));
   return {"run-steady.csv", "run.gp", "run-friction.gp"};
 }
 
@@ -242,13 +249,12 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
   }
   write_whole(folder / "map-limits.csv", lines);
 
-  const auto frame = [&](const std::string& name, const char* what) {
-    std::string script = preamble(name, what, 760, 560);
-    script += fmt::format("set title {}\n", single_quoted(scene.title)) + cells.frame;
-    script +=
-        "set bmargin 8.5\nset key at screen 0.10,0.02 bottom left Left reverse samplen 2 maxrows 3\nset tics out "
-        "nomirror\n";
-    return script;
+  const auto sheet = [&](const std::string& name, const char* what) {
+    return Sheet{name,
+                 what,
+                 {.width = 760, .panel = 400, .right = 120, .key = Layout::Key::below},
+                 scene.title,
+                 caption(scene, {task.x.parameter, task.y.parameter})};
   };
   std::vector<std::string> theory;
   for (std::size_t k = 0; k < limits.size(); ++k) {
@@ -259,7 +265,8 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
                                  single_quoted(limits[k].title)));
   }
   constexpr std::size_t most_marks = 4000;
-  std::string transients = frame("map", "Length of the transient of a bowed string");
+  const auto of_lengths = sheet("map", "Length of the transient of a bowed string");
+  std::string transients = cells.frame;
   transients += fmt::format(
       "set palette defined (0 '#FFFFFF', 1 '#111111')\nset cbrange [0:{}]\nset cblabel 'transient (periods); black: "
       "none within {}'\n",
@@ -271,9 +278,11 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
         "'map.csv' using ($9<0.5?$1:NaN):2 with points pointtype 2 pointsize 0.45 linewidth 1.5 linecolor '#E69F00' "
         "title 'other at a finer sample rate'");
   plots.insert(plots.end(), theory.begin(), theory.end());
-  write_whole(folder / "map.gp", transients + fmt::format("plot {}\n", fmt::join(plots, ", \\\n     ")));
+  transients += fmt::format("plot {}\n", fmt::join(plots, ", \\\n     "));
+  write_whole(folder / "map.gp", of_lengths.with(std::move(transients)));
 
-  std::string motions = frame("map-regime", "Motion that a bowed string ends in");
+  const auto of_regimes = sheet("map-regime", "Motion that a bowed string ends in");
+  std::string motions = cells.frame;
   constexpr std::array<std::pair<const char*, const char*>, 6> colours = {{{"no slip", "#FFFFFF"},
                                                                            {"Helmholtz", "#F0E442"},
                                                                            {"two slips a period", "#56B4E9"},
@@ -290,7 +299,8 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
                                 colours[k].second, colours[k].first));
   }
   plots.insert(plots.end(), theory.begin(), theory.end());
-  write_whole(folder / "map-regime.gp", motions + fmt::format("plot {}\n", fmt::join(plots, ", \\\n     ")));
+  motions += fmt::format("plot {}\n", fmt::join(plots, ", \\\n     "));
+  write_whole(folder / "map-regime.gp", of_regimes.with(std::move(motions)));
   return {"map.csv", "map-limits.csv", "map.gp", "map-regime.gp"};
 }
 
@@ -309,11 +319,22 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
   write_csv(folder / "compare.csv", table);
 
   const int panels = int(planes.size()) + 1;
-  std::string script = preamble("compare", "Transients of bowed strings side by side", 330 * panels + 40, 420);
-  script +=
-      fmt::format("set multiplot layout 1,{} title {} margins {},{},0.17,0.83 spacing {},0\nset tics out nomirror\n",
-                  panels, single_quoted(scene.title), 0.22 / panels, 1 - 0.28 / panels, 0.30 / panels);
-  script += cells.frame + fmt::format("set cbrange [0:{}]\n", task.options.transient.most);
+  std::vector<std::string> varied = {task.x.parameter, task.y.parameter};
+  if (std::ranges::any_of(task.members, [&](const auto& member) { return member.family != task.members[0].family; }))
+    varied.emplace_back("law");
+  const Sheet sheet{"compare",
+                    "Transients of bowed strings side by side",
+                    {.width = 330 * panels + 40,
+                     .panels = panels,
+                     .columns = panels,
+                     .panel = 270,
+                     .right = 110,
+                     .above = 32,
+                     .between_columns = 125,
+                     .between_rows = 90},
+                    scene.title,
+                    caption(scene, varied)};
+  std::string script = cells.frame + fmt::format("set cbrange [0:{}]\n", task.options.transient.most);
   // What hangs on the sample rate shows the ground.
   script += "set object 1 rectangle from graph 0,0 to graph 1,1 fillcolor '#E69F00' fillstyle solid noborder behind\n";
   script += "set palette defined (0 '#FFFFFF', 1 '#111111')\nunset colorbox\nunset key\n";
@@ -321,7 +342,7 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
     if (k + 1 == planes.size()) script += "set colorbox\nset cblabel 'transient (periods)'\n";
     script += fmt::format("set title {}\nplot 'compare.csv' using 1:2:3:4:5:6:{} with boxxyerror linecolor palette\n",
                           single_quoted(task.members[k].name), 7 + k);
-    if (k == 0) script += "unset ylabel\nset format y ''\n";
+    if (k == 0) script += "if (!narrow) { unset ylabel; set format y '' }\n";
   }
   script += fmt::format(
       "set palette defined (0 '#FFFFFF', 1 '#00336F')\nset cbrange [0:*]\nset cblabel 'difference (periods)'\nset "
@@ -329,7 +350,7 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
       "difference; "
       "orange: not reproducible'\nplot 'compare.csv' using 1:2:3:4:5:6:{} with boxxyerror linecolor palette\n",
       7 + planes.size());
-  write_whole(folder / "compare.gp", script + "unset multiplot\n");
+  write_whole(folder / "compare.gp", sheet.with(std::move(script)));
   return {"compare.csv", "compare.gp"};
 }
 

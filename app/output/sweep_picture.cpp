@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
+#include "app/output/sheet.hpp"
 
 namespace rosin::app::output {
 
@@ -74,12 +76,12 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
   }
   write_csv(folder / "sweep.csv", table);
 
-  constexpr int margins = 135, panel_height = 210, one_panel = 400, width = 820;
-  const int height = margins + (panels.size() == 1 ? one_panel : panel_height * int(panels.size()));
-  std::string script = preamble("sweep", "What changes along a parameter", width, height);
-  script += fmt::format("set multiplot layout {},1 title {} margins 0.13,0.97,{:.4f},{:.4f} spacing 0,0.03\n",
-                        panels.size(), single_quoted(scene.title), 65.0 / height, 1 - 70.0 / height);
-  script += fmt::format("set grid\nset key at screen 0.97,{:.4f} right top horizontal\n", 1 - 32.0 / height);
+  const Sheet sheet{"sweep",
+                    "What changes along a parameter",
+                    {.panels = int(panels.size()), .panel = panels.size() == 1 ? 400.0 : 190.0},
+                    scene.title,
+                    caption(scene, {axis.parameter})};
+  std::string script = "set grid\n";
   script += axis_scale('x', axis.logarithmic) + '\n';
   script += fmt::format("set xrange [{}:{}]\n", axis.values.front(), axis.values.back());
   for (const auto& threshold : sweep.thresholds)
@@ -124,7 +126,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
         fmt::format("set ylabel {}\nplot {}\n", label(readable(panel.name), unit), fmt::join(curves, ", \\\n     "));
     if (p == 0) script += "unset key\n";
   }
-  write_whole(folder / "sweep.gp", script + "unset multiplot\n");
+  write_whole(folder / "sweep.gp", sheet.with(std::move(script)));
   return {"sweep.csv", "sweep.gp"};
 }
 

@@ -219,10 +219,12 @@ void write_table(const std::filesystem::path& folder, const scene::Scene& scene,
     const double amplitude = small ? small->amplitude(p) : NAN;
     return std::isnan(amplitude) ? NAN : std::abs(steady_slip_rate(p)) * (1 + amplitude);
   };
+  const auto drawn = drawn_metric(found);
   std::vector<std::string> names;
   for (const auto& cycle : found.cycles)
     if (!cycle.branch.points.empty() && names.empty())
-      for (const auto& [name, value] : cycle.branch.points.front().view.metrics) names.push_back(name);
+      for (const auto& [name, value] : cycle.branch.points.front().view.metrics)
+        if (name != drawn) names.push_back(name);  // that one stands in front, of steady sliding too
   std::vector<std::vector<double>> columns(6 + names.size());
   const auto add = [&](double branch, double value, bool stable, double rate, double multiplier) {
     columns[0].push_back(branch), columns[1].push_back(value), columns[2].push_back(stable);
@@ -233,7 +235,6 @@ void write_table(const std::filesystem::path& folder, const scene::Scene& scene,
     add(-1, at.value, at.stable, at.slip_rates.front(), NAN);
     for (std::size_t k = 0; k <= names.size(); ++k) columns[5 + k].push_back(NAN);
   }
-  const auto drawn = drawn_metric(found);
   for (std::size_t b = 0; b < found.cycles.size(); ++b)
     for (const auto& at : found.cycles[b].branch.points) {
       const auto metric = at.view.metrics.find(drawn);

@@ -5,6 +5,7 @@
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/json.hpp"
+#include "app/output/sheet.hpp"
 #include "app/scene/reader.hpp"
 #include "app/verbs/fit_scene.hpp"
 #include "app/verbs/job.hpp"
@@ -220,24 +221,43 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
     auto over = over_displacement ? displacement_of(scene.fit.data[d]) : own_abscissa(scene.fit.data[d]);
     if (!over.values.empty()) data.emplace_back(d, std::move(over));
   }
-  constexpr double top = 46, above = 66, curve = 230, residual = 120, below = 74, line = 19;  // pixels
-  const double caption = 14 + line * double(own.parameters.size());
-  const double height = top + double(data.size()) * (above + curve + residual + below) + caption;
-  std::string script =
-      output::preamble(name, "Data, fits, and residuals over their standard errors", 760, int(height)) +
-      fmt::format(
-          "set multiplot\nset label 1 {} at screen 0.5,{:.4f} center\nset grid\n"
-          "set lmargin at screen 0.13\nset rmargin at screen 0.97\n",
-          output::single_quoted(scene.title), 1 - 20 / height);
+  constexpr double above = 26, curve = 230, gap = 16, residual = 120, below = 74, line = 19;  // pixels
+  const double table = line * double(own.parameters.size());
+  const output::Sheet sheet{name,
+                            "Data, fits, and residuals over their standard errors",
+                            {.width = 760,
+                             .panels = int(data.size()),
+                             .panel = curve + gap + residual,
+                             .above = above,
+                             .below = below + table,
+                             .between_rows = below + above},
+                            scene.title,
+                            fmt::format("in brackets: {:.3g} % intervals", 100 * scene.fit.options.confidence)};
+  std::string script = fmt::format(
+      "set grid\nset lmargin at screen 85/wide\nset rmargin at screen 1-25/wide\n"
+      "part = frame / {}\n",
+      curve + gap + residual);
+  std::size_t longest = 0;
+  for (const auto& parameter : own.parameters) longest = std::max(longest, parameter.path.size());
+  script += fmt::format("beside = 35 + {} * (narrow ? 5.7 : 7.5)\n", longest);
   double y = line * 0.7;
-  for (std::size_t i = own.parameters.size(); i-- > 0; y += line)
-    script +=
-        fmt::format("set label {} {} at screen 0.05,{:.4f}\nset label {} {} at screen 0.36,{:.4f}\n", 2 * i + 2,
-                    output::single_quoted(own.parameters[i].path), y / height, 2 * i + 3,
-                    output::single_quoted(described(own.parameters[i], scene.fit.options.confidence)), y / height);
+  for (std::size_t i = own.parameters.size(); i-- > 0; y += line) {
+    const auto& p = own.parameters[i];
+    const auto row = fmt::format("wide,(below_rows+{})/high font narrow ? small : font", y);
+    script += fmt::format(
+        "set label {} {} at screen 20/{}\nset label {} {} at screen beside/{}\n", 2 * i + 1,
+        output::single_quoted(p.path), row, 2 * i + 2,
+        output::single_quoted(
+            std::isnan(p.low)
+                ? described(p, scene.fit.options.confidence)
+                : fmt::format("{} ({:.4g} … {:.4g})", justified(p.value, p.standard_error, p.unit), p.low, p.high)),
+        row);
+  }
   constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3"};
   constexpr const char* dashes[] = {"solid", "(8,4)", "(12,3,2,3)", "(4,2)"};
-  double edge = height - top;
+  // The upper edge of a frame that begins so many pixels of the wide sheet below that of the panel.
+  const auto edge = [](double pixels) { return fmt::format("(top-part*{})/high", pixels); };
+  script += "top = high - above\n";
   for (const auto& [d, over] : data) {
     const auto& m = scene.fit.data[d];
     const auto curves = fmt::format(curve_file, d + 1), standardised = fmt::format(residual_file, d + 1);
@@ -246,14 +266,13 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
     const std::size_t others_shown = shown.size() - (std::ranges::find(shown, 0u) != shown.end() ? 1 : 0);
     const auto x = over.last ? 2 + 4 * parts.size() + others_shown * parts.size() : 1;
     const char* smooth = over.last ? "" : "smooth unique ";  // a path may come back to where it was
-    edge -= above;
     script += fmt::format(
-        "{} logscale x\nset xrange [{}:{}]\nset label 999 {} at graph 0,1.22\nset tmargin at screen {:.4f}\n"
-        "set bmargin at screen {:.4f}\nset format x ''\nunset xlabel\nset ylabel '{}'\nset ytics autofreq\nset key at "
-        "graph 1,1.02 right "
-        "bottom horizontal maxrows 1\nplot ",
-        low > 0 && high / low > 20 ? "set" : "unset", low, high, output::single_quoted(m.name), edge / height,
-        (edge - curve) / height, ordinate(m));
+        "{} logscale x\nset xrange [{}:{}]\nset label 999 {} at graph 0,1 offset 0,0.8\nset tmargin at "
+        "screen {}\n"
+        "set bmargin at screen {}\nset format x ''\nunset xlabel\nset ylabel '{}'\nset ytics autofreq\n"
+        "plot ",
+        low > 0 && high / low > 20 ? "set" : "unset", low, high, output::single_quoted(m.name), edge(0), edge(curve),
+        ordinate(m));
     std::string plots;
     for (std::size_t part = 0; part < parts.size(); ++part)
       plots +=
@@ -268,26 +287,24 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
                         curves, x, column, smooth, dashes[k], colours[k],
                         part == 0 ? output::single_quoted(scene.fit.candidates[shown[k]].name) : "''");
       }
-    constexpr double gap = 16;
-    edge -= curve + gap;
     double least = -2, most = 2;
     for (const auto k : shown)
       for (const double r : fits[k].measurements[d].residuals) least = std::min(least, r), most = std::max(most, r);
     script += plots + '\n';
-    for (std::size_t i = 0; d == data.front().first && i < 2 * own.parameters.size() + 1; ++i)
+    for (std::size_t i = 0; d == data.front().first && i < 2 * own.parameters.size(); ++i)
       script += fmt::format("unset label {}\n", i + 1);  // each plot would draw them again, and bolder
     script += fmt::format(
-        "unset label 999\nunset key\nset tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset format x "
+        "unset label 999\nunset key\nset tmargin at screen {}\nset bmargin at screen {}\nset format x "
         "'%g'\nset xlabel '{}'\nset ylabel \"residual /\\nstandard error\"\nset ytics {}\nplot ",
-        edge / height, (edge - residual) / height, over.name, output::tick_step(least, most));
+        edge(curve + gap), edge(curve + gap + residual), over.name, output::tick_step(least, most));
     for (std::size_t k = 0; k < shown.size(); ++k)
       script += fmt::format("{}'{}' using {}:{} with points pointtype {} pointsize 0.5 linecolor '{}'",
                             k > 0 ? ", \\\n     " : "", standardised, over.last ? shown.size() + 2 : 1, k + 2,
                             k == 0 ? 7 : 2 + 2 * int(k), colours[k]);
     script += ", 2 with lines linecolor '#555555' dashtype (2,3), -2 with lines linecolor '#555555' dashtype (2,3)\n";
-    edge -= residual - gap + below;
+    script += fmt::format("top = top - frame - {}\n", below + above);
   }
-  write_whole(folder / (name + ".gp"), script + "unset multiplot\n");
+  write_whole(folder / (name + ".gp"), sheet.with(std::move(script)));
 }
 
 /// The tables of all measurements, and the pictures of them.

@@ -8,6 +8,7 @@
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/json.hpp"
+#include "app/output/sheet.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/record.hpp"
 #include "app/verbs/frf_scene.hpp"
@@ -167,11 +168,12 @@ void write_script(const fs::path& folder, const scene::Scene& scene, const std::
   constexpr const char* dashes[] = {"solid", "(8,4)", "(2,3)", "(12,3,2,3)", "(4,2)"};
   const auto& f = scene.frf.frequencies;
   const bool decades = f.back() / f.front() > 20;
-  std::string script =
-      output::preamble("frf", "Friction frequency response: magnitude, phase, parts, and the complex plane", 1000, 760);
-  script += fmt::format("set multiplot layout 2,2 title {} margins 0.085,0.97,0.105,0.885 spacing 0.12,0.10\n",
-                        output::single_quoted(scene.title));
-  script += "set grid\nset xlabel 'frequency f (Hz)'\nset key off\n";
+  const output::Sheet sheet{"frf",
+                            "Friction frequency response: magnitude, phase, parts, and the complex plane",
+                            {.width = 1000, .panels = 4, .columns = 2, .panel = 250, .between_rows = 75},
+                            scene.title,
+                            output::caption(scene)};
+  std::string script = "set grid\nset xlabel 'frequency f (Hz)'\nset key off\n";
   if (decades) script += "set logscale x\n";
   script += fmt::format("set xrange [{}:{}]\n", f.front(), f.back());
   const auto panel = [&](std::string_view y_label, const char* columns, std::string_view settings) {
@@ -188,10 +190,7 @@ void write_script(const fs::path& folder, const scene::Scene& scene, const std::
     panel("magnitude |Z| (N s/m)", "1:4", "set yrange [-1:1]\n");
   panel("phase arg Z (degree)", "1:5",
         "unset logscale y\nset yrange [*:*]\nset offsets 0, 0, graph 0.05, graph 0.05\n");
-  panel("real part Re Z (N s/m)", "1:2",
-        std::string("set xzeroaxis linecolor '#555555'\n") +
-            (lines.size() > 2 ? "set key on top right\n"
-                              : "set key on at screen 0.97,0.955 top right horizontal\n"));  // many are no line
+  panel("real part Re Z (N s/m)", "1:2", std::string("set xzeroaxis linecolor '#555555'\n") + "set key on\n");
   std::vector<const std::vector<Complex>*> responses;
   for (const auto& line : lines) responses.push_back(line.response);
   panel("imaginary part Im Z (N s/m)", "2:3",
@@ -199,21 +198,21 @@ void write_script(const fs::path& folder, const scene::Scene& scene, const std::
             "set key off\nunset logscale x\nset xrange [*:*]\nset xlabel 'real part Re Z (N s/m)'\nset yzeroaxis "
             "linecolor "
             "'#555555'\nset offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n");
-  write_whole(folder / "frf.gp", output::captioned(script, scene) + "unset multiplot\n");
+  write_whole(folder / "frf.gp", sheet.with(std::move(script)));
 }
 
 /// Measured points with bands of two standard errors, the prediction as a line, and the coherence.
 void write_measured_script(const fs::path& folder, const scene::Scene& scene,
                            const analysis::response::MeasuredFrf& measured, bool predicted) {
   const auto& f = measured.frequency;
-  std::string script = output::preamble("frf",
-                                        "Friction frequency response as measured, with bands of two standard errors, "
-                                        "and as predicted",
-                                        1000, 1000);
-  script += fmt::format("set multiplot layout 3,2 title {} margins 0.085,0.97,0.09,0.92 spacing 0.12,0.095\n",
-                        output::single_quoted(scene.title));
-  script += fmt::format(
-      "set grid\nset key at screen 0.97,0.96 top right horizontal\nset xlabel 'frequency f (Hz)'\n"
+  const output::Sheet sheet{
+      "frf",
+      "Friction frequency response as measured, with bands of two standard errors, and as predicted",
+      {.width = 1000, .panels = 6, .columns = 2, .panel = 215, .between_rows = 75},
+      scene.title,
+      output::caption(scene)};
+  std::string script = fmt::format(
+      "set grid\nset xlabel 'frequency f (Hz)'\n"
       "set xrange [{}:{}]\nset style fill solid 0.3 noborder\n",
       f.front(), f.back());
   if (f.back() / f.front() > 20) script += "set logscale x\n";
@@ -247,7 +246,7 @@ void write_measured_script(const fs::path& folder, const scene::Scene& scene,
       "\nset xtics autofreq\nset xlabel 'frequency f (Hz)'\nset ylabel 'coherence'\nset xrange [{}:{}]\nset yrange "
       "[0:1.02]\n{}plot 'frf.csv' using 1:7 with lines linewidth 1.2 linecolor '#00336F' notitle\n",
       f.front(), f.back(), f.back() / f.front() > 20 ? "set logscale x\n" : "");
-  write_whole(folder / "frf.gp", output::captioned(script, scene) + "unset multiplot\n");
+  write_whole(folder / "frf.gp", sheet.with(std::move(script)));
 }
 
 /// Writes what was measured, by whatever means, beside what is predicted.

@@ -6,6 +6,7 @@
 #include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
+#include "app/output/sheet.hpp"
 #include "core/random.hpp"
 
 namespace rosin::app::verbs {
@@ -53,11 +54,18 @@ void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector
   output::write_csv(job.folder() / "loop.csv",
                     {{"frequency (Hz)", frequency}, {"real", real}, {"imaginary", imaginary}, {"distance", distance}});
   if (frequency.size() < 2) return;  // no line
-  std::string script = output::preamble("loop", "Nyquist's plot of the loop of friction and structure", 1000, 520);
-  script += fmt::format(
-      "set multiplot layout 1,2 title {}.\"\\n\".'{{/*0.9 '.{}.'}}' margins 0.08,0.97,0.16,0.84 spacing 0.12,0.1\n"
-      "set grid\nset key at graph 1,1.02 right bottom horizontal\n",
-      output::single_quoted(job.scene().title), output::single_quoted(verdict.text));
+  const output::Sheet sheet{"loop",
+                            "Nyquist's plot of the loop of friction and structure",
+                            {.width = 1000,
+                             .panels = 2,
+                             .columns = 2,
+                             .panel = 350,
+                             .above = 46,
+                             .between_rows = 100,
+                             .key = output::Layout::Key::own},
+                            job.scene().title.empty() ? verdict.text : job.scene().title + ": " + verdict.text,
+                            output::caption(job.scene())};
+  std::string script = "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
   script += marks_of(verdict.modes, frequency, loop);
   script +=
       "set xlabel 'real part of the loop iω Z H'\nset ylabel 'imaginary part of the loop'\nset xzeroaxis\nset "
@@ -77,7 +85,7 @@ void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector
         ", '+' using ({:g}):({:g}) every ::0::0 with points pointtype 7 pointsize 1.0 linecolor "
         "'#B0560F' title 'margin {:.3g} at {:.4g} Hz'",
         verdict.margin_frequency, verdict.margin, verdict.margin, verdict.margin_frequency);
-  write_whole(job.folder() / "loop.gp", output::captioned(script + '\n', job.scene()) + "unset multiplot\n");
+  write_whole(job.folder() / "loop.gp", sheet.with(script + '\n'));
   files.insert(files.end(), {"loop.csv", "loop.gp"});
 }
 

@@ -55,7 +55,9 @@ Job::Job(const Request& request)
       scene_(read_scene(request)),
       folder_(results_folder(request)),
       label_(request.design ? "design" : request.verb) {
-  if (request.no_pictures && request.pdf) throw InputError("--pdf has no effect beside --no-pictures: leave one out");
+  for (const auto& [option, given] : {std::pair{"--pdf", request.pdf}, {"--width", request.width.has_value()}})
+    if (request.no_pictures && given)
+      throw InputError(fmt::format("{} has no effect beside --no-pictures: leave one out", option));
   std::error_code problem;
   fs::create_directories(folder_, problem);
   if (problem) throw InputError(fmt::format("--out {}: cannot be made: {}", folder_.string(), problem.message()));
@@ -161,7 +163,7 @@ void draw_pictures(const Request& request, const fs::path& folder, output::Manif
       manifest.scripts[file] = checksum_of(folder / file);
     }
   if (request.no_pictures) return;
-  const auto drawn = output::draw(folder, scripts, request.pdf);
+  const auto drawn = output::draw(folder, scripts, {request.pdf, request.width.value_or(0)});
   if (!request.quiet)
     for (const auto& problem : drawn.problems) tell("note: {}\n", problem);
   manifest.files.insert(manifest.files.end(), drawn.files.begin(), drawn.files.end());

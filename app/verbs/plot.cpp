@@ -22,7 +22,7 @@ Status plot(const Request& request) {
     throw InputError(fmt::format("{}: holds no results; compute them first, such as with 'rosin map {}'",
                                  (folder / "").string(), path.string()));
   const auto scripts = scripts_of(folder);
-  auto drawn = output::draw(folder, scripts.ours, request.pdf);
+  auto drawn = output::draw(folder, scripts.ours, {request.pdf, request.width.value_or(0)});
   for (const auto& script : scripts.foreign)  // a script may run any program
     drawn.problems.push_back(
         fmt::format("{} is not as rosin wrote it, and is left alone; if you trust it, draw it by 'gnuplot {}' in {}",
@@ -43,7 +43,7 @@ Verb plot_verb() {
           .help = "draw the pictures of a results folder, or of a scene's results, again",
           .example = "rosin plot out/bristol-board-plane",
           .operands = {{"PATH", &Request::target, "results folder or scene"}},
-          .options = {out_option("out/<scene>/"), quiet_option, pdf_option},
+          .options = {out_option("out/<scene>/"), quiet_option, pdf_option, width_option},
           .without_scene = plot};
 }
 

@@ -11,6 +11,7 @@
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/json.hpp"
+#include "app/output/sheet.hpp"
 #include "app/scene/reader.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
@@ -152,9 +153,12 @@ std::vector<double> errors_of(const StudyResult& result, std::size_t a) {
 std::vector<std::string> write_statistics(const fs::path& folder, const scene::Scene& scene,
                                           const StudyResult& result) {
   std::string data = "algorithm,error,distance,weibull,share\n";
-  std::string script = output::preamble("study", "Errors of the force algorithms over random oscillators", 980, 820);
-  script += fmt::format("set multiplot layout 2,2 title {} margins 0.09,0.97,0.08,0.92 spacing 0.12,0.13\nset grid\n",
-                        output::single_quoted(scene.title));
+  const output::Sheet sheet{
+      "study",
+      "Errors of the force algorithms over random oscillators",
+      {.width = 980, .panels = 4, .columns = 2, .panel = 290, .between_rows = 80, .key = output::Layout::Key::own},
+      scene.title};
+  std::string script = "set grid\n";
   std::vector<std::string> weibull, lines, shares, boxes, labels;
   int most_back_steps = 0;
   for (std::size_t a = 0; a < result.algorithms.size(); ++a) {
@@ -188,12 +192,13 @@ std::vector<std::string> write_statistics(const fs::path& folder, const scene::S
   if (weibull.empty()) return {"study-errors.csv"};
   weibull.insert(weibull.end(), lines.begin(), lines.end());
   script += fmt::format(
-      "set logscale xy\nset format x '10^{{%T}}'\nset yrange [1e-3:10]\n"
+      "set logscale xy\nset format xy '10^{{%T}}'\nset yrange [1e-3:10]\n"
       "set xlabel 'distance from the threshold, |e - e_0|'\nset ylabel '-ln R, R the share of cases above e'\n"
       "set key top left\nplot {}\n",
       fmt::join(weibull, ", \\\n     "));
   script += fmt::format(
-      "unset logscale y\nset yrange [0:100]\nset xlabel 'error e, slip rate in stick over 0.001 average speed'\n"
+      "unset logscale y\nset format y '%g'\nset yrange [0:100]\nset xlabel 'error e, slip rate in stick over 0.001 "
+      "average speed'\n"
       "set ylabel 'share of cases below (%)'\nset xrange [1e-6:10]\nplot {}\n",
       fmt::join(shares, ", \\\n     "));
   script += fmt::format(
@@ -221,7 +226,7 @@ std::vector<std::string> write_statistics(const fs::path& folder, const scene::S
         "'cases'\n"
         "set key top right\nset style fill solid 0.4\nplot {}\n",
         fmt::join(bars, ", "));
-  write_whole(folder / "study.gp", script + "unset multiplot\n");
+  write_whole(folder / "study.gp", sheet.with(std::move(script)));
   return {"study-errors.csv", "study-back-steps.csv", "study.gp"};
 }
 
@@ -255,10 +260,13 @@ std::vector<std::string> write_case(const fs::path& folder, const scene::Scene& 
     return fmt::format("{}", fmt::join(list, ", \\\n     "));
   };
   const double first = result.cases[static_cast<std::size_t>(result.shown_case)].exact.first_stick;
-  std::string script =
-      output::preamble("study-case", "One case: response, strip of stick and slip, and entry into stick", 980, 900);
-  script += fmt::format("set multiplot layout 2,2 title {}\nset grid\n",
-                        output::single_quoted(fmt::format("{}, case {}", scene.title, result.shown_case)));
+  const auto title = fmt::format("{}, case {}", scene.title, result.shown_case);
+  const output::Sheet sheet{
+      "study-case",
+      "One case: response, strip of stick and slip, and entry into stick",
+      {.width = 980, .panels = 4, .columns = 2, .panel = 320, .between_rows = 80, .key = output::Layout::Key::own},
+      title};
+  std::string script = "set grid\n";
   script += "set style line 6 linecolor '#000000' linewidth 1\n";
   script += "set xlabel 'time (s)'\nset ylabel 'displacement (mm)'\nset key top right\nplot " +
             curves("motion", "1:($3*1e3)", "lines") + "\n";
@@ -277,16 +285,15 @@ std::vector<std::string> write_case(const fs::path& folder, const scene::Scene& 
   script += fmt::format("set ylabel 'displacement (mm)'\nset format y '%.6g'\nset key top right opaque\nplot {}\n",
                         curves("entry", fmt::format("(($1-{})*1e3):($3*1e3)", first), "linespoints"));
   if (scene.study.dimensions == 2) {
-    std::string path = output::preamble("study-path", "Path of one case in the plane", 640, 600);
-    path += fmt::format(
-        "set style line 6 linecolor '#000000' linewidth 1\nset title {}\nset key top left\n"
-        "set xlabel 'x (mm)'\nset ylabel 'y (mm)'\nset grid\nplot {}\n",
-        output::single_quoted(fmt::format("{}, case {}", scene.title, result.shown_case)),
-        curves("motion", "($3*1e3):($5*1e3)", "lines"));
-    write_whole(folder / "study-path.gp", path);
+    const output::Sheet plane{"study-path", "Path of one case in the plane", {.width = 640, .panel = 480}, title};
+    write_whole(folder / "study-path.gp",
+                plane.with(fmt::format("set style line 6 linecolor '#000000' linewidth 1\nset key top "
+                                       "left\nset xlabel 'x (mm)'\nset ylabel 'y (mm)'\nset "
+                                       "grid\nplot {}\n",
+                                       curves("motion", "($3*1e3):($5*1e3)", "lines"))));
     files.emplace_back("study-path.gp");
   }
-  write_whole(folder / "study-case.gp", script + "unset multiplot\n");
+  write_whole(folder / "study-case.gp", sheet.with(std::move(script)));
   files.emplace_back("study-case.gp");
   return files;
 }

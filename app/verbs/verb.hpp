@@ -77,7 +77,7 @@ const Verb& find_verb(std::string_view name);
 
 // What several verbs have in common.
 extern const Operand scene_operand;
-extern const Option json_option, quiet_option, pdf_option;
+extern const Option json_option, quiet_option, pdf_option, width_option;
 Option out_option(std::string_view usual);
 Option threads_option(std::string help);
 /// Those of every verb that takes a scene, and its own.

@@ -40,6 +40,8 @@ const Operand scene_operand{"SCENE", &Request::target, "scene file (TOML)"};
 const Option json_option{"--json", &Request::json, "print the result as JSON, and nothing else"};
 const Option quiet_option{"--quiet", &Request::quiet, "say nothing but errors"};
 const Option pdf_option{"--pdf", &Request::pdf, "draw the pictures as PDF, too"};
+const Option width_option{"--width", &Request::width,
+                          "draw the pictures for print, so many millimetres wide: 85 for a column of a journal"};
 
 Option out_option(std::string_view usual) {
   return {"--out", &Request::out, fmt::format("results folder; default {}", usual)};
@@ -57,6 +59,7 @@ std::vector<Option> scene_options(std::vector<Option> own) {
       quiet_option,
       {"--no-pictures", &Request::no_pictures, "write no pictures, only what 'rosin plot' draws them from"},
       pdf_option,
+      width_option,
       {"--netcdf", &Request::netcdf, "write every table (CSV) as NetCDF, too"},
       {"--explain", &Request::explain, "say on standard error what is computed how, and what is skipped"},
   };

@@ -10,6 +10,7 @@
 
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
+#include "app/output/sheet.hpp"
 
 namespace rosin::app::verify {
 
@@ -71,10 +72,13 @@ std::string rows_of(const std::vector<const Answer*>& answers, bool explained) {
 }
 
 std::string picture(const std::string& group, const std::vector<const Answer*>& answers) {
-  constexpr int row = 19, head = 145;  // pixels
+  constexpr int row = 19;  // pixels
   const auto count = static_cast<int>(answers.size());
-  std::string script =
-      output::preamble(picture_name(group), "How far rosin is from the numbers of others", 1060, head + row * count);
+  const output::Sheet sheet{picture_name(group),
+                            "How far rosin is from the numbers of others",
+                            {.width = 1060, .panel = double(row * count), .left = 440},
+                            heading(group)};
+  std::string script;
   std::string tics;
   for (int i = 0; i < count; ++i) {
     const auto& answer = *answers[static_cast<std::size_t>(i)];
@@ -94,12 +98,9 @@ set format x '10^{{%T}}'
 set xtics 1e-16, 100
 set ytics ({}) font ',11'
 set grid x linecolor '#DDDDDD'
-set lmargin 60
-set key outside top center horizontal
-set title {} font ',13'
 set xlabel 'difference over the number wanted (dimensionless)'
 )",
-                        agreeing, explained, count - 1, tics, output::single_quoted(heading(group)));
+                        agreeing, explained, count - 1, tics);
   std::string plots;
   const auto add = [&](const std::string& plot) { plots += (plots.empty() ? "plot " : ", \\\n     ") + plot; };
   const auto bars = [&](const char* data, const char* title) {
@@ -119,7 +120,7 @@ set xlabel 'difference over the number wanted (dimensionless)'
   if (!explained.empty())
     add("$explained using 2:1 with points pointtype 5 pointsize 0.9 linecolor '#B0560F' title 'difference, as "
         "explained'");
-  return script + plots + "\n";
+  return sheet.with(script + plots + "\n");
 }
 
 std::string unit_of(const Answer& answer) {

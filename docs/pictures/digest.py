@@ -18,6 +18,9 @@ def columns(table: Path) -> dict[str, list[float]]:
     """Finite numbers of each column; lines between blocks of gnuplot are left out."""
     with open(table, encoding="utf-8", newline="") as file:
         names, *rows = csv.reader(file)
+    twice = {name for name in names if names.count(name) > 1}
+    if twice:
+        sys.exit(f"{table}: more than one column is called {', '.join(sorted(twice))}")
     found: dict[str, list[float]] = {name: [] for name in names}
     for row in rows:
         for name, cell in zip(names, row):

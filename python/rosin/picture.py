@@ -57,7 +57,7 @@ SYMBOLS = {
 }
 
 
-def plot(result: Result, what: str | list[str] | None = None) -> Figure:
+def plot(result: Result, what: str | list[str] | None = None, *, width: float | None = None) -> Figure:
     """Draws a plane, a motion over time, a cycle as a loop, a frequency response, branches, a fit with its residuals,
     or a table over its coordinate.
 
@@ -66,6 +66,9 @@ def plot(result: Result, what: str | list[str] | None = None) -> Figure:
     result : Result
     what : str or list of str, optional
         Names of variables of ``result.dataset``, one panel each; left out: those that tell most.
+    width : float, optional
+        Of the picture in print, from 60 to 250 mm: 85 for a column of a journal. Text is then 7 points high below 130 mm,
+        where panels stand one below the other, and 8 points above; left out: as on a screen.
 
     Returns
     -------
@@ -75,12 +78,16 @@ def plot(result: Result, what: str | list[str] | None = None) -> Figure:
     Raises
     ------
     InputError
-        Where the result has no dataset, or no such variable.
+        Where the result has no dataset, or no such variable, or for another width.
     """
     import matplotlib.pyplot as pyplot
 
     if not isinstance(result, Result):
         raise TypeError(f"results are drawn, such as scene.run(), not {type(result).__name__}")
+    if width is not None and not 60 <= width <= 250:
+        raise InputError("", f"width = {width} is outside 60 … 250 (width of pictures in print, mm)")
+    narrow = width is not None and width < 130
+    points = STYLE["font.size"] if width is None else 7 if narrow else 8
     pyplot.draw_if_interactive()  # loads the backend, whose rcParams rc_context would undo: notebooks then show nothing more
     data = result.tables.get("curve-1") if result.verb == "fit" else result.dataset
     if data is None:
@@ -96,9 +103,11 @@ def plot(result: Result, what: str | list[str] | None = None) -> Figure:
         if name not in known:
             raise InputError("", f"there is no '{name}' to draw; known here: "
                                  f"{', '.join(one for one in known if one not in data.coords)}")
-    with pyplot.rc_context(STYLE):
-        figure = draw(data, names)
-        figure.suptitle(_plain(result.raw.get("title", "")), fontsize=11)
+    with pyplot.rc_context({**STYLE, "font.size": points, "legend.fontsize": 0.9 * points}):
+        figure = draw(data, names, narrow)
+        figure.suptitle(_plain(result.raw.get("title", "")), fontsize=1.1 * points, wrap=True)
+        if width is not None:
+            figure.set_size_inches(width / 25.4, figure.get_size_inches()[1] * points / STYLE["font.size"])
         return figure
 
 
@@ -135,7 +144,7 @@ def _of_plane(data: xarray.Dataset) -> list[str]:
 
 
 @_chosen(_of_plane)
-def _plane(data: xarray.Dataset, names: list[str]) -> Figure:
+def _plane(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
     from matplotlib.colors import ListedColormap, LogNorm
     import matplotlib.pyplot as pyplot
 
@@ -143,10 +152,11 @@ def _plane(data: xarray.Dataset, names: list[str]) -> Figure:
     for name in names:
         members = data.member.values if "member" in data[name].dims else [None]
         panels += [(name, member, data[name] if member is None else data[name].sel(member=member)) for member in members]
-    figure, axes = pyplot.subplots(1, len(panels), figsize=(5.6 * len(panels), 4.4), squeeze=False, sharey=True)
-    for ax, (name, member, plane) in zip(axes[0], panels):
+    down, across = (len(panels), 1) if narrow else (1, len(panels))
+    figure, axes = pyplot.subplots(down, across, figsize=(5.6 * across, 4.4 * down), squeeze=False, sharey=True)
+    for ax, (name, member, plane) in zip(axes.flat, panels):
         if member is not None:
-            ax.set_title(_plain(str(member)), fontsize=10)
+            ax.set_title(_plain(str(member)), fontsize=pyplot.rcParams["font.size"])
         y, x = map(str, plane.dims)
         edges = _edges(data[x]), _edges(data[y])
         words = plane.attrs.get("flag_meanings", "").split()
@@ -179,10 +189,10 @@ def _plane(data: xarray.Dataset, names: list[str]) -> Figure:
         ax.set_xlim(limits[0]), ax.set_ylim(limits[1])
         ax.grid(False)
         ax.set_xlabel(_label(data, x))
-        if ax is axes[0][0]:
+        if ax in axes[:, 0]:
             ax.set_ylabel(_label(data, y))
     if axes[0][0].lines:
-        axes[0][0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=2, fontsize=9)
+        axes[0][0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if narrow else 2)
     return figure
 
 
@@ -222,7 +232,7 @@ def _of_columns(data: xarray.Dataset) -> list[str]:
 
 
 @_chosen(_of_columns)
-def _columns(data: xarray.Dataset, names: list[str]) -> Figure:
+def _columns(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
     """One variable below the other; where there are several members, a line for each."""
     import matplotlib.pyplot as pyplot
 
@@ -244,7 +254,7 @@ def _columns(data: xarray.Dataset, names: list[str]) -> Figure:
     if over in data.variables and _decades(data[over]) >= 1.5:
         ax.set_xscale("log")
     if many is not None and many != "mode":
-        axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=3, fontsize=9)
+        axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if narrow else 3)
     return figure
 
 
@@ -271,7 +281,7 @@ def _member(data: xarray.Dataset, many: str | None, number: int | None) -> str |
 
 
 @_chosen(lambda data: [next(str(name) for name in data if str(name).endswith("_max"))])
-def _branch(data: xarray.Dataset, names: list[str]) -> Figure:
+def _branch(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
     """Metrics over the parameter: stable motions as lines, unstable ones dashed."""
     import matplotlib.pyplot as pyplot
 
@@ -287,20 +297,21 @@ def _branch(data: xarray.Dataset, names: list[str]) -> Figure:
                         label=f"{steady}, {'stable' if stable else 'unstable'}" if (of.stable == stable).any() else None)
         ax.set_ylabel(_label(data, name))
     ax.set_xlabel(_label(data, over))
-    axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=2, fontsize=9)
+    axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if narrow else 2)
     return figure
 
 
 @_chosen(lambda data: [str(name) for name in data if str(name).endswith("data")])
-def _fit(data: xarray.Dataset, names: list[str]) -> Figure:
+def _fit(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
     """Data and fits above their residuals over the standard error."""
     import matplotlib.pyplot as pyplot
 
     over = str(next(iter(data.dims)))
     x = data[over] if over in data.variables else data[str(next(iter(data)))]
-    figure, axes = pyplot.subplots(2, len(names), figsize=(7 if len(names) == 1 else 5 * len(names), 5), squeeze=False,
-                                   sharex=True, gridspec_kw={"height_ratios": [2, 1]})
-    for (above, below), name in zip(axes.T, names):
+    down, across = (len(names), 1) if narrow else (1, len(names))
+    figure, axes = pyplot.subplots(2 * down, across, figsize=(7 if across == 1 else 5 * across, 5 * down), squeeze=False,
+                                   sharex=True, gridspec_kw={"height_ratios": [2, 1] * down})
+    for (above, below), name in zip(axes.T.reshape(-1, 2), names):
         part = name.removesuffix("data")
         above.plot(x, data[name], linestyle="none", marker="o", markersize=2.4, color="#888888", label="measured")
         fits = [str(one) for one in data if str(one) == f"{part}fit" or str(one).startswith(f"{part}fit_of_")]
@@ -311,7 +322,7 @@ def _fit(data: xarray.Dataset, names: list[str]) -> Figure:
         above.set_ylabel(part.replace("_", " ").strip() or "measured and fitted")
         below.set_ylabel("residual /\nstandard error")
         below.set_xlabel(over.replace("_", " ") + _unit(x))
-        above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=3, fontsize=9)
+        above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if narrow else 3)
     return figure
 
 
@@ -329,7 +340,7 @@ def _of_loop(data: xarray.Dataset) -> list[str]:
 
 
 @_chosen(_of_loop)
-def _loop(data: xarray.Dataset, names: list[str]) -> Figure:
+def _loop(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
     """Two variables of a periodic motion, one over the other."""
     import matplotlib.pyplot as pyplot
 
@@ -353,7 +364,7 @@ def _of_sweep(data: xarray.Dataset) -> list[str]:
 
 
 @_chosen(_of_sweep)
-def _sweep(data: xarray.Dataset, names: list[str]) -> Figure:
+def _sweep(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
     """What a motion becomes: each recorded moment over the parameter."""
     import matplotlib.pyplot as pyplot
 

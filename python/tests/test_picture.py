@@ -24,6 +24,17 @@ def test_a_plane_has_its_threshold():
     assert any(numpy.array_equal(line.get_xdata(), result.dataset.threshold_x, equal_nan=True) for line in axes.lines)
 
 
+def test_a_picture_for_a_column_of_a_journal():
+    result = rosin.load(ROOT / "examples/bristol-board-plane.toml").set("map.x.points", 6).set("map.y.points", 5).map()
+    figure = rosin.plot(result, ["stick_fraction", "loop_area_normalised"], width=85)
+    assert figure.get_size_inches()[0] == pytest.approx(85 / 25.4)
+    assert {text.get_fontsize() for ax in figure.axes for text in (ax.xaxis.label, ax.yaxis.label)} == {7}
+    above, below = (ax.get_position() for ax in figure.axes[:2])
+    assert above.x0 == below.x0 and above.y0 >= below.y1  # one below the other
+    with pytest.raises(rosin.InputError, match="width = 20 is outside 60 … 250"):
+        rosin.plot(result, width=20)
+
+
 def test_a_motion_a_loop_and_a_response():
     assert labels(rosin.plot(rosin.Scene(SLIDER).run()))[-1] == ("time $t$ (s)", "friction coefficient\n$\\mu$")
     cycle = rosin.plot(rosin.load(ROOT / "examples/bristol-board-cycle.toml").cycle())
@@ -47,6 +58,8 @@ def test_several_lines_in_a_picture():
     assert labels(laws) == [("time $t$ (s)", "friction coefficient\n$\\mu$")]
     motions = rosin.load(ROOT / "examples/two-motions.toml").set("branch.values", []).set("branch.to", 1.3).branch()
     drawn = rosin.plot(motions, "slip_rate_max").axes[0]
+    steady = motions.dataset.where(motions.dataset.branch < 0, drop=True)  # slips at the speed of the belt
+    assert numpy.array_equal(steady.slip_rate_max, steady["drive.speed"]) and steady.slip_rate_max.size > 10
     dashed = [line for line in drawn.lines if line.get_linestyle() != "-"]
     assert {line.get_label().split(", ")[1] for line in dashed if not line.get_label().startswith("_")} == {"unstable"}
 

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
+#include "app/output/sheet.hpp"
 #include "core/files.hpp"
 #include "tests/app/folder.hpp"
 
@@ -40,7 +41,7 @@ TEST_CASE("a picture that gnuplot left cut short does not get its name", "[gnupl
   std::ofstream(folder.path / "run.gp") << "plot x\n";
   const std::string before = std::getenv("PATH");
   setenv("PATH", (bin.string() + ":" + before).c_str(), 1);
-  const auto drawn = output::draw(folder.path, {"run.gp"}, true);
+  const auto drawn = output::draw(folder.path, {"run.gp"}, {.pdf = true});
   setenv("PATH", before.c_str(), 1);
   CHECK(drawn.files.empty());
   REQUIRE(drawn.problems.size() == 3);
@@ -52,8 +53,62 @@ TEST_CASE("a picture that gnuplot left cut short does not get its name", "[gnupl
 
 TEST_CASE("pictures are drawn as PDF where that is asked for", "[gnuplot]") {
   const Folder folder;
-  std::ofstream(folder.path / "run.gp") << output::preamble("run", "A line", 400, 300) << "plot x\n";
-  CHECK(output::draw(folder.path, {"run.gp"}, true).files == std::vector<std::string>{"run.svg", "run.png", "run.pdf"});
+  const output::Sheet sheet{"run", "A line", {.width = 400, .panel = 200}, "A line"};
+  std::ofstream(folder.path / "run.gp") << sheet.with("plot x\n");
+  CHECK(output::draw(folder.path, {"run.gp"}, {.pdf = true}).files ==
+        std::vector<std::string>{"run.svg", "run.png", "run.pdf"});
   CHECK(rosin::read_whole(folder.path / "run.pdf", 10'000'000).starts_with("%PDF"));
-  CHECK(output::draw(folder.path, {"run.gp"}, false).files.size() == 2);
+  CHECK(output::draw(folder.path, {"run.gp"}, {}).files.size() == 2);
+}
+
+namespace {
+
+/// Width and height of a PNG, in pixels.
+std::pair<unsigned, unsigned> size_of_png(const fs::path& path) {
+  const auto bytes = rosin::read_whole(path, 10'000'000);
+  const auto number = [&](std::size_t at) {
+    unsigned value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value = 256 * value + static_cast<unsigned char>(bytes.at(at + i));
+    return value;
+  };
+  return {number(16), number(20)};
+}
+
+}  // namespace
+
+TEST_CASE("pictures for print are as wide as was asked, with panels and titles in as many rows as they need",
+          "[gnuplot]") {
+  const Folder folder;
+  const output::Sheet sheet{"run",
+                            "Two panels",
+                            {.width = 900, .panels = 2, .columns = 2, .panel = 200},
+                            "A title of many words that no column of a journal has room for in one row of text",
+                            "law: none; drive: none"};
+  std::ofstream(folder.path / "run.gp") << sheet.with("plot x title 'straight'\nplot x**2 title 'curved'\n");
+  const auto drawn = [&](double width) {
+    REQUIRE(output::draw(folder.path, {"run.gp"}, {.width = width}).problems.empty());
+    return rosin::read_whole(folder.path / "run.svg", 10'000'000);
+  };
+  const auto title_is_whole = [](const std::string& svg) {
+    return svg.find("A title of many words that no column of a journal has room for in one row of text") !=
+           std::string::npos;
+  };
+  CHECK(title_is_whole(drawn(0)));
+  CHECK(size_of_png(folder.path / "run.png").first == 900);
+  const auto wide = drawn(175);
+  CHECK(title_is_whole(wide));
+  CHECK_THAT(wide, Contains("width=\"661\""));  // 175 mm at 96 pixels an inch
+  const auto [pixels, height] = size_of_png(folder.path / "run.png");
+  CHECK(pixels == 2066);  // at 300 pixels an inch
+  const auto narrow = drawn(85);
+  CHECK_FALSE(title_is_whole(narrow));  // broken at a space: all its words are there
+  for (const char* word : {"A title", "journal", "row of text", "straight", "curved"})
+    CHECK_THAT(narrow, Contains(word));
+  CHECK_THAT(narrow, Contains("width=\"321\""));
+  const auto [few, tall] = size_of_png(folder.path / "run.png");
+  CHECK(few == 1003);
+  // Two panels below each other, each of three quarters of the height at 300 pixels an inch.
+  const double frame = 7 / 13. * 300 / 72;  // pixels of the file to one of the layout
+  CHECK(tall > frame * 2 * 0.75 * 200);
+  CHECK(double(tall) / few > 1.4 * height / pixels);
 }
