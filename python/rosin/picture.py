@@ -94,6 +94,8 @@ def plot(result: Result, what: str | list[str] | None = None, *, width: float | 
         raise InputError("", f"a result of '{result.verb}' ({result.outcome}) has no plane or table to draw")
     draw = {"map": _plane, "basin": _plane, "cycle": _loop, "sweep": _sweep, "branch": _branch, "fit": _fit}.get(
         result.verb, _columns)
+    if "start" in data.dims:
+        draw = _starts
     if result.verb == "compare" and "scale" in next(iter(data.coords.values())).attrs:
         draw = _plane
     usual = draw.chosen(data)
@@ -158,7 +160,8 @@ def _plane(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
         if member is not None:
             ax.set_title(_plain(str(member)), fontsize=pyplot.rcParams["font.size"])
         y, x = map(str, plane.dims)
-        edges = _edges(data[x]), _edges(data[y])
+        plane = plane.isel({over: _on_scale(plane[over]) for over in (x, y)})
+        edges = _edges(plane[x]), _edges(plane[y])
         words = plane.attrs.get("flag_meanings", "").split()
         if words:
             colours = ["#E8EEF4", "#00336F", "#B0560F", "#3A8F5C", "#8A4FA3", "#555555", "#C9A227", "#7FA6CC"]
@@ -196,6 +199,17 @@ def _plane(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
     return figure
 
 
+def _on_scale(axis: xarray.DataArray) -> slice:
+    """The values that rise along the scale; behind them stand those that a scene adds, such as 0 of a logarithmic one."""
+    import numpy
+
+    values = axis.values
+    rises = numpy.append(True, values[1:] > values[:-1])
+    if axis.attrs.get("scale") == "log":
+        rises &= values > 0
+    return slice(int(numpy.argmin(numpy.append(rises, False))))
+
+
 def _edges(axis: xarray.DataArray) -> numpy.ndarray:
     """Where cells around the values of an axis meet: half way, on its scale."""
     import numpy
@@ -213,6 +227,26 @@ def _middles(values: numpy.ndarray) -> numpy.ndarray:
 
     between = (values[1:] + values[:-1]) / 2
     return numpy.concatenate([[2 * values[0] - between[0]], between, [2 * values[-1] - between[-1]]])
+
+
+@_chosen(lambda data: ["attractor"])
+def _starts(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
+    """Random starts, and what each comes to."""
+    import matplotlib.pyplot as pyplot
+
+    x, y = [str(name) for name, one in data.items() if one.dtype.kind == "f"]
+    figure, axes = pyplot.subplots(len(names), 1, figsize=(5.6, 4.4 * len(names)), squeeze=False, sharex=True)
+    for ax, name in zip(axes[:, 0], names):
+        words = data[name].attrs.get("flag_meanings", "").split()
+        for number, value in enumerate(sorted(set(data[name].values))):
+            of = data.isel(start=data[name].values == value)
+            flags = list(data[name].attrs.get("flag_values", []))
+            ax.plot(of[x], of[y], linestyle="none", marker="os^vD"[number % 5], markersize=4, color=LINES[number % len(LINES)]["color"],
+                    label=words[flags.index(value)].replace("_", " ") if value in flags else f"{name} = {value:g}")
+        ax.set_ylabel(_label(data, y))
+        ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if narrow else 3)
+    axes[-1, 0].set_xlabel(_label(data, x))
+    return figure
 
 
 def _unit(column: xarray.DataArray) -> str:
