@@ -36,8 +36,12 @@ template <class T>
 void add(CLI::App& command, const verbs::Option& option, T& target) {
   if constexpr (std::is_same_v<T, bool>)
     command.add_flag(option.name, target, option.help);
-  else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>)
+  else if constexpr (std::is_arithmetic_v<T>)
     command.add_option(option.name, target, option.help)->capture_default_str();
+  else if constexpr (std::is_same_v<T, std::string>)  // empty is what a variable that is not set leaves in a script
+    command.add_option(option.name, target, option.help)->capture_default_str()->check([](const std::string& given) {
+      return given.empty() ? std::string("is empty; leave the option out, or say what it is") : std::string();
+    });
   else
     command.add_option(option.name, target, option.help)->allow_extra_args(false);
 }

@@ -28,4 +28,7 @@ struct Ran {
 /// \throws Stopped where the thread was asked to stop and the program was ended for it.
 std::optional<Ran> run_program(const Command&);
 
+/// A text as one word of a POSIX shell, for command lines that people copy.
+std::string shell_word(const std::string& text);
+
 }  // namespace rosin

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Renews what is generated in docs/laws: each page's card (`rosin laws NAME`). docs/update_pictures.sh draws the
-# pictures below: the steady curve, and those that docs/pictures.txt lists as law-NAME-step, -hold, or -run.
+# pictures below: the steady curve, and those that docs/pictures.txt lists as law-NAME-step, -hold, -loop or -run.
 # Usage, from the repository: docs/update_law_pages.sh build/release/rosin
 set -eu
 rosin=$(realpath "$1")
@@ -19,7 +19,8 @@ for page in "$root"/docs/laws/*.md; do
     "$rosin" laws "$law" | sed '/^$/d'
     printf '```\n\n![Steady friction curve of the law with its default parameters](../pictures/law-%s.svg)\n' "$law"
     for shown in 'step:Answer to velocity steps (`rosin lab velocity-step`)' \
-        'hold:Peaks after holds (`rosin lab slide-hold-slide`)' 'run:Stick-slip under a drive that slows down (`rosin run`)'; do
+        'hold:Peaks after holds (`rosin lab slide-hold-slide`)' 'loop:To and fro (`rosin lab reciprocation`)' \
+        'run:Stick-slip under a drive that slows down (`rosin run`)'; do
       if grep -q "^law-$law-${shown%%:*}\.svg " "$root/docs/pictures.txt"; then
         printf '\n![%s of the law](../pictures/law-%s-%s.svg)\n' "${shown#*:}" "$law" "${shown%%:*}"
       fi

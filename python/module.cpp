@@ -5,14 +5,22 @@
 #include <pybind11/stl.h>
 
 #include <chrono>
+#include <filesystem>
 #include <future>
+#include <map>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "app/command_line.hpp"
+#include "app/output/planes.hpp"
+#include "app/report/quantities.hpp"
+#include "app/scene/aliases.hpp"
+#include "app/scene/toml_document.hpp"
+#include "app/verbs/job.hpp"
 #include "app/verbs/stopping.hpp"
 #include "core/console.hpp"
 #include "core/error.hpp"
@@ -55,7 +63,8 @@ std::variant<Request, int> parse(std::vector<std::string> words) {
 /// Performs a verb as the command line `words` asks for it. Python goes on meanwhile; what interrupts it, or what
 /// `progress(part of the work)` raises, ends the work in order and then goes on its way.
 /// \param text the scene, where it stands in no file
-/// \returns the exit status of the command, what it prints, its messages, and what is wrong with the input
+/// \returns the exit status of the command, what it prints, its messages, what is wrong with the input, and the results
+/// folder that was asked for
 py::tuple perform(std::vector<std::string> words, std::optional<std::string> text, const py::object& progress) {
   std::unique_lock lock(one_at_a_time, std::defer_lock);
   const auto locked = [&] {
@@ -65,8 +74,9 @@ py::tuple perform(std::vector<std::string> words, std::optional<std::string> tex
   while (!locked()) raise_signals();
 
   const Capture capture(!progress.is_none());
-  const auto answer = [&](int status, const std::string& wrong) {
-    return py::make_tuple(status, py::bytes(capture.output()), py::bytes(capture.messages()), py::bytes(wrong));
+  const auto answer = [&](int status, const std::string& wrong, const std::filesystem::path& folder = {}) {
+    return py::make_tuple(status, py::bytes(capture.output()), py::bytes(capture.messages()), py::bytes(wrong),
+                          folder.string());
   };
   auto parsed = parse(std::move(words));
   if (const int* status = std::get_if<int>(&parsed)) return answer(*status, capture.messages());
@@ -102,7 +112,7 @@ py::tuple perform(std::vector<std::string> words, std::optional<std::string> tex
   try {
     const int status = work.get();
     if (raised) throw py::error_already_set(*raised);
-    return answer(status, "");
+    return answer(status, "", request.out.empty() ? "" : verbs::results_folder(request));
   } catch (const InputError& error) {
     return answer(verbs::wrong_input, presentable(error.what()));
   }
@@ -129,10 +139,29 @@ py::list verb_list() {
   return list;
 }
 
+/// The unit of a number of a document, empty where none is known; what the document states goes first.
+std::string unit_of(const std::string& name, const std::map<std::string, std::string>& stated) {
+  return report::unit_of(name, stated);
+}
+
+/// What a path is called by rosin where another program's name is given, such as "drive.speed" for "drive.V".
+std::string own_path(const std::string& text, const std::string& path) try {
+  auto scene = scene::parse_toml(text, "");
+  scene.insert_or_assign("asked", path);
+  std::vector<std::string> notes;
+  scene::resolve_aliases(scene, notes);
+  return scene["asked"].value_or(path);
+} catch (const InputError&) {  // which the verb that reads the scene tells
+  return path;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_rosin, module) {
   module.doc() = "Verbs of the command rosin, performed within Python; use the package rosin.";
   module.def("perform", &perform, py::arg("words"), py::arg("text") = py::none(), py::arg("progress") = py::none());
   module.def("verbs", &verb_list);
+  module.def("unit_of", &unit_of, py::arg("name"), py::arg("stated"));
+  module.def("own_path", &own_path, py::arg("text"), py::arg("path"));
+  module.def("axis_names", &output::axis_names, py::arg("paths"), py::arg("taken"));
 }

@@ -87,11 +87,41 @@ double (*function_named(std::string_view name))(double) {
   return nullptr;
 }
 
+/// Python joins and repeats lists, and decides between two values by "and" and "or", where arithmetic and MATLAB have
+/// numbers. Nothing where both agree.
+std::optional<Value> by_python(const Value& left, std::string_view operation, const Value& right) {
+  const auto *a = left.as<double>(), *b = right.as<double>();
+  if (operation == "and" || operation == "or") {
+    if (!a) return Value{Unknown{fmt::format("'{}' of these is not understood", operation)}};
+    return (*a != 0) == (operation == "and") ? right : left;
+  }
+  const auto *first = left.as<std::shared_ptr<List>>(), *second = right.as<std::shared_ptr<List>>();
+  if ((!first && !second) || vector_in(left) || vector_in(right)) return std::nullopt;
+  auto joined = std::make_shared<List>();
+  const auto append = [&](const List& list) {
+    if (joined->size() + list.size() > most_numbers) return false;
+    joined->insert(joined->end(), list.begin(), list.end());
+    return true;
+  };
+  long times = 0;
+  const auto* count = first ? b : a;
+  if (operation == "+" && first && second && append(**first) && append(**second)) return Value{joined};
+  if (operation == "*" && count && whole(*count, times)) {
+    const auto& list = first ? **first : **second;
+    bool room = true;
+    for (long i = 0; i < times && room && !list.empty(); ++i) room = append(list);
+    if (room) return Value{joined};
+  }
+  return Value{Unknown{fmt::format("'{}' of these is not understood", operation)}};
+}
+
 }  // namespace
 
 Value combined(const Value& left, std::string_view operation, const Value& right, Surroundings& surroundings) {
   for (const auto* side : {&left, &right})
     if (const auto* why = unknown_in(*side)) return {Unknown{*why}};
+  if (surroundings.dialect == Dialect::python)
+    if (auto value = by_python(left, operation, right)) return *value;
   const auto a = numbers_in(left), b = numbers_in(right);
   if (!a || !b || a->empty() || b->empty()) return {Unknown{fmt::format("'{}' of these is not understood", operation)}};
   const auto size = std::max(a->size(), b->size());

@@ -210,7 +210,7 @@ void collect(const Script& script, const Record& record, QdynParameters& into) {
   if (record.handed_over > 0)
     script.refuse(
         record.handed_over,
-        "hands the parameters to a function that may change them, and no script is run; write them as assignments");
+        "may change the parameters in a way that is not followed, as no script is run; write them as assignments");
   for (const auto& [key, slot] : record.slots) {
     const auto name = upper(key);
     if (name == "SET_DICT_RSF" || name == "FRICTION_MODEL") continue;

@@ -74,7 +74,7 @@ class Translation {
   void refuse_changed(const Record& record) const {
     if (record.handed_over > 0)
       script_.refuse(record.handed_over,
-                     "hands the model to a function that may change it, and no script is run; "
+                     "may change the model in a way that is not followed, as no script is run; "
                      "write its values as assignments");
   }
 

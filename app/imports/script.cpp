@@ -37,6 +37,13 @@ std::shared_ptr<Record> record_of(const Value& value) {
 
 namespace {
 
+/// All objects in a value may have been changed at a line.
+void hand_over(const Value& value, int line) {
+  if (const auto record = record_of(value)) record->handed_over = line;
+  if (const auto* list = value.as<std::shared_ptr<List>>())
+    for (const auto& element : **list) hand_over(element, line);
+}
+
 bool one_of(std::string_view word, std::initializer_list<std::string_view> words) {
   return std::ranges::find(words, word) != words.end();
 }
@@ -159,6 +166,10 @@ class Statements {
       if (depth == 0 && one_of(tokens[i].word, {"=", "+=", "-=", "*=", "/=", "**=", "//="})) signs.push_back(i);
     }
     auto around = surroundings(statement.line);
+    if (tokens.front().kind == Token::name && one_of(tokens.front().word, {"exec", "eval", "evalin", "assignin"}))
+      for (const auto& token : tokens)
+        if (std::vector<Token> run; token.kind == Token::text && tokens_of(token.word, dialect_, run))
+          changed_unseen(run, statement.line);
     if (signs.empty()) {
       if (!in_block_) Expression(tokens, around).value();  // a call, which may hand something over
       return;
@@ -187,7 +198,7 @@ class Statements {
     auto around = surroundings(line);
     if (in_block_) value = {Unknown{"stands in a loop, a condition or a function, which is not run"}};
     Target target;
-    if (!Expression(left, around).target(target)) {
+    if (!Expression(without_annotation(left), around).target(target)) {
       several(left, value, line);
       return;
     }
@@ -202,6 +213,34 @@ class Statements {
       }
     }
     put(target, value, line);
+  }
+
+  /// "a" of "a: float = 1".
+  std::vector<Token> without_annotation(const std::vector<Token>& left) const {
+    int depth = 0;
+    for (std::size_t i = 0; dialect_ == Dialect::python && i < left.size(); ++i) {
+      if (left[i].kind != Token::symbol) continue;
+      if (one_of(left[i].word, {"(", "[", "{"})) ++depth;
+      if (one_of(left[i].word, {")", "]", "}"})) --depth;
+      if (depth != 0 || left[i].word != ":") continue;
+      std::vector<Token> plain(left.begin(), left.begin() + static_cast<long>(i));
+      plain.push_back({});
+      return plain;
+    }
+    return left;
+  }
+
+  /// A statement that is not understood may change all that it names.
+  void changed_unseen(const std::vector<Token>& tokens, int line) {
+    for (const auto& token : tokens) {
+      if (token.kind != Token::name && token.kind != Token::text) continue;
+      const auto slot = script_.variables_.slots.find(token.word);
+      if (slot != script_.variables_.slots.end()) changed_unseen(slot->second, line);
+    }
+  }
+  void changed_unseen(Slot& slot, int line) {
+    hand_over(slot.value, line);
+    if (!record_of(slot.value)) slot = {{Unknown{"is changed in a way that is not understood"}}, line};
   }
 
   /// "[p, ot, ox] = qdyn(…)" of MATLAB gives the first its value; of other lists each name is not known.
@@ -224,6 +263,8 @@ class Statements {
         if (part.size() > 1 && Expression(part, around).target(target)) {
           put(target, first ? value : Value{Unknown{"is one of several values that are given together"}}, line);
           first = false;
+        } else {
+          changed_unseen(part, line);
         }
         part.clear();
         continue;
@@ -242,8 +283,10 @@ class Statements {
       if (!last && !target.steps[i + 1].subscripts.empty()) {
         auto& slot = record->slots[step.name];
         const bool ends = i + 2 == target.steps.size();
-        if (!ends || !put_elements(slot.value, target.steps[i + 1].subscripts, value))
+        if (!ends || !put_elements(slot.value, target.steps[i + 1].subscripts, value)) {
+          hand_over(slot.value, line);
           slot.value = {Unknown{"is changed in a part that is not understood"}};
+        }
         slot.line = line;
         return;
       }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "app/output/files.hpp"
@@ -12,14 +13,6 @@
 namespace rosin::app::output {
 
 namespace {
-
-std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
-
-std::string whole_path(std::string path) {
-  for (char& c : path)
-    if (c == '.') c = '_';
-  return path;
-}
 
 int write_axis(const NetcdfFile& plane, const std::string& name, const analysis::planes::Axis& axis,
                const scene::Scene& scene) {
@@ -35,7 +28,25 @@ int write_axis(const NetcdfFile& plane, const std::string& name, const analysis:
   return dimension;
 }
 
+/// The last part of a path that is a word, and the numbers behind it: "stiffness_2" of "oscillator.stiffness.2".
+std::string last_word(const std::string& path) {
+  auto begin = path.rfind('.') + 1;
+  while (begin > 1 && begin < path.size() && std::isdigit(static_cast<unsigned char>(path[begin])))
+    begin = path.rfind('.', begin - 2) + 1;
+  return path.substr(begin);
+}
+
 }  // namespace
+
+std::vector<std::string> axis_names(const std::vector<std::string>& paths, const std::vector<std::string>& taken) {
+  std::vector<std::string> names;
+  for (const auto& path : paths) names.push_back(last_word(path));
+  auto all = taken;
+  all.insert(all.end(), names.begin(), names.end());
+  if (std::ranges::any_of(names, [&](const auto& name) { return std::ranges::count(all, name) > 1; })) names = paths;
+  for (auto& name : names) std::ranges::replace(name, '.', '_');
+  return names;
+}
 
 void write_plane(const std::filesystem::path& path, const scene::Scene& scene, const analysis::planes::Map& map) {
   NetcdfFile plane;
@@ -43,9 +54,10 @@ void write_plane(const std::filesystem::path& path, const scene::Scene& scene, c
   plane.attribute(NC_GLOBAL, "tolerance", scene.map.tolerance);
   plane.attribute(NC_GLOBAL, "stick_threshold", scene.map.stick_threshold);
 
-  auto x_name = last_part(map.x.parameter), y_name = last_part(map.y.parameter);
-  if (x_name == y_name) x_name = whole_path(map.x.parameter), y_name = whole_path(map.y.parameter);
-  const int x = write_axis(plane, x_name, map.x, scene), y = write_axis(plane, y_name, map.y, scene);
+  std::vector<std::string> taken{"regime", "origin", "vertex", "fold_vertex"};
+  for (const auto& metric : map.metrics) taken.push_back(metric.name), taken.push_back(metric.name + "_error");
+  const auto names = axis_names({map.x.parameter, map.y.parameter}, taken);
+  const int x = write_axis(plane, names[0], map.x, scene), y = write_axis(plane, names[1], map.y, scene);
 
   std::vector<signed char> regimes;
   for (const auto& point : map.points) regimes.push_back(static_cast<signed char>(point.regime));
@@ -101,7 +113,8 @@ void write_sweep(const std::filesystem::path& path, const scene::Scene& scene, c
   NetcdfFile plane;
   plane.begin(scene);
   plane.attribute(NC_GLOBAL, "tolerance", scene.sweep.tolerance);
-  const int value = write_axis(plane, last_part(scene.sweep.axis.parameter), scene.sweep.axis, scene);
+  const int value =
+      write_axis(plane, axis_names({scene.sweep.axis.parameter}, {"moment"}).front(), scene.sweep.axis, scene);
   std::size_t longest = 1;
   for (const auto* points : {&sweep.up, &sweep.down})
     for (const auto& point : *points)

@@ -1,6 +1,8 @@
 /// Parameter planes as NetCDF-4 files that xarray opens with coordinates, units and flags.
 #pragma once
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "analysis/basins/basins.hpp"
 #include "analysis/planes/map.hpp"
@@ -8,6 +10,10 @@
 #include "app/scene/scene.hpp"
 
 namespace rosin::app::output {
+
+/// Names of coordinates whose values are those of parameters: "normal_load" of "drive.normal_load". Where that is
+/// another's name, or one of those that are taken, each is its whole path, "drive_normal_load".
+std::vector<std::string> axis_names(const std::vector<std::string>& paths, const std::vector<std::string>& taken);
 
 // Each \throws std::runtime_error if the file cannot be written.
 void write_plane(const std::filesystem::path& path, const scene::Scene&, const analysis::planes::Map&);

@@ -12,6 +12,7 @@
 #include "app/report/plane.hpp"
 #include "app/report/quantities.hpp"
 #include "core/error.hpp"
+#include "core/process.hpp"
 
 namespace rosin::app::report {
 
@@ -246,7 +247,7 @@ void add_scan(const ordered_json& document, std::vector<Figure>& figures) {
   }
   const auto parameter = word(document, "parameter");
   figures.push_back(curves("Growth rates along " + parameter,
-                           {quantity(parameter, known(parameter).unit), quantity("growth_rate", "1/s"),
+                           {quantity(parameter, unit_of_parameter(document)), quantity("growth_rate", "1/s"),
                             quantity("angular_frequency", "rad/s")},
                            {all}, 0, 1));
   auto& marks = figures.back().data["marks"] = ordered_json::array();
@@ -258,7 +259,7 @@ void add_sweep(const ordered_json& document, std::vector<Figure>& figures) {
   const auto values = numbers(at(document, "values"));
   if (values.empty()) return;
   const auto parameter = word(document, "parameter");
-  std::vector<ordered_json> columns{quantity(parameter, known(parameter).unit)};
+  std::vector<ordered_json> columns{quantity(parameter, unit_of_parameter(document))};
   std::vector<Curve> list;
   for (const auto* direction : {"up", "down"}) {
     const auto& recorded = at(document, direction);
@@ -302,7 +303,7 @@ void add_branches(const ordered_json& document, std::vector<Figure>& figures) {
         if (metrics.insert(name).second && names.size() < 8) names.push_back(name);
   if (names.empty()) names = {"growth_rate", "angular_frequency"};
   const auto parameter = word(document, "parameter");
-  std::vector<ordered_json> columns{quantity(parameter, known(parameter).unit)};
+  std::vector<ordered_json> columns{quantity(parameter, unit_of_parameter(document))};
   for (const auto& name : names) columns.push_back(quantity(name, ""));
   std::vector<Curve> list;
   const bool cycles = names.front() != "growth_rate";
@@ -395,9 +396,10 @@ void add_comparison(const ordered_json& document, std::vector<Figure>& figures) 
 }
 
 void add_loop(const Folder& folder, std::vector<Figure>& figures) {
+  const auto before = figures.size();
   add_table(folder, "loop.csv", "Nyquist's loop of structure and friction, which must not go round −1", figures,
             {"imaginary"}, {"real"});
-  if (!figures.empty() && word(figures.back().data["columns"][0], "key") == "frequency")
+  if (figures.size() > before)  // without a structure there is no loop
     figures.back().data["marks"] = {{{"column", figures.back().data["x"]}, {"at", -1}, {"label", "−1"}}};
 }
 
@@ -443,26 +445,12 @@ std::vector<Figure> figures_of(const Folder& folder, const Result& result) {
   return figures;
 }
 
-namespace {
-
-std::string quoted(const std::string& text) {
-  const auto plain = [](unsigned char c) {
-    return std::isalnum(c) || std::string_view("/._-=+:,@%").find(char(c)) != std::string_view::npos;
-  };
-  if (!text.empty() && std::ranges::all_of(text, plain)) return text;
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return result + "'";
-}
-
-}  // namespace
-
 std::string command_of(const Result& result, const std::string& verb, const std::vector<std::string>& varied) {
   const auto& manifest = result.manifest;
   std::string line = "rosin " + verb;
   if (const auto experiment = word(manifest, "experiment"); !experiment.empty() && verb == "lab")
-    line += " " + quoted(experiment);
-  line += " " + quoted(word(manifest, "scene"));
+    line += " " + shell_word(experiment);
+  line += " " + shell_word(word(manifest, "scene"));
   if (result.label == "design" && verb == "compare") line += " --design";
   if (const auto& overrides = at(manifest, "overrides"); overrides.is_array())
     for (const auto& given : overrides) {
@@ -471,7 +459,7 @@ std::string command_of(const Result& result, const std::string& verb, const std:
       const bool of_table =
           verb != result.label && text.starts_with(result.label + ".");  // [map] means nothing to cycle
       if (!of_table && std::ranges::find(varied, text.substr(0, text.find('='))) == varied.end())
-        line += " --set " + quoted(text);
+        line += " --set " + shell_word(text);
     }
   if (const double asked = number(at(manifest, "tolerance"), "asked"); varied.empty() && asked > 0)
     line += fmt::format(" --tolerance {}", asked);

@@ -345,6 +345,7 @@ class Curves extends Plot {
     for (const mark of this.data.marks || [])
       if (mark.column === this.shownX && (mark.row === undefined || mark.row === this.shownY)) {
         const at = this.x(mark.at);
+        if (!Number.isFinite(at)) continue;  // beyond a logarithmic axis
         inner.append('line').attr('class', 'mark').attr('x1', at).attr('x2', at).attr('y1', 0).attr('y2', this.height);
         if (at > this.margin.left && at < this.width - this.margin.right)
           inner.append('text').attr('class', 'mark-label').attr('text-anchor', at > 0.8 * this.width ? 'end' : 'start')

@@ -7,9 +7,11 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "analysis/cycles/cycle.hpp"
 #include "app/output/gnuplot.hpp"
+#include "app/report/folder.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::app::report {
@@ -68,6 +70,21 @@ const std::map<std::string, Known, std::less<>>& table() {
         {"displacement_min", {"", "m", "least displacement of the period"}},
         {"amplitude", {"", "m", "half the range of the displacement"}},
         {"lyapunov", {"λ₁", "1/s", "largest Lyapunov exponent; positive: chaos"}},
+        {"friction_work", {"", "J", "done by friction"}},
+        {"event_time_error", {"", "s", "largest error of the time of an event"}},
+        {"choices", {"", "1", "switches in which the order that contacts give way in decides what follows"}},
+        {"path_length", {"", "m", "of the slider's way"}},
+        {"stick_time", {"", "s", "in which nothing slips"}},
+        {"pressure", {"p", "Pa", "of the contact"}},
+        {"apparent_friction", {"", "1", "mean friction over mean normal load"}},
+        {"open_fraction", {"", "1", "of the contact, lifted off"}},
+        {"full_stick_fraction", {"", "1", "of the time in which the whole contact sticks"}},
+        {"centre_x_period", {"", "s", "of the motion along the belt"}},
+        {"centre_y_period", {"", "s", "of the motion normal to the belt"}},
+        {"tilt_period", {"", "s", "of the tilting"}},
+        {"low_frequency_limit", {"", "N s/m", "of the response, slope of the steady friction curve"}},
+        {"high_frequency_limit", {"", "N s/m", "of the response, direct effect"}},
+        {"high_frequency_stiffness", {"", "N/m", "of the response, friction over displacement"}},
         {"transient_length", {"", "1", "periods until Helmholtz motion"}},
         {"drive.normal_load", {"N", "N", "normal load"}},
         {"drive.speed", {"V", "m/s", "speed of the drive"}},
@@ -101,6 +118,20 @@ bool is_number(std::string_view text) {
   return !text.empty() && std::ranges::all_of(text, [](unsigned char c) { return std::isdigit(c); });
 }
 
+struct Reading {
+  const char* word;        ///< empty: none
+  std::string_view whole;  ///< the series that is read
+};
+/// What "displacement_max" reads off a series.
+Reading reading_of(std::string_view key) {
+  for (const auto& [ending, word] : {std::pair<std::string_view, const char*>{"_max", "largest"},
+                                     {"_min", "least"},
+                                     {"_mean", "mean"},
+                                     {"_amplitude", "half the range"}})
+    if (key.ends_with(ending)) return {word, key.substr(0, key.size() - ending.size())};
+  return {"", key};
+}
+
 }  // namespace
 
 Known known(std::string_view key) {
@@ -116,15 +147,25 @@ Known known(std::string_view key) {
     of_one.symbol.clear();
     return of_one;
   }
-  for (const auto& [ending, word] : {std::pair<std::string_view, const char*>{"_max", "largest"},
-                                     {"_min", "least"},
-                                     {"_mean", "mean"},
-                                     {"_amplitude", "half the range"}}) {
-    if (!key.ends_with(ending)) continue;
-    const auto whole = known(key.substr(0, key.size() - ending.size()));
-    return {"", whole.unit, whole.meaning.empty() ? "" : fmt::format("{}: {}", word, whole.meaning)};
+  for (const auto& [ending, unit] :
+       {std::pair<std::string_view, const char*>{"_work", "J"}, {"_time", "s"}, {"_fraction", "1"}})
+    if (key.ends_with(ending)) return {"", unit, ""};
+  if (const auto [word, whole] = reading_of(key); *word) {
+    const auto of_whole = known(whole);
+    return {"", of_whole.unit, of_whole.meaning.empty() ? "" : fmt::format("{}: {}", word, of_whole.meaning)};
   }
   return {};
+}
+
+std::string unit_of(std::string_view key, const nlohmann::ordered_json& units) {
+  for (const auto name : {key, reading_of(key).whole})
+    if (const auto stated = units.find(name); stated != units.end() && stated->is_string()) return *stated;
+  return known(key).unit;
+}
+
+std::string unit_of_parameter(const nlohmann::ordered_json& document) {
+  if (const auto stated = word(document, "unit"); !stated.empty()) return stated;
+  return known(word(document, "parameter")).unit;
 }
 
 std::string readable(std::string key) {

@@ -1,5 +1,6 @@
 /// Numbers of results as a physicist reads them: symbol, unit and meaning of a key, digits by the error.
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
@@ -11,6 +12,11 @@ struct Known {
 };
 /// Of a key ("period", "slip_rate_2_max") or of a parameter's path ("drive.normal_load").
 Known known(std::string_view key);
+/// The unit of a number of a document, empty where none is known.
+/// \param units those that the document states, of the number itself, or of the series whose maximum or mean it is
+std::string unit_of(std::string_view key, const nlohmann::ordered_json& units);
+/// That of the parameter along which a document goes: its "parameter".
+std::string unit_of_parameter(const nlohmann::ordered_json& document);
 /// "slip_rate" as it is read.
 std::string readable(std::string key);
 

@@ -81,7 +81,7 @@ std::string rows_of(const ordered_json& object, const Context& context) {
   for (const auto& [key, value] : object.items()) {
     if (is_shown_elsewhere(key) || !is_small(value) || key == "standard_error") continue;
     const auto of_key = known(key);
-    auto unit = word(context.units, key).empty() ? of_key.unit : word(context.units, key);
+    const auto unit = unit_of(key, context.units);
     const auto meaning = word(context.meaning, key).empty() ? of_key.meaning : word(context.meaning, key);
     double error = context.error.is_number() && key == "value" ? number(context.error) : number(context.error, key);
     if (std::isnan(error)) error = number(object, key + "_error");
@@ -234,7 +234,7 @@ std::string columns_of(const std::string& title, const ordered_json& object, con
     rows += "<tr>";
     for (const auto& key : keys) {
       const auto errors = numbers(at(at(object, "error"), key));
-      const auto unit = word(units, key).empty() ? known(key).unit : word(units, key);
+      const auto unit = unit_of(key, units);
       rows += fmt::format("<td>{}</td>", escaped(text_of(object[key][i], unit, i < errors.size() ? errors[i] : NAN)));
     }
     rows += "</tr>\n";
@@ -299,7 +299,7 @@ std::string tables_of(const Result& result) {
     if (is_shown_elsewhere(key)) continue;
     const auto title = title_of(key);
     if (is_list_of_objects(value)) {
-      html += list_of(title, value, known(word(document, "parameter")).unit);
+      html += list_of(title, value, unit_of_parameter(document));
     } else if ((key == "eigenvalues" || key == "multipliers") && is_list_of_pairs(value)) {
       html += pairs_of(key, value);
     } else if (value.is_object() && !value.empty() && !(result.label == "map" && key == "threshold")) {

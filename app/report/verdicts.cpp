@@ -33,6 +33,7 @@ double parameter(const Result& result, std::string_view path) {
 }
 
 std::string unit_of(const Result& result, std::string_view path) {
+  if (word(result.document, "parameter") == path) return unit_of_parameter(result.document);
   const auto unit = word(at(at(result.manifest, "parameters"), path), "unit");
   return unit.empty() ? known(path).unit : unit;
 }

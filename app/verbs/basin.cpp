@@ -15,6 +15,7 @@
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
+#include "app/verbs/stopping.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
@@ -235,7 +236,7 @@ Status perform(Job& job) {
     job.explain("{} disturbances of steady sliding, then halving to a width of {}", task.disturbance->points,
                 task.tolerance);
   const auto begin = std::chrono::steady_clock::now();
-  const auto found = [&] {
+  auto found = [&] {
     Progress progress(job.request().quiet);
     return analysis::basins::find_basins(scene.structure->structure, task,
                                          [&](std::size_t done, std::size_t total) { progress.show(done, total); });
@@ -270,6 +271,7 @@ Status perform(Job& job) {
     job.say("steady sliding is left from {} on, to {}", disturbance_of(scene.basin, value, error), beyond);
   }
   if (!found.no_threshold.empty()) job.note(found.no_threshold);
+  found.outcome = why_stopped(found.outcome);
   if (!found.outcome.complete()) job.note(fmt::format("{}: {}", name(found.outcome.ending), found.outcome.detail));
   std::vector<std::string> files;
   if (!task.starts.empty()) {

@@ -16,6 +16,7 @@
 #include "app/scene/reader.hpp"
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
+#include "app/verbs/stopping.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
@@ -151,6 +152,7 @@ ordered_json loci_of(const scene::BranchTask& task, const Loci& loci) {
 std::string document_of(const scene::Scene& scene, const Branches& found, const Loci& loci, double seconds) {
   auto document = output::begin(scene, "branch", found.outcome);
   document["parameter"] = scene.branch.parameter.name;
+  document["unit"] = scene.branch.parameter.unit;
   auto points = ordered_json::array(), events = points, branches = points;
   for (const auto& at : found.steady) {
     ordered_json point{{"value", at.value}, {"kind", "equilibrium"}, {"asked", false}};
@@ -380,6 +382,7 @@ Status perform(Job& job) {
               justified(point->p, point->p_error, unit), why->empty() ? "" : ": ", *why);
   }
   for (const auto& note : found.notes) job.note(note);
+  found.outcome = why_stopped(found.outcome);
   if (!found.outcome.complete()) job.note(fmt::format("{}: {}", name(found.outcome.ending), found.outcome.detail));
   auto& manifest = job.manifest();
   manifest.tolerance_asked = task.options.tolerance;

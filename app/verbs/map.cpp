@@ -258,7 +258,7 @@ Status perform(Job& job) {
     job.say("share {} of {} is done: {} of {} points in {:.3g} s, in {}", share.index + 1, share.count, kept, total,
             result.seconds, (job.folder() / journal_name(share)).string());
     if (request.json) write_output(output::to_json(request.verb, result.map.outcome));
-    job.say("'rosin merge {}' puts the shares together once all are done", request.target);
+    job.say("once all shares are done, they are put together by\n  {}", command_of(request, "merge"));
     return done;
   }
   const auto status = plane.write(result, costs);

@@ -28,7 +28,7 @@ std::vector<fs::path> journals_of(const Request& request, const fs::path& result
   std::vector<fs::path> places(request.from.begin(), request.from.end()), found;
   if (places.empty()) places.push_back(results);
   for (const auto& place : places) {
-    if (!fs::exists(place)) throw InputError(fmt::format("{}: no such file or folder", place.string()));
+    if (!fs::exists(place)) throw InputError(fmt::format("--from {}: no such file or folder", place.string()));
     if (!fs::is_directory(place)) {
       found.push_back(place);
       continue;
@@ -38,19 +38,6 @@ std::vector<fs::path> journals_of(const Request& request, const fs::path& result
   }
   std::ranges::sort(found);
   return found;
-}
-
-/// The command that computes a share.
-std::string command_of(const Request& request, Share share) {
-  std::string line = "rosin map " + request.target;
-  for (const auto& given : request.overrides)
-    line += fmt::format(" --set {}{}{}", given.find_first_of(" []{}'\"") == given.npos ? "" : "\"", given,
-                        given.find_first_of(" []{}'\"") == given.npos ? "" : "\"");
-  if (request.tolerance) line += fmt::format(" --tolerance {}", *request.tolerance);
-  if (request.exact) line += " --exact";
-  if (!request.out.empty()) line += fmt::format(" --out {}", request.out);
-  if (share.count > 1) line += fmt::format(" --shard {}/{}", share.index + 1, share.count);
-  return line;
 }
 
 /// Refuses a plane with holes, and says by which commands they are filled.
@@ -73,7 +60,7 @@ void require_all(const Request& request, const Partition& partition, const Known
     const auto lacking = missing[std::size_t(index)];
     if (lacking == 0) continue;
     if (commands.size() < most)
-      commands.push_back(fmt::format("{} ({} points)", command_of(request, {index, count}), lacking));
+      commands.push_back(fmt::format("{} ({} points)", command_of(request, "map", {index, count}), lacking));
     else
       ++more;
   }
@@ -89,7 +76,7 @@ Status forecast(const Job& job, const Partition& partition, const KnownPoints& k
         "{}: no part of the plane has been computed yet, so that nothing is known of its time; a sample of it is "
         "computed by '{}'",
         job.folder().string(),
-        command_of(job.request(), {0, int(std::clamp<std::size_t>(partition.count(), 1, 100))})));
+        command_of(job.request(), "map", {0, int(std::clamp<std::size_t>(partition.count(), 1, 100))})));
   const auto seconds = analysis::planes::filled_up(known.costs(), partition.count());
   double all = 0;
   for (const double part : seconds) all += part;

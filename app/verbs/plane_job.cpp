@@ -13,6 +13,7 @@
 #include "app/output/planes.hpp"
 #include "app/scene/family.hpp"
 #include "app/verbs/journal.hpp"
+#include "core/process.hpp"
 
 namespace rosin::app::verbs {
 
@@ -55,6 +56,16 @@ std::string document_of(const scene::Scene& scene, const output::MapResult& resu
 }
 
 }  // namespace
+
+std::string command_of(const Request& request, const std::string& verb, analysis::planes::Share share) {
+  auto line = fmt::format("rosin {} {}", verb, shell_word(request.target));
+  for (const auto& given : request.overrides) line += " --set " + shell_word(given);
+  if (request.tolerance) line += fmt::format(" --tolerance {}", *request.tolerance);
+  if (request.exact) line += " --exact";
+  if (!request.out.empty()) line += " --out " + shell_word(request.out);
+  if (share.count > 1) line += fmt::format(" --shard {}/{}", share.index + 1, share.count);
+  return line;
+}
 
 PlaneJob::PlaneJob(Job& job_) : job(job_), options(job_.scene().map) {
   auto& scene = job.scene();

@@ -5,10 +5,14 @@
 #include <vector>
 
 #include "analysis/planes/map.hpp"
+#include "analysis/planes/parts.hpp"
 #include "app/output/results.hpp"
 #include "app/verbs/job.hpp"
 
 namespace rosin::app::verbs {
+
+/// The command that asks a verb about the same plane, `map` for one share of it.
+std::string command_of(const Request&, const std::string& verb, analysis::planes::Share = {});
 
 struct PlaneJob {
   explicit PlaneJob(Job&);

@@ -157,6 +157,7 @@ std::string document_of(const scene::Scene& scene, const analysis::steady::Struc
                      {"error", {{"eigenvalue", mode.error}}}});
   if (scan) {
     document["parameter"] = scene.stability_scan->parameter.name;
+    document["unit"] = scene.stability_scan->parameter.unit;
     auto& thresholds = document["thresholds"] = ordered_json::array();
     for (std::size_t i = 0; i < scan->thresholds.size(); ++i) {
       const auto& threshold = scan->thresholds[i];

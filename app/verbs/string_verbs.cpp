@@ -104,7 +104,6 @@ std::string document_of(const scene::Scene& scene, const StringRecord& record, c
     units[column.name] = column.unit;
   }
   document["columns"] = std::move(columns);
-  document["units"] = std::move(units);
   auto& events = document["events"] = ordered_json::array();
   const double step = task.model.string.step();
   for (const auto& slip : transient.slips)
@@ -115,7 +114,13 @@ std::string document_of(const scene::Scene& scene, const StringRecord& record, c
                       {"bow_speed", slip.bow_speed}});
   document["regime"] = name_of(transient.regime);
   auto values = ordered_json::object(), errors = values;
-  for (const auto& metric : metrics) values[metric.name] = metric.value, errors[metric.name] = metric.error;
+  auto& meanings = document["meaning"] = ordered_json::object();
+  for (const auto& metric : metrics) {
+    values[metric.name] = metric.value, errors[metric.name] = metric.error;
+    if (units.contains(metric.name)) continue;  // of a column
+    units[metric.name] = metric.unit, meanings[metric.name] = metric.meaning;
+  }
+  document["units"] = std::move(units);
   document["metrics"] = std::move(values);
   document["error"] = std::move(errors);
   document["string"] = {{"surface_impedance", task.model.string.surface_impedance()},

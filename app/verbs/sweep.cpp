@@ -142,6 +142,7 @@ std::string document_of(const scene::Scene& scene, const Sweep& sweep, double se
   const auto& axis = scene.sweep.axis;
   auto document = output::begin(scene, "sweep", sweep.outcome);
   document["parameter"] = axis.parameter;
+  document["unit"] = scene.describe(axis.parameter).unit;
   document["values"] = axis.values;
   const auto both = [&](auto of) { return ordered_json{{"up", of(sweep.up)}, {"down", of(sweep.down)}}; };
   if (sweep.metrics.empty()) {

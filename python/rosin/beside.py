@@ -15,8 +15,10 @@ NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
 
 def with_error(value: float, error: float) -> str:
     """The value to the digit that its error leaves, and the error: "12.00103129 ± 2e-08"."""
-    if not math.isfinite(value) or not math.isfinite(error):
+    if not math.isfinite(value):
         return f"{value:.6g}"
+    if not math.isfinite(error):
+        return f"{value:.6g}, of unknown error"
     if error <= 0:
         return f"{value:.10g}"
     of_error = math.floor(math.log10(error))
@@ -86,7 +88,7 @@ class Beside:
         return "<table>\n" + "\n".join([row(self.header, "th"), *(row(one, "td") for one in self.rows)]) + "\n</table>"
 
 
-def beside(rows: Iterable[tuple[str, str | float, float, float]], against: str = "printed") -> Beside:
+def beside(rows: Iterable[tuple[str, str | float, float, float | None]], against: str = "printed") -> Beside:
     """Printed numbers and those of rosin as a table.
 
     Parameters
@@ -94,7 +96,7 @@ def beside(rows: Iterable[tuple[str, str | float, float, float]], against: str =
     rows : iterable of (what, printed, found, error)
         `what` names the quantity with its unit. `printed` is a text such as ``"12"``, ``"0.09 ± 0.01"`` or
         ``"10 … 11"``: half of its last digit counts as its error where none is said. A number in its place is exact.
-        `error` is that of `found`.
+        `error` is that of `found`; None where it is not known.
     against : str
         What stands above the numbers of others.
 
@@ -105,6 +107,7 @@ def beside(rows: Iterable[tuple[str, str | float, float, float]], against: str =
     """
     lines = []
     for what, printed, found, error in rows:
+        found, error = float(found), math.nan if error is None else float(error)
         other = Printed.read(printed)
         difference = with_error(other.difference(found), other.accuracy + error)
         lines.append((what, other.text, with_error(found, error), difference))

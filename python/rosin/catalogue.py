@@ -65,7 +65,7 @@ def normal_laws() -> list[Law]:
 
 
 def _cards(kind: str) -> list[Law]:
-    _, output, _ = perform(["laws", "--json"])
+    _, output, *_ = perform(["laws", "--json"])
     return [
         Law(
             **{key: card[key] for key in ("name", "title", "formula", "source", "limits")},

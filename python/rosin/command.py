@@ -8,7 +8,7 @@ from . import _rosin
 from .errors import InputError
 
 
-def perform(words: list[str], origin: str = "", text: str | None = None, progress: bool = False) -> tuple[bool, str, str]:
+def perform(words: list[str], origin: str = "", text: str | None = None, progress: bool = False) -> tuple[bool, str, str, str]:
     """A command line as the command `rosin` performs it, within this process.
 
     Returns
@@ -16,6 +16,8 @@ def perform(words: list[str], origin: str = "", text: str | None = None, progres
     complete : bool
     output, messages : str
         What the command prints to standard output and to standard error.
+    folder : str
+        The results folder, where one was asked for.
 
     Raises
     ------
@@ -35,11 +37,11 @@ def perform(words: list[str], origin: str = "", text: str | None = None, progres
             bar.update(100 - bar.n)
     else:
         answer = _rosin.perform(words, text)
-    status, *streams = answer
+    status, *streams, folder = answer
     output, messages, wrong = (stream.decode(errors="replace") for stream in streams)
     if status == 2:
         raise InputError(*_placed(wrong.strip().removeprefix("rosin: "), origin))
-    return status == 0, output, messages
+    return status == 0, output, messages, folder
 
 
 def _placed(wrong: str, origin: str) -> tuple[str, str]:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Callable
 
 from .errors import InputError
+from .result import Result
 
 if TYPE_CHECKING:
     import numpy
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from .result import Result
 
 # Lines differ in dash as well as in colour: readable in grey and by the colour-blind.
 LINES = [
@@ -83,6 +82,8 @@ def plot(result: Result, what: str | list[str] | None = None, *, width: float | 
     """
     import matplotlib.pyplot as pyplot
 
+    if not isinstance(result, Result):
+        raise TypeError(f"results are drawn, such as scene.run(), not {type(result).__name__}")
     if width is not None and not 60 <= width <= 250:
         raise InputError("", f"width = {width} is outside 60 … 250 (width of pictures in print, mm)")
     narrow = width is not None and width < 130
@@ -93,18 +94,28 @@ def plot(result: Result, what: str | list[str] | None = None, *, width: float | 
         raise InputError("", f"a result of '{result.verb}' ({result.outcome}) has no plane or table to draw")
     draw = {"map": _plane, "basin": _plane, "cycle": _loop, "sweep": _sweep, "branch": _branch, "fit": _fit}.get(
         result.verb, _columns)
+    if "start" in data.dims:
+        draw = _starts
     if result.verb == "compare" and "scale" in next(iter(data.coords.values())).attrs:
         draw = _plane
-    names = draw.chosen(data) if what is None else [what] if isinstance(what, str) else list(what)
-    for name in names:
-        if name not in data:
-            raise InputError("", f"there is no '{name}' to draw; known here: {', '.join(map(str, data.data_vars))}")
+    usual = draw.chosen(data)
+    names = usual if what is None else [what] if isinstance(what, str) else list(what)
+    known = usual if draw is _fit else [str(name) for name in data.variables if data[name].dims == data[usual[0]].dims]
+    for name in names or [""]:
+        if name not in known:
+            raise InputError("", f"there is no '{name}' to draw; known here: "
+                                 f"{', '.join(one for one in known if one not in data.coords)}")
     with pyplot.rc_context({**STYLE, "font.size": points, "legend.fontsize": 0.9 * points}):
         figure = draw(data, names, narrow)
-        figure.suptitle(result.raw.get("title", ""), fontsize=1.1 * points, wrap=True)
+        figure.suptitle(_plain(result.raw.get("title", "")), fontsize=1.1 * points, wrap=True)
         if width is not None:
             figure.set_size_inches(width / 25.4, figure.get_size_inches()[1] * points / STYLE["font.size"])
         return figure
+
+
+def _plain(words: str) -> str:
+    """Words of a scene, as they are: matplotlib sets what stands between two dollars as a formula."""
+    return words.replace("$", r"\$")
 
 
 def _label(data: xarray.Dataset, name: str) -> str:
@@ -147,9 +158,10 @@ def _plane(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
     figure, axes = pyplot.subplots(down, across, figsize=(5.6 * across, 4.4 * down), squeeze=False, sharey=True)
     for ax, (name, member, plane) in zip(axes.flat, panels):
         if member is not None:
-            ax.set_title(str(member), fontsize=pyplot.rcParams["font.size"])
+            ax.set_title(_plain(str(member)), fontsize=pyplot.rcParams["font.size"])
         y, x = map(str, plane.dims)
-        edges = _edges(data[x]), _edges(data[y])
+        plane = plane.isel({over: _on_scale(plane[over]) for over in (x, y)})
+        edges = _edges(plane[x]), _edges(plane[y])
         words = plane.attrs.get("flag_meanings", "").split()
         if words:
             colours = ["#E8EEF4", "#00336F", "#B0560F", "#3A8F5C", "#8A4FA3", "#555555", "#C9A227", "#7FA6CC"]
@@ -187,6 +199,17 @@ def _plane(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
     return figure
 
 
+def _on_scale(axis: xarray.DataArray) -> slice:
+    """The values that rise along the scale; behind them stand those that a scene adds, such as 0 of a logarithmic one."""
+    import numpy
+
+    values = axis.values
+    rises = numpy.append(True, values[1:] > values[:-1])
+    if axis.attrs.get("scale") == "log":
+        rises &= values > 0
+    return slice(int(numpy.argmin(numpy.append(rises, False))))
+
+
 def _edges(axis: xarray.DataArray) -> numpy.ndarray:
     """Where cells around the values of an axis meet: half way, on its scale."""
     import numpy
@@ -204,6 +227,26 @@ def _middles(values: numpy.ndarray) -> numpy.ndarray:
 
     between = (values[1:] + values[:-1]) / 2
     return numpy.concatenate([[2 * values[0] - between[0]], between, [2 * values[-1] - between[-1]]])
+
+
+@_chosen(lambda data: ["attractor"])
+def _starts(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
+    """Random starts, and what each comes to."""
+    import matplotlib.pyplot as pyplot
+
+    x, y = [str(name) for name, one in data.items() if one.dtype.kind == "f"]
+    figure, axes = pyplot.subplots(len(names), 1, figsize=(5.6, 4.4 * len(names)), squeeze=False, sharex=True)
+    for ax, name in zip(axes[:, 0], names):
+        words = data[name].attrs.get("flag_meanings", "").split()
+        for number, value in enumerate(sorted(set(data[name].values))):
+            of = data.isel(start=data[name].values == value)
+            flags = list(data[name].attrs.get("flag_values", []))
+            ax.plot(of[x], of[y], linestyle="none", marker="os^vD"[number % 5], markersize=4, color=LINES[number % len(LINES)]["color"],
+                    label=words[flags.index(value)].replace("_", " ") if value in flags else f"{name} = {value:g}")
+        ax.set_ylabel(_label(data, y))
+        ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if narrow else 3)
+    axes[-1, 0].set_xlabel(_label(data, x))
+    return figure
 
 
 def _unit(column: xarray.DataArray) -> str:
@@ -266,7 +309,7 @@ def _member(data: xarray.Dataset, many: str | None, number: int | None) -> str |
         return None
     value = data[many].values[number]
     if many == "member":
-        return str(value)
+        return _plain(str(value))
     unit = _unit(data[many]).strip(" ()")
     return f"${SYMBOLS.get(many, many)}$ = {value:g} {unit}".rstrip()
 
@@ -349,7 +392,7 @@ def _loop(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
 
 def _of_sweep(data: xarray.Dataset) -> list[str]:
     """One quantity, in all directions in which it was recorded."""
-    names = [str(name) for name, one in data.items() if one.ndim == 2]
+    names = [str(name) for name in data if "_error_" not in str(name)]
     stem = names[0].removesuffix("_up").removesuffix("_down")
     return [name for name in names if name.removesuffix("_up").removesuffix("_down") == stem]
 
@@ -361,8 +404,9 @@ def _sweep(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
 
     figure, ax = pyplot.subplots(figsize=(7, 4.4))
     over = str(data[names[0]].dims[0])
+    size = 2.2 if data[names[0]].ndim > 1 else 5  # a cloud of moments, or one number at each value
     for number, name in enumerate(names):
-        ax.plot(data[over], data[name], linestyle="none", marker="os^vD"[number % 5], markersize=2.2 - 0.6 * (number % 2),
+        ax.plot(data[over], data[name], linestyle="none", marker="os^vD"[number % 5], markersize=size * (1 - 0.27 * (number % 2)),
                 markeredgewidth=0, color=LINES[number % len(LINES)]["color"])
         ax.plot([], [], linestyle="none", marker="os^vD"[number % 5], color=LINES[number % len(LINES)]["color"],
                 label=data[name].attrs.get("long_name", name).replace("_", " "))

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import tables
+from . import _rosin, tables
 
 if TYPE_CHECKING:
     import xarray
@@ -52,14 +52,16 @@ class Result:
             if isinstance(self.raw.get(table), dict):
                 entries = {name: one["value"] if isinstance(one, dict) and "value" in one else one
                            for name, one in self.raw[table].items()}
-                return _numbers(entries)
+                return {name: one for name, one in _numbers(entries).items() if _of(name) not in entries}
         return _numbers({name: one for name, one in self.raw.items() if name != "tolerance"})
 
     @property
     def error(self) -> dict[str, Any]:
         """Estimated absolute errors by name; standard errors of fitted parameters."""
-        if "error" in self.raw:
-            return self.raw["error"]
+        if "error" in self.raw:  # averages have theirs beside them
+            averages = self.raw.get("metrics")
+            beside = _numbers(averages) if isinstance(averages, dict) else {}
+            return self.raw["error"] | {_of(name): one for name, one in beside.items() if _of(name) in beside}
         fitted = self.raw.get("parameters")
         if not isinstance(fitted, dict):
             return {}
@@ -67,10 +69,11 @@ class Result:
 
     @property
     def units(self) -> dict[str, str]:
-        """Units by name, where the document tells them."""
-        if "units" in self.raw or self.verb != "fit":
-            return self.raw.get("units", {})
-        return {name: one.get("unit", "1") for name, one in self.raw.get("parameters", {}).items()}
+        """Units by name, of series and of single numbers, where they are known."""
+        if self.verb == "fit":
+            return {name: one.get("unit", "1") for name, one in self.raw.get("parameters", {}).items()}
+        stated: dict[str, str] = self.raw.get("units", {})
+        return stated | {name: unit for name in self.metrics if (unit := _rosin.unit_of(name, stated))}
 
     @property
     def notes(self) -> list[str]:
@@ -89,6 +92,10 @@ class Result:
         """Further tables by name: data and residuals of a fit, peaks of an experiment, events of a branch, …"""
         return tables.beside(self)
 
+    def __getstate__(self) -> dict[str, Any]:  # its files may be gone where it arrives, as between processes
+        self.dataset, self.tables
+        return self.__dict__
+
     def __repr__(self) -> str:
         lines = [f"<rosin.Result of {self.verb}: {self.outcome}>"]
         for name, number in self.metrics.items():
@@ -96,6 +103,11 @@ class Result:
             lines.append(f"  {name:<24} {number:.10g}" + (f" ± {error:.0e}" if isinstance(error, (int, float)) and error else "")
                          + (f" {self.units[name]}" if self.units.get(name, "1") != "1" else ""))
         return "\n".join(lines)
+
+
+def _of(name: str) -> str:
+    """What a number is the error of; empty where it is none."""
+    return name.removesuffix("_error") if name.endswith("_error") else ""
 
 
 def _numbers(entries: dict[str, Any]) -> dict[str, float]:

@@ -39,6 +39,8 @@ class Scene:
     """
 
     def __init__(self, content: Mapping[str, Any]) -> None:
+        if not isinstance(content, Mapping):
+            raise TypeError(f"a scene is made of a mapping, not of {type(content).__name__}; rosin.load reads a file")
         self._path: str | None = None
         self._text = toml.document(content)
         self._changes: tuple[str, ...] = ()
@@ -51,7 +53,7 @@ class Scene:
         if scene._path.startswith("-"):  # which would be read as an option
             scene._path = "./" + scene._path
         try:
-            scene._text = Path(path).read_text(encoding="utf-8")
+            scene._text = Path(path).read_text(encoding="utf-8-sig")  # editors of Windows begin with a mark
             scene._document = tomllib.loads(scene._text)
         except OSError as problem:
             raise InputError(scene._path, problem.strerror or str(problem)) from None
@@ -71,12 +73,15 @@ class Scene:
             Keys with dots between them, ``"drive.speed"``; entries of lists are numbered from 1.
         value
             A boolean, a number (in SI units), a text (also a quantity with its unit, ``"10 um/s"``), a list or a
-            mapping.
+            mapping; an array, which an attribute ``units`` makes quantities, such as ``plane.dataset.normal_load[3]``.
         """
+        if not isinstance(path, str):
+            raise TypeError(f"a path is a text, such as 'drive.speed', not {type(path).__name__}")
         scene = copy.copy(self)
         written = toml.value(value, path)
         scene._document = copy.deepcopy(self._document)
-        keys = path.split(".")
+        own = path if self._has(path) else _rosin.own_path(self.toml, path)
+        keys = own.split(".")
         at: Any = scene._document
         for depth, key in enumerate(keys):
             last = depth == len(keys) - 1
@@ -94,11 +99,21 @@ class Scene:
             else:
                 raise InputError(path, f"{'.'.join(keys[:depth])} is {at!r}, not a table")
             if last:
+                if isinstance(at, dict) and index not in at:  # what stands there under another program's name gives way
+                    for other in [one for one in at if _rosin.own_path(self.toml, ".".join([*keys[:-1], one])) == own]:
+                        del at[other]
                 at[index] = tomllib.loads("value = " + written)["value"]
             else:
                 at = at[index]
         scene._changes = (*self._changes, f"{path}={written}")
         return scene
+
+    def _has(self, path: str) -> bool:
+        try:
+            self.get(path)
+        except KeyError:
+            return False
+        return True
 
     def get(self, path: str) -> Any:
         """What the scene says at a path, as it stands there.
@@ -131,8 +146,8 @@ class Scene:
         with contextlib.ExitStack() as undone:
             if out is None:
                 undone.callback(shutil.rmtree, folder, ignore_errors=True)
-            complete, output, messages = perform([*words, target], target, self._text, progress)
-            result = Result(verb, complete, output, messages, folder)
+            complete, output, messages, made = perform([*words, target], target, self._text, progress)
+            result = Result(verb, complete, output, messages, Path(made).absolute())
             if out is None:
                 weakref.finalize(result, undone.pop_all().close)
             else:

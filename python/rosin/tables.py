@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from . import _rosin
 
 if TYPE_CHECKING:
     import xarray
@@ -17,10 +19,6 @@ BESIDE = {"run": ["stick-slip"], "branch": ["locus"], "fit": ["fit-curve-*", "fi
 
 # Verbs whose NetCDF files have more than a table.
 PLANES = {"map", "sweep", "basin"}
-
-# Of what documents have without its unit: columns in which members of a comparison are followed, parameters of a scan.
-UNITS = {"time": "s", "slip_rate": "m/s", "displacement": "m", "velocity": "m/s", "friction_force": "N", "normal_load": "N",
-         "speed": "m/s", "mass": "kg", "stiffness": "N/m", "damping": "N s/m", "mu_s": "1", "mu_d": "1", "lambda": "1"}
 
 
 def dataset(result: Result) -> xarray.Dataset | None:
@@ -98,11 +96,6 @@ def _table(table: Path, result: Result, errors: Mapping[str, Any] | None = None)
     return _titled(xarray.Dataset(data), result)
 
 
-def _last(path: str) -> str:
-    """The name that the commands' own planes give to the axis of a path: ``normal_load`` of ``drive.normal_load``."""
-    return path.rsplit(".", 1)[-1]
-
-
 def _family(result: Result) -> xarray.Dataset:
     """Frequency responses over the parameter of their family."""
     import xarray
@@ -111,7 +104,7 @@ def _family(result: Result) -> xarray.Dataset:
     members = []
     for number, _ in enumerate(family["members"], 1):
         members.append(_table(result.folder / f"frf-{number}.csv", result))
-    name = _last(family["parameter"])
+    [name] = _rosin.axis_names([family["parameter"]], list(map(str, members[0].variables)))
     along = xarray.DataArray([one["value"] for one in family["members"]], dims=name, name=name,
                              attrs={"units": family["unit"], "long_name": name.replace("_", " ")})
     return xarray.concat(members, dim=along, combine_attrs="override")
@@ -122,7 +115,7 @@ def _path(result: Result) -> xarray.Dataset:
     import numpy
     import xarray
 
-    name = _last(result.raw["parameter"])
+    [name] = _rosin.axis_names([result.raw["parameter"]], ["mode", "growth_rate", "frequency"])
     values = numpy.array(result.raw["path"]["value"], dtype=float)
     modes = result.raw["path"]["eigenvalues"]
     most = max(map(len, modes))
@@ -131,9 +124,7 @@ def _path(result: Result) -> xarray.Dataset:
     return xarray.Dataset(
         {"growth_rate": ((name, "mode"), pairs[..., 0], {"units": "1/s", "long_name": "growth rate"}),
          "frequency": ((name, "mode"), numpy.abs(pairs[..., 1]) / (2 * numpy.pi), {"units": "Hz", "long_name": "frequency"})},
-        coords={name: (name, values, {"long_name": name.replace("_", " ")}
-                       | ({"units": UNITS[name]} if name in UNITS else {}))})
-
+        coords={name: (name, values, {"units": result.raw["unit"], "long_name": name.replace("_", " ")})})
 
 
 def _series(result: Result) -> xarray.Dataset:
@@ -150,7 +141,7 @@ def _series(result: Result) -> xarray.Dataset:
     length = max(map(len, lists[over]))
     data: dict[str, Any] = {}
     for column, members in lists.items():
-        about = {"units": UNITS.get(column, "1"), "long_name": column.replace("_", " ")}
+        about = {"units": _rosin.unit_of(column, {}) or "1", "long_name": column.replace("_", " ")}
         if column == over and common:
             data[column] = (over, members[0], about)
         else:
@@ -160,11 +151,11 @@ def _series(result: Result) -> xarray.Dataset:
     return whole if common else whole.set_coords(over)
 
 
-def _axes(result: Result) -> tuple[dict[str, Any], tuple[str, str]]:
-    """Coordinates of a plane, and its dimensions."""
+def _axes(result: Result, taken: Iterable[str]) -> tuple[dict[str, Any], tuple[str, str]]:
+    """Coordinates of a plane, and its dimensions; names of variables are taken."""
     coordinates, dimensions = {}, []
-    for axis in (result.raw["y"], result.raw["x"]):
-        name = _last(axis["parameter"])
+    axes = [result.raw["y"], result.raw["x"]]
+    for axis, name in zip(axes, _rosin.axis_names([axis["parameter"] for axis in axes], list(taken))):
         about = {"units": axis["unit"], "long_name": name.replace("_", " "), "scale": axis["scale"]}
         coordinates[name] = (name, axis["values"], about)
         dimensions.append(name)
@@ -176,11 +167,12 @@ def _planes(result: Result) -> xarray.Dataset:
     import numpy
     import xarray
 
-    coordinates, dimensions = _axes(result)
     planes = result.raw["planes"]
+    metrics = list(next(iter(planes.values()))["metrics"])
+    coordinates, dimensions = _axes(result, ["member", "regime", *metrics, *(f"{metric}_error" for metric in metrics)])
     coordinates["member"] = ("member", list(planes), {"long_name": "member of the comparison"})
     data: dict[str, Any] = {}
-    for metric in next(iter(planes.values()))["metrics"]:
+    for metric in metrics:
         for suffix, table in (("", "metrics"), ("_error", "error")):
             values = numpy.array([one[table][metric] for one in planes.values()], dtype=float)
             words = metric.replace("_", " ")
@@ -196,7 +188,7 @@ def _strings(result: Result) -> xarray.Dataset:
     import numpy
     import xarray
 
-    coordinates, dimensions = _axes(result)
+    coordinates, dimensions = _axes(result, ["member", "transient_length", "reproducible", "separation"])
     members = result.raw["members"]
     coordinates["member"] = ("member", [one["name"] for one in members], {"long_name": "member of the comparison"})
 
@@ -217,8 +209,8 @@ def _design(result: Result) -> xarray.Dataset:
     import numpy
     import xarray
 
-    coordinates, dimensions = _axes(result)
-    words = ("information on ln " + _last(result.raw["parameter"]) if "parameter" in result.raw
+    coordinates, dimensions = _axes(result, ["discriminability", "discriminability_error", "repeats"])
+    words = ("information on ln " + result.raw["parameter"].rsplit(".", 1)[-1] if "parameter" in result.raw
              else "log-likelihood ratio of one measurement")
     data: dict[str, Any] = {}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -30,8 +31,8 @@ def value(given: Any, path: str) -> str:
     """
     if path.count(".") > 100:
         raise InputError(path[:60] + "…", "lies more than 100 levels deep")
-    if hasattr(given, "tolist"):  # of numpy and xarray
-        given = given.tolist()
+    if hasattr(given, "__array__"):  # of numpy, xarray, pandas
+        given = _listed(given)
     if isinstance(given, bool):
         return "true" if given else "false"
     if isinstance(given, (int, float)):
@@ -41,10 +42,27 @@ def value(given: Any, path: str) -> str:
     if isinstance(given, Mapping):
         inner = (f"{key(str(name))} = {value(one, f'{path}.{name}')}" for name, one in given.items())
         return "{ " + ", ".join(inner) + " }"
-    if isinstance(given, (list, tuple)):
+    if isinstance(given, os.PathLike):
+        return text(os.fspath(given))
+    if isinstance(given, (list, tuple, range)):
         return "[" + ", ".join(value(one, f"{path}.{i}") for i, one in enumerate(given, 1)) + "]"
     raise InputError(path, f"{given!r} is {type(given).__name__}; a scene holds booleans, numbers, texts, lists and "
                            "mappings")
+
+
+def _listed(array: Any) -> Any:
+    """An array as numbers, lists and texts; as quantities where it says its unit, as what rosin returns does."""
+    import numpy
+
+    plain = numpy.asarray(array).tolist()
+    unit = getattr(array, "attrs", {}).get("units", "1")
+    return plain if unit == "1" else _with_unit(plain, unit)
+
+
+def _with_unit(plain: Any, unit: str) -> Any:
+    if isinstance(plain, list):
+        return [_with_unit(one, unit) for one in plain]
+    return f"{plain!r} {unit}"
 
 
 def document(content: Mapping[str, Any]) -> str:

@@ -1,6 +1,8 @@
 """The numbers are those of the command, to the last bit."""
 
+import gc
 import math
+import pickle
 import tomllib
 
 import pytest
@@ -94,3 +96,21 @@ def test_fitted_parameters_are_metrics(monkeypatch):
     assert result.raw["parameters"] == rosin.load(file).fit().raw["parameters"]
     assert result.metrics == {name: one["value"] for name, one in result.raw["parameters"].items()}
     assert result.error.keys() == result.metrics.keys()
+
+
+def test_the_folder_of_a_result_may_be_called_by_its_numbers(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = rosin.Scene(SLIDER).run(out="speed-{drive.speed}")
+    assert result.folder == tmp_path / "speed-0.1" and (result.folder / "run.csv").exists()
+    assert result.dataset.sizes["time"] == 1001
+
+
+def test_a_result_passes_between_processes_with_its_tables():
+    result = rosin.Scene(SLIDER).run()
+    passed = pickle.dumps(result)
+    expected = result.dataset
+    del result  # and its files
+    gc.collect()
+    passed = pickle.loads(passed)
+    assert not passed.folder.exists()
+    assert passed.dataset.identical(expected) and list(passed.tables) == ["stick-slip"]

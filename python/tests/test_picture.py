@@ -88,7 +88,45 @@ def test_a_sweep_is_drawn_by_one_quantity():
 
 def test_what_cannot_be_drawn_says_so():
     run = rosin.Scene(SLIDER).run()
-    with pytest.raises(rosin.InputError, match="there is no 'velocty' to draw; known here: displacement"):
-        rosin.plot(run, "velocty")
+    for what in ("velocty", "displacement_error", []):
+        with pytest.raises(rosin.InputError, match="there is no '.*' to draw; known here: displacement, velocity"):
+            rosin.plot(run, what)
+    with pytest.raises(TypeError, match="results are drawn"):
+        rosin.plot(run.dataset)
     with pytest.raises(rosin.InputError, match=r"a result of 'stability' \(reached the end\) has no plane or table"):
         rosin.plot(rosin.load(ROOT / "examples/load-step.toml").stability())
+
+
+def test_a_sweep_of_metrics_is_drawn_too():
+    scene = rosin.load(ROOT / "examples/coulomb-stick-slip.toml")
+    sweep = scene.set("sweep", {"parameter": "drive.speed", "from": 0.1, "to": 0.2, "points": 2, "record": "metrics"}).sweep()
+    [axes] = rosin.plot(sweep).axes
+    assert axes.get_xlabel() == "speed of the driving surface $V$ (m/s)"
+    assert axes.lines[0].get_ydata().tolist() == sweep.dataset.displacement_amplitude_up.values.tolist()
+
+
+def test_titles_and_names_are_no_formulas(tmp_path):
+    title = r"5 $ and \nonsense 6 $ of _ ^ {"
+    result = rosin.Scene({**SLIDER, "title": title}).run()
+    figure = rosin.plot(result)
+    figure.savefig(tmp_path / "run.png")  # sets the text
+    shown = figure._suptitle.get_text()
+    assert shown.replace(r"\$", "$") == title and shown.count("$") == shown.count(r"\$")
+
+
+def test_values_beside_the_scale_of_a_plane_are_left_out():
+    plane = rosin.load(ROOT / "examples/bristol-board-plane.toml").set("map.x.points", 3).set("map.y.points", 2)
+    result = plane.set("map.y.extra", [0]).map()
+    assert result.dataset["lambda"].size == 3
+    shown = rosin.plot(result, "stick_fraction").axes[0].collections[0].get_array()
+    assert numpy.ma.filled(shown, numpy.nan).ravel() == pytest.approx(result.dataset.stick_fraction.values[:2].ravel(),
+                                                                       nan_ok=True, abs=0)
+
+
+def test_random_starts_are_drawn_by_what_they_come_to():
+    axes = {"x": {"start": "displacement", "from": -2, "to": 3}, "y": {"start": "velocity", "from": -2, "to": 2}}
+    basin = rosin.load(ROOT / "examples/which-motion.toml").set("basin", {"samples": 12, **axes}).basin()
+    [drawn] = rosin.plot(basin).axes
+    assert drawn.get_xlabel() == "displacement at the start $x$ (m)"
+    assert sum(len(line.get_xdata()) for line in drawn.lines) == 12
+    assert {text.get_text() for text in drawn.get_legend().get_texts()} == {"steady 0", "cycle 1"}

@@ -29,6 +29,12 @@ def test_a_scene_is_its_file_as_it_was(tmp_path):
     assert scene.run().raw == rosin.Scene(SLIDER).run().raw != rosin.load(file).run().raw
 
 
+def test_a_file_may_begin_with_a_mark_of_its_encoding(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(rosin.Scene(SLIDER).toml, encoding="utf-8-sig")
+    assert rosin.load(file).run().raw == rosin.Scene(SLIDER).run().raw
+
+
 def test_entries_of_lists_are_numbered_from_1():
     scene = rosin.load(LARGE_PLANE)
     assert scene.get("map.metrics.1") == "stick_fraction"
@@ -102,3 +108,36 @@ def test_a_law_as_text():
         "parameters": {"mu0": {"default": 0.4, "unit": "1", "minimum": 0, "maximum": 5, "meaning": "coefficient"},
                        "v0": {"default": "1 mm/s", "unit": "m/s", "minimum": 1e-9, "maximum": 1, "meaning": "width"}}}})
     assert scene.stability().metrics["friction_coefficient"] == pytest.approx(0.4 * numpy.tanh(100))
+
+
+def test_arrays_with_units_are_quantities(tmp_path):
+    import xarray
+
+    scene = rosin.Scene(SLIDER)
+    for value in (xarray.DataArray(20.0, attrs={"units": "cm/s"}), xarray.DataArray(0.2), numpy.array(0.2)):
+        assert scene.set("drive.speed", value).run().raw == scene.set("drive.speed", 0.2).run().raw
+    with pytest.raises(rosin.InputError, match="is in N, but needed is m/s"):
+        scene.set("drive.speed", xarray.DataArray(1.0, attrs={"units": "N"})).run()
+    times = scene.set("run.times", xarray.DataArray([0.0, 1e3], attrs={"units": "ms"})).run().dataset.time
+    assert times.values.tolist() == scene.set("run.times", range(2)).run().dataset.time.values.tolist() == [0, 1]
+    record = tmp_path / "speed.csv"
+    record.write_text("0,0.1\n1,0.2\n")
+    assert scene.set("drive.speed", {"table": record}).run().complete
+
+
+def test_names_of_other_programs_are_what_rosin_calls_them():
+    scene = rosin.Scene(SLIDER)
+    faster = scene.set("drive.V", 0.2)
+    assert faster.get("drive.speed") == 0.2 and faster.toml == scene.set("drive.speed", 0.2).toml
+    assert faster.run().metrics == scene.set("drive.speed", 0.2).run().metrics
+    other = rosin.Scene({**SLIDER, "drive": {"V": 0.1, "normal_load": 1}}).set("drive.speed", 0.2)
+    assert other.get("drive") == {"normal_load": 1, "speed": 0.2}
+    assert rosin.Scene(tomllib.loads(other.toml)).run().metrics == other.run().metrics
+    assert scene.set("law", {"type": "aging"}).set("law.Dc", "3 um").get("law.L") == "3 um"
+
+
+def test_what_is_no_scene_and_no_path():
+    with pytest.raises(TypeError, match="rosin.load reads a file"):
+        rosin.Scene("scene.toml")
+    with pytest.raises(TypeError, match="a path is a text"):
+        rosin.Scene(SLIDER).set(3, 4)

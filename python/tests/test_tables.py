@@ -152,6 +152,8 @@ def test_printed_numbers_beside_found_ones():
     assert "<td>10 … 11</td>" in table._repr_html_()
     with pytest.raises(rosin.InputError, match="printed number 'about 12': one number, 'number ± error'"):
         rosin.beside([("period", "about 12", 12.0, 0.1)])
+    [row] = rosin.beside([("period", "12.0", xarray.DataArray(12.5), None)]).rows
+    assert row == ("period", "12.0", "12.5, of unknown error", "0.5, of unknown error")
 
 
 TABLES = [
@@ -199,3 +201,33 @@ def test_a_plane_of_one_axis_is_a_sweep():
     result = scene.map()
     assert result.verb == "sweep"
     assert result.dataset.stick_fraction_up.dims == ("normal_load",)
+
+
+def test_units_of_single_numbers():
+    cycle = asked("cycle", "coulomb-stick-slip", {})
+    assert (cycle.units["period"], cycle.units["slip_rate_max"], cycle.units["stick_fraction"]) == ("s", "m/s", "1")
+    run = rosin.Scene(SLIDER).run()
+    assert run.units["displacement_max"] == run.units["displacement"] == "m"
+    string = asked("run", "bowed-string", {})
+    assert (string.units["first_slip"], string.units["period"]) == ("s", "1")  # a period over that of the open string
+
+
+def test_errors_of_averages_are_errors():
+    block = asked("run", "elastic-block", {})
+    assert not [name for name in block.metrics if name.endswith("_error")]
+    assert 0 < block.error["apparent_friction"] < 0.1 * block.metrics["apparent_friction"]
+    assert (block.units["centre_x_amplitude"], block.units["centre_y_period"]) == ("m", "s")
+
+
+def test_a_scan_has_the_unit_of_its_parameter():
+    for path, unit in (("law.mu_s", "1"), ("oscillator.pull_stiffness", "N/m")):
+        scan = {"parameter": path, "from": 0.5, "to": 1, "points": 2}
+        data = asked("stability", "two-blocks-on-a-belt", {"stability": {"scan": scan}}).dataset
+        assert data[path.split(".")[1]].attrs["units"] == unit
+
+
+def test_axes_of_one_name_have_their_whole_paths():
+    axes = {name: {"parameter": path, "from": 0.5, "to": 1, "points": 2}
+            for name, path in (("x", "law.mu_s"), ("y", "oscillator.contacts.1.law.mu_s"))}
+    plane = asked("map", "two-blocks-on-a-belt", {"map": {**axes, "metrics": ["growth_rate"]}}).dataset
+    assert plane.growth_rate.dims == ("oscillator_contacts_1_law_mu_s", "law_mu_s")

@@ -62,3 +62,12 @@ TEST_CASE("a program is looked for once, from where the command was given", "[pr
   CHECK(found->is_absolute());
   CHECK(fs::equivalent(*found, tool));
 }
+
+TEST_CASE("a word of a command line that is copied reaches the program as it was", "[process]") {
+  CHECK(shell_word("map.x.points=40") == "map.x.points=40");
+  for (const std::string word : {"it's", "a b", "", "$(date)", "[1, 2]", "\"q\"", "~", "µ; exit 3", "a\nb"}) {
+    const auto ran = run_program({"/bin/sh", {"-c", "printf %s " + shell_word(word)}});
+    REQUIRE(ran);
+    CHECK(ran->output == word);
+  }
+}

@@ -5,8 +5,9 @@
 
 Run K of a seed is always the same, so that a finding is repeated by its number: --first K --runs 1. A finding is an
 execution that ended by a signal, with a status other than 0, 1, 2 and 130, or by the script's own clock although
---time-limit was given; a JSON document that does not parse or holds a NaN; status 0 or 1 without a document; a refusal
-(status 2) that names no place: no file, key or option; and output on standard error that is none of rosin's sentences.
+--time-limit was given; a JSON document that does not parse or holds a NaN; status 0 or 1 without a document; a report
+that is not whole or not small; an import that is no TOML; a refusal (status 2) that names no place: no file, key or
+option; and output on standard error that is none of rosin's sentences.
 """
 import argparse
 import json
@@ -19,6 +20,11 @@ import subprocess
 import sys
 import tempfile
 
+try:
+    import tomllib
+except ImportError:  # before Python 3.11
+    tomllib = None
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXTREMES = ["0", "-1", "1e-300", "1e300", "-1e300", "inf", "-inf", "nan", "1e-12", "1e15", "0.1", "3", "1000000",
             "99999999999", "9223372036854775807", "true", "''", "'x'", "'5 MPa'", "'1 furlong'", "[]", "{}", "[1, 2]",
@@ -26,12 +32,15 @@ EXTREMES = ["0", "-1", "1e-300", "1e300", "-1e300", "inf", "-inf", "nan", "1e-12
             "{ ramp = { from = 0, rate = 1 } }", "{ noise = { rms = 1, band = [1, 10] } }", "1979-05-27",
             "{ table = 'none.csv' }", "'a\\u0000b'" .replace("'", '"')]
 SMALL = {"map.x.points": (2, 5), "map.y.points": (2, 4), "run.samples": (1, 50), "study.cases": (1, 4),
-         "curve.points": (2, 40), "lab.samples": (64, 200)}  # where a scene has the table, so that runs stay short
+         "curve.points": (2, 40), "lab.samples": (64, 200), "sweep.points": (2, 5), "basin.x.points": (2, 4),
+         "basin.y.points": (2, 4)}  # where a scene has the table, so that runs stay short
 EXPERIMENTS = ["inclined-plane", "impulse", "velocity-step", "slide-hold-slide", "spring-pulled", "reciprocation",
                "frequency-response", "inverse"]
-VERBS = ["curve", "stability", "run", "cycle", "map", "compare", "lab", "frf", "fit", "study", "laws", "plot"]
+VERBS = ["curve", "stability", "run", "cycle", "map", "sweep", "branch", "basin", "lyapunov", "compare", "lab", "frf",
+         "fit", "study", "laws", "plot"]
+OF_OTHERS = ["merge", "report", "export", "import"]  # what the command or another program has written
 # A refusal begins with the file (and mostly line and key), the option, or what was named on the command line.
-PLACE = re.compile(r"^(rosin: |.*\.(toml|csv|nc|partial)\b|.*\.toml\b|--[a-z]|[^:]*/|\.: |law '|unknown (friction law|experiment|command))")
+PLACE = re.compile(r"^(rosin: |\d+ of \d+ points |.*\.(toml|csv|nc|partial|py|m|in)\b|.*\.toml\b|--[a-z]|[^:]*/|\.: |law '|unknown (friction law|experiment|command))")
 SECONDS = 4
 
 
@@ -193,6 +202,68 @@ def prepare(dice, folder):
     return arguments + ["--time-limit", str(SECONDS)]
 
 
+def prepare_files(dice, folder, rosin, environment):
+    """A folder with journals, results or another program's input, some of them damaged. Returns the arguments."""
+    verb = dice.choice(OF_OTHERS)
+    if verb == "import":
+        source = dice.choice(sorted((ROOT / "examples/import").iterdir()))
+        text = source.read_bytes()
+        if dice.random() < 0.8:
+            text = mutated(dice, text.decode()).encode("utf-8", "surrogateescape")
+        (folder / source.name).write_bytes(damaged(dice, text) if dice.random() < 0.3 else text)
+        return [verb, source.name] + (["--as", dice.choice(["rsfmodel", "qdyn", "eqcycle", "none"])] if dice.random() < 0.2 else [])
+    results = folder / "out/scene"
+    plane = ["scene.toml", "--exact", "--tolerance=1e-2", "--no-pictures", "--set", "map.x.points=33", "--set", "map.y.points=2"]
+    if verb == "merge":
+        scene, asked = "bristol-board-plane", [["map", *plane, "--shard", f"{k}/2"] for k in (1, 2)]
+    else:
+        scene, first = dice.choice([("coulomb-stick-slip", "run"), ("coulomb-stick-slip", "cycle"), ("brake-two-modes", "stability"),
+                                    ("velocity-step", "run"), ("two-blocks-on-a-belt", "run"), ("ageing-or-slip", "compare"),
+                                    ("frf-load-family", "frf"), ("fit-curve", "fit"), ("leine-belt-block", "cycle")])
+        asked = [[one, "scene.toml", "--tolerance=1e-3", "--no-pictures"] for one in (first, "curve")]
+    for data in (ROOT / "examples").glob("*.csv"):
+        shutil.copy(data, folder)
+    shutil.copy(ROOT / f"examples/{scene}.toml", folder / "scene.toml")
+    for words in asked[:dice.choice([1, 2, 2, 2])]:
+        subprocess.run([rosin, *words], cwd=folder, capture_output=True, timeout=60, env=environment)
+    results.mkdir(parents=True, exist_ok=True)
+    files = sorted(results.iterdir())
+    for file in dice.sample(files, dice.choice([0, 1, 1, 2, min(4, len(files))]) if len(files) > 1 else len(files)):
+        how = dice.random()
+        content = file.read_bytes()
+        file.unlink()
+        if how < 0.1:
+            file.mkdir()
+        elif how < 0.2:
+            file.symlink_to(folder / "scene.toml")
+        elif how < 0.9:
+            if file.suffix == ".json" and dice.random() < 0.6:  # still a document, of which something is another
+                content = changed(dice, content)
+            else:
+                content = damaged(dice, content)
+            file.write_bytes(content)
+    if verb == "merge":
+        return [verb, *plane, *dice.choice([[], [], ["--forecast"], ["--from", "out/scene"], ["--from", "none"], ["--set", "law.lambda=2"]])]
+    if verb == "export":
+        return [verb, "out/scene", "--as", dice.choice(["rsfmodel", "qdyn", "eqcycle", "none"])]
+    return [verb, "out/scene"]
+
+
+def changed(dice, content):
+    """A document with one to three of its values of another kind."""
+    document = json.loads(content)
+    for _ in range(dice.randint(1, 3)):
+        at = document
+        while isinstance(at, (dict, list)) and at:
+            key = dice.choice(list(at)) if isinstance(at, dict) else dice.randrange(len(at))
+            inner = at[key]
+            if not isinstance(inner, (dict, list)) or not inner or dice.random() < 0.3:
+                at[key] = dice.choice([None, 3, -1e300, "x", "</script><b>", True, [], {}, [1, 2], [[1, 2]], {"a": 1}, "1" * 5000])
+                break
+            at = inner
+    return json.dumps(document).encode()
+
+
 def no_constants(name):
     raise ValueError(f"{name} in JSON")
 
@@ -218,6 +289,15 @@ def finding(arguments, folder, rosin, environment):
         return ("a refusal with a document" if done.stdout else None), status
     if "broken off" in error:
         return "the work did not end in order", status
+    if status == 0 and arguments[0] == "report":
+        page = (folder / "out/scene/report.html").read_bytes()
+        if not page.rstrip().endswith(b"</html>") or len(page) > 1_000_000:
+            return f"a report of {len(page)} bytes, which is not whole or not small", status
+    if status == 0 and arguments[0] == "import" and tomllib:
+        try:
+            tomllib.loads(done.stdout.decode())
+        except ValueError as problem:
+            return f"TOML: {problem}", status
     if "--json" in arguments:
         if not done.stdout:
             known = lines[0].startswith("rosin: ")  # a file that could not be written, no memory
@@ -244,7 +324,7 @@ def main():
         dice = random.Random(asked.seed * 1_000_003 + k)
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
-            arguments = prepare(dice, folder)
+            arguments = prepare_files(dice, folder, rosin, environment) if dice.random() < 0.2 else prepare(dice, folder)
             problem, status = finding(arguments, folder, rosin, environment)
             statuses[status] = statuses.get(status, 0) + 1
             if problem:

@@ -127,3 +127,33 @@ TEST_CASE("a bracket or a text that does not end is refused with its line", "[im
   CHECK_THROWS_WITH(read("a = 1\nb = 'two\n"), Contains("script:2: a text begins here"));
   CHECK_THROWS_WITH(read("\n\n\"\"\"prose"), Contains("script:3: a text begins here"));
 }
+
+TEST_CASE("lists, and the choice by and or or, are those of Python", "[imports]") {
+  const auto script = read(
+      "v = np.array([1.] * 2 + [10.] * 3)\n"
+      "a = 0 or 0.006\n"
+      "b = 0.006 or 1\n"
+      "c = 2 and 0.5\n"
+      "d = [1, 2] - 1\n");
+  CHECK(vector(script, "v") == std::vector<double>{1, 1, 10, 10, 10});
+  CHECK(number(script, "a") == 0.006);
+  CHECK(number(script, "b") == 0.006);
+  CHECK(number(script, "c") == 0.5);
+  CHECK(unknown(script, "d"));
+  const auto matlab = read("a = 3 || 0;\nb = [1 2] - 1;\n", Dialect::matlab);
+  CHECK(number(matlab, "a") == 1);
+  CHECK(vector(matlab, "b") == std::vector<double>{0, 1});
+}
+
+TEST_CASE("what a statement may change unseen is not known", "[imports]") {
+  for (const char* change :
+       {"(a) = 2", "[a, b] = [2, 3]", "globals()['a'] = 2", "exec('a = 2')", "b.c[0].d = a[1] = 2"}) {
+    INFO(change);
+    CHECK(unknown(read("a = 1\n" + std::string(change) + "\n"), "a"));
+  }
+  CHECK(number(read("a = 1\na: float = 2\n"), "a") == 2);
+  CHECK(number(read("a = 1\nprint('a = 2')\nlabel = 'a'\n"), "a") == 1);
+  CHECK(unknown(read("a = 1;\neval('a = 2;');\n", Dialect::matlab), "a"));
+  const auto script = read("m = dict(x=1)\nl = [m]\nl[0].x = 2\n");
+  CHECK(record_of(script.variables().slots.find("m")->second.value)->handed_over == 3);
+}

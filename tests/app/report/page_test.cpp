@@ -22,6 +22,8 @@ using rosin::app::report::numbers;
 using rosin::app::report::ordered_json;
 using rosin::app::report::page_of;
 using rosin::app::report::Result;
+using rosin::app::report::unit_of;
+using rosin::app::report::unit_of_parameter;
 namespace fs = std::filesystem;
 
 namespace {
@@ -100,6 +102,24 @@ TEST_CASE("numbers of reports have the digits of their errors, and units with pr
   CHECK(known("drive.normal_load").symbol == "N");
 }
 
+TEST_CASE("the unit that a document states goes before the usual one", "[app][report]") {
+  const ordered_json units = {{"tilt", "rad"}, {"period", "1"}};  // of a string, over that of the open one
+  CHECK(unit_of("tilt_amplitude", units) == "rad");
+  CHECK(unit_of("period", units) == "1");
+  CHECK(unit_of("period", ordered_json()) == "s");
+  CHECK(unit_of("slip_rate_mean", units) == "m/s");
+  CHECK(unit_of("impact_work", units) == "J");
+  CHECK(unit_of("nothing", units).empty());
+  CHECK(unit_of_parameter(ordered_json{{"parameter", "law.period"}, {"unit", "1"}}) == "1");
+
+  const Folder folder;
+  REQUIRE(run_rosin(folder, "run " + examples + "bowed-string.toml --out out --no-pictures").status == 0);
+  REQUIRE(run_rosin(folder, "report out").status == 0);
+  const auto rows = section(content(folder.path / "out/report.html"), "run");
+  const auto row = rows.substr(rows.find("<tr><th scope=\"row\">period"), 120);
+  CHECK_THAT(row, Contains("</td><td>period at the end over that of the open string") && !Contains(" s</td>"));
+}
+
 TEST_CASE("a report has a section for each verb, with the numbers of its document", "[app][report]") {
   const Folder folder;
   for (const auto* verb : {"stability", "cycle", "curve"})
@@ -142,6 +162,18 @@ TEST_CASE("a report has a section for each verb, with the numbers of its documen
   const auto rates = numbers(data["series"][0]["data"][std::size_t(slip)]);
   CHECK(*std::max_element(rates.begin(), rates.end()) == Approx(cycle["slip_rate_max"].get<double>()).epsilon(1e-2));
   CHECK(count(page, "data-figure=\"cycle-1\"") == 2);  // the same numbers over time and as a loop
+}
+
+TEST_CASE("only the loop of a structure has the point that it must not go round", "[app][report]") {
+  const Folder folder;
+  for (const auto& [scene, marked] : {std::pair{"frf-load-family", false}, {"frf-squeal", true}}) {
+    INFO(scene);
+    REQUIRE(run_rosin(folder, "frf " + examples + scene + ".toml --no-pictures --out " + scene).status == 0);
+    REQUIRE(run_rosin(folder, std::string("report ") + scene).status == 0);
+    const auto page = content(folder.path / scene / "report.html");
+    CHECK(count(page, R"("label":"−1")") == int(marked));
+    CHECK_FALSE(figure(page, "frf-1").contains("marks"));
+  }
 }
 
 TEST_CASE("a report points nowhere but into itself", "[app][report]") {

@@ -47,8 +47,13 @@ int shell(const Folder& folder, const std::string& line) {
 TEST_CASE("four shares merged are the plane, byte for byte", "[merge]") {
   const Folder folder;
   REQUIRE(run_rosin(folder, "map " + plane + "--out whole").status == 0);
-  for (const char* share : {"1/4", "2/4", "4/4"})
-    REQUIRE(run_rosin(folder, "map " + plane + "--out parts --shard " + share).status == 0);
+  for (const char* share : {"1/4", "2/4", "4/4"}) {
+    const auto mapped = run_rosin(folder, "map " + plane + "--out parts --shard " + share);
+    REQUIRE(mapped.status == 0);
+    CHECK_THAT(mapped.out, Contains("rosin merge ") && Contains("--set map.x.points=40 ") &&
+                               Contains(" --tolerance 0.001 --exact --out parts\n"));  // which finds the shares
+  }
+  CHECK(run_rosin(folder, "map " + plane + "--out parts --shard \"$NOT_SET\"").status == 2);
   const auto early = run_rosin(folder, "merge " + plane + "--out parts");
   CHECK(early.status == 2);
   CHECK_THAT(early.error, Contains("points are missing in 3 journals") && Contains("--exact --out parts --shard 3/4"));

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/error.hpp"
@@ -11,6 +12,8 @@
 namespace fs = std::filesystem;
 using namespace rosin::app;
 using Catch::Matchers::Contains;
+using rosin::tests::Folder;
+using rosin::tests::run_rosin;
 
 TEST_CASE("the help of each verb names its tables, options with their defaults, and an example", "[app]") {
   std::set<std::string> names;
@@ -29,6 +32,22 @@ TEST_CASE("the help of each verb names its tables, options with their defaults, 
   CHECK_THAT(help_of("stress"), Contains("--scenes INT=1000"));
   CHECK_THAT(help_of("run"), Contains("[run]          duration and start") && Contains("[solver]"));
   CHECK_THROWS_AS(help_of("cicle"), rosin::InputError);
+}
+
+TEST_CASE("work that its time limit ends has spent its budget, and was not interrupted", "[app]") {
+  for (const char* asked : {"basin which-motion", "branch both-motions-in-two-parameters", "branch two-motions",
+                            "sweep forced-belt-sweep", "run coulomb-stick-slip", "map guettler-diagram"}) {
+    INFO(asked);
+    const Folder folder;
+    const std::string words = asked, verb = words.substr(0, words.find(' ')), name = words.substr(verb.size() + 1);
+    const auto long_run = verb == "run" ? " --set run.duration=1e8" : "";
+    const auto ended = run_rosin(folder, verb + " '" ROSIN_SOURCE_DIR "/examples/" + name + ".toml'" + long_run +
+                                             " --time-limit 0.05 --json --no-pictures --out out");
+    CHECK(ended.status == 1);
+    const auto document = nlohmann::json::parse(ended.out);
+    CHECK(document["outcome"] == "budget spent");
+    CHECK_THAT(document["outcome_detail"].get<std::string>(), Contains("the time limit of 0.05 s has passed"));
+  }
 }
 
 TEST_CASE("the example of each verb works", "[app][long]") {
