@@ -149,11 +149,15 @@ std::string follow_hopf(HopfProblem& problem, Continuation& continuation, const 
 /// The branch of cycles near one along one parameter at a value of the other, followed a little.
 class NearSpecial {
  public:
-  NearSpecial(Family2 family, const ParameterScale& scale, double tolerance, std::string kind)
-      : family_(std::move(family)), scale_(scale), tolerance_(tolerance), kind_(std::move(kind)) {}
+  NearSpecial(Family2 family, const ParameterScale& scale, double tolerance)
+      : family_(std::move(family)), scale_(scale), tolerance_(tolerance) {}
 
   /// The special point at q near one whose cycle is known.
-  std::optional<SpecialPoint> find(const SpecialPoint& known, double p, double q) const {
+  /// \param alike  one of another test serves as well, if that is told alike
+  std::optional<SpecialPoint> find(const SpecialPoint& known, double p, double q, bool alike = false) const {
+    const auto is_wanted = [&](const std::string& test) {
+      return alike ? shown_kind(test) == shown_kind(known.test) : test == known.test;
+    };
     const Family family = [&](double at) { return family_(at, q); };
     const double period = known.view.metrics.at("period"), drive = family(p)->drive_period();
     const int turns = drive > 0 ? int(std::lround(period / drive)) : 1;
@@ -172,8 +176,12 @@ class NearSpecial {
         auto start = continuation.branch_off(x, p, *along, -sign * reach);
         if (!start) continue;
         problem.refer_to(start->x, start->p, tolerance_);
-        const double before = test(*start);
-        continuation.arrived = [&](const BranchPoint& point) { return (test(point) > 0) == (before > 0); };
+        const auto value = [&](const BranchPoint& point) {
+          const auto test = std::ranges::find_if(point.view.tests, is_wanted, &Problem::Test::kind);
+          return test == point.view.tests.end() ? NAN : test->value;
+        };
+        const double before = value(*start);
+        continuation.arrived = [&](const BranchPoint& point) { return (value(point) > 0) == (before > 0); };
         // The unknowns may be others by now: the parameter and the period keep their meaning.
         auto onward = direction(problem, start->x, start->p);
         if (!onward) continue;
@@ -182,17 +190,16 @@ class NearSpecial {
         const auto branch = continuation.follow(*start, *onward);
         if (branch.outcome.ending == Ending::interrupted) throw Stopped{};
         for (const auto& special : branch.special)
-          if (shown_kind(special.kind) == kind_) return special;
+          if (is_wanted(special.kind)) {
+            auto wanted = special;
+            wanted.test = special.kind;
+            return wanted;
+          }
       }
     return std::nullopt;
   }
 
  private:
-  double test(const BranchPoint& point) const {
-    for (const auto& test : point.view.tests)
-      if (shown_kind(test.kind) == kind_) return test.value;
-    return NAN;
-  }
   /// Of the branch through a cycle, or near one.
   std::optional<Direction> direction(CycleProblem& problem, const VectorXd& x, double p) const {
     const auto found = problem.residual(x, p, tolerance_, true);
@@ -210,8 +217,9 @@ class NearSpecial {
   Family2 family_;
   ParameterScale scale_;
   double tolerance_;
-  std::string kind_;
 };
+
+constexpr double on_level = 1e-9;  // of the range of q
 
 /// A curve of special points, followed at whole steps of that parameter along which it runs: where it turns in one, the
 /// other goes on.
@@ -219,9 +227,9 @@ class SpecialCurve {
  public:
   SpecialCurve(const Family2& family, const SpecialPoint& start, double q, const LocusOptions& options)
       : scales_{options.p, options.q},
-        near_{NearSpecial(family, options.p, options.tolerance, start.kind),
+        near_{NearSpecial(family, options.p, options.tolerance),
               NearSpecial([family](double at_q, double at_p) { return family(at_p, at_q); }, options.q,
-                          options.tolerance, start.kind)},
+                          options.tolerance)},
         start_(start),
         q_(q),
         start_place_{options.p.coordinate(start.p), options.q.coordinate(q)},
@@ -232,7 +240,7 @@ class SpecialCurve {
   std::string follow(int sign, std::vector<LocusPoint>& points) {
     SpecialPoint at = start_;
     Place place = start_place_, tangent = {0, double(sign)};
-    bool knows_tangent = false, has_left = false;
+    bool knows_tangent = false, has_left = false, alike = false;
     constexpr double least = 1.0 / 64;
     for (double step = longest_;;) {
       end_if_stopped();
@@ -240,26 +248,31 @@ class SpecialCurve {
       if (tangent[along] > 0 ? place[along] >= 1 : place[along] <= 0) return {};
       const double next = next_step(place[along], tangent[along], step);
       const double expected = place[across] + tangent[across] / tangent[along] * (next - place[along]);
-      const auto found =
-          near_[across].find(at, scales_[across].value(std::clamp(expected, 0.0, 1.0)), scales_[along].value(next));
+      const auto found = near_[across].find(at, scales_[across].value(std::clamp(expected, 0.0, 1.0)),
+                                            scales_[along].value(next), alike);
       // Near a turn the other side of the curve is near as well.
       const double reached = found ? scales_[across].coordinate(found->p) : NAN;
       constexpr double most = 2;  // steps
       if (!found || (knows_tangent && std::abs(reached - expected) > most * std::abs(next - place[along]))) {
         step *= 0.5;
+        if (step < least * longest_ && !alike) {
+          alike = true, step = longest_;
+          continue;
+        }
         if (step < least * longest_)
           return expected < 0 || expected > 1
                      ? ""
                      : "no such cycle follows, however near: a cusp, or a point of another kind";
         continue;
       }
+      alike = false;
       const Place before = place;
       place[along] = next, place[across] = reached;
       tangent = {place[0] - before[0], place[1] - before[1]};
       knows_tangent = true;
       // Where it comes back to the value that it began at, it passes a special point of the branches there.
       const double level = start_place_[1];
-      if ((before[1] - level) * (place[1] - level) < 0) {
+      if ((before[1] - level) * (place[1] - level) < 0 && std::abs(place[1] - level) > on_level) {
         const double part = (level - before[1]) / tangent[1];
         if (const auto passed = near_[0].find(*found, scales_[0].value(before[0] + part * tangent[0]), q_))
           points.push_back({passed->p, q_, passed->error, 0, passed->view.metrics});
@@ -352,7 +365,8 @@ namespace {
 bool passes(const Locus& curve, const SpecialPoint& special, double q, const LocusOptions& options) {
   constexpr double same = 1e-6;  // of the range
   return curve.kind == special.kind && std::ranges::any_of(curve.points, [&](const LocusPoint& point) {
-           return point.q == q && std::abs(options.p.coordinate(point.p) - options.p.coordinate(special.p)) < same;
+           return std::abs(options.q.coordinate(point.q) - options.q.coordinate(q)) < on_level &&
+                  std::abs(options.p.coordinate(point.p) - options.p.coordinate(special.p)) < same;
          });
 }
 }  // namespace
