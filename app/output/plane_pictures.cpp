@@ -225,7 +225,7 @@ Marks marks(const analysis::planes::Map& map) {
                               mark.title, at, mark.style);
     at += 100;
   }
-  result.key += fmt::format("at = narrow ? 60 : {}; row = narrow ? 28 : 9\n", at);
+  result.key += fmt::format("at = narrow ? 12 : {}; row = narrow ? 28 : 9\n", at);
   const auto line = [&](const char* file, const char* dash, const char* title, int length) {
     for (const auto& [width, colour] : {std::pair{5, "#FFFFFF"}, {2, "#000000"}})
       result.curves +=

@@ -67,17 +67,17 @@ set encoding utf8
 # Lengths are pixels of a picture whose text is 13 pixels high; in print it is 7 or 8 points high.
 points = width == 0 ? 9.75 : width < 130 ? 7. : 8.
 wide = width == 0 ? {width}. : width / 25.4 * 72 * 13 / points
-narrow = wide < 600
-columns = narrow ? 1 : {columns}
-rows = ceil({panels}. / columns)
+narrow = width > 0 && width < 130
 frame = (narrow ? 0.75 : 1) * {panel}
 )",
-      fmt::arg("what", what), fmt::arg("name", name), fmt::arg("width", l.width), fmt::arg("columns", l.columns),
-      fmt::arg("panels", l.panels), fmt::arg("panel", l.panel));
+      fmt::arg("what", what), fmt::arg("name", name), fmt::arg("width", l.width), fmt::arg("panel", l.panel));
   script += wrapped("title_text", "title_rows", single_quoted(title), 7.5);
   script += wrapped("caption_text", "caption_rows", single_quoted(caption), 5.7);
   script += fmt::format(
       R"(left = {left} > 0.62 * wide ? 0.62 * wide : {left}
+columns = {columns}
+while (columns > 1 && (wide - left - {right} - (columns - 1) * {between_columns}) / columns < 195) {{ columns = columns - 1 }}
+rows = ceil({panels}. / columns)
 key_columns = {key} < 1 ? 1 : floor(((wide - left - {right} + {between_columns}) / columns - {between_columns}) / (7.3 * {longest} + 55))
 if (key_columns < 1) {{ key_columns = 1 }}
 if (key_columns > {key}) {{ key_columns = {key} }}
@@ -116,7 +116,8 @@ set style line 5 linecolor '#8A4FA3' linewidth 1.6 dashtype (4,2)
       fmt::arg("above_has_key", key_below ? "0" : "key_rows"), fmt::arg("below_has_key", key_below ? "key_rows" : "0"),
       fmt::arg("rows_below", l.rows_below), fmt::arg("narrow_rows_below", std::max(l.rows_below, l.narrow_rows_below)),
       fmt::arg("between_rows", l.between_rows), fmt::arg("between_columns", l.between_columns),
-      fmt::arg("left", l.left), fmt::arg("right", l.right), fmt::arg("set_key", set_key));
+      fmt::arg("columns", l.columns), fmt::arg("panels", l.panels), fmt::arg("left", l.left),
+      fmt::arg("right", l.right), fmt::arg("set_key", set_key));
   // Before the last plot: each of several would draw it again, and bolder.
   if (const auto last = std::max(panels.rfind("\nplot ") + 1, panels.rfind("\nsplot ") + 1); last > 0)
     panels.insert(last,

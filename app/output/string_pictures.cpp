@@ -339,10 +339,10 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
   script += "set object 1 rectangle from graph 0,0 to graph 1,1 fillcolor '#E69F00' fillstyle solid noborder behind\n";
   script += "set palette defined (0 '#FFFFFF', 1 '#111111')\nunset colorbox\nunset key\n";
   for (std::size_t k = 0; k < planes.size(); ++k) {
-    if (k + 1 == planes.size()) script += "set colorbox\nset cblabel 'transient (periods)'\n";
+    if (k + 1 == planes.size()) script += "set colorbox\n";
     script += fmt::format("set title {}\nplot 'compare.csv' using 1:2:3:4:5:6:{} with boxxyerror linecolor palette\n",
-                          single_quoted(task.members[k].name), 7 + k);
-    if (k == 0) script += "if (!narrow) { unset ylabel; set format y '' }\n";
+                          single_quoted(task.members[k].name + ", transient (periods)"), 7 + k);
+    if (k == 0) script += fmt::format("if (columns == {}) {{ unset ylabel; set format y '' }}\n", panels);
   }
   script += fmt::format(
       "set palette defined (0 '#FFFFFF', 1 '#00336F')\nset cbrange [0:*]\nset cblabel 'difference (periods)'\nset "

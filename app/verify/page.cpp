@@ -96,7 +96,8 @@ set xrange [5e-17:2]
 set yrange [{}.5:-0.5]
 set format x '10^{{%T}}'
 set xtics 1e-16, 100
-set ytics ({}) font narrow ? small : sprintf(',%.4g', 11/13.*size)
+tick_font = narrow ? small : sprintf(',%.4g', 11/13.*size)
+set ytics ({}) font tick_font
 set grid x linecolor '#DDDDDD'
 set xlabel 'difference over the number wanted (dimensionless)'
 )",

@@ -35,17 +35,6 @@ struct Inquiry {
   std::vector<Answer*> answers;
 };
 
-/// A word as a shell takes it.
-std::string shell_word(const std::string& word) {
-  const auto plain = [](unsigned char c) {
-    return std::isalnum(c) || std::string_view("-_./,:=+").find(char(c)) != std::string_view::npos;
-  };
-  if (!word.empty() && std::ranges::all_of(word, plain)) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 /// What behind `rosin` gives the answer to a question.
 std::vector<std::string> arguments_of(const Case& one, const Question& question) {
   auto arguments = question.words;

@@ -67,7 +67,7 @@ def plot(result: Result, what: str | list[str] | None = None, *, width: float | 
     what : str or list of str, optional
         Names of variables of ``result.dataset``, one panel each; left out: those that tell most.
     width : float, optional
-        Of the picture in print, from 60 to 250 mm: 85 for a column of a journal. Text is then 7 points high below 130 mm,
+        Of the picture in print, from 80 to 250 mm: 85 for a column of a journal. Text is then 7 points high below 130 mm,
         where panels stand one below the other, and 8 points above; left out: as on a screen.
 
     Returns
@@ -84,8 +84,8 @@ def plot(result: Result, what: str | list[str] | None = None, *, width: float | 
 
     if not isinstance(result, Result):
         raise TypeError(f"results are drawn, such as scene.run(), not {type(result).__name__}")
-    if width is not None and not 60 <= width <= 250:
-        raise InputError("", f"width = {width} is outside 60 … 250 (width of pictures in print, mm)")
+    if width is not None and not 80 <= width <= 250:
+        raise InputError("", f"width = {width} is outside 80 … 250 (width of pictures in print, mm)")
     narrow = width is not None and width < 130
     points = STYLE["font.size"] if width is None else 7 if narrow else 8
     pyplot.draw_if_interactive()  # loads the backend, whose rcParams rc_context would undo: notebooks then show nothing more

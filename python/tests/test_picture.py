@@ -31,7 +31,7 @@ def test_a_picture_for_a_column_of_a_journal():
     assert {text.get_fontsize() for ax in figure.axes for text in (ax.xaxis.label, ax.yaxis.label)} == {7}
     above, below = (ax.get_position() for ax in figure.axes[:2])
     assert above.x0 == below.x0 and above.y0 >= below.y1  # one below the other
-    with pytest.raises(rosin.InputError, match="width = 20 is outside 60 … 250"):
+    with pytest.raises(rosin.InputError, match="width = 20 is outside 80 … 250"):
         rosin.plot(result, width=20)
 
 

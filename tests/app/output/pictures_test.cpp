@@ -82,7 +82,7 @@ TEST_CASE("a width in print that no journal has is refused, and so is one withou
   std::ofstream(folder.path / "scene.toml") << "[law]\ntype = \"ageing\"\n";
   const auto narrow = run_rosin(folder, "curve scene.toml --width 20");
   CHECK(narrow.status == 2);
-  CHECK_THAT(narrow.error, Contains("--width") && Contains("60 … 250 (width of pictures in print, mm)"));
+  CHECK_THAT(narrow.error, Contains("--width") && Contains("80 … 250 (width of pictures in print, mm)"));
   const auto none = run_rosin(folder, "curve scene.toml --width 85 --no-pictures");
   CHECK(none.status == 2);
   CHECK_THAT(none.error, Contains("--width has no effect beside --no-pictures"));
