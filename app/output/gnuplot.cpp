@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "app/output/files.hpp"
+#include "core/files.hpp"
 #include "core/process.hpp"
 
 namespace rosin::app::output {
@@ -104,6 +105,12 @@ bool is_whole(const fs::path& picture, std::string_view format) {
   return file.read(last.data(), length) && last == end;
 }
 
+/// Whether a script draws its picture for any width, as those of a sheet do.
+bool lays_itself_out(const fs::path& script) {
+  constexpr std::size_t most = 100'000'000;
+  return read_whole(script, most).find("exists(\"width\")") != std::string::npos;
+}
+
 }  // namespace
 
 double tick_step(double low, double high) {
@@ -124,7 +131,12 @@ Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts, cons
   }
   std::vector<std::string> formats = {"svg", "png"};
   if (wanted.pdf) formats.emplace_back("pdf");
-  for (const auto& script : scripts)
+  for (const auto& script : scripts) {
+    if (wanted.width > 0 && !lays_itself_out(folder / script)) {
+      drawn.problems.push_back(fmt::format("{} knows no width: an older rosin wrote it; ask for the results again",
+                                           (folder / script).string()));
+      continue;
+    }
     for (const auto& format : formats) {
       const auto picture = fs::path(script).replace_extension(format);
       try {
@@ -144,6 +156,7 @@ Drawn draw(const fs::path& folder, const std::vector<std::string>& scripts, cons
         drawn.problems.emplace_back(problem.what());
       }
     }
+  }
   return drawn;
 }
 

@@ -111,4 +111,10 @@ TEST_CASE("pictures for print are as wide as was asked, with panels and titles i
   const double frame = 7 / 13. * 300 / 72;  // pixels of the file to one of the layout
   CHECK(tall > frame * 2 * 0.75 * 200);
   CHECK(double(tall) / few > 1.4 * height / pixels);
+
+  std::ofstream(folder.path / "old.gp") << "set terminal svg\nset output output\nplot x\n";
+  const auto old = output::draw(folder.path, {"old.gp"}, {.width = 85});
+  CHECK(old.files.empty());
+  REQUIRE(old.problems.size() == 1);
+  CHECK_THAT(old.problems[0], Contains("old.gp knows no width"));
 }
