@@ -324,7 +324,7 @@ std::vector<std::string> write_string_picture(const std::filesystem::path& folde
     varied.emplace_back("law");
   const Sheet sheet{"compare",
                     "Transients of bowed strings side by side",
-                    {.width = 330 * panels + 40,
+                    {.width = 340 * panels + 40,
                      .panels = panels,
                      .columns = panels,
                      .panel = 270,
