@@ -42,7 +42,8 @@ Scaled scaled(const std::string& unit, double largest) {
   };
   const bool prefixable = unit == "m" || unit == "m/s" || unit == "s" || unit == "N";
   if (prefixable && largest < 1e5)
-    for (const auto& [size, name] : {Prefix{1, ""}, Prefix{1e-3, "m"}, Prefix{1e-6, "µ"}, Prefix{1e-9, "n"}})
+    for (const auto& [size, name] :
+         {Prefix{1, ""}, Prefix{1e-3, "m"}, Prefix{1e-6, "µ"}, Prefix{1e-9, "n"}, Prefix{1e-12, "p"}})
       if (largest >= size) return {1 / size, name + unit};
   return {1, unit};
 }

@@ -118,3 +118,10 @@ TEST_CASE("pictures for print are as wide as was asked, with panels and titles i
   REQUIRE(old.problems.size() == 1);
   CHECK_THAT(old.problems[0], Contains("old.gp knows no width"));
 }
+
+TEST_CASE("units have the prefix of their largest value", "[gnuplot]") {
+  CHECK(output::scaled("m/s", 4e-5).unit == "µm/s");
+  CHECK(output::scaled("m/s", 4e-5).factor == Approx(1e6));
+  CHECK(output::scaled("m", 3e-11).unit == "pm");  // the way of a contact that hardly gives
+  CHECK(output::scaled("1", 3e-5).unit == "1");
+}
