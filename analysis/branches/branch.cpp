@@ -109,7 +109,7 @@ class Tracer {
     const auto place = result_.cycles.size();
     result_.cycles.push_back({from, value, parent, continuation.follow(start, along)});
     auto& branch = result_.cycles[place].branch;
-    for (auto& special : branch.special) special.test = std::exchange(special.kind, shown_kind(special.kind));
+    for (auto& special : branch.special) special.kind = shown_kind(special.test);
     if (const auto at = branch.outcome.detail.find(grazing_of_landing); at != std::string::npos)
       branch.outcome.detail.replace(at, std::string_view(grazing_of_landing).size(), "grazing");
     if (branch.outcome.ending == Ending::interrupted) throw Stopped{};  // with the points until then

@@ -199,8 +199,13 @@ void Continuation::locate(Branch& branch, const Solution& a, const BranchPoint& 
     const auto coarse = problem_.view(there.x, there.p, options_.tolerance);
     const double open = uncertainty(there, kind, coarse) * length / std::abs(at_after - first->value);
     const double per_length = std::abs(c_after - a.c) / length;
-    SpecialPoint special{
-        .kind = kind, .p = there.p, .error = 0, .x = there.x, .view = there.view, .after = branch.points.size() - 1};
+    SpecialPoint special{.kind = kind,
+                         .p = there.p,
+                         .error = 0,
+                         .x = there.x,
+                         .view = there.view,
+                         .after = branch.points.size() - 1,
+                         .test = kind};
     constexpr double rounding = 4e-16;
     special.error = std::abs(options_.parameter.slope(best->c)) *
                         (std::min(moved, best->c_error) + best->c_error + open * per_length) +
@@ -264,8 +269,13 @@ std::optional<SpecialPoint> Continuation::approach_border(const Solution& from, 
     }
     constexpr double reached = 1e-2;
     if (seen.size() < 3 || seen.back().value > reached * first || !std::isfinite(zero_before)) continue;
-    SpecialPoint special{
-        .kind = kind, .p = options_.parameter.value(c_zero), .error = 0, .x = seen.back().at.x, .view = {}, .after = 0};
+    SpecialPoint special{.kind = kind,
+                         .p = options_.parameter.value(c_zero),
+                         .error = 0,
+                         .x = seen.back().at.x,
+                         .view = {},
+                         .after = 0,
+                         .test = kind};
     special.error = std::abs(options_.parameter.slope(c_zero)) * (change + seen.back().at.c_error);
     if (!best || special.error < best->error) best = std::move(special);
   }

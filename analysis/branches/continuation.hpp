@@ -36,12 +36,12 @@ struct BranchPoint {
 };
 
 struct SpecialPoint {
-  std::string kind;  ///< the test that is 0 there, as it is told
+  std::string kind;  ///< "fold", "grazing", …, as it is told
   double p = 0, error = 0;
   Eigen::VectorXd x;
   Problem::View view;
   std::size_t after = 0;  ///< the point of the branch before it
-  std::string test = {};  ///< its own name, where several tests are told alike
+  std::string test;       ///< the test that is 0 there: several may be told alike
 };
 
 struct Branch {

@@ -190,11 +190,7 @@ class NearSpecial {
         const auto branch = continuation.follow(*start, *onward);
         if (branch.outcome.ending == Ending::interrupted) throw Stopped{};
         for (const auto& special : branch.special)
-          if (is_wanted(special.kind)) {
-            auto wanted = special;
-            wanted.test = special.kind;
-            return wanted;
-          }
+          if (is_wanted(special.test)) return special;
       }
     return std::nullopt;
   }
@@ -313,6 +309,15 @@ class SpecialCurve {
   bool closed_ = false;
 };
 
+/// Whether a curve passes a special point of the branches at q: where it comes back to q, it has a point.
+bool passes(const Locus& curve, const SpecialPoint& special, double q, const LocusOptions& options) {
+  constexpr double same = 1e-6;  // of the range
+  return curve.kind == special.kind && std::ranges::any_of(curve.points, [&](const LocusPoint& point) {
+           return std::abs(options.q.coordinate(point.q) - options.q.coordinate(q)) < on_level &&
+                  std::abs(options.p.coordinate(point.p) - options.p.coordinate(special.p)) < same;
+         });
+}
+
 /// The curve through a point from its two halves, which both lead away from it.
 Locus joined(std::string kind, std::vector<LocusPoint> backwards, const std::vector<LocusPoint>& forwards) {
   std::ranges::reverse(backwards);
@@ -359,17 +364,6 @@ Locus cycle_locus(const Family2& family, const SpecialPoint& special, double q, 
   locus.begins = ends[0], locus.ends = ends[1];
   return locus;
 }
-
-namespace {
-/// Whether a curve passes a special point of the branches at q: where it comes back to q, it has a point.
-bool passes(const Locus& curve, const SpecialPoint& special, double q, const LocusOptions& options) {
-  constexpr double same = 1e-6;  // of the range
-  return curve.kind == special.kind && std::ranges::any_of(curve.points, [&](const LocusPoint& point) {
-           return std::abs(options.q.coordinate(point.q) - options.q.coordinate(q)) < on_level &&
-                  std::abs(options.p.coordinate(point.p) - options.p.coordinate(special.p)) < same;
-         });
-}
-}  // namespace
 
 Loci find_loci(const Family2& family, const Branches& found, double q, const LocusOptions& options) {
   Loci loci;

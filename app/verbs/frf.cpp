@@ -190,7 +190,7 @@ void write_script(const fs::path& folder, const scene::Scene& scene, const std::
     panel("magnitude |Z| (N s/m)", "1:4", "set yrange [-1:1]\n");
   panel("phase arg Z (degree)", "1:5",
         "unset logscale y\nset yrange [*:*]\nset offsets 0, 0, graph 0.05, graph 0.05\n");
-  panel("real part Re Z (N s/m)", "1:2", std::string("set xzeroaxis linecolor '#555555'\n") + "set key on\n");
+  panel("real part Re Z (N s/m)", "1:2", "set xzeroaxis linecolor '#555555'\nset key on\n");
   std::vector<const std::vector<Complex>*> responses;
   for (const auto& line : lines) responses.push_back(line.response);
   panel("imaginary part Im Z (N s/m)", "2:3",
