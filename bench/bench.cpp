@@ -93,7 +93,7 @@ bool draw(const fs::path& stem, const std::vector<Panel>& panels) {
   const int width = panels.size() > 1 ? 1500 : 900;
   out << "set encoding utf8\ndo for [format in \"svg png\"] {\n"
       << "  if (format eq \"svg\") {\n"
-      << fmt::format("    set terminal svg size {},560 font 'sans,13' background rgb 'white'\n", width)
+      << fmt::format("    set terminal svg size {},560 font 'sans-serif,13' background rgb 'white'\n", width)
       << "  } else {\n"
       << fmt::format("    set terminal pngcairo size {},1120 font 'sans,13' fontscale 1.5 pointscale 2 linewidth 2\n",
                      2 * width)

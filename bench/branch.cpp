@@ -55,7 +55,7 @@ Found follow(const Along& problem, double tolerance, std::vector<double> values)
   found.points = all.steady.size();
   if (!all.crossings.empty())
     found.hopf = all.crossings.front().value, found.hopf_error = all.crossings.front().error / found.hopf;
-  for (const auto& [from, value, parent, branch] : all.cycles) {
+  for (const auto& [from, value, parent, to_value, branch] : all.cycles) {
     found.points += branch.points.size();
     for (const auto& point : branch.points)
       if (point.asked) {

@@ -11,4 +11,8 @@ Eigen::VectorXd solve_linear(const Eigen::MatrixXd& A, const Eigen::VectorXd& b)
 /// x that makes |A·x − b| least, by QR with column pivoting.
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
+/// x of A·x = b with a square A. Where rounding alone keeps A from being singular, of all such x the one that changes
+/// nothing that A leaves open: ℓᵀx = 0 for all ℓᵀA = 0.
+Eigen::VectorXd solve_within_range(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+
 }  // namespace rosin

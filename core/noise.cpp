@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "core/error.hpp"
+#include "core/fourier.hpp"
 #include "core/random.hpp"
 
 namespace rosin {
@@ -53,8 +54,7 @@ BandNoise::BandNoise(const NoiseBand& band) : band_(band) {
                                              : turn * turn);
     }
     std::vector<double> result(points);
-    static std::mutex planner;
-    const std::lock_guard lock(planner);
+    const std::lock_guard lock(fourier_planner());
     const auto plan =
         fftw_plan_dft_c2r_1d(points, reinterpret_cast<fftw_complex*>(a.data()), result.data(), FFTW_ESTIMATE);
     fftw_execute(plan);

@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,6 +17,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/files.hpp"
 #include "core/stop.hpp"
 
 extern char** environ;
@@ -40,9 +42,24 @@ struct Pipe {
   void close_writing() { ::close(std::exchange(ends[1], -1)); }
 };
 
-/// Reads what waits there and keeps the first 64 KiB of all. \returns false at the end.
-bool take(int file, std::string& kept) {
-  constexpr std::size_t most = 1 << 16;
+constexpr std::size_t longest_messages = 1 << 16;  // bytes
+
+/// A file in memory that holds a text, to be read from its beginning; none for an empty one.
+struct Memory {
+  int file = -1;
+  explicit Memory(const std::string& text) {
+    if (text.empty() || (file = ::memfd_create("input", MFD_CLOEXEC)) < 0) return;
+    write_all(file, text, "the input of a program");
+    ::lseek(file, 0, SEEK_SET);
+  }
+  ~Memory() {
+    if (file >= 0) ::close(file);
+  }
+  Memory(const Memory&) = delete;
+};
+
+/// Reads what waits there and keeps the first bytes of all. \returns false at the end.
+bool take(int file, std::string& kept, std::size_t most) {
   std::array<char, 4096> buffer;
   const ssize_t got = ::read(file, buffer.data(), buffer.size());
   if (got < 0) return errno == EINTR;
@@ -74,11 +91,15 @@ std::optional<fs::path> find_program(const std::string& name) {
 
 std::optional<Ran> run_program(const Command& command) {
   Pipe output, messages;
+  const Memory input(command.input);
   if (output.ends[0] < 0 || messages.ends[0] < 0) return std::nullopt;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   if (!command.folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, command.folder.c_str());
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  if (input.file >= 0)
+    posix_spawn_file_actions_adddup2(&actions, input.file, STDIN_FILENO);
+  else
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, output.ends[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, messages.ends[1], STDERR_FILENO);
   posix_spawnattr_t attributes;
@@ -89,7 +110,9 @@ std::optional<Ran> run_program(const Command& command) {
   for (const int signal : {SIGPIPE, SIGXFSZ}) sigaddset(&ignored_here, signal);
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &ignored_here);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  // A program that stops with us is ended by us, not by the Ctrl-C of a terminal, which reaches a whole group.
+  const int group = command.stops_with_us ? POSIX_SPAWN_SETPGROUP : 0;
+  posix_spawnattr_setflags(&attributes, short(POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | group));
 
   std::string program = command.program.string();
   auto arguments = command.arguments, added = command.environment;
@@ -117,9 +140,12 @@ std::optional<Ran> run_program(const Command& command) {
     if (command.stops_with_us && !stopped && Listening::stop_asked()) stopped = ::kill(child, SIGTERM) == 0;
     for (auto& file : open) file.revents = 0;
     if (::poll(open.data(), open.size(), command.stops_with_us ? glance : -1) < 0 && errno != EINTR) break;
-    for (auto& file : open)
-      if (file.revents != 0 && !take(file.fd, file.fd == output.ends[0] ? ran.output : ran.messages))
+    for (auto& file : open) {
+      const bool out = file.fd == output.ends[0];
+      if (file.revents != 0 &&
+          !take(file.fd, out ? ran.output : ran.messages, out ? command.longest_output : longest_messages))
         file.fd = -1;  // which poll passes over
+    }
   }
   int status = 0;
   while (waitpid(child, &status, 0) < 0)

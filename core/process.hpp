@@ -17,14 +17,16 @@ struct Command {
   std::filesystem::path folder = {};          ///< in which it runs; empty: the present one
   std::vector<std::string> environment = {};  ///< "NAME=value", in place of what is there
   bool stops_with_us = false;                 ///< is ended where this thread is asked to stop
+  std::string input = {};                     ///< that it reads
+  std::size_t longest_output = 1 << 16;       ///< bytes of its standard output that are kept
 };
 
 struct Ran {
   int status;                    ///< of its exit; 128 and the signal that ended it
-  std::string output, messages;  ///< the first 64 KiB of its standard output and of its standard error
+  std::string output, messages;  ///< the beginning of its standard output, and of its standard error (64 KiB)
 };
 
-/// Runs a program to its end, with nothing to read. Nothing if it cannot be started.
+/// Runs a program to its end. Nothing if it cannot be started.
 /// \throws Stopped where the thread was asked to stop and the program was ended for it.
 std::optional<Ran> run_program(const Command&);
 

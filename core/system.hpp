@@ -50,9 +50,12 @@ class System {
   virtual bool autonomous() const { return false; }
   /// Longest step that resolves prescribed motion; infinity if none is prescribed.
   virtual double resolution() const { return infinity; }
-  /// A smooth function of y that changes sign, in numbers of the size of 1, where f has a kink, at which a step must
-  /// end to keep its order; NaN if f has none.
-  virtual double kink(const double*) const { return NAN; }
+  /// Smooth functions of (t, y) that change sign, in numbers of the size of 1, each where f has a kink, at which a step
+  /// must end to keep its order: always as many, NaN where one is none.
+  virtual void kinks(double /*t*/, const double* /*y*/, std::vector<double>& values) const { values.clear(); }
+  /// True where solutions go with a power of the distance from a kink that is no whole number, as on a contact whose
+  /// pressure does: the error of a step next to it falls no faster than its estimate.
+  virtual bool kinks_are_singular() const { return false; }
   /// True if the system can be followed as ordinary differential equations, by `flow` and `restore`.
   virtual bool has_flow() const { return false; }
   /// At eight times t and consistent states y, one in each lane: dy/dt of every unknown, algebraic ones by

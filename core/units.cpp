@@ -4,13 +4,18 @@
 #include <fmt/format.h>
 #include <udunits2.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <mutex>
+#include <numbers>
 #include <string>
 
 #include "core/error.hpp"
+#include "core/turning.hpp"
 
 namespace rosin {
 
@@ -25,6 +30,54 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(blank) - begin + 1);
 }
 
+/// Units of laboratories that UDUNITS does not know, or knows by another spelling. Whole texts, and whole words in
+/// them.
+struct Spelling {
+  std::string_view written, meant;
+};
+constexpr Spelling text_spellings[] = {
+    {"r/min", "turn/min"},    {"U/min", "turn/min"},    {"tr/min", "turn/min"},   {"r/s", "turn/s"},
+    {"U/s", "turn/s"},        {"tr/s", "turn/s"},       {"r.p.m.", "rpm"},        {"kgm2", "kg m2"},
+    {"kgm^2", "kg m2"},       {"kgm\u00b2", "kg m2"},   {"mm/mm", "1"},           {"m/m", "1"},
+    {"\u00b5strain", "1e-6"}, {"\u00b5\u03b5", "1e-6"}, {"\u03bc\u03b5", "1e-6"}, {"u\u03b5", "1e-6"}};
+constexpr Spelling word_spellings[] = {
+    {"RPM", "rpm"},  {"Rpm", "rpm"},   {"Upm", "rpm"},    {"upm", "rpm"},      {"rev", "turn"},        {"revs", "turn"},
+    {"Rev", "turn"}, {"Umdr", "turn"}, {"deg", "degree"}, {"Nm", "N m"},       {"mNm", "mN m"},        {"cNm", "cN m"},
+    {"kNm", "kN m"}, {"MNm", "MN m"},  {"Ncm", "N cm"},   {"Nmm", "N mm"},     {"Ns", "N s"},          {"Nms", "N m s"},
+    {"kNs", "kN s"}, {"mic", "um"},    {"mics", "um"},    {"kp", "kgf"},       {"KN", "kN"},           {"MPA", "MPa"},
+    {"Mpa", "MPa"},  {"KPa", "kPa"},   {"kPA", "kPa"},    {"KHz", "kHz"},      {"HZ", "Hz"},           {"Sec", "s"},
+    {"mins", "min"}, {"hrs", "h"},     {"strain", "1"},   {"ustrain", "1e-6"}, {"microstrain", "1e-6"}};
+
+/// In UDUNITS' own words, with the powers \u207b\u00b9 and the dot that it does not know.
+std::string spelt_for_udunits(std::string_view text) {
+  for (const auto& [written, meant] : text_spellings)
+    if (text == written) return std::string(meant);
+  constexpr Spelling signs[] = {
+      {"\u207b\u00b9", "-1"}, {"\u207b\u00b2", "-2"}, {"\u207b\u00b3", "-3"}, {"\u22c5", "."}};
+  const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+  std::string result;
+  while (!text.empty()) {
+    std::size_t length = 0;
+    while (length < text.size() && is_letter(text[length])) ++length;
+    const auto word = text.substr(0, length);
+    text.remove_prefix(length);
+    const auto* known = std::ranges::find(word_spellings, word, &Spelling::written);
+    if (length > 0 && known != std::end(word_spellings)) {
+      const auto power = text.substr(0, result.ends_with('/') ? text.find_first_of(" /*.") : 0);
+      result += result.ends_with('/') ? fmt::format("({}{})", known->meant, power) : known->meant;  // N/Nm is 1/m
+      text.remove_prefix(power.size());
+      continue;
+    }
+    result += word;
+    if (length > 0) continue;
+    const auto* sign = std::ranges::find_if(signs, [&](const auto& one) { return text.starts_with(one.written); });
+    const bool found = sign != std::end(signs);
+    result += found ? sign->meant : text.substr(0, 1);
+    text.remove_prefix(found ? sign->written.size() : 1);
+  }
+  return result;
+}
+
 /// The unit database, read once, and the lock that every use of it holds.
 class Database {
  public:
@@ -37,7 +90,9 @@ class Database {
   /// A null unit where the text is none.
   Unit parse(std::string_view text) const {
     const std::string copy(trimmed(text));
-    return {ut_parse(system_.get(), copy.c_str(), UT_UTF8), &ut_free};
+    Unit unit{ut_parse(system_.get(), copy.c_str(), UT_UTF8), &ut_free};
+    if (!unit) unit.reset(ut_parse(system_.get(), spelt_for_udunits(copy).c_str(), UT_UTF8));
+    return unit;
   }
 
  private:
@@ -106,9 +161,75 @@ std::optional<TextUnit> parse_decimal_powers(std::string_view unit) {
   return product;
 }
 
-}  // namespace
+constexpr std::array<std::string_view, 7> base_units = {"m", "kg", "s", "A", "K", "mol", "cd"};
 
-double to_si(std::string_view text, std::string_view si_unit) {
+/// With the power of the radian, which is 1 of SI.
+struct Parts : TextUnit {
+  int angle = 0;
+};
+
+/// Takes a unit of UDUNITS apart.
+ut_status take_basic(const ut_unit* unit, int power, Parts& taken) {
+  const char* symbol = ut_get_symbol(unit, UT_ASCII);
+  for (std::size_t i = 0; symbol && i < base_units.size(); ++i)
+    if (base_units[i] == symbol) taken.dimension.exponent[i] += power;
+  if (symbol && std::string_view(symbol) == "rad") taken.angle += power;
+  return UT_SUCCESS;
+}
+constexpr ut_visitor unit_parts{
+    .visit_basic = [](const ut_unit* unit, void* to) { return take_basic(unit, 1, *static_cast<Parts*>(to)); },
+    .visit_product =
+        [](const ut_unit*, int count, const ut_unit* const* basic, const int* powers, void* to) {
+          for (int i = 0; i < count; ++i) take_basic(basic[i], powers[i], *static_cast<Parts*>(to));
+          return UT_SUCCESS;
+        },
+    .visit_galilean =
+        [](const ut_unit*, double scale, const ut_unit* underlying, double offset, void* to) {
+          auto& taken = *static_cast<Parts*>(to);
+          taken.factor *= scale;
+          taken.offset |= offset != 0;
+          return ut_accept_visitor(underlying, &unit_parts, to);
+        },
+    .visit_timestamp =
+        [](const ut_unit*, const ut_unit*, double, void* to) {
+          static_cast<Parts*>(to)->offset = true;
+          return UT_SUCCESS;
+        },
+    .visit_logarithmic =
+        [](const ut_unit*, double, const ut_unit*, void* to) {
+          static_cast<Parts*>(to)->offset = true;
+          return UT_SUCCESS;
+        }};
+
+std::optional<Parts> taken_apart(const Unit& unit) {
+  Parts taken;
+  if (!unit || ut_accept_visitor(unit.get(), &unit_parts, &taken) != UT_SUCCESS) return std::nullopt;
+  return taken;
+}
+
+/// A rate of turning and a frequency differ by 2 pi, an angle and a bare number do where turns are counted; only rad/s
+/// and 1/s are the same.
+void require_clear_angle(std::string_view text, std::string_view unit, std::string_view si_unit, const Parts& given,
+                         const Parts& wanted) {
+  if ((given.angle != 0) == (wanted.angle != 0)) return;
+  const bool rate = given.dimension == Dimension{.exponent = {0, 0, -1}};
+  const bool in_hertz = (unit.find("Hz") != std::string_view::npos) || si_unit == "Hz";
+  if (rate && given.factor == 1 && !in_hertz) return;
+  if (rate && wanted.angle != 0)
+    throw UnclearAngle(
+        fmt::format("'{}' is a frequency, but an angular frequency is needed: rad/s is 2 pi times Hz; write rad/s, or "
+                    "turns as rev/min or rev/s",
+                    text));
+  if (rate)
+    throw UnclearAngle(
+        fmt::format("'{}' is an angular frequency, but a frequency is needed: rad/s is 2 pi times Hz; write {}, or "
+                    "turns a minute as 1/min",
+                    text, si_unit));
+  if (given.dimension == Dimension{} && wanted.angle != 0)
+    throw UnclearAngle(fmt::format("'{}' may be radians, degrees or turns; write rad, deg or rev", text));
+}
+
+double converted(std::string_view text, std::string_view si_unit, bool rotates) {
   const std::string_view body = trimmed(text);
   const std::string_view digits = body.starts_with('+') ? body.substr(1) : body;
   double number = 0;
@@ -139,57 +260,30 @@ double to_si(std::string_view text, std::string_view si_unit) {
         fmt::format("'{}' is not a known unit (in '{}'; needed is {})", unit, text, readable_unit(si_unit)));
   if (!same_dimension(given, wanted))
     throw InputError(fmt::format("'{}' is in {}, but needed is {}", text, unit, readable_unit(si_unit)));
-  if (si_unit == "rad/s" && unit.find("Hz") != std::string_view::npos)
-    throw InputError(
-        fmt::format("'{}' is a frequency, but an angular frequency is needed: rad/s is 2 pi times Hz", text));
+  const auto parts = taken_apart(given), wanted_parts = taken_apart(wanted);
+  if (rotates && parts && parts->angle == 0) {
+    constexpr double per_minute = 1 / 60.0;
+    if (unit.find("Hz") == std::string_view::npos && std::abs(parts->factor / per_minute - 1) < 1e-12)
+      return convert(number, given, wanted) * 2 * std::numbers::pi;
+    throw UnclearAngle(
+        fmt::format("'{}' of something that rotates may count turns or radians; write rev/s or rad/s", text));
+  }
+  if (parts && wanted_parts) require_clear_angle(text, unit, si_unit, *parts, *wanted_parts);
   return convert(number, given, wanted);
 }
+
+double whole_if_near(double x) { return std::abs(x - std::round(x)) < 1e-12 ? std::round(x) : x; }
+
+}  // namespace
+
+double to_si(std::string_view text, std::string_view si_unit) { return converted(text, si_unit, false); }
+double turning_to_si(std::string_view text) { return converted(text, "rad/s", true); }
 
 bool unit_known(std::string_view unit) {
   auto& database = Database::get();
   const std::lock_guard guard(database.lock);
   return database.parse(unit) != nullptr;
 }
-
-namespace {
-
-constexpr std::array<std::string_view, 7> base_units = {"m", "kg", "s", "A", "K", "mol", "cd"};
-
-double whole_if_near(double x) { return std::abs(x - std::round(x)) < 1e-12 ? std::round(x) : x; }
-
-/// Takes a unit of UDUNITS apart.
-ut_status take_basic(const ut_unit* unit, int power, TextUnit& taken) {
-  const char* symbol = ut_get_symbol(unit, UT_ASCII);
-  for (std::size_t i = 0; symbol && i < base_units.size(); ++i)
-    if (base_units[i] == symbol) taken.dimension.exponent[i] += power;
-  return UT_SUCCESS;
-}
-constexpr ut_visitor unit_parts{
-    .visit_basic = [](const ut_unit* unit, void* to) { return take_basic(unit, 1, *static_cast<TextUnit*>(to)); },
-    .visit_product =
-        [](const ut_unit*, int count, const ut_unit* const* basic, const int* powers, void* to) {
-          for (int i = 0; i < count; ++i) take_basic(basic[i], powers[i], *static_cast<TextUnit*>(to));
-          return UT_SUCCESS;
-        },
-    .visit_galilean =
-        [](const ut_unit*, double scale, const ut_unit* underlying, double offset, void* to) {
-          auto& taken = *static_cast<TextUnit*>(to);
-          taken.factor *= scale;
-          taken.offset |= offset != 0;
-          return ut_accept_visitor(underlying, &unit_parts, to);
-        },
-    .visit_timestamp =
-        [](const ut_unit*, const ut_unit*, double, void* to) {
-          static_cast<TextUnit*>(to)->offset = true;
-          return UT_SUCCESS;
-        },
-    .visit_logarithmic =
-        [](const ut_unit*, double, const ut_unit*, void* to) {
-          static_cast<TextUnit*>(to)->offset = true;
-          return UT_SUCCESS;
-        }};
-
-}  // namespace
 
 Dimension Dimension::operator*(const Dimension& other) const {
   Dimension result;
@@ -223,10 +317,7 @@ std::string coherent_unit(const Dimension& dimension) {
 std::optional<TextUnit> parse_unit(std::string_view text) {
   auto& database = Database::get();
   const std::lock_guard guard(database.lock);
-  const Unit unit = database.parse(text);
-  TextUnit taken;
-  if (!unit || ut_accept_visitor(unit.get(), &unit_parts, &taken) != UT_SUCCESS) return std::nullopt;
-  return taken;
+  return taken_apart(database.parse(text));
 }
 
 }  // namespace rosin

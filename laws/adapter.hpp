@@ -428,6 +428,7 @@ class LawContact final : public Contact<Real> {
  public:
   LawContact(std::span<const Value> parameters, const ContactSetup& setup) : setup_(setup) {
     law_.fill(detail::build<L<WideScalar>>(parameters));
+    steady_law_.fill(detail::build<L<Scalar>>(parameters));
     derivative_law_.fill(detail::build<L<Derivative>>(parameters));
     lane_law_.fill(detail::build<L<double>>(parameters));
   }
@@ -444,11 +445,10 @@ class LawContact final : public Contact<Real> {
 
   void steady_friction(const Real& u, const Real& N, Real& mu) const override {
     on_lanes<Real>([&] {
-      for (int p = 0; p < Wide::count; ++p)
-        Wide::set(mu, p,
-                  detail::steady_coefficient(detail::Written<L, WideScalar>{law_[p]},
-                                             Sliding<WideScalar>{Wide::get(u, p), Wide::get(N, p)},
-                                             setup_.rows().equilibrium));
+      for (int p = 0; p < Part::count; ++p)  // asked too seldom for kernels twice as wide
+        Part::of(mu, p) =
+            detail::steady_coefficient(detail::Written<L, Scalar>{steady_law_[p]},
+                                       Sliding<Scalar>{Part::of(u, p), Part::of(N, p)}, setup_.rows().equilibrium);
     });
   }
 
@@ -459,6 +459,7 @@ class LawContact final : public Contact<Real> {
     setup_.load(lane, setup);
     lane_law_[lane] = detail::build<L<double>>(parameters);
     detail::assign(law_[lane / Wide::width], parameters, lane % Wide::width);
+    detail::assign(steady_law_[lane / pack_width], parameters, lane % pack_width);
     detail::assign(derivative_law_[lane / pack_width], parameters, lane % pack_width);
   }
 
@@ -512,6 +513,7 @@ class LawContact final : public Contact<Real> {
 
   Surroundings<Real> setup_;
   std::array<L<WideScalar>, Wide::count> law_;
+  std::array<L<Scalar>, Part::count> steady_law_;
   std::array<L<Derivative>, Part::count> derivative_law_;
   std::array<L<double>, std::is_same_v<Real, Lanes> ? lane_count : 1> lane_law_;  ///< for starts, one lane at a time
 };
@@ -688,18 +690,6 @@ class Law final : public FrictionLaw {
         direction * detail::steady_of(detail::Written<L, Slope>{law},
                                       Sliding<Slope>{direction * Slope::variable(at.slip_rate, 0), at.normal_load});
     return {checked("steady friction", at, mu.value), mu.slope[0]};
-  }
-  void steady_friction(std::span<const double> slip_rates, double normal_load,
-                       std::span<double> friction) const override {
-    const auto law = detail::build<L<Pack>>(values_);
-    for (std::size_t first = 0; first < slip_rates.size(); first += pack_width) {
-      const std::size_t count = std::min<std::size_t>(pack_width, slip_rates.size() - first);
-      Pack v(slip_rates[first]);
-      for (std::size_t i = 0; i < count; ++i) v.block[i] = slip_rates[first + i];
-      const Pack mu = detail::steady_of(detail::Written<L, Pack>{law}, Sliding<Pack>{v, Pack(normal_load)});
-      for (std::size_t i = 0; i < count; ++i)
-        friction[first + i] = checked("steady friction", {v.block[i], normal_load}, mu.block[i]);
-    }
   }
 
  private:

@@ -2,10 +2,14 @@
 #include "laws/formula.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <boost/math/tools/roots.hpp>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <optional>
 
 #include "core/units.hpp"
 #include "laws/adapter.hpp"
@@ -16,6 +20,7 @@ namespace rosin::laws {
 namespace {
 
 constexpr int most_states = 7;
+constexpr std::size_t most_solved = 2;  ///< states of steady sliding that equations give
 constexpr std::size_t most_names = 200;
 
 /// Inputs of tapes. Contacts carry states from `first_state` on, as their unknowns.
@@ -97,7 +102,11 @@ class Words final : public Names {
 /// The expressions of a law as nodes over (v, N, mu, states).
 struct Expressions {
   int friction = -1, slip_rate = -1, static_limit = -1, kink = -1;
-  std::vector<int> rate, steady;
+  std::vector<int> rate;
+  /// By v and N alone, but where states are `solved` for: then these hold at their root, from which Newton's method has
+  /// taken two steps more, so that derivatives to the third order are those of the root.
+  std::vector<int> steady;
+  std::vector<int> solved, residual;  ///< states that no formula gives, and what vanishes in steady sliding of each
   std::vector<int> rest, after_stop, size;  ///< by default the steady state of slowest creep, and twice the state asked
 };
 
@@ -117,21 +126,23 @@ class Reader {
       const auto& state = law_.states[k];
       const auto unit = Words::unit_of(state.unit);
       if (!written(law_.rate, k)) refuse("rate", fmt::format("there is no rate of state '{}'", state.name));
-      if (!written(law_.steady, k))
-        refuse("steady",
-               fmt::format("there is no steady state of '{}': give the value at which its rate vanishes, as a "
-                           "formula of v and N",
-                           state.name));
       read.rate.push_back(
           node("rate." + state.name, law_.rate[k], unit / Words::unit_of("s"), {.slip_rate = true, .states = true}));
-      const int steady = node("steady." + state.name, law_.steady[k], unit, {.slip_rate = true});
-      read.steady.push_back(steady);
+      read.steady.push_back(written(law_.steady, k) ? node("steady." + state.name, law_.steady[k], unit,
+                                                           {.slip_rate = true, .states = true})
+                                                    : -1);
+    }
+    find_steady_states(read);
+    for (std::size_t k = 0; k < states; ++k) {
+      const auto& state = law_.states[k];
+      const auto unit = Words::unit_of(state.unit);
       const int own = graph_.input(Input::first_state + int(k));
       read.size.push_back(written(law_.size, k) ? node("size." + state.name, law_.size[k], unit, {.load = false})
                                                 : own);
-      const int creep[] = {Symbol(FrictionLaw::slowest_creep).in(graph_), graph_.input(Input::normal_load)};
+      auto creep = inputs();
+      creep[Input::slip_rate] = Symbol(FrictionLaw::slowest_creep).in(graph_);
       read.rest.push_back(written(law_.rest, k) ? node("rest." + state.name, law_.rest[k], unit, {})
-                                                : graph_.substitute({&steady, 1}, creep).front());
+                                                : graph_.substitute({&read.steady[k], 1}, creep).front());
       if (written(law_.after_stop, k) && law_.static_limit.empty())
         refuse("after_stop", "is of use beside a static_limit only: else nothing ever stops; leave it out");
       read.after_stop.push_back(written(law_.after_stop, k) ? node("after_stop." + state.name, law_.after_stop[k], unit,
@@ -159,6 +170,82 @@ class Reader {
   }
 
  private:
+  std::vector<int> inputs() const {
+    std::vector<int> all;
+    for (int k = 0; k < Input::first_state + int(law_.states.size()); ++k) all.push_back(graph_.input(k));
+    return all;
+  }
+  /// Puts steady states into the formulas that use them. States without a formula, and one of each circle, are left as
+  /// unknowns of equations: rate = 0, or state − formula = 0.
+  void find_steady_states(Expressions& read) {
+    const std::size_t n = law_.states.size();
+    enum class Known : char { not_yet, by_formula, by_solving };
+    std::vector<Known> known(n, Known::not_yet);
+    const auto first_left = [&] { return std::size_t(std::ranges::find(known, Known::not_yet) - known.begin()); };
+    auto replaced = inputs();
+    const auto put_in = [&](int node) { return graph_.substitute({&node, 1}, replaced).front(); };
+    for (std::size_t k = 0; k < n; ++k)
+      if (read.steady[k] < 0) known[k] = Known::by_solving;
+    while (first_left() < n) {
+      bool found = false;
+      for (std::size_t k = 0; k < n; ++k) {
+        if (known[k] != Known::not_yet) continue;
+        bool complete = true;
+        for (std::size_t j = 0; j < n; ++j)
+          complete = complete &&
+                     (known[j] != Known::not_yet || !graph_.uses_input(read.steady[k], Input::first_state + int(j)));
+        if (!complete) continue;
+        read.steady[k] = put_in(read.steady[k]);
+        replaced[std::size_t(Input::first_state) + k] = read.steady[k];
+        known[k] = Known::by_formula, found = true;
+      }
+      if (!found) known[first_left()] = Known::by_solving;
+    }
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < n; ++k) {
+      if (known[k] != Known::by_solving) continue;
+      names.push_back("'" + law_.states[k].name + "'");
+      read.solved.push_back(int(k));
+      const int own = graph_.input(Input::first_state + int(k));
+      read.residual.push_back(
+          put_in(read.steady[k] < 0 ? read.rate[k] : graph_.make(Operation::subtract, own, read.steady[k])));
+    }
+    if (read.solved.empty()) return;
+    if (read.solved.size() > most_solved)
+      refuse("steady", fmt::format("the steady states of {} depend on each other: {} at most are solved for; give "
+                                   "formulas of the others, in which these may stand",
+                                   fmt::join(names, ", "), most_solved));
+    for (int steps = 0; steps < 2; ++steps) newton_step(read, replaced);
+    for (std::size_t k = 0; k < n; ++k)
+      if (known[k] == Known::by_formula) read.steady[k] = put_in(read.steady[k]);
+    for (const int k : read.solved) read.steady[std::size_t(k)] = replaced[std::size_t(Input::first_state + k)];
+  }
+  /// The solved states in `at`, and the others by them, after one more step of Newton's method.
+  void newton_step(const Expressions& read, std::vector<int>& at) {
+    const std::size_t n = read.solved.size();
+    auto root = inputs();
+    for (const int k : read.solved) root[std::size_t(Input::first_state + k)] = at[std::size_t(Input::first_state + k)];
+    const auto symbol = [&](int node) { return Symbol(graph_, graph_.substitute({&node, 1}, root).front()); };
+    std::vector<Symbol> R, J;
+    for (const int residual : read.residual) {
+      R.push_back(symbol(residual));
+      for (const int k : read.solved)
+        J.push_back(symbol(graph_.differentiate({&residual, 1}, Input::first_state + k).front()));
+    }
+    std::vector<Symbol> step(n);
+    if (n == 1) {
+      step[0] = R[0] / J[0];
+    } else {
+      const Symbol determinant = J[0] * J[3] - J[1] * J[2];
+      step[0] = (R[0] * J[3] - J[1] * R[1]) / determinant;
+      step[1] = (J[0] * R[1] - R[0] * J[2]) / determinant;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      auto& state = at[std::size_t(Input::first_state + read.solved[i])];
+      state = (Symbol(graph_, state) - step[i]).in(graph_);
+    }
+  }
+
   /// What an expression may depend on beside the parameters.
   struct Knows {
     bool load = true, slip_rate = false, states = false;
@@ -207,7 +294,9 @@ struct Traced {
     std::ranges::copy(answer(expressions.rate, at, 0.0, state), rate);
   }
   void steady(const Sliding<Symbol>& at, Symbol* state) const {
-    std::ranges::copy(answer(expressions.steady, at, 0.0, nullptr), state);
+    std::vector<Symbol> root;
+    for (int k = 0; k < states; ++k) root.emplace_back(graph, graph.input(Input::first_state + k));
+    std::ranges::copy(answer(expressions.steady, at, 0.0, root.data()), state);
   }
   Symbol slip_rate(const Symbol& mu, const Symbol& N, const Symbol* state) const {
     return answer({&expressions.slip_rate, 1}, {0.0, N}, mu, state).front();
@@ -243,6 +332,8 @@ struct Program {
   std::vector<Value> defaults;
   int states;
   bool has_slip_rate, set_valued;
+  std::vector<int> solved;  ///< states whose steady value is the root of `residual`
+  Tape residual;            ///< of (v, N, solved states)
   Tape friction, rate, steady, slip_rate, static_limit, kink, rest, after_stop, size;  ///< of (v, N, mu, states)
   Tape friction_slopes, slip_rate_slope;                                               ///< ∂μ/∂ψ, ∂v/∂μ
   Tape steady_coefficient, steady_slope;  ///< μ_ss(v), odd; μ_ss and dμ_ss/dv on the side of v > 0
@@ -282,6 +373,8 @@ Program::Program(const FormulaDescription& description)
   friction = one(nodes.friction);
   rate = tape(nodes.rate);
   steady = tape(nodes.steady);
+  solved = nodes.solved;
+  residual = tape(nodes.residual);
   rest = tape(nodes.rest);
   after_stop = tape(nodes.after_stop);
   size = tape(nodes.size);
@@ -344,6 +437,10 @@ ContactTapes Program::contact_tapes(const Traced& traced, const detail::Rows& ro
   return tapes;
 }
 
+struct Answering;
+/// Steady values of the states that equations give. \throws ExpressionError where there are several, or none
+void solve_steady(const Answering&, Sliding<double>, double* state);
+
 /// The law at given values, one system at a time, as detail::start_steady and others ask it.
 struct Answering {
   static constexpr int capacity = most_states;
@@ -372,7 +469,9 @@ struct Answering {
     answer(program.rate, at.slip_rate, at.normal_load, 0, state, rate);
   }
   void steady(Sliding<double> at, double* state) const {
-    answer(program.steady, at.slip_rate, at.normal_load, 0, nullptr, state);
+    double root[most_states] = {};
+    solve_steady(*this, at, root);
+    answer(program.steady, at.slip_rate, at.normal_load, 0, root, state);
   }
   void sizes(const double* steady, double* sizes) const {
     answer(program.size, 0, 0, 0, steady, sizes);
@@ -390,6 +489,156 @@ struct Answering {
   }
   void friction_slopes(Sliding<double> at, const double* state, double* slopes) const {
     answer(program.friction_slopes, at.slip_rate, at.normal_load, 0, state, slopes);
+  }
+};
+
+/// Where the residuals of the solved states vanish together: changes of sign over the range of one of them, along which
+/// the other is the root of its own residual.
+class SteadyRoot {
+ public:
+  SteadyRoot(const Answering& law, Sliding<double> at, double* state) : law_(law), at_(at), state_(state) {}
+
+  void operator()() {
+    const auto& solved = law_.program.solved;
+    std::vector<int> order(solved.size());
+    std::iota(order.begin(), order.end(), 0);
+    do {
+      order_ = order, ambiguous_ = false;
+      const auto found = roots(0);
+      if (ambiguous_) continue;
+      if (found.size() != 1) refuse_roots(found);
+      residual(0, found.front());
+      return;
+    } while (std::ranges::next_permutation(order).found);
+    refuse("steady",
+           fmt::format("'{}' and '{}' depend on each other in steady sliding in a way that leaves several values "
+                       "open; give a formula of one of them, in which the other may stand",
+                       name(0), name(1)));
+  }
+
+ private:
+  const Quantity& quantity(std::size_t level) const {
+    return law_.program.law.states[std::size_t(law_.program.solved[std::size_t(order_[level])])];
+  }
+  const std::string& name(std::size_t level) const { return quantity(level).name; }
+
+  /// With the states of the levels behind at their roots; NaN where they have none.
+  double residual(std::size_t level, double x) {
+    const auto& solved = law_.program.solved;
+    state_[solved[std::size_t(order_[level])]] = x;
+    if (level + 1 < solved.size()) {
+      const auto inner = roots(level + 1);
+      ambiguous_ = ambiguous_ || inner.size() > 1;
+      if (inner.size() != 1) return NAN;
+      residual(level + 1, inner.front());
+    }
+    double values[most_solved];
+    law_.answer(law_.program.residual, at_.slip_rate, at_.normal_load, 0, state_, values);
+    constexpr double largest = 1e300;
+    return std::clamp(values[order_[level]], -largest, largest);
+  }
+
+  std::vector<double> roots(std::size_t level) {
+    const auto f = [&](double x) { return residual(level, x); };
+    std::vector<double> found;
+    const auto add = [&](double x) {
+      constexpr double same = 1e-9;
+      if (found.empty() || std::abs(x - found.back()) > same * std::abs(x)) found.push_back(x);
+    };
+    double before = NAN, at_before = NAN;
+    for (const double x : places(quantity(level))) {
+      const double here = f(x);
+      if (ambiguous_) return {};
+      if (here == 0) {
+        add(x);
+      } else if (at_before * ((here > 0) - (here < 0)) < 0) {  // of residuals that exist on both sides
+        std::uintmax_t most = 200;
+        const auto [low, high] = boost::math::tools::toms748_solve(f, before, x, at_before, here,
+                                                                   boost::math::tools::eps_tolerance<double>(50), most);
+        // At a pole the residual grows towards the change of sign.
+        const double middle = low + 0.5 * (high - low);
+        if (std::abs(f(middle)) < std::min(std::abs(at_before), std::abs(here))) add(middle);
+      }
+      before = x, at_before = here;
+    }
+    return found;
+  }
+
+  /// Over the range of a state, from small sizes to large ones of both signs.
+  static std::vector<double> places(const Quantity& state) {
+    constexpr double least = 1e-30, most = 1e30;
+    constexpr int per_decade = 2, evenly = 16;
+    const double low = std::max(state.scale == Scale::log ? least : -most, state.range.low),
+                 high = std::min(most, state.range.high);
+    // An end may be a root itself, or a round number: a little beside them no change of sign is hidden.
+    constexpr double beside = 1e-6, not_round = 1.0472;
+    std::vector<double> list{low, low + beside * std::abs(low), high - beside * std::abs(high), high};
+    for (double size = not_round * least; size <= most; size *= std::pow(10, 1.0 / per_decade))
+      list.insert(list.end(), {size, -size});
+    if (state.scale == Scale::linear) {
+      list.push_back(0);
+      for (int i = 1; i < evenly; ++i) list.push_back(low + (high - low) * i / evenly);
+    }
+    std::erase_if(list, [&](double x) { return !(x >= low && x <= high); });
+    std::ranges::sort(list);
+    list.erase(std::ranges::unique(list).begin(), list.end());
+    return list;
+  }
+
+  [[noreturn]] void refuse_roots(const std::vector<double>& found) const {
+    const auto where = fmt::format("at v = {} m/s, N = {} N", at_.slip_rate, at_.normal_load);
+    const auto& state = quantity(0);
+    const auto path = "steady." + state.name;
+    if (found.empty())
+      refuse(path, fmt::format("has no formula of v and N, and no value between {} and {} is steady {}; give one",
+                               state.range.low, state.range.high, where));
+    constexpr std::size_t shown = 3;
+    std::vector<std::string> values;
+    for (const double x : std::span(found).first(std::min(found.size(), shown)))
+      values.push_back(fmt::format("{:.6g}", x));
+    refuse(path, fmt::format(
+                     "has no formula of v and N, and {} values are steady {}: {}{}; give one, or a minimum and maximum "
+                     "of the state that leave one",
+                     found.size(), where, fmt::join(values, ", "), found.size() > shown ? ", …" : ""));
+  }
+
+  const Answering& law_;
+  Sliding<double> at_;
+  double* state_;
+  std::vector<int> order_;
+  bool ambiguous_ = false;
+};
+
+void solve_steady(const Answering& law, Sliding<double> at, double* state) {
+  if (!law.program.solved.empty()) SteadyRoot(law, at, state)();
+}
+
+/// The same for scalars of several numbers, as inputs of tapes that hold at the root.
+template <class Real>
+struct SolvedStates {
+  Real root[most_states];
+  SolvedStates(const Program& program, const Real& v, const Real& N, const auto& answering, const Real** inputs) {
+    if (program.solved.empty()) return;
+    constexpr int count = std::is_same_v<Real, Lanes> ? lane_count : 1;
+    const auto number = [](const Real& x, int lane) {
+      if constexpr (std::is_same_v<Real, Lanes>)
+        return x[lane];
+      else if constexpr (std::is_same_v<Real, Tower>)
+        return x.value.value.value;
+      else
+        return x;
+    };
+    for (int lane = 0; lane < count; ++lane) {
+      double state[most_states];
+      double slip_rate = number(v, lane);
+      if (program.set_valued) slip_rate = std::abs(slip_rate);
+      solve_steady(answering(lane), {slip_rate, number(N, lane)}, state);
+      for (const int k : program.solved) {
+        if (lane == 0) root[k] = Real(state[k]);
+        if constexpr (std::is_same_v<Real, Lanes>) detail::set_lane(root[k], lane, state[k]);
+      }
+    }
+    for (const int k : program.solved) inputs[Input::first_state + k] = root + k;
   }
 };
 
@@ -428,14 +677,18 @@ class FormulaContact final : public Contact<Real> {
 
   void evaluate(const ContactInput<Real>& in, const Real* z, Real* g, Real& F) const override {
     const int n = unknowns();
-    const TapeRun<Real> run(tapes_.evaluate, constants_.data(), inputs(in, z).at);
+    auto from = inputs(in, z);
+    const auto solved = at_equilibrium(in, from);
+    const TapeRun<Real> run(tapes_.evaluate, constants_.data(), from.at);
     for (int i = 0; i < n; ++i) g[i] = run[std::size_t(i)];
     F = run[std::size_t(n)];
   }
 
   void linearise(const ContactInput<Real>& in, const Real* z, Real* g, Real& F, Slopes<Real>& slopes) const override {
     const int n = unknowns();
-    const TapeRun<Real> run(tapes_.linearise, constants_.data(), inputs(in, z).at);
+    auto from = inputs(in, z);
+    const auto solved = at_equilibrium(in, from);
+    const TapeRun<Real> run(tapes_.linearise, constants_.data(), from.at);
     std::size_t k = 0;
     for (int i = 0; i < n; ++i) g[i] = run[k++];
     F = run[k++];
@@ -451,6 +704,8 @@ class FormulaContact final : public Contact<Real> {
 
   void steady_friction(const Real& u, const Real& N, Real& mu) const override {
     const Real* at[most_inputs] = {&u, &N};
+    [[maybe_unused]] const SolvedStates<Real> solved(
+        *program_, u, N, [&](int lane) { return answering(lane); }, at);
     mu = TapeRun<Real>(program_->steady_coefficient, constants_.data(), at)[0];
   }
 
@@ -475,6 +730,12 @@ class FormulaContact final : public Contact<Real> {
     return {in, setup_.compliance(), z, unknowns(), setup_.rows().with_friction};
   }
   Answering answering(int lane) const { return {*program_, lane_constants_[std::size_t(lane)]}; }
+  /// States that are no unknowns are those of steady sliding.
+  std::optional<SolvedStates<Real>> at_equilibrium(const ContactInput<Real>& in, ContactInputs<Real>& from) const {
+    if (!setup_.rows().equilibrium || program_->solved.empty()) return std::nullopt;
+    return std::optional<SolvedStates<Real>>(
+        std::in_place, *program_, in.slip_rate, in.normal_load, [&](int lane) { return answering(lane); }, from.at);
+  }
 
   std::shared_ptr<const Program> program_;
   Surroundings<Real> setup_;
@@ -514,7 +775,7 @@ class FormulaTower final : public ContactValues<Tower> {
  public:
   FormulaTower(std::shared_ptr<const Program> program, const std::vector<double>& parameters, const ContactSetup& setup,
                const ContactChange& change)
-      : program_(std::move(program)), setup_(setup, change.setup) {
+      : program_(std::move(program)), setup_(setup, change.setup), base_(program_->pool(parameters)) {
     std::vector<Tower> varied(parameters.begin(), parameters.end());
     for (std::size_t k = 0; k < change.parameters.size(); ++k)
       varied[k] = across(parameters[k], 0, change.parameters[k]);
@@ -524,8 +785,16 @@ class FormulaTower final : public ContactValues<Tower> {
   void evaluate(const ContactInput<Tower>& in, const Tower* z, Tower* g, Tower& F) const override {
     const int n = unknowns();
     const auto& rows = setup_.rows();
-    const TapeRun<Tower> run(program_->tapes(rows).evaluate, constants_.data(),
-                             ContactInputs<Tower>(in, setup_.compliance(), z, n, rows.with_friction).at);
+    ContactInputs<Tower> from(in, setup_.compliance(), z, n, rows.with_friction);
+    std::optional<SolvedStates<Tower>> solved;
+    if (rows.equilibrium)
+      solved.emplace(
+          *program_, in.slip_rate, in.normal_load,
+          [&](int) {
+            return Answering{*program_, base_};
+          },
+          from.at);
+    const TapeRun<Tower> run(program_->tapes(rows).evaluate, constants_.data(), from.at);
     for (int i = 0; i < n; ++i) g[i] = run[std::size_t(i)];
     F = run[std::size_t(n)];
   }
@@ -534,6 +803,7 @@ class FormulaTower final : public ContactValues<Tower> {
  private:
   std::shared_ptr<const Program> program_;
   Surroundings<Tower> setup_;
+  std::vector<double> base_;  ///< constants without their slopes
   std::vector<Tower> constants_;
 };
 
@@ -570,7 +840,10 @@ class FormulaLaw final : public FrictionLaw {
     return of_states("rate", program_->rate, asked(at), state.data());
   }
   std::vector<double> steady(Sliding<double> at) const override {
-    return of_states("steady state", program_->steady, asked(at), nullptr);
+    std::vector<double> state(states().size());
+    answering().steady(asked(at), state.data());
+    for (const double x : state) finite_answer(card(), "steady state", at, x);
+    return state;
   }
   double slip_rate(double mu, double normal_load, std::span<const double> state) const override {
     if (!has_slip_rate()) throw InputError(fmt::format("law '{}' has no explicit slip rate", card().name));
@@ -578,7 +851,10 @@ class FormulaLaw final : public FrictionLaw {
     return answering().slip_rate(mu, normal_load, state.data());
   }
   std::vector<double> rest(double normal_load) const override {
-    return of_states("state at rest", program_->rest, {0, normal_load}, nullptr);
+    double root[most_states] = {};
+    const bool given = std::ranges::count(program_->law.rest, "") == 0 && !program_->law.rest.empty();
+    if (!given) solve_steady(answering(), {slowest_creep, normal_load}, root);
+    return of_states("state at rest", program_->rest, {0, normal_load}, root);
   }
   std::vector<double> after_stop(std::span<const double> state) const override {
     require_states(state);
@@ -600,25 +876,12 @@ class FormulaLaw final : public FrictionLaw {
   }
   Steady steady_friction(Sliding<double> at) const override {
     const double direction = set_valued() && at.slip_rate < 0 ? -1 : 1;
-    double answers[2];
-    answering().answer(program_->steady_slope, direction * at.slip_rate, at.normal_load, 0, nullptr, answers);
+    const Sliding<double> along{direction * at.slip_rate, at.normal_load};
+    double answers[2], root[most_states] = {};
+    solve_steady(answering(), along, root);
+    answering().answer(program_->steady_slope, along.slip_rate, along.normal_load, 0, root, answers);
     return {finite_answer(card(), "steady friction", at, direction * answers[0]), answers[1]};
   }
-  void steady_friction(std::span<const double> slip_rates, double normal_load,
-                       std::span<double> friction) const override {
-    const std::vector<Lanes> constants(constants_.begin(), constants_.end());
-    const Lanes N(normal_load);
-    for (std::size_t first = 0; first < slip_rates.size(); first += lane_count) {
-      const std::size_t count = std::min<std::size_t>(lane_count, slip_rates.size() - first);
-      Lanes v(slip_rates[first]);
-      for (std::size_t i = 0; i < count; ++i) v.set(int(i), slip_rates[first + i]);
-      const Lanes* at[most_inputs] = {&v, &N};
-      const TapeRun<Lanes> run(program_->steady_coefficient, constants.data(), at);
-      for (std::size_t i = 0; i < count; ++i)
-        friction[first + i] = finite_answer(card(), "steady friction", {v[int(i)], normal_load}, run[0][int(i)]);
-    }
-  }
-
   std::unique_ptr<ContactFlow> flow() const override {
     if (!has_slip_rate()) refuse_flow(card());
     return std::make_unique<FormulaFlow>(program_, constants_);

@@ -164,10 +164,11 @@ std::vector<int> Graph::differentiate(std::span<const int> nodes, int input) {
 int Graph::derivative(int node, const std::vector<int>& slope) {
   using enum Operation;
   const auto [a, b, c] = (*this)[node].operand;
-  const int da = slope[std::size_t(a)], db = b < 0 ? -1 : slope[std::size_t(b)];
+  const int da = slope[std::size_t(a)], db = b < 0 ? -1 : slope[std::size_t(b)],
+            dc = c < 0 ? -1 : slope[std::size_t(c)];
   const auto is_zero = [&](int k) { return k < 0 || is_number(k, 0); };
   const auto number = [&](double x) { return this->constant(x); };
-  if (is_zero(da) && is_zero(db)) return number(0);
+  if (is_zero(da) && is_zero(db) && is_zero(dc)) return number(0);
   // ∂/∂a·da + ∂/∂b·db, asking only for what is not multiplied by zero.
   const auto chain = [&](auto by_a, auto by_b) {
     const int first = is_zero(da) ? number(0) : make(multiply, by_a(), da);
@@ -222,8 +223,21 @@ int Graph::derivative(int node, const std::vector<int>& slope) {
       return chain([&] { return make(asinh_exp_by_x, a, b); }, [&] { return make(asinh_exp_by_E, a, b); });
     case sinh_exp:
       return chain([&] { return make(cosh_exp, a, b); }, [&] { return make(negate, node); });
+    case asinh_exp_by_x:
+    case asinh_exp_by_E: {
+      // f_x = e^E/√(1 + x² e^2E), f_E = x f_x: f_xx = −f_E f_x², f_xE = f_x (1 − f_E²), f_EE = f_E (1 − f_E²).
+      const int f_x = make(asinh_exp_by_x, a, b), f_E = make(asinh_exp_by_E, a, b);
+      const int rest = make(subtract, number(1), make(multiply, f_E, f_E)), mixed = make(multiply, f_x, rest);
+      if ((*this)[node].operation == asinh_exp_by_E)
+        return chain([&] { return mixed; }, [&] { return make(multiply, f_E, rest); });
+      return chain([&] { return make(negate, make(multiply, f_E, make(multiply, f_x, f_x))); }, [&] { return mixed; });
+    }
+    case cosh_exp:
+      return chain([&] { return make(sinh_exp, a, b); }, [&] { return make(negate, node); });
+    case select_less:
+      return make(select_less, a, b, dc);
     default:
-      throw std::logic_error("second derivatives of formulas are taken in Tower arithmetic");
+      throw std::logic_error("an instruction of a tape has no derivative");
   }
 }
 

@@ -407,13 +407,6 @@ class HeatedLaw final : public FrictionLaw {
     const double q_v = heating_.resistance * at.normal_load * (slope * at.slip_rate + mu) / heating_.softening;
     return {mu / h, slope / h - mu * q_v / (h * h * (2 * h - 1))};
   }
-  void steady_friction(std::span<const double> slip_rates, double normal_load,
-                       std::span<double> friction) const override {
-    law_->steady_friction(slip_rates, normal_load, friction);
-    for (std::size_t i = 0; i < friction.size(); ++i)
-      friction[i] /= steady_softening(strength({slip_rates[i], normal_load}, friction[i]));
-  }
-
   std::unique_ptr<ContactFlow> flow() const override { return std::make_unique<HeatedFlow>(law_->flow(), heating_); }
 
  private:

@@ -105,9 +105,6 @@ class FrictionLaw {
     double friction, slope;
   };
   virtual Steady steady_friction(Sliding<double> at) const = 0;
-  /// Steady coefficients of many slip rates v > 0 at one load, eight at a time.
-  virtual void steady_friction(std::span<const double> slip_rates, double normal_load,
-                               std::span<double> friction) const = 0;
 
   /// Contacts for solvers, with the wrappers that the setup asks for: load memory around the law, a series spring
   /// around both. \throws InputError if `Unknowns::friction` is asked of a law without slip_rate, and where a wrapper

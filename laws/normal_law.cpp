@@ -73,6 +73,10 @@ class Power final : public NormalLaw {
   double elastic_energy(double a) const override {
     return a > 0 ? law_.coefficient * std::pow(a, law_.exponent + 1) / (law_.exponent + 1) : 0;
   }
+  bool is_smooth_beside_kink() const override {
+    const auto whole = [](double exponent) { return exponent == std::round(exponent); };
+    return whole(law_.exponent) && (law_.damping == 0 || whole(law_.damping_exponent)) && whole(law_.bound_exponent);
+  }
   /// At touching, and where damping differs between approach and separation.
   double kink(double a, double rate, double approach_size, double rate_size, double) const override {
     const double touching = a / approach_size;

@@ -27,6 +27,8 @@ class NormalLaw {
   virtual double approach_under(double preload) const = 0;
   /// Energy stored at rest, from the approach of 0 on (J, or J/m² of a pressure).
   virtual double elastic_energy(double approach) const = 0;
+  /// Whether the answer is smooth on either side of its kink, up to it.
+  virtual bool is_smooth_beside_kink() const { return true; }
   /// Changes sign where the answer has a kink; NaN: nowhere. Approach and rate are in sizes of their own.
   virtual double kink(double approach, double rate, double approach_size, double rate_size, double preload) const = 0;
 };

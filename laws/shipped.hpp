@@ -6,6 +6,7 @@
 #include "laws/dahl.hpp"
 #include "laws/film.hpp"
 #include "laws/flash_heating.hpp"
+#include "laws/hot_film.hpp"
 #include "laws/hyperbolic.hpp"
 #include "laws/kato_growth.hpp"
 #include "laws/kato_tullis.hpp"
@@ -59,6 +60,7 @@ using Shipped = LawList<Coulomb,         //
                         Thermal,         //
                         ThermalDisc,     //
                         ThermalLayer,    //
-                        Film>;
+                        Film,            //
+                        HotFilm>;
 
 }  // namespace rosin::laws

@@ -179,11 +179,6 @@ class SmoothedLaw final : public FrictionLaw {
                          Dual<double, 1>::variable(std::abs(at.slip_rate), 0) / Dual<double, 1>(smoothing_.width));
     return {S.value * mu, S.value * slope + S.slope[0] * std::abs(mu)};
   }
-  void steady_friction(std::span<const double> slip_rates, double normal_load,
-                       std::span<double> friction) const override {
-    law_->steady_friction(slip_rates, normal_load, friction);
-    for (std::size_t i = 0; i < friction.size(); ++i) friction[i] *= part_at({slip_rates[i], normal_load});
-  }
   std::unique_ptr<ContactFlow> flow() const override { refuse_flow(card()); }
 
  private:

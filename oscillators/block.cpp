@@ -4,37 +4,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
-#include <utility>
 
 #include "core/error.hpp"
+#include "oscillators/gauss_points.hpp"
 
 namespace rosin::oscillators {
 
 namespace {
 
 using Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Vector3d, Eigen::VectorXd;
-
-struct GaussPoint {
-  double at, weight;  ///< on −1 … 1
-};
-
-/// Zeros of the Legendre polynomial by Newton's method from Tricomi's estimate.
-std::vector<GaussPoint> gauss_points(int count) {
-  std::vector<GaussPoint> points;
-  for (int i = count; i >= 1; --i) {
-    double x = std::cos(std::numbers::pi * (i - 0.25) / (count + 0.5)), slope = 0;
-    for (int k = 0; k < 8; ++k) {
-      double before = 1, now = x;
-      for (int degree = 2; degree <= count; ++degree)
-        before = std::exchange(now, ((2 * degree - 1) * x * now - (degree - 1) * before) / degree);
-      slope = count * (x * now - before) / (x * x - 1);
-      x -= now / slope;
-    }
-    points.push_back({x, 2 / ((1 - x * x) * slope * slope)});
-  }
-  return points;
-}
 
 /// The quadratic polynomials that are 1 at one of −1, 0, 1 and 0 at the others.
 Vector3d shape(double s) { return {s * (s - 1) / 2, 1 - s * s, s * (s + 1) / 2}; }

@@ -1,6 +1,8 @@
 /// A bowed string: waves that travel between bridge, bow and nut, and friction where the bow touches (McIntyre,
 /// Schumacher & Woodhouse 1983, J. Acoust. Soc. Am. 74, 1325; Woodhouse 2003, Acustica 89, 355).
 #pragma once
+#include <Eigen/Core>
+#include <complex>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -109,6 +111,13 @@ class StringLanes {
   /// Place of the string as the delays have it: frequency of its length (Hz), and β.
   double realised_frequency() const;
   double realised_bow_position() const;
+  /// The answer to small forces e^{st} under the bow.
+  struct Mobility {
+    Eigen::MatrixXcd velocity;  ///< of the surface under a contact (row), for a force at a contact (column), m/(N s)
+    /// What is left of a wave after a round trip of the string, for each kind of waves; 1 at a mode of the open string.
+    std::vector<std::complex<double>> round_trips;
+  };
+  Mobility mobility(std::complex<double> s) const;
 
  private:
   /// Weights of the samples that a delay lies between.

@@ -61,7 +61,7 @@ const std::vector<Entry>& entries() {
       {{"drive.normal_load", "N", positive, "normal load"},
        [](const Model& m) { return m.drive.normal_load.level(); },
        [](Model& m, double x) { m.drive.normal_load = m.drive.normal_load.with_level(x); }},
-      {{"drive.force", "N", force, "force on the slider along its displacement"},
+      {{"drive.force", "N", force, "force on the slider, along its displacement"},
        [](const Model& m) { return m.drive.force.level(); },
        [](Model& m, double x) { m.drive.force = m.drive.force.with_level(x); }},
   };

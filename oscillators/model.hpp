@@ -58,4 +58,16 @@ struct Model {
 /// Accepted ranges of the parameters that are not a law's, by path.
 const std::vector<Quantity>& mechanical_parameters();
 
+/// Additional creep of a rigid contact that carries friction, far below the accuracy of any result: the direct effect
+/// reverses friction within e^(−μ/a) of the slip rate, which no arithmetic resolves where a mass reverses; with it
+/// friction reverses within a range as wide as rounding error.
+struct FrictionCreep {
+  double share;  ///< over the reference speed, at the largest friction of steady sliding at that speed and in stick
+  double stuck;  ///< slip rate of stick, over the reference speed
+};
+/// Without memory a start from rest slips at 1e-14 of the reference speed, and the creep stays below it.
+inline FrictionCreep friction_creep(double lambda) {
+  return lambda == 0 ? FrictionCreep{1e-28, 1e-14} : FrictionCreep{1e-14, 1e-3};
+}
+
 }  // namespace rosin::oscillators

@@ -32,6 +32,12 @@ Structure rigid_block_on_belt(const RigidBlock& block, FrictionContact contact) 
   for (std::size_t s = 0; s < place.size(); ++s)
     contact.normal.col(Eigen::Index(s)) = Eigen::Vector3d(0, -1, -place[s]);
   contact.area = Eigen::Map<const Eigen::VectorXd>(area.data(), Eigen::Index(area.size()));
+  if (!block.on_feet)
+    contact.face = {.half_length = block.length / 2,
+                    .thickness = block.thickness,
+                    .middle = Eigen::Vector3d(0, -1, 0),
+                    .along = Eigen::Vector3d(0, 0, -1),
+                    .points = gauss_points(block.stations)};
   contact.load_along = Eigen::Vector3d(0, -1, 0);
   contact.normal_law = block.contact;
   structure.contacts = {std::move(contact)};

@@ -15,7 +15,7 @@ struct RigidBlock {
   double thickness = 1;                      ///< m, across
   double spring_stiffness = 0;               ///< N/m
   bool on_feet = false;                      ///< each half of the face bears at its end, x = ±length/2
-  int stations = 16;                         ///< Gauss points of the face
+  int stations = 16;                         ///< Gauss points of the part of the face that touches
   std::shared_ptr<const NormalLaw> contact;  ///< pressure by approach
 };
 /// Coordinates: the centre along the belt and upwards (m), and the rotation, anticlockwise (rad). All of the face is

@@ -24,39 +24,23 @@ double compliance_at(const SeriesSpring& spring, double N) {
 }
 
 constexpr double nearly_stuck = 1e-6;  ///< over the reference speed; below it the slip rate follows from friction
+
+/// Without load neither the contact nor a spring in series with it carries a force.
+Model checked(Model model) {
+  model.check();
+  if (const auto& load = model.drive.normal_load; load.constant() && load.level() == 0) model.contact_stiffness = {};
+  return model;
+}
 }  // namespace
 
-SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(model)) {
-  model_.check();
-  // Without load neither the contact nor a spring in series with it carries a force.
-  if (const auto& load = model_.drive.normal_load; load.constant() && load.level() == 0) model_.contact_stiffness = {};
+SliderSystem::SliderSystem(Model model, Unknowns unknowns)
+    : model_(checked(std::move(model))),
+      mechanics_(mechanics_of(model_.slider)),
+      rows_(model_.law, model_.lambda, model_.load_memory, model_.contact_stiffness, unknowns,
+            mechanics_ == Mechanics::elastic ? 1 / model_.slider.stiffness : 0, mechanics_ != Mechanics::damped) {
   const auto& law = *model_.law;
-  mechanics_ = mechanics_of(model_.slider);
   mechanical_ = mechanics_ == Mechanics::inertial ? 2 : mechanics_ == Mechanics::damped ? 1 : 0;
-  setup_.lambda = model_.lambda;
-  setup_.load_memory = model_.load_memory;
-  const auto& spring = model_.contact_stiffness;
-  const double own_compliance = mechanics_ == Mechanics::elastic ? 1 / model_.slider.stiffness : 0;
-  if (spring.damped() || (!law.has_slip_rate() && (spring.present() || mechanics_ == Mechanics::elastic))) {
-    setup_.spring = {1 / spring.tangential, 1 / spring.per_load, spring.damping, spring.damping_per_load};
-    if (law.has_slip_rate())
-      setup_.compliance = own_compliance;
-    else
-      setup_.spring.compliance +=
-          own_compliance;  // the two springs act as one, because neither has a damper in parallel
-  } else {
-    setup_.compliance = 1 / spring.tangential + own_compliance;
-    setup_.compliance_per_load = 1 / spring.per_load;
-  }
-  // A friction unknown covers an undamped spring in series, and a slip rate that is no coordinate.
-  const bool needs_friction = !rigid() || mechanics_ == Mechanics::damped;
-  setup_.unknowns =
-      law.has_slip_rate() && (unknowns == Unknowns::friction || needs_friction) ? Unknowns::friction : Unknowns::states;
-  contact_ = law.contact(setup_);
-  tower_ = law.tower(setup_);
-
-  states_ = contact_->unknowns() - (carries_friction() ? 1 : 0) -
-            (setup_.spring.present() ? (carries_friction() ? 1 : 2) : 0);
+  tower_ = law.tower(rows_.setup);
   set_valued_ = law.set_valued();
   if (std::isinf(model_.slider.stiffness))
     mode_ = model_.drive.speed.value(0) < 0 ? ContactMode::backward : ContactMode::forward;
@@ -67,39 +51,20 @@ SliderSystem::SliderSystem(Model model, Unknowns unknowns) : model_(std::move(mo
     constant_in_lanes_ = LaneForcing(constant_);
   }
   // A flow needs rates of the states, no inertia (which is stiff in near-stick), and a spring that balances the force.
-  state_clock_ = 1 / setup_.lambda;
+  state_clock_ = 1 / rows_.setup.lambda;
   const bool flows =
-      carries_friction() && setup_.lambda > 0 && !setup_.spring.present() && setup_.load_memory == 0 &&
+      carries_friction() && rows_.setup.lambda > 0 && !rows_.setup.spring.present() && rows_.setup.load_memory == 0 &&
       (mechanics_ == Mechanics::damped ? rigid() && model_.slider.stiffness > 0 && model_.drive.normal_load.constant()
                                        : mechanics_ == Mechanics::elastic && !rigid());
   if (flows) flow_ = law.flow();
   const Forcing start = forcing(0);
   reference_speed_ = std::max(std::abs(start.speed), std::abs(model_.drive.speed.level()));
   if (reference_speed_ == 0) reference_speed_ = 1e-9;
-  contact_scale_.assign(Slopes<double>::capacity, 1.0);
-  double z[Slopes<double>::capacity];
-  contact_->steady(0, reference_speed_, start.load, z, contact_scale_.data());
-  if (contact_slip_rate_index() >= 0) {
-    Slopes<double> slopes;
-    double g[Slopes<double>::capacity], F;
-    contact_->linearise({reference_speed_, start.load, 0, 1}, z, g, F, slopes);
-    const int row = states_, n = contact_->unknowns();
-    if (slopes.g_z[row * n + row] == 0)
-      throw InputError(fmt::format(
-          "law '{}' answers to the slip rate only by way of its states, so that an undamped spring in series leaves "
-          "the slip rate of the contact open; give law.contact_stiffness.damping{}",
-          law.card().name, mechanics_ == Mechanics::elastic ? " and the slider a mass" : ""));
-  }
-  const double friction_scale = carries_friction() ? contact_scale_[0] : 0.1;
+  rows_.weigh(reference_speed_, start.load, mechanics_ == Mechanics::inertial);
+  rows_.require_slip_rate(reference_speed_, start.load,
+                          mechanics_ == Mechanics::elastic ? " and the slider a mass" : "");
+  const double friction_scale = carries_friction() ? rows_.weight[0] : 0.1;
   const auto& s = model_.slider;
-  if (mechanics_ == Mechanics::inertial && rigid() && carries_friction()) {
-    // Additional creep at the friction of steady sliding, over the reference speed. Without memory a start from rest
-    // slips at 1e-14 of that speed, and the creep stays below it. Friction that nearly vanishes in steady sliding may
-    // be large in stick.
-    const auto [share, stuck] = model_.lambda == 0 ? std::pair(1e-28, 1e-14) : std::pair(1e-14, 1e-3);
-    const double held = law.steady_friction({stuck * reference_speed_, start.load}).friction;
-    creep_ = share * reference_speed_ / std::max({std::abs(z[0]), 0.1 * friction_scale, std::abs(held)});
-  }
   if (const double impedance = std::sqrt(s.stiffness * s.mass), V = std::abs(start.speed);
       set_valued_ && is_constant_ && V > 0 && std::isfinite(impedance)) {
     constexpr double weak = 1, light = 0.01;
@@ -127,8 +92,8 @@ double SliderSystem::swing_power(double t, const double* y) const {
 
 void SliderSystem::limit_creep_for(double duration) {
   constexpr double share = 1e-12;
-  if (creep_ > 0 && duration > 0)
-    creep_ = std::min(creep_, share * duration * model_.drive.normal_load.level() / model_.slider.mass);
+  if (rows_.creep > 0 && duration > 0)
+    rows_.creep = std::min(rows_.creep, share * duration * model_.drive.normal_load.level() / model_.slider.mass);
 }
 
 SliderSystem::Forcing SliderSystem::forcing(double t) const {
@@ -142,7 +107,7 @@ void SliderSystem::mass(double t, double* m) const {
   const Forcing now = forcing(t);
   if (mechanical_ > 0) m[0] = 1;
   if (mechanical_ > 1) m[1] = model_.slider.mass;
-  contact_->mass(now.load, m + mechanical_);
+  rows_.contact->mass(now.load, m + mechanical_);
 }
 
 double SliderSystem::imposed_slip_rate(const Forcing& now, const double* y, double F) const {
@@ -173,7 +138,7 @@ void SliderSystem::measure_from_balance(std::vector<double>& y) {
   const double u = imposed_slip_rate(now, y.data(), known_force);
   double F = known_force, g[Slopes<double>::capacity];
   if (mechanics_ == Mechanics::inertial)
-    contact_->evaluate({u, now.load, now.load_rate, u < 0 ? -1.0 : 1.0}, y.data() + mechanical_, g, F);
+    rows_.contact->evaluate({u, now.load, now.load_rate, u < 0 ? -1.0 : 1.0}, y.data() + mechanical_, g, F);
   const double spring = s.stiffness * y[0], drag = s.damping * (now.speed - u);
   constexpr double rounding = 1e-13;
   const double size = std::abs(spring) + std::abs(drag) + std::abs(F) + std::abs(now.force);
@@ -188,7 +153,7 @@ void SliderSystem::evaluate(double t, const double* y, double* f) const {
   const double* z = y + mechanical_;
   if (sticking()) {  // the slider moves with the drive; the contact may age
     double unused;
-    contact_->evaluate({0, now.load, now.load_rate, sign(mode_)}, z, f + mechanical_, unused);
+    rows_.contact->evaluate({0, now.load, now.load_rate, sign(mode_)}, z, f + mechanical_, unused);
     f[0] = now.speed;
     f[1] = 0;
     return;
@@ -196,22 +161,22 @@ void SliderSystem::evaluate(double t, const double* y, double* f) const {
   const double known_force = mechanics_ == Mechanics::damped ? now.load * z[0] : 0;
   const double u = imposed_slip_rate(now, y, known_force);
   double F;
-  contact_->evaluate({u, now.load, now.load_rate, sign(mode_)}, z, f + mechanical_, F);
-  if (creep_ > 0) f[mechanical_] -= creep_ * z[0];
+  rows_.contact->evaluate({u, now.load, now.load_rate, sign(mode_)}, z, f + mechanical_, F);
+  if (rows_.creep > 0) f[mechanical_] -= rows_.creep * z[0];
   if (mechanical_ > 0) f[0] = now.speed - u;
   if (mechanics_ == Mechanics::inertial) f[1] = momentum_rate(now, y[0], u, F);
 }
 
 void SliderSystem::linearise(double t, const double* y, double* f, double* jacobian) const {
   const Forcing now = forcing(t);
-  const int n = size(), nz = contact_->unknowns(), first = mechanical_;
+  const int n = size(), nz = rows_.contact->unknowns(), first = mechanical_;
   const double* z = y + first;
   const double known_force = mechanics_ == Mechanics::damped ? now.load * z[0] : 0;
   const double u = sticking() ? 0 : imposed_slip_rate(now, y, known_force);
   const auto& s = model_.slider;
   double F;
   Slopes<double> slopes;
-  contact_->linearise({u, now.load, now.load_rate, sign(mode_)}, z, f + first, F, slopes);
+  rows_.contact->linearise({u, now.load, now.load_rate, sign(mode_)}, z, f + first, F, slopes);
   std::fill(jacobian, jacobian + n * n, 0.0);
   const auto J = [&](int i, int j) -> double& { return jacobian[i * n + j]; };
   for (int i = 0; i < nz; ++i)
@@ -221,9 +186,9 @@ void SliderSystem::linearise(double t, const double* y, double* f, double* jacob
     f[1] = 0;
     return;
   }
-  if (creep_ > 0) {
-    f[first] -= creep_ * z[0];
-    J(first, first) -= creep_;
+  if (rows_.creep > 0) {
+    f[first] -= rows_.creep * z[0];
+    J(first, first) -= rows_.creep;
   }
   if (mechanics_ == Mechanics::inertial) {
     f[0] = now.speed - u;
@@ -290,8 +255,8 @@ void SliderSystem::flow(const Pack& t, const Pack* y, Pack* rate, Pack& pace) co
           (now.load + s.damping * v_z[0]);
     } else {
       const Pack u = now.speed - now.force_rate * (1 / s.stiffness);
-      z_rate[0] = (u - v - setup_.compliance * z[0] * now.load_rate) /
-                  (now.load * setup_.compliance + setup_.compliance_per_load);
+      z_rate[0] = (u - v - rows_.setup.compliance * z[0] * now.load_rate) /
+                  (now.load * rows_.setup.compliance + rows_.setup.compliance_per_load);
     }
   });
 }
@@ -314,7 +279,7 @@ void SliderSystem::restore(double t, double* y) const {
 
 void SliderSystem::expand(double t, const double* y, const double* direction, double* second, double* third) const {
   const Forcing now = forcing(t);
-  const int nz = contact_->unknowns();
+  const int nz = rows_.contact->unknowns();
   const double u = imposed_slip_rate(now, y, mechanics_ == Mechanics::damped ? now.load * y[mechanical_] : 0);
   const double u_d = mechanics_ == Mechanics::inertial ? direction[1]
                      : mechanics_ == Mechanics::damped
@@ -341,7 +306,7 @@ void SliderSystem::slip_rate_gradient(double t, const double* y, double* gradien
   std::fill(gradient, gradient + size(), 0.0);
   if (contact_slip_rate_index() >= 0) {
     gradient[contact_slip_rate_index()] = 1;
-  } else if (setup_.spring.present()) {
+  } else if (rows_.setup.spring.present()) {
     // v = u − ė.
     std::vector<double> f(size()), J(size() * size());
     linearise(t, y, f.data(), J.data());
@@ -373,13 +338,7 @@ void SliderSystem::scale(const double* y, double* s) const {
       mechanical_ > 0)  // no force depends on the displacement of a slider without spring
     s[0] = std::max(displacement_scale_, std::abs(y[0]));
   if (mechanical_ > 1) s[1] = std::max(reference_speed_, std::abs(y[1]));
-  for (int i = mechanical_; i < size(); ++i) s[i] = contact_scale_[i - mechanical_];
-  // Friction that nearly vanishes in steady sliding may be large elsewhere.
-  if (carries_friction()) s[mechanical_] = std::max(contact_scale_[0], 0.01 * std::abs(y[mechanical_]));
-  // A linear state may grow far beyond its natural size: its own rounding error then limits its accuracy.
-  for (int i = 0; i < states_; ++i)
-    if (model_.law->states()[i].scale == Scale::linear)
-      s[first_state() + i] = std::max(s[first_state() + i], std::abs(y[first_state() + i]));
+  rows_.scale(y + mechanical_, s + mechanical_);
   if (const int v = contact_slip_rate_index(); v >= 0) s[v] = std::max(reference_speed_, std::abs(y[v]));
 }
 
@@ -388,8 +347,8 @@ void SliderSystem::relevance_scale(double* s) const {
   scale(rest.data(), s);
   if (!carries_friction()) return;
   double slopes[Slopes<double>::capacity];
-  contact_->friction_slopes(0, reference_speed_, constant_.load, slopes);
-  for (int i = 0; i < states_; ++i) {
+  rows_.contact->friction_slopes(0, reference_speed_, constant_.load, slopes);
+  for (int i = 0; i < rows_.states; ++i) {
     double& scale = s[first_state() + i];
     scale = std::clamp(s[mechanical_] / std::abs(slopes[i]), scale, 10 * scale);
   }
@@ -397,13 +356,7 @@ void SliderSystem::relevance_scale(double* s) const {
 
 std::string SliderSystem::unknown(int i) const {
   if (i < mechanical_) return i == 0 ? "displacement" : "slip rate";
-  i -= mechanical_;
-  if (carries_friction() && i-- == 0) return "friction coefficient";
-  if (i < states_) return model_.law->states()[i].name;
-  return mechanical_ + i == contact_slip_rate_index()
-             ? "slip rate of the contact, which jumps where friction falls with it faster than the contact's damping "
-               "resists"
-             : "deflection of the contact";
+  return rows_.unknown(i - mechanical_);
 }
 
 double SliderSystem::next_break(double t) const {
@@ -414,16 +367,6 @@ double SliderSystem::next_break(double t) const {
 double SliderSystem::resolution() const {
   const auto& d = model_.drive;
   return std::min({d.speed.resolution(), d.normal_load.resolution(), d.force.resolution()});
-}
-
-void SliderSystem::read_states(const double* z, double* state) const {
-  const auto& fields = model_.law->states();
-  for (std::size_t i = 0; i < fields.size(); ++i) state[i] = fields[i].scale == Scale::log ? std::exp(z[i]) : z[i];
-}
-
-void SliderSystem::write_states(std::span<const double> state, double* z) const {
-  const auto& fields = model_.law->states();
-  for (std::size_t i = 0; i < fields.size(); ++i) z[i] = fields[i].scale == Scale::log ? std::log(state[i]) : state[i];
 }
 
 std::vector<double> SliderSystem::unknowns_at(double t, double x, double u, std::span<const double> state,
@@ -439,13 +382,12 @@ std::vector<double> SliderSystem::unknowns_at(double t, double x, double u, std:
     else
       y.push_back(friction / now.load);
   }
-  const std::size_t first = y.size();
   y.resize(size());
-  if (states_ > 0) write_states(state, y.data() + first);
-  if (setup_.spring.present()) {
+  if (rows_.states > 0) rows_.write_states(state, y.data() + mechanical_);
+  if (rows_.setup.spring.present()) {
     // While the contact spring does not stretch, the contact slips at the slider's rate.
     const double N = std::max(now.load, 1e-300);
-    y.back() = friction * compliance_at(setup_.spring, N);
+    y.back() = friction * compliance_at(rows_.setup.spring, N);
     if (const int v = contact_slip_rate_index(); v >= 0) y[v] = u;
     settle(t, y.data());
   }
@@ -460,7 +402,7 @@ void SliderSystem::settle(double t, double* y) const {
   mass(t, m.data());
   if (m[row] != 0) return;
   double& x = y[row];
-  const double start = x, size_of_x = std::max(contact_scale_[row - mechanical_], std::abs(start));
+  const double start = x, size_of_x = std::max(rows_.weight[row - mechanical_], std::abs(start));
   constexpr double close = 1e-10, rounding = 1e-14;
   linearise(t, y, f.data(), jacobian.data());
   double allowed = close * size_of_x * std::abs(jacobian[row * n + row]);
@@ -521,79 +463,67 @@ double SliderSystem::friction_coefficient(double t, const double* y) const {
   const Forcing now = forcing(t);
   const double load = now.load > 0 ? now.load : 1;  // the coefficient exists for N = 0 too
   if (const int v = contact_slip_rate_index(); v >= 0)
-    return model_.law->friction({y[v], load}, states_at(load, y, y[v]));
+    return model_.law->friction({y[v], load}, rows_.natural_states(y[v], load, y + mechanical_));
   double g[Slopes<double>::capacity], F;
-  contact_->evaluate({imposed_slip_rate(now, y, 0), load, 0, sign(mode_)}, y + mechanical_, g, F);
+  rows_.contact->evaluate({imposed_slip_rate(now, y, 0), load, 0, sign(mode_)}, y + mechanical_, g, F);
   return F / load;
 }
 
-double SliderSystem::kink(const double* y) const {
+void SliderSystem::kinks(double t, const double* y, std::vector<double>& values) const {
   const auto& law = *model_.law;
-  const double of_states = states_ == 0 ? NAN : law.kink({y + first_state(), std::size_t(states_)});
+  const double of_states = rows_.states == 0 ? NAN : law.kink({y + first_state(), std::size_t(rows_.states)});
   // Kinks in the slip rate are at reversals too. They matter to masses: without one friction sets the slip rate.
-  double at_slip = mechanics_ == Mechanics::inertial ? law.slip_kink(contact_slip_rate(0, y)) : NAN;
-  if (std::isnan(at_slip) && marks_reversals_ && states_ > 0) at_slip = contact_slip_rate(0, y) / reference_speed_;
-  return std::isnan(of_states) ? at_slip : std::isnan(at_slip) ? of_states : of_states * at_slip;
+  double at_slip = mechanics_ == Mechanics::inertial ? law.slip_kink(contact_slip_rate(t, y)) : NAN;
+  if (std::isnan(at_slip) && marks_reversals_ && rows_.states > 0) at_slip = contact_slip_rate(t, y) / reference_speed_;
+  values.assign({of_states, at_slip});
 }
 
 double SliderSystem::slip_rate(double t, const double* y) const {
   const Forcing now = forcing(t);
-  if (mechanics_ == Mechanics::inertial && !(creep_ > 0 && std::abs(y[1]) < nearly_stuck * reference_speed_))
+  if (mechanics_ == Mechanics::inertial && !(rows_.creep > 0 && std::abs(y[1]) < nearly_stuck * reference_speed_))
     return y[1];
-  if (mechanics_ == Mechanics::damped && setup_.spring.present())
+  if (mechanics_ == Mechanics::damped && rows_.setup.spring.present())
     return imposed_slip_rate(now, y, now.load * y[mechanical_]);
-  if (setup_.spring.present() && std::isinf(model_.slider.stiffness)) return now.speed;
+  if (rows_.setup.spring.present() && std::isinf(model_.slider.stiffness)) return now.speed;
   if (contact_slip_rate_index() >= 0) {  // elastic: the slider's spring shares the deflection
     std::vector<double> f(size());
     evaluate(t, y, f.data());
-    const double compliance = compliance_at(setup_.spring, now.load);
-    const double k_N = setup_.spring.compliance_per_load / (now.load * now.load * compliance * compliance);
+    const double compliance = compliance_at(rows_.setup.spring, now.load);
+    const double k_N = rows_.setup.spring.compliance_per_load / (now.load * now.load * compliance * compliance);
     const double F_rate = f[size() - 1] / compliance + k_N * now.load_rate * y[size() - 1];
     return now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
   }
   if (!carries_friction()) return imposed_slip_rate(now, y, 0);
   // Without mass the contact's own slip rate follows from friction, without the cancellation in V − ẋ.
   const double* z = y + mechanical_;
-  double state[Slopes<double>::capacity];
-  read_states(z + 1, state);
-  const double v = model_.law->slip_rate(z[0], now.load, {state, model_.law->states().size()});
+  const double v = rows_.own_slip_rate(now.load, z);
   if (!model_.contact_stiffness.present()) return v;
   if (mechanics_ == Mechanics::damped) return imposed_slip_rate(now, y, now.load * z[0]);
   // u = v + Ḟ_t/k_t, with the springs of contact and slider in series.
   double g[Slopes<double>::capacity], m[Slopes<double>::capacity], F;
-  contact_->evaluate({imposed_slip_rate(now, y, 0), now.load, now.load_rate, sign(mode_)}, z, g, F);
-  contact_->mass(now.load, m);
+  rows_.contact->evaluate({imposed_slip_rate(now, y, 0), now.load, now.load_rate, sign(mode_)}, z, g, F);
+  rows_.contact->mass(now.load, m);
   const double F_rate = now.load * g[0] / m[0] + now.load_rate * z[0];
   const double u = now.speed - (F_rate + now.force_rate) / model_.slider.stiffness;
-  if (!setup_.spring.present() || now.load_rate != 0 || now.force_rate != 0) return u;
+  if (!rows_.setup.spring.present() || now.load_rate != 0 || now.force_rate != 0) return u;
   // A weak damper parallel to the contact's spring gives its rate from the difference of two forces. Where that is
   // rounding error, the damper has relaxed, and both springs follow friction.
-  const double share = model_.slider.stiffness * compliance_at(setup_.spring, now.load);
+  const double share = model_.slider.stiffness * compliance_at(rows_.setup.spring, now.load);
   const double relaxed = (v + share * now.speed) / (1 + share);
   const double digits = 100 * std::numeric_limits<double>::epsilon() * std::abs(now.load * z[0]) /
-                        (setup_.spring.damping + setup_.spring.damping_per_load * now.load);
+                        (rows_.setup.spring.damping + rows_.setup.spring.damping_per_load * now.load);
   return std::abs(u - relaxed) <= digits ? relaxed : u;
 }
 
 double SliderSystem::contact_slip_rate(double t, const double* y) const {
-  if (const int v = contact_slip_rate_index(); v >= 0) return y[v];
-  if (rigid() || !carries_friction()) return slip_rate(t, y);
-  const double* z = y + mechanical_;
-  double state[Slopes<double>::capacity];
-  read_states(z + 1, state);
-  return model_.law->slip_rate(z[0], forcing(t).load, {state, model_.law->states().size()});
+  if (contact_slip_rate_index() < 0 && (rigid() || !carries_friction())) return slip_rate(t, y);
+  return rows_.own_slip_rate(forcing(t).load, y + mechanical_);
 }
 
 double SliderSystem::holding_force(double t, const double* y) const { return momentum_rate(forcing(t), y[0], 0, 0); }
 
 double SliderSystem::holding_limit(double t, const double* y) const {
-  const double N = forcing(t).load;
-  const auto& law = *model_.law;
-  if (!law.has_states()) return N * law.static_limit(N);
-  if (setup_.lambda == 0) return N * law.static_limit(N, law.steady({0, N}));
-  double state[Slopes<double>::capacity];
-  read_states(y + mechanical_, state);
-  return N * law.static_limit(N, {state, law.states().size()});
+  return rows_.limit_at_rest(forcing(t).load, y + mechanical_);
 }
 
 double SliderSystem::holding_rounding(double t, const double* y) const {
@@ -622,19 +552,7 @@ void SliderSystem::release(int, double t, double* y) const {
 
 void SliderSystem::stop(int, double* y) const {
   y[slip_rate_index()] = 0;
-  const int count = contact_->unknowns();
-  if (count == 0) return;
-  std::vector<double> state(count);
-  read_states(y + mechanical_, state.data());
-  write_states(model_.law->after_stop(state), y + mechanical_);
-}
-
-/// Natural states; at λ = 0 the states of steady sliding at the slip rate v of the contact.
-std::vector<double> SliderSystem::states_at(double load, const double* y, double v) const {
-  if (states_ == 0 && model_.law->has_states()) return model_.law->steady({v, load});
-  std::vector<double> state(states_);
-  if (states_ > 0) read_states(y + first_state(), state.data());
-  return state;
+  rows_.stop(y + mechanical_);
 }
 
 Observation SliderSystem::observe(double t, const double* y) const {
@@ -646,39 +564,34 @@ Observation SliderSystem::observe(double t, const double* y) const {
   seen.velocity = now.speed - seen.slip_rate;
   seen.displacement =
       mechanical_ > 0 ? origin_.displacement + y[0] : (seen.friction_force + now.force) / model_.slider.stiffness;
-  seen.state = states_at(now.load, y, contact_slip_rate_index() >= 0 ? contact_slip_rate(t, y) : seen.slip_rate);
+  seen.state = rows_.natural_states(contact_slip_rate_index() >= 0 ? contact_slip_rate(t, y) : seen.slip_rate, now.load,
+                                    y + mechanical_);
   return seen;
 }
 
 void SliderSystem::cross_break(double t, double* y) const {
   const Forcing before = forcing(std::nextafter(t, -infinity)), after = forcing(t);
   if (before.load != after.load)
-    contact_->change_load(contact_slip_rate(std::nextafter(t, -infinity), y), before.load, after.load, y + mechanical_);
+    rows_.contact->change_load(contact_slip_rate(std::nextafter(t, -infinity), y), before.load, after.load,
+                               y + mechanical_);
   if (mechanics_ == Mechanics::inertial) y[1] += after.speed - before.speed;  // the slider's velocity is continuous
   double* z = y + mechanical_;
   if (contact_slip_rate_index() >= 0 && mechanics_ == Mechanics::elastic)  // a jump of the force stretches its spring
     y[size() - 1] -= (after.force - before.force) / model_.slider.stiffness;
-  if (setup_.spring.present() && setup_.compliance == 0 && setup_.compliance_per_load == 0) return settle(t, y);
+  if (rows_.setup.spring.present() && rows_.setup.compliance == 0 && rows_.setup.compliance_per_load == 0)
+    return settle(t, y);
   if (!carries_friction()) return;
   if (!rigid() || mechanics_ == Mechanics::damped) {
     // The force in the spring is continuous, unless the force on a massless slider jumps.
     double F = before.load * z[0];
-    if (mechanics_ == Mechanics::elastic && setup_.compliance > 0)
-      F -= (after.force - before.force) / (model_.slider.stiffness * setup_.compliance);
-    if (setup_.compliance_per_load == 0 || mechanics_ == Mechanics::damped) z[0] = F / after.load;
+    if (mechanics_ == Mechanics::elastic && rows_.setup.compliance > 0)
+      F -= (after.force - before.force) / (model_.slider.stiffness * rows_.setup.compliance);
+    if (rows_.setup.compliance_per_load == 0 || mechanics_ == Mechanics::damped) z[0] = F / after.load;
     return;
   }
   // Rigid contact: the slip rate is given, friction follows from it.
   const double u = mechanics_ == Mechanics::inertial ? y[1] : imposed_slip_rate(after, y, 0);
-  const auto& law = *model_.law;
-  std::vector<double> state(law.states().size());
-  if (setup_.lambda == 0) {
-    state = law.steady({u, after.load});
-    write_states(state, z + 1);
-  } else {
-    read_states(z + 1, state.data());
-  }
-  z[0] = law.friction({u, after.load}, state);
+  rows_.make_friction_fit(u, after.load, z);
 }
 
 }  // namespace rosin::oscillators

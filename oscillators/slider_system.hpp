@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/switching.hpp"
+#include "oscillators/contact_rows.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::oscillators {
@@ -28,7 +29,7 @@ class SliderSystem final : public SwitchingSystem {
   /// `unknowns`: unknowns of the contact; states replace Unknowns::friction for laws without explicit slip rate.
   explicit SliderSystem(Model model, Unknowns unknowns = Unknowns::friction);
 
-  int size() const override { return mechanical_ + contact_->unknowns(); }
+  int size() const override { return mechanical_ + rows_.contact->unknowns(); }
   void mass(double t, double* m) const override;
   void evaluate(double t, const double* y, double* f) const override;
   void linearise(double t, const double* y, double* f, double* jacobian) const override;
@@ -36,16 +37,16 @@ class SliderSystem final : public SwitchingSystem {
   std::string unknown(int i) const override;
   double next_break(double t) const override;
   void cross_break(double t, double* y) const override;
-  /// Limits the additional creep (see creep_) for a motion of this duration (s). The creep makes friction lag behind a
-  /// change of load by creep_·m/N, the time in which the mass takes up the creep rate; the limit keeps this lag below
-  /// 1e-12 of the duration.
+  /// Limits the additional creep (see ContactRows) for a motion of this duration (s). The creep makes friction lag
+  /// behind a change of load by creep·m/N, the time in which the mass takes up the creep rate; the limit keeps this lag
+  /// below 1e-12 of the duration.
   void limit_creep_for(double duration);
   /// Takes y at t = 0 as the origin of displacement and forces if the forces balance in it during slip. The balance is
   /// then exact, where k x − F would keep the rounding error of both. Sets the displacement of y to 0; does nothing
   /// where forces do not balance.
   void measure_from_balance(std::vector<double>& y);
   bool autonomous() const override { return is_constant_; }
-  double kink(const double* y) const override;
+  void kinks(double t, const double* y, std::vector<double>& values) const override;
   /// Sets whether a reversal of the contact's slip counts as a kink, because the rates of states have one there.
   void mark_reversals(bool yes) { marks_reversals_ = yes; }
   double resolution() const override;
@@ -55,17 +56,19 @@ class SliderSystem final : public SwitchingSystem {
 
   const Model& model() const { return model_; }
   Mechanics mechanics() const { return mechanics_; }
-  const ContactSetup& contact_setup() const { return setup_; }
+  const ContactSetup& contact_setup() const { return rows_.setup; }
   /// Index of the slip rate among the unknowns, or −1 where it is no unknown.
   int slip_rate_index() const { return mechanics_ == Mechanics::inertial ? 1 : -1; }
   /// Index of the contact's own slip rate among the unknowns, or −1 where it is no unknown.
-  int contact_slip_rate_index() const { return setup_.spring.present() && !carries_friction() ? size() - 2 : -1; }
+  int contact_slip_rate_index() const {
+    return rows_.slip_rate_place() < 0 ? -1 : mechanical_ + rows_.slip_rate_place();
+  }
   /// Index of the first state among the unknowns, if states are unknowns.
-  int first_state() const { return mechanical_ + (carries_friction() ? 1 : 0); }
-  bool carries_friction() const { return setup_.unknowns == Unknowns::friction; }
+  int first_state() const { return mechanical_ + rows_.first_state(); }
+  bool carries_friction() const { return rows_.carries_friction(); }
   /// Direct effect v·∂μ/∂v in steady sliding, the natural size of changes of a friction unknown.
-  double direct_effect() const { return contact_scale_[0] / 10; }
-  bool rigid() const { return setup_.compliance == 0 && setup_.compliance_per_load == 0 && !setup_.spring.present(); }
+  double direct_effect() const { return rows_.weight[0] / 10; }
+  bool rigid() const { return rows_.rigid(); }
 
   /// The unknowns at displacement x, slip rate u and natural states; friction from the law where the contact is rigid,
   /// else `friction` (the force F in the contact spring).
@@ -141,26 +144,17 @@ class SliderSystem final : public SwitchingSystem {
   double imposed_slip_rate(const Forcing&, const double* y, double F) const;
   /// m u̇ at displacement x, slip rate u and friction force F.
   double momentum_rate(const Forcing&, double x, double u, double F) const;
-  void read_states(const double* z, double* state) const;
-  void write_states(std::span<const double> state, double* z) const;
-  std::vector<double> states_at(double load, const double* y, double v) const;
   void settle(double t, double* y) const;
 
   Model model_;
   Mechanics mechanics_;
-  int mechanical_ = 0, states_ = 0;  ///< number of mechanical unknowns; number of states among the contact's
-  ContactSetup setup_;
-  std::unique_ptr<Contact<double>> contact_;
+  int mechanical_ = 0;  ///< number of mechanical unknowns
+  ContactRows rows_;
   std::unique_ptr<ContactValues<Tower>> tower_;
   std::unique_ptr<ContactFlow> flow_;  ///< null where the system has no form as a flow
   ContactMode mode_ = ContactMode::forward;
   double reference_speed_;
-  std::vector<double> contact_scale_;
   double displacement_scale_ = 1, state_clock_ = 1;
-  /// Additional creep of the contact, δ per unit of friction coefficient (m/s), far below the accuracy of any result.
-  /// The direct effect reverses friction within e^(−μ/a) of the slip rate, which no arithmetic resolves where a mass
-  /// reverses; with δ friction reverses within a range as wide as rounding error.
-  double creep_ = 0;
   struct Origin {
     double displacement, friction, force, drag;
   };

@@ -32,6 +32,11 @@ class SparseRows {
       for (const auto& [j, value] : *this) sum += value * x[j];
       return sum;
     }
+    Eigen::VectorXd dense(Eigen::Index size) const {
+      Eigen::VectorXd row = Eigen::VectorXd::Zero(size);
+      for (const auto& [j, value] : *this) row[j] = value;
+      return row;
+    }
   };
   Row operator[](int i) const { return {entries_.data() + begin_[i], entries_.data() + begin_[i + 1]}; }
   int rows() const { return int(begin_.size()) - 1; }

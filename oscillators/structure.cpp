@@ -40,6 +40,31 @@ bool depend_on_each_other(const std::vector<FrictionContact>& contacts, const st
     directions.col(Eigen::Index(s)) = contacts[chosen[s]].tangential.normalized();
   return Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(directions).rank() < directions.cols();
 }
+
+/// Without mass friction balances the other forces at every moment: that has to say how fast the contact slips.
+/// \throws InputError where it does not
+void check_without_mass(const Structure& structure, int i) {
+  const auto fail = [&](const char* why) {
+    throw InputError(fmt::format("{} has no mass: {} (mass, kg)",
+                                 structure.names.empty() ? fmt::format("coordinate {}", i + 1) : structure.names[i],
+                                 why));
+  };
+  constexpr const char* needs =
+      "it needs one contact with friction, along it alone, whose slip rate balances the forces";
+  const FrictionContact* only = nullptr;
+  for (const auto& contact : structure.contacts) {
+    if (contact.frictionless()) continue;
+    const bool alone = contact.tangential.sum() == 1 && (contact.tangential.array() != 0).count() == 1;
+    if (!alone || (only && contact.tangential[i] != 0)) fail(needs);
+    if (contact.tangential[i] != 0) only = &contact;
+  }
+  if (!only) fail(needs);
+  if (only->law->set_valued()) fail("under a set-valued law nothing says how fast it slips; give it a mass");
+  if (only->stiffness.present() && structure.C(i, i) == 0)
+    fail("with a contact spring and no damper forces do not depend on its slip rate; give it a mass or a damping");
+  if (std::ranges::any_of(structure.stops, [&](const Stop& stop) { return stop.coordinate == i; }))
+    fail("a stop needs a mass that it stops");
+}
 }  // namespace
 
 void Structure::check() const {
@@ -54,9 +79,11 @@ void Structure::check() const {
   square(C, "C");
   square(K, "K");
   const bool is_positive =
-      M.isDiagonal(0) ? (M.diagonal().array() > 0).all()
+      M.isDiagonal(0) ? ((M.diagonal().array() > 0) || (M.diagonal().array() == 0)).all()
                       : M.isApprox(M.transpose(), 1e-12) && Eigen::LLT<Eigen::MatrixXd>(M).info() == Eigen::Success;
   if (!is_positive) throw InputError("M is not symmetric and positive definite (mass matrix, kg)");
+  for (int i = 0; i < n; ++i)
+    if (M.isDiagonal(0) && M(i, i) == 0) check_without_mass(*this, i);
   if (!force.empty() && int(force.size()) != n)
     throw InputError(fmt::format("{} forces for {} coordinates", force.size(), n));
   std::vector<std::size_t> set_valued;
@@ -146,10 +173,10 @@ FrictionContact frictionless_contact(Eigen::VectorXd normal, std::shared_ptr<con
 }
 
 Structure one_slider(const Model& model) {
-  if (!(model.slider.mass > 0) || !std::isfinite(model.slider.stiffness))
+  if (!std::isfinite(model.slider.stiffness))
     throw InputError(
-        "periodic motion under a drive that varies, a plane of it, and a scan of stability need a slider with a mass "
-        "(oscillator.mass > 0, kg) on a spring that gives way");
+        "under an infinite stiffness the drive imposes the motion: there is none of its own (oscillator."
+        "stiffness, N/m)");
   Structure structure;
   structure.M = Eigen::MatrixXd::Constant(1, 1, model.slider.mass);
   structure.C = Eigen::MatrixXd::Constant(1, 1, model.slider.damping);

@@ -3,10 +3,12 @@
 #pragma once
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "laws/normal_law.hpp"
+#include "oscillators/gauss_points.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::oscillators {
@@ -27,6 +29,14 @@ struct FrictionContact {
   Eigen::MatrixXd normal;
   Eigen::VectorXd area, gap;  ///< of the stations, m² and m; empty: pressures are forces (1), and 0
   std::shared_ptr<const NormalLaw> normal_law;
+  /// A rigid face, whose approach is linear along it: its stations are points of the part that touches, wherever the
+  /// structure stands. The columns of `normal` are those of a face that touches throughout.
+  struct Face {
+    double half_length = 0, thickness = 0;  ///< m
+    Eigen::VectorXd middle, along;  ///< the normal at a place x on −half_length … half_length: middle + x·along
+    std::vector<GaussPoint> points;
+  };
+  std::optional<Face> face = {};
   /// Direction in which the load N₀ acts on the structure; empty: along n, of a contact of one station.
   Eigen::VectorXd load_along;
 
@@ -80,6 +90,12 @@ FrictionContact contact_of(const Model&);
 FrictionContact frictionless_contact(Eigen::VectorXd normal, std::shared_ptr<const NormalLaw>);
 /// A slider as a structure of one coordinate. \throws InputError for a slider without mass.
 Structure one_slider(const Model&);
+
+/// A structure that has no steady sliding, or none that was found. Others of its family may have.
+class NoSteadySliding : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 /// The period of all drives: that of constant ones is 0. \throws InputError where they have none in common, or break.
 double common_period(const Structure&);

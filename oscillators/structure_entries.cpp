@@ -36,14 +36,14 @@ void StructureSystem::find_pattern() {
     else
       for (const auto& [k, value] : tangential_[j]) by_motion.push_back(n_ + k);
     for (int s = at.first_station; s < at.end_station; ++s)
-      for (const auto& [k, value] : normal_[s]) by_motion.push_back(k), by_motion.push_back(n_ + k);
+      for (const auto& [k, value] : station_[s].normal) by_motion.push_back(k), by_motion.push_back(n_ + k);
     const auto add = [&](int row, const std::vector<int>& columns) {
       rows[row].insert(rows[row].end(), columns.begin(), columns.end());
     };
     for (const int row : own) add(row, own), add(row, by_motion);
     for (const auto& [i, value] : tangential_[j]) add(n_ + i, own), add(n_ + i, by_motion);
     for (int s = at.first_station; s < at.end_station; ++s)
-      for (const auto& [i, value] : normal_[s]) add(n_ + i, by_motion);
+      for (const auto& [i, value] : station_[s].normal) add(n_ + i, by_motion);
   }
   sort_rows(rows, pattern_);
 }
@@ -73,13 +73,14 @@ void StructureSystem::linearise_entries(double t, const double* y, double* f, do
     at.contact->linearise({stuck ? 0 : slip_rate(j, t, y), N, rate, sign(at.mode)}, y + at.first, g, F, slopes);
     for (int a = 0; a < nz; ++a)
       for (int b = 0; b < nz; ++b) entry(at.first + a, at.first + b) = slopes.g_z[a * nz + b];
-    for (int s = at.first_station; s < at.end_station; ++s) {
+    if (at.creep > 0) entry(at.first, at.first) -= at.creep;
+    for (const Station& s : stations(j, y)) {
       const auto answer = this->answer(j, s, t, y);
-      const double area = station_[s].area;
-      for (const auto& [k, normal] : normal_[s]) {
+      const double area = s.area;
+      for (const auto& [k, normal] : s.normal) {
         const double p_q = area * answer.pressure_by_approach * normal;
         const double p_w = area * answer.pressure_by_rate * normal * along_[k];
-        for (const auto& [i, value] : normal_[s]) entry(n_ + i, k) -= value * p_q, entry(n_ + i, n_ + k) -= value * p_w;
+        for (const auto& [i, value] : s.normal) entry(n_ + i, k) -= value * p_q, entry(n_ + i, n_ + k) -= value * p_w;
         const double N_q = area * answer.bound_by_approach * normal;
         const double N_w = area * answer.bound_by_rate * normal * along_[k];
         if (!stuck)

@@ -45,7 +45,8 @@ void StructureSystem::set_stop_speed(int stop, double t, double speed, double si
   if (own >= 0 && law(own).set_valued()) at_[own].mode = slip_along(w != 0 ? w : side);
   for (int j = 0; j < friction_contacts(); ++j)
     for (const auto& entry : tangential_[j])
-      if (entry.column == i && at_[j].carries_friction() && at_[j].rigid()) make_friction_fit(j, t, y);
+      if (entry.column == i && at_[j].carries_friction() && at_[j].rigid())
+        at_[j].make_friction_fit(slip_rate(j, t, y), load(j, t, y).level, y + at_[j].first);
 }
 
 void StructureSystem::rest_on_stop(int stop, double t, double* y) {

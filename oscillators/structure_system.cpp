@@ -78,7 +78,7 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
   std::vector<FrictionContact> ordered;
   for (const int j : order) ordered.push_back(contacts[j]);
   const auto rows = rows_of_contacts(ordered);
-  at_.resize(contacts.size());
+  for (const FrictionContact& c : contacts) at_.emplace_back(c.law, c.lambda, c.load_memory, c.stiffness, unknowns);
   for (std::size_t i = 0; i < order.size(); ++i) at_[order[i]].row = rows[i];
 
   K_ = SparseRows(structure_.K), C_ = SparseRows(structure_.C);
@@ -89,7 +89,7 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     const auto& [area, gap] = std::tie(contacts[j].area, contacts[j].gap);
     for (Eigen::Index s = 0; s < contacts[j].normal.cols(); ++s)
       station_.push_back(
-          {area.size() > 0 ? area[s] : 1, gap.size() > 0 ? gap[s] : 0, contacts[j].load_along.size() == 0});
+          {area.size() > 0 ? area[s] : 1, gap.size() > 0 ? gap[s] : 0, contacts[j].load_along.size() == 0, {}});
     at_[j].end_station = int(station_.size());
     if (area.size() > 0) at_[j].area = area.sum();
   }
@@ -98,6 +98,7 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     if (follows_motion(j))
       normals.middleRows(at_[j].first_station, contacts[j].normal.cols()) = contacts[j].normal.transpose();
   tangential_ = SparseRows(directions), normal_ = SparseRows(normals);
+  for (std::size_t s = 0; s < station_.size(); ++s) station_[s].normal = normal_[int(s)];
   along_ = VectorXd::Ones(n_);
   contact_of_row_.assign(n_, -1);
   is_diagonal_ = structure_.M.isDiagonal(0);
@@ -113,7 +114,7 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     for (int j = 0; j < friction_contacts(); ++j) {
       const double by_root = 1 / std::sqrt(mobility(j));
       holding_of_surface_alone_.push_back(by_root * by_root);
-      holding_alone_.push_back(-holding_of_surface_alone_[j] * mobility(j));
+      holding_alone_.push_back(by_root > 0 ? -holding_of_surface_alone_[j] * mobility(j) : 0);  // 0: no mass, no stick
     }
   } else {
     MatrixXd B = MatrixXd::Identity(n_, n_);
@@ -131,22 +132,8 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     At& at = at_[j];
     const FrictionContact& contact = contacts[j];
     const FrictionLaw& law = *contact.law;
-    at.setup.lambda = contact.lambda;
-    at.setup.load_memory = contact.load_memory;
-    const auto& spring = contact.stiffness;
-    if (spring.damped() || (!law.has_slip_rate() && spring.present())) {
-      at.setup.spring = {1 / spring.tangential, 1 / spring.per_load, spring.damping, spring.damping_per_load};
-    } else {
-      at.setup.compliance = 1 / spring.tangential;
-      at.setup.compliance_per_load = 1 / spring.per_load;
-    }
-    at.setup.unknowns =
-        law.has_slip_rate() && (unknowns == Unknowns::friction || !at.rigid()) ? Unknowns::friction : Unknowns::states;
-    at.contact = law.contact(at.setup);
     at.first = next;
     next += at.contact->unknowns();
-    at.states = at.contact->unknowns() - (at.carries_friction() ? 1 : 0) -
-                (at.setup.spring.present() ? (at.carries_friction() ? 1 : 2) : 0);
     if (law.set_valued()) switching_.push_back(int(j));
     const auto [N, rate] = load(int(j), 0);
     const VectorXd& t = contact.tangential;
@@ -157,9 +144,8 @@ StructureSystem::StructureSystem(Structure structure, Unknowns unknowns)
     at.reference_speed = std::max(std::abs(contact.speed.value(0)), std::abs(contact.speed.level()));
     if (at.reference_speed == 0)
       at.reference_speed = std::isfinite(of_friction) && of_friction > 0 ? of_friction : 1e-9;
-    at.weight.assign(Slopes<double>::capacity, 1.0);
-    double z[Slopes<double>::capacity];
-    at.contact->steady(0, at.reference_speed, N, z, at.weight.data());
+    at.weigh(at.reference_speed, N, true);
+    if (N > 0) at.require_slip_rate(at.reference_speed, N);
     const double coefficient = at.carries_friction() ? at.weight[0] : 0.1;
     for (const auto& [i, value] : tangential_[int(j)]) {
       speed_scale_[i] = std::max(speed_scale_[i], at.reference_speed);
@@ -191,10 +177,10 @@ double StructureSystem::velocity_of(int i, double t, const double* y) const {
   return j >= 0 ? structure_.contacts[j].speed.value(t) - y[n_ + i] : y[n_ + i];
 }
 
-double StructureSystem::approach_rate(int station, double t, const double* y) const {
-  if (!is_diagonal_) return normal_[station].times(velocity(t, y));
+double StructureSystem::approach_rate(const Station& station, double t, const double* y) const {
+  if (!is_diagonal_) return station.normal.times(velocity(t, y));
   double rate = 0;
-  for (const auto& [i, value] : normal_[station]) rate += value * velocity_of(i, t, y);
+  for (const auto& [i, value] : station.normal) rate += value * velocity_of(i, t, y);
   return rate;
 }
 
@@ -271,67 +257,103 @@ StructureSystem::Load StructureSystem::load(int contact, double t) const {
 StructureSystem::Load StructureSystem::load(int contact, double t, const double* y) const {
   if (!follows_motion(contact)) return load(contact, t);
   double bound = 0;
-  for (int s = at_[contact].first_station; s < at_[contact].end_station; ++s)
-    bound += station_[s].area * answer(contact, s, t, y).bound;
+  for (const Station& s : stations(contact, y)) bound += s.area * answer(contact, s, t, y).bound;
   // A law never sees the rate of a load that holds accelerations: what would ask for it is refused.
   return {bound, 0};
 }
 
-NormalAnswer StructureSystem::answer(int contact, int station, double t, const double* y) const {
-  return structure_.contacts[contact].normal_law->at(normal_[station].times(y) - station_[station].gap,
+/// Of the part of a rigid face that touches: Gauss points in the root of the distance from the place where the approach
+/// is 0, of which any power of the approach is smooth. Where that place is far, they are those of the whole face.
+StructureSystem::Stations StructureSystem::stations(int contact, const double* y) const {
+  const Station* fixed = station_.data();
+  Stations whole(fixed + at_[contact].first_station, fixed + at_[contact].end_station);
+  const auto& face = structure_.contacts[contact].face;
+  if (!face) return whole;
+  const Eigen::Map<const VectorXd> q(y, n_);
+  const double at_middle = face->middle.dot(q), slope = face->along.dot(q), half = face->half_length;
+  const double edge = -at_middle / slope,
+               side = slope > 0 ? 1 : -1;  // the approach is positive on this side of the edge
+  const double nearest = side * (-side * half - edge), farthest = side * (side * half - edge);
+  if (slope == 0 || !std::isfinite(edge) || nearest > half) return whole;
+  if (farthest <= 0) return {fixed, fixed};
+  const double low = std::sqrt(std::max(nearest, 0.0)), high = std::sqrt(farthest);
+  std::vector<Station> stations;
+  std::vector<SparseRows::Entry> entries;
+  entries.reserve(face->points.size() * std::size_t(n_));
+  for (const auto& [at, weight] : face->points) {
+    const double root = 0.5 * (low + high) + 0.5 * (high - low) * at, place = edge + side * root * root;
+    const std::size_t first = entries.size();
+    for (int i = 0; i < n_; ++i)
+      if (const double value = face->middle[i] + place * face->along[i]; value != 0) entries.push_back({i, value});
+    stations.push_back({face->thickness * (high - low) * weight * root,
+                        0,
+                        false,
+                        {entries.data() + first, entries.data() + entries.size()}});
+  }
+  return {std::move(stations), std::move(entries)};
+}
+
+NormalAnswer StructureSystem::answer(int contact, const Station& station, double t, const double* y) const {
+  return structure_.contacts[contact].normal_law->at(station.normal.times(y) - station.gap,
                                                      approach_rate(station, t, y), preload(contact, t));
 }
 
-double StructureSystem::push_back(int contact, int station, double t, const NormalAnswer& answer) const {
-  const double force = station_[station].area * answer.pressure;
-  return station_[station].preloaded ? force - load(contact, t).level : force;
+double StructureSystem::push_back(int contact, const Station& station, double t, const NormalAnswer& answer) const {
+  const double force = station.area * answer.pressure;
+  return station.preloaded ? force - load(contact, t).level : force;
 }
 
 double StructureSystem::normal_load(int contact, double t, const double* y) const {
   if (!follows_motion(contact)) return load(contact, t).level;
   double force = 0;
-  for (int s = at_[contact].first_station; s < at_[contact].end_station; ++s)
-    force += station_[s].area * answer(contact, s, t, y).pressure;
+  for (const Station& s : stations(contact, y)) force += s.area * answer(contact, s, t, y).pressure;
   return force;
 }
 
 double StructureSystem::open_fraction(int contact, double t, const double* y) const {
-  double open = 0;
-  for (int s = at_[contact].first_station; s < at_[contact].end_station; ++s)
-    if (const auto answer = this->answer(contact, s, t, y); answer.pressure == 0) open += station_[s].area;
+  double open = 0, all = 0;
+  for (const Station& s : stations(contact, y)) {
+    all += s.area;
+    if (answer(contact, s, t, y).pressure == 0) open += s.area;
+  }
+  if (structure_.contacts[contact].face) open += std::max(at_[contact].area - all, 0.0);
   return open / at_[contact].area;
 }
 
 double StructureSystem::normal_power(double t, const double* y) const {
   double power = 0;
   for (int j = 0; j < friction_contacts(); ++j) {
-    for (int s = at_[j].first_station; s < at_[j].end_station; ++s)
-      power -= push_back(j, s, t, answer(j, s, t, y)) * approach_rate(s, t, y);
+    for (const Station& s : stations(j, y)) power -= push_back(j, s, t, answer(j, s, t, y)) * approach_rate(s, t, y);
     if (const auto& along = structure_.contacts[j].load_along; along.size() > 0)
       power += load(j, t).level * along.dot(velocity(t, y));
   }
   return power;
 }
 
-/// Where a contact lifts off its load has a kink, and friction has those of its law.
-double StructureSystem::kink(const double* y) const {
-  double product = NAN;
-  const auto add = [&](double part) {
-    product = std::isnan(product) ? part : std::isnan(part) ? product : product * part;
-  };
+/// Where a contact lifts off its load has a kink, friction has those of its law, and the rates of states one in |v|.
+void StructureSystem::kinks(double t, const double* y, std::vector<double>& values) const {
+  values.clear();
   for (int j = 0; j < friction_contacts(); ++j) {
-    const bool slips_behind_spring = at_[j].setup.spring.present() && !at_[j].carries_friction();
-    add(law(j).slip_kink(slips_behind_spring ? y[at_[j].first + at_[j].states] : slip_rate(j, 0, y)));
+    const At& at = at_[j];
+    const double* states = y + at.first + at.first_state();
+    if (at.states > 0) values.push_back(law(j).kink({states, std::size_t(at.states)}));
+    if (!std::isnan(law(j).slip_kink(0))) values.push_back(law(j).slip_kink(contact_slip_rate(j, t, y)));
+    if (at.states > 0 && !law(j).set_valued()) values.push_back(contact_slip_rate(j, t, y) / at.reference_speed);
     // Many stations together answer smoothly.
-    if (at_[j].end_station - at_[j].first_station != 1 || !structure_.contacts[j].normal_load.constant()) continue;
-    const int s = at_[j].first_station;
+    if (at.end_station - at.first_station != 1) continue;
+    const Station& s = station_[at.first_station];
     double size = 0, speed = 0;
-    for (const auto& [i, value] : normal_[s])
+    for (const auto& [i, value] : s.normal)
       size += std::abs(value) * coordinate_scale_[i], speed += std::abs(value) * speed_scale_[i];
-    add(structure_.contacts[j].normal_law->kink(normal_[s].times(y) - station_[s].gap, approach_rate(s, 0, y), size,
-                                                speed, preload(j, 0)));
+    values.push_back(structure_.contacts[j].normal_law->kink(s.normal.times(y) - s.gap, approach_rate(s, t, y), size,
+                                                             speed, preload(j, t)));
   }
-  return product;
+}
+
+bool StructureSystem::kinks_are_singular() const {
+  return std::ranges::any_of(structure_.contacts, [](const FrictionContact& contact) {
+    return contact.normal.cols() == 1 && !contact.normal_law->is_smooth_beside_kink();
+  });
 }
 
 /// V̇ under the contacts that stick.
@@ -364,6 +386,13 @@ double StructureSystem::slip_rate(int contact, double t, const double* y) const 
   return V - along;
 }
 
+/// Behind a spring the contact slips at a rate of its own.
+double StructureSystem::contact_slip_rate(int contact, double t, const double* y) const {
+  const At& at = at_[contact];
+  if (at.rigid()) return slip_rate(contact, t, y);
+  return at.own_slip_rate(load(contact, t, y).level, y + at.first);
+}
+
 /// R: all forces on the coordinates but those of contacts that stick. `contact_rows`: g of every contact, if asked.
 Eigen::VectorXd StructureSystem::forces_without_stick(double t, const double* y, double* f) const {
   const Eigen::Map<const VectorXd> q(y, n_);
@@ -377,17 +406,18 @@ Eigen::VectorXd StructureSystem::forces_without_stick(double t, const double* y,
     if (follows_motion(j)) {
       if (structure_.contacts[j].load_along.size() > 0) R += N * structure_.contacts[j].load_along;
       N = 0, rate = 0;
-      for (int s = at_[j].first_station; s < at_[j].end_station; ++s) {
+      for (const Station& s : stations(j, y)) {
         const auto answer = this->answer(j, s, t, y);
         const double away = push_back(j, s, t, answer);
-        for (const auto& [i, value] : normal_[s]) R[i] -= away * value;
-        N += station_[s].area * answer.bound;
+        for (const auto& [i, value] : s.normal) R[i] -= away * value;
+        N += s.area * answer.bound;
       }
     }
     double F, g[Slopes<double>::capacity];
     const bool stuck = sticks(j);
     at_[j].contact->evaluate({stuck ? 0 : slip_rate(j, t, y), N, rate, sign(at_[j].mode)}, y + at_[j].first,
                              f ? f + at_[j].first : g, F);
+    if (f && at_[j].creep > 0) f[at_[j].first] -= at_[j].creep * y[at_[j].first];
     if (stuck) continue;
     for (const auto& [i, value] : tangential_[j]) R[i] += F * value;
   }
@@ -451,12 +481,13 @@ void StructureSystem::linearise(double t, const double* y, double* f, double* ja
     at.contact->linearise({stuck ? 0 : slip_rate(j, t, y), N, rate, sign(at.mode)}, y + at.first, g, F, slopes);
     for (int a = 0; a < nz; ++a)
       for (int b = 0; b < nz; ++b) J(at.first + a, at.first + b) = slopes.g_z[a * nz + b];
+    if (at.creep > 0) J(at.first, at.first) -= at.creep;
     Eigen::RowVectorXd N_q = Eigen::RowVectorXd::Zero(n_), N_w = N_q;
     if (follows_motion(j)) {
-      for (int s = at.first_station; s < at.end_station; ++s) {
+      for (const Station& s : stations(j, y)) {
         const auto answer = this->answer(j, s, t, y);
-        const double area = station_[s].area;
-        const VectorXd normal = structure_.contacts[j].normal.col(s - at.first_station);
+        const double area = s.area;
+        const VectorXd normal = s.normal.dense(n_);
         const Eigen::RowVectorXd by_w = normal.transpose() * velocity_of_speed_;
         R_q -= normal * (area * answer.pressure_by_approach * normal.transpose());
         R_w -= normal * (area * answer.pressure_by_rate * by_w);
@@ -504,15 +535,7 @@ void StructureSystem::held(double t, const double* y, Held* held) const {
     const int j = switching_[i];
     if (!sticks(j)) continue;
     const double N = load(j, t, y).level;
-    const FrictionLaw& law = this->law(j);
-    double limit;
-    if (!law.has_states()) {
-      limit = N * law.static_limit(N);
-    } else if (at_[j].setup.lambda == 0) {
-      limit = N * law.static_limit(N, law.steady({0, N}));
-    } else {
-      limit = N * law.static_limit(N, states(j, t, y));
-    }
+    const double limit = at_[j].limit_at_rest(N, y + at_[j].first);
     if (is_diagonal_) {
       const int row = at_[j].row;
       held[i] = {holding_alone_[j] * R[row] + holding_of_surface_alone_[j] * structure_.contacts[j].speed.rate(t),
@@ -547,12 +570,8 @@ double StructureSystem::displacement(int contact, const double* y) const {
 
 void StructureSystem::stop(int contact, double* y) const {
   y[slip_rate_unknown(contact)] = 0;
-  const int j = switching_[contact];
-  if (at_[j].states == 0) return;
-  double* z = y + at_[j].first;
-  std::vector<double> state(at_[j].states);
-  for (int i = 0; i < at_[j].states; ++i) state[i] = read_state(j, i, z[i]);
-  write_states(j, law(j).after_stop(state), z);
+  const At& at = at_[switching_[contact]];
+  at.stop(y + at.first);
 }
 
 /// Moves the contact along its direction by what its own spring needs.
@@ -583,12 +602,7 @@ void StructureSystem::scale(const double* y, double* s) const {
   }
   for (int j = 0; j < friction_contacts(); ++j) {
     const At& at = at_[j];
-    const int nz = at.contact->unknowns(), first_state = at.first + (at.carries_friction() ? 1 : 0);
-    std::copy(at.weight.begin(), at.weight.begin() + nz, s + at.first);
-    if (at.carries_friction()) s[at.first] = std::max(at.weight[0], 0.01 * std::abs(y[at.first]));
-    for (int i = 0; i < at.states; ++i)
-      if (law(j).states()[i].scale == Scale::linear)
-        s[first_state + i] = std::max(s[first_state + i], std::abs(y[first_state + i]));
+    at.scale(y + at.first, s + at.first);
   }
 }
 
@@ -603,11 +617,9 @@ std::string StructureSystem::unknown(int i) const {
     return "velocity of " + coordinate(i - n_);
   }
   for (std::size_t j = 0; j < at_.size(); ++j) {
-    int k = i - at_[j].first;
-    if (k < 0 || k >= at_[j].contact->unknowns()) continue;
-    const std::string of = at_.size() == 1 ? "" : fmt::format(" of contact {}", j + 1);
-    if (at_[j].carries_friction() && k-- == 0) return "friction coefficient" + of;
-    return (k < at_[j].states ? std::string(law(int(j)).states()[k].name) : "deflection") + of;
+    const int k = i - at_[j].first;
+    if (k >= 0 && k < at_[j].contact->unknowns())
+      return at_[j].unknown(k) + (at_.size() == 1 ? "" : fmt::format(" of contact {}", j + 1));
   }
   return "";
 }
@@ -639,39 +651,15 @@ void StructureSystem::cross_break(double t, double* y) const {
     if (at.row >= 0) y[n_ + at.row] += contact.speed.value(t) - contact.speed.value(before);
     if (!at.carries_friction()) continue;
     if (at.rigid())
-      make_friction_fit(j, t, y);
+      at.make_friction_fit(slip_rate(j, t, y), changed, z);
     else if (at.setup.compliance_per_load == 0)
       z[0] *= N / changed;
   }
 }
 
-/// Where its friction coefficient is an unknown, of a rigid contact: that of its slip rate and states.
-void StructureSystem::make_friction_fit(int j, double t, double* y) const {
-  const At& at = at_[j];
-  double* z = y + at.first;
-  const double u = slip_rate(j, t, y), N = load(j, t, y).level;
-  std::vector<double> state = at.setup.lambda == 0 ? law(j).steady({u, N}) : states(j, t, y);
-  if (at.setup.lambda == 0) write_states(j, state, z + 1);
-  z[0] = law(j).friction({u, N}, state);
-}
-
-double StructureSystem::read_state(int contact, int i, double unknown) const {
-  return law(contact).states()[i].scale == Scale::log ? std::exp(unknown) : unknown;
-}
-
-void StructureSystem::write_states(int contact, std::span<const double> state, double* z) const {
-  const auto& fields = law(contact).states();
-  for (std::size_t i = 0; i < fields.size(); ++i) z[i] = fields[i].scale == Scale::log ? std::log(state[i]) : state[i];
-}
-
 std::vector<double> StructureSystem::states(int contact, double t, const double* y) const {
   const At& at = at_[contact];
-  if (at.states == 0 && law(contact).has_states())
-    return law(contact).steady({slip_rate(contact, t, y), load(contact, t, y).level});
-  std::vector<double> state(at.states);
-  const double* z = y + at.first + (at.carries_friction() ? 1 : 0);
-  for (int i = 0; i < at.states; ++i) state[i] = read_state(contact, i, z[i]);
-  return state;
+  return at.natural_states(slip_rate(contact, t, y), load(contact, t, y).level, y + at.first);
 }
 
 void StructureSystem::friction_forces(double t, const double* y, double* force) const {
@@ -700,9 +688,9 @@ std::vector<double> StructureSystem::unknowns_at(double t, const VectorXd& q, co
                                       : u == 0                                     ? law(j).rest(N)
                                                                                    : law(j).steady({u, N});
     double* z = y.data() + at.first;
-    if (at.carries_friction()) *z++ = at.rigid() ? law(j).friction({u, N}, state) : 0;
-    if (at.states > 0) write_states(j, state, z);
-    if (at.setup.spring.present() && !at.carries_friction()) z[at.states] = u;  // and a deflection of 0
+    if (at.carries_friction()) z[0] = at.rigid() ? law(j).friction({u, N}, state) : 0;
+    if (at.states > 0) at.write_states(state, z);
+    if (const int v = at.slip_rate_place(); v >= 0) z[v] = u;  // and a deflection of 0
   }
   return y;
 }
@@ -761,15 +749,14 @@ StructureSystem::Balance StructureSystem::balance(double t, double part, VectorX
       if (const auto& along = contact.load_along; along.size() > 0)
         residual += load(j, t).level * along, size += std::abs(load(j, t).level) * along.cwiseAbs();
       constexpr double aside = 1e-6;
-      const double dN = aside * std::max(N, 1e-300), F_N = (friction(j, N + dN) - F) / dN;
-      for (int s = at_[j].first_station; s < at_[j].end_station; ++s) {
+      const double dN = aside * std::max(std::abs(N), 1e-300), F_N = (friction(j, N + dN) - F) / dN;
+      for (const Station& s : stations(j, y.data())) {
         const auto answer = this->answer(j, s, t, y.data());
         const double away = push_back(j, s, t, answer);
-        const VectorXd normal = contact.normal.col(s - at_[j].first_station);
+        const VectorXd normal = s.normal.dense(n_);
         residual -= away * normal;
-        size += std::max(std::abs(away), station_[s].area * std::abs(answer.pressure)) * normal.cwiseAbs();
-        slope += station_[s].area *
-                 (answer.pressure_by_approach * normal - F_N * answer.bound_by_approach * contact.tangential) *
+        size += std::max(std::abs(away), s.area * std::abs(answer.pressure)) * normal.cwiseAbs();
+        slope += s.area * (answer.pressure_by_approach * normal - F_N * answer.bound_by_approach * contact.tangential) *
                  normal.transpose();
       }
     }
@@ -802,7 +789,8 @@ StructureSystem::Balance StructureSystem::balance(double t, double part, VectorX
 std::vector<double> StructureSystem::steady(double t) const {
   const VectorXd without = touching(t);
   VectorXd q = without;
-  auto found = balance(t, 1, q);
+  const auto all_of_it = balance(t, 1, q);
+  auto found = all_of_it;
   if (!found.converged) {
     constexpr double shortest = 1.0 / 4096;
     VectorXd reached = without;
@@ -819,9 +807,13 @@ std::vector<double> StructureSystem::steady(double t) const {
     found.converged = found.converged && part >= 1;
   }
   if (!found.converged && !found.held)
-    throw InputError("K has no inverse: a structure that no spring holds has no steady sliding (stiffness, N/m)");
+    throw NoSteadySliding("K has no inverse: a structure that no spring holds has no steady sliding (stiffness, N/m)");
+  if (!found.converged && !all_of_it.held)
+    throw NoSteadySliding(
+        "friction locks the structure: with all of it the tangent of steady sliding has no inverse, and the load "
+        "grows without bound");
   if (!found.converged || !q.allFinite())
-    throw InputError(
+    throw NoSteadySliding(
         fmt::format("no steady sliding was found: after {} steps of Newton's method forces are {:.1e} N apart",
                     found.iterations, found.left));
   auto start = unknowns_at(t, q, VectorXd::Zero(n_));

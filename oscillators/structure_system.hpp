@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/switching.hpp"
+#include "oscillators/contact_rows.hpp"
 #include "oscillators/sparse_rows.hpp"
 #include "oscillators/structure.hpp"
 
@@ -45,7 +46,8 @@ class StructureSystem final : public SwitchingSystem {
   void cross_break(double t, double* y) const override;
   bool autonomous() const override { return is_constant_; }
   double resolution() const override;
-  double kink(const double* y) const override;
+  void kinks(double t, const double* y, std::vector<double>& values) const override;
+  bool kinks_are_singular() const override;
 
   int contacts() const override { return int(switching_.size()); }
   ContactMode mode(int contact) const override { return at_[switching_[contact]].mode; }
@@ -88,6 +90,8 @@ class StructureSystem final : public SwitchingSystem {
   /// Velocities q̇ (m/s), from the speeds of y.
   Eigen::VectorXd velocity(double t, const double* y) const;
   double slip_rate(int friction_contact, double t, const double* y) const;
+  /// The slip rate of the contact itself, equal to slip_rate() where no spring is in series with it.
+  double contact_slip_rate(int friction_contact, double t, const double* y) const;
   /// What t of a contact takes of a vector of the coordinates, tᵀ x.
   template <class Vector>
   double along(int friction_contact, const Vector& x) const {
@@ -101,6 +105,7 @@ class StructureSystem final : public SwitchingSystem {
   double normal_load(int friction_contact, double t, const double* y) const;
   /// Part of a contact's area, whose load follows motion, that bears nothing.
   double open_fraction(int friction_contact, double t, const double* y) const;
+  double reference_speed_of(int friction_contact) const { return at_[friction_contact].reference_speed; }
   bool follows_motion(int friction_contact) const { return structure_.contacts[friction_contact].normal.size() > 0; }
   /// Power of the normal forces that contacts answer motion with, −(N − N₀) nᵀ q̇ (W).
   double normal_power(double t, const double* y) const;
@@ -114,24 +119,19 @@ class StructureSystem final : public SwitchingSystem {
   std::vector<double> unknowns_at(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& velocity,
                                   const std::vector<std::vector<double>>& states = {}) const;
   /// Steady sliding at time t: K q = f + Σ (t F(V, N) − n (N − N₀)), at rest, by Newton's method where loads follow q.
-  /// \throws InputError where there is none: of a structure that is free to move, or without a solution in reach.
+  /// \throws NoSteadySliding where there is none: of a structure that is free to move, or without a solution in reach.
   std::vector<double> steady(double t) const;
 
  private:
-  struct At {  ///< a contact, and where it stands among the unknowns
-    std::unique_ptr<Contact<double>> contact;
-    ContactSetup setup;
-    int row = -1;    ///< of its speed among the n; −1: it has none of its own
-    int first = 0;   ///< of its unknowns
-    int states = 0;  ///< of the law, among them
+  struct At : ContactRows {  ///< a contact, and where it stands among the unknowns
+    using ContactRows::ContactRows;
+    int row = -1;   ///< of its speed among the n; −1: it has none of its own
+    int first = 0;  ///< of its unknowns
     int first_station = 0, end_station = 0;
     double area = 1;  ///< of all its stations
     double reference_speed = 0;
-    std::vector<double> weight;  ///< sizes by which errors of its unknowns are measured
     ContactMode mode = ContactMode::forward;
-    bool carries_friction() const { return setup.unknowns == Unknowns::friction; }
-    bool rigid() const { return setup.compliance == 0 && setup.compliance_per_load == 0 && !setup.spring.present(); }
-    bool sticks(const FrictionLaw& law) const { return law.set_valued() && mode == ContactMode::stick; }
+    bool sticks() const { return law->set_valued() && mode == ContactMode::stick; }
   };
   struct Load {
     double level, rate;
@@ -142,18 +142,36 @@ class StructureSystem final : public SwitchingSystem {
   struct Station {  ///< of a contact whose load follows motion
     double area, gap;
     bool preloaded;  ///< N₀ acts along its normal
+    SparseRows::Row normal;
   };
-  NormalAnswer answer(int contact, int station, double t, const double* y) const;
+  /// Stations of a contact in y: fixed ones, or those of the part of a rigid face that touches.
+  class Stations {
+   public:
+    Stations(const Station* begin, const Station* end) : begin_(begin), end_(end) {}
+    Stations(std::vector<Station> own, std::vector<SparseRows::Entry> entries)
+        : own_(std::move(own)), entries_(std::move(entries)), begin_(own_.data()), end_(own_.data() + own_.size()) {}
+    Stations(const Stations&) = delete;
+    Stations(Stations&&) = default;
+    const Station* begin() const { return begin_; }
+    const Station* end() const { return end_; }
+
+   private:
+    std::vector<Station> own_;
+    std::vector<SparseRows::Entry> entries_;
+    const Station *begin_, *end_;
+  };
+  Stations stations(int contact, const double* y) const;
+  NormalAnswer answer(int contact, const Station&, double t, const double* y) const;
   /// What the normal forces of the contact push the structure back with, beyond N₀ (N).
-  double push_back(int contact, int station, double t, const NormalAnswer&) const;
+  double push_back(int contact, const Station&, double t, const NormalAnswer&) const;
   /// N₀ as a force of one station, or as its pressure.
   double preload(int contact, double t) const { return load(contact, t).level / at_[contact].area; }
   double normal_stiffness(int contact, int coordinate) const;
   double stiffness_at(int coordinate) const;
   double velocity_of(int coordinate, double t, const double* y) const;
-  double approach_rate(int station, double t, const double* y) const;  ///< nᵀ q̇
-  double mobility(int contact) const;                                  ///< tᵀ M⁻¹ t
-  double stiffness_along(int contact) const;                           ///< tᵀ K t
+  double approach_rate(const Station&, double t, const double* y) const;  ///< nᵀ q̇
+  double mobility(int contact) const;                                     ///< tᵀ M⁻¹ t
+  double stiffness_along(int contact) const;                              ///< tᵀ K t
   void find_pattern();
   bool stop_holds(int stop, double t) const;
   struct Balance {
@@ -165,14 +183,11 @@ class StructureSystem final : public SwitchingSystem {
   Eigen::VectorXd touching(double t) const;
   double steady_friction(int contact, double t, double N) const;
   double natural_stiffness(const Eigen::VectorXd& along, double force) const;
-  void make_friction_fit(int contact, double t, double* y) const;
   const FrictionLaw& law(int contact) const { return *structure_.contacts[contact].law; }
-  bool sticks(int contact) const { return at_[contact].sticks(law(contact)); }
+  bool sticks(int contact) const { return at_[contact].sticks(); }
   Eigen::VectorXd speeds_of_surfaces(double t) const;
   Eigen::VectorXd accelerations_of_surfaces(double t) const;
   Eigen::VectorXd forces_without_stick(double t, const double* y, double* contact_rows) const;
-  double read_state(int contact, int i, double unknown) const;
-  void write_states(int contact, std::span<const double> state, double* z) const;
   void follow_modes();
 
   Structure structure_;

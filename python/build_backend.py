@@ -1,4 +1,6 @@
-"""What `pip install .` calls (PEP 517): CMake builds and installs the package, and the files are packed as a wheel."""
+"""What `pip install .` calls (PEP 517): CMake builds and installs the package, and the files are packed as a wheel.
+
+build_backend.py BUILD FOLDER packs what a build has built already."""
 
 import base64
 import hashlib
@@ -63,15 +65,31 @@ def pack(installed: Path, wheel_directory: Path) -> str:
     return name
 
 
-def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    build = root / "build/python"
-    subprocess.run(["cmake", "--preset", "release", "-S", root, "-B", build, "-DROSIN_PYTHON_PACKAGE=ON",
-                    "-DROSIN_TESTS=OFF", f"-DPython_EXECUTABLE={sys.executable}"], check=True, cwd=root)
-    subprocess.run(["cmake", "--build", build, "--target", "rosin_module", "--parallel",
-                    os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(jobs()))], check=True)
+def wheel_of(build: Path, wheel_directory: Path) -> str:
     with tempfile.TemporaryDirectory() as installed:
         install(build, Path(installed))
-        return pack(Path(installed), Path(wheel_directory))
+        return pack(Path(installed), wheel_directory)
+
+
+def make(build: Path, target: str) -> None:
+    parallel = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(jobs()))
+    subprocess.run(["cmake", "--build", build, "--target", target, "--parallel", parallel], check=True)
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    """The libraries are those of the build in ROSIN_DIR, or that of the quick start, brought up to date, or new ones."""
+    build = root / "build/python"
+    built = Path(os.environ.get("ROSIN_DIR", root / "build/release")).absolute()
+    if (built / "rosinBuild.cmake").exists():
+        make(built, "rosin_app")
+    elif "ROSIN_DIR" in os.environ:
+        raise SystemExit(f"ROSIN_DIR = {built} is no build of rosin: it has no rosinBuild.cmake")
+    else:
+        built = ""
+    subprocess.run(["cmake", "--preset", "release", "-S", root, "-B", build, "-DROSIN_PYTHON_PACKAGE=ON", f"-DROSIN_DIR={built}",
+                    "-DROSIN_TESTS=OFF", f"-DPython_EXECUTABLE={sys.executable}"], check=True, cwd=root)
+    make(build, "rosin_module")
+    return wheel_of(build, Path(wheel_directory))
 
 
 def build_sdist(sdist_directory, config_settings=None):
@@ -80,3 +98,7 @@ def build_sdist(sdist_directory, config_settings=None):
     target = Path(sdist_directory) / f"{name}.tar.gz"
     subprocess.run(["git", "archive", f"--prefix={name}/", "-o", target, "HEAD"], check=True, cwd=root)
     return target.name
+
+
+if __name__ == "__main__":
+    print(wheel_of(Path(sys.argv[1]), Path(sys.argv[2])))

@@ -9,14 +9,18 @@ namespace rosin::tests {
 
 inline constexpr double gravity = 9.81;
 
-/// Bristol board at N/(mg) and λ; mass 1 kg, spring 1.09 N/m, drive 0.01 mm/s.
-inline oscillators::Model bristol_board(double load_over_weight, double lambda, double speed = 1e-5) {
+/// Bristol board at λ under a load (N); mass 1 kg, spring 1.09 N/m.
+inline oscillators::Model board_under(double load, double lambda, double speed) {
   oscillators::Model model;
   model.law = laws::find_law("spinodal");
   model.lambda = lambda;
   model.slider = {.mass = 1, .stiffness = 1.09, .damping = 0};
-  model.drive = {.speed = speed, .normal_load = load_over_weight * gravity, .force = 0.0};
+  model.drive = {.speed = speed, .normal_load = load, .force = 0.0};
   return model;
+}
+/// The same at N/(mg), drive 0.01 mm/s.
+inline oscillators::Model bristol_board(double load_over_weight, double lambda, double speed = 1e-5) {
+  return board_under(load_over_weight * gravity, lambda, speed);
 }
 
 /// Where the question is of the contact alone.

@@ -18,8 +18,10 @@ namespace rosin::analysis::basins {
 namespace {
 
 constexpr std::size_t at_a_time = 16;  ///< starts that are identified before what they came to is known to the others
+constexpr std::size_t least_batch = 64;
+constexpr std::size_t least_sample = 16;  ///< of an interrupted search: fewer starts show no shares
 
-/// Starts in no order: the first of them, and those that are done where a search is stopped, stand for all.
+/// Starts in no order: the first of them stand for all.
 void mix(std::vector<std::size_t>& starts) {
   std::ranges::sort(starts, {}, [](std::size_t i) { return splitmix(splitmix_step * (i + 1)); });
 }
@@ -48,16 +50,17 @@ class Search {
   void label(const std::vector<std::vector<double>>& starts, std::vector<std::size_t> open, std::vector<int>& labels) {
     Work work{starts, labels};
     mix(open);
-    if (!std::exchange(begun_, true))
-      identify(work, {open.begin(), open.begin() + long(std::min(at_a_time, open.size()))}, false);
-    for (std::size_t known = 0; keep_unlabelled(work, open);) {
-      if (recogniser_.known().size() > known) {
-        known = recogniser_.known().size();
-        recognise(work, open);
-        continue;
-      }
-      identify(work, {open.begin(), open.begin() + long(std::min(at_a_time, open.size()))}, true);
+    if (order_.empty()) order_ = open;
+    // Batch after batch to its end, slow starts too: where the search is stopped, no more than the last one lacks some.
+    for (std::size_t next = 0, size = 0; next < open.size(); next += size) {
+      size = std::min(std::max(least_batch, next / 8), open.size() - next);
+      finish(work, {open.begin() + long(next), open.begin() + long(next + size)});
     }
+  }
+  /// Of the starts that were labelled first, those before the first that is not done: in no order, and whatever time
+  /// each takes, they stand for all.
+  std::vector<std::size_t> fair_sample(const std::vector<int>& labels) const {
+    return {order_.begin(), std::ranges::find(order_, Recogniser::unknown, [&](std::size_t i) { return labels[i]; })};
   }
   std::size_t done() const { return done_; }
 
@@ -72,6 +75,21 @@ class Search {
     const std::vector<std::vector<double>>& starts;
     std::vector<int>& labels;
   };
+
+  void finish(Work& work, std::vector<std::size_t> open) {
+    const auto first = [&] {
+      return std::vector<std::size_t>{open.begin(), open.begin() + long(std::min(at_a_time, open.size()))};
+    };
+    if (!std::exchange(begun_, true)) identify(work, first(), false);
+    for (std::size_t known = 0; keep_unlabelled(work, open);) {
+      if (recogniser_.known().size() > known) {
+        known = recogniser_.known().size();
+        recognise(work, open);
+        continue;
+      }
+      identify(work, first(), true);
+    }
+  }
 
   static bool keep_unlabelled(const Work& work, std::vector<std::size_t>& open) {
     std::erase_if(open, [&](std::size_t i) { return work.labels[i] != Recogniser::unknown; });
@@ -109,6 +127,7 @@ class Search {
   const BasinTask& task_;
   const std::function<void(std::size_t, std::size_t)> progress_;
   std::mutex mutex_;
+  std::vector<std::size_t> order_;  ///< of the starts that were labelled first
   std::size_t done_ = 0;
   bool begun_ = false;  ///< some attractors are known
 };
@@ -211,12 +230,14 @@ void label_borders(const BasinTask& task, Search& search, Basins& result) {
 }
 
 /// The known attractors that are of interest, in the order: steady sliding, rest, cycles by their share, and the rest.
-void arrange(const Recogniser& recogniser, Basins& result) {
+/// \param sample  starts whose shares stand for all
+void arrange(const Recogniser& recogniser, const std::vector<std::size_t>& sample, Basins& result) {
   const auto& known = recogniser.known();
-  std::vector<std::size_t> count(known.size());
-  std::size_t done = 0;
+  std::vector<std::size_t> count(known.size()), sampled(known.size());
   for (const int label : result.labels)
-    if (label >= 0) ++count[std::size_t(label)], ++done;
+    if (label >= 0) ++count[std::size_t(label)];
+  for (const std::size_t i : sample) ++sampled[std::size_t(result.labels[i])];
+  const auto all = result.shares_of = sample.size();
   std::vector<int> order;
   const auto beyond = result.threshold ? result.threshold->beyond : -1;
   for (int k = 0; k < int(known.size()); ++k)
@@ -231,15 +252,16 @@ void arrange(const Recogniser& recogniser, Basins& result) {
     place[std::size_t(k)] = int(result.basins.size());
     auto& basin = result.basins.emplace_back();
     basin.attractor = known[std::size_t(k)], basin.count = count[std::size_t(k)];
-    if (done == 0) continue;
-    basin.share = double(basin.count) / double(done);
+    if (all == 0) continue;
+    const auto of = sampled[std::size_t(k)];
+    basin.share = double(of) / double(all);
     // Laplace's rule: none, or all, of a few starts leave a doubt too.
-    const double likely = double(basin.count + 1) / double(done + 2);
-    basin.error = std::sqrt(likely * (1 - likely) / double(done));
-    if (result.followed.empty()) continue;
+    const double likely = double(of + 1) / double(all + 2);
+    basin.error = std::sqrt(likely * (1 - likely) / double(all));
+    if (result.followed.empty() || all < result.labels.size()) continue;
     const auto filled = std::size_t(std::ranges::count(result.followed, false));
     const double wrong = filled == 0 ? 0 : double(result.sample_wrong + 1) / double(result.sample + 2);
-    basin.error = std::hypot(basin.error, wrong * double(filled) / double(done));
+    basin.error = std::hypot(basin.error, wrong * double(filled) / double(all));
   }
   for (int& label : result.labels)
     if (label >= 0) label = place[std::size_t(label)];
@@ -256,19 +278,33 @@ Basins find_basins(const oscillators::Structure& structure, const BasinTask& tas
   Basins result;
   if (task.disturbance) (void)recogniser.steady_sliding();
   Search search(recogniser, task, progress);
+  std::vector<std::size_t> sample;  // of starts whose shares stand for all
+  const auto interrupted = [&](const std::string& shares) {
+    result.outcome = {Ending::interrupted,
+                      fmt::format("{} of {} starts are done{}", search.done(), task.starts.size(), shares)};
+  };
   try {
     if (task.refined_columns > 0)
       label_borders(task, search, result);
     else
       search.label(task.starts, result.labels);
-    if (task.disturbance) {
+    sample.resize(task.starts.size());
+    std::iota(sample.begin(), sample.end(), std::size_t{0});
+  } catch (const Stopped&) {
+    sample = search.fair_sample(result.labels);
+    if (sample.size() < least_sample) sample.clear();
+    interrupted(sample.empty() ? "; no shares, for those that are done are the quick ones"
+                               : fmt::format("; shares are those of {} of them, in no order", sample.size()));
+  }
+  try {
+    if (task.disturbance && result.outcome.complete()) {
       Search quiet(recogniser, task, {});
       find_threshold(structure, task, recogniser, quiet, result);
     }
   } catch (const Stopped&) {
-    result.outcome = {Ending::interrupted, fmt::format("{} of {} starts are done", search.done(), task.starts.size())};
+    interrupted("; the threshold is not found");
   }
-  arrange(recogniser, result);
+  arrange(recogniser, sample, result);
   return result;
 }
 

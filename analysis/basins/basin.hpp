@@ -40,11 +40,14 @@ struct Basins {
   struct Basin {
     Attractor attractor;
     std::size_t count = 0;  ///< starts that come to it
-    /// Of the starts that are done; the standard error of as many random starts. Of refined borders the sample's part
+    /// Of the starts of `shares_of`; the standard error of as many random starts. Of refined borders the sample's part
     /// of wrong labels is added.
     double share = 0, error = 0;
   };
   std::vector<Basin> basins;
+  /// How many starts the shares stand for: all, or, of an interrupted search, those in no order that were done first;
+  /// 0: there are no shares.
+  std::size_t shares_of = 0;
   std::vector<int> labels;  ///< number of the basin of each start; −1: not done
   /// Of refined borders: which starts were followed; of the others a sample, followed in the end, and how many of it
   /// came to something else than their neighbours.

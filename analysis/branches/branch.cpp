@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "analysis/branches/cycle_problem.hpp"
 #include "analysis/branches/linearised.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/steady/stability.hpp"
+#include "analysis/steady/verdict.hpp"
 #include "core/stop.hpp"
 
 namespace rosin::analysis::branches {
@@ -92,23 +94,37 @@ class Tracer {
     }
     problem->refer_to(point->x, value, options_.tolerance);
     Direction along{VectorXd::Zero(point->x.size()), double(sign)};
-    trace("cycle", value, -1, std::move(problem), *point, along, 0, options_.doublings);
+    trace("cycle", value, -1, std::move(problem), *point, along, no_motion, options_.doublings);
   }
 
  private:
-  /// \param least  amplitude below which a cycle has come back to steady sliding
+  static constexpr double no_motion = 1e-4;  ///< amplitude of a cycle that has come to steady sliding
+
+  /// \param least  amplitude below which a cycle has come to steady sliding
   void trace(const std::string& from, double value, int parent, std::unique_ptr<CycleProblem> problem,
              const BranchPoint& start, const Direction& along, double least, int doublings) {
     Continuation continuation(*problem, this->continuation());
     std::string pattern = start.view.pattern;
+    double p_before = start.p, amplitude_before = problem->amplitude();
+    std::optional<steady::Crossing> end;
     continuation.arrived = [&](const BranchPoint& point) {
       pattern = point.view.pattern;
-      return problem->amplitude() > least;
+      if (point.asked || problem->driven()) return true;
+      const double amplitude = problem->amplitude();
+      end = hopf_ahead(p_before, amplitude_before, point, amplitude);
+      p_before = point.p, amplitude_before = amplitude;
+      return !end && amplitude > least;
     };
     continuation.cross = [&](const SpecialPoint& special) { return beyond(*problem, special, pattern); };
     const auto place = result_.cycles.size();
-    result_.cycles.push_back({from, value, parent, continuation.follow(start, along)});
+    result_.cycles.push_back({from, value, parent, {}, continuation.follow(start, along)});
     auto& branch = result_.cycles[place].branch;
+    if (end) {
+      branch.outcome.detail = fmt::format("it ends at the Hopf point {:.12g}", end->value);
+      result_.cycles[place].to_value = end->value;
+      note_crossing(*end);
+    }
+    std::erase_if(branch.special, is_neutral_saddle);
     for (auto& special : branch.special) special.kind = shown_kind(special.test);
     if (const auto at = branch.outcome.detail.find(grazing_of_landing); at != std::string::npos)
       branch.outcome.detail.replace(at, std::string_view(grazing_of_landing).size(), "grazing");
@@ -145,14 +161,61 @@ class Tracer {
       doubled->problem->refer_to(point->x, point->p, options_.tolerance);
       const double c = options_.parameter.coordinate(point->p) - options_.parameter.coordinate(special.p);
       Direction away{VectorXd::Zero(point->x.size()), c};
-      trace("period-doubling", special.p, int(place), std::move(doubled->problem), *point, away, 0, doublings - 1);
+      trace("period-doubling", special.p, int(place), std::move(doubled->problem), *point, away, no_motion,
+            doublings - 1);
     }
+  }
+
+  /// The Hopf point that a cycle comes to: its amplitude shrinks as the root of the distance.
+  std::optional<steady::Crossing> hopf_ahead(double p_before, double amplitude_before, const BranchPoint& at,
+                                             double amplitude) const {
+    constexpr double small = 0.02;
+    if (!(amplitude < small && amplitude < amplitude_before)) return std::nullopt;
+    const double ratio = amplitude / amplitude_before, ahead = (at.p - p_before) * ratio * ratio / (1 - ratio * ratio);
+    const double turn = 2 * std::numbers::pi / at.view.metrics.at("period");
+    const auto growth = [&](double p) {
+      const auto spectrum = spectrum_of(linearise(*family_(p)).part.A);
+      const auto off = [&](std::size_t k) { return std::abs(spectrum.values[k] - std::complex(0.0, turn)); };
+      std::size_t nearest = 0;
+      for (std::size_t k = 1; k < spectrum.values.size(); ++k)
+        if (off(k) < off(nearest)) nearest = k;
+      return steady::Leading{spectrum.values[nearest].real(), spectrum.errors[nearest],
+                             std::abs(spectrum.values[nearest].imag())};
+    };
+    std::vector<double> around{at.p, at.p + 2 * ahead};
+    std::ranges::sort(around);
+    try {
+      for (const auto& crossing : steady::crossings(growth, around))
+        if (crossing.angular_frequency > 0) return crossing;
+    } catch (const InputError&) {  // no steady sliding there
+    }
+    return std::nullopt;
+  }
+
+  void note_crossing(const steady::Crossing& found) {
+    constexpr double same = 1e-9;
+    if (std::ranges::none_of(result_.crossings, [&](const auto& known) {
+          return std::abs(known.value - found.value) <= known.error + found.error + same * std::abs(found.value);
+        }))
+      result_.crossings.push_back(found);
+  }
+
+  /// A zero of the torus test at which two real multipliers have the product 1.
+  static bool is_neutral_saddle(const SpecialPoint& special) {
+    if (special.test != "torus") return false;
+    const auto& z = special.view.multipliers;
+    double least = infinity;
+    bool is_pair = true;
+    for (std::size_t i = 0; i < z.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        if (const double off = std::abs(z[i] * z[j] - 1.0); off < least) least = off, is_pair = z[i].imag() != 0;
+    return !is_pair;
   }
 
   /// Beyond a border: the motion that a disturbed one settles on, or the smaller cycle that no longer touches.
   std::optional<Continuation::Beyond> beyond(CycleProblem& problem, const SpecialPoint& special,
                                              const std::string& pattern) {
-    const double c = options_.parameter.coordinate(special.p), T = problem.period(special.x);
+    const double c = options_.parameter.coordinate(special.p), T = problem.period(special.x, special.p);
     const auto y = problem.start(special.x);
     for (const double aside : {1e-4, 1e-3, 1e-2})
       for (const int sign : {1, -1}) {
@@ -160,7 +223,7 @@ class Tracer {
         if (at < 0 || at > 1) continue;
         const double p = options_.parameter.value(at);
         std::vector<std::pair<std::vector<double>, double>> starts;
-        if (auto relaxed = relax(y, T, p)) starts.push_back(*relaxed);
+        if (auto relaxed = relax(y, T, p, problem.turns())) starts.push_back(*relaxed);
         std::vector<double> steady;
         try {
           steady = problem.oscillator(p).steady();
@@ -178,7 +241,7 @@ class Tracer {
           const auto point = closing.close(x, p);
           if (!point || point->view.pattern == pattern || point->view.pattern.empty() == pattern.empty()) continue;
           // The problem goes on with the nodes of this cycle.
-          auto own = problem.begin(trial.start(point->x), trial.period(point->x), p);
+          auto own = problem.begin(trial.start(point->x), trial.period(point->x, p), p);
           return Continuation::Beyond{std::move(own), p, sign};
         }
       }
@@ -187,12 +250,14 @@ class Tracer {
 
   /// Follows for many periods, to the last slip that began; \returns the unknowns then, and the time since the one
   /// before. Nothing where no contact sticks.
-  std::optional<std::pair<std::vector<double>, double>> relax(std::vector<double> y, double period, double p) const {
+  std::optional<std::pair<std::vector<double>, double>> relax(std::vector<double> y, double period, double p,
+                                                              int turns) const {
     constexpr int periods = 40;
     constexpr double tolerance = 1e-8, after = 0.02;
     const auto oscillator = family_(p);
     const double drive = oscillator->drive_period();
     if (drive > 0) {
+      period = turns * drive;
       Follower follower = oscillator->follower(tolerance);
       for (int k = 0; k < periods; ++k)
         if (!follower.follow(0, y, period).complete()) return std::nullopt;
@@ -219,6 +284,14 @@ class Tracer {
   Branches& result_;
 };
 
+/// Whether the cycles born there have been followed from another Hopf point.
+bool ends_at(const Branches& found, const steady::Crossing& crossing) {
+  constexpr double same = 1e-9;
+  return std::ranges::any_of(found.cycles, [&](const CycleBranch& cycle) {
+    return cycle.to_value && std::abs(*cycle.to_value - crossing.value) <= same * std::abs(crossing.value);
+  });
+}
+
 template <class Work>
 void until_stopped(Branches& result, Work work) {
   try {
@@ -240,8 +313,10 @@ Settled settle(const motion::StructureModel& model, double tolerance) {
   return settled;
 }
 
-Settled settle(const oscillators::Model& model, double tolerance) {
-  if (model.law->set_valued() || (!model.drive.constant() && model.slider.mass > 0)) {
+bool settles_as_structure(const oscillators::Model& model) { return model.slider.mass > 0; }
+
+Settled settle(const oscillators::Model& model, double tolerance, const std::optional<motion::Start>& start) {
+  if (settles_as_structure(model)) {
     motion::StructureModel structure{one_slider(model), {}};
     structure.start.kind = motion::Start::Kind::rest;
     return settle(structure, tolerance);
@@ -249,7 +324,7 @@ Settled settle(const oscillators::Model& model, double tolerance) {
   Settled settled;
   const oscillators::SliderSystem system(model);
   if (model.drive.constant()) {
-    const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance, .multipliers = false});
+    const auto cycle = cycles::find_cycle(model, {.tolerance = tolerance, .multipliers = false, .start = start});
     settled.outcome = cycle.outcome;
     if (!cycle.outcome.complete()) return settled;
     const auto& at = cycle.orbit.front();
@@ -265,7 +340,7 @@ Settled settle(const oscillators::Model& model, double tolerance) {
   }
   // Without mass the answer to the drive is looked for from steady sliding.
   const auto oscillator = oscillator_of(model);
-  settled.y = oscillator->steady();
+  settled.y = start ? motion::starting_point(system, *start) : oscillator->steady();
   settled.period = oscillator->drive_period();
   Follower follower = oscillator->follower(tolerance);
   constexpr int periods = 200;
@@ -311,14 +386,14 @@ Branches from_steady_sliding(const Family& family, const BranchOptions& options,
   std::map<double, steady::Leading> known;
   const auto leading = [&](double p) {
     const auto found = known.find(p);
-    return found != known.end() ? found->second : leading_of(spectrum_of(linearise(*family(p)).part.A));
+    return found != known.end() ? found->second : leading_of(steady::spectrum_of_sliding(linearise(*family(p)).part));
   };
   std::vector<double> sliding;
   for (const double p : values) {
     try {
       const auto oscillator = family(p);
       const auto there = linearise(*oscillator);
-      auto spectrum = spectrum_of(there.part.A);
+      auto spectrum = steady::spectrum_of_sliding(there.part);
       const auto most = known[p] = leading_of(spectrum);
       std::ranges::stable_sort(spectrum.values, std::greater(), [](auto z) { return z.real(); });
       result.steady.push_back(
@@ -331,10 +406,29 @@ Branches from_steady_sliding(const Family& family, const BranchOptions& options,
   result.crossings = crossings ? *crossings : steady::crossings(leading, sliding);
   until_stopped(result, [&] {
     Tracer tracer(family, options, result);
-    for (const auto& crossing : result.crossings)
-      if (crossing.angular_frequency > 0) tracer.from_hopf(crossing);
+    const auto begins = result.crossings;  // a branch may end at one that is not among them
+    for (const auto& crossing : begins)
+      if (crossing.angular_frequency > 0 && !ends_at(result, crossing)) tracer.from_hopf(crossing);
   });
   return result;
+}
+
+void require_continuous_period(const Family& family, const ParameterScale& range, double value) {
+  constexpr double aside = 1e-6, same = 1e-2;
+  const double c = range.coordinate(value), other = range.value(c + (c < 0.5 ? aside : -aside));
+  const double period = family(value)->drive_period();
+  std::string why;
+  try {
+    const double next = family(other)->drive_period();
+    if (period == 0 || next == 0 || std::abs(next / period - 1) < same) return;
+    why = fmt::format("it is {:.9g} s at {:.9g} and {:.9g} s at {:.9g}", period, value, next, other);
+  } catch (const InputError& error) {
+    why = fmt::format("at {:.9g}: {}", other, error.what());
+  }
+  throw InputError(
+      fmt::format("the period of the drive does not vary continuously along the parameter ({}): no cycle "
+                  "can be followed; several frequencies of a drive must keep their ratio",
+                  why));
 }
 
 Branches from_cycle(const Family& family, const Settled& settled, double value, const BranchOptions& options) {

@@ -23,8 +23,10 @@ struct Settled {
 };
 /// From the model's start. \throws InputError as find_cycle().
 Settled settle(const motion::StructureModel&, double tolerance);
-/// From stick, or under a periodic drive from steady sliding.
-Settled settle(const oscillators::Model&, double tolerance);
+/// Whether the motion of a slider settles as that of a structure of one coordinate.
+bool settles_as_structure(const oscillators::Model&);
+/// From the start, else from stick, or under a periodic drive from steady sliding.
+Settled settle(const oscillators::Model&, double tolerance, const std::optional<motion::Start>& = {});
 
 struct BranchOptions {
   ParameterScale parameter;
@@ -45,9 +47,10 @@ struct SteadyPoint {
 };
 
 struct CycleBranch {
-  std::string from;   ///< "hopf", "period-doubling", "cycle"
-  double from_value;  ///< of the parameter
-  int parent = -1;    ///< the branch that doubles
+  std::string from;                     ///< "hopf", "period-doubling", "cycle"
+  double from_value;                    ///< of the parameter
+  int parent = -1;                      ///< the branch that doubles
+  std::optional<double> to_value = {};  ///< of the Hopf point that it ends at
   Branch branch;
 };
 
@@ -71,6 +74,9 @@ Branches from_steady_sliding(const Family&, const BranchOptions&,
 /// The Hopf points of a slider in the range, as hopf_points() has them.
 std::vector<steady::Crossing> crossings_of(const oscillators::Model&, std::string_view parameter,
                                            const ParameterScale& range);
+/// \throws InputError where the period of the drive jumps along the parameter, as where the frequency of one of several
+/// terms moves.
+void require_continuous_period(const Family&, const ParameterScale&, double value);
 /// The branch through a cycle, in both directions of the parameter.
 Branches from_cycle(const Family&, const Settled&, double value, const BranchOptions&);
 

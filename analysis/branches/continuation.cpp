@@ -85,6 +85,7 @@ std::optional<Continuation::Solution> Continuation::correct(const Solution& gues
   if (!iterate(at, normal, from, length, finer * options_.tolerance, last, most) && !(last < options_.tolerance))
     at = coarse, last = options_.tolerance;
   at.iterations = coarse.iterations;
+  at.looser_x = coarse.x, at.looser_c = coarse.c;
   at.c_error = std::abs(at.c - coarse.c) + last;
   at.x_error = (at.x - coarse.x).cwiseQuotient(problem_.scale()).cwiseAbs().maxCoeff() + last;
   return at;
@@ -107,8 +108,13 @@ BranchPoint Continuation::point_of(const Solution& at) {
   point.error = at.c_error * std::abs(options_.parameter.slope(at.c));
   point.x = at.x;
   point.x_error = at.x_error;
-  point.view = problem_.view(at.x, point.p, finer * options_.tolerance);
+  point.view = view_of(at);
   return point;
+}
+
+Problem::View Continuation::view_of(const Solution& at) {
+  return problem_.view({at.x, options_.parameter.value(at.c), finer * options_.tolerance},
+                       {at.looser_x, options_.parameter.value(at.looser_c), options_.tolerance});
 }
 
 std::optional<BranchPoint> Continuation::close(VectorXd x, double p) {
@@ -141,79 +147,90 @@ const Problem::Test* find(const Problem::View& view, const std::string& kind) {
 }
 }  // namespace
 
-/// Zeros of tests between two solutions, `length` apart along the direction.
-void Continuation::locate(Branch& branch, const Solution& a, const BranchPoint& before, const BranchPoint& after,
-                          const Direction& direction, double length) {
-  const double c_after = options_.parameter.coordinate(after.p);
-  std::vector<std::pair<double, SpecialPoint>> found;
-  std::optional<Problem::View> coarse_after;
-  const auto uncertainty = [&](const BranchPoint& point, const std::string& kind, const Problem::View& coarse) {
-    const auto *of_coarse = find(coarse, kind), *of_fine = find(point.view, kind);
-    return of_coarse && of_fine ? std::abs(of_coarse->value - of_fine->value) : infinity;
-  };
-  for (const auto& [kind, at_after, border] : after.view.tests) {
-    const auto* first = find(before.view, kind);
-    if (border || !first || !std::isfinite(first->value) || !std::isfinite(at_after) ||
-        (first->value > 0) == (at_after > 0))
-      continue;
-    // A sign that the tolerance leaves open is none.
-    if (!coarse_after) coarse_after = problem_.view(after.x, after.p, options_.tolerance);
-    constexpr double surely = 3;
-    if (std::min(std::abs(first->value), std::abs(at_after)) < surely * uncertainty(after, kind, *coarse_after))
-      continue;
-    double low = 0, high = length, f_low = first->value, f_high = at_after;
-    int kept = 0;
-    std::optional<Solution> best;
-    BranchPoint there;
-    double moved = infinity, theta_before = infinity;
-    constexpr int most = 30;
-    constexpr double at_rest = 1e-12;
-    for (int k = 0; k < most && high - low > at_rest * length; ++k) {
-      double l = (low * f_high - high * f_low) / (f_high - f_low);
-      if (!(l > low && l < high)) l = 0.5 * (low + high);
-      Solution guess;
-      guess.x = a.x + l / length * (after.x - a.x);
-      guess.c = a.c + l / length * (c_after - a.c);
-      const auto at = correct(guess, direction, a, l);
-      if (!at) break;
-      auto point = point_of(*at);
-      const auto* test = find(point.view, kind);
-      if (!point.view.outcome.complete() || !test) break;
-      if (best) moved = std::abs(at->c - best->c);
-      best = at, there = std::move(point);
-      const double value = test->value;
-      if (value == 0 || std::abs(l - theta_before) < at_rest * length) break;
-      theta_before = l;
-      if ((value > 0) == (f_high > 0)) {
-        high = l, f_high = value;
-        if (kept == -1) f_low *= 0.5;
-        kept = -1;
-      } else {
-        low = l, f_low = value;
-        if (kept == 1) f_high *= 0.5;
-        kept = 1;
+/// Zeros of tests between two solutions, `length` apart along the direction. A sign counts where the error of the test
+/// leaves no doubt about it.
+void Continuation::find_special(Branch& branch, Signs& signs, const Solution& a, const BranchPoint& before,
+                                const BranchPoint& after, const Direction& direction, double length) {
+  std::vector<SpecialPoint> found;
+  for (const auto& test : after.view.tests) {
+    if (test.border) continue;
+    const auto known = signs.find(test.kind);
+    if (!std::isfinite(test.value)) {
+      signs.erase(test.kind);
+    } else if (test.has_sign()) {
+      const bool positive = test.value > 0;
+      if (known != signs.end() && known->second.positive != positive) {
+        if (const auto& [was, open, spread] = known->second; open) {
+          const auto& there = *find(open->view, test.kind);
+          const double slope = std::abs((test.value - there.value) / (after.p - open->p));
+          const double error = 3 * there.error / slope + spread + open->error;
+          found.push_back({test.kind, open->p, error, open->x, open->view, 0, test.kind});
+        } else if (auto special = locate(test.kind, a, before, after, direction, length)) {
+          found.push_back(std::move(*special));
+        }
       }
+      signs.insert_or_assign(test.kind, Sign{positive, {}});
+    } else if (known != signs.end()) {
+      auto& [positive, open, spread] = known->second;
+      if (open) spread += std::abs(after.p - before.p);
+      if (!open || std::abs(test.value) < std::abs(find(open->view, test.kind)->value)) open = after;
     }
-    if (!best) continue;
-    // What the tolerance leaves open of the test, by its slope along the branch.
-    const auto coarse = problem_.view(there.x, there.p, options_.tolerance);
-    const double open = uncertainty(there, kind, coarse) * length / std::abs(at_after - first->value);
-    const double per_length = std::abs(c_after - a.c) / length;
-    SpecialPoint special{.kind = kind,
-                         .p = there.p,
-                         .error = 0,
-                         .x = there.x,
-                         .view = there.view,
-                         .after = branch.points.size() - 1,
-                         .test = kind};
-    constexpr double rounding = 4e-16;
-    special.error = std::abs(options_.parameter.slope(best->c)) *
-                        (std::min(moved, best->c_error) + best->c_error + open * per_length) +
-                    rounding * std::abs(there.p);
-    found.emplace_back(std::abs(best->c - a.c), std::move(special));
   }
-  std::ranges::sort(found, {}, [](const auto& f) { return f.first; });
-  for (auto& f : found) branch.special.push_back(std::move(f.second));
+  const double c = options_.parameter.coordinate(before.p);
+  std::ranges::sort(found, {}, [&](const auto& f) { return std::abs(options_.parameter.coordinate(f.p) - c); });
+  for (auto& special : found) {
+    special.after = branch.points.size() - 1;
+    branch.special.push_back(std::move(special));
+  }
+}
+
+/// The zero of a test, by the Illinois method.
+std::optional<SpecialPoint> Continuation::locate(const std::string& kind, const Solution& a, const BranchPoint& before,
+                                                 const BranchPoint& after, const Direction& direction, double length) {
+  const double c_after = options_.parameter.coordinate(after.p);
+  const double at_before = find(before.view, kind)->value, at_after = find(after.view, kind)->value;
+  double low = 0, high = length, f_low = at_before, f_high = at_after;
+  int kept = 0;
+  std::optional<Solution> best;
+  BranchPoint there;
+  double moved = infinity, theta_before = infinity;
+  constexpr int most = 30;
+  constexpr double at_rest = 1e-12;
+  for (int k = 0; k < most && high - low > at_rest * length; ++k) {
+    double l = (low * f_high - high * f_low) / (f_high - f_low);
+    if (!(l > low && l < high)) l = 0.5 * (low + high);
+    Solution guess;
+    guess.x = a.x + l / length * (after.x - a.x);
+    guess.c = a.c + l / length * (c_after - a.c);
+    const auto at = correct(guess, direction, a, l);
+    if (!at) break;
+    auto point = point_of(*at);
+    const auto* test = find(point.view, kind);
+    if (!point.view.outcome.complete() || !test) break;
+    if (best) moved = std::abs(at->c - best->c);
+    best = at, there = std::move(point);
+    const double value = test->value;
+    if (value == 0 || std::abs(l - theta_before) < at_rest * length) break;
+    theta_before = l;
+    if ((value > 0) == (f_high > 0)) {
+      high = l, f_high = value;
+      if (kept == -1) f_low *= 0.5;
+      kept = -1;
+    } else {
+      low = l, f_low = value;
+      if (kept == 1) f_high *= 0.5;
+      kept = 1;
+    }
+  }
+  if (!best) return std::nullopt;
+  // What the tolerance leaves open of the test, by its slope along the branch.
+  const double open = find(there.view, kind)->error * length / std::abs(at_after - at_before);
+  const double per_length = std::abs(c_after - a.c) / length;
+  constexpr double rounding = 4e-16;
+  const double error = std::abs(options_.parameter.slope(best->c)) *
+                           (std::min(moved, best->c_error) + best->c_error + open * per_length) +
+                       rounding * std::abs(there.p);
+  return SpecialPoint{kind, there.p, error, there.x, there.view, 0, kind};
 }
 
 /// Where the smallest of the border tests comes to 0 ahead of a solution, from this side alone.
@@ -224,7 +241,8 @@ std::optional<SpecialPoint> Continuation::approach_border(const Solution& from, 
     Solution at;
   };
   std::optional<SpecialPoint> best;
-  for (const auto& [kind, first, border] : before.view.tests) {
+  double least_change = infinity;
+  for (const auto& [kind, first, open, border] : before.view.tests) {
     if (!border || !std::isfinite(first)) continue;
     std::vector<Seen> seen{{0, first, from}};
     double l = length, zero_before = infinity, c_zero = 0, change = infinity;
@@ -276,11 +294,14 @@ std::optional<SpecialPoint> Continuation::approach_border(const Solution& from, 
                          .view = {},
                          .after = 0,
                          .test = kind};
-    special.error = std::abs(options_.parameter.slope(c_zero)) * (change + seen.back().at.c_error);
-    if (!best || special.error < best->error) best = std::move(special);
+    const auto &a = seen[seen.size() - 2], &b = seen.back();
+    const double per_value = std::abs((b.at.c - a.at.c) / (b.value - a.value));
+    if (best && change + b.at.c_error >= least_change) continue;  // the one that comes to 0 most surely
+    least_change = change + b.at.c_error;
+    special.error = std::abs(options_.parameter.slope(c_zero)) * (least_change + open * per_value);
+    special.view = view_of(seen.back().at);  // just before
+    best = std::move(special);
   }
-  // As it is seen just before.
-  if (best) best->view = problem_.view(best->x, best->p, finer * options_.tolerance);
   return best;
 }
 
@@ -296,6 +317,8 @@ Branch Continuation::follow(const BranchPoint& start, Direction along) {
     follow_into(branch, start, std::move(along));
   } catch (const Stopped&) {
     branch.outcome = {Ending::interrupted, "interrupted"};
+  } catch (const InputError& error) {
+    branch.outcome = {Ending::none_exists, error.what()};
   }
   return branch;
 }
@@ -304,6 +327,13 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
   branch.points.push_back(start);
   Solution now{start.x, options_.parameter.coordinate(start.p), start.x_error, 0, 0};
   double h = options_.first_step;
+  Signs signs;
+  const auto know_signs = [&](const BranchPoint& point) {
+    signs.clear();
+    for (const auto& test : point.view.tests)
+      if (!test.border && test.has_sign()) signs.insert({test.kind, {test.value > 0, {}}});
+  };
+  know_signs(start);
   const auto end = [&](Ending ending, std::string why) { branch.outcome = {ending, std::move(why)}; };
   // At a border the branch leaves in another direction, from another motion.
   const auto go_beyond = [&](SpecialPoint special) {
@@ -316,6 +346,7 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
     const auto point = close(beyond->x, beyond->p);
     if (!point) return false;
     branch.points.push_back(*point);
+    know_signs(*point);
     now = {point->x, options_.parameter.coordinate(point->p), point->x_error, 0, 0};
     along = parameter_alone(now.x.size());
     along.c = beyond->sign;
@@ -378,8 +409,9 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
         border->after = branch.points.size() - 1;
         branch.special.push_back(*border);
       }
+      know_signs(point);
     } else {
-      locate(branch, now, branch.points.back(), point, direction, length);
+      find_special(branch, signs, now, branch.points.back(), point, direction, length);
     }
     for (const double wanted : options_.at) {
       const double c = options_.parameter.coordinate(wanted);
@@ -394,11 +426,11 @@ void Continuation::follow_into(Branch& branch, const BranchPoint& start, Directi
     branch.points.push_back(point);
     const int iterations = next->iterations;
     now = *next;
-    if (arrived && !arrived(point)) return end(Ending::event, "it ends in steady sliding");
-    if (leaves) return end(Ending::reached_end, "");
     const VectorXd size_before = problem_.scale();
     const bool rewritten = problem_.refer_to(now.x, point.p, options_.tolerance);
     branch.points.back().x = now.x;
+    if (arrived && !arrived(branch.points.back())) return end(Ending::event, "it ends in steady sliding");
+    if (leaves) return end(Ending::reached_end, "");
     // The direction goes on in what the unknowns have in common, and in their new sizes.
     const Eigen::Index common = rewritten ? problem_.in_common() : now.x.size();
     VectorXd x = VectorXd::Zero(now.x.size());

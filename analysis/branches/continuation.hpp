@@ -1,6 +1,7 @@
 /// Pseudo-arclength continuation of the solutions of a problem, and the special points on the way.
 #pragma once
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -88,7 +89,16 @@ class Continuation {
     Eigen::VectorXd x;
     double c = 0, x_error = 0, c_error = 0;
     int iterations = 0;
+    Eigen::VectorXd looser_x = {};  ///< at the tolerance of the search
+    double looser_c = 0;
   };
+  /// The sign that a test has had, and a point since at which its error left the sign open.
+  struct Sign {
+    bool positive;
+    std::optional<BranchPoint> open;  ///< the one nearest to 0
+    double spread = 0;                ///< of the parameter over such points
+  };
+  using Signs = std::map<std::string, Sign>;
   void follow_into(Branch&, const BranchPoint& start, Direction along);
   /// Newton's method with normal·(x − x₀)/size + normal_c (c − c₀) = length.
   std::optional<Solution> correct(const Solution& guess, const Direction& normal, const Solution& from, double length);
@@ -98,9 +108,12 @@ class Continuation {
                int most);
   std::optional<Direction> tangent(const Solution&, const Direction& along);
   Direction parameter_alone(Eigen::Index unknowns) const;
+  Problem::View view_of(const Solution&);
   BranchPoint point_of(const Solution&);
-  void locate(Branch&, const Solution& a, const BranchPoint& before, const BranchPoint& after, const Direction&,
-              double length);
+  void find_special(Branch&, Signs&, const Solution& a, const BranchPoint& before, const BranchPoint& after,
+                    const Direction&, double length);
+  std::optional<SpecialPoint> locate(const std::string& kind, const Solution& a, const BranchPoint& before,
+                                     const BranchPoint& after, const Direction&, double length);
   std::optional<SpecialPoint> approach_border(const Solution& from, const BranchPoint& before, const Direction&,
                                               double length);
   Problem& problem_;

@@ -6,9 +6,11 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
-#include "analysis/cycles/multipliers.hpp"
+#include "core/eigenpairs.hpp"
+#include "core/product_eigenvalues.hpp"
 
 namespace rosin::analysis::branches {
 
@@ -23,7 +25,9 @@ constexpr int most_nodes = 60;
 }  // namespace
 
 Oscillator& CycleProblem::oscillator(double p) {
-  if (!oscillator_ || p != at_) oscillator_ = family_(p), at_ = p, aside_ = 0;
+  if (oscillator_ && p == at_) return *oscillator_;
+  oscillator_ = family_(p), at_ = p, aside_ = 0;
+  if (const double period = oscillator_->drive_period(); period > 0) drive_period_ = period;
   return *oscillator_;
 }
 
@@ -49,9 +53,9 @@ Oscillator& CycleProblem::vary(double p) {
 }
 
 VectorXd CycleProblem::unknowns(const std::vector<Node>& nodes, double period) const {
-  const Index m = Index(moving_.size()), first = is_driven_ ? 0 : 1;
+  const Index m = Index(moving_.size()), first = is_driven_ ? 0 : Index(nodes.size());
   VectorXd x(first + Index(nodes.size()) * m);
-  if (!is_driven_) x[0] = period;
+  for (Index i = 0; i < first; ++i) x[i] = i == 0 ? period : nodes[std::size_t(i)].part;
   for (std::size_t i = 0; i < nodes.size(); ++i)
     for (Index j = 0; j < m; ++j) x[first + Index(i) * m + j] = nodes[i].y[moving_[j]];
   return x;
@@ -63,12 +67,21 @@ std::vector<double> CycleProblem::full(const VectorXd& x, int node) const {
   return y;
 }
 
-double CycleProblem::start_of(int arc, const VectorXd& x) const {
-  return is_driven_ ? nodes_[arc].part * period(x) : 0;
+double CycleProblem::period(const VectorXd& x, double p) {
+  if (!is_driven_) return x[0];
+  oscillator(p);
+  return drive_period_ * turns_;
 }
-double CycleProblem::end_of(int arc, const VectorXd& x) const {
-  const double next = arc + 1 < int(nodes_.size()) ? nodes_[arc + 1].part : 1;
-  return is_driven_ ? next * period(x) : (next - nodes_[arc].part) * period(x);
+
+/// 1 of the node behind the last: the first again.
+double CycleProblem::part(int node, const VectorXd& x) const {
+  if (node == 0) return 0;
+  if (node == int(nodes_.size())) return 1;
+  return is_driven_ ? nodes_[node].part : x[node];
+}
+
+double CycleProblem::end_of(int arc, const VectorXd& x, double p) {
+  return (part(arc + 1, x) - (is_driven_ ? 0 : part(arc, x))) * period(x, p);
 }
 
 VectorXd CycleProblem::rates(double t, const std::vector<double>& y, double p) {
@@ -83,7 +96,7 @@ VectorXd CycleProblem::rates(double t, const std::vector<double>& y, double p) {
 
 void CycleProblem::set_scale(double period) {
   const Index m = Index(moving_.size()), count = Index(nodes_.size());
-  scale_.resize((is_driven_ ? 0 : 1) + count * m);
+  scale_.setOnes(place(int(count)));
   if (!is_driven_) scale_[0] = period;
   for (Index i = 0; i < count; ++i) scale_.segment(place(int(i)), m) = size_ * std::sqrt(double(count));
 }
@@ -108,8 +121,7 @@ double CycleProblem::accuracy(double tolerance) const {
 
 VectorXd CycleProblem::begin(const std::vector<double>& y, double period, double p) {
   Oscillator& here = oscillator(p);
-  drive_period_ = here.drive_period();
-  is_driven_ = drive_period_ > 0;
+  is_driven_ = here.drive_period() > 0;
   std::vector<double> mass(y.size());
   here.system().mass(0, mass.data());
   moving_.clear();
@@ -120,7 +132,7 @@ VectorXd CycleProblem::begin(const std::vector<double>& y, double period, double
   here.system().scale(y.data(), natural.data());
   size_.resize(Index(moving_.size()));
   for (std::size_t j = 0; j < moving_.size(); ++j) size_[Index(j)] = natural[moving_[j]];
-  reference_ = size_, along_ = size_;
+  references_ = {{size_, size_}};
   set_scale(period);
   VectorXd x = unknowns(nodes_, period);
   constexpr double of_nodes = 1e-8;
@@ -149,8 +161,7 @@ CycleProblem::Born CycleProblem::born(const std::vector<double>& y, const Eigen:
   born.direction = VectorXd::Zero(born.x.size());
   born.direction.segment(1, m) = w.real().cwiseQuotient(size_);
   born.direction.normalize();
-  reference_ = born.x.segment(1, m);
-  along_ = -w.imag().cwiseQuotient(size_).normalized();
+  references_ = {{born.x.segment(1, m), -w.imag().cwiseQuotient(size_).normalized()}};
   return born;
 }
 
@@ -171,10 +182,16 @@ Outcome CycleProblem::follow_arc(int arc, const VectorXd& x, double p, double to
     tangent.assign(std::size_t(n) * columns, 0.0);
     for (int j = 0; j < m; ++j) tangent[moving_[j] * columns + j] = 1;
     follower.carry(&tangent, columns);
-    if (by_parameter) follower.vary(larger_->system(), smaller_->system(), aside_);
+    if (by_parameter) {
+      const auto varied = [&](Oscillator& other) {
+        const double period = other.drive_period();
+        return Follower::Varied{&other.system(), is_driven_ && period > 0 ? period / drive_period_ : 1};
+      };
+      follower.vary(varied(*larger_), varied(*smaller_), aside_);
+    }
   }
   result.end = full(x, arc);
-  const double begin = start_of(arc, x), end = end_of(arc, x);
+  const double begin = start_of(arc, x, p), end = end_of(arc, x, p);
   const auto outcome = follower.follow(begin, result.end, end);
   steps += follower.count().steps;
   if (!outcome.complete()) return outcome;
@@ -200,11 +217,12 @@ Problem::Residual CycleProblem::residual(const VectorXd& x, double p, double tol
 Problem::Residual CycleProblem::residual_at(const VectorXd& x, double p, double tolerance, bool slopes) {
   Residual result;
   const Index m = Index(moving_.size()), count = Index(nodes_.size()), size = x.size();
-  const double T = period(x);
-  if (!(T > 0)) {
-    result.outcome = {Ending::not_finite, "a period that is not positive"};
-    return result;
-  }
+  const double T = period(x, p);
+  for (int i = 0; i < int(count); ++i)
+    if (!(T > 0) || !(part(i, x) < part(i + 1, x))) {
+      result.outcome = {Ending::not_finite, "a period that is not positive"};
+      return result;
+    }
   result.F = VectorXd::Zero(size);
   if (slopes) result.F_x = MatrixXd::Zero(size, size), result.F_p = VectorXd::Zero(size);
   const bool has_stops = oscillator(p).has_stops();
@@ -223,13 +241,16 @@ Problem::Residual CycleProblem::residual_at(const VectorXd& x, double p, double 
     result.F_x.block(row, row, m, m) += size_.cwiseInverse().asDiagonal() * arc.derivative;
     result.F_x.block(row, next, m, m) -= size_.cwiseInverse().asDiagonal() * MatrixXd::Identity(m, m);
     if (!has_stops) result.F_p.segment(row, m) = arc.by_parameter.cwiseQuotient(size_);
-    if (!is_driven_)
-      result.F_x.block(row, 0, m, 1) =
-          (end_of(int(i), x) - start_of(int(i), x)) / T * rates(end_of(int(i), x), arc.end, p).cwiseQuotient(size_);
+    if (is_driven_) continue;
+    const VectorXd rate = rates(end_of(int(i), x, p), arc.end, p).cwiseQuotient(size_);
+    result.F_x.col(0).segment(row, m) = end_of(int(i), x, p) / T * rate;
+    if (i > 0) result.F_x.col(i).segment(row, m) -= T * rate;
+    if (i + 1 < count) result.F_x.col(i + 1).segment(row, m) += T * rate;
   }
-  if (!is_driven_) {
-    result.F[0] = along_.dot((x.segment(1, m) - reference_).cwiseQuotient(size_));
-    if (slopes) result.F_x.block(0, 1, 1, m) = along_.cwiseQuotient(size_).transpose();
+  for (Index i = 0; !is_driven_ && i < count; ++i) {
+    const auto& [node, along] = references_[std::size_t(i)];
+    result.F[i] = along.dot((x.segment(place(int(i)), m) - node).cwiseQuotient(size_));
+    if (slopes) result.F_x.row(i).segment(place(int(i)), m) = along.cwiseQuotient(size_).transpose();
   }
   if (slopes && has_stops) {
     constexpr double aside = 3e-5;
@@ -251,7 +272,9 @@ namespace {
 /// Watches how near a motion of contacts comes to another pattern of switches.
 class BorderWatch {
  public:
-  explicit BorderWatch(SwitchingSystem& system) : system_(system), held_(system.contacts()), rate_(system.contacts()) {
+  /// \param accuracy  of the motion
+  BorderWatch(SwitchingSystem& system, double accuracy)
+      : system_(system), accuracy_(accuracy), held_(system.contacts()), rate_(system.contacts()) {
     at_.resize(system.contacts());
   }
 
@@ -293,7 +316,10 @@ class BorderWatch {
         continue;
       }
       ++count_[fmt::format("{} of contact {}", event.kind, event.contact + 1)];
-      if (event.kind != "stick" || system_.mode(event.contact) == ContactMode::stick) continue;
+      if (system_.mode(event.contact) == ContactMode::stick) continue;
+      if (event.kind == "stick" || event.kind == "reversal")
+        holding_ = std::min(holding_, std::abs(margin_at_rest(event.contact, step.time(), step.state())));
+      if (event.kind != "stick") continue;
       system_.slip_accelerations(step.time(), step.state().data(), rate_.data());
       const double V = system_.reference_speed(event.contact);
       const double landing = rate_[event.contact] / V;
@@ -304,73 +330,217 @@ class BorderWatch {
   /// Each falls to 0 at its border as the distance does.
   void tell(Problem::View& view) const {
     for (const auto& [what, times] : count_) view.pattern += fmt::format("{} {}; ", times, what);
-    if (std::isfinite(lowest_)) view.tests.push_back({"grazing", lowest_, true});
-    if (std::isfinite(landing_)) view.tests.push_back({grazing_of_landing, landing_, true});
-    if (std::isfinite(holding_)) view.tests.push_back({"switching-sliding", holding_, true});
+    if (std::isfinite(lowest_)) view.tests.push_back({"grazing", lowest_, accuracy_, true});
+    if (std::isfinite(landing_)) view.tests.push_back({grazing_of_landing, landing_, accuracy_, true});
+    if (std::isfinite(holding_)) view.tests.push_back({"switching-sliding", holding_, accuracy_, true});
   }
 
  private:
+  /// Part of the limit that is left where slip has come to rest: below 0 the force turns it back without a stop.
+  double margin_at_rest(int contact, double t, std::vector<double> y) {
+    const auto slip = system_.mode(contact);
+    system_.stop(contact, y.data());
+    system_.set_mode(contact, ContactMode::stick);
+    system_.held(t, y.data(), held_.data());
+    system_.set_mode(contact, slip);
+    return (held_[contact].limit - std::abs(held_[contact].force)) / held_[contact].limit;
+  }
+
   struct At {
     bool sticks = false;
     int samples = 0;
     double last = 0, before = 0, rising = 0;
   };
   SwitchingSystem& system_;
+  double accuracy_;
   std::vector<SwitchingSystem::Held> held_;
   std::vector<double> rate_;
   std::vector<At> at_;
   std::map<std::string, int> count_;
   double lowest_ = infinity;   ///< least slip rate within a slip, in reference speeds
   double landing_ = infinity;  ///< square of the least acceleration at which slip comes to rest
-  double holding_ = infinity;  ///< least margin within a stick, of the limit
+  double holding_ = infinity;  ///< least margin of a contact at rest, of the limit: within a stick, or at a reversal
 };
 
-/// Without the eigenvalue 1 of the direction f: the part of the derivative across it.
-MatrixXd across(const MatrixXd& derivative, const VectorXd& f) {
+/// An orthonormal basis across a direction.
+MatrixXd across(const VectorXd& f) {
   const Eigen::HouseholderQR<MatrixXd> qr(f);
   const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(f.size(), f.size());
-  const Index n = f.size();
-  return (Q.transpose() * derivative * Q).bottomRightCorner(n - 1, n - 1);
+  return Q.rightCols(f.size() - 1);
+}
+
+/// Whether a matrix makes some disturbances so much larger than others that another factor would round those away.
+bool is_spread(const MatrixXd& A) {
+  constexpr double most = 1e4, nothing = 1e-13;
+  const Eigen::HouseholderQR<MatrixXd> qr(A);
+  const VectorXd sizes = qr.matrixQR().diagonal().cwiseAbs();
+  const double largest = sizes.maxCoeff();
+  return std::ranges::any_of(sizes, [&](double size) { return size * most < largest && size > nothing * largest; });
+}
+
+/// Errors by the multipliers at a looser tolerance, each by the nearest. A difference may be small by chance: an error
+/// is a thousandth of the largest relative one at least.
+std::vector<double> errors_of(const std::vector<Complex>& values, std::vector<Complex> looser) {
+  if (looser.size() != values.size()) return std::vector<double>(values.size(), infinity);
+  constexpr double shared = 1e-3, rounding = 1e-13;
+  std::vector<double> errors;
+  double most = 0;
+  for (const auto& z : values) {
+    const auto nearest = std::ranges::min_element(looser, {}, [&](auto other) { return std::abs(other - z); });
+    errors.push_back(std::abs(*nearest - z));
+    most = std::max(most, errors.back() / std::max(1.0, std::abs(z)));
+    looser.erase(nearest);
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) errors[i] += (shared * most + rounding) * std::abs(values[i]);
+  return errors;
+}
+
+/// The divergence of the flow, integrated over steps of smooth motion.
+class Divergence {
+ public:
+  explicit Divergence(SwitchingSystem& system)
+      : system_(system), y_(system.size()), f_(system.size()), mass_(system.size()), scale_(system.size()) {
+    J_.resize(system.size(), system.size());
+  }
+  void add(const Follower::Step& step) {
+    for (int i = 0; i < Follower::Step::stages; ++i) {
+      step.stage(i, y_.data());
+      const double t = step.stage_time(i), weight = solvers::steps::RadauTableau::get().b[i] * step.length();
+      system_.linearise(t, y_.data(), f_.data(), J_.data());
+      system_.mass(t, mass_.data()), system_.scale(y_.data(), scale_.data());
+      const double trace = moving_part(J_, mass_, scale_).A.trace();
+      sum += weight * trace, turned_over += weight * std::abs(trace);
+    }
+  }
+  double sum = 0, turned_over = 0;
+
+ private:
+  SwitchingSystem& system_;
+  std::vector<double> y_, f_;
+  VectorXd mass_, scale_;
+  RowMajor J_;
+};
+
+/// Volumes shrink by the divergence of the flow (Liouville), which gives the smallest multiplier even where steps do
+/// not resolve how its direction shrinks. Where a second one is not known either, nothing is.
+void complete_by(const Divergence& divergence, double accuracy, std::vector<Complex>& z, std::vector<double>& error) {
+  if (z.empty() || z.back().imag() != 0) return;
+  double others = 0, relative = accuracy * divergence.turned_over, sign = 1;
+  for (std::size_t i = 0; i + 1 < z.size(); ++i) {
+    others += std::log(std::abs(z[i])), relative += error[i] / std::abs(z[i]);
+    if (z[i].imag() == 0 && z[i].real() < 0) sign = -sign;
+  }
+  const double by_volume = sign * std::exp(divergence.sum - others);
+  if (relative < 1 && std::abs(by_volume) * relative < error.back())
+    z.back() = by_volume, error.back() = std::abs(by_volume) * relative + std::numeric_limits<double>::min();
+  else
+    error.back() = std::max(error.back(), std::abs(z.back() - by_volume));
+}
+
+/// ∏ g/(1 + size), which changes its sign with each g, and its error.
+struct TestOfMultipliers {
+  Complex value = 1;
+  double relative = 0;
+  void multiply(Complex g, double size, double error) { value *= g / (1 + size), relative += error / std::abs(g); }
+  Problem::Test told(const char* kind) const {
+    return {kind, value.real(), value.real() != 0 ? std::abs(value.real()) * relative : infinity};
+  }
+};
+
+std::vector<Problem::Test> tests_of(const std::vector<Complex>& z, const std::vector<double>& error) {
+  TestOfMultipliers folds, doubles, torus;
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    folds.multiply(z[i] - 1.0, std::abs(z[i]), error[i]), doubles.multiply(z[i] + 1.0, std::abs(z[i]), error[i]);
+    for (std::size_t j = 0; j < i; ++j) {
+      const Complex both = z[i] * z[j];
+      torus.multiply(both - 1.0, std::abs(both), std::abs(z[i]) * error[j] + std::abs(z[j]) * error[i]);
+    }
+  }
+  std::vector<Problem::Test> tests{folds.told("fold"), doubles.told("period-doubling")};
+  if (z.size() > 1) tests.push_back(torus.told("torus"));
+  return tests;
 }
 
 }  // namespace
 
-Problem::View CycleProblem::view(const VectorXd& x, double p, double tolerance) {
+Outcome CycleProblem::turn(const Solved& at, const Observer& observe, Turn& turn) {
+  const auto& [x, p, tolerance] = at;
+  const Index m = Index(moving_.size());
+  std::vector<double> S;
+  MatrixXd product = MatrixXd::Identity(m, m);
+  const auto take = [&] {
+    MatrixXd D(m, m);
+    for (Index i = 0; i < m; ++i)
+      for (Index j = 0; j < m; ++j) D(i, j) = S[moving_[i] * m + j] * size_[j] / size_[i];
+    product = D * product;
+    std::fill(S.begin(), S.end(), 0.0);
+    for (Index j = 0; j < m; ++j) S[moving_[j] * m + j] = 1;
+  };
+  const auto flush = [&] {
+    turn.factors.push_back(product);
+    product.setIdentity();
+  };
+  const Observer watch = [&](Follower::Step& step, std::span<const Follower::Event> switches) {
+    if (observe) observe(step, switches);
+    take();
+    if (is_spread(product)) flush();
+  };
+  std::vector<std::size_t> ends;  // of each arc, among the factors
+  std::vector<VectorXd> motion;   // at the node there
+  for (int i = 0; i < int(nodes_.size()); ++i) {
+    Arc arc;
+    if (auto outcome = follow_arc(i, x, p, tolerance, Slopes::by_start, arc, watch, &S); !outcome.complete())
+      return outcome;
+    if (i == 0) turn.start = arc.begin;
+    take();
+    flush();
+    ends.push_back(turn.factors.size());
+    if (!is_driven_) motion.push_back(rates(0, arc.end, p).cwiseQuotient(size_));
+  }
+  if (is_driven_) return {};
+  // Across the motion alone: along it a disturbance comes back as it was.
+  std::size_t begin = 0;
+  MatrixXd basis = across(motion.back());
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    turn.factors[begin] = turn.factors[begin] * basis;
+    basis = across(motion[i]);
+    turn.factors[ends[i] - 1] = basis.transpose() * turn.factors[ends[i] - 1];
+    begin = ends[i];
+  }
+  return {};
+}
+
+Problem::View CycleProblem::view(const Solved& at, const Solved& looser) {
   View view;
+  const auto& [x, p, tolerance] = at;
+  std::vector<Complex> rough;
+  if (Turn there; turn(looser, {}, there).complete()) rough = product_eigenvalues(there.factors);
   Oscillator& here = oscillator(p);
-  BorderWatch borders(here.system());
+  BorderWatch borders(here.system(), accuracy(tolerance));
+  Divergence divergence(here.system());
   const auto record = here.record(accuracy(tolerance));
   const Observer observe = [&](Follower::Step& step, std::span<const Follower::Event> switches) {
     record->add(step, switches);
-    if (here.system().contacts() > 0) borders.add(step, switches);
+    if (here.system().contacts() > 0)
+      borders.add(step, switches);
+    else if (!here.has_stops())
+      divergence.add(step);
   };
-  const Index m = Index(moving_.size());
-  MatrixXd turn = MatrixXd::Identity(m, m);
-  for (int i = 0; i < int(nodes_.size()); ++i) {
-    Arc arc;
-    view.outcome = follow_arc(i, x, p, tolerance, Slopes::by_start, arc, observe);
-    if (!view.outcome.complete()) return view;
-    turn = size_.cwiseInverse().asDiagonal() * arc.derivative * size_.asDiagonal() * turn;
-    if (i == 0) view.start = arc.begin;
-  }
-  view.metrics = record->finish(period(x));
-  if (!turn.allFinite()) {
+  Turn there;
+  view.outcome = turn(at, observe, there);
+  if (!view.outcome.complete()) return view;
+  view.start = there.start;
+  view.turns = turns_;
+  view.metrics = record->finish(period(x, p));
+  view.multipliers = product_eigenvalues(there.factors);
+  if (!std::ranges::all_of(view.multipliers, [](auto z) { return std::isfinite(std::abs(z)); })) {
     view.outcome = {Ending::not_finite, "the derivative of a turn"};
     return view;
   }
-  const auto& y = view.start;
-  const MatrixXd D = is_driven_ ? turn : across(turn, rates(0, y, p).cwiseQuotient(size_));
-  view.multipliers = cycles::by_modulus(D);
-  Complex folds = 1, doubles = 1;
-  double torus = NAN;  // of pairs alone: two real multipliers whose product is 1 are no torus
-  for (std::size_t i = 0; i < view.multipliers.size(); ++i) {
-    const Complex z = view.multipliers[i];
-    folds *= (z - 1.0) / (1 + std::abs(z)), doubles *= (z + 1.0) / (1 + std::abs(z));
-    constexpr double real = 1e-9;
-    if (z.imag() > real * std::abs(z))
-      torus = (std::isnan(torus) ? 1 : torus) * (std::norm(z) - 1) / (1 + std::norm(z));
-  }
-  view.tests = {{"fold", folds.real()}, {"period-doubling", doubles.real()}, {"torus", torus}};
+  view.multiplier_errors = errors_of(view.multipliers, std::move(rough));
+  if (here.system().contacts() == 0 && !here.has_stops())
+    complete_by(divergence, accuracy(tolerance), view.multipliers, view.multiplier_errors);
+  view.tests = tests_of(view.multipliers, view.multiplier_errors);
   view.stable = view.multipliers.empty() || std::abs(view.multipliers.front()) < 1;
   borders.tell(view);
   return view;
@@ -394,11 +564,11 @@ std::optional<CycleProblem::Doubled> CycleProblem::doubled(const VectorXd& x, do
   auto& twice = *result.problem;
   twice.moving_ = moving_, twice.is_driven_ = is_driven_, twice.drive_period_ = drive_period_;
   twice.size_ = size_, twice.amplitude_ = amplitude_;
-  twice.reference_ = reference_, twice.along_ = along_;
+  for (int i = 0; i < 2; ++i) twice.references_.insert(twice.references_.end(), references_.begin(), references_.end());
   const int count = int(nodes_.size());
   for (int i = 0; i < 2 * count; ++i)
-    twice.nodes_.push_back({(nodes_[i % count].part + (i >= count ? 1 : 0)) / 2, full(x, i % count)});
-  const double T = 2 * period(x);
+    twice.nodes_.push_back({(part(i % count, x) + (i >= count ? 1 : 0)) / 2, full(x, i % count)});
+  const double T = 2 * period(x, p);
   twice.set_scale(T);
   result.x = twice.unknowns(twice.nodes_, T);
   result.direction = VectorXd::Zero(result.x.size());
@@ -416,18 +586,20 @@ bool CycleProblem::refer_to(VectorXd& x, double p, double tolerance) {
     double part;
     std::vector<double> y;
     MatrixXd derivative;
+    VectorXd rate;  ///< in sizes
     bool slips;
   };
   Oscillator& here = oscillator(p);
   SwitchingSystem& system = here.system();
   const int m = int(moving_.size()), count = int(nodes_.size());
-  const double T = period(x);
+  const double T = period(x, p);
   std::vector<Passed> passed;
   std::vector<double> S;
+  std::vector<std::size_t> ends;  // of arcs, among what was passed
   int arc = 0;
   const Observer observe = [&](Follower::Step& step, std::span<const Follower::Event> switches) {
-    Passed next{nodes_[arc].part + (step.time() - start_of(arc, x)) / T, step.state(), MatrixXd(m, m),
-                switches.empty()};
+    Passed next{part(arc, x) + (step.time() - start_of(arc, x, p)) / T, step.state(), MatrixXd(m, m),
+                rates(step.time(), step.state(), p), switches.empty()};
     for (int c = 0; c < system.contacts(); ++c) next.slips = next.slips && system.mode(c) != ContactMode::stick;
     for (int i = 0; i < m; ++i)
       for (int j = 0; j < m; ++j) next.derivative(i, j) = S[moving_[i] * m + j];
@@ -438,7 +610,8 @@ bool CycleProblem::refer_to(VectorXd& x, double p, double tolerance) {
   for (arc = 0; arc < count; ++arc) {
     Arc there;
     if (!follow_arc(arc, x, p, tolerance, Slopes::by_start, there, observe, &S).complete()) return false;
-    nodes_[arc].y = there.begin;
+    nodes_[arc] = {part(arc, x), there.begin};
+    ends.push_back(passed.size() - 1);
   }
   const auto first = nodes_[0].y;
   VectorXd low(m), high(m);
@@ -447,21 +620,23 @@ bool CycleProblem::refer_to(VectorXd& x, double p, double tolerance) {
     for (int j = 0; j < m; ++j)
       low[j] = std::min(low[j], at.y[moving_[j]]), high[j] = std::max(high[j], at.y[moving_[j]]);
   set_sizes(0.5 * (high - low), first, p);
+  for (auto& at : passed) at.rate = at.rate.cwiseQuotient(size_);
 
   // The first node: where the motion is neither at its fastest nor at its slowest, and slips.
-  const auto pace = [&](const std::vector<double>& y) {
-    return rates(0, y, p).cwiseQuotient(size_).cwiseAbs().maxCoeff() * T / (2 * std::numbers::pi);
+  const auto off = [&](const Passed& at) {
+    return std::abs(std::log(at.rate.cwiseAbs().maxCoeff() * T / (2 * std::numbers::pi)));
   };
-  const auto off = [&](const std::vector<double>& y) { return std::abs(std::log(pace(y))); };
+  std::vector<VectorXd> motion{passed.back().rate};  // at the nodes
   // Growth between neighbouring nodes as they stand.
   double most = 0;
   {
     MatrixXd product = MatrixXd::Identity(m, m);
-    int node = 1;
-    for (const auto& at : passed) {
-      product = size_.cwiseInverse().asDiagonal() * at.derivative * size_.asDiagonal() * product;
+    for (std::size_t k = 0; k < passed.size(); ++k) {
+      product = size_.cwiseInverse().asDiagonal() * passed[k].derivative * size_.asDiagonal() * product;
       most = std::max(most, product.cwiseAbs().maxCoeff());
-      if (node < count && at.part >= nodes_[node].part * (1 - 1e-12)) product.setIdentity(), ++node;
+      if (k != ends[motion.size() - 1] || int(motion.size()) == count) continue;
+      product.setIdentity();
+      motion.push_back(passed[k].rate);
     }
   }
   std::size_t begin = passed.size() - 1;  // the state before the first node is that of the last step
@@ -474,12 +649,13 @@ bool CycleProblem::refer_to(VectorXd& x, double p, double tolerance) {
     for (std::size_t i = 0; i < passed.size(); ++i)
       if (passed[i].slips) {
         slips = true;
-        if (const double value = off(passed[i].y); value < least) least = value, best = i;
+        if (const double value = off(passed[i]); value < least) least = value, best = i;
       }
-    if (slips && (off(first) > least + well)) begin = best, rewrite = true;
+    if (slips && (off(passed.back()) > least + well)) begin = best, rewrite = true;
   }
   if (rewrite) {
     std::vector<Node> nodes{{0, begin + 1 == passed.size() ? first : passed[begin].y}};
+    motion = {passed[begin].rate};
     const double origin = begin + 1 == passed.size() ? 0 : passed[begin].part;
     MatrixXd product = MatrixXd::Identity(m, m);
     for (std::size_t k = 1; k < passed.size(); ++k) {
@@ -492,14 +668,16 @@ bool CycleProblem::refer_to(VectorXd& x, double p, double tolerance) {
       constexpr double too_near = 1e-9;
       if (part - nodes.back().part < too_near || 1 - part < too_near) continue;
       nodes.push_back({part, at.y});
+      motion.push_back(at.rate);
       product.setIdentity();
     }
     nodes_ = std::move(nodes);
     x = unknowns(nodes_, T);
   }
   set_scale(T);
-  reference_ = x.segment(place(0), m);
-  along_ = rates(0, nodes_[0].y, p).cwiseQuotient(size_).normalized();
+  references_.clear();
+  for (int i = 0; !is_driven_ && i < int(nodes_.size()); ++i)
+    references_.push_back({x.segment(place(i), m), motion[i].normalized()});
   return rewrite;
 }
 

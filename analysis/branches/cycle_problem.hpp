@@ -15,10 +15,10 @@ inline constexpr const char* grazing_of_landing = "grazing of a landing";
 /// As it is told: slip that just touches rest, and slip that just comes to rest, graze alike.
 inline std::string shown_kind(const std::string& kind) { return kind == grazing_of_landing ? "grazing" : kind; }
 
-/// Unknowns: the period, where the drive is constant, and then the moving unknowns at the nodes of the cycle. Each arc
-/// ends on the next node; under a constant drive the first node does not move along the cycle. Nodes stand so close
-/// that no disturbance grows beyond 1e3 between two of them: cycles whose multipliers are 1e10 are closed as well as
-/// others.
+/// Unknowns: under a constant drive the period and the parts of it after which the nodes come; then the moving unknowns
+/// at the nodes of the cycle. Each arc ends on the next node; under a constant drive no node moves along the cycle, so
+/// that those of a relaxation cycle stay where they are on it while its long rest grows. Nodes stand so close that no
+/// disturbance grows beyond 1e3 between two of them: cycles whose multipliers are 1e10 are closed as well as others.
 class CycleProblem final : public Problem {
  public:
   /// \param turns  periods of the drive in a period; 1 where it is constant
@@ -43,13 +43,14 @@ class CycleProblem final : public Problem {
 
   Residual residual(const Eigen::VectorXd& x, double p, double tolerance, bool slopes) override;
   const Eigen::VectorXd& scale() const override { return scale_; }
-  View view(const Eigen::VectorXd& x, double p, double tolerance) override;
+  View view(const Solved&, const Solved& looser) override;
   bool refer_to(Eigen::VectorXd& x, double p, double tolerance) override;
   int in_common() const override { return is_driven_ ? int(moving_.size()) : 1; }
 
   bool driven() const { return is_driven_; }
   int turns() const { return turns_; }
-  double period(const Eigen::VectorXd& x) const { return is_driven_ ? drive_period_ * turns_ : x[0]; }
+  /// Under a drive that varies, that of the drive at p, which may scale its time.
+  double period(const Eigen::VectorXd& x, double p);
   /// Half the range of the cycle as a part of the unknowns' natural sizes.
   double amplitude() const { return amplitude_; }
   /// All unknowns at the first node.
@@ -61,7 +62,7 @@ class CycleProblem final : public Problem {
  private:
   Residual residual_at(const Eigen::VectorXd& x, double p, double tolerance, bool slopes);
   struct Node {
-    double part;            ///< of the period, since the first
+    double part;            ///< of the period, since the first: under a constant drive a guess
     std::vector<double> y;  ///< unknowns there, of which those without rates of their own are a guess
   };
   struct Arc {
@@ -73,12 +74,22 @@ class CycleProblem final : public Problem {
   enum class Slopes { none, by_start, by_start_and_parameter };
   Outcome follow_arc(int arc, const Eigen::VectorXd& x, double p, double tolerance, Slopes, Arc&,
                      const Observer& observe = {}, std::vector<double>* tangent = nullptr);
+  /// A turn of the cycle: factors whose product is the derivative of it, in sizes, and across the motion where the
+  /// drive is constant.
+  struct Turn {
+    std::vector<double> start;
+    std::vector<Eigen::MatrixXd> factors;
+  };
+  Outcome turn(const Solved&, const Observer&, Turn&);
   Oscillator& vary(double p);
   std::vector<double> full(const Eigen::VectorXd& x, int node) const;
   Eigen::VectorXd rates(double t, const std::vector<double>& y, double p);
-  double start_of(int arc, const Eigen::VectorXd& x) const;
-  double end_of(int arc, const Eigen::VectorXd& x) const;
-  Eigen::Index place(int node) const { return (is_driven_ ? 0 : 1) + node * Eigen::Index(moving_.size()); }
+  double start_of(int arc, const Eigen::VectorXd& x, double p) { return is_driven_ ? part(arc, x) * period(x, p) : 0; }
+  double end_of(int arc, const Eigen::VectorXd& x, double p);
+  double part(int node, const Eigen::VectorXd& x) const;
+  Eigen::Index place(int node) const {
+    return (is_driven_ ? 0 : Eigen::Index(nodes_.size())) + node * Eigen::Index(moving_.size());
+  }
   Eigen::VectorXd unknowns(const std::vector<Node>&, double period) const;
   void set_scale(double period);
   void set_sizes(const Eigen::VectorXd& half_range, const std::vector<double>& y, double p);
@@ -90,13 +101,17 @@ class CycleProblem final : public Problem {
   double at_ = NAN;   ///< the parameter of the oscillator
   double aside_ = 0;  ///< by which that of the two others differs
   bool is_driven_ = false;
-  double drive_period_ = 0;
+  double drive_period_ = 0;  ///< last known: a drive whose amplitude is 0 has none
   std::vector<int> moving_;  ///< unknowns with a rate of their own
   std::vector<Node> nodes_;
   Eigen::VectorXd size_;  ///< of the moving unknowns in this cycle
   double amplitude_ = 1;
   Eigen::VectorXd scale_;
-  Eigen::VectorXd reference_, along_;  ///< first node, and the cycle's direction there, in sizes
+  /// Under a constant drive: where the nodes are, and the cycle's direction there, in sizes.
+  struct Reference {
+    Eigen::VectorXd node, along;
+  };
+  std::vector<Reference> references_;
 };
 
 }  // namespace rosin::analysis::branches

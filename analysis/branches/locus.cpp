@@ -9,6 +9,7 @@
 
 #include "analysis/branches/cycle_problem.hpp"
 #include "analysis/branches/linearised.hpp"
+#include "analysis/steady/verdict.hpp"
 #include "core/linear_solve.hpp"
 #include "core/stop.hpp"
 
@@ -43,7 +44,8 @@ class HopfProblem final : public Problem {
 
   const VectorXd& scale() const override { return scale_; }
 
-  View view(const VectorXd& x, double p, double) override {
+  View view(const Solved& at, const Solved&) override {
+    const auto& [x, p, tolerance] = at;
     View view;
     try {
       const auto here = mode_at(p, x[0]);
@@ -78,7 +80,7 @@ class HopfProblem final : public Problem {
   };
   Mode mode_at(double p, double c_q) const {
     const auto oscillator = family_(p, options_.q.value(c_q));
-    const auto spectrum = spectrum_of(linearise(*oscillator).part.A);
+    const auto spectrum = steady::spectrum_of_sliding(linearise(*oscillator).part);
     const auto off = [&](std::size_t k) {
       return std::abs(spectrum.values[k] - std::complex(0.0, angular_frequency_));
     };
@@ -159,11 +161,10 @@ class NearSpecial {
       return alike ? shown_kind(test) == shown_kind(known.test) : test == known.test;
     };
     const Family family = [&](double at) { return family_(at, q); };
-    const double period = known.view.metrics.at("period"), drive = family(p)->drive_period();
-    const int turns = drive > 0 ? int(std::lround(period / drive)) : 1;
+    const double period = known.view.metrics.at("period");
     for (const double reach : {0.02, 0.1})
       for (const double sign : {1.0, -1.0}) {
-        CycleProblem problem(family, turns);
+        CycleProblem problem(family, known.view.turns);
         ContinuationOptions how;
         how.parameter = scale_, how.tolerance = tolerance_;
         how.first_step = how.longest_step = reach;
@@ -176,12 +177,12 @@ class NearSpecial {
         auto start = continuation.branch_off(x, p, *along, -sign * reach);
         if (!start) continue;
         problem.refer_to(start->x, start->p, tolerance_);
-        const auto value = [&](const BranchPoint& point) {
+        const auto sign_at = [&](const BranchPoint& point) {  // 0: left open
           const auto test = std::ranges::find_if(point.view.tests, is_wanted, &Problem::Test::kind);
-          return test == point.view.tests.end() ? NAN : test->value;
+          return test == point.view.tests.end() || !test->has_sign() ? 0 : test->value > 0 ? 1 : -1;
         };
-        const double before = value(*start);
-        continuation.arrived = [&](const BranchPoint& point) { return (value(point) > 0) == (before > 0); };
+        const int before = sign_at(*start);
+        continuation.arrived = [&](const BranchPoint& point) { return sign_at(point) * before >= 0; };
         // The unknowns may be others by now: the parameter and the period keep their meaning.
         auto onward = direction(problem, start->x, start->p);
         if (!onward) continue;
@@ -368,13 +369,22 @@ Locus cycle_locus(const Family2& family, const SpecialPoint& special, double q, 
 Loci find_loci(const Family2& family, const Branches& found, double q, const LocusOptions& options) {
   Loci loci;
   try {
+    // What one curve is refused for is no reason to lose the others.
+    const auto add = [&](const std::string& kind, auto curve) {
+      try {
+        loci.curves.push_back(curve());
+      } catch (const InputError& error) {
+        loci.curves.push_back(
+            {kind, {}, "", fmt::format("{} is not followed in two parameters: {}", kind, error.what())});
+      }
+    };
     for (const auto& crossing : found.crossings)
-      if (crossing.angular_frequency > 0) loci.curves.push_back(hopf_locus(family, crossing, q, options));
+      if (crossing.angular_frequency > 0) add("hopf", [&] { return hopf_locus(family, crossing, q, options); });
     for (const auto& cycle : found.cycles)
       for (const auto& special : cycle.branch.special)
         if (special.kind != "switching-sliding" &&
             std::ranges::none_of(loci.curves, [&](const Locus& curve) { return passes(curve, special, q, options); }))
-          loci.curves.push_back(cycle_locus(family, special, q, options));
+          add(special.kind, [&] { return cycle_locus(family, special, q, options); });
   } catch (const Stopped&) {
     loci.outcome = {Ending::interrupted, "the curves that were followed until then are kept"};
   }

@@ -1,4 +1,4 @@
-/// Structures and sliders, each with its own record of a period.
+/// Structures, and sliders without mass, each with its own record of a period.
 #include "analysis/branches/oscillator.hpp"
 
 #include <cmath>
@@ -17,7 +17,8 @@ namespace {
 
 class OfStructure final : public Oscillator {
  public:
-  explicit OfStructure(Structure structure) : system_(std::move(structure)) {
+  OfStructure(Structure structure, double stick_threshold)
+      : system_(std::move(structure)), stick_threshold_(stick_threshold) {
     drive_period_ = common_period(system_.structure());
   }
   SwitchingSystem& system() override { return system_; }
@@ -33,9 +34,10 @@ class OfStructure final : public Oscillator {
     for (int j = 0; j < system_.friction_contacts(); ++j) rates.push_back(system_.slip_rate(j, 0, y.data()));
     return rates;
   }
-  std::unique_ptr<Record> record(double) const override {
+  std::unique_ptr<Record> record(double tolerance) const override {
     struct OfPeriod final : Record {
-      explicit OfPeriod(const StructureSystem& system) : period(system) {}
+      OfPeriod(const StructureSystem& system, double tolerance, double stick_threshold)
+          : period(system, tolerance, stick_threshold) {}
       void add(Follower::Step& step, std::span<const Follower::Event> switches) override { period.add(step, switches); }
       std::map<std::string, double> finish(double duration) override {
         period.finish(duration);
@@ -45,16 +47,18 @@ class OfStructure final : public Oscillator {
       }
       cycles::PeriodRecord period;
     };
-    return std::make_unique<OfPeriod>(system_);
+    return std::make_unique<OfPeriod>(system_, tolerance, stick_threshold_);
   }
 
  private:
   StructureSystem system_;
+  double stick_threshold_;
 };
 
-class OfSlider final : public Oscillator {
+/// Without mass: its displacement and friction do not pass through a speed of its own.
+class OfMasslessSlider final : public Oscillator {
  public:
-  explicit OfSlider(const Model& model) : system_(model) {
+  OfMasslessSlider(const Model& model, double stick_threshold) : system_(model), stick_threshold_(stick_threshold) {
     Structure drives;  // the drives alone
     drives.force = {model.drive.force};
     drives.contacts = {contact_of(model)};
@@ -72,8 +76,8 @@ class OfSlider final : public Oscillator {
   std::vector<double> steady() override { return steady_.empty() ? system_.steady(0) : steady_; }
   std::unique_ptr<Record> record(double tolerance) const override {
     struct OfPeriod final : Record {
-      OfPeriod(const oscillators::SliderSystem& system, double tolerance)
-          : recorder(system, tolerance, cycles::CycleOptions{}.stick_threshold, false) {}
+      OfPeriod(const oscillators::SliderSystem& system, double tolerance, double stick_threshold)
+          : recorder(system, tolerance, stick_threshold, false) {}
       void add(Follower::Step& step, std::span<const Follower::Event>) override { recorder.step(step); }
       std::map<std::string, double> finish(double duration) override {
         const auto metrics = recorder.finish(duration);
@@ -83,23 +87,24 @@ class OfSlider final : public Oscillator {
       }
       cycles::Recorder recorder;
     };
-    return std::make_unique<OfPeriod>(system_, tolerance);
+    return std::make_unique<OfPeriod>(system_, tolerance, stick_threshold_);
   }
 
  private:
   oscillators::SliderSystem system_;
+  double stick_threshold_;
   std::vector<double> steady_;  ///< under a constant drive, the origin of displacement
 };
 
 }  // namespace
 
-std::unique_ptr<Oscillator> oscillator_of(Structure structure) {
-  return std::make_unique<OfStructure>(std::move(structure));
+std::unique_ptr<Oscillator> oscillator_of(Structure structure, double stick_threshold) {
+  return std::make_unique<OfStructure>(std::move(structure), stick_threshold);
 }
 
-std::unique_ptr<Oscillator> oscillator_of(const Model& model) {
-  if (model.law->set_valued()) return oscillator_of(oscillators::one_slider(model));
-  return std::make_unique<OfSlider>(model);
+std::unique_ptr<Oscillator> oscillator_of(const Model& model, double stick_threshold) {
+  if (model.slider.mass > 0) return oscillator_of(oscillators::one_slider(model), stick_threshold);
+  return std::make_unique<OfMasslessSlider>(model, stick_threshold);
 }
 
 }  // namespace rosin::analysis::branches

@@ -38,10 +38,11 @@ class Oscillator {
   double drive_period_ = 0;
 };
 
+/// \param stick_threshold  |v| over V below which a contact under a smooth law counts as stuck
 /// \throws InputError for a drive without a period, and what cannot move.
-std::unique_ptr<Oscillator> oscillator_of(oscillators::Structure);
-/// Under a set-valued law a structure of one coordinate; else the slider, with a mass or without.
-std::unique_ptr<Oscillator> oscillator_of(const oscillators::Model&);
+std::unique_ptr<Oscillator> oscillator_of(oscillators::Structure, double stick_threshold = 0.1);
+/// With a mass, a structure of one coordinate.
+std::unique_ptr<Oscillator> oscillator_of(const oscillators::Model&, double stick_threshold = 0.1);
 
 /// The oscillator at a value of the parameter.
 using Family = std::function<std::unique_ptr<Oscillator>(double p)>;

@@ -1,6 +1,7 @@
 /// What is continued along a parameter: F(x, p) = 0 in as many unknowns as equations, and what is seen at a solution.
 #pragma once
 #include <Eigen/Core>
+#include <cmath>
 #include <complex>
 #include <map>
 #include <string>
@@ -29,8 +30,11 @@ class Problem {
   struct Test {
     std::string kind;  ///< "fold", "period-doubling", "torus", "grazing", …
     double value;
+    double error = 0;
     /// A border of the kind of motion: the value falls to 0 and does not change its sign; beyond it the motion differs.
     bool border = false;
+    /// Whether the error leaves no doubt about the sign.
+    bool has_sign() const { return std::abs(value) > 3 * error; }
   };
   struct View {
     Outcome outcome;
@@ -38,11 +42,18 @@ class Problem {
     std::vector<Test> tests;
     std::string pattern;  ///< of switches: solutions of different patterns are parted by a border
     std::vector<std::complex<double>> multipliers;  ///< largest modulus first, without the trivial one
+    std::vector<double> multiplier_errors;          ///< absolute
     std::map<std::string, double> metrics;
     std::vector<double> start;  ///< unknowns of the oscillator at the start of a cycle
+    int turns = 1;              ///< periods of the drive in a cycle
   };
-  /// What is seen at a solution.
-  virtual View view(const Eigen::VectorXd& x, double p, double tolerance) = 0;
+  /// A solution at a tolerance.
+  struct Solved {
+    const Eigen::VectorXd& x;
+    double p, tolerance;
+  };
+  /// What is seen at a solution; its errors by the same solution at a looser tolerance.
+  virtual View view(const Solved&, const Solved& looser) = 0;
   /// Takes a solution as the reference of what follows. \returns whether it is written in other unknowns from then on.
   virtual bool refer_to(Eigen::VectorXd& x, double p, double tolerance) = 0;
   /// How many of the first unknowns keep their meaning where others are written anew.

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/cycles/exponent.hpp"
 #include "analysis/motion/start.hpp"
 #include "core/error.hpp"
 
@@ -75,7 +76,8 @@ struct Cycle {
   /// Amplitude growth per period (ln) of a nearly neutral oscillation, below 1e-12 in magnitude. Its start sets its
   /// amplitude, and its metrics hold until the growth has added up.
   std::optional<double> growth = std::nullopt;
-  double section_displacement = 0;  ///< at v = V with v rising (slip onset for set-valued laws)
+  std::optional<Exponent> exponent = std::nullopt;  ///< the largest, of a motion that goes on without a period
+  double section_displacement = 0;                  ///< at v = V with v rising (slip onset for set-valued laws)
   std::vector<double> section_state;
   std::vector<CyclePoint> orbit;  ///< one period from the section, at the solver's own steps
   struct Cost {

@@ -8,8 +8,9 @@
 #include <cmath>
 #include <deque>
 #include <numbers>
+#include <numeric>
 
-#include "analysis/cycles/irregular_motion.hpp"
+#include "analysis/cycles/lyapunov.hpp"
 #include "analysis/cycles/multipliers.hpp"
 #include "analysis/cycles/stick_slip_period.hpp"
 #include "core/linear_solve.hpp"
@@ -303,17 +304,15 @@ class CycleSearch {
       if (recent_ends_.size() == some) wandering = recent_ends_.back();
       if (!steps_err_in_returns()) break;
     }
-    if (wandering.empty()) return;
-    map_.allow(ReturnMap::most_steps);
-    if (const auto divergence = divergence_from(map_, wandering))
-      outcome = {
-          Ending::none_exists,
-          fmt::format("no two periods are alike: neighbouring motions part by a factor of e^({:.2g} ± {:.1g}) in "
-                      "a passage, on the mean of {}",
-                      divergence->rate, divergence->error, divergence->returns)};
+    if (wandering.empty() || durations_.empty()) return;
+    const long returns = long(durations_.size());
+    const double mean_return = std::accumulate(durations_.begin(), durations_.end(), 0.0) / double(returns);
+    exponent = largest_exponent(as_structure(wandering), mean_return, most_returns_);
+    outcome = outcome_of(exponent, most_returns_, outcome);
   }
 
   std::optional<FixedPoint> point;
+  std::optional<Exponent> exponent;
   Outcome outcome;
 
  private:
@@ -356,6 +355,18 @@ class CycleSearch {
         return true;
     }
     return false;
+  }
+
+  /// The slider as a structure of one coordinate, moving from y.
+  motion::StructureModel as_structure(const std::vector<double>& y) const {
+    const auto& model = map_.system().model();
+    const auto seen = map_.system().observe(0, y.data());
+    motion::StructureStart start{.coordinates = {seen.displacement}, .velocities = {seen.velocity}};
+    if (model.lambda != 0) {
+      auto& states = start.states.emplace_back();
+      for (std::size_t i = 0; i < seen.state.size(); ++i) states[model.law->states()[i].name] = seen.state[i];
+    }
+    return {oscillators::one_slider(model), std::move(start)};
   }
 
   bool steady_is_stable() const { return growth_about_steady_ < 0; }
@@ -616,7 +627,7 @@ class CycleSearch {
 SearchResult search_cycle(ReturnMap& map, double growth_about_steady, const CycleOptions& options) {
   CycleSearch search(map, growth_about_steady, options);
   search.run();
-  return {std::move(search.point), std::move(search.outcome)};
+  return {std::move(search.point), std::move(search.outcome), search.exponent};
 }
 
 }  // namespace rosin::analysis::cycles

@@ -30,8 +30,9 @@ struct FixedPoint {
 double spectral_radius(const FixedPoint&, const ReturnMap&);
 
 struct SearchResult {
-  std::optional<FixedPoint> point;  ///< an attracting one, to a relative 1e-3 or better
-  Outcome outcome;                  ///< the reason where there is no point
+  std::optional<FixedPoint> point;   ///< an attracting one, to a relative 1e-3 or better
+  Outcome outcome;                   ///< the reason where there is no point
+  std::optional<Exponent> exponent;  ///< the largest, where a motion goes on without a period
 };
 /// `growth_about_steady`: growth ln(A'/A) per period of a small oscillation about steady sliding.
 SearchResult search_cycle(ReturnMap&, double growth_about_steady, const CycleOptions&);

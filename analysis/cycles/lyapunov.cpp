@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "analysis/cycles/motion_range.hpp"
 #include "analysis/cycles/section_map.hpp"
 #include "analysis/steady/structure_stability.hpp"
 #include "core/eigenpairs.hpp"
@@ -20,31 +22,35 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 
 namespace {
 
-/// Orthonormal disturbances of the unknowns that move, each in its scale.
+enum class Directions { all, one };
+
+/// Orthonormal disturbances of the unknowns that move, each in its scale: as many as there are unknowns, or one of all.
 class Frame {
  public:
-  explicit Frame(StructureSystem& system) : system_(system), n_(system.size()) {
+  Frame(StructureSystem& system, Directions directions) : system_(system), n_(system.size()) {
     std::vector<double> mass(n_), rest(n_);
     scale_.resize(n_);
     system.mass(0, mass.data());
     system.scale(rest.data(), scale_.data());
     for (int i = 0; i < n_; ++i)
       if (mass[i] != 0) moving_.push_back(i);
+    columns_ = directions == Directions::all ? int(moving_.size()) : 1;
     restart();
   }
   void restart() {
-    const int k = columns();
-    lost.assign(k, false);
-    tangent.assign(std::size_t(n_) * k, 0.0);
-    for (int c = 0; c < k; ++c) at(moving_[c], c) = scale_[moving_[c]];
+    lost.assign(columns_, false);
+    tangent.assign(std::size_t(n_) * columns_, 0.0);
+    for (int k = 0; k < int(moving_.size()); ++k) at(moving_[k], std::min(k, columns_ - 1)) = scale_[moving_[k]];
     begin();
   }
   /// Growth is counted from here.
   void begin() {
-    growth.assign(moving_.size(), 0.0), stuck.assign(system_.contacts(), 0.0);
+    growth.assign(columns_, 0.0), stuck.assign(system_.contacts(), 0.0);
     divergence = duration = 0, switches = 0;
   }
-  int columns() const { return int(moving_.size()); }
+  int columns() const { return columns_; }
+  /// Unknown by unknown, so that volumes tell of all of them.
+  bool is_whole() const { return columns_ == int(moving_.size()); }
 
   /// After a step: what it has added to the growth of each direction, in the order of Gram and Schmidt.
   void add(const Follower::Step& step, std::span<const Follower::Event> events) {
@@ -52,7 +58,7 @@ class Frame {
     double trace = 0;
     bool forgets = !events.empty();
     for (int c = 0; c < system_.contacts(); ++c) forgets = forgets || system_.mode(c) == ContactMode::stick;
-    for (int i = 0; i < Follower::Step::stages; ++i) {
+    for (int i = 0; is_whole() && i < Follower::Step::stages; ++i) {
       step.stage(i, y.data());
       trace += solvers::steps::RadauTableau::get().b[i] * step.length() * trace_at(step.stage_time(i), y.data());
     }
@@ -60,7 +66,7 @@ class Frame {
     const double grown = orthonormalise(forgets);
     // Volumes shrink by the divergence of the flow (Liouville), even where a step does not resolve how the direction
     // that shrinks most does it, since what it comes to is right.
-    if (system_.contacts() == 0 && system_.stops() == 0) growth.back() += trace - grown;
+    if (is_whole() && system_.contacts() == 0 && system_.stops() == 0) growth.back() += trace - grown;
     duration += step.length();
     switches += long(events.size());
     for (int c = 0; c < system_.contacts(); ++c)
@@ -126,7 +132,7 @@ class Frame {
   }
 
   StructureSystem& system_;
-  int n_;
+  int n_, columns_;
   std::vector<int> moving_;
   std::vector<double> scale_;
 };
@@ -135,8 +141,12 @@ class Frame {
 /// driven it is the longest natural period, from the same moment each: a long run would round its phase.
 class Pieces {
  public:
-  Pieces(SectionMap& map, std::vector<double> start, double tolerance)
-      : frame(map.system()), y(std::move(start)), accuracy(tolerance), system_(map.system()) {}
+  Pieces(SectionMap& map, std::vector<double> start, double tolerance, Directions directions = Directions::all)
+      : frame(map.system(), directions),
+        range(map.system()),
+        y(std::move(start)),
+        accuracy(tolerance),
+        system_(map.system()) {}
   /// s
   static double length(const SectionMap& map) {
     constexpr double of_patience = 1e-3;
@@ -144,10 +154,12 @@ class Pieces {
   }
   Outcome follow(double duration, bool carried, const std::function<void()>& stepped = {}) {
     Follower follower(system_, accuracy);
+    range.begin(y);
     if (carried) {
       follower.carry(&frame.tangent, frame.columns());
       follower.observe = [&](Follower::Step& step, std::span<const Follower::Event> events) {
         frame.add(step, events);
+        range.add(step.state());
         if (stepped) stepped();
       };
     }
@@ -157,6 +169,7 @@ class Pieces {
   }
 
   Frame frame;
+  MotionRange range;  ///< of the last piece that carried disturbances
   std::vector<double> y;
   double accuracy;
   LyapunovSpectrum::Cost cost;
@@ -173,7 +186,7 @@ void take_over(LyapunovSpectrum& spectrum, const Frame& frame) {
 }
 
 void sort_and_add(LyapunovSpectrum& spectrum) {
-  std::ranges::stable_sort(spectrum.exponents, std::greater(), &LyapunovSpectrum::Exponent::value);
+  std::ranges::stable_sort(spectrum.exponents, std::greater(), &Exponent::value);
   spectrum.sum = 0;
   for (const auto& exponent : spectrum.exponents)
     if (std::isfinite(exponent.value)) spectrum.sum += exponent.value;
@@ -229,15 +242,15 @@ void take_from_cycle(LyapunovSpectrum& spectrum, SectionMap& map, double accurac
     course.push_back(std::move(spectrum.course[c]));
   }
   spectrum.course = std::move(course);
-  std::ranges::stable_sort(spectrum.exponents, std::greater(), &LyapunovSpectrum::Exponent::value);
-  std::vector<LyapunovSpectrum::Exponent> known;
+  std::ranges::stable_sort(spectrum.exponents, std::greater(), &Exponent::value);
+  std::vector<Exponent> known;
   if (!map.driven()) known.push_back({0, accuracy / period, true});
   for (std::size_t i = 0; i < cycle.multipliers.size(); ++i) {
     const double modulus = std::abs(cycle.multipliers[i]), error = cycle.multiplier_errors[i];
     constexpr double well = 1e-2;
     if (error < well * modulus) known.push_back({std::log(modulus) / period, error / modulus / period});
   }
-  std::ranges::stable_sort(known, std::greater(), &LyapunovSpectrum::Exponent::value);
+  std::ranges::stable_sort(known, std::greater(), &Exponent::value);
   for (std::size_t i = 0; i < std::min(known.size(), spectrum.exponents.size()); ++i)
     if (std::isfinite(spectrum.exponents[i].value)) spectrum.exponents[i] = known[i];
   sort_and_add(spectrum);
@@ -256,19 +269,33 @@ void take_from_steady(LyapunovSpectrum& spectrum, const steady::StructureStabili
 /// Growth of each direction in each piece of the average, and its mean so far.
 class Average {
  public:
-  void add(const Frame& frame) {
+  explicit Average(SectionMap& map) : coordinates_(map.system().coordinates()) {}
+  void add(const Pieces& pieces) {
+    const Frame& frame = pieces.frame;
     if (series_.empty()) series_.resize(frame.growth.size()), before_.assign(frame.growth.size(), 0.0);
     for (std::size_t c = 0; c < series_.size(); ++c) {
       series_[c].push_back(frame.growth[c] - before_[c]);
       before_[c] = frame.growth[c];
     }
     time_.push_back(frame.duration);
+    sizes_.push_back(std::log(pieces.range.size().head(coordinates_).maxCoeff()));
   }
   long pieces() const { return long(time_.size()); }
   BlockedError error_of(std::size_t direction) const {
     auto error = blocked_error(series_[direction]);
     error.value *= double(pieces()) / time_.back();
     return error;
+  }
+  /// The motion is as large in the second half as in the first, by their errors.
+  bool keeps_its_size() const {
+    constexpr double agree = 4;
+    const auto middle = sizes_.begin() + pieces() / 2;
+    const std::vector<double> before(sizes_.begin(), middle), after(middle, sizes_.end());
+    const auto mean = [](const auto& series) {
+      return std::accumulate(series.begin(), series.end(), 0.0) / double(series.size());
+    };
+    return std::abs(mean(after) - mean(before)) <=
+           agree * std::hypot(blocked_error(before).value, blocked_error(after).value);
   }
   void take(LyapunovSpectrum& spectrum, const Frame& frame) const {
     constexpr long most = 1000;  // moments of the course
@@ -298,53 +325,60 @@ class Average {
  private:
   std::vector<std::vector<double>> series_;  ///< [direction][piece]
   std::vector<double> before_, time_;
+  std::vector<double> sizes_;  ///< [piece], ln of the half range (m) of the coordinate that moves most
+  int coordinates_;
 };
 
 constexpr long first_look = 256;  ///< pieces before a tolerance is thought to be met
+constexpr double further = 1.25;  ///< pieces at the next look, over those at the last
+
+/// Follows `relaxing` pieces, in whose second half directions find their order, and then adds pieces to the average
+/// until there are enough.
+Outcome add_pieces(Pieces& pieces, double piece, long relaxing, Average& average, const std::function<bool()>& enough) {
+  for (long k = 0; k < relaxing; ++k) {
+    end_if_stopped();
+    if (k == relaxing / 2) pieces.frame.restart();
+    if (const auto outcome = pieces.follow(piece, k >= relaxing / 2); !outcome.complete()) return outcome;
+  }
+  pieces.frame.begin();
+  do {
+    end_if_stopped();
+    if (const auto outcome = pieces.follow(piece, true); !outcome.complete()) return outcome;
+    average.add(pieces);
+  } while (!enough());
+  return {};
+}
 
 void take_from_average(LyapunovSpectrum& spectrum, SectionMap& map, const motion::StructureModel& model,
                        const LyapunovOptions& options, long relaxing) {
   Pieces pieces(map, motion::starting_point(map.system(), model.start), options.accuracy);
   Frame& frame = pieces.frame;
-  Average average;
+  Average average(map);
   const double piece = Pieces::length(map);
   spectrum.from = "average";
   spectrum.transient = double(relaxing) * piece;
   const long wanted = options.duration > 0 ? std::max(1L, std::lround(options.duration / piece)) : 0;
   long next_look = first_look;
-  const auto follow = [&](bool carried) {
-    end_if_stopped();
-    spectrum.outcome = pieces.follow(piece, carried);
-    return spectrum.outcome.complete();
+  bool spent = false;
+  const auto enough = [&] {
+    if (std::ranges::all_of(frame.lost, std::identity())) return true;
+    if (options.progress && wanted > 0) options.progress(double(average.pieces()) / double(wanted));
+    if (pieces.cost.steps > options.most_steps) return spent = true;
+    if (wanted > 0 && average.pieces() >= wanted) return true;
+    if (options.tolerance == 0 || average.pieces() < next_look) return false;
+    const auto leading = std::size_t(std::ranges::find(frame.lost, false) - frame.lost.begin());
+    const auto error = average.error_of(leading);
+    if (error.levelled && error.value <= options.tolerance) return true;
+    next_look = long(further * double(next_look));
+    if (options.progress && wanted == 0)
+      options.progress(std::min(1.0, options.tolerance * options.tolerance / (error.value * error.value)));
+    return false;
   };
   try {
-    // Directions find their order in the second half of the transient.
-    bool goes_on = true;
-    for (long k = 0; goes_on && k < relaxing; ++k) {
-      if (k == relaxing / 2) frame.restart();
-      goes_on = follow(k >= relaxing / 2);
-    }
-    frame.begin();
-    for (long k = 0; goes_on && (wanted == 0 || k < wanted); ++k) {
-      goes_on = follow(true);
-      if (!goes_on) break;
-      average.add(frame);
-      if (std::ranges::all_of(frame.lost, std::identity())) break;
-      if (options.progress && wanted > 0) options.progress(double(k + 1) / double(wanted));
-      if (pieces.cost.steps > options.most_steps) {
-        spectrum.outcome = {Ending::budget_spent,
-                            fmt::format("{} steps, of {:.9g} s", options.most_steps, frame.duration)};
-        break;
-      }
-      if (options.tolerance == 0 || average.pieces() < next_look) continue;
-      const auto leading = std::size_t(std::ranges::find(frame.lost, false) - frame.lost.begin());
-      const auto error = average.error_of(leading);
-      if (error.levelled && error.value <= options.tolerance) break;
-      constexpr double further = 1.25;
-      next_look = long(further * double(next_look));
-      if (options.progress && wanted == 0)
-        options.progress(std::min(1.0, options.tolerance * options.tolerance / (error.value * error.value)));
-    }
+    spectrum.outcome = add_pieces(pieces, piece, relaxing, average, enough);
+    if (spent)
+      spectrum.outcome = {Ending::budget_spent,
+                          fmt::format("{} steps, of {:.9g} s", options.most_steps, frame.duration)};
   } catch (const Stopped&) {
     spectrum.outcome = {Ending::interrupted, fmt::format("{:.9g} s of the average are kept", frame.duration)};
   }
@@ -396,7 +430,7 @@ LyapunovSpectrum lyapunov_spectrum(const motion::StructureModel& model, const Ly
                         : options.duration > 0 ? std::lround(part * options.duration / piece)
                                                : usual_transient;
   StructureCycleOptions how;
-  how.tolerance = options.accuracy;
+  how.tolerance = options.accuracy, how.stick_threshold = options.stick_threshold;
   constexpr long most_returns = 10'000, usual_returns = 1000;
   how.max_cycles = int(options.duration > 0 ? std::clamp(long(relaxing + options.duration / piece), 20L, most_returns)
                                             : usual_returns);
@@ -414,6 +448,47 @@ LyapunovSpectrum lyapunov_spectrum(const motion::StructureModel& model, const Ly
   }
   take_from_average(spectrum, map, model, options, relaxing);
   return spectrum;
+}
+
+std::optional<Exponent> largest_exponent(const motion::StructureModel& model, double mean_return, long most_returns) {
+  SectionMap map(model.structure);
+  constexpr long relaxing = 30, most_steps = 1'000'000;
+  std::vector<double> y = motion::starting_point(map.system(), model.start);
+  std::optional<Exponent> before;
+  // Two parts of the motion, the second by finer steps: an exponent that is one of the steps differs.
+  for (const double accuracy : {1e-8, 1e-10}) {
+    Pieces pieces(map, y, accuracy, Directions::one);
+    Average average(map);
+    long next_look = first_look;
+    Exponent found{NAN, infinity};
+    const auto enough = [&] {
+      if (pieces.frame.lost[0]) return true;
+      const bool spent = pieces.cost.steps > most_steps || average.pieces() >= most_returns;
+      if (average.pieces() < next_look && !spent) return false;
+      next_look = long(further * double(next_look));
+      const auto error = average.error_of(0);
+      const double of_steps = accuracy * double(pieces.cost.steps) / pieces.frame.duration;
+      found = {pieces.frame.growth[0] / pieces.frame.duration, error.value + of_steps};
+      return spent || (error.levelled && !found.is_zero());
+    };
+    const auto outcome = add_pieces(pieces, map.driven() ? map.drive_period() : mean_return, relaxing, average, enough);
+    if (!outcome.complete() || !std::isfinite(found.error) || !average.keeps_its_size()) return std::nullopt;
+    y = pieces.y;
+    if (before)
+      return Exponent{(before->value + found.value) / 2,
+                      std::max({before->error, found.error, std::abs(before->value - found.value) / 2})};
+    before = found;
+  }
+  return std::nullopt;
+}
+
+Outcome outcome_of(const std::optional<Exponent>& exponent, long returns, Outcome unknown) {
+  if (!exponent) return unknown;
+  const auto text = fmt::format("{:.3g} ± {:.1g} 1/s", exponent->value, exponent->error);
+  if (exponent->value > 0 && !exponent->is_zero())
+    return {Ending::none_exists,
+            fmt::format("chaotic: neighbouring motions diverge at {}, the largest Lyapunov exponent", text)};
+  return {Ending::budget_spent, fmt::format("no period within {} returns; exponent {}", returns, text)};
 }
 
 }  // namespace rosin::analysis::cycles

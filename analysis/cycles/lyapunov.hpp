@@ -9,11 +9,12 @@
 namespace rosin::analysis::cycles {
 
 struct LyapunovOptions {
-  double duration = 0;          ///< s, of the average; 0: as long as `tolerance` needs
-  double transient = -1;        ///< s, before it; < 0: a tenth of the duration, or 100 returns
-  double tolerance = 0;         ///< 1/s, wanted standard error of the largest exponent; 0: the duration decides
-  double accuracy = 1e-8;       ///< relative, of the motion
-  long most_steps = 5'000'000;  ///< of the average
+  double duration = 0;           ///< s, of the average; 0: as long as `tolerance` needs
+  double transient = -1;         ///< s, before it; < 0: a tenth of the duration, or 100 returns
+  double tolerance = 0;          ///< 1/s, wanted standard error of the largest exponent; 0: the duration decides
+  double accuracy = 1e-8;        ///< relative, of the motion
+  double stick_threshold = 0.1;  ///< ε of the cycle's metrics
+  long most_steps = 5'000'000;   ///< of the average
   std::function<void(double part)> progress;
 };
 
@@ -22,10 +23,6 @@ struct LyapunovSpectrum {
   /// What the exponents were taken from: "cycle", the multipliers of the periodic motion that the start leads to;
   /// "steady", the eigenvalues of steady sliding that it settles on; "average", the growth of disturbances.
   std::string from;
-  struct Exponent {
-    double value, error;   ///< 1/s; −∞: of a direction that stick, or a dead impact, forgets
-    bool trivial = false;  ///< along the flow of a motion that is not driven, 0 but for its error
-  };
   std::vector<Exponent> exponents;  ///< the largest first, without those of clocks
   int clocks = 0;                   ///< zeros that are left out: the phase of the drive
   /// Mean of the divergence of the flow between switches (1/s). The exponents add up to it, and to what saltation
@@ -51,6 +48,16 @@ struct LyapunovSpectrum {
 /// (Benettin, Galgani, Giorgilli & Strelcyn 1980); errors by blocks of growing length (Flyvbjerg & Petersen 1989).
 /// \throws InputError where the drive has no period, for more than 64 unknowns, and for a start that does not fit.
 LyapunovSpectrum lyapunov_spectrum(const motion::StructureModel&, const LyapunovOptions&);
+
+/// The largest exponent of a motion without a period, from its start on: a disturbance is carried along two parts of
+/// the motion until the sign is certain, or through `most_returns` in each. Nothing where the motion changes its size,
+/// as one that settles slowly does, or cannot be followed. \param mean_return  s, between crossings of the section
+/// where nothing drives the structure periodically
+std::optional<Exponent> largest_exponent(const motion::StructureModel&, double mean_return, long most_returns);
+
+/// How a search of so many returns ended that found no period: in chaos, or without a verdict.
+/// \param unknown  the outcome where there is no exponent
+Outcome outcome_of(const std::optional<Exponent>&, long returns, Outcome unknown);
 
 /// Standard error of the mean of a series whose values depend on their neighbours: blocks are doubled until the
 /// estimate levels, at 16 blocks at least; where it still falls there, it is a bound.

@@ -1,10 +1,12 @@
-/// What one period of a structure shows: extremes and means of each column of the record, time at rest, heat.
+/// Metrics of one period of any oscillator: the list of them, and their values from the steps that solve the period.
 #pragma once
 #include <array>
+#include <complex>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "analysis/cycles/slip_record.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/motion/follower.hpp"
 #include "analysis/motion/structure_record.hpp"
@@ -13,7 +15,9 @@ namespace rosin::analysis::cycles {
 
 class PeriodRecord {
  public:
-  explicit PeriodRecord(const oscillators::StructureSystem&);
+  /// \param tolerance  of the steps that will be recorded
+  explicit PeriodRecord(const oscillators::StructureSystem&, double tolerance = 1e-8,
+                        double stick_threshold = CycleOptions().stick_threshold);
   /// Values of all columns at the start and the stages of the step, their extremes and means.
   void add(motion::Follower::Step&, std::span<const motion::Follower::Event> switches);
   /// Of a period of this duration (s), all of whose steps were added.
@@ -27,15 +31,26 @@ class PeriodRecord {
 
  private:
   double look_between(motion::Follower::Step&, std::size_t column, double sign);
+  void add_slip(motion::Follower::Step&);
+  void add_metric(std::string name, double value, std::string unit, std::string meaning);
+  void add_slip_metrics(int friction_contact, double duration);
+  /// A place of Gauss's rule in a part of a step, for integrals over the period.
+  struct Place {
+    std::size_t step;
+    double theta, weight;
+    std::complex<double> turned;  ///< e^(iωt)
+  };
+  std::vector<Place> places(double duration) const;
+  void add_harmonics(int coordinate, double duration, const std::vector<Place>&);
 
   const oscillators::StructureSystem& system_;
   std::vector<std::array<double, motion::Follower::Step::stages + 1>> steps_;
   std::vector<double> high_, low_, mean_, stick_, force_;
+  std::vector<SlipRecord> slip_;  ///< of the contacts with friction
+  std::vector<int> slips_;        ///< the contact of each
+  std::vector<double> distance_;  ///< slipped by each, m
+  std::vector<double> length_;    ///< of the steps, s
   double heat_ = 0, moment_ = 0;
 };
-
-/// Names of a column and of a contact's rest as metrics have them.
-std::string short_name(const std::string& column);
-std::string name_of_stick(const oscillators::StructureSystem&, int contact);
 
 }  // namespace rosin::analysis::cycles

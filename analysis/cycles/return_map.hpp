@@ -1,66 +1,16 @@
-/// The return map of the section v = V (v rising), with its derivative and a recorder of metrics.
+/// The return map of the section v = V (v rising), with its derivative.
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
 #include <vector>
 
 #include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/slip_record.hpp"
 #include "analysis/motion/reversal_steps.hpp"
 #include "oscillators/slider_system.hpp"
 #include "solvers/steps/collocation.hpp"
 
 namespace rosin::analysis::cycles {
-
-/// Sees each step of a return.
-class StepObserver {
- public:
-  virtual ~StepObserver() = default;
-  virtual void step(solvers::steps::Collocation&) = 0;
-};
-
-/// Collects the metrics of one period from the steps that solve it. Extremes and threshold crossings are located by
-/// solving the step again, integrals by the quadrature of the collocation nodes, both at the order of the solution.
-class Recorder final : public StepObserver {
- public:
-  /// `tolerance`: of the steps that will be recorded; the loop integral is refined to it.
-  Recorder(const oscillators::SliderSystem&, double tolerance, double stick_threshold, bool keep_orbit);
-  void step(solvers::steps::Collocation&) override;
-  /// Adds `time` (s) of rest at the end of the last step, negative for less; for slip that nearly stops.
-  void add_rest(double time);
-  Metrics finish(double period) const;
-  std::vector<CyclePoint> orbit;
-
- private:
-  struct Sample {
-    double theta, slip_rate, friction;
-  };
-  struct Extremum {
-    double theta, value;
-    bool is_maximum;
-  };
-  static std::vector<Extremum> extrema(const std::vector<Sample>&, double Sample::*quantity);
-  void extreme(solvers::steps::Collocation&, const std::vector<Sample>&, const std::vector<Extremum>&,
-               double Sample::*quantity, double& low, double& high);
-  Sample sample_at(solvers::steps::Collocation&, double theta) const;
-  /// ∫ (μ − μ_ss(v)) dv over the interval of the samples, with the value of a rule on part of the nodes.
-  struct Loop {
-    double integral, check, magnitude;
-  };
-  double loop_tolerance() const;
-  Loop loop(const std::vector<Sample>&) const;
-  double refined_loop(solvers::steps::Collocation&, double begin, double end, double coarse, double last_change);
-  double time_within(solvers::steps::Collocation&, const std::vector<Sample>&, const std::vector<Extremum>& of_slip,
-                     double threshold) const;
-
-  const oscillators::SliderSystem& system_;
-  double tolerance_, threshold_[3];
-  bool keep_orbit_;
-  bool follows_steady_curve_;  ///< friction is a function of the slip rate: the loop has no area
-  Metrics sums_;
-  double elapsed_ = 0, friction_ = 0;  ///< time so far, and the coefficient of friction then
-  int divisions_left_ =
-      4000;  ///< refinements of the loop integral left, which rounding error would otherwise continue without end
-};
 
 /// Normal load over the largest spring force of a free oscillation as fast as the drive; infinite without mass.
 double friction_over_swing(const Model&);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/linear_solve.hpp"
+
 namespace rosin::analysis::cycles {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
@@ -63,6 +65,32 @@ void SectionMap::add_to_count(const Follower& follower) {
   count = {count.steps + done.steps, count.evaluations + done.evaluations, count.choices + done.choices};
 }
 
+/// Of the velocity of the watched coordinate, by the differential unknowns: where it has no mass its velocity follows
+/// from them.
+VectorXd SectionMap::gradient_of_section(const std::vector<double>& y, const std::vector<double>& mass) const {
+  const int n = system_.size();
+  std::vector<double> unit(n);
+  VectorXd gradient(n);
+  const double at_none = system_.velocity(0, unit.data())[coordinate_];
+  for (int i = 0; i < n; ++i) {
+    unit[i] = 1;
+    gradient[i] = system_.velocity(0, unit.data())[coordinate_] - at_none;  // linear in the unknowns
+    unit[i] = 0;
+  }
+  std::vector<int> algebraic;
+  for (int i = 0; i < n; ++i)
+    if (mass[i] == 0) algebraic.push_back(i);
+  if (std::ranges::all_of(algebraic, [&](int i) { return gradient[i] == 0; })) return gradient;
+  std::vector<double> f(n);
+  RowMajor J(n, n);
+  system_.linearise(0, y.data(), f.data(), J.data());
+  const MatrixXd of_algebraic = J(algebraic, algebraic).transpose();
+  const VectorXd multiplier = solve_linear(of_algebraic, gradient(algebraic));
+  gradient -= J(algebraic, Eigen::all).transpose() * multiplier;
+  gradient(algebraic).setZero();
+  return gradient;
+}
+
 SectionMap::Return SectionMap::follow(const std::vector<double>& y, double tolerance, int returns, bool derivative,
                                       const Observer& observe) {
   const int n = system_.size();
@@ -97,17 +125,12 @@ SectionMap::Return SectionMap::follow(const std::vector<double>& y, double toler
   if (!derivative || result.outcome.ending != Ending::event) return result;
   result.derivative = Eigen::Map<const RowMajor>(S.data(), n, n);
   if (!driven()) {  // disturbances that arrive at another time: P = 1 − f ∇gᵀ/(∇g f)
-    std::vector<double> f(n), mass(n), unit(n);
+    std::vector<double> f(n), mass(n);
     system_.evaluate(0, result.y.data(), f.data());
     system_.mass(0, mass.data());
-    const double at_none = system_.velocity(0, unit.data())[coordinate_];
-    VectorXd rate(n), gradient(n);
-    for (int i = 0; i < n; ++i) {
-      rate[i] = mass[i] != 0 ? f[i] / mass[i] : 0;
-      unit[i] = 1;
-      gradient[i] = system_.velocity(0, unit.data())[coordinate_] - at_none;  // linear in the unknowns
-      unit[i] = 0;
-    }
+    VectorXd rate(n);
+    for (int i = 0; i < n; ++i) rate[i] = mass[i] != 0 ? f[i] / mass[i] : 0;
+    const VectorXd gradient = gradient_of_section(result.y, mass);
     result.derivative -= rate * (gradient.transpose() * result.derivative) / gradient.dot(rate);
   }
   return result;

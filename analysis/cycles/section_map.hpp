@@ -47,6 +47,7 @@ class SectionMap {
 
  private:
   motion::Section section() const;
+  Eigen::VectorXd gradient_of_section(const std::vector<double>& y, const std::vector<double>& mass) const;
   void add_to_count(const motion::Follower&);
 
   oscillators::StructureSystem system_;

@@ -283,7 +283,7 @@ Cycle find_smooth_cycle(const Model& model, const CycleOptions& options) {
   auto search = search_cycle(map, leading.real() * period_about_steady, options);
   cycle.cost = map.cost();
   if (!search.point) {
-    cycle.outcome = search.outcome;
+    cycle.outcome = search.outcome, cycle.exponent = search.exponent;
     return cycle;
   }
   FixedPoint& point = *search.point;

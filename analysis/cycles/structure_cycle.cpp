@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <numbers>
 #include <utility>
 
+#include "analysis/cycles/lyapunov.hpp"
 #include "analysis/cycles/motion_range.hpp"
 #include "analysis/cycles/multipliers.hpp"
 #include "analysis/cycles/period_record.hpp"
@@ -26,7 +28,8 @@ namespace {
 
 constexpr int most_returns = 32;  ///< in a period that is looked for
 
-/// A point of the section that returns to itself, by Newton's method.
+/// A point of the section that returns to itself, by Newton's method: found where the last correction is small by the
+/// tolerance, or below `asked`.
 struct Closed {
   bool found = false;
   double change = infinity;  ///< the last correction, in sizes
@@ -34,7 +37,8 @@ struct Closed {
   MatrixXd derivative;
 };
 
-Closed close(SectionMap& map, std::vector<double> y, int returns, double tolerance, const VectorXd& size) {
+Closed close(SectionMap& map, std::vector<double> y, int returns, double tolerance, const VectorXd& size,
+             double asked = 0) {
   constexpr int most_iterations = 12;
   constexpr double near = 0.3, enough = 1e3;  // corrections: of a start that is near, and tolerances that may be left
   Closed best;
@@ -45,9 +49,8 @@ Closed close(SectionMap& map, std::vector<double> y, int returns, double toleran
     VectorXd residual(n);
     for (Eigen::Index i = 0; i < n; ++i) residual[i] = (arrived.y[std::size_t(i)] - y[std::size_t(i)]) / size[i];
     const MatrixXd slopes = size.cwiseInverse().asDiagonal() * arrived.derivative * size.asDiagonal();
-    // A block that never moves may rest anywhere: the least correction.
-    VectorXd correction = solve_linear(MatrixXd::Identity(n, n) - slopes, residual);
-    if (!correction.allFinite()) correction = least_squares(MatrixXd::Identity(n, n) - slopes, residual);
+    // A contact that never slips may rest anywhere, and stays where it is.
+    const VectorXd correction = solve_within_range(MatrixXd::Identity(n, n) - slopes, residual);
     if (!correction.allFinite()) break;
     const double change = correction.cwiseAbs().maxCoeff();
     const bool better = change < 0.5 * best.change;
@@ -56,7 +59,7 @@ Closed close(SectionMap& map, std::vector<double> y, int returns, double toleran
     if (change < 0.1 * tolerance || (iteration > 1 && !better)) break;
     for (Eigen::Index i = 0; i < n; ++i) y[std::size_t(i)] += size[i] * correction[i];
   }
-  best.found = best.change < enough * tolerance;
+  best.found = best.change < std::max(enough * tolerance, asked);
   return best;
 }
 
@@ -66,8 +69,8 @@ struct Period : PeriodRecord {
   double duration = 0;
   std::vector<std::complex<double>> multipliers;
 
-  Period(SectionMap& map, Closed at, int returns, double tolerance)
-      : PeriodRecord(map.system()), closed(std::move(at)) {
+  Period(SectionMap& map, Closed at, int returns, double tolerance, double stick_threshold)
+      : PeriodRecord(map.system(), tolerance, stick_threshold), closed(std::move(at)) {
     const auto arrived =
         map.follow(closed.y, tolerance, returns, false,
                    [this](Follower::Step& step, std::span<const Follower::Event> switches) { add(step, switches); });
@@ -110,7 +113,11 @@ class RecurrenceSearch {
       choose_section(y, observe);
     }
     Outcome outcome = map_.follow_crossings(
-        y, tolerance_, [this](int crossing, double, const std::vector<double>& there) { return look(crossing, there); },
+        y, tolerance_,
+        [this](int crossing, double t, const std::vector<double>& there) {
+          mean_return_ = t / crossing;
+          return look(crossing, there);
+        },
         observe);
     if (result_.returns > 0) return result_;
     if (outcome.ending == Ending::reached_end || (outcome.ending == Ending::event && settled_))
@@ -127,6 +134,7 @@ class RecurrenceSearch {
     return result_;
   }
   long crossings() const { return crossings_; }
+  double mean_return() const { return mean_return_; }  ///< s
   /// The last point of the section that was reached; empty: none was.
   std::vector<double> last() const { return past_.empty() ? std::vector<double>() : past_.back(); }
 
@@ -152,6 +160,7 @@ class RecurrenceSearch {
       ranges_.push_back(size_.head(map_.system().coordinates()).maxCoeff());
       range_.begin(y);
       if (grows_without_bound()) return true;
+      if (rests(y)) return settled_ = true;
     }
     if (crossing >= options_.max_cycles) return true;
     if (crossing < 2) return false;
@@ -180,8 +189,12 @@ class RecurrenceSearch {
       if (auto shorter = close(map_, closed.y, part, tolerance_, size_); shorter.found)
         closed = std::move(shorter), returns = part;
     }
-    if (closed.found && moves(closed.y) &&
-        (by_modulus(closed.derivative).empty() || std::abs(by_modulus(closed.derivative).front()) < 1 + 1e-3)) {
+    constexpr double neutral = 1 + 1e-3;
+    const auto attracts = [&] {
+      const auto multipliers = by_modulus(closed.derivative);
+      return multipliers.empty() || std::abs(multipliers.front()) < neutral;
+    };
+    if (closed.found && moves(closed.y) && (attracts() || recurs(returns))) {
       result_.returns = returns, result_.closed = std::move(closed), result_.size = size_;
       return true;
     }
@@ -189,6 +202,14 @@ class RecurrenceSearch {
     next_try_ = crossing + std::max(2, crossing / 4);
     near_ = std::max(0.5 * std::min(near_, nearest_), 1e-12);
     return false;
+  }
+
+  /// Twice to rounding: by a symmetry a motion may stay on a cycle that does not attract.
+  bool recurs(int returns) const {
+    constexpr double rounding = 1e-11;
+    const int last = int(past_.size()) - 1;
+    return last >= 2 * returns && distance(past_[last], past_[last - returns], size_) < rounding &&
+           distance(past_[last - returns], past_[last - 2 * returns], size_) < rounding;
   }
 
   /// At a resonance that friction does not hold the range grows by as much in each renewal. Without a varying force
@@ -210,9 +231,17 @@ class RecurrenceSearch {
     const bool smaller = away < last_away_ && !std::exchange(sticks_, false);
     last_away_ = away;
     decays_ = smaller ? decays_ + 1 : 0;
-    constexpr double small = 1e-6;
     constexpr int long_enough = 10;
     return away < small && decays_ >= long_enough;
+  }
+  /// No coordinate moves any more, whichever contacts stick.
+  bool rests(const std::vector<double>& y) const {
+    if (map_.driven()) return false;
+    std::vector<double> natural(y.size());
+    map_.system().scale(y.data(), natural.data());
+    for (int i = 0; i < map_.system().coordinates(); ++i)
+      if (size_[i] > small * natural[i]) return false;
+    return true;
   }
   /// Not steady sliding itself.
   bool moves(const std::vector<double>& y) const {
@@ -230,6 +259,7 @@ class RecurrenceSearch {
   }
 
   static constexpr int renewal = 8;
+  static constexpr double small = 1e-6;  ///< in natural sizes: what counts as rest
   static constexpr double tolerance_ = 1e-7;
   SectionMap& map_;
   const motion::StructureModel& model_;
@@ -241,6 +271,7 @@ class RecurrenceSearch {
   double near_ = 1e-3, nearest_ = infinity, last_away_ = infinity;
   int next_try_ = 3, decays_ = 0;
   long crossings_ = 0;
+  double mean_return_ = 0;
   bool settled_ = false, sticks_ = false, unbounded_ = false;
   std::vector<double> ranges_;  ///< of the widest coordinate, one for each renewal
   Recurrence result_;
@@ -297,19 +328,11 @@ std::string symmetry_of(SectionMap& map, const Closed& closed, int returns, doub
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> cycle_metrics_of(const Structure& structure) {
+std::map<std::string, StructureCycle::Measure> cycle_metrics_of(const Structure& structure) {
   const StructureSystem system(structure);
-  const motion::StructureRecord record(system);
-  std::vector<std::pair<std::string, std::string>> metrics = {{"period", "s"}};
-  for (std::size_t c = 0; c < record.names.size(); ++c)
-    for (const char* kind : {"_max", "_min", "_amplitude", "_mean"})
-      metrics.emplace_back(short_name(record.names[c]) + kind, record.units[c]);
-  for (int c = 0; c < system.contacts(); ++c) metrics.emplace_back(name_of_stick(system, c), "1");
-  for (int j = 0; j < system.friction_contacts(); ++j)
-    if (system.follows_motion(j) && !structure.contacts[j].frictionless())
-      metrics.emplace_back(motion::numbered(system, "apparent_friction", j), "1");
-  metrics.emplace_back("friction_work", "J");
-  return metrics;
+  PeriodRecord none(system);
+  none.finish(1);
+  return none.metrics;
 }
 
 StructureCycle find_cycle(const motion::StructureModel& model, const StructureCycleOptions& options) {
@@ -325,7 +348,15 @@ StructureCycle find_cycle(const motion::StructureModel& model, const StructureCy
   result.cost = {map.count.steps, map.count.evaluations, search.crossings()};
   result.outcome = recurrence.outcome;
   result.start = search.last();
-  if (recurrence.returns == 0) return result;
+  if (recurrence.returns == 0) {
+    if (options.exponent && result.outcome.ending == Ending::budget_spent && !result.start.empty()) {
+      auto last = model;
+      last.start.unknowns = result.start;
+      result.exponent = largest_exponent(last, search.mean_return(), search.crossings());
+      result.outcome = outcome_of(result.exponent, search.crossings(), result.outcome);
+    }
+    return result;
+  }
   // Two passes show the error of the coarser; where that is above the tolerance, a third shows that of the second.
   constexpr double finer = 1.0 / 30, least = 3e-14;
   constexpr int most_passes = 4;
@@ -333,22 +364,28 @@ StructureCycle find_cycle(const motion::StructureModel& model, const StructureCy
   std::optional<Period> coarse, fine;
   std::vector<double> near = recurrence.closed.y;
   for (int pass = 0; pass < most_passes && worst > options.tolerance; ++pass) {
-    auto closed = close(map, near, recurrence.returns, tolerance, recurrence.size);
+    auto closed = close(map, near, recurrence.returns, tolerance, recurrence.size, options.tolerance);
     if (!closed.found) {
       result.outcome = {Ending::tolerance_not_met,
                         fmt::format("Newton's method closes the period to {:.1e} of its range only", closed.change)};
+      constexpr double rough = 1e-4;  // a period that closes to less is shown, without errors
+      if (!fine && closed.change < rough)
+        fine.emplace(map, std::move(closed), recurrence.returns, tolerance, options.stick_threshold);
       break;
     }
     near = closed.y;
     if (fine) coarse.emplace(std::move(*fine));
-    fine.emplace(map, std::move(closed), recurrence.returns, tolerance);
+    fine.emplace(map, std::move(closed), recurrence.returns, tolerance, options.stick_threshold);
     if (coarse) {
       double longest = 0;  // range of the widest coordinate, for those that hardly move
-      for (auto& [name, measure] : fine->metrics)
-        measure.error = std::abs(measure.value - coarse->metrics.at(name).value) + tolerance * std::abs(measure.value);
+      for (auto& [name, measure] : fine->metrics) {
+        double apart = measure.value - coarse->metrics.at(name).value;
+        if (measure.unit == "rad") apart = std::remainder(apart, 2 * std::numbers::pi);
+        measure.error = std::abs(apart) + std::max(tolerance, fine->closed.change) * std::abs(measure.value);
+      }
       for (std::size_t i = 0; i < fine->coordinate_max.size(); ++i)
         longest = std::max(longest, fine->coordinate_max[i] - fine->coordinate_min[i]);
-      worst = fine->metrics["period"].error / fine->duration;
+      worst = std::max(fine->closed.change, fine->metrics["period"].error / fine->duration);
       for (std::size_t i = 0; i < fine->coordinate_max.size(); ++i)
         worst = std::max({worst, std::abs(fine->coordinate_max[i] - coarse->coordinate_max[i]) / longest,
                           std::abs(fine->coordinate_min[i] - coarse->coordinate_min[i]) / longest});

@@ -2,18 +2,22 @@
 #pragma once
 #include <complex>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "analysis/cycles/exponent.hpp"
 #include "analysis/motion/run.hpp"
 #include "analysis/motion/structure_start.hpp"
 
 namespace rosin::analysis::cycles {
 
 struct StructureCycleOptions {
-  double tolerance = 1e-8;  ///< relative, of period and extremes
-  int max_cycles = 10'000;  ///< returns of the transient before giving up
+  double tolerance = 1e-8;       ///< relative, of period and extremes
+  int max_cycles = 10'000;       ///< returns of the transient before giving up
+  double stick_threshold = 0.1;  ///< ε: a contact whose law has no stick counts as stuck at |v| ≤ ε V
   bool multipliers = true;
+  bool exponent = false;        ///< the largest Lyapunov exponent, where no period is found
   long most_steps = 5'000'000;  ///< of all that is followed
 };
 
@@ -22,18 +26,16 @@ struct StructureCycle {
   int returns = 0;  ///< of the section in a period: periods of the drive, or maxima of the coordinate; 0: none found
   struct Measure {
     double value, error;  ///< absolute
-    std::string unit;
+    std::string unit, meaning = {};
   };
-  /// Of one period: "period"; of each column of the record "…_max", "…_min", "…_mean" and "…_amplitude", half its range
-  /// (friction coefficients as "friction_max" or "friction_1_max"); "stick_fraction" of each contact; "friction_work",
-  /// the heat of friction.
-  std::map<std::string, Measure> metrics;
+  std::map<std::string, Measure> metrics;              ///< of one period, by the names of cycle_metrics_of()
   std::vector<double> coordinate_max, coordinate_min;  ///< m
   /// Floquet, largest modulus first, without the trivial 1 of a structure that is not driven; of what stick forgets 0.
   std::vector<std::complex<double>> multipliers;
   std::vector<double> multiplier_errors;
   std::string multipliers_left_out;
   bool stable = false;
+  std::optional<Exponent> exponent;  ///< the largest, of a motion that goes on without a period
   /// "symmetric": after half a period all coordinates are reversed; "twin": the drive has that symmetry but the motion
   /// has not, so that its mirror image is another motion; "": the drive has none.
   std::string symmetry;
@@ -47,8 +49,11 @@ struct StructureCycle {
   } cost;
 };
 
-/// Names and units of the metrics of a structure's cycles.
-std::vector<std::pair<std::string, std::string>> cycle_metrics_of(const oscillators::Structure&);
+/// The list of metrics of a period, by name, with units and meanings: "period"; of each column of the record "…_max",
+/// "…_min", "…_mean" and "…_amplitude", half its range (friction coefficients as "friction_max" or "friction_1_max");
+/// of each coordinate its harmonics and their distortion; of each contact with friction the parts of the period at rest
+/// and at low slip rates, the distance slipped and the friction loop; and "friction_work", the heat of friction.
+std::map<std::string, StructureCycle::Measure> cycle_metrics_of(const oscillators::Structure&);
 
 /// The motion from the start is followed until it recurs after some returns; Newton's method on the map of a period,
 /// with its exact derivative, then closes it at two tolerances, whose difference is the error.

@@ -2,12 +2,11 @@
 #include "analysis/inference/discrimination.hpp"
 
 #include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
 
 #include <algorithm>
-#include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace rosin::analysis::inference {
 
@@ -150,7 +149,7 @@ void finish(Design& design, const DesignOptions& options) {
 
 double repeats_needed(double information, double confidence) {
   if (!(information > 0)) return infinity;
-  const double z = std::numbers::sqrt2 * boost::math::erf_inv(2 * confidence - 1);
+  const double z = gsl_cdf_ugaussian_Pinv(confidence);
   return std::max(1.0, std::ceil(2 * z * z / information));
 }
 

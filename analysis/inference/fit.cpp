@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <span>
 
@@ -87,6 +86,12 @@ void add_terms(std::vector<Variable>& variables, const Measurement& m, std::size
   }
 }
 
+/// By how much a standardised residual exceeds what noise does to a force at its limit.
+double beyond_noise(double residual) {
+  constexpr double noise = 4;  // standard deviations, that a force stays below among ten thousands
+  return residual > noise ? residual - noise : residual < -noise ? residual + noise : 0;
+}
+
 struct Problem {
   const Model* model;
   const std::vector<Measurement>* data;
@@ -96,6 +101,7 @@ struct Problem {
   std::vector<char> used;                   ///< points that count; empty: all
   std::vector<SeriesNoise> noise;           ///< of each measurement; of size 1 where errors are given
   std::vector<std::vector<double>> trends;  ///< of each measurement: what its trend is multiplied by
+  std::vector<std::vector<char>> shadows;   ///< of each measurement: points that are left out; empty: none
   mutable int evaluations;                  ///< of the present minimisation
   mutable long predictions = 0, steps = 0;  ///< in all
 
@@ -110,9 +116,13 @@ struct Problem {
     const auto& m = (*data)[measurement];
     return m.error.empty() ? noise[measurement].size : m.error[point];
   }
+  bool in_shadow(std::size_t measurement, std::size_t point) const {
+    return !shadows[measurement].empty() && shadows[measurement][point];
+  }
   /// y of one measurement, and its slopes by the variables of `moved`, a row of them for each point.
   struct Said {
     std::vector<double> y, slopes;
+    std::vector<char> bounded;  ///< as of a prediction
   };
   Said predicted(const Model& changed, std::size_t measurement, const std::vector<double>& all,
                  const std::vector<std::size_t>& moved) const {
@@ -131,16 +141,21 @@ struct Problem {
     }
     auto prediction = predict(changed, m, paths, clock_offset);
     ++predictions, steps += prediction.steps;
-    Said said{std::move(prediction.y), {}};
+    Said said{std::move(prediction.y), {}, std::move(prediction.bounded)};
+    said.bounded.resize(said.y.size());
     const auto& s = trends[measurement];
     for (std::size_t k = 0; k < said.y.size(); ++k) {
-      said.y[k] += base + (s.empty() ? 0 : trend * s[k]);
+      const double beside = base + (s.empty() ? 0 : trend * s[k]), limit = said.y[k], force = m.y[k] - beside;
+      // Friction at rest is the measured one as far as it lies within its limit.
+      if (said.bounded[k]) said.y[k] = std::clamp(force, -limit, limit);
+      const double side = !said.bounded[k] ? 1 : force > limit ? 1 : force < -limit ? -1 : 0;
+      said.y[k] += beside;
       std::size_t path = 0;
       for (const auto i : moved) {
         const auto& v = variables[i];
         double slope = 0;
         if (v.term == Term::none)
-          slope = prediction.slopes[path++][k];
+          slope = side * prediction.slopes[path++][k];
         else if (v.measurement == measurement)
           slope = v.term == Term::base ? 1 : v.term == Term::trend ? s[k] : prediction.by_clock[k];
         said.slopes.push_back(slope * v.slope(all[i]));
@@ -162,17 +177,18 @@ struct Problem {
       for (std::size_t d = 0; d < data->size(); ++d) {
         const auto& m = (*data)[d];
         auto said = predicted(changed, d, all, moved);
-        for (std::size_t k = 0; k < said.y.size(); ++k) {
+        for (std::size_t k = 0; k < said.y.size(); ++k, ++point) {
           said.y[k] = (said.y[k] - m.y[k]) / error(d, k);
-          for (std::size_t j = 0; j < moved.size(); ++j) said.slopes[k * moved.size() + j] /= error(d, k);
+          if (said.bounded[k]) said.y[k] = beyond_noise(said.y[k]);
+          const bool out = in_shadow(d, k) || (!used.empty() && !used[point]);
+          if (out) said.y[k] = 0;
+          const bool idle = out || (said.bounded[k] && said.y[k] == 0);
+          for (std::size_t j = 0; j < moved.size(); ++j)
+            said.slopes[k * moved.size() + j] *= idle ? 0 : 1 / error(d, k);
+          said.bounded[k] = said.bounded[k] || out;
         }
-        whiten(said.y, 1, noise[d].correlation);
-        whiten(said.slopes, moved.size(), noise[d].correlation);
-        for (std::size_t k = 0; k < said.y.size(); ++k, ++point)
-          if (!used.empty() && !used[point]) {
-            said.y[k] = 0;
-            std::fill_n(said.slopes.begin() + std::ptrdiff_t(k * moved.size()), moved.size(), 0.0);
-          }
+        whiten(said.y, 1, noise[d].correlation, said.bounded);
+        whiten(said.slopes, moved.size(), noise[d].correlation, said.bounded);
         r.values.insert(r.values.end(), said.y.begin(), said.y.end());
         r.slopes.insert(r.slopes.end(), said.slopes.begin(), said.slopes.end());
       }
@@ -195,10 +211,21 @@ struct Problem {
     for (std::size_t i = 0; i < free.size(); ++i) all[free[i]] = gsl_vector_get(x, i);
     return all;
   }
-  std::size_t rows() const {
-    std::size_t n = variables.size();
+  /// y of all measurements.
+  std::size_t numbers() const {
+    std::size_t n = 0;
     for (const auto& m : *data) n += m.y.size();
     return n;
+  }
+  std::size_t rows() const { return numbers() + variables.size(); }
+  /// True of each number that does not count: bounded and not predicted, or left out.
+  std::vector<char> apart(const std::vector<double>& all) const {
+    std::vector<char> some;
+    for (std::size_t d = 0; d < data->size(); ++d) {
+      const auto bounded = predicted(at(all), d, all, {}).bounded;
+      for (std::size_t k = 0; k < bounded.size(); ++k) some.push_back(bounded[k] || in_shadow(d, k));
+    }
+    return some;
   }
 };
 
@@ -263,14 +290,6 @@ Minimum minimise(Problem& problem) {
   return best;
 }
 
-/// Two-sided quantile of the normal distribution by Newton's method on erf.
-double normal_quantile(double confidence) {
-  double z = 1;
-  for (int i = 0; i < 60; ++i)
-    z -= (std::erf(z / std::numbers::sqrt2) - confidence) / (std::sqrt(2 / std::numbers::pi) * std::exp(-z * z / 2));
-  return z;
-}
-
 /// The q of one variable on one side at which χ² has risen by z²: secants on its root, which is nearly straight.
 double profile_end(Problem problem, const Minimum& best, std::size_t index, double step, double z) {
   const auto& variable = problem.variables[index];
@@ -330,22 +349,30 @@ void check(const Measurement& m) {
                                  m.name, m.step_at, m.over == Measurement::Over::time ? "s" : "m"));
 }
 
-/// Finds the noise whose size is not given, from what the minimum leaves. \returns the largest change of it.
-double find_noise_at(Problem& problem, const Minimum& best) {
-  const auto moved = problem.free;
+/// Residuals of each measurement and their slopes, over the errors where these are given.
+std::vector<Leftover> leftovers(const Problem& problem, const std::vector<double>& q) {
+  const auto& moved = problem.free;
   std::vector<Leftover> parts;
-  const Model model = problem.at(best.q);
+  const Model model = problem.at(q);
   for (std::size_t d = 0; d < problem.data->size(); ++d) {
     const auto& m = (*problem.data)[d];
-    auto said = problem.predicted(model, d, best.q, moved);
-    Leftover part{std::move(said.y), std::move(said.slopes), problem.noise[d], m.error.empty(), m.series()};
+    auto said = problem.predicted(model, d, q, moved);
+    Leftover part{std::move(said.y), std::move(said.slopes), problem.noise[d], m.error.empty(),
+                  m.series(),        std::move(said.bounded)};
     for (std::size_t k = 0; k < part.residual.size(); ++k) {
+      part.apart[k] = part.apart[k] || problem.in_shadow(d, k);
       const double unit = part.unknown ? 1 : m.error[k];
       part.residual[k] = (part.residual[k] - m.y[k]) / unit;
       for (std::size_t j = 0; j < moved.size(); ++j) part.slopes[k * moved.size() + j] /= unit;
     }
     parts.push_back(std::move(part));
   }
+  return parts;
+}
+
+/// Finds the noise whose size is not given, from what the minimum leaves. \returns the largest change of it.
+double find_noise_at(Problem& problem, const Minimum& best) {
+  auto parts = leftovers(problem, best.q);
   find_noise(parts);
   double changed = 0;
   for (std::size_t d = 0; d < parts.size(); ++d) {
@@ -353,6 +380,31 @@ double find_noise_at(Problem& problem, const Minimum& best) {
     changed = std::max({changed, std::abs(now.size / problem.noise[d].size - 1),
                         std::abs(now.correlation - problem.noise[d].correlation)});
     problem.noise[d] = now;
+  }
+  return changed;
+}
+
+/// Finds the points behind missing rows whose friction hangs on what happened meanwhile: which differs there by more
+/// than a third of the noise, or at the point before. \returns true if they are others than before.
+bool find_shadows(Problem& problem, const std::vector<double>& q) {
+  const Model model = problem.at(q);
+  bool changed = false;
+  for (std::size_t d = 0; d < problem.data->size(); ++d) {
+    const auto& m = (*problem.data)[d];
+    if (m.history.gaps.empty() || !m.history.smooth()) continue;
+    std::vector<char> shadow(m.y.size(), 0);
+    const auto own = predict(model, m).y;
+    for (const bool as_behind : {false, true}) {
+      auto other = m;
+      other.history = m.history.across(as_behind);
+      const auto there = predict(model, other).y;
+      constexpr double part = 1.0 / 3;
+      for (std::size_t k = 0; k < shadow.size(); ++k)
+        if (std::abs(there[k] - own[k]) > part * problem.error(d, k))
+          for (std::size_t next = k; next < std::min(k + 2, shadow.size()); ++next) shadow[next] = 1;
+    }
+    changed = changed || shadow != problem.shadows[d];
+    problem.shadows[d] = std::move(shadow);
   }
   return changed;
 }
@@ -380,26 +432,91 @@ void take_secants(const Problem& problem, Minimum& best, Problem::Residuals& at_
     }
 }
 
-/// By how much χ² would fall with a straight trend in a series without one, by the slopes at the minimum.
-double fall_with_trend(const Problem& problem, const Problem::Residuals& at_best, std::size_t measurement,
-                       std::size_t first_row) {
-  auto m = (*problem.data)[measurement];
+/// A record whose motion is known with errors of its own.
+bool moves(const Measurement& m) { return m.kind == Measurement::Kind::record && m.history.smooth(); }
+
+/// Root mean square by which predictions differ under other motions that a record allows as well, in the data's unit.
+double left_open_by_motion(const Problem& problem, const std::vector<double>& q, std::size_t measurement) {
+  constexpr std::uint64_t draws = 4;
+  const auto& m = (*problem.data)[measurement];
+  if (!moves(m)) return 0;
+  const Model model = problem.at(q);
+  const auto own = predict(model, m).y;
+  double sum = 0;
+  for (std::uint64_t seed = 1; seed <= draws; ++seed) {
+    auto other = m;
+    other.history = m.history.again(seed);
+    const auto there = predict(model, other).y;
+    for (std::size_t k = 0; k < own.size(); ++k)
+      if (!problem.in_shadow(measurement, k)) sum += std::pow(there[k] - own[k], 2);
+  }
+  return std::sqrt(sum / double(draws * own.size()));
+}
+
+/// Counts in the errors that motions are known with errors of their own: each number follows predictions under other
+/// motions that the records allow as well. \returns their part of each variance.
+std::vector<double> count_motions(const Problem& problem, Minimum& best, const Problem::Residuals& at_best) {
+  constexpr std::uint64_t draws = 16;
+  const auto p = Eigen::Index(problem.free.size()), rows = Eigen::Index(at_best.values.size());
+  std::vector<double> part(std::size_t(p), 0.0);
+  if (p == 0 || std::ranges::none_of(*problem.data, moves)) return part;
+  const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(
+      at_best.slopes.data(), rows, p);
+  using Covariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::Map<Covariance> covariance(best.covariance.data(), p, p);
+  const Covariance own = covariance;
+  Covariance of_motions = Covariance::Zero(p, p);
+  int counted = 0;
+  for (std::uint64_t seed = 1; seed <= draws; ++seed) {
+    auto data = *problem.data;
+    for (auto& m : data)
+      if (moves(m)) m.history = m.history.again(seed);
+    auto moved = problem;
+    moved.data = &data;
+    const auto there = moved.residuals(best.q);
+    problem.predictions = moved.predictions, problem.steps = moved.steps;
+    if (!there) continue;
+    Eigen::VectorXd change(rows);
+    for (Eigen::Index i = 0; i < rows; ++i) change[i] = there->values[std::size_t(i)] - at_best.values[std::size_t(i)];
+    const Eigen::VectorXd shift = own * (J.transpose() * change);
+    of_motions += shift * shift.transpose();
+    ++counted;
+  }
+  if (counted == 0) return part;
+  covariance += of_motions / counted;
+  for (Eigen::Index i = 0; i < p; ++i) part[std::size_t(i)] = of_motions(i, i) / counted;
+  return part;
+}
+
+/// What a trend over time is multiplied by.
+std::vector<double> trend_over_time(Measurement m) {
   m.terms.trend = Measurement::Terms::Trend::time;
-  auto trend = trend_abscissa(m);
-  for (std::size_t k = 0; k < trend.size(); ++k) trend[k] /= problem.error(measurement, k);
-  whiten(trend, 1, problem.noise[measurement].correlation);
+  return trend_abscissa(m);
+}
+
+/// What another term would find in a series.
+struct Found {
+  double fall = 0;   ///< of χ², by the slopes at the minimum
+  double value = 0;  ///< of the term
+};
+/// \param slope of the series by the term, at each x
+/// \param apart points that do not count
+Found another_term(const Problem& problem, const Problem::Residuals& at_best, std::size_t measurement,
+                   std::size_t first_row, std::vector<double> slope, const std::vector<char>& apart) {
+  for (std::size_t k = 0; k < slope.size(); ++k) slope[k] = apart[k] ? 0 : slope[k] / problem.error(measurement, k);
+  whiten(slope, 1, problem.noise[measurement].correlation, apart);
   const auto p = Eigen::Index(problem.free.size()), rows = Eigen::Index(at_best.values.size());
   const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(
       at_best.slopes.data(), rows, p);
   const Eigen::Map<const Eigen::VectorXd> r(at_best.values.data(), rows);
   Eigen::VectorXd column = Eigen::VectorXd::Zero(rows);
-  for (std::size_t k = 0; k < trend.size(); ++k) column[Eigen::Index(first_row + k)] = trend[k];
+  for (std::size_t k = 0; k < slope.size(); ++k) column[Eigen::Index(first_row + k)] = slope[k];
   Eigen::MatrixXd scaled = J;
   for (Eigen::Index j = 0; j < p; ++j)
     if (const double size = scaled.col(j).norm(); size > 0) scaled.col(j) /= size;
   const Eigen::VectorXd own = column - scaled * scaled.completeOrthogonalDecomposition().solve(column);
-  const double square = own.squaredNorm();
-  return square > 1e-12 * column.squaredNorm() ? std::pow(own.dot(r), 2) / square : 0;
+  const double square = own.squaredNorm(), product = own.dot(r);
+  return square > 1e-12 * column.squaredNorm() ? Found{product * product / square, -product / square} : Found{};
 }
 
 /// The parts of a fit that look at one minimum.
@@ -410,6 +527,26 @@ class Conclusion {
     find_combinations();
   }
 
+  /// Tells misfit of each series from noise.
+  void tell() {
+    const auto parts = leftovers(problem_, best_.q);
+    for (std::size_t d = 0; d < parts.size(); ++d) {
+      const auto& m = (*problem_.data)[d];
+      Told told{{}, parts[d].noise};
+      if (parts[d].series) told = tell_misfit(m, parts[d]);
+      // What errors of the motion leave is no noise either, and counts in the errors already.
+      if (told.misfit &&
+          told.misfit->size * (parts[d].unknown ? 1 : m.error.front()) <= left_open_by_motion(problem_, best_.q, d))
+        told = {{}, parts[d].noise};
+      told_.push_back(std::move(told));
+    }
+  }
+
+  bool misfits() const {
+    return std::ranges::any_of(told_, [](const Told& told) { return told.misfit.has_value(); });
+  }
+  /// The noise of each measurement, without misfit.
+  const std::vector<Told>& told() const { return told_; }
   /// Standard error of q.
   double spread(std::size_t i) const { return std::sqrt(best_.covariance[i * problem_.free.size() + i]); }
   bool at_bound(std::size_t i) const {
@@ -419,7 +556,7 @@ class Conclusion {
   /// Standard errors of the data per change of q by its scale.
   double influence(std::size_t i) const {
     double sum = 0;
-    for (std::size_t k = 0; k < std::size_t(result_.points); ++k)
+    for (std::size_t k = 0; k < problem_.numbers(); ++k)
       sum = std::hypot(sum, at_best_.slopes[k * problem_.free.size() + i] * problem_.variables[i].scale);
     return sum;
   }
@@ -467,7 +604,7 @@ class Conclusion {
   /// True where a normal law of q is a poor guide to the interval.
   bool in_doubt(std::size_t i, double z) const {
     constexpr double curved = 0.3;
-    if (!combined_[i].empty()) return false;
+    if (!combined_[i].empty() || misfits()) return false;
     return !lost(i, z).empty() || (problem_.variables[i].logarithmic && spread(i) > curved);
   }
 
@@ -476,11 +613,19 @@ class Conclusion {
   void measurements();
 
  private:
+  /// What an offset of the clock would find in a record without one.
+  Found clock_of(const Model& model, Measurement m, std::size_t measurement, std::size_t row,
+                 const std::vector<char>& apart) const {
+    if (m.kind != Measurement::Kind::record || m.terms.clock_offset) return {};
+    m.terms.clock_offset = true;
+    return another_term(problem_, at_best_, measurement, row, predict(model, m).by_clock, apart);
+  }
   Problem& problem_;
   const Minimum& best_;
   const Problem::Residuals& at_best_;
   Fit& result_;
   std::vector<std::string> combined_;  ///< for each variable: those that it cannot be told from
+  std::vector<Told> told_;             ///< of each measurement
 };
 
 void Conclusion::parameter(std::size_t i, double z, bool profile, const std::function<void()>& report) {
@@ -503,7 +648,10 @@ void Conclusion::parameter(std::size_t i, double z, bool profile, const std::fun
   }
   // A number that no prediction hangs on, and one whose interval is wider than all that it may be, is not found; its
   // profile may still bound it on one side, as that of a spring too stiff to show.
-  if (const auto why = lost(i, z); !why.empty()) {
+  if (misfits()) {
+    parameter.withheld = true;
+    parameter.standard_error = parameter.low = parameter.high = std::nan("");
+  } else if (const auto why = lost(i, z); !why.empty()) {
     const bool bounded = profile_low > v.low || profile_high < v.high;
     parameter.standard_error = parameter.low = parameter.high = std::nan("");
     result_.warnings.push_back(bounded
@@ -524,7 +672,7 @@ void Conclusion::parameter(std::size_t i, double z, bool profile, const std::fun
 /// An offset that hangs on one or two points jumps between them rather than err as its covariance says.
 void Conclusion::clock(std::size_t i) {
   double second = 0, fourth = 0;
-  for (std::size_t k = 0; k < std::size_t(result_.points); ++k) {
+  for (std::size_t k = 0; k < problem_.numbers(); ++k) {
     const double square = std::pow(at_best_.slopes[k * problem_.free.size() + i], 2);
     second += square, fourth += square * square;
   }
@@ -544,21 +692,29 @@ void Conclusion::measurements() {
   for (std::size_t d = 0; d < problem_.data->size(); ++d) {
     const auto& m = (*problem_.data)[d];
     FittedMeasurement fitted;
-    fitted.fitted = problem_.predicted(model, d, best_.q, {}).y;
+    auto said = problem_.predicted(model, d, best_.q, {});
+    fitted.fitted = std::move(said.y), fitted.bounded = std::move(said.bounded);
     fitted.error_found = m.error.empty();
     fitted.noise = problem_.noise[d];
     for (std::size_t k = 0; k < m.y.size(); ++k) {
       fitted.error.push_back(problem_.error(d, k));
-      fitted.residuals.push_back((m.y[k] - fitted.fitted[k]) / fitted.error.back());
+      const double residual = (m.y[k] - fitted.fitted[k]) / fitted.error.back();
+      fitted.residuals.push_back(fitted.bounded[k] ? beyond_noise(residual) : residual);
     }
-    const std::span independent(at_best_.values.data() + row, m.y.size());
+    auto apart = fitted.bounded;
+    for (std::size_t k = 0; k < m.y.size(); ++k) apart[k] = apart[k] || problem_.in_shadow(d, k);
+    std::vector<double> independent;
+    for (std::size_t k = 0; k < m.y.size(); ++k)
+      if (!apart[k]) independent.push_back(at_best_.values[row + k]);
     fitted.neighbours = neighbours(independent);
+    fitted.misfit = told_[d].misfit;
     constexpr std::size_t least = 20;      // points, of which a correlation tells something
     constexpr double by_chance = 3;        // standard deviations
     constexpr double fall_by_chance = 12;  // of χ²: 3.5 standard deviations
-    if (m.series() && m.y.size() >= least) {
+    if (m.series() && independent.size() >= least) {
       const bool has_trend = m.terms.trend != Trend::none;
-      const double fall = has_trend ? 0 : fall_with_trend(problem_, at_best_, d, row);
+      const double fall = has_trend ? 0 : another_term(problem_, at_best_, d, row, trend_over_time(m), apart).fall;
+      const auto clock = clock_of(model, m, d, row, apart);
       const auto& n = fitted.neighbours;
       const auto neighbours =
           fmt::format("correlation of neighbours {:.2f}, Durbin-Watson {:.2f}", n.correlation, n.durbin_watson);
@@ -566,11 +722,26 @@ void Conclusion::measurements() {
       // away.
       double left = 0;
       for (const double r : independent) left += r * r / double(independent.size());
-      if (fall > fall_by_chance * std::max(1.0, left))
+      const double by_chance_fall = fall_by_chance * std::max(1.0, left);
+      if (clock.fall > std::max(by_chance_fall, fall))
+        result_.warnings.push_back(fmt::format(
+            "{}: a motion later by {:.2g} s would lower chi square by {:.4g}: differences over one side and filters "
+            "delay a slip rate; set clock_offset = true in its data, or parameters with a time take it up, such as "
+            "dampers",
+            m.name, clock.value, clock.fall));
+      else if (fall > by_chance_fall)
         result_.warnings.push_back(
             fmt::format("{}: a straight trend would lower chi square by {:.4g}; set trend = true in its data, or the "
                         "parameters take it up (residuals: {})",
                         m.name, fall, neighbours));
+      else if (const auto& misfit = fitted.misfit)
+        result_.warnings.push_back(fmt::format(
+            "{}: residuals are no noise: {} they hang on the motion, by {:.2g} root mean square where the error is "
+            "{:.2g} (by chance with a probability of {:.1g}; neighbours are correlated by {:.2f}, without that by "
+            "{:.2f}): the law, or what the data say of the motion, does not describe these data, and no interval is "
+            "given",
+            m.name, misfit->where, misfit->size * (fitted.error_found ? 1 : fitted.error.front()), fitted.error.front(),
+            misfit->probability, fitted.noise.correlation, told_[d].noise.correlation));
       else if (n.sigmas > by_chance)
         result_.warnings.push_back(fmt::format(
             "{}: residuals are correlated ({}): {}; intervals are too narrow", m.name, neighbours,
@@ -601,11 +772,51 @@ void Conclusion::measurements() {
   }
 }
 
+/// The mean square of standardised residuals that were left out, in turn, of fits to the others. Left out together are
+/// both parts of a response, and of a series stretches beyond which noise has forgotten itself.
+/// \param told the noise of series that they are measured by, which knows no misfit
+double cross_validation(Problem& problem, const Minimum& best, int folds, const std::vector<char>& apart,
+                        const std::vector<Told>& told, const std::function<void()>& report) {
+  const auto& data = *problem.data;
+  std::vector<int> fold_of;  // each number
+  for (std::size_t d = 0; d < data.size(); ++d) {
+    const auto& m = data[d];
+    constexpr double forgotten = 0.05;  // of the correlation
+    const double rho = std::abs(problem.noise[d].correlation);
+    const double memory = rho > forgotten ? std::log(forgotten) / std::log(rho) : 0;
+    const double most = double(m.y.size()) / (2 * folds);
+    const auto together = std::size_t(std::max(m.pairs() ? 2.0 : 1.0, std::min(std::ceil(memory), most)));
+    for (std::size_t k = 0; k < m.y.size(); ++k) fold_of.push_back(int(k / together) % folds);
+  }
+  double sum = 0;
+  for (int fold = 0; fold < folds; ++fold) {
+    const auto use = [&](bool left_out) {
+      problem.used.clear();
+      for (const int own : fold_of) problem.used.push_back((own == fold) == left_out);
+    };
+    use(false);
+    problem.q = best.q;
+    const auto trained = minimise(problem);
+    report();
+    use(true);
+    const auto own = problem.noise;
+    for (std::size_t d = 0; d < data.size(); ++d)
+      if (data[d].error.empty())
+        problem.noise[d] = data[d].series() ? told[d].noise : SeriesNoise{roughness(data[d].y), 0};
+    const auto left_out = problem.residuals(trained.q);
+    problem.noise = own;
+    for (std::size_t row = 0; row < fold_of.size(); ++row)
+      if (fold_of[row] == fold) sum += left_out ? std::pow(left_out->values[row], 2) : infinity;
+  }
+  problem.used.clear();
+  return sum / double(std::ranges::count(apart, 0));
+}
+
 }  // namespace
 
 Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptions& options) {
   gsl_set_error_handler_off();
-  Problem problem{&model, &data, {}, {}, {}, {}, {}, {}, 0};
+  Problem problem{&model, &data, {}, {}, {}, {}, {}, {}, std::vector<std::vector<char>>(data.size()), 0};
   Fit result;
   if (options.parameters.empty()) throw InputError("a fit needs parameters");
   for (const auto& path : options.parameters) {
@@ -645,9 +856,22 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
   };
   const auto own = problem.q;
   const auto random = white_noise(of_model * std::size_t(std::max(asked, several)), options.seed);
-  const double expected = double(result.points) - double(p);
-  const double most_expected = expected + 4 * std::sqrt(2 * expected);
   Minimum best;
+  std::vector<char> apart;
+  double expected = 0, most_expected = 0;  // of χ²
+  const auto count_points = [&] {
+    if (!std::isfinite(best.chi_square)) return;
+    apart = problem.apart(best.q);
+    const auto lost = std::ranges::count(apart, 1);
+    result.points = int(problem.numbers()) - int(lost);
+    if (std::size_t(result.points) <= p)
+      throw InputError(
+          fmt::format("{} numbers do not determine {} parameters: {} more are at rest, where friction is "
+                      "bounded and not predicted, or behind missing rows",
+                      result.points, p, lost));
+    expected = double(result.points) - double(p);
+    most_expected = expected + 4 * std::sqrt(2 * expected);
+  };
   const auto search = [&](int from, int to) {
     for (int s = from; s < to; ++s) {
       problem.q = own;
@@ -683,9 +907,18 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
       if (changed < 1e-3) break;
     }
   };
+  find_shadows(problem, problem.q);
   search(0, asked);
+  count_points();
   const auto first = best;
   settle_noise();
+  constexpr int most_shadows = 5;
+  for (int round = 0; best.converged && round < most_shadows && find_shadows(problem, best.q); ++round) {
+    problem.q = best.q;
+    best = minimise(problem);
+    count_points();
+    settle_noise();
+  }
   int starts = asked;
   if (!options.starts) {
     std::string doubt;
@@ -713,6 +946,7 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
       total += several - asked, starts = several;
       problem.noise = first_noise, best = first;
       search(asked, several);
+      count_points();
       settle_noise();
     }
   }
@@ -726,16 +960,23 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
 
   result.model = problem.at(best.q);
   result.chi_square = best.chi_square;
+  for (std::size_t d = 0; d < data.size(); ++d)
+    if (const auto lost = std::ranges::count(problem.shadows[d], 1); lost > 0)
+      result.decisions.push_back(
+          fmt::format("{}: {} of {} points are left out, whose friction hangs on the motion while rows were missing",
+                      data[d].name, lost, data[d].y.size()));
   auto at_best = problem.residuals(best.q, problem.free);
   if (!at_best) {
     result.outcome = {Ending::not_finite, "predictions at the least squares, or their slopes, are not finite"};
     return result;
   }
   take_secants(problem, best, *at_best);
+  const auto of_motions = count_motions(problem, best, *at_best);
   // Where the size of noise is found as well, few points have the wider intervals of Student's distribution.
-  const double z =
-      errors_given ? normal_quantile(options.confidence) : gsl_cdf_tdist_Pinv(0.5 + options.confidence / 2, expected);
+  const double below = 0.5 + options.confidence / 2;
+  const double z = errors_given ? gsl_cdf_ugaussian_Pinv(below) : gsl_cdf_tdist_Pinv(below, expected);
   Conclusion conclusion(problem, best, *at_best, result);
+  conclusion.tell();
   std::vector<char> profiled(p, options.profiles.value_or(false));
   for (std::size_t i = 0; !options.profiles && i < p; ++i) profiled[i] = conclusion.in_doubt(i, z);
   const auto profiles = std::ranges::count(profiled, 1);
@@ -749,6 +990,11 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
   }
   for (std::size_t i = 0; i < p; ++i) {
     conclusion.parameter(i, z, profiled[i], report);
+    constexpr double most_of_it = 0.5;
+    if (of_motions[i] > most_of_it * best.covariance[i * p + i])
+      result.warnings.push_back(fmt::format(
+          "the error of {} comes from that of the recorded motion: {:.0f} % of its square, the bias by it included",
+          problem.variables[i].quantity.name, 100 * of_motions[i] / best.covariance[i * p + i]));
     if (problem.variables[i].term == Variable::Term::clock_offset) conclusion.clock(i);
     for (std::size_t j = 0; j < p; ++j) {
       const double product = best.covariance[i * p + i] * best.covariance[j * p + j];
@@ -769,47 +1015,25 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
   double deviance = 0, count = double(p);
   std::size_t row = 0;
   for (std::size_t d = 0; d < data.size(); ++d) {
+    // A law that bounds a point and one that predicts it are to be compared: it counts as noise alone would leave it.
     const double n = double(data[d].y.size());
-    double square = 0;
-    for (std::size_t k = 0; k < data[d].y.size(); ++k, ++row) square += at_best->values[row] * at_best->values[row];
+    double square = 0, predicted = 0;
+    for (std::size_t k = 0; k < data[d].y.size(); ++k, ++row)
+      square += at_best->values[row] * at_best->values[row], predicted += !apart[row];
     if (!data[d].error.empty()) {
-      deviance += square;
+      deviance += square + n - predicted;
       continue;
     }
     const auto& noise = problem.noise[d];
-    deviance +=
-        n * std::log(noise.size * noise.size * square / n) + (n - 1) * std::log(1 - std::pow(noise.correlation, 2));
+    if (predicted > 0) deviance += n * std::log(noise.size * noise.size * square / predicted);
+    deviance += (n - 1) * std::log(1 - std::pow(noise.correlation, 2));
     count += noise.correlation != 0 ? 2 : 1;
   }
   result.aic = deviance + 2 * count;
-  result.bic = deviance + count * std::log(double(result.points));
+  result.bic = deviance + count * std::log(double(problem.numbers()));
 
-  result.cross_validation = std::nan("");
-  if (folds > 0) {
-    double sum = 0;
-    for (int fold = 0; fold < folds; ++fold) {  // both parts of a response stay together
-      problem.used.assign(std::size_t(result.points), 1);
-      std::size_t index = 0;
-      for (const auto& m : data) {
-        const std::size_t together = m.pairs() ? 2 : 1;
-        for (std::size_t i = 0; i < m.y.size(); ++i) problem.used[index++] = int(i / together) % folds != fold;
-      }
-      problem.q = best.q;
-      const auto trained = minimise(problem);
-      report();
-      const auto left_out = problem.used;
-      problem.used.clear();
-      const auto all = problem.residuals(trained.q);
-      std::size_t i = 0;
-      for (std::size_t d = 0; d < data.size(); ++d) {
-        // Where noise is found, every law is measured by one yardstick that knows none: the roughness of the data.
-        const double yardstick = data[d].error.empty() ? problem.noise[d].size / roughness(data[d].y) : 1;
-        for (std::size_t k = 0; k < data[d].y.size(); ++k, ++i)
-          if (!left_out[i]) sum += all ? std::pow(yardstick * all->values[i], 2) : infinity;
-      }
-    }
-    result.cross_validation = sum / result.points;
-  }
+  result.cross_validation =
+      folds > 0 ? cross_validation(problem, best, folds, apart, conclusion.told(), report) : std::nan("");
   result.predictions = problem.predictions, result.steps = problem.steps;
   return result;
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "analysis/inference/measurement.hpp"
+#include "analysis/inference/misfit.hpp"
 #include "analysis/inference/noise.hpp"
 #include "core/error.hpp"
 
@@ -38,6 +39,7 @@ struct FittedParameter {
   double low = 0, high = 0;
   double profile_low = 0, profile_high = 0;  ///< from the profile of the likelihood; NaN if not asked for
   bool at_bound = false;
+  bool withheld = false;  ///< the interval, because the law does not describe the data
 };
 
 /// What a fit leaves of one measurement.
@@ -45,9 +47,11 @@ struct FittedMeasurement {
   std::vector<double> fitted;     ///< y of the model with all terms
   std::vector<double> residuals;  ///< y − fitted, over the standard error
   std::vector<double> error;      ///< standard error of each y, given or found
+  std::vector<char> bounded;      ///< true of each y at rest under a law that sticks: it is bounded, not predicted
   bool error_found = false;       ///< from the residuals
   SeriesNoise noise;              ///< found, or of size 1 and uncorrelated
   Neighbours neighbours;          ///< of residuals whose correlation, where one was found, is taken out
+  std::optional<Misfit> misfit;   ///< that is no noise: then no number has an interval
 };
 
 struct Fit {
@@ -56,7 +60,8 @@ struct Fit {
   std::vector<FittedParameter> parameters;
   std::vector<double> correlation;  ///< row-major, of the fitted variables
   double chi_square = 0;
-  int points = 0, converged_starts = 0;
+  int points = 0;  ///< that are predicted
+  int converged_starts = 0;
   /// Up to a constant of the data: D + 2 k and D + k ln n with D = χ², or where the size σ of noise was found,
   /// n ln σ² + (n − 1) ln(1 − ρ²) of these n numbers; k counts σ and ρ.
   double aic = 0, bic = 0;

@@ -3,4 +3,7 @@
 #include "analysis/inference/discrimination.hpp"
 #include "analysis/inference/equalise.hpp"
 #include "analysis/inference/fit.hpp"
-#include "analysis/inference/stick_slip.hpp"
+#include "analysis/inference/recorded_motion.hpp"
+#include "analysis/inference/recorded_slip_rate.hpp"
+#include "analysis/inference/slip_events.hpp"
+#include "analysis/inference/wider_law.hpp"

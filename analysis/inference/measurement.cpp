@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "analysis/response/contact_slopes.hpp"
 #include "analysis/response/frf.hpp"
 #include "core/error.hpp"
+#include "core/random.hpp"
 #include "solvers/steps/collocation.hpp"
 
 namespace rosin::analysis::inference {
@@ -22,24 +24,61 @@ namespace {
 
 constexpr int most = Slopes<double>::capacity;
 
-/// What is imposed on a contact from `begin` on, until the next: a slip rate and a load that change evenly.
+/// What is imposed on a contact from `begin` on, until the next: a slip rate with an even jerk, and a load that changes
+/// evenly.
 struct Stretch {
   double begin, slip_rate, normal_load, acceleration = 0, load_rate = 0;
   double direction = double((slip_rate > 0) - (slip_rate < 0));
-  double slip_rate_at(double t) const { return slip_rate + (t - begin) * acceleration; }
+  double jerk = 0;
+  bool rests = false;
+  double slip_rate_at(double t) const { return slip_rate + (t - begin) * (acceleration + (t - begin) * jerk / 2); }
+  double acceleration_at(double t) const { return acceleration + (t - begin) * jerk; }
   double normal_load_at(double t) const { return normal_load + (t - begin) * load_rate; }
+  /// m, from its begin on.
+  double way_to(double t) const {
+    const double span = t - begin;
+    return span * (slip_rate + span * (acceleration / 2 + span * jerk / 6));
+  }
+};
+
+/// How the static limit of a law that sticks changes with a number of its model.
+class LimitSlope {
+ public:
+  LimitSlope(const Model& model, const std::string& path) : law_(model.law), changed_(model.law) {
+    if (!law_->set_valued()) return;
+    constexpr double small = 1e-6;
+    for (const double part : {small, -small}) try {
+        step_ = part * model.get(path);
+        changed_ = model.with(path, model.get(path) + step_).law;
+        return;
+      } catch (const InputError&) {  // the law's end of that number
+      }
+  }
+  double at(double normal_load) const {
+    if (law_ == changed_ || step_ == 0) return 0;
+    return (changed_->static_limit(normal_load) - law_->static_limit(normal_load)) / step_;
+  }
+
+ private:
+  std::shared_ptr<const FrictionLaw> law_, changed_;
+  double step_ = 0;
 };
 
 /// A contact under an imposed motion and load as a system, and what numbers of the model do to it. Lists of slopes S
 /// are unknowns × numbers, row-major.
 class ImposedContact final : public System {
  public:
-  /// \param model,contact,slopes kept by reference.
+  /// \param model,contact,slopes,limit_slopes kept by reference.
   /// \param motion in the order of time; the first lasts from ever.
   /// \param typical the slip rate in whose steady sliding errors are measured.
   ImposedContact(const Model& model, const Contact<double>& contact, const std::vector<response::ContactSlopes>& slopes,
-                 std::vector<Stretch> motion, double typical)
-      : motion_(std::move(motion)), model_(model), contact_(&contact), slopes_(slopes) {
+                 const std::vector<LimitSlope>& limit_slopes, std::vector<Stretch> motion, double typical)
+      : motion_(std::move(motion)),
+        typical_(typical),
+        model_(model),
+        contact_(&contact),
+        slopes_(slopes),
+        limit_slopes_(limit_slopes) {
     contact_->mass(motion_.front().normal_load, mass_);
     double z[most];
     contact_->steady(0, along(typical), motion_.front().normal_load, z, scale_);
@@ -47,7 +86,10 @@ class ImposedContact final : public System {
   }
 
   int size() const override { return contact_->unknowns(); }
-  bool autonomous() const override { return motion_.size() == 1 && at(0).acceleration == 0 && at(0).load_rate == 0; }
+  bool autonomous() const override {
+    const auto& only = motion_.front();
+    return motion_.size() == 1 && only.acceleration == 0 && only.jerk == 0 && only.load_rate == 0;
+  }
   void mass(double, double* m) const override {
     for (int i = 0; i < size(); ++i) m[i] = algebraic(i) ? 0 : 1;
   }
@@ -83,13 +125,15 @@ class ImposedContact final : public System {
     const auto& after = *(next - 1);
     if (next - 1 == motion_.begin()) return false;
     const auto& before = *(next - 2);
-    return before.slip_rate_at(t) != after.slip_rate || before.normal_load_at(t) != after.normal_load;
+    constexpr double rounding = 1e-12;
+    return std::abs(before.slip_rate_at(t) - after.slip_rate) > rounding * std::abs(typical_) ||
+           std::abs(before.normal_load_at(t) - after.normal_load) > rounding * after.normal_load;
   }
   Stretch at(double t) const {
     const auto next = following(t);
     if (next != motion_.begin()) return *(next - 1);
     auto first = motion_.front();  // as it begins, so it was
-    first.acceleration = first.load_rate = 0;
+    first.acceleration = first.jerk = first.load_rate = 0;
     return first;
   }
   std::size_t stretches() const { return motion_.size(); }
@@ -140,6 +184,7 @@ class ImposedContact final : public System {
     const int n = size();
     const auto in = input(t);
     const auto stretch = at(t);
+    const double acceleration = stretch.acceleration_at(t);
     Slopes<double> slopes;
     double f[most], M[most], rate[most] = {}, F;
     contact_->linearise(in, z, f, F, slopes);
@@ -148,11 +193,11 @@ class ImposedContact final : public System {
       if (!algebraic(i)) rate[i] = f[i] / M[i];
     for (int i = 0; i < n; ++i) {
       if (!algebraic(i)) continue;
-      rate[i] = -(slopes.g_u[i] * stretch.acceleration + slopes.g_N[i] * stretch.load_rate) / slopes.g_z[i * n + i];
+      rate[i] = -(slopes.g_u[i] * acceleration + slopes.g_N[i] * stretch.load_rate) / slopes.g_z[i * n + i];
       for (int j = 0; j < n; ++j)
         if (j != i) rate[i] -= slopes.g_z[i * n + j] * rate[j] / slopes.g_z[i * n + i];
     }
-    double sum = slopes.F_u * stretch.acceleration + slopes.F_N * stretch.load_rate;
+    double sum = slopes.F_u * acceleration + slopes.F_N * stretch.load_rate;
     for (int i = 0; i < n; ++i) sum += slopes.F_z[i] * rate[i];
     return sum;
   }
@@ -161,16 +206,18 @@ class ImposedContact final : public System {
     contact_->evaluate(input(t), z, g, F);
     return F;
   }
-  /// Adds friction at these unknowns and its slopes to the prediction, as the measurement's y: its k-th.
-  void read(const Measurement& m, std::size_t k, double t, const double* z, const std::vector<double>& S,
+  /// Adds friction at these unknowns and its slopes to the prediction, as the measurement's y.
+  void read(const Measurement& m, double t, const double* z, const std::vector<double>& S,
             Prediction& prediction) const {
     const auto in = input(t);
     const double unit = m.in_force ? 1 : in.normal_load;
-    if (model_.law->set_valued() && in.slip_rate == 0) {
-      // Friction at rest is what holds: any force up to the limit, the measured one as far as it lies within.
-      const double limit = model_.law->static_limit(in.normal_load) * in.normal_load / unit;
-      prediction.y.push_back(m.y.empty() ? 0 : std::clamp(m.y[k], -limit, limit));
-      for (int p = 0; p < numbers(); ++p) prediction.slopes[std::size_t(p)].push_back(0);
+    const bool bounded = model_.law->set_valued() && (in.slip_rate == 0 || at(t).rests);
+    prediction.bounded.push_back(bounded);
+    if (bounded) {
+      prediction.y.push_back(model_.law->static_limit(in.normal_load) * in.normal_load / unit);
+      for (int p = 0; p < numbers(); ++p)
+        prediction.slopes[std::size_t(p)].push_back(limit_slopes_[std::size_t(p)].at(in.normal_load) * in.normal_load /
+                                                    unit);
       if (m.terms.clock_offset) prediction.by_clock.push_back(0);
       return;
     }
@@ -219,9 +266,11 @@ class ImposedContact final : public System {
   double along(double slip_rate) const { return model_.law->set_valued() ? std::abs(slip_rate) : slip_rate; }
 
   std::vector<Stretch> motion_;
+  double typical_;  ///< slip rate, m/s
   const Model& model_;
   const Contact<double>* contact_;
   const std::vector<response::ContactSlopes>& slopes_;
+  const std::vector<LimitSlope>& limit_slopes_;
   double mass_[most] = {}, scale_[most] = {};
 };
 
@@ -339,27 +388,54 @@ Imposed steps_of(const Measurement& m, double clock_offset) {
   return imposed;
 }
 
+/// The times within a stretch of length `span`, counted from its begin, at which its slip rate passes through 0.
+std::vector<double> reversals(const Stretch& stretch, double span) {
+  std::vector<double> found;
+  const double u = stretch.slip_rate, a = stretch.acceleration, half_jerk = stretch.jerk / 2;
+  if (half_jerk == 0) {
+    if (a != 0) found = {-u / a};
+  } else if (const double square = a * a - 4 * half_jerk * u; square > 0) {
+    const double q = -(a + std::copysign(std::sqrt(square), a)) / 2;
+    found = {q / half_jerk, q == 0 ? 0 : u / q};
+    std::ranges::sort(found);
+  }
+  // One that a step cannot resolve from the ends, or two from each other, is none.
+  const double ulps = 64 * std::numeric_limits<double>::epsilon() * std::abs(stretch.begin + span);
+  const double least = std::max(1e-9 * span, ulps);
+  std::erase_if(found, [&](double wait) { return !(wait > least && span - wait > least); });
+  if (found.size() == 2 && found[1] - found[0] < least) found.clear();
+  return found;
+}
+
 Imposed record_of(const Measurement& m, double clock_offset) {
-  const auto& [time, slip_rate, load, held] = m.history;
+  const auto& history = m.history;
+  const auto &time = history.time, &load = history.normal_load;
   Imposed imposed;
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    const double N = load[i];
-    if (i + 1 == time.size()) {
-      imposed.motion.push_back({time[i], slip_rate[i], N});
-      break;
-    }
-    const double span = time[i + 1] - time[i], load_rate = (load[i + 1] - N) / span;
-    const double u = slip_rate[i], next = held ? u : slip_rate[i + 1], acceleration = (next - u) / span;
-    const auto sign = [](double x) { return double((x > 0) - (x < 0)); };
+  for (std::size_t i = 0; i + 1 < time.size(); ++i) {
+    const double span = time[i + 1] - time[i], u = history.slip_rate[i], next = history.before(i + 1);
+    const auto& way = history.recorded.displacement;
+    const double mean = way.empty() ? (u + next) / 2 : (way[i + 1] - way[i]) / span;
+    Stretch stretch{time[i], u, load[i], 0, (load[i + 1] - load[i]) / span};
+    stretch.rests = history.rests(i);
+    stretch.jerk = 6 * (u + next - 2 * mean) / (span * span);
+    stretch.acceleration = (next - u) / span - stretch.jerk * span / 2;
     // Laws have a corner where slip reverses: a stretch ends there.
-    const bool reverses = u * next < 0;
-    imposed.motion.push_back({time[i], u, N, acceleration, load_rate, u != 0 ? sign(u) : sign(next)});
-    if (reverses) {
-      const double wait = u / (u - next) * span;
-      if (wait > 0 && wait < span && time[i] + wait > time[i] && time[i] + wait < time[i + 1])
-        imposed.motion.push_back({time[i] + wait, 0, N + wait * load_rate, acceleration, load_rate, sign(next)});
+    auto ends = reversals(stretch, span);
+    ends.push_back(span);
+    const auto whole = stretch;
+    double from = 0;
+    for (const double to : ends) {
+      const double middle = whole.slip_rate_at(time[i] + (from + to) / 2);
+      stretch.direction = double((middle > 0) - (middle < 0));
+      imposed.motion.push_back(stretch);
+      const double at = time[i] + to;
+      stretch = {at,         0,          whole.normal_load_at(at), whole.acceleration_at(at), whole.load_rate, 0,
+                 whole.jerk, whole.rests};
+      from = to;
     }
   }
+  imposed.motion.push_back({time.back(), history.slip_rate.back(), load.back()});
+  imposed.motion.back().rests = history.rests(time.size() - 1);
   for (const double x : m.x) imposed.times.push_back(x - clock_offset);
   return imposed;
 }
@@ -374,12 +450,12 @@ void follow(const ImposedContact& contact, const std::vector<double>& times, con
   for (std::size_t k = 0; k < times.size(); ++k) {
     const double time = times[k];
     if (time < begin || contact.size() == 0) {
-      contact.read(m, k, time, start.data(), S, prediction);
+      contact.read(m, time, start.data(), S, prediction);
       continue;
     }
     if (!motion) motion.emplace(contact, m.name, begin, start, S);
     motion->to(time);
-    contact.read(m, k, motion->time(), motion->state().data(), motion->slopes(), prediction);
+    contact.read(m, motion->time(), motion->state().data(), motion->slopes(), prediction);
   }
   if (motion) prediction.steps += motion->steps();
 }
@@ -390,19 +466,19 @@ void follow_holds(const ImposedContact& resting, const ImposedContact& sliding, 
   std::vector<double> S;
   const auto start = sliding.before(S);
   if (resting.size() == 0) {
-    for (std::size_t k = 0; k < m.x.size(); ++k) sliding.read(m, k, 0, start.data(), S, prediction);
+    for (std::size_t k = 0; k < m.x.size(); ++k) sliding.read(m, 0, start.data(), S, prediction);
     return;
   }
   ImposedMotion motion(resting, m.name, 0, start, S);
   for (std::size_t k = 0; k < m.x.size(); ++k) {
     motion.to(m.x[k]);
     if (!reload) {
-      sliding.read(m, k, 0, motion.state().data(), motion.slopes(), prediction);
+      sliding.read(m, 0, motion.state().data(), motion.slopes(), prediction);
       continue;
     }
     ImposedMotion again(sliding, m.name, 0, motion.state(), motion.slopes());
     again.to_peak();
-    sliding.read(m, k, again.time(), again.state().data(), again.slopes(), prediction);
+    sliding.read(m, again.time(), again.state().data(), again.slopes(), prediction);
     prediction.steps += again.steps();
   }
   prediction.steps += motion.steps();
@@ -410,7 +486,7 @@ void follow_holds(const ImposedContact& resting, const ImposedContact& sliding, 
 
 void refuse_remembered_rest(const Model& model, const Measurement& m, const std::vector<Stretch>& motion) {
   if (!model.law->set_valued() || !model.law->has_states()) return;
-  const auto rests = [&](const Stretch& s) { return s.slip_rate == 0; };
+  const auto rests = [](const Stretch& s) { return s.slip_rate == 0 || s.rests; };
   if (std::ranges::any_of(motion, rests))
     throw InputError(
         fmt::format("{}: law '{}' sticks and remembers; its friction is followed under a recorded slip rate as long as "
@@ -419,6 +495,46 @@ void refuse_remembered_rest(const Model& model, const Measurement& m, const std:
 }
 
 }  // namespace
+
+Measurement::History Measurement::History::again(std::uint64_t seed) const {
+  auto history = *this;
+  if (slip_rate_noise == 0) {
+    history.recorded = recorded_again(time, recorded, seed);
+    history.slip_rate = history.recorded.after;
+    return history;
+  }
+  auto normal = white_noise(time.size(), seed);
+  // At rest a sensor reads nothing but its noise, and how its neighbours are correlated.
+  const double noise = rest.found ? rest.noise : slip_rate_noise;
+  double square = 0, product = 0;
+  for (std::size_t i = 0; rest.found && i + 1 < time.size(); ++i)
+    if (rests(i) && rests(i + 1) && std::abs(slip_rate[i]) <= rest.below && std::abs(slip_rate[i + 1]) <= rest.below)
+      square += slip_rate[i] * slip_rate[i], product += slip_rate[i] * slip_rate[i + 1];
+  const double correlation = square > 0 ? std::clamp(product / square, -0.95, 0.95) : 0;
+  for (std::size_t i = 1; i < normal.size(); ++i)
+    normal[i] = correlation * normal[i - 1] + std::sqrt(1 - correlation * correlation) * normal[i];
+  double moved = 0;
+  const auto off = [&](std::size_t i) { return slip_rate[i] != 0 ? noise * normal[i] : 0; };
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    history.slip_rate[i] += off(i);
+    history.recorded.before[i] += off(i);
+    if (i > 0) moved += (off(i - 1) + off(i)) / 2 * (time[i] - time[i - 1]);
+    history.recorded.displacement[i] += moved;
+  }
+  return history;
+}
+
+Measurement::History Measurement::History::across(bool as_behind) const {
+  auto history = *this;
+  auto& way = history.recorded.displacement;
+  for (const auto i : gaps) {
+    const double span = time[i + 1] - time[i], mean = (recorded.displacement[i + 1] - recorded.displacement[i]) / span;
+    const double rate = slip_rate_noise == 0 ? mean : as_behind ? before(i + 1) : slip_rate[i];
+    history.slip_rate[i] = history.recorded.before[i + 1] = rate;
+    for (std::size_t k = i + 1; k < way.size(); ++k) way[k] += (rate - mean) * span;
+  }
+  return history;
+}
 
 Prediction predict(const Model& given, const Measurement& m, const std::vector<std::string>& paths,
                    double clock_offset) {
@@ -457,9 +573,10 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
     const auto setup = response::imposed_contact_setup(model);
     const auto contact = model.law->contact(setup);
     std::vector<response::ContactSlopes> slopes;
-    for (const auto& path : own) slopes.emplace_back(model, setup, path);
+    std::vector<LimitSlope> limit_slopes;
+    for (const auto& path : own) slopes.emplace_back(model, setup, path), limit_slopes.emplace_back(model, path);
     const auto under = [&](std::vector<Stretch> motion, double typical) {
-      return ImposedContact(model, *contact, slopes, std::move(motion), typical);
+      return ImposedContact(model, *contact, slopes, limit_slopes, std::move(motion), typical);
     };
     const auto held = [&](double slip_rate, double typical) { return under({{0, slip_rate, m.normal_load}}, typical); };
     if (m.kind == Kind::steady_curve) {
@@ -467,7 +584,7 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
         const auto sliding = held(m.x[k], m.x[k]);
         std::vector<double> S;
         const auto z = sliding.before(S);
-        sliding.read(m, k, 0, z.data(), S, found);
+        sliding.read(m, 0, z.data(), S, found);
       }
     } else if (m.kind == Kind::velocity_step) {
       auto imposed = steps_of(m, clock_offset);
@@ -481,7 +598,7 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
       follow_holds(held(0, m.slip_rate), sliding, m, reload, found);
     }
   }
-  Prediction prediction{std::move(found.y), {}, std::move(found.by_clock), found.steps};
+  Prediction prediction{std::move(found.y), {}, std::move(found.by_clock), std::move(found.bounded), found.steps};
   for (const auto& path : paths) {
     const auto at = std::ranges::find(own, path);
     prediction.slopes.push_back(at == own.end() ? std::vector<double>(prediction.y.size(), 0.0)
@@ -491,29 +608,44 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
 }
 
 namespace {
+Imposed imposed_by(const Measurement& m) {
+  return m.kind == Measurement::Kind::record ? record_of(m, 0) : steps_of(m, 0);
+}
+/// What an imposed motion has at each time, of the stretch that it lies in.
+template <class Ask>
+std::vector<double> at_each(const Imposed& imposed, Ask ask) {
+  const auto& motion = imposed.motion;
+  std::vector<double> values;
+  for (const double t : imposed.times) {
+    const auto next = std::upper_bound(motion.begin() + 1, motion.end(), t,
+                                       [](double time, const Stretch& stretch) { return time < stretch.begin; });
+    values.push_back(ask(std::size_t(next - motion.begin()) - 1, t));
+  }
+  return values;
+}
 /// m that were imposed up to each time, from the begin of the second stretch of a step, or of a record.
 std::vector<double> way_of(const Imposed& imposed) {
   const auto& motion = imposed.motion;
   std::vector<double> before = {0};  // each stretch
-  for (std::size_t i = 0; i + 1 < motion.size(); ++i) {
-    const double span = motion[i + 1].begin - motion[i].begin;
-    before.push_back(before.back() + span * (motion[i].slip_rate + motion[i].acceleration * span / 2));
-  }
-  std::vector<double> way;
-  for (const double t : imposed.times) {
-    const auto next = std::upper_bound(motion.begin() + 1, motion.end(), t,
-                                       [](double time, const Stretch& stretch) { return time < stretch.begin; });
-    const auto i = std::size_t(next - motion.begin()) - 1;
-    const double span = t - motion[i].begin;
-    way.push_back(before[i] + span * (motion[i].slip_rate + motion[i].acceleration * span / 2));
-  }
-  return way;
+  for (std::size_t i = 0; i + 1 < motion.size(); ++i)
+    before.push_back(before.back() + motion[i].way_to(motion[i + 1].begin));
+  return at_each(imposed, [&](std::size_t i, double t) { return before[i] + motion[i].way_to(t); });
 }
 }  // namespace
 
 std::vector<double> imposed_displacement(const Measurement& m) {
   if (!m.series()) return {};
-  return way_of(m.kind == Measurement::Kind::record ? record_of(m, 0) : steps_of(m, 0));
+  return way_of(imposed_by(m));
+}
+
+std::vector<double> imposed_slip_rate(const Measurement& m) {
+  const auto imposed = imposed_by(m);
+  return at_each(imposed, [&](std::size_t i, double t) { return imposed.motion[i].slip_rate_at(t); });
+}
+
+std::vector<double> imposed_normal_load(const Measurement& m) {
+  const auto imposed = imposed_by(m);
+  return at_each(imposed, [&](std::size_t i, double t) { return imposed.motion[i].normal_load_at(t); });
 }
 
 std::vector<double> trend_abscissa(const Measurement& m) {

@@ -2,9 +2,12 @@
 /// velocity steps, holds, events of stick–slip, and friction recorded while the slip rate or the load point moves in
 /// any way.
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "analysis/inference/recorded_motion.hpp"
+#include "analysis/inference/rest.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::analysis::inference {
@@ -37,11 +40,24 @@ struct Measurement {
   Over over = Over::time;
   double step_at = 0;            ///< of a velocity step, s or m
   std::vector<Step> later = {};  ///< further steps, in their order
-  /// The motion of a record: slip rate and load at these times, with straight lines between them. `held`: each slip
-  /// rate lasts until the next time, as of a displacement with straight lines. A record of displacement is that.
+  /// The motion of a record: slip rate just behind each of these times, and load, with straight lines between them.
   struct History {
     std::vector<double> time, slip_rate, normal_load;
-    bool held = false;
+    /// Of a smooth record: between two times the slip rate is the parabola that has its ends and its mean.
+    RecordedMotion recorded = {};
+    double slip_rate_noise = 0;          ///< m/s, where the slip rate was recorded, and not displacement
+    std::vector<std::size_t> gaps = {};  ///< times behind which rows are missing
+    Rest rest = {};  ///< its states one for each time, or none: at rest is then where the slip rate is 0
+
+    bool rests(std::size_t i) const { return !rest.state.empty() && rest.state[i]; }
+    bool smooth() const { return !recorded.displacement.empty(); }
+    /// Slip rate just before a time.
+    double before(std::size_t i) const { return smooth() ? recorded.before[i] : slip_rate[i]; }
+    /// Of a smooth record: with another draw of the errors of what was recorded.
+    History again(std::uint64_t seed) const;
+    /// With another motion while rows are missing: at the slip rate before, or that behind; at the mean one where
+    /// displacement was recorded.
+    History across(bool as_behind) const;
   };
   History history = {};
   bool in_force = false;  ///< y of a record in N
@@ -74,7 +90,10 @@ struct Prediction {
   std::vector<double> y;
   std::vector<std::vector<double>> slopes;  ///< by number, then by y
   std::vector<double> by_clock = {};        ///< ∂y/∂(clock offset), where the measurement has that term
-  long steps = 0;                           ///< of the motion
+  /// True of each point at rest under a law that sticks: friction is then any up to a limit either way, and y the
+  /// limit.
+  std::vector<char> bounded = {};
+  long steps = 0;  ///< of the motion
 };
 
 /// What a model says to a measurement's x, as its y, with slopes by the numbers at `paths`: exact for responses and
@@ -86,6 +105,10 @@ Prediction predict(const Model&, const Measurement&, const std::vector<std::stri
 
 /// Of a step or a record at each x: m that were imposed since the first step or the begin; empty for others.
 std::vector<double> imposed_displacement(const Measurement&);
+
+/// Of a step or a record at each x: the slip rate and the load that are imposed, m/s and N.
+std::vector<double> imposed_slip_rate(const Measurement&);
+std::vector<double> imposed_normal_load(const Measurement&);
 
 /// What a trend is multiplied by at each x: s since the first step or the begin of the record, or m of displacement.
 std::vector<double> trend_abscissa(const Measurement&);

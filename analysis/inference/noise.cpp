@@ -12,11 +12,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-void whiten(std::span<double> values, std::size_t columns, double correlation) {
+void whiten(std::span<double> values, std::size_t columns, double correlation, std::span<const char> apart) {
   if (correlation == 0) return;
   const double rest = std::sqrt(1 - correlation * correlation);
   for (std::size_t i = values.size(); i-- > columns;)
-    values[i] = (values[i] - correlation * values[i - columns]) / rest;
+    if (const auto row = i / columns; apart.empty() || !(apart[row] || apart[row - 1]))
+      values[i] = (values[i] - correlation * values[i - columns]) / rest;
 }
 
 Neighbours neighbours(std::span<const double> r) {
@@ -47,31 +48,40 @@ double roughness(std::span<const double> y) {
 
 namespace {
 
-/// Σ over a whitened series of products of its columns, as it depends on the correlation ρ:
-/// first + (ends − ρ lagged + ρ² begins)/(1 − ρ²).
+/// Σ over whitened series of products of their columns, as it depends on the correlation ρ:
+/// begins + (ends − ρ lagged + ρ² before)/(1 − ρ²).
 struct Products {
   explicit Products(const Leftover& part) {
     const auto n = Index(part.residual.size()), p = Index(part.slopes.size()) / n;
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     MatrixXd all(n, p + 1);
     all << Eigen::Map<const Rows>(part.slopes.data(), n, p), Eigen::Map<const VectorXd>(part.residual.data(), n);
-    const auto end = all.bottomRows(n - 1), begin = all.topRows(n - 1);
-    first = all.row(0).transpose() * all.row(0);
+    const auto apart = [&](Index k) { return k < 0 || (!part.apart.empty() && part.apart[std::size_t(k)]); };
+    std::vector<Index> first, later, last;  // of series, and in them each and its predecessor
+    for (Index k = 0; k < n; ++k)
+      if (!apart(k) && apart(k - 1))
+        first.push_back(k);
+      else if (!apart(k))
+        later.push_back(k), last.push_back(k - 1);
+    points = double(first.size() + later.size()), pairs = double(later.size());
+    const MatrixXd end = all(later, Eigen::all), begin = all(last, Eigen::all);
+    begins = all(first, Eigen::all).transpose() * all(first, Eigen::all);
     ends = end.transpose() * end;
-    begins = begin.transpose() * begin;
+    before = begin.transpose() * begin;
     lagged = end.transpose() * begin + begin.transpose() * end;
   }
   MatrixXd at(SeriesNoise noise) const {
     const double rho = noise.correlation;
-    return (first + (ends - rho * lagged + rho * rho * begins) / (1 - rho * rho)) / (noise.size * noise.size);
+    return (begins + (ends - rho * lagged + rho * rho * before) / (1 - rho * rho)) / (noise.size * noise.size);
   }
-  MatrixXd first, ends, begins, lagged;
+  double points = 0, pairs = 0;
+  MatrixXd begins, ends, before, lagged;
 };
 
 /// What all series say together at given noise.
 struct Together {
   explicit Together(const std::vector<Products>& products, const std::vector<Leftover>& parts) {
-    const Index p = products.front().first.rows() - 1;
+    const Index p = products.front().ends.rows() - 1;
     information = MatrixXd::Zero(p, p);
     VectorXd gradient = VectorXd::Zero(p);
     for (std::size_t m = 0; m < parts.size(); ++m) {
@@ -116,7 +126,7 @@ void find_noise(std::vector<Leftover>& parts) {
     for (std::size_t m = 0; m < parts.size(); ++m) {
       auto& noise = parts[m].noise;
       if (!parts[m].unknown) continue;
-      const double n = double(parts[m].residual.size());
+      const double n = products[m].points;
       const double least = noise.size * 1e-9;
       // The size at a correlation: squares over the numbers that the variables have not taken up.
       const auto size_at = [&](double rho) {
@@ -134,7 +144,7 @@ void find_noise(std::vector<Leftover>& parts) {
         noise.size = before.size;
         size_at(rho);
         const Together all(products, parts);
-        double sum = all.log_determinant + 2 * n * std::log(noise.size) + (n - 1) * std::log(1 - rho * rho);
+        double sum = all.log_determinant + 2 * n * std::log(noise.size) + products[m].pairs * std::log(1 - rho * rho);
         for (std::size_t k = 0; k < parts.size(); ++k) sum += all.square(products[k], parts[k].noise);
         return sum;
       };

@@ -14,7 +14,8 @@ struct SeriesNoise {
 
 /// Rows of values, a row a point: makes of each what its predecessor does not foretell, at the same size, so that rows
 /// of correlated noise become independent.
-void whiten(std::span<double> values, std::size_t columns, double correlation);
+/// \param apart true for each point that belongs to no series: it stays, and with the next one a series begins.
+void whiten(std::span<double> values, std::size_t columns, double correlation, std::span<const char> apart = {});
 
 /// How neighbouring residuals hang together.
 struct Neighbours {
@@ -31,8 +32,9 @@ double roughness(std::span<const double> y);
 struct Leftover {
   std::vector<double> residual, slopes;
   SeriesNoise noise;
-  bool unknown = false;  ///< `noise` is to be found, else it stands
-  bool series = false;   ///< neighbours may be correlated
+  bool unknown = false;          ///< `noise` is to be found, else it stands
+  bool series = false;           ///< neighbours may be correlated
+  std::vector<char> apart = {};  ///< points that tell nothing of the noise, as in `whiten`
 };
 /// Finds the noise that is unknown, as it maximises the restricted likelihood: that of what no change of the variables
 /// could take up, so that their number makes noise seem neither smaller nor less correlated than it is (Patterson &

@@ -96,24 +96,4 @@ Prediction predict_stick_slip(const Model& given, const Measurement& m, const st
   return prediction;
 }
 
-std::vector<ForceDrop> force_drops(const std::vector<double>& time, const std::vector<double>& force, double least) {
-  enum class Trend { unknown, rises, falls } trend = Trend::unknown;
-  std::vector<ForceDrop> drops;
-  std::size_t high = 0, low = 0;
-  bool whole = false;  // the fall that goes on began within the record
-  for (std::size_t i = 1; i < force.size(); ++i) {
-    if (trend != Trend::falls && force[i] > force[high]) high = i;
-    if (trend != Trend::rises && force[i] < force[low]) low = i;
-    if (trend != Trend::falls && force[i] < force[high] - least) {
-      whole = trend == Trend::rises;
-      trend = Trend::falls, low = i;
-    } else if (trend != Trend::rises && force[i] > force[low] + least) {
-      if (trend == Trend::falls && whole)
-        drops.push_back({time[high], time[low] - time[high], force[high] - force[low]});
-      trend = Trend::rises, high = i;
-    }
-  }
-  return drops;
-}
-
 }  // namespace rosin::analysis::inference

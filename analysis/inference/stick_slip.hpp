@@ -10,13 +10,4 @@ namespace rosin::analysis::inference {
 /// \throws InputError where the slider does not stick and slip.
 Prediction predict_stick_slip(const Model&, const Measurement&, const std::vector<std::string>& paths);
 
-/// A slip event in a record of force.
-struct ForceDrop {
-  double onset, duration;  ///< s, of the highest sample before and from there to the lowest behind
-  double size;             ///< N
-};
-/// The events of a record (s, N): force falls by more than `least`, before and behind which it rises by as much. Those
-/// that the record begins or ends with are left out. Noise of σ makes a drop larger, by some σ where samples are dense.
-std::vector<ForceDrop> force_drops(const std::vector<double>& time, const std::vector<double>& force, double least);
-
 }  // namespace rosin::analysis::inference

@@ -67,6 +67,7 @@ struct Panel {
   std::string x_label, x_unit, y_label, y_unit;
   bool x_decades = false, y_decades = false;
   std::vector<Curve> curves;
+  double y_error = 0;  ///< values that nowhere exceed it are drawn as 0
 };
 
 /// What an experiment returns.

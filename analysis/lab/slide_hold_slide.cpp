@@ -188,8 +188,19 @@ Result perform(const Task& task) {
                     .y_label = "peak above sliding Δμ",
                     .y_unit = "1",
                     .x_decades = true,
-                    .curves = {{"peaks", hold_times, peaks.rise, true}}}};
-  if (std::isfinite(line.slope)) result.panels[1].curves.push_back(std::move(fit));
+                    .curves = {{"peaks", hold_times, peaks.rise, true}},
+                    .y_error = result.reading("last_rise").error}};
+  const bool heals =
+      std::ranges::any_of(peaks.rise, [&](double rise) { return std::abs(rise) > result.panels[1].y_error; });
+  if (!heals)
+    result.warnings.push_back(fmt::format(
+        "no healing: no peak stands above sliding by more than its error, {:.0e}{}", result.panels[1].y_error,
+        rigid_machine(model)
+            ? fmt::format("; on a rigid machine the law '{}' does not strengthen at rest: give [oscillator] mass = 0 "
+                          "and the machine's stiffness",
+                          model.law->card().name)
+            : ""));
+  if (heals && std::isfinite(line.slope)) result.panels[1].curves.push_back(std::move(fit));
   return result;
 }
 

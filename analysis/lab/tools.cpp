@@ -9,6 +9,7 @@
 #include "analysis/steady/curve.hpp"
 #include "analysis/steady/stability.hpp"
 #include "core/random.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::analysis::lab {
 
@@ -85,6 +86,7 @@ void record_run(Result& result, const Task& task, const Model& model, const moti
   options.tolerance = task.tolerance;
   const auto record = [&] {
     auto run = analysis::motion::run(model, options);
+    end_if_stopped();  // a part of a protocol has no readings
     result.outcome = run.outcome;
     result.events = std::move(run.events);
     result.record = {std::move(run.time),

@@ -36,13 +36,13 @@ struct DrivenMotion {
     double displacement, slip_rate;
     ContactMode contact;
   };
-  std::vector<Moment> moments;  ///< at the end of each period that is recorded
+  std::vector<Moment> moments = {};  ///< at the end of each period that is recorded
   struct Growth {
     double logarithm;      ///< of what a disturbance has grown by in a period of the force
     double along, across;  ///< its displacement and slip rate at the end, in sizes of the motion: a unit vector
   };
-  std::vector<Growth> growth;  ///< in each period that is recorded, if asked
-  std::string why;             ///< the motion could not be followed to its end; else empty
+  std::vector<Growth> growth = {};  ///< in each period that is recorded, if asked
+  std::string why = {};             ///< the motion could not be followed to its end; else empty
 };
 
 /// Follows motions 32 at a time; a lane that has finished one takes the next. Slip by an explicit method of order 8,

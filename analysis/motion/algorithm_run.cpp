@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/motion/motion_record.hpp"
+
 namespace rosin::analysis::motion {
 
 namespace algorithms = solvers::force_algorithms;
@@ -61,35 +63,38 @@ void run_algorithm(const Model& model, const DryOscillator& oscillator, const Ru
   const algorithms::Forcing<1> forcing(mass, step, static_cast<std::size_t>(steps));
   const auto track = algorithms::follow<1>(result.solver, mass, forcing, options.algorithm, {y[0]}, {v0});
 
-  solvers::stick_slip::Exact<double> exact(oscillator);
-  exact.start(0, y[0], v0);
-  result.columns.resize(5);
-  result.column_error.assign(5, 0.0);
-  for (const double t : times) {
+  const auto row = [&](double t, double* to) {
     const auto [x, v, F] = between(track, t);
-    const double N = oscillator.load.value(t);
-    const double values[] = {x, v, V - v, F, N > 0 ? F / N : 0};
-    while (exact.time() < t) exact.advance(end);
-    if (t == 0) exact.advance(end);
-    const auto seen = exact.at(t);
-    const double truth[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
-                            N > 0 ? seen.friction_force / N : 0};
-    for (int c = 0; c < 5; ++c) {
-      result.columns[c].push_back(values[c]);
-      result.column_error[c] = std::max(result.column_error[c], std::abs(values[c] - truth[c]));
-    }
-  }
-
+    const double N = oscillator.load.value(t), values[] = {x, v, V - v, F, N > 0 ? F / N : 0};
+    std::ranges::copy(values, to);
+  };
+  MotionRecord record(5, 0, times, {slip_columns(model, 0)});
   const auto& points = track.points;
-  for (std::size_t n = 1; n < points.size(); ++n) {
+  for (std::size_t n = 1; n < points.size() && points[n - 1].time < end; ++n) {
     const auto &before = points[n - 1], &now = points[n];
     const bool stuck = before.state == State::stick, sticks = now.state == State::stick;
+    record.step(before.time, std::min(now.time, end), {}, row);
     if (now.time > end) break;
-    if (stuck != sticks)
+    if (stuck != sticks) {
+      record.switched(0, stuck);
       result.events.push_back({now.time, sticks ? "stick" : "slip", now.x[0]});
-    else if (!sticks && (before.v[0] - V) * (now.v[0] - V) < 0)
+    } else if (!sticks && (before.v[0] - V) * (now.v[0] - V) < 0) {
       result.events.push_back({now.time, "reversal", now.x[0]});
+    }
   }
+  record.rest(end, true, row);
+
+  Run exact;
+  exact.column_names = result.column_names;
+  run_exactly(model, oscillator, options, times, exact);
+  for (std::size_t c = 0; c < 5; ++c) {
+    result.column_error.push_back(largest_difference(exact.columns[c], record.columns()[c]));
+    result.columns.push_back(record.columns()[c]);
+  }
+  state_what_is_seen(record, nullptr, std::vector<ErrorRule>(5), result);
+  for (auto& [name, error] : result.metric_error)
+    error = std::abs(result.metrics.at(name) - exact.metrics.at(name)) + exact.metric_error.at(name);
+
   double stick_time = 0, work = 0, most_back_steps = 0, false_starts = 0;
   for (std::size_t n = 1; n < points.size(); ++n) {
     const double h = points[n].time - points[n - 1].time;

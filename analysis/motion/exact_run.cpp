@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "analysis/motion/motion_record.hpp"
 #include "core/stop.hpp"
 
 namespace rosin::analysis::motion {
@@ -39,24 +40,30 @@ constexpr int velocity = 1, slip_rate = 2;
 
 template <class Real>
 struct Pass {
-  std::array<std::vector<Real>, columns> samples;
-  std::vector<Real> event_times;
+  MotionRecord record;
+  std::vector<RunEvent> events;
+  bool extremes_of_samples = false;  ///< of a part of the motion that has too many oscillations
   Outcome outcome;
 
   Pass(Exact<Real>& solver, const RunOptions& options, const std::vector<double>& times, std::array<double, 2> start,
-       std::vector<RunEvent>* events) {
-    const double end = std::max(options.duration, times.back());
-    std::size_t next = 0;
-    const auto sample_until = [&](Real t, bool closed) {
-      for (; next < times.size() && (times[next] < t || (closed && times[next] == t)); ++next) {
-        if (Listening::stop_asked()) return;
-        const auto seen = solver.at(times[next]);
-        const Real values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
-                               seen.load > 0 ? seen.friction_force / seen.load : 0};
-        for (int c = 0; c < columns; ++c) samples[c].push_back(values[c]);
-      }
+       const SlipColumns& slips)
+      : record(columns, 0, times, {slips}) {
+    try {
+      follow(solver, options, std::max(options.duration, times.back()), start);
+    } catch (const Stopped&) {
+      outcome = {Ending::interrupted, fmt::format("{} of {} samples are kept", record.samples(), times.size())};
+    }
+  }
+
+ private:
+  void follow(Exact<Real>& solver, const RunOptions& options, double end, std::array<double, 2> start) {
+    const auto row = [&](double t, double* to) {
+      const auto seen = solver.at(std::clamp(Real(t), solver.time_before(), solver.time()));
+      const Real values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
+                             seen.load > 0 ? seen.friction_force / seen.load : 0};
+      std::ranges::copy(values, to);
     };
-    constexpr double most_parts = 200'000;  // by which works take no longer than the motion itself may
+    long parts_left = most_parts;
     solver.audit(most_parts);
     solver.start(0, start[0], start[1]);
     for (long pieces = 0; solver.time() < end; ++pieces) {
@@ -65,25 +72,37 @@ struct Pass {
                    fmt::format("{} pieces at t = {:.9g} s", pieces, static_cast<double>(solver.time()))};
         return;
       }
-      if (Listening::stop_asked()) {
-        outcome = {Ending::interrupted, fmt::format("{} of {} samples are kept", next, times.size())};
-        return;
-      }
       const Switch what = solver.advance(end);
       const double displacement = double(solver.at(solver.time()).displacement);
       if (!std::isfinite(displacement)) {
         outcome = {Ending::not_finite, fmt::format("displacement at t = {:.9g} s", double(solver.time()))};
         return;
       }
-      sample_until(solver.time(), false);
+      record.step(double(solver.time_before()), double(solver.time()), inside(solver, parts_left), row);
       if (what == Switch::none) continue;
-      event_times.push_back(solver.time());
-      if (events) events->push_back({double(solver.time()), name(what), displacement});
+      if (what != Switch::reversal) record.switched(0, what == Switch::slip);
+      events.push_back({double(solver.time()), name(what), displacement});
     }
-    sample_until(end, true);
-    if (next < times.size())
-      outcome = {Ending::interrupted, fmt::format("{} of {} samples are kept", next, times.size())};
+    record.rest(end, true, row);
   }
+
+  /// Times within the last piece that resolve its fastest oscillation.
+  std::vector<double> inside(const Exact<Real>& solver, long& parts_left) {
+    constexpr double radians = 0.5;
+    const double from = double(solver.time_before()), to = double(solver.time()), rate = double(solver.fastest());
+    const double parts = std::ceil((to - from) * rate / radians) + 1;
+    std::vector<double> times;
+    if (!(parts < double(parts_left))) {
+      extremes_of_samples = true;
+      return times;
+    }
+    parts_left -= long(parts);
+    for (double k = 1; k < parts; ++k) times.push_back(std::lerp(from, to, k / parts));
+    return times;
+  }
+
+  static constexpr long most_parts =
+      200'000;  ///< by which extremes and works take no longer than the motion itself may
 };
 
 }  // namespace
@@ -100,38 +119,34 @@ void run_exactly(const Model& model, const DryOscillator& oscillator, const RunO
         fmt::format("a natural frequency of {:.3g} rad/s over {:.3g} s is beyond what the clock resolves; "
                     "at most {:.3g} s can be followed",
                     frequency, end, 1e13 / frequency));
+  const auto slips = slip_columns(model, 0);
   Exact<long double> fine_solver(oscillator);
-  const Pass<long double> fine(fine_solver, options, times, start, &result.events);
+  Pass<long double> fine(fine_solver, options, times, start, slips);
   Exact<double> coarse_solver(oscillator);
-  const Pass<double> coarse(coarse_solver, options, times, start, nullptr);
+  const Pass<double> coarse(coarse_solver, options, times, start, slips);
 
   result.outcome = fine.outcome;
   double worst = 0;
+  std::vector<ErrorRule> rules;
   for (int c = 0; c < columns; ++c) {
     // Velocity is the drive's speed less the slip rate, and may be nothing but rounding.
-    double size = c == velocity || c == slip_rate ? std::abs(oscillator.speed.level()) : 0, difference = 0;
-    std::vector<double> values(fine.samples[c].begin(), fine.samples[c].end());
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      size = std::max(size, std::abs(values[i]));
-      difference = i < coarse.samples[c].size()
-                       ? std::max(difference, std::abs(double(fine.samples[c][i] - coarse.samples[c][i])))
-                       : infinity;
-    }
-    const double error = difference + std::numeric_limits<double>::epsilon() * size;
+    const double least = c == velocity || c == slip_rate ? std::abs(oscillator.speed.level()) : 0;
+    const double size = std::max(least, fine.record.size(c));
+    rules.push_back({1, 0, std::numeric_limits<double>::epsilon() * size});
+    const double error =
+        rules.back().error(largest_difference(coarse.record.columns()[c], fine.record.columns()[c]), size);
     if (size > 0) worst = std::max(worst, error / size);
-    result.columns.push_back(std::move(values));
     result.column_error.push_back(error);
   }
+  state_what_is_seen(fine.record, &coarse.record, rules, result);
+  result.columns = fine.record.columns();
+  result.events = std::move(fine.events);
+  state_event_errors(result, coarse.events, {});
   if (result.outcome.complete() && worst > options.tolerance)
     result.outcome = {Ending::tolerance_not_met,
                       fmt::format("rounding changes the motion by {:.1e} of its size: events nearly coincide", worst)};
-  double time_error = fine.event_times.size() == coarse.event_times.size() ? 0 : infinity;
-  for (std::size_t i = 0; i < fine.event_times.size() && i < coarse.event_times.size(); ++i)
-    time_error = std::max(time_error, std::abs(double(fine.event_times[i] - coarse.event_times[i])));
-
   auto& metrics = result.metrics;
   const auto& works = fine_solver.works();
-  metrics["event_time_error"] = time_error;
   metrics["stick_time"] = double(fine_solver.stick_time());
   if (fine_solver.audits()) {
     metrics["friction_work"] = double(works.friction);
@@ -142,6 +157,9 @@ void run_exactly(const Model& model, const DryOscillator& oscillator, const RunO
   } else {
     result.remark = fmt::format("works are not summed up over so many swings; shorten run.duration, {:.3g} s", end);
   }
+  if (fine.extremes_of_samples)
+    result.remark += fmt::format("{}extremes are those of the samples, for so many swings are not looked through",
+                                 result.remark.empty() ? "" : "; ");
   if (std::isfinite(double(fine_solver.decision_margin())))
     metrics["decision_margin"] = double(fine_solver.decision_margin());
   if (fine_solver.chatter_events() > 0) {

@@ -30,14 +30,18 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
     armed_ = std::abs(section_value_) > on_it * section->scale;
   }
   for (bool begins = true; t < end; begins = false) {
+    const Modes until = modes_now();
     if (!(begins && stops_ ? start_on_stops(solver, t, y) : start(solver, t, y)))
       return counted({Ending::not_finite, fmt::format("at the start of a piece, t = {:.9g} s", t)});
+    if (!begins) note_changes(until, t, y);
     const double limit = std::min(end, system_.next_break(t));
     while (solver.time() < limit) {
       end_if_stopped();
       if (before.steps + solver.stepper().count().steps >= most_steps)
         return counted({Ending::budget_spent, fmt::format("{} steps at t = {:.9g} s", most_steps, solver.time())});
       Switch switched;
+      if (reversal_steps_ && solver.stepper().length() > 0)
+        solver.bound_step(reversal_steps_->longest(solver.stepper()));
       if (Outcome outcome = solver.step(std::min(limit, stops_ ? stops_->horizon(solver.time()) : infinity), switched);
           !outcome.complete())
         return counted(outcome);
@@ -68,22 +72,23 @@ Outcome Follower::follow(double t, std::vector<double>& y, double end, const Sec
   return counted({});
 }
 
-/// Across the last step, with what the parameter adds: ∂f/∂p − (∂M/∂p) ẏ by differences of the varied systems.
+/// Across the last step, with what the parameter adds: d(s f(s t))/dp − (∂M/∂p) ẏ by differences of the varied systems,
+/// where s is the period of the drive over that of the one that is followed.
 void Follower::propagate(Step& step) {
-  if (!varied_.larger) return step.propagate(*tangent_, columns_);
+  if (!varied_.larger.system) return step.propagate(*tangent_, columns_);
   const int n = system_.size();
   for (int c = 0; c < system_.contacts(); ++c)
-    varied_.larger->set_mode(c, system_.mode(c)), varied_.smaller->set_mode(c, system_.mode(c));
+    for (const auto& varied : {varied_.larger, varied_.smaller}) varied.system->set_mode(c, system_.mode(c));
   std::vector<double> rate(n), f(n), mass(n), by(n);
   step.propagate(*tangent_, columns_, [&](double t, const double* y, double* f_p) {
     system_.evaluate(t, y, rate.data());
     system_.mass(t, mass.data());
     for (int i = 0; i < n; ++i) rate[i] = mass[i] != 0 ? rate[i] / mass[i] : 0;
     for (const double sign : {1.0, -1.0}) {
-      const SwitchingSystem& varied = sign > 0 ? *varied_.larger : *varied_.smaller;
-      varied.evaluate(t, y, f.data());
-      varied.mass(t, mass.data());
-      for (int i = 0; i < n; ++i) by[i] = (sign > 0 ? 0 : by[i]) + sign * (f[i] - mass[i] * rate[i]);
+      const auto& [varied, period] = sign > 0 ? varied_.larger : varied_.smaller;
+      varied->evaluate(period * t, y, f.data());
+      varied->mass(period * t, mass.data());
+      for (int i = 0; i < n; ++i) by[i] = (sign > 0 ? 0 : by[i]) + sign * (period * f[i] - mass[i] * rate[i]);
     }
     std::fill_n(f_p, std::size_t(n) * columns_, 0.0);
     for (int i = 0; i < n; ++i) f_p[i * columns_ + columns_ - 1] = by[i] / (2 * varied_.step);
@@ -124,6 +129,18 @@ void Follower::note_contact(Switch what, int contact, double t, const std::vecto
                      .stop = -1,
                      .displacement = system_.displacement(contact, y.data()),
                      .speed = 0});
+}
+
+/// Where the drive jumps contacts may switch.
+void Follower::note_changes(const Modes& until, double t, const std::vector<double>& y) {
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const ContactMode before = until.contacts[c], now = system_.mode(c);
+    if (before == now) continue;
+    note_contact(now == ContactMode::stick      ? Switch::stick
+                 : before == ContactMode::stick ? Switch::slip
+                                                : Switch::reversal,
+                 c, t, y);
+  }
 }
 
 /// The start of a motion, which may be rest on stops.
@@ -384,10 +401,11 @@ void Follower::carry_across_switches(const StickSlip& solver) {
       if (const double moment = aside * system_.resolution(); std::isfinite(moment))
         rate += (margin(t + moment, y.data(), released) - margin(t - moment, y.data(), released)) / (2 * moment);
       double by_parameter = 0;
-      if (varied_.larger)
-        by_parameter =
-            (margin_of(*varied_.larger, t, y.data(), released) - margin_of(*varied_.smaller, t, y.data(), released)) /
-            (2 * varied_.step);
+      const auto& [larger, smaller, step_of_parameter] = varied_;
+      if (larger.system)
+        by_parameter = (margin_of(*larger.system, larger.period * t, y.data(), released) -
+                        margin_of(*smaller.system, smaller.period * t, y.data(), released)) /
+                       (2 * step_of_parameter);
       jump(before, after, gradient, rate, by_parameter, -1, y);
     }
   }

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "analysis/motion/reversal_steps.hpp"
 #include "analysis/motion/stop_watch.hpp"
 #include "oscillators/structure_system.hpp"
 #include "solvers/stick_slip/stick_slip_solver.hpp"
@@ -28,7 +29,7 @@ class Follower {
   /// \param system  outlives this; its modes are set
   Follower(SwitchingSystem& system, double tolerance) : system_(system), tolerance_(tolerance) {}
   Follower(oscillators::StructureSystem& system, double tolerance)
-      : system_(system), structure_(&system), tolerance_(tolerance) {
+      : system_(system), structure_(&system), reversal_steps_(system), tolerance_(tolerance) {
     if (system.stops() > 0) stops_.emplace(system);
   }
 
@@ -42,7 +43,11 @@ class Follower {
   void carry(std::vector<double>* tangent, int columns) { tangent_ = tangent, columns_ = columns; }
   /// The last column of the tangent is the derivative with respect to a parameter, by which these systems differ from
   /// the one that is followed: it is larger by `step` in one and smaller in the other. Not for systems with stops.
-  void vary(SwitchingSystem& larger, SwitchingSystem& smaller, double step) { varied_ = {&larger, &smaller, step}; }
+  struct Varied {
+    SwitchingSystem* system = nullptr;
+    double period = 1;  ///< of its drive, over that of the one that is followed: times are compared as parts of it
+  };
+  void vary(Varied larger, Varied smaller, double step) { varied_ = {larger, smaller, step}; }
 
   /// Follows from (t, y) to `end` or to where the section says; then y is there, and time() too.
   Outcome follow(double t, std::vector<double>& y, double end, const Section* section = nullptr);
@@ -72,6 +77,7 @@ class Follower {
   };
   Modes modes_now() const;
   void set_modes(const Modes&);
+  void note_changes(const Modes& until, double t, const std::vector<double>& y);
   bool pass_stops(solvers::stick_slip::StickSlip&, int first);
   void carry_across_stop(const MotionEvent&, const std::vector<double>& before, const std::vector<double>& after,
                          const std::vector<double>& y);
@@ -84,11 +90,12 @@ class Follower {
 
   SwitchingSystem& system_;
   oscillators::StructureSystem* structure_ = nullptr;  ///< the system, if it is one that may have stops
+  std::optional<ReversalSteps> reversal_steps_;
   double tolerance_, time_ = 0;
   std::vector<double>* tangent_ = nullptr;
   int columns_ = 0;
   struct {
-    SwitchingSystem *larger = nullptr, *smaller = nullptr;
+    Varied larger, smaller;
     double step = 0;
   } varied_;
   std::optional<StopWatch> stops_;  ///< where there are stops

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "analysis/motion/motion_record.hpp"
 #include "solvers/force_algorithms/force_algorithms.hpp"
 #include "solvers/stick_slip/plane_stick_slip.hpp"
 
@@ -24,25 +26,27 @@ constexpr int columns = 6;
 
 /// One pass by located events.
 struct Pass {
-  std::vector<std::array<double, columns>> samples;
+  MotionRecord record;
   std::vector<RunEvent> events;
   Outcome outcome;
   double stick_time, friction_work, path_length, energy_residual;
   long steps;
 
-  Pass(const PlaneModel& model, const std::vector<double>& times, double end, long most_steps, double tolerance) {
+  Pass(const PlaneModel& model, const std::vector<double>& times, double end, long most_steps, double tolerance)
+      : record(columns, 0, times) {
     solvers::stick_slip::SlipFriction friction;
     if (const auto& law = model.law)
       friction = {law->contact({.unknowns = Unknowns::states}), [law](double v) { return law->slip_kink(v); }};
     PlaneStickSlip solver(model.mass, tolerance, std::move(friction));
     solver.start(0, model.displacement, model.velocity);
-    std::size_t next = 0;
-    const auto sample_until = [&](double t, bool closed) {
-      for (; next < times.size() && (times[next] < t || (closed && times[next] == t)); ++next) {
-        const auto [x, v, F] = solver.at(times[next]);
-        samples.push_back({x[0], x[1], v[0], v[1], F[0], F[1]});
-      }
+    const auto row = [&](bool near) {
+      return [&, near](double t, double* to) {
+        const auto [x, v, F] = solver.at(t, near);
+        const double values[] = {x[0], x[1], v[0], v[1], F[0], F[1]};
+        std::ranges::copy(values, to);
+      };
     };
+    std::vector<double> inside;
     for (long steps = 0; solver.time() < end && outcome.complete(); ++steps) {
       Switch what;
       outcome = steps < most_steps ? solver.advance(end, what) : Outcome{Ending::budget_spent, "too many steps"};
@@ -50,26 +54,25 @@ struct Pass {
         outcome.detail += fmt::format(" at t = {:.9g} s", solver.time());
         break;
       }
-      sample_until(solver.time(), false);
+      constexpr double radians = 0.5, most = 1e5;
+      const double from = solver.time_before(), to = solver.time();
+      const double parts = std::min(std::ceil((to - from) * solver.fastest() / radians) + 2, most);
+      inside.clear();
+      for (double k = 1; k < parts; ++k) inside.push_back(std::lerp(from, to, k / parts));
+      record.step(from, to, inside, row(true), row(false));
       if (what == Switch::none) continue;
       const auto at = solver.at(solver.time()).displacement;
       events.push_back({solver.time(), name(what), at[0], at[1]});
     }
-    if (outcome.complete()) sample_until(end, true);
+    if (outcome.complete()) record.rest(end, true, row(false));
     stick_time = solver.stick_time(), friction_work = solver.friction_work(), path_length = solver.path_length();
     energy_residual = solver.energy_residual();
     steps = solver.steps();
   }
 };
 
-void fill_columns(const std::vector<std::array<double, columns>>& samples, Run& result) {
-  result.columns.resize(columns);
-  for (const auto& sample : samples)
-    for (int c = 0; c < columns; ++c) result.columns[c].push_back(sample[c]);
-}
-
-std::vector<std::array<double, columns>> stepped(const PlaneModel& model, const RunOptions& options,
-                                                 const std::vector<double>& times, double end, Run& result) {
+MotionRecord stepped(const PlaneModel& model, const RunOptions& options, const std::vector<double>& times, double end,
+                     Run& result) {
   algorithms::check(options.solver, model.mass, options.algorithm);
   const double step = algorithms::step_of(model.mass, options.algorithm), count = std::ceil(end / step * (1 - 1e-12));
   if (count > double(options.most_steps))
@@ -79,16 +82,21 @@ std::vector<std::array<double, columns>> stepped(const PlaneModel& model, const 
   const auto track =
       algorithms::follow<2>(options.solver, model.mass, forcing, options.algorithm, model.displacement, model.velocity);
   const auto& points = track.points;
-  std::vector<std::array<double, columns>> samples;
-  for (const double t : times) {
+  MotionRecord record(columns, 0, times);
+  const auto row = [&](double t, double* to) {
     const auto n = std::min(static_cast<std::size_t>(t / step), points.size() - 1),
                m = std::min(n + 1, points.size() - 1);
     const double part = std::clamp(t / step - double(n), 0.0, 1.0);
-    const auto between = [&](const Vector<2>& a, const Vector<2>& b, int d) { return std::lerp(a[d], b[d], part); };
     const auto &a = points[n], &b = points[m];
-    samples.push_back({between(a.x, b.x, 0), between(a.x, b.x, 1), between(a.v, b.v, 0), between(a.v, b.v, 1),
-                       between(a.friction, b.friction, 0), between(a.friction, b.friction, 1)});
-  }
+    for (int d = 0; d < 2; ++d) {
+      to[d] = std::lerp(a.x[d], b.x[d], part);
+      to[2 + d] = std::lerp(a.v[d], b.v[d], part);
+      to[4 + d] = std::lerp(a.friction[d], b.friction[d], part);
+    }
+  };
+  for (std::size_t n = 1; n < points.size() && points[n - 1].time < end; ++n)
+    record.step(points[n - 1].time, std::min(points[n].time, end), {}, row);
+  record.rest(end, true, row);
   double stick_time = 0;
   for (std::size_t n = 1; n < points.size(); ++n) {
     const bool stuck = points[n - 1].state == State::stick, sticks = points[n].state == State::stick;
@@ -107,7 +115,7 @@ std::vector<std::array<double, columns>> stepped(const PlaneModel& model, const 
                     {"most_back_steps", most_back_steps}};
   result.cost.steps = static_cast<long>(points.size()) - 1;
   result.why = fmt::format("as asked, steps of {:.6g} s; its errors are the differences to located events", step);
-  return samples;
+  return record;
 }
 
 }  // namespace
@@ -137,46 +145,36 @@ Run run_plane(const PlaneModel& model, const RunOptions& options) {
   const double tolerance = std::clamp(1e-3 * options.tolerance, 1e-13, 1e-9);
   const Pass fine(model, times, end, options.most_steps, tolerance);
   result.solver = exactly ? "exact" : options.solver;
-  std::vector<std::array<double, columns>> compared;
+  std::optional<Pass> coarse;
+  std::optional<MotionRecord> steps;
   if (exactly) {
-    Pass coarse(model, times, end, options.most_steps, 30 * tolerance);
-    fill_columns(fine.samples, result);
-    compared = std::move(coarse.samples);
+    coarse.emplace(model, times, end, options.most_steps, 30 * tolerance);
     result.events = fine.events;
     result.outcome = fine.outcome;
     result.why = "in the plane slip has no closed form: smooth pieces in the logarithm of speed, events located";
-    result.cost.steps = fine.steps + coarse.steps;
-    double time_error = fine.events.size() == coarse.events.size() ? 0 : infinity;
-    for (std::size_t i = 0; i < std::min(fine.events.size(), coarse.events.size()); ++i)
-      time_error = std::max(time_error, std::abs(fine.events[i].time - coarse.events[i].time));
+    result.cost.steps = fine.steps + coarse->steps;
     result.metrics = {{"stick_time", fine.stick_time},
                       {"friction_work", fine.friction_work},
                       {"path_length", fine.path_length},
-                      {"energy_residual", fine.energy_residual},
-                      {"event_time_error", time_error}};
+                      {"energy_residual", fine.energy_residual}};
+    state_event_errors(result, coarse->events, {3});
   } else {
-    fill_columns(stepped(model, options, times, end, result), result);
-    compared = fine.samples;
+    steps.emplace(stepped(model, options, times, end, result));
   }
-  result.time.assign(times.begin(), times.begin() + static_cast<long>(result.columns[0].size()));
-  std::array<double, columns> size{};
-  for (int c = 0; c < columns; ++c)
-    for (const double value : result.columns[c]) size[c] = std::max(size[c], std::abs(value));
+  const MotionRecord &record = exactly ? fine.record : *steps, &other = exactly ? coarse->record : fine.record;
+  std::vector<ErrorRule> rules;
   double worst = 0;
   for (int c = 0; c < columns; ++c) {
-    double difference = 0;
-    for (std::size_t i = 0; i < result.time.size(); ++i)
-      difference =
-          i < compared.size() ? std::max(difference, std::abs(result.columns[c][i] - compared[i][c])) : infinity;
-    const double error = exactly ? 3 * difference + tolerance * size[c] : difference;
+    rules.push_back(exactly ? ErrorRule{3, tolerance} : ErrorRule{});
+    const double difference = largest_difference(other.columns()[c], record.columns()[c]);
+    result.column_error.push_back(rules.back().error(difference, record.size(c)));
     // Motion along one axis is known by the size of the vector: across it there is rounding alone.
-    const double of_vector = std::max(size[c], size[c ^ 1]);
-    if (of_vector > 0 && c < 4) worst = std::max(worst, error / of_vector);
-    result.column_error.push_back(error);
-    if (result.time.empty()) continue;
-    const auto [low, high] = std::ranges::minmax(result.columns[c]);
-    result.metrics[result.column_names[c] + "_min"] = low, result.metrics[result.column_names[c] + "_max"] = high;
+    const double of_vector = std::max(record.size(c), record.size(c ^ 1));
+    if (of_vector > 0 && c < 4) worst = std::max(worst, result.column_error.back() / of_vector);
   }
+  state_what_is_seen(record, &other, rules, result);
+  result.columns = record.columns();
+  result.time.assign(times.begin(), times.begin() + static_cast<long>(record.samples()));
   if (exactly && result.outcome.complete() && worst > options.tolerance)
     result.outcome = {Ending::tolerance_not_met, fmt::format("the motion is known to {:.1e} of its size only", worst)};
   return result;

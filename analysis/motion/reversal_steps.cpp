@@ -27,27 +27,47 @@ double narrowest_layer(const FrictionLaw& law, double V, double N) {
   return width < infinity ? width : 0;
 }
 
-}  // namespace
-
-double near_rest_slip_rate(const oscillators::SliderSystem& system) {
-  const auto& model = system.model();
-  const double N = model.drive.normal_load.level();
-  if (model.law->set_valued() || !model.law->has_states() || !(model.lambda > 0 && N > 0)) return 0;
+double near_rest(const FrictionLaw& law, double lambda, double V, double N) {
+  if (law.set_valued() || !law.has_states() || !(lambda > 0 && N > 0)) return 0;
   try {
-    return narrowest_layer(*model.law, system.reference_speed(), N);
+    return narrowest_layer(law, V, N);
   } catch (const InputError&) {  // no rate at rest, or no steady state: no such range is known
     return 0;
   }
 }
 
+}  // namespace
+
+double near_rest_slip_rate(const oscillators::SliderSystem& system) {
+  const auto& model = system.model();
+  return near_rest(*model.law, model.lambda, system.reference_speed(), model.drive.normal_load.level());
+}
+
+ReversalSteps::ReversalSteps(const oscillators::SliderSystem& system, double share) : share_(share) {
+  if (const double slow = near_rest_slip_rate(system); slow > 0)
+    contacts_.push_back({slow, [&system](double t, const double* y) { return system.contact_slip_rate(t, y); }});
+}
+
+ReversalSteps::ReversalSteps(const oscillators::StructureSystem& system, double share) : share_(share) {
+  for (int j = 0; j < system.friction_contacts(); ++j) {
+    const auto& contact = system.structure().contacts[j];
+    const double slow = near_rest(*contact.law, contact.lambda, system.reference_speed_of(j),
+                                  contact.load_factor * contact.normal_load.level());
+    if (slow > 0 && !contact.frictionless())
+      contacts_.push_back(
+          {slow, [&system, j](double t, const double* y) { return system.contact_slip_rate(j, t, y); }});
+  }
+}
+
 double ReversalSteps::longest(double t0, const double* y0, double t1, const double* y1, double length) const {
-  if (!(near_rest_ > 0)) return infinity;
-  const double before = system_.contact_slip_rate(t0, y0), now = system_.contact_slip_rate(t1, y1);
-  if (!(before * now > 0 && std::abs(now) < std::abs(before))) return infinity;
-  // The time must still advance: a step stays above rounding error of t where the drive depends on time.
-  const double clock = (system_.autonomous() ? 1e-28 : 1e-12) * std::abs(t1);
-  return std::max(std::max(share_ * std::abs(now), near_rest_share * near_rest_) * length / std::abs(before - now),
-                  clock);
+  double longest = infinity;
+  for (const auto& [slow, slip_rate] : contacts_) {
+    const double before = slip_rate(t0, y0), now = slip_rate(t1, y1);
+    if (!(before * now > 0 && std::abs(now) < std::abs(before))) continue;
+    const double loss = std::max(share_ * std::abs(now), near_rest_share * slow);
+    longest = std::min(longest, std::max(loss * length / std::abs(before - now), 1e-28 * std::abs(t1)));
+  }
+  return longest;
 }
 
 }  // namespace rosin::analysis::motion

@@ -1,6 +1,10 @@
 /// Step bounds near a reversal of slip, for states of a contact that evolve differently close to rest.
 #pragma once
+#include <functional>
+#include <vector>
+
 #include "oscillators/slider_system.hpp"
+#include "oscillators/structure_system.hpp"
 #include "solvers/steps/collocation.hpp"
 
 namespace rosin::analysis::motion {
@@ -18,8 +22,8 @@ class ReversalSteps {
   static constexpr double near_rest_share = 1e-3;  ///< loss allowed in any step, over near_rest_slip_rate()
 
   /// The system must outlive the bounds.
-  explicit ReversalSteps(const oscillators::SliderSystem& system, double share = ReversalSteps::share)
-      : system_(system), share_(share), near_rest_(near_rest_slip_rate(system)) {}
+  explicit ReversalSteps(const oscillators::SliderSystem&, double share = ReversalSteps::share);
+  explicit ReversalSteps(const oscillators::StructureSystem&, double share = ReversalSteps::share);
   /// Longest next step (s) after one from (t0, y0) to (t1, y1). `length`: its duration, which t1 − t0 may have lost to
   /// rounding.
   double longest(double t0, const double* y0, double t1, const double* y1, double length) const;
@@ -28,8 +32,12 @@ class ReversalSteps {
   }
 
  private:
-  const oscillators::SliderSystem& system_;
-  double share_, near_rest_;
+  struct At {
+    double near_rest;  ///< m/s
+    std::function<double(double t, const double* y)> slip_rate;
+  };
+  double share_;
+  std::vector<At> contacts_;  ///< those that have such a range
 };
 
 }  // namespace rosin::analysis::motion

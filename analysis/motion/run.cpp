@@ -16,6 +16,7 @@
 #include "analysis/motion/algorithm_run.hpp"
 #include "analysis/motion/exact_run.hpp"
 #include "analysis/motion/motion_end.hpp"
+#include "analysis/motion/motion_record.hpp"
 #include "analysis/motion/reversal_steps.hpp"
 #include "analysis/motion/slider_swings.hpp"
 #include "analysis/motion/stated_error.hpp"
@@ -35,6 +36,7 @@ namespace rosin::analysis::motion {
 using oscillators::Mechanics;
 using oscillators::SliderSystem;
 using solvers::steps::Collocation;
+using solvers::stick_slip::Switch;
 
 namespace {
 
@@ -193,17 +195,19 @@ double leave_unstable_balance(SliderSystem& system, std::vector<double>& y, doub
   return time;
 }
 
-/// One pass at one tolerance: fills samples and events.
+/// One pass at one tolerance: record and events.
 class Pass {
  public:
-  Pass(const Model& model, const RunOptions& options, const std::string& solver, const std::vector<double>& times)
+  Pass(const Model& model, const RunOptions& options, const std::string& solver, const std::vector<double>& times,
+       double stick_threshold)
       : options_(options),
         times_(times),
         system_(model, solver == "cvode" ? Unknowns::states : Unknowns::friction),
-        solver_(solver) {
+        solver_(solver),
+        record_(before_states + model.law->states().size(), 0, times,
+                {slip_columns(system_.model(), stick_threshold)}) {
     system_.limit_creep_for(times.back());
-    columns_.resize(before_states + model.law->states().size());
-    for (auto& c : columns_) c.reserve(times.size());
+    record_.on_sample = [this](double t) { note_errors(t, seen_at_); };
   }
 
   /// `perturbed`: the start differs by rounding error, and a grazing stop is decided differently, so that quantities
@@ -213,12 +217,13 @@ class Pass {
     try {
       outcome_ = follow(perturbed);
     } catch (const Stopped&) {  // samples until then are valid
-      outcome_ = {Ending::interrupted, fmt::format("{} of {} samples are kept", columns_[0].size(), times_.size())};
+      outcome_ = {Ending::interrupted, fmt::format("{} of {} samples are kept", record_.samples(), times_.size())};
     }
   }
 
+  MotionRecord& record() { return record_; }
+
   Outcome outcome_;
-  std::vector<std::vector<double>> columns_;
   std::vector<RunEvent> events_;
   Run::Cost cost_;
   std::map<std::string, double> metrics_;
@@ -232,7 +237,7 @@ class Pass {
  private:
   Outcome follow(bool perturbed) {
     auto y = starting_point(system_, options_.start);
-    if (perturbed && solver_ != "explicit")  // a decaying perturbation would look stiff to explicit steps
+    if (perturbed)
       for (double& value : y) value *= 1 + 2 * std::numeric_limits<double>::epsilon();
     if (options_.start.kind != Start::Kind::rest && !options_.start.displacement) {
       system_.measure_from_balance(y);
@@ -243,7 +248,7 @@ class Pass {
     if (solver_ == "steady") system_.set_mode(0, slip_along(system_.model().drive.speed.level()));
     if (system_.size() == 0 || solver_ == "steady") {
       if (system_.model().law->set_valued()) metrics_["stick_time"] = 0;
-      for (const double t : times_) record(t, y.data());
+      record_.rest(times_.back(), true, at(y));
       return {};
     }
     if (solver_ == "events") return with_events(y, tolerance_, perturbed);
@@ -252,14 +257,16 @@ class Pass {
     return with_collocation(y, tolerance_);
   }
 
-  /// Samples due strictly before `t` (and at `t` too, if `closed`), from θ ↦ y of the present step.
-  template <class SolutionAt>
-  void sample_until(double t, bool closed, SolutionAt solution_at) {
-    while (next_ < times_.size() && (times_[next_] < t || (closed && times_[next_] == t))) {
-      end_if_stopped();
-      record(times_[next_], solution_at(times_[next_]));
-      ++next_;
-    }
+  void observe(double t, const double* y, double* row) {
+    const auto seen = system_.observe(t, y);
+    row[displacement] = seen.displacement, row[velocity] = seen.velocity, row[slip_rate] = seen.slip_rate;
+    row[friction_force] = seen.friction_force, row[friction_coefficient] = seen.friction_coefficient;
+    std::ranges::copy(seen.state, row + before_states);
+    seen_at_ = y;
+  }
+  /// The rows of a motion that stays at y.
+  MotionRecord::Row at(const std::vector<double>& y) {
+    return [this, &y](double t, double* row) { observe(t, y.data(), row); };
   }
   void add_event(double t, const double* y, std::string kind) {
     events_.push_back({t, std::move(kind), system_.observe(t, y).displacement});
@@ -278,7 +285,8 @@ class Pass {
                                  : errors[0];
     if (const int u = system_.slip_rate_index(); u >= 0) ringing_[velocity] = ringing_[slip_rate] = errors[u];
   }
-  void record(double t, const double* y) {
+  /// What rounding and the solver's own error leave of the quantities at a sample.
+  void note_errors(double t, const double* y) {
     const auto seen = system_.observe(t, y);
     constexpr double digit = std::numeric_limits<double>::epsilon();
     if (solver_ == "explicit") {
@@ -305,10 +313,6 @@ class Pass {
       else if (damping > swing_impedance || from_balance)
         slip_rate_rounding_ = std::max(slip_rate_rounding_, digit * largest / resists);
     }
-    const double values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
-                             seen.friction_coefficient};
-    for (std::size_t i = 0; i < before_states; ++i) columns_[i].push_back(values[i]);
-    for (std::size_t i = 0; i < seen.state.size(); ++i) columns_[before_states + i].push_back(seen.state[i]);
   }
 
   /// Error of a slip rate (m/s) that is no unknown but follows from friction and states, or from the difference of
@@ -334,7 +338,7 @@ class Pass {
   Outcome between_breaks(Solver& solver, std::vector<double> y, Advance advance) {
     const double end = times_.empty() ? options_.duration : std::max(options_.duration, times_.back());
     double t = std::min(begin_, end);
-    sample_until(t, false, [&](double) { return y.data(); });
+    record_.rest(t, false, at(y));
     while (true) {
       start(solver, t, y);
       const double next = system_.next_break(t), limit = std::min(end, next);
@@ -355,7 +359,7 @@ class Pass {
       t = limit;
       if (t == next) system_.cross_break(t, y.data());
       if (t >= end) {
-        sample_until(end, true, [&](double) { return y.data(); });
+        record_.rest(end, true, at(y));
         return {};
       }
     }
@@ -386,8 +390,7 @@ class Pass {
 
   /// Records samples and, for smooth laws, reversals in the last step of a collocation.
   void record_step(Collocation& step, bool reversals) {
-    std::vector<double>& y = record_point_;  // kept between steps, so that a step allocates nothing
-    y.resize(system_.size());
+    std::vector<double> y(system_.size());
     const double t0 = step.time_before(), h = step.length();
     if (reversals) {
       double low = 0, before = system_.slip_rate(t0, step.state_before().data());
@@ -402,11 +405,7 @@ class Pass {
         low = theta, before = here;
       }
     }
-    sample_until(step.time(), false, [&](double t) -> const double* {
-      if (t == t0) return step.state_before().data();
-      step.solve_at((t - t0) / h, y.data());
-      return y.data();
-    });
+    record_.step(step, [this](double t, const double* z, double* row) { observe(t, z, row); });
   }
 
   /// The same for an explicit step. Under a constant drive slip reverses at most once in a step, and the signs at its
@@ -431,10 +430,16 @@ class Pass {
       }
       low = high, before = here;
     }
-    sample_until(t1, false, [&](double t) {
-      step.interpolate(t, y.data());
-      return y.data();
-    });
+    record_.step(
+        t0, t1, step.inner_times(),
+        [&](double t, double* row) {
+          step.approximate(t, y.data());
+          observe(t, y.data(), row);
+        },
+        [&, last = std::nextafter(t1, t0)](double t, double* row) {
+          step.interpolate(t >= last ? t1 : t, y.data());
+          observe(t, y.data(), row);
+        });
   }
 
   Outcome while_not_stiff(const std::vector<double>& y, double tolerance) {
@@ -483,7 +488,7 @@ class Pass {
     double stuck_since = 0, stuck = 0;
     const Outcome outcome = between_breaks(solver, y, [&](double limit) {
       const bool sticking_before = system_.mode() == ContactMode::stick;
-      solvers::stick_slip::Switch switched;
+      Switch switched;
       const Outcome o = solver.step(limit, switched);
       if (!o.complete()) return with_reason(o, solver);
       record_step(solver.stepper(), false);
@@ -492,8 +497,8 @@ class Pass {
       if (sticking) {
         stuck += solver.time() - std::max(stuck_since, solver.stepper().time_before());
       }
-      if (switched != solvers::stick_slip::Switch::none)
-        add_event(solver.time(), solver.state().data(), name(switched));
+      if (switched == Switch::stick || switched == Switch::slip) record_.switched(0, switched == Switch::slip);
+      if (switched != Switch::none) add_event(solver.time(), solver.state().data(), name(switched));
       return o;
     });
     metrics_["stick_time"] = stuck;
@@ -522,9 +527,11 @@ class Pass {
       const double clock = 1e-10 * solver.time();  // shorter steps would be at rounding error of the time
       solver.bound_step(std::max(clock, reversal_steps.longest(before, state_before.data(), solver.time(),
                                                                solver.state().data(), solver.time() - before)));
-      sample_until(solver.time(), false, [&](double t) {
+      const double h = solver.time() - before;
+      const double inside[] = {before + 0.25 * h, before + 0.5 * h, before + 0.75 * h};
+      record_.step(before, solver.time(), inside, [&](double t, double* row) {
         solver.interpolate(t, z.data());
-        return z.data();
+        observe(t, z.data(), row);
       });
       if (damps_growth(solver, solver.time() - before))
         return Outcome{
@@ -599,9 +606,9 @@ class Pass {
   SliderSystem system_;
   std::string solver_;
   double tolerance_ = 0;
+  MotionRecord record_;
+  const double* seen_at_ = nullptr;  ///< the unknowns of the last row of the record
   std::vector<double> work_;
-  std::vector<double> record_point_;  ///< scratch
-  std::size_t next_ = 0;
   double begin_ = 0;  ///< s, start of the steps
   long steps_ = 0;
   std::vector<double> rounding_loss_;  ///< change of each unknown that CVODE's steps lost to rounding
@@ -686,37 +693,16 @@ std::vector<double> least_sizes(const Model& model) {
   return sizes;
 }
 
-/// Reference size for the errors of each column: its largest value, and at least `least`. All samples may fall on zeros
-/// of the displacement, whose size is at least the motion within `swing_time` (s) at the highest velocity.
-std::vector<double> sizes_of(const std::vector<std::vector<double>>& columns, std::vector<double> least,
-                             double swing_time) {
-  double fastest = 0;
-  for (const double v : columns[velocity]) fastest = std::max(fastest, std::abs(v));
-  least[displacement] = swing_time * fastest;
-  for (std::size_t c = 0; c < columns.size(); ++c)
-    for (const double x : columns[c]) least[c] = std::max(least[c], std::abs(x));
+/// Reference size for the errors of each column: its largest value in the motion, and at least `least`.
+std::vector<double> sizes_of(const MotionRecord& record, std::vector<double> least) {
+  for (std::size_t c = 0; c < least.size(); ++c) least[c] = std::max(least[c], record.size(c));
   least[velocity] = std::max(least[velocity], least[slip_rate]);
   return least;
 }
 
-/// Six times the largest absolute difference of each column (where curves have kinks, errors do not fall with the
-/// tolerance), with rounding and the least relative error of the fine pass; infinite where the coarse pass ended
-/// earlier.
-std::vector<double> differences(const std::vector<std::vector<double>>& coarse,
-                                const std::vector<std::vector<double>>& fine, const std::vector<double>& sizes,
-                                double least) {
-  std::vector<double> list;
-  for (std::size_t c = 0; c < fine.size(); ++c) {
-    double largest = 0;
-    for (std::size_t i = 0; i < fine[c].size(); ++i)
-      largest = i < coarse[c].size() ? std::max(largest, std::abs(fine[c][i] - coarse[c][i])) : infinity;
-    list.push_back(6 * largest + (least + 5e-14) * sizes[c]);
-  }
-  return list;
-}
-
 /// Two passes of a stepping solver, the finer of which is kept; their difference is the error.
-void run_twice(const Model& model, const RunOptions& options, const std::vector<double>& times, Run& result) {
+void run_twice(const Model& model, const RunOptions& options, double stick_threshold, const std::vector<double>& times,
+               Run& result) {
   // BDF's errors exceed its tolerance about tenfold; collocation mostly stays below it. The measured error, not the
   // solver's, must meet the requested tolerance: the pair of passes is tightened until it does.
   const double least = result.solver == "cvode"      ? 3e-15
@@ -724,43 +710,68 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
                                                      : Collocation::least_tolerance;
   double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
   const auto least_size = least_sizes(model);
-  const auto& slider = model.slider;
-  const double stiffness = std::abs(slider.stiffness);  // −0 counts as 0
-  const double swing_time = slider.mass > 0 ? std::min(std::sqrt(slider.mass / stiffness), times.back()) : 0;
-  auto coarse = std::make_unique<Pass>(model, options, result.solver, times);
-  coarse->run(tolerance, true);
+  const auto add_cost = [&](const Pass& pass) {
+    result.cost.steps += pass.cost_.steps, result.cost.evaluations += pass.cost_.evaluations;
+  };
+  const auto new_pass = [&] { return std::make_unique<Pass>(model, options, result.solver, times, stick_threshold); };
+  auto coarse = new_pass();
+  // A decaying perturbation would look stiff to explicit steps.
+  const bool perturbs = result.solver != "explicit";
+  coarse->run(tolerance, perturbs);
+  add_cost(*coarse);
   std::unique_ptr<Pass> fine;
+  std::vector<ErrorRule> rules;
   for (int attempt = 0;; ++attempt, coarse = std::move(fine)) {
     tolerance = std::max(0.01 * tolerance, least);
-    fine = std::make_unique<Pass>(model, options, result.solver, times);
-    fine->run(tolerance, attempt % 2 == 1);
-    if (fine->outcome_.ending == Ending::interrupted && fine->columns_[0].size() < coarse->columns_[0].size()) {
+    fine = new_pass();
+    fine->run(tolerance, perturbs && attempt % 2 == 1);
+    if (fine->outcome_.ending == Ending::interrupted && fine->record().samples() < coarse->record().samples()) {
       fine = std::move(coarse);  // the coarse pass came further
       fine->outcome_ = {Ending::interrupted, fmt::format("{} of {} samples are kept, without errors",
-                                                         fine->columns_[0].size(), times.size())};
-      coarse = std::make_unique<Pass>(model, options, result.solver, times);
+                                                         fine->record().samples(), times.size())};
+      coarse = new_pass();
     }
     result.outcome = fine->outcome_;
-    result.cost.steps += fine->cost_.steps + (attempt == 0 ? coarse->cost_.steps : 0);
-    result.cost.evaluations += fine->cost_.evaluations + (attempt == 0 ? coarse->cost_.evaluations : 0);
-    const auto& sizes = result.column_size = sizes_of(fine->columns_, least_size, swing_time);
-    // Two passes may agree by chance: the stated error is at least a hundredth of the requested tolerance.
+    add_cost(*fine);
+    const auto& sizes = result.column_size = sizes_of(fine->record(), least_size);
+    // Samples may be of a part of the motion that is small, such as the creep behind a slip.
+    auto sampled = least_size;
+    for (std::size_t c = 0; c < sampled.size(); ++c)
+      for (const double x : fine->record().columns()[c]) sampled[c] = std::max(sampled[c], std::abs(x));
+    // Two passes may agree by chance: the stated error is at least a hundredth of the requested tolerance. Where curves
+    // have kinks, errors do not fall with the tolerance: six times the difference is stated.
     const double least_claimed = std::max((result.solver == "cvode" ? 30 : 3) * tolerance, 0.01 * options.tolerance);
-    result.column_error = differences(coarse->columns_, fine->columns_, sizes, least_claimed);
-    for (std::size_t c = 0; c < before_states; ++c) result.column_error[c] += fine->ringing_[c];
-    result.column_error[displacement] += fine->displacement_rounding_;
+    rules.assign(sizes.size(), {6, least_claimed + 5e-14, 0});
+    for (std::size_t c = 0; c < before_states; ++c) rules[c].floor = fine->ringing_[c];
+    rules[displacement].floor += fine->displacement_rounding_;
     constexpr double exceed = 10;  // largest error of the unknowns, in tolerances
     for (const Column c : {velocity, slip_rate})
-      result.column_error[c] += exceed * fine->slip_rate_error_ + fine->slip_rate_rounding_;
+      rules[c].floor += exceed * fine->slip_rate_error_ + fine->slip_rate_rounding_;
+    std::vector<double> ratio(sizes.size());
+    std::size_t worst = 0;
+    const auto state_errors = [&] {
+      result.column_error.clear();
+      for (std::size_t c = 0; c < sizes.size(); ++c) {
+        const double difference = largest_difference(coarse->record().columns()[c], fine->record().columns()[c]);
+        result.column_error.push_back(rules[c].error(difference, sampled[c]));
+        ratio[c] = sizes[c] > 0 ? result.column_error[c] / sizes[c] : 0;
+      }
+      worst = std::size_t(std::ranges::max_element(ratio) - ratio.begin());
+    };
+    state_errors();
     const bool last_attempt = attempt == 3 || tolerance <= least;
     const auto ended = [](const Pass& pass) { return pass.outcome_.ending == Ending::none_exists; };
     if (ended(*fine) && !ended(*coarse) && !last_attempt) continue;  // only one pass came to an end
     if (!result.outcome.complete()) break;
-    std::size_t worst = 0;
-    std::vector<double> ratio;
-    for (std::size_t c = 0; c < fine->columns_.size(); ++c) {
-      ratio.push_back(sizes[c] > 0 ? result.column_error[c] / sizes[c] : 0);
-      if (ratio[c] > ratio[worst]) worst = c;
+    if (ratio[worst] > options.tolerance && last_attempt && coarse->outcome_.complete()) {
+      // The difference is the error of the coarser pass; that of the finer shows beside one nearly as fine, from a
+      // start that differs by rounding.
+      constexpr double nearly = 3;
+      auto beside = new_pass();
+      beside->run(nearly * tolerance, !perturbs || attempt % 2 == 0);
+      add_cost(*beside);
+      if (beside->outcome_.complete()) coarse = std::move(beside);
+      state_errors();
     }
     if (ratio[worst] <= options.tolerance) {
       for (std::size_t c = 0; c < sizes.size(); ++c)
@@ -774,9 +785,11 @@ void run_twice(const Model& model, const RunOptions& options, const std::vector<
       break;
     }
   }
-  result.columns = std::move(fine->columns_);
+  state_what_is_seen(fine->record(), coarse->record().samples() > 0 ? &coarse->record() : nullptr, rules, result);
+  result.columns = fine->record().columns();
   result.why = result.why + fine->handover_;
   result.events = std::move(fine->events_);
+  state_event_errors(result, coarse->events_, {rules.front().times, rules.front().least}, options.tolerance);
   for (const auto& [name, value] : fine->metrics_) result.metrics[name] = value;
 }
 
@@ -805,7 +818,7 @@ std::vector<std::string> solver_names() {
   return names;
 }
 
-Run run(const Model& model, const RunOptions& options) {
+Run run(const Model& model, const RunOptions& options, double stick_threshold) {
   model.check();
   require(options.tolerance, {1e-13, 0.1}, "tolerance", "relative accuracy of a run", "1");
   Run result;
@@ -826,22 +839,17 @@ Run run(const Model& model, const RunOptions& options) {
   else if (solvers::force_algorithms::is_algorithm(result.solver))
     run_algorithm(model, std::get<solvers::stick_slip::DryOscillator>(dry_oscillator(model)), options, times, result);
   else
-    run_twice(model, options, times, result);
+    run_twice(model, options, stick_threshold, times, result);
   if (result.outcome.ending == Ending::tolerance_not_met && result.solver == "explicit" && options.solver == "auto") {
     // Explicit steps are accurate to 1e-14 of the unknowns at best, and successive slips may magnify that error.
     Run tighter = empty;
     tighter.solver = "collocation";
     tighter.why = "explicit steps come too little close";
-    run_twice(model, options, times, tighter);
+    run_twice(model, options, stick_threshold, times, tighter);
     tighter.cost.steps += result.cost.steps, tighter.cost.evaluations += result.cost.evaluations;
     if (tighter.outcome.complete()) result = std::move(tighter);
   }
   result.time.assign(times.begin(), times.begin() + result.columns[0].size());
-  for (std::size_t c = 0; c < before_states && !result.time.empty(); ++c) {
-    const auto [low, high] = std::minmax_element(result.columns[c].begin(), result.columns[c].end());
-    result.metrics[result.column_names[c] + "_min"] = *low;
-    result.metrics[result.column_names[c] + "_max"] = *high;
-  }
   for (std::size_t c = 0; c < result.columns.size(); ++c)
     for (const double x : result.columns[c])
       if (!std::isfinite(x) && result.outcome.complete())

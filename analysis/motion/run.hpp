@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/motion/slip_events.hpp"
 #include "analysis/motion/start.hpp"
 #include "analysis/motion/stepping.hpp"
 #include "core/error.hpp"
@@ -35,6 +36,7 @@ struct RunEvent {
   int contact = 0;                          ///< number of the contact in a structure with several, from 1; else 0
   int coordinate = 0;                       ///< of a stop: the number of its coordinate, from 1; else 0
   double speed = 0;                         ///< m/s, before an impact
+  double error = infinity;                  ///< s, of the time, from the difference of two passes
 };
 
 struct Frames;
@@ -49,7 +51,11 @@ struct Run {
   std::vector<double> column_error;          ///< largest absolute difference to a run at a smaller tolerance
   std::vector<double> column_size;  ///< reference size of column_error, for a run at two tolerances; else empty
   std::vector<RunEvent> events;
-  std::map<std::string, double> metrics;           ///< metrics of the record: extremes, means, stick time
+  /// Of the whole motion: extremes of the columns from the dense output of the steps, whatever the samples are, stick
+  /// time, works.
+  std::map<std::string, double> metrics;
+  std::map<std::string, double> metric_error;  ///< of those that have one: from the difference of two passes
+  SlipEvents slips;
   std::shared_ptr<const Frames> oscillation = {};  ///< of a motion by steps, its last whole one (last_oscillation.hpp)
   std::string solver;                              ///< the solver used
   std::string why;                                 ///< reason for this solver; time of a handover to another
@@ -65,7 +71,10 @@ std::vector<double> sample_times(const RunOptions&);
 /// "auto", then the solvers by name.
 std::vector<std::string> solver_names();
 
+/// The slip rate, over the drive's speed, below which a law that creeps sticks (SlipEvents).
+inline constexpr double usual_stick_threshold = 0.1;
+
 /// \throws InputError for a start that does not fit the model or an unknown solver.
-Run run(const Model&, const RunOptions&);
+Run run(const Model&, const RunOptions&, double stick_threshold = usual_stick_threshold);
 
 }  // namespace rosin::analysis::motion

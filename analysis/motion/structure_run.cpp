@@ -8,6 +8,8 @@
 #include <memory>
 
 #include "analysis/motion/follower.hpp"
+#include "analysis/motion/motion_record.hpp"
+#include "analysis/motion/stated_error.hpp"
 #include "analysis/motion/structure_record.hpp"
 #include "analysis/steady/structure_stability.hpp"
 #include "core/stop.hpp"
@@ -89,10 +91,80 @@ class EnergyAudit {
   double before_ = 0, largest_ = 0, work_ = 0, turned_over_ = 0;
 };
 
+/// Where slip of contacts under smooth laws reverses.
+class Reversals {
+ public:
+  explicit Reversals(const StructureSystem& system) : system_(system), y_(system.size()) {
+    const auto& contacts = system.structure().contacts;
+    for (int j = 0; j < int(contacts.size()); ++j)
+      if (!contacts[j].law->set_valued() && !contacts[j].frictionless()) contacts_.push_back({j, 0});
+  }
+  /// Those within the last step, in the order of time.
+  std::vector<RunEvent> in(solvers::steps::Collocation& step) {
+    std::vector<RunEvent> found;
+    for (auto& [contact, side] : contacts_) {
+      const auto slip_rate = [&, j = contact](double t, const double* y) { return system_.slip_rate(j, t, y); };
+      double low = 0, before = slip_rate(step.time_before(), step.state_before().data());
+      if (side == 0) side = before;
+      for (int i = 0; i < solvers::steps::Collocation::stages; ++i) {
+        step.stage(i, y_.data());
+        const double here = slip_rate(step.stage_time(i), y_.data());
+        if (here * side < 0) {
+          // The step before may have ended at the reversal itself.
+          const auto theta =
+              before * side > 0 ? step.locate(slip_rate, low, step.node(i), before, here) : std::optional(low);
+          if (theta && step.solve_at(*theta, y_.data())) found.push_back(event(step.time_at(*theta), contact));
+        }
+        if (here != 0) side = here;
+        low = step.node(i), before = here;
+      }
+    }
+    std::ranges::sort(found, {}, &RunEvent::time);
+    return found;
+  }
+
+ private:
+  RunEvent event(double t, int contact) const {
+    const auto& direction = system_.structure().contacts[contact].tangential;
+    return {.time = t,
+            .kind = "reversal",
+            .displacement =
+                direction.dot(Eigen::Map<const VectorXd>(y_.data(), system_.coordinates())) / direction.squaredNorm(),
+            .contact = system_.friction_contacts() > 1 ? contact + 1 : 0,
+            .coordinate = 0,
+            .speed = 0};
+  }
+  const StructureSystem& system_;
+  std::vector<double> y_;
+  struct At {
+    int contact;
+    double side;  ///< the last slip rate that was not 0
+  };
+  std::vector<At> contacts_;
+};
+
+/// The contacts whose slips are listed: those on a surface of constant speed.
+std::vector<SlipColumns> slip_columns(const StructureSystem& system, const StructureRecord& columns,
+                                      double stick_threshold) {
+  std::vector<SlipColumns> list;
+  for (int j = 0; j < system.friction_contacts(); ++j) {
+    const auto& contact = system.structure().contacts[std::size_t(j)];
+    if (contact.frictionless() || !contact.speed.constant()) continue;
+    const auto slip_rate = std::ranges::find(columns.names, numbered(system, "slip_rate", j)) - columns.names.begin();
+    list.push_back({.slip_rate = std::size_t(slip_rate),
+                    .displacement = columns.names.size() + std::size_t(j),
+                    .speed = contact.speed.level(),
+                    .stick_threshold = contact.law->set_valued() ? 0 : stick_threshold,
+                    .contact = system.friction_contacts() > 1 ? j + 1 : 0});
+  }
+  return list;
+}
+
 /// One pass at one tolerance.
 struct Pass {
   StructureSystem system;
   StructureRecord columns;
+  MotionRecord record;
   EnergyAudit energy;
   std::vector<RunEvent> events;
   std::vector<double> stick_time;  ///< s, of each set-valued contact
@@ -101,39 +173,54 @@ struct Pass {
   long choices = 0;
   double energy_residual = 0;
 
-  Pass(const StructureModel& model, const RunOptions& options, const std::vector<double>& times, double tolerance)
-      : system(model.structure), columns(system), energy(system), stick_time(system.contacts()) {
+  Pass(const StructureModel& model, const RunOptions& options, const std::vector<double>& times, double tolerance,
+       double stick_threshold)
+      : system(model.structure),
+        columns(system),
+        record(columns.names.size(), std::size_t(system.friction_contacts()), times,
+               slip_columns(system, columns, stick_threshold)),
+        energy(system),
+        stick_time(system.contacts()) {
     try {
       follow(starting_point(system, model.start), options, times, tolerance);
     } catch (const Stopped&) {  // samples until then are good
-      outcome = {Ending::interrupted, fmt::format("{} of {} samples are kept", columns.values[0].size(), times.size())};
+      outcome = {Ending::interrupted, fmt::format("{} of {} samples are kept", record.samples(), times.size())};
     }
   }
 
  private:
+  /// The columns, then the displacement along each contact.
+  void observe(double t, const double* y, double* row) {
+    columns.observe(t, y, seen);
+    std::ranges::copy(seen, row);
+    const Eigen::Map<const VectorXd> q(y, system.coordinates());
+    for (int j = 0; j < system.friction_contacts(); ++j) row[seen.size() + std::size_t(j)] = system.along(j, q);
+  }
   void follow(std::vector<double> y, const RunOptions& options, const std::vector<double>& times, double tolerance) {
     const double end = std::max(options.duration, times.back());
-    std::size_t next = 0;
-    std::vector<double> seen(system.size());
     energy.begin(0, y.data());
     Follower follower(system, tolerance);
     follower.most_steps = options.most_steps;
+    Reversals reversals(system);
     follower.observe = [&](Follower::Step& step, std::span<const Follower::Event> switches) {
       energy.add(step);
       for (int c = 0; c < system.contacts(); ++c)
         if (system.mode(c) == ContactMode::stick) stick_time[c] += step.length();
-      for (; next < times.size() && times[next] < step.time(); ++next) {
-        const double theta = (times[next] - step.time_before()) / step.length();
-        if (times[next] == step.time_before())
-          seen = step.state_before();
-        else
-          step.solve_at(theta, seen.data());
-        columns.record(times[next], seen.data());
-      }
-      for (const auto& event : switches) {
-        events.push_back(event_of(system, event));
-        if (event.kind == "impact") energy.add_impact(event);
-      }
+      const auto note = [&](std::span<const Follower::Event> some) {
+        for (const auto& event : some) {
+          events.push_back(event_of(system, event));
+          if (event.kind == "impact") energy.add_impact(event);
+          if (event.kind == "stick" || event.kind == "slip")
+            record.switched(events.back().contact, event.kind == "slip");
+        }
+      };
+      // Where the drive jumps contacts switch before the step, else at its end.
+      const auto inside =
+          std::ranges::find_if(switches, [&](const auto& event) { return event.time > step.time_before(); });
+      note({switches.begin(), inside});
+      for (auto& event : reversals.in(step)) events.push_back(std::move(event));
+      record.step(step, [&](double t, const double* z, double* row) { observe(t, z, row); });
+      note({inside, switches.end()});
       if (options.progress) options.progress(step.time() / end);
     };
     outcome = follower.follow(0, y, end);
@@ -141,14 +228,17 @@ struct Pass {
     choices = follower.count().choices;
     if (!outcome.complete()) return;
     energy_residual = energy.residual(end, y.data());
-    for (; next < times.size(); ++next) columns.record(times[next], y.data());
+    record.rest(end, true, [&](double t, double* row) { observe(t, y.data(), row); });
   }
+
+  std::vector<double> seen;  ///< scratch
 };
 
-/// Largest differences of the columns of two passes, with what the finer leaves. \returns the largest error of a
-/// coordinate or velocity as a part of its size, which is its natural size where it hardly moves.
-double compare(const Pass& fine, const Pass& coarse, const std::vector<double>& times, double tolerance,
-               std::vector<double>& error) {
+/// Errors of the columns by the largest differences of two passes, with what the finer leaves: two passes may agree by
+/// chance. \returns the largest error of a coordinate or velocity as a part of its size, which is its natural size
+/// where it hardly moves.
+double compare(const Pass& fine, const Pass& coarse, const std::vector<double>& times, const ErrorRule& rule,
+               double asked, std::vector<double>& error) {
   const int n = fine.system.coordinates();
   const std::vector<double> rest(fine.system.size());
   std::vector<double> scale(fine.system.size());
@@ -163,16 +253,17 @@ double compare(const Pass& fine, const Pass& coarse, const std::vector<double>& 
         at_impact[std::size_t(at - times.begin())] = true;
   double worst = 0;
   error.clear();
-  for (std::size_t c = 0; c < fine.columns.values.size(); ++c) {
-    const auto &values = fine.columns.values[c], &others = coarse.columns.values[c];
-    double size = 0, difference = 0;
+  for (std::size_t c = 0; c < fine.record.columns().size(); ++c) {
+    const auto &values = fine.record.columns()[c], &others = coarse.record.columns()[c];
+    const double size = fine.record.size(c);
+    double difference = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
-      size = std::max(size, std::abs(values[i]));
       if (at_impact[i] && int(c) >= n) continue;
       difference = i < others.size() ? std::max(difference, std::abs(values[i] - others[i])) : infinity;
     }
-    error.push_back(difference + tolerance * size);
+    error.push_back(rule.error(difference, size));
     if (int(c) < 2 * n) worst = std::max(worst, error.back() / std::max(size, scale[c]));
+    error.back() = with_caution(error.back(), size, asked);
   }
   return worst;
 }
@@ -195,7 +286,7 @@ std::string why_nothing_grows(const StructureModel& model) {
 
 }  // namespace
 
-Run run_structure(const StructureModel& model, const RunOptions& options) {
+Run run_structure(const StructureModel& model, const RunOptions& options, double stick_threshold) {
   require(options.tolerance, {1e-12, 0.1}, "tolerance", "relative accuracy of a run", "1");
   if (options.solver != "auto" && options.solver != "events")
     throw InputError(fmt::format("solver '{}' does not serve a structure; use auto or events", options.solver));
@@ -204,15 +295,18 @@ Run run_structure(const StructureModel& model, const RunOptions& options) {
   constexpr double finer = 1.0 / 30;
   constexpr int most_passes = 4;
   double tolerance = 0.1 * options.tolerance, worst = infinity;
+  ErrorRule rule;
   Run result;
-  std::unique_ptr<Pass> coarse, fine = std::make_unique<Pass>(model, options, times, tolerance);
+  std::unique_ptr<Pass> coarse, fine = std::make_unique<Pass>(model, options, times, tolerance, stick_threshold);
   result.cost = fine->cost;
   for (int pass = 1; pass < most_passes && fine->outcome.complete() && worst > options.tolerance; ++pass) {
     tolerance *= finer;
     coarse = std::move(fine);
-    fine = std::make_unique<Pass>(model, options, times, tolerance);
+    fine = std::make_unique<Pass>(model, options, times, tolerance, stick_threshold);
     result.cost.steps += fine->cost.steps, result.cost.evaluations += fine->cost.evaluations;
-    worst = compare(*fine, *coarse, times, tolerance, result.column_error);
+    constexpr double cautious = 3;  // the coarser pass differs from the truth by the differences of finer ones too
+    rule = {cautious, std::max(3 * tolerance, 0.01 * options.tolerance)};
+    worst = compare(*fine, *coarse, times, rule, options.tolerance, result.column_error);
   }
   if (!coarse) result.column_error.assign(fine->columns.names.size(), infinity);
   result.outcome = fine->outcome;
@@ -221,14 +315,12 @@ Run run_structure(const StructureModel& model, const RunOptions& options) {
   result.remark = why_nothing_grows(model);
   result.column_names = fine->columns.names;
   result.column_units = fine->columns.units;
-  result.columns = fine->columns.values;
+  state_what_is_seen(fine->record, coarse.get() ? &coarse->record : nullptr,
+                     std::vector<ErrorRule>(result.column_names.size(), rule), result);
+  result.columns = fine->record.columns();
   result.events = fine->events;
-  const std::size_t samples = result.columns[0].size();
-  result.time.assign(times.begin(), times.begin() + long(samples));
-  for (std::size_t c = 0; c < result.columns.size() && samples > 0; ++c) {
-    const auto [low, high] = std::ranges::minmax(result.columns[c]);
-    result.metrics[result.column_names[c] + "_min"] = low, result.metrics[result.column_names[c] + "_max"] = high;
-  }
+  state_event_errors(result, coarse ? coarse->events : std::vector<RunEvent>{}, rule, options.tolerance);
+  result.time.assign(times.begin(), times.begin() + long(fine->record.samples()));
   for (std::size_t c = 0; c < fine->stick_time.size(); ++c)
     result.metrics[numbered(fine->system, "stick_time", fine->system.friction_contact(int(c)))] = fine->stick_time[c];
   for (int j = 0; j < fine->system.friction_contacts(); ++j) {
@@ -238,10 +330,6 @@ Run run_structure(const StructureModel& model, const RunOptions& options) {
       result.metrics[numbered(fine->system, "apparent_friction", j)] =
           fine->energy.impulse[j] / fine->energy.pressed[j];
   }
-  double time_error = coarse && fine->events.size() == coarse->events.size() ? 0 : infinity;
-  for (std::size_t i = 0; coarse && i < std::min(fine->events.size(), coarse->events.size()); ++i)
-    time_error = std::max(time_error, std::abs(fine->events[i].time - coarse->events[i].time));
-  result.metrics["event_time_error"] = time_error;
   result.metrics["friction_work"] = fine->energy.heat;
   if (fine->system.stops() > 0) result.metrics["impact_work"] = fine->energy.impacts;
   result.metrics["energy_residual"] = fine->energy_residual;

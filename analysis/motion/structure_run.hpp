@@ -15,6 +15,6 @@ namespace rosin::analysis::motion {
 /// (balance_contacts). \throws InputError for a start that does not fit, a solver other than "auto" and "events", and a
 /// steady start
 ///         without steady sliding
-Run run_structure(const StructureModel&, const RunOptions&);
+Run run_structure(const StructureModel&, const RunOptions&, double stick_threshold = usual_stick_threshold);
 
 }  // namespace rosin::analysis::motion

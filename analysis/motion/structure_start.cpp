@@ -44,7 +44,18 @@ std::vector<double> starting_point(const oscillators::StructureSystem& system, c
   if (start.kind == Start::Kind::rest) velocity = system.velocity(0, std::vector<double>(system.size()).data());
   check_stops(system, q, velocity);
   if (!given && !steady.empty()) return steady;
-  return system.unknowns_at(0, q, velocity);
+  auto y = system.unknowns_at(0, q, velocity);
+  std::vector<std::vector<double>> states(start.states.size());
+  for (std::size_t j = 0; j < states.size(); ++j) {
+    if (start.states[j].empty()) continue;
+    const auto& contact = system.structure().contacts[j];
+    if (contact.lambda == 0)
+      throw InputError(fmt::format("start: the states of contact {} follow its slip rate at once (lambda = 0)", j + 1));
+    states[j] = system.states(int(j), 0, y.data());
+    take_states(*contact.law, start.states[j], states[j]);
+    given = true;
+  }
+  return given ? system.unknowns_at(0, q, velocity, states) : y;
 }
 
 }  // namespace rosin::analysis::motion

@@ -12,6 +12,7 @@ namespace rosin::analysis::motion {
 struct StructureStart {
   Start::Kind kind = Start::Kind::steady;
   std::vector<std::optional<double>> coordinates, velocities;  ///< m, m/s; of the first coordinates, or of all
+  std::vector<std::map<std::string, double>> states = {};      ///< of each contact, natural values by name
   Eigen::VectorXd beside = {};                                 ///< added to the coordinates; empty: nothing
   std::vector<double> unknowns = {};  ///< all of the system, in place of everything above; empty: not given
 };

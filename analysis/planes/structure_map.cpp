@@ -11,6 +11,7 @@
 #include "analysis/lanes/driven_exponents.hpp"
 #include "analysis/planes/map_point.hpp"
 #include "analysis/planes/parts.hpp"
+#include "analysis/steady/structure_hopf.hpp"
 #include "analysis/steady/structure_stability.hpp"
 #include "core/stop.hpp"
 
@@ -18,42 +19,52 @@ namespace rosin::analysis::planes {
 
 namespace {
 
-constexpr const char *growth_rate = "growth_rate", *largest_multiplier = "largest_multiplier", *returns = "returns",
-                     *lyapunov = "lyapunov";
+/// Of steady sliding, which take no integration.
+constexpr const char *growth_rate = "growth_rate", *unstable_modes = "unstable_modes", *criticality = "criticality";
+constexpr const char *largest_multiplier = "largest_multiplier", *returns = "returns", *lyapunov = "lyapunov";
 
 }  // namespace
+
+bool is_of_sliding(std::string_view name) {
+  return name == growth_rate || name == unstable_modes || name == criticality;
+}
 
 std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& structure,
                                               const std::vector<std::string>& names) {
   auto known = cycles::cycle_metrics_of(structure);
-  known.insert(known.end(), {{growth_rate, "1/s"}, {largest_multiplier, "1"}, {returns, "1"}, {lyapunov, "1/s"}});
+  known[growth_rate] = {NAN, NAN, "1/s", "largest growth rate of steady sliding"};
+  known[unstable_modes] = {NAN, NAN, "1", "unstable modes of steady sliding"};
+  known[criticality] = {NAN, NAN, "1", "criticality of the nearest Hopf point"};
+  known[largest_multiplier] = {NAN, NAN, "1", "modulus of the largest multiplier of the cycle"};
+  known[returns] = {NAN, NAN, "1", "returns of the section in a period"};
+  known[lyapunov] = {NAN, NAN, "1/s", "largest Lyapunov exponent"};
   std::vector<std::string> all;
-  for (const auto& [name, unit] : known) all.push_back(name);
+  for (const auto& [name, measure] : known) all.push_back(name);
   std::vector<PlaneMetric> metrics;
   for (const auto& name : names) {
-    const auto found = std::ranges::find(all, name);
-    if (found == all.end()) {
+    const auto found = known.find(name);
+    if (found == known.end()) {
       const auto near = nearest_name(name, all);
       throw InputError(fmt::format(
           "'{}' is no metric of this structure{}", name,
           near.empty() ? fmt::format("; it has {}", fmt::join(all, ", ")) : fmt::format("; did you mean '{}'?", near)));
     }
-    std::string meaning = name;
-    std::ranges::replace(meaning, '_', ' ');
-    if (name == lyapunov) meaning = "largest Lyapunov exponent";
-    metrics.push_back({name, known[std::size_t(found - all.begin())].second, meaning, nullptr, metrics.size()});
+    metrics.push_back({name, found->second.unit, found->second.meaning, nullptr, metrics.size()});
   }
   return metrics;
 }
 
 MapPoint compute_structure_point(const motion::StructureModel& model, double tolerance,
                                  const std::vector<PlaneMetric>& metrics, const cycles::LyapunovOptions& exponents,
-                                 std::vector<double>* end) {
+                                 double stick_threshold, std::vector<double>* end) {
   MapPoint point = undecided_point();
   point.measures.assign(metrics.size(), NAN), point.measure_errors.assign(metrics.size(), NAN);
   const auto set = [&](std::string_view name, double value, double error) {
     for (const auto& metric : metrics)
       if (metric.name == name) metric.value(point) = value, metric.error(point) = error;
+  };
+  const auto asked = [&](std::string_view name) {
+    return std::ranges::any_of(metrics, [&](const auto& metric) { return metric.name == name; });
   };
   const bool driven = common_period(model.structure) > 0;
   const bool slides =
@@ -63,24 +74,31 @@ MapPoint compute_structure_point(const motion::StructureModel& model, double tol
     const auto sliding = steady::stability(model.structure);
     stable = sliding.stable || sliding.marginal;
     set(growth_rate, sliding.modes.front().growth_rate(), sliding.modes.front().error);
+    set(unstable_modes, sliding.unstable_modes(), 0);
+    const auto oscillates = [](const auto& mode) { return mode.eigenvalue.imag() > 0; };
+    const auto leading = std::ranges::find_if(sliding.modes, oscillates);
+    if (asked(criticality) && leading != sliding.modes.end())
+      if (const auto form = steady::normal_form(model.structure, leading->eigenvalue))
+        set(criticality, form->value, form->error);
   }
   point.done = true;
-  if (std::ranges::all_of(metrics, [](const auto& metric) { return metric.name == growth_rate; })) {
+  if (std::ranges::all_of(metrics, [](const auto& metric) { return is_of_sliding(metric.name); })) {
     point.regime = stable ? Regime::stable : Regime::cycle;
     return point;
   }
   std::optional<cycles::LyapunovSpectrum> spectrum;
   cycles::StructureCycle cycle;
-  if (std::ranges::any_of(metrics, [](const auto& metric) { return metric.name == lyapunov; })) {
+  if (asked(lyapunov)) {
     auto how = exponents;
-    how.accuracy = tolerance;
+    how.accuracy = tolerance, how.stick_threshold = stick_threshold;
     spectrum = cycles::lyapunov_spectrum(model, how);
     cycle = spectrum->cycle;
   } else {
     cycles::StructureCycleOptions how;
-    how.tolerance = tolerance;
+    how.tolerance = tolerance, how.stick_threshold = stick_threshold;
     cycle = cycles::find_cycle(model, how);
   }
+  end_if_stopped();  // a part of an average is no value of the plane
   if (end) *end = cycle.start;
   point.origin = Origin::computed;
   if (cycle.returns > 0) {
@@ -163,7 +181,8 @@ Map compute_structure_map(const StructureFamily& family, const MapOptions& optio
         MapPoint point = blank;
         try {
           point = known[k] ? point_of(*known[k], blank, metrics)
-                           : compute_structure_point(model_at(i), options.tolerance, metrics, options.lyapunov);
+                           : compute_structure_point(model_at(i), options.tolerance, metrics, options.lyapunov,
+                                                     options.stick_threshold);
         } catch (const InputError& error) {
           point.done = true, point.regime = Regime::failed, point.why = error.what();
         }

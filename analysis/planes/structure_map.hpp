@@ -1,29 +1,36 @@
 /// A parameter plane of a structure, or of a slider under a drive that varies: each point computed by itself.
 #pragma once
 #include <functional>
+#include <string_view>
 
 #include "analysis/motion/structure_start.hpp"
 #include "analysis/planes/map.hpp"
 
 namespace rosin::analysis::planes {
 
-/// The metrics of a structure's cycles by their names, and "growth_rate" (1/s, the largest of steady sliding),
-/// "largest_multiplier" (modulus) and "returns" of the cycle, and "lyapunov", the largest exponent beside that along
-/// the flow (1/s; none where all is forgotten). \throws InputError for an unknown name.
+/// Metrics of steady sliding, which take no integration: "growth_rate" (1/s, the largest), "unstable_modes", the number
+/// of modes that grow, and "criticality", the normal form's coefficient of the oscillation that grows most or decays
+/// least.
+bool is_of_sliding(std::string_view metric);
+
+/// The metrics of a structure's cycles by their names, those of steady sliding, "largest_multiplier" (modulus) and
+/// "returns" of the cycle, and "lyapunov", the largest exponent beside that along the flow (1/s; none where all is
+/// forgotten). \throws InputError for an unknown name.
 std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure&, const std::vector<std::string>& names);
 
 /// One point: the motion from the model's start, and what steady sliding says of it.
+/// \param stick_threshold  |v| over V below which a contact counts as stuck under a law that has no stick
 /// \param end  if given, the unknowns on the section that the motion came to; empty where it came to none
 MapPoint compute_structure_point(const motion::StructureModel&, double tolerance,
                                  const std::vector<PlaneMetric>& metrics, const cycles::LyapunovOptions& exponents,
-                                 std::vector<double>* end = nullptr);
+                                 double stick_threshold, std::vector<double>* end = nullptr);
 
 /// The structure at values of x and y.
 using StructureFamily = std::function<motion::StructureModel(double x, double y)>;
 
 /// Regimes and metrics of the motion from the family's start. Where the drive is periodic each point is its periodic
 /// response; else steady sliding is judged first, and "bistable" is a cycle beside stable sliding. Points that end
-/// short are "failed", with the reason. Only growth rates asked: nothing is integrated.
+/// short are "failed", with the reason. Metrics of steady sliding alone: nothing is integrated.
 Map compute_structure_map(const StructureFamily&, const MapOptions&, const std::vector<PlaneMetric>&,
                           const MapHooks& = {});
 

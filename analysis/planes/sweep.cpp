@@ -13,6 +13,7 @@
 #include "analysis/motion/structure_record.hpp"
 #include "analysis/planes/map_point.hpp"
 #include "analysis/planes/structure_map.hpp"
+#include "analysis/steady/mode_windows.hpp"
 #include "core/workers.hpp"
 
 namespace rosin::analysis::planes {
@@ -271,7 +272,8 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
       if (point.end.size() == size) model.start.unknowns = point.end;
       if (options.record == Record::metrics) {
         std::vector<double> reached;
-        point.metrics = compute_structure_point(model, options.tolerance, result.metrics, options.lyapunov, &reached);
+        point.metrics = compute_structure_point(model, options.tolerance, result.metrics, options.lyapunov,
+                                                options.stick_threshold, &reached);
         point.why = point.metrics.regime == Regime::failed ? point.metrics.why : "";
         point.done = true;
         if (!reached.empty()) point.end = reached;
@@ -291,39 +293,6 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
     if (in_lanes) Batch(options).run(family, due);
     for (const auto& [i, point] : due)
       if (!point->done) compute(i, *point);
-  });
-  return result;
-}
-
-Sweep sweep_of_slider(const Model& model, const SweepOptions& options, const SweepHooks& hooks) {
-  Sweep result;
-  result.metrics = metrics_of_slider(options.metrics);
-  const auto at = [&](double value) { return model.with(options.axis.parameter, value); };
-  for (const double value : options.axis.values) (void)at(value);
-  try {
-    const auto leading = [&](double value) {
-      const auto sliding = steady::stability(at(value));
-      const auto& first = sliding.eigenvalues.front();
-      return steady::Leading{first.real(), sliding.eigenvalue_errors.front(), std::abs(first.imag())};
-    };
-    for (const auto& crossing : steady::crossings(leading, options.axis.values))
-      result.thresholds.push_back({crossing, {}});
-  } catch (const InputError& error) {
-    result.thresholds_left_out = thresholds_left_out(error);
-  }
-  for_each_value(options, result, hooks, 1, [&](std::span<const Due> due) {
-    auto& point = *due.front().point;
-    const Model here = at(options.axis.values[due.front().value]);
-    bool attracts = false;
-    try {
-      const auto sliding = steady::stability(here);
-      attracts = sliding.stable || sliding.marginal;
-      point.metrics = compute_point(here, options.tolerance, options.stick_threshold, attracts, {});
-    } catch (const InputError& error) {
-      point.metrics = failed_point(error.what());
-    }
-    point.why = point.metrics.regime == Regime::failed ? point.metrics.why : "";
-    point.done = true;
   });
   return result;
 }

@@ -26,7 +26,7 @@ struct SweepOptions {
   int watch = 0;            ///< coordinate
   double tolerance = 1e-8;  ///< relative
   std::vector<std::string> metrics;
-  double stick_threshold = 0.1;      ///< of a slider's metrics
+  double stick_threshold = 0.1;      ///< of the metrics
   cycles::LyapunovOptions lyapunov;  ///< of that metric of structures
   int threads = 1;
 };
@@ -63,8 +63,5 @@ struct SweepHooks {
 /// result does not depend on the number of threads. Asked to stop, it ends "interrupted" with the values that are done.
 /// \throws InputError for unknown metrics, and where the drive has no period
 Sweep sweep(const std::function<motion::StructureModel(double)>&, const SweepOptions&, const SweepHooks& = {});
-
-/// Metrics of a slider under a constant drive, by the search for its cycle at each value.
-Sweep sweep_of_slider(const Model&, const SweepOptions&, const SweepHooks& = {});
 
 }  // namespace rosin::analysis::planes

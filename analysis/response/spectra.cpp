@@ -1,42 +1,17 @@
 /// Welch's method on FFTW, segment by segment.
 #include "analysis/response/spectra.hpp"
 
-#include <fftw3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <numbers>
 
 #include "core/error.hpp"
+#include "core/fourier.hpp"
 #include "core/parameters.hpp"
 
 namespace rosin::analysis::response {
-
-namespace {
-
-std::mutex planner;  // FFTW plans are made one at a time
-
-/// Periodic windows.
-std::vector<double> window_values(const std::string& name, int n) {
-  std::vector<double> w(static_cast<std::size_t>(n), 1.0);
-  for (int i = 0; i < n; ++i) {
-    const double x = 2 * std::numbers::pi * i / n;
-    if (name == "hann")
-      w[std::size_t(i)] = 0.5 - 0.5 * std::cos(x);
-    else if (name == "blackman-harris")  // F. J. Harris, Proc. IEEE 66, 51-83, 1978: four terms, −92 dB
-      w[std::size_t(i)] = 0.35875 - 0.48829 * std::cos(x) + 0.14128 * std::cos(2 * x) - 0.01168 * std::cos(3 * x);
-  }
-  return w;
-}
-
-}  // namespace
-
-const std::vector<std::string>& window_names() {
-  static const std::vector<std::string> names = {"hann", "blackman-harris", "rectangular"};
-  return names;
-}
 
 struct CrossSpectra::Work {
   int channels, segment, hop;
@@ -49,9 +24,10 @@ struct CrossSpectra::Work {
   std::vector<double> lowest_mean, highest_mean, mean_sum, square_sum;
   long segments = 0, samples = 0, used = 0;
   bool overlaps = false;  ///< the next segment, with the one before it
-  double* time = nullptr;
-  std::vector<fftw_complex*> transformed;
-  fftw_plan plan = nullptr;
+  RealTransform transform;
+  std::vector<std::vector<std::complex<double>>> transformed;  ///< [channel][bin]
+
+  explicit Work(int length) : segment(length), transform(length) {}
 
   int bins() const { return segment / 2 + 1; }
 
@@ -72,9 +48,10 @@ struct CrossSpectra::Work {
       for (std::size_t i = 0; i < count; ++i) {
         const double left = x[i] - mean - slope * (double(i) - middle);
         squares += left * left;
-        time[i] = left * window[i];
+        transform.record()[i] = left * window[i];
       }
-      fftw_execute_dft_r2c(plan, time, transformed[k]);
+      const auto bins = transform();
+      transformed[k].assign(bins.begin(), bins.end());
       square_sum[k] += squares / double(count);
       mean_sum[k] += mean;
       lowest_mean[k] = std::min(lowest_mean[k], mean);
@@ -84,9 +61,8 @@ struct CrossSpectra::Work {
     for (int i = 0; i < channels; ++i)
       for (int j = i; j < channels; ++j) {
         auto* sum = sums.data() + std::size_t(i * channels + j) * n;
-        const auto *a = transformed[std::size_t(i)], *b = transformed[std::size_t(j)];
-        for (std::size_t k = 0; k < n; ++k)
-          sum[k] += std::complex<double>(a[k][0] * b[k][0] + a[k][1] * b[k][1], a[k][0] * b[k][1] - a[k][1] * b[k][0]);
+        const auto &a = transformed[std::size_t(i)], &b = transformed[std::size_t(j)];
+        for (std::size_t k = 0; k < n; ++k) sum[k] += std::conj(a[k]) * b[k];
       }
     ++segments;
     used += overlaps ? hop : segment;
@@ -94,20 +70,19 @@ struct CrossSpectra::Work {
   }
 };
 
-CrossSpectra::CrossSpectra(int channels, const WelchOptions& options) : work_(std::make_unique<Work>()) {
+CrossSpectra::CrossSpectra(int channels, const WelchOptions& options) {
   if (options.segment < 16)
     throw InputError(
         fmt::format("a segment of {} samples is too short: at least 16 are needed; ask for a finer "
                     "resolution",
                     options.segment));
   require(options.overlap, {0, 0.9}, "overlap", "of neighbouring segments", "1");
-  if (std::ranges::find(window_names(), options.window) == window_names().end())
-    throw InputError(fmt::format("unknown window '{}'", options.window));
+  const auto window = window_values(options.window, options.segment);
+  work_ = std::make_unique<Work>(options.segment);
   auto& w = *work_;
   w.channels = channels;
-  w.segment = options.segment;
   w.hop = std::max(1, int(std::lround(options.segment * (1 - options.overlap))));
-  w.window = window_values(options.window, options.segment);
+  w.window = window;
   for (const double x : w.window) w.power += x * x;
   const auto count = std::size_t(channels), n = std::size_t(w.bins());
   w.pending.resize(count);
@@ -119,19 +94,10 @@ CrossSpectra::CrossSpectra(int channels, const WelchOptions& options) : work_(st
   w.highest_mean.assign(count, -infinity);
   w.mean_sum.assign(count, 0);
   w.square_sum.assign(count, 0);
-  const std::lock_guard lock(planner);
-  w.time = fftw_alloc_real(std::size_t(w.segment));
-  for (int c = 0; c < channels; ++c) w.transformed.push_back(fftw_alloc_complex(n));
-  w.plan = fftw_plan_dft_r2c_1d(w.segment, w.time, w.transformed.front(), FFTW_ESTIMATE);
+  w.transformed.resize(count);
 }
 
-CrossSpectra::~CrossSpectra() {
-  if (!work_) return;
-  const std::lock_guard lock(planner);
-  fftw_destroy_plan(work_->plan);
-  fftw_free(work_->time);
-  for (auto* list : work_->transformed) fftw_free(list);
-}
+CrossSpectra::~CrossSpectra() = default;
 
 CrossSpectra::CrossSpectra(CrossSpectra&&) noexcept = default;
 

@@ -14,11 +14,8 @@ namespace rosin::analysis::response {
 struct WelchOptions {
   int segment = 1024;           ///< samples of one segment
   double overlap = 0.5;         ///< of neighbouring segments, 0 … 0.9
-  std::string window = "hann";  ///< "hann", "blackman-harris" or "rectangular"
+  std::string window = "hann";  ///< one of window_names() (core/fourier.hpp)
 };
-
-/// Names of windows.
-const std::vector<std::string>& window_names();
 
 class CrossSpectra {
  public:

@@ -124,19 +124,32 @@ struct Assembly {
     return p;
   }
 
-  /// Dynamic stiffness of the structure with its contacts at s.
-  ComplexMatrix stiffness(Complex s, bool with_contacts) const {
+  /// Dynamic stiffness at s of the structure whose contacts press and slide without friction.
+  ComplexMatrix without_friction(Complex s) const {
     ComplexMatrix D = s * s * M.cast<Complex>() + s * C.cast<Complex>() + K.cast<Complex>();
-    if (!with_contacts) return D;
-    const Complex Z = response.tangential(s), Y = response.normal(s);
-    for (const auto& [t, direction, pressed] : contacts) {
-      const ComplexMatrix tangential = t.cast<Complex>(), pressing = direction.cast<Complex>();
-      // F = −Z s tᵀx + Y N, N = (k_n + c_n s) nᵀx − lift s tᵀx; on the structure t F − n N
-      const ComplexMatrix N = (normal.stiffness + normal.damping * s) * pressing.transpose() -
-                              (pressed ? normal.lift : 0.0) * s * tangential.transpose();
-      D += tangential * (Z * s * tangential.transpose() - Y * N) + pressing * N;
+    for (const auto& contact : contacts) {
+      const ComplexMatrix pressing = contact.normal.cast<Complex>();
+      D += pressing * ((normal.stiffness + normal.damping * s) * pressing.transpose());
     }
     return D;
+  }
+  /// The same with friction, Z = δF/δv as given: a measured one, or the law's.
+  ComplexMatrix stiffness(Complex s, Complex Z) const {
+    ComplexMatrix D = without_friction(s);
+    const Complex Y = response.normal(s);
+    for (const auto& [t, direction, pressed] : contacts) {
+      const ComplexMatrix tangential = t.cast<Complex>(), pressing = direction.cast<Complex>();
+      // F = −Z s tᵀx + Y N, N = (k_n + c_n s) nᵀx + lift, lift = −lift s tᵀx; on the structure t F − n N
+      const ComplexMatrix lift = (pressed ? -normal.lift : 0.0) * s * tangential.transpose();
+      const ComplexMatrix N = (normal.stiffness + normal.damping * s) * pressing.transpose() + lift;
+      D += tangential * (Z * s * tangential.transpose() - Y * N) + pressing * lift;
+    }
+    return D;
+  }
+  ComplexMatrix stiffness(Complex s) const { return stiffness(s, response.tangential(s)); }
+  /// 1 + L: what friction makes of the determinant; 1 + s Z H of one contact under a steady load.
+  Complex distance(Complex s, Complex Z) const {
+    return without_friction(s).partialPivLu().solve(stiffness(s, Z)).determinant();
   }
 };
 
@@ -287,7 +300,7 @@ ClosedLoop close_loop(const Structure& structure, const Model& model, const std:
   const int n = assembly.n;
   const auto characteristic = [&](double omega) {
     const Complex s(0, omega);
-    return (assembly.M.partialPivLu().solve(Matrix::Identity(n, n)).cast<Complex>() * assembly.stiffness(s, true))
+    return (assembly.M.partialPivLu().solve(Matrix::Identity(n, n)).cast<Complex>() * assembly.stiffness(s))
                .determinant() /
            std::pow(s + reference, 2 * n);
   };
@@ -323,9 +336,8 @@ ClosedLoop close_loop(const Structure& structure, const Model& model, const std:
     result.margin = infinity;
     for (const double omega : grid) {
       if (omega == 0) continue;
-      const Complex open = assembly.stiffness({0, omega}, false).determinant();
-      const Complex closed = assembly.stiffness({0, omega}, true).determinant();
-      const double distance = std::abs(closed / open);  // = |1 + L| of the one loop
+      const Complex s(0, omega);
+      const double distance = std::abs(assembly.distance(s, assembly.response.tangential(s)));
       if (distance < result.margin) result.margin = distance, result.margin_frequency = omega;
     }
   }
@@ -482,26 +494,67 @@ Uncertainty propagate(const SlidingStructure& sliding, const std::vector<Uncerta
   return result;
 }
 
-TableLoop close_table(const std::vector<double>& frequency, const std::vector<Complex>& friction,
-                      const std::vector<Complex>& receptance) {
-  if (frequency.size() != friction.size() || frequency.size() != receptance.size() || frequency.size() < 3)
-    throw InputError("friction and receptance must be given at the same three frequencies or more");
+std::vector<Complex> friction_loop(const Structure& structure, const Model& model,
+                                   const std::optional<NormalContact>& normal, const std::vector<double>& frequency,
+                                   const std::vector<Complex>& friction) {
+  const Assembly assembly(structure, model, normal);
+  std::vector<Complex> loop;
+  for (std::size_t k = 0; k < frequency.size(); ++k) {
+    const Complex s(0, 2 * std::numbers::pi * frequency[k]);
+    loop.push_back(assembly.distance(s, friction.empty() ? assembly.response.tangential(s) : friction[k]) - 1.0);
+  }
+  return loop;
+}
+
+TableLoop close_table(const std::vector<double>& frequency, const std::vector<Complex>& loop) {
+  if (frequency.size() != loop.size() || frequency.size() < 3)
+    throw InputError("friction or receptance must be given at three frequencies or more");
   TableLoop result;
   result.margin = infinity;
   double angle = 0;
   for (std::size_t k = 0; k < frequency.size(); ++k) {
-    const Complex L = Complex(0, 2 * std::numbers::pi * frequency[k]) * friction[k] * receptance[k];
-    result.loop.push_back(L);
-    const double distance = std::abs(1.0 + L);
+    const double distance = std::abs(1.0 + loop[k]);
     if (distance < result.margin) result.margin = distance, result.margin_frequency = frequency[k];
     if (k == 0) continue;
-    const double step = std::arg((1.0 + L) / (1.0 + result.loop[k - 1]));
+    const double step = std::arg((1.0 + loop[k]) / (1.0 + loop[k - 1]));
     angle += step;
     if (std::abs(step) > std::numbers::pi / 2) result.resolved = false;
   }
   result.turns = angle / (2 * std::numbers::pi);
   result.unstable = std::max(0, int(std::lround(-angle / std::numbers::pi)));
   return result;
+}
+
+std::vector<CriticalValue> critical_values(const std::function<TableLoop(double)>& at, double low, double high,
+                                           int points) {
+  std::vector<CriticalValue> found;
+  // Halves the interval between a value for which `is_first` holds and one for which it does not.
+  const auto divide = [&](double& first, double& second, const auto& is_first) {
+    constexpr int halvings = 40;
+    for (int i = 0; i < halvings; ++i) {
+      const double middle = 0.5 * (first + second);
+      (is_first(at(middle)) ? first : second) = middle;
+    }
+  };
+  const auto resolved = [](const TableLoop& loop) { return loop.resolved; };
+  double before = low;
+  TableLoop before_loop = at(low);
+  for (int i = 1; i <= points; ++i) {
+    const double now = i == points ? high : low * std::pow(high / low, double(i) / points);
+    const TableLoop loop = at(now);
+    if (loop.unstable != before_loop.unstable) {
+      double first = before, second = now;
+      divide(first, second, [&](const TableLoop& there) { return there.unstable == before_loop.unstable; });
+      // Next to the crossing the loop passes −1 between two frequencies: there the count is not to be relied on.
+      double left = before, right = now, inner = first, outer = second;
+      if (before_loop.resolved) divide(left, inner, resolved);
+      if (loop.resolved) divide(right, outer, resolved);
+      found.push_back({second, 2 * std::numbers::pi * at(second).margin_frequency,
+                       std::max({second - left, right - second, second - first})});
+    }
+    before = now, before_loop = loop;
+  }
+  return found;
 }
 
 }  // namespace rosin::analysis::response

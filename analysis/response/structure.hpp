@@ -82,7 +82,7 @@ struct ClosedLoop {
   /// Turns of the characteristic function as iω runs up the axis (Mikhailov's form of Nyquist's criterion); −1 where
   /// an eigenvalue is so near the axis that the turns cannot be counted.
   int unstable_by_nyquist = 0;
-  /// Of a single contact: least |1 + s Z H| over frequency, and where (rad/s). NaN for several contacts.
+  /// Of a single contact: least |1 + L| over frequency (friction_loop), and where (rad/s). NaN for several contacts.
   double margin = 0, margin_frequency = 0;
 };
 
@@ -126,16 +126,26 @@ Uncertainty propagate(const SlidingStructure&, const std::vector<Uncertain>&, in
 Uncertainty propagate(const SlidingStructure&, const std::vector<Uncertain>&, int samples, std::uint64_t seed,
                       const std::function<Drawn(const SlidingStructure&, int sample)>&);
 
-/// Nyquist on tables at the same frequencies: loop iω Z H, measured or predicted. Nothing is interpolated: where the
-/// phase of 1 + L turns by more than a quarter from one frequency to the next the count is not to be relied on.
+/// Loop L of friction at these frequencies (Hz): 1 + L = det D/det D₀, D the structure's dynamic stiffness and D₀ that
+/// of contacts which press and slide without friction; iω Z H of one contact under a steady load. `friction`: measured
+/// Z of every contact, N s/m; empty: the model's. What load does to friction is the model's.
+std::vector<std::complex<double>> friction_loop(const Structure&, const Model&, const std::optional<NormalContact>&,
+                                                const std::vector<double>& frequency,
+                                                const std::vector<std::complex<double>>& friction = {});
+
+/// Nyquist on a table of the loop L. Nothing is interpolated: where the phase of 1 + L turns by more than a quarter
+/// from one frequency to the next the count is not to be relied on.
 struct TableLoop {
-  std::vector<std::complex<double>> loop;
-  double turns = 0;  ///< of 1 + L about 0 along the table; −½ for each pair of unstable roots between its ends
+  double turns = 0;  ///< of 1 + L about 0 along the table; −1 for each pair of unstable roots between its ends
   int unstable = 0;  ///< roots in the right half-plane, in pairs, if the table's ends enclose them
   bool resolved = true;
   double margin = 0, margin_frequency = 0;  ///< least |1 + L|, and where (Hz)
 };
-TableLoop close_table(const std::vector<double>& frequency, const std::vector<std::complex<double>>& friction,
-                      const std::vector<std::complex<double>>& receptance);
+TableLoop close_table(const std::vector<double>& frequency, const std::vector<std::complex<double>>& loop);
+
+/// Values at which the count of unstable roots changes, of a loop by tables at each value. The error is the range of
+/// values for which the table does not resolve the loop.
+std::vector<CriticalValue> critical_values(const std::function<TableLoop(double value)>&, double low, double high,
+                                           int points = 60);
 
 }  // namespace rosin::analysis::response

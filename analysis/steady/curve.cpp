@@ -16,6 +16,12 @@ double logarithmic_slope(const FrictionLaw& law, double v, double normal_load) {
 }
 }  // namespace
 
+std::vector<double> steady_curve(const FrictionLaw& law, const std::vector<double>& slip_rates, double normal_load) {
+  std::vector<double> friction;
+  for (const double v : slip_rates) friction.push_back(law.steady_friction({v, normal_load}).friction);
+  return friction;
+}
+
 std::vector<Extremum> steady_extrema(const FrictionLaw& law, double low, double high, double normal_load) {
   require(low, {1e-300, 1e300}, "curve.from", "lowest slip rate", "m/s");
   require(high, {low, 1e300}, "curve.to", "highest slip rate", "m/s");

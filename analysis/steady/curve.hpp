@@ -6,6 +6,9 @@
 
 namespace rosin::analysis::steady {
 
+/// μ_ss at each of these slip rates (m/s).
+std::vector<double> steady_curve(const FrictionLaw&, const std::vector<double>& slip_rates, double normal_load);
+
 struct Extremum {
   bool maximum;      ///< else minimum
   double slip_rate;  ///< m/s

@@ -26,6 +26,17 @@ struct Estimate {
   VectorXcd vector;
 };
 
+/// How many to follow so that none is left out whose modulus is that of the last: modes that merge grow and decay with
+/// one frequency, and rounding would choose between them.
+std::size_t whole_window(const std::vector<Estimate>& ascending, int count) {
+  constexpr double alike = 1.01;
+  std::size_t size = std::min(ascending.size(), std::size_t(count));
+  while (size > 0 && size < ascending.size() &&
+         std::abs(ascending[size].eigenvalue) < alike * std::abs(ascending[std::size_t(count) - 1].eigenvalue))
+    ++size;
+  return size;
+}
+
 /// Eigenvalues of smallest modulus with Im λ ≥ 0, by Arnoldi's method for 1/λ on (x, λx/ω): a step solves
 /// −K x₁ = ω M b + C a, and x₂ = a/ω for (a, b).
 std::vector<Estimate> from_krylov_space(const QuadraticPencil& pencil, int count) {
@@ -69,11 +80,11 @@ std::vector<Estimate> from_krylov_space(const QuadraticPencil& pencil, int count
     if (const Complex value = 1.0 / pairs.values[k]; value.imag() >= 0 && std::isfinite(std::abs(value)))
       values.emplace_back(value, k);
   std::ranges::sort(values, {}, [](const auto& value) { return std::abs(value.first); });
-  // One more than asked for, which may be close to the last.
-  values.resize(std::min(values.size(), std::size_t(count) + 1));
   std::vector<Estimate> found;
   for (const auto& [value, k] : values)
     found.push_back({value, (V.topLeftCorner(n, size) * pairs.vectors.col(k)).normalized()});
+  // One more, which tells how far the last is known.
+  found.resize(std::min(found.size(), whole_window(found, count) + 1));
   return found;
 }
 
@@ -130,7 +141,7 @@ std::vector<PencilMode> lowest_modes(const QuadraticPencil& pencil, int count) {
   const auto left = from_krylov_space({pencil.M.transpose(), pencil.C.transpose(), pencil.K.transpose()}, count);
   const TwoSided two_sided(pencil);
   std::vector<PencilMode> modes;
-  for (std::size_t k = 0; k < right.size() && int(modes.size()) < count; ++k) {
+  for (std::size_t k = 0; k < whole_window(right, count); ++k) {
     const auto& [eigenvalue, vector] = right[k];
     const auto& other =
         *std::ranges::min_element(left, {}, [&](const Estimate& e) { return std::abs(e.eigenvalue - eigenvalue); });

@@ -93,7 +93,8 @@ class Sliding {
   static VectorXd solve(const Sparse& A, const VectorXd& b) {
     const Eigen::SparseLU<Sparse> lu(A);
     if (lu.info() != Eigen::Success)
-      throw InputError("K has no inverse: a structure that no spring holds has no steady sliding (stiffness, N/m)");
+      throw oscillators::NoSteadySliding(
+          "K has no inverse: a structure that no spring holds has no steady sliding (stiffness, N/m)");
     return lu.solve(b);
   }
 
@@ -118,7 +119,8 @@ VectorXd steady_sliding(const Structure& structure, const StationForces& contact
     }
     part /= 4;
     if (part < least_part)
-      throw InputError(fmt::format("no steady sliding was found with more than {:.3g} of the friction", reached));
+      throw oscillators::NoSteadySliding(
+          fmt::format("no steady sliding was found with more than {:.3g} of the friction", reached));
   }
   return q;
 }
@@ -130,6 +132,8 @@ StructureStability lowest_modes_of_sliding(const Structure& moving, int count) {
   const VectorXd q = steady_sliding(structure, contacts);
   StructureStability result;
   result.coordinates.assign(q.begin(), q.end());
+  const VectorXd inertia = structure.M.diagonal();
+  result.inertia.assign(inertia.begin(), inertia.end());
   const Sparse& B = contacts.rows();
   StationForces::Forces forces;
   contacts.evaluate(0, B * q, VectorXd::Zero(B.rows()), forces);

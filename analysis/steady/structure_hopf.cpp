@@ -2,6 +2,7 @@
 #include "analysis/steady/structure_hopf.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -95,15 +96,14 @@ class Expansion {
 
 }  // namespace
 
-std::optional<StructureHopf> hopf_at(const std::function<oscillators::Structure(double)>& structure_at,
-                                     const Crossing& crossing) {
-  const double omega = crossing.angular_frequency;
+std::optional<NormalFormCoefficient> normal_form(const oscillators::Structure& structure, Complex eigenvalue) {
+  const double omega = std::abs(eigenvalue.imag());
   if (!(omega > 0)) return std::nullopt;
-  Expansion at(structure_at(crossing.value));
+  Expansion at(structure);
   const int n = at.n;
   const MatrixXcd M = at.mass.asDiagonal().toDenseMatrix().cast<Complex>(), J = at.J.cast<Complex>();
-  // Null vectors of J − iωM by inverse iteration, columns in their scales and rows in their own sizes.
-  MatrixXcd K = (J - Complex(0, omega) * M) * at.scale.cast<Complex>().asDiagonal();
+  // Null vectors of J − sM by inverse iteration, columns in their scales and rows in their own sizes.
+  MatrixXcd K = (J - eigenvalue * M) * at.scale.cast<Complex>().asDiagonal();
   VectorXd row_size(n);
   for (int i = 0; i < n; ++i) {
     row_size[i] = std::max(K.row(i).cwiseAbs().maxCoeff(), 1e-300);
@@ -138,19 +138,32 @@ std::optional<StructureHopf> hopf_at(const std::function<oscillators::Structure(
     VectorXcd cubic(n);  // C(q, q, q̄)
     cubic.real() = rrr + (sum + difference - 2 * rrr) / 6;
     cubic.imag() = (sum - difference - 2 * iii) / 6 + iii;
-    const VectorXcd h11 = -J.partialPivLu().solve(bilinear(q, q.conjugate()));
-    const VectorXcd h20 = (Complex(0, 2 * omega) * M - J).partialPivLu().solve(bilinear(q, q));
+    const VectorXcd h11 = (2 * eigenvalue.real() * M - J).partialPivLu().solve(bilinear(q, q.conjugate()));
+    const VectorXcd h20 = (2.0 * eigenvalue * M - J).partialPivLu().solve(bilinear(q, q));
     return 0.5 * p.dot(cubic + 2 * bilinear(q, h11) + bilinear(q.conjugate(), h20)).real();
   };
   constexpr double widest = 0.15, rounding = 1e-10;
   const double c1 = coefficient(widest), error = std::abs(c1 - coefficient(widest / 1.5));
-  StructureHopf hopf{Criticality::degenerate, c1 / omega, error / omega + rounding, 0};
-  if (!std::isfinite(c1) || !(std::abs(hopf.first_lyapunov_coefficient) > hopf.error)) return hopf;
-  hopf.criticality = c1 < 0 ? Criticality::supercritical : Criticality::subcritical;
+  return NormalFormCoefficient{c1 / omega, error / omega + rounding};
+}
+
+std::optional<StructureHopf> hopf_at(const std::function<oscillators::Structure(double)>& structure_at,
+                                     const Crossing& crossing) {
+  const Complex at_crossing(0, crossing.angular_frequency);
+  const auto form = normal_form(structure_at(crossing.value), at_crossing);
+  if (!form) return std::nullopt;
+  StructureHopf hopf{Criticality::degenerate, form->value, form->error, 0};
+  if (!(std::abs(form->value) > form->error)) return hopf;
+  hopf.criticality = form->value < 0 ? Criticality::supercritical : Criticality::subcritical;
   const double aside = 1e-5 * std::max(std::abs(crossing.value), 1e-300);
-  const auto growth = [&](double value) { return stability(structure_at(value)).modes.front().growth_rate(); };
+  const auto growth = [&](double value) {
+    const auto modes = stability(structure_at(value)).modes;
+    return std::ranges::min_element(modes, {},
+                                    [&](const auto& mode) { return std::abs(mode.eigenvalue - at_crossing); })
+        ->growth_rate();
+  };
   const double slope = (growth(crossing.value + aside) - growth(crossing.value - aside)) / (2 * aside);
-  hopf.amplitude = std::sqrt(std::abs(slope / c1));
+  hopf.amplitude = std::sqrt(std::abs(slope / (form->value * crossing.angular_frequency)));
   return hopf;
 }
 

@@ -1,5 +1,6 @@
 /// Whether a structure's vibration sets in softly or with a jump, where steady sliding loses its stability.
 #pragma once
+#include <complex>
 #include <functional>
 #include <optional>
 
@@ -17,6 +18,14 @@ struct StructureHopf {
   /// and criticality go so, else below. 0: degenerate.
   double amplitude;
 };
+
+/// Re c₁/|ω| as above, and its error.
+struct NormalFormCoefficient {
+  double value, error;
+};
+/// Of the mode with that eigenvalue: exact in the sense of the normal form where Re s = 0, continued from there
+/// elsewhere, with s itself in its equations. Nothing where the pair is double or no slip moves with it.
+std::optional<NormalFormCoefficient> normal_form(const oscillators::Structure&, std::complex<double> eigenvalue);
 
 /// At a crossing of the structures along a parameter. Nothing where no pair of eigenvalues crosses by itself: where
 /// undamped modes merge, or a real one passes 0.

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "analysis/steady/verdict.hpp"
-#include "core/eigenpairs.hpp"
 
 namespace rosin::analysis::steady {
 
@@ -36,7 +35,25 @@ void require_sliding(const oscillators::Structure& structure) {
       throw InputError(fmt::format("contact {} is at rest, so that it has no steady sliding (speed, m/s)", j + 1));
 }
 
+namespace {
+
+void require_numbers(const std::vector<std::complex<double>>& eigenvalues) {
+  for (const auto& z : eigenvalues)
+    if (!std::isfinite(z.real()) || !std::isfinite(z.imag()))
+      throw InputError("the eigenvalues of steady sliding could not be computed here");
+}
+
+}  // namespace
+
+Spectrum spectrum_of_sliding(const MovingPart& part) {
+  if (!part.A.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
+  auto spectrum = spectrum_of(part.A);
+  require_numbers(spectrum.values);
+  return spectrum;
+}
+
 void conclude(StructureStability& result, double fastest_growth, double error) {
+  require_numbers(result.eigenvalues);
   std::ranges::stable_sort(result.modes, std::greater(), &ComplexMode::growth_rate);
   std::ranges::stable_sort(result.eigenvalues, std::greater(), [](auto z) { return z.real(); });
   result.marginal = std::abs(fastest_growth) <= error;
@@ -60,14 +77,16 @@ StructureStability stability(const oscillators::Structure& moving) {
 
   StructureStability result;
   result.coordinates.assign(y.begin(), y.begin() + n);
+  const VectorXd inertia = structure.M.diagonal();
+  result.inertia.assign(inertia.begin(), inertia.end());
   std::vector<double> force(system.friction_contacts());
   system.friction_forces(0, y.data(), force.data());
   for (int j = 0; j < system.friction_contacts(); ++j)
     result.contacts.push_back({system.normal_load(j, 0, y.data()), force[j], system.slip_rate(j, 0, y.data())});
 
   const auto part = moving_part(J, mass, scale);
+  const Spectrum spectrum = spectrum_of_sliding(part);
   const Eigenpairs pairs = eigenpairs(part.A, true);
-  const Spectrum spectrum = spectrum_of(part.A);
   double most = -infinity, error_of_most = 0;
   for (Eigen::Index k = 0; k < pairs.values.size(); ++k) {
     // The spectrum's own value, whose error is known.

@@ -1,5 +1,7 @@
 /// Steady sliding of a structure, and its complex modes: is it stable, and what grows.
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <complex>
 #include <vector>
 
@@ -15,10 +17,13 @@ struct ComplexMode {
   double frequency() const;                 ///< Hz
   double growth_rate() const { return eigenvalue.real(); }
   double damping_ratio() const;  ///< −Re s/|s|
+  bool grows() const { return growth_rate() > error; }
+  bool is_neutral() const { return std::abs(growth_rate()) <= error; }
 };
 
 struct StructureStability {
   std::vector<double> coordinates;  ///< of steady sliding, m
+  std::vector<double> inertia;      ///< of the coordinates, by which shapes are compared (kg)
   struct Contact {
     double normal_load, friction_force, slip_rate;  ///< N, N, m/s
   };
@@ -27,6 +32,7 @@ struct StructureStability {
   std::vector<std::complex<double>> eigenvalues;
   bool stable = false;
   bool marginal = false;  ///< growth is 0 within its error, as of undamped structures
+  int unstable_modes() const { return int(std::ranges::count_if(modes, &ComplexMode::grows)); }
 };
 
 /// With drives that stand still, at their levels.

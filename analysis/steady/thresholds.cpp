@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
-#include <map>
+#include <limits>
 #include <span>
-
-#include "core/stop.hpp"
 
 namespace rosin::analysis::steady {
 
@@ -74,12 +73,32 @@ void continue_from_growth(const LeadingAt& at, double edge, double reach, Crossi
   if (!std::isfinite(crossing.error)) crossing.error = std::sqrt(rounding) * size;
 }
 
+/// Around a value without steady sliding, as where friction locks the structure: closes in on it from both sides.
+void close_in(const LeadingAt& at, Point& calm, Point& growing, double lost) {
+  constexpr int most = 60;
+  for (Point* side : {&calm, &growing}) {
+    double far = lost;
+    for (int i = 0; i < most; ++i) {
+      const double next = 0.5 * (side->value + far);
+      if (next == side->value || next == far) break;
+      const Point point{next, at(next)};
+      if (std::isnan(point.leading.growth))
+        far = next;
+      else if ((point.leading.growth > 0) == (side == &growing))
+        *side = point;
+      else
+        break;
+    }
+  }
+}
+
 /// Between a value where nothing grows and one where something does.
 Crossing locate(const LeadingAt& at, Point calm, Point growing) {
   const bool neutral = calm.leading.is_neutral();
-  const double reach = growing.value;
+  const double reach = growing.value, low = std::min(calm.value, reach), high = std::max(calm.value, reach);
   // By the growth rates, and by halves where they do not help, until the two are neighbours.
   constexpr int most = 200;
+  bool lost = false;
   for (int i = 0; i < most; ++i) {
     const double width = std::abs(growing.value - calm.value);
     if (width <= rounding * std::max(std::abs(growing.value), std::abs(calm.value))) break;
@@ -93,44 +112,44 @@ Crossing locate(const LeadingAt& at, Point calm, Point growing) {
       next = 0.5 * (calm.value + growing.value);
     if (next == calm.value || next == growing.value) break;
     Point point{next, at(next)};
+    if (std::isnan(point.leading.growth)) {
+      close_in(at, calm, growing, next);
+      lost = true;
+      break;
+    }
     const bool above = neutral ? point.leading.grows() : point.leading.growth > 0;
     (above ? growing : calm) = std::move(point);
   }
   Crossing crossing{};
   crossing.onset = growing.value > calm.value;
   crossing.angular_frequency = growing.leading.angular_frequency;
-  if (neutral) {
+  if (neutral && !lost) {
     continue_from_growth(at, growing.value, reach, crossing);
     return crossing;
   }
   crossing.value = 0.5 * (calm.value + growing.value);
+  crossing.error = std::abs(growing.value - calm.value) + rounding * std::abs(crossing.value);
+  if (lost) return crossing;
   // What the error of the rate leaves open, by the slope of the rate.
-  const double size = std::max(std::abs(crossing.value), 1e-300), aside = 1e-6 * size;
-  const double slope = (at(crossing.value + aside).growth - at(crossing.value - aside).growth) / (2 * aside);
-  crossing.error = std::abs(growing.value - calm.value) + growing.leading.error / std::abs(slope) + rounding * size;
+  const double aside = 1e-6 * std::max(std::abs(crossing.value), 1e-300);
+  const double below = std::max(crossing.value - aside, low), above = std::min(crossing.value + aside, high);
+  const double slope = (at(above).growth - at(below).growth) / (above - below);
+  constexpr double entries = 4;  // whose own rounding, by the derivatives of laws, the error of the rate leaves out
+  crossing.error += entries * growing.leading.error / std::abs(slope);
   return crossing;
-}
-
-/// Continues each branch of eigenvalues to the nearest of the next ones.
-std::vector<std::complex<double>> in_order_of(const std::vector<std::complex<double>>& before,
-                                              std::vector<std::complex<double>> now) {
-  std::vector<std::complex<double>> ordered;
-  for (const auto& z : before) {
-    if (now.empty()) break;
-    const auto nearest = std::ranges::min_element(now, {}, [&](auto w) { return std::abs(w - z); });
-    ordered.push_back(*nearest);
-    now.erase(nearest);
-  }
-  ordered.insert(ordered.end(), now.begin(), now.end());
-  return ordered;
 }
 
 }  // namespace
 
+Crossing locate(const std::function<Leading(double)>& at, double calm, double growing) {
+  return locate(at, Point{calm, at(calm)}, Point{growing, at(growing)});
+}
+
 std::vector<Crossing> crossings(const std::function<Leading(double)>& at, const std::vector<double>& values) {
   std::vector<Crossing> found;
   std::vector<Point> points;
-  for (const double value : values) points.push_back({value, at(value)});
+  for (const double value : values)
+    if (const auto there = at(value); !std::isnan(there.growth)) points.push_back({value, there});
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const Leading &low = points[i].leading, &high = points[i + 1].leading;
     if (low.grows() != high.grows()) {
@@ -141,46 +160,21 @@ std::vector<Crossing> crossings(const std::function<Leading(double)>& at, const 
     if (low.grows() || i == 0 || low.growth < points[i - 1].leading.growth || low.growth < high.growth ||
         low.is_neutral() || points[i - 1].leading.grows())
       continue;
-    double left = points[i - 1].value, right = points[i + 1].value;
-    constexpr double golden = 0.6180339887498949;
-    for (int k = 0; k < 40; ++k) {
-      const double a = right - golden * (right - left), b = left + golden * (right - left);
-      const Point at_a{a, at(a)}, at_b{b, at(b)};
-      const bool falls = at_a.leading.growth > at_b.leading.growth;
-      if (const Point& higher = falls ? at_a : at_b; higher.leading.grows()) {
-        found.push_back(locate(at, points[i - 1], higher));
-        found.push_back(locate(at, points[i + 1], higher));
-        break;
-      }
-      (falls ? right : left) = falls ? b : a;
-    }
+    Point highest{0, {-infinity, 0, 0}};
+    std::uintmax_t most = 40;
+    boost::math::tools::brent_find_minima(
+        [&](double value) {
+          const Point here{value, at(value)};
+          if (here.leading.growth > highest.leading.growth) highest = here;
+          return -here.leading.growth;
+        },
+        points[i - 1].value, points[i + 1].value, std::numeric_limits<double>::digits / 2, most);
+    if (!highest.leading.grows()) continue;
+    found.push_back(locate(at, points[i - 1], highest));
+    found.push_back(locate(at, points[i + 1], highest));
   }
   std::ranges::sort(found, {}, &Crossing::value);
   return found;
-}
-
-Scan scan(const std::function<StructureStability(double)>& stability_at, std::vector<double> values) {
-  Scan result;
-  std::map<double, Leading> known;
-  const auto leading = [&](const StructureStability& stability) {
-    const auto& mode = stability.modes.front();
-    return Leading{mode.growth_rate(), mode.error, std::abs(mode.eigenvalue.imag())};
-  };
-  for (const double value : values) {
-    end_if_stopped();
-    const auto there = stability_at(value);
-    known[value] = leading(there);
-    result.eigenvalues.push_back(
-        result.eigenvalues.empty() ? there.eigenvalues : in_order_of(result.eigenvalues.back(), there.eigenvalues));
-  }
-  const auto at = [&](double value) {
-    const auto found = known.find(value);
-    return found != known.end() ? found->second : leading(stability_at(value));
-  };
-  for (const auto& crossing : crossings(at, values))
-    result.thresholds.push_back({crossing, stability_at(crossing.value)});
-  result.values = std::move(values);
-  return result;
 }
 
 }  // namespace rosin::analysis::steady

@@ -8,7 +8,7 @@
 
 namespace rosin::analysis::steady {
 
-/// The mode that grows fastest.
+/// The mode that grows fastest; NaN where there is no steady sliding.
 struct Leading {
   double growth, error;      ///< 1/s, and what rounding leaves of it
   double angular_frequency;  ///< rad/s; 0: divergence
@@ -34,13 +34,7 @@ struct Threshold : Crossing {
   StructureStability at;
 };
 
-struct Scan {
-  std::vector<double> values;                                  ///< of the parameter, ascending
-  std::vector<std::vector<std::complex<double>>> eigenvalues;  ///< [value]; each a branch from value to value
-  std::vector<Threshold> thresholds;                           ///< ascending
-};
-
-/// Stability at each of the values, ascending, and the thresholds between them.
-Scan scan(const std::function<StructureStability(double)>& stability_at, std::vector<double> values);
+/// The crossing between a value where a mode does not grow and one where it does.
+Crossing locate(const std::function<Leading(double)>&, double calm, double growing);
 
 }  // namespace rosin::analysis::steady

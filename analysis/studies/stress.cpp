@@ -651,11 +651,12 @@ StressReport stress(const StressOptions& options, const StressObservers& observe
     }
   }
 
+  // Of a suite that was stopped, the scenes before the first that is not done: behind it are those that took less time.
   StressReport report;
   for (long i = 0; i < options.scenes; ++i) {
     if (!done[std::size_t(i)]) {
       report.complete = false;
-      continue;
+      break;
     }
     const auto& judgement = judgements[std::size_t(i)];
     const auto count = [&](std::map<std::string, Tally>& table, const std::string& kind) {

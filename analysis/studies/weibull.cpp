@@ -2,9 +2,11 @@
 #include "analysis/studies/weibull.hpp"
 
 #include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "core/error.hpp"
@@ -121,7 +123,8 @@ WeibullLikelihood weibull_by_likelihood(std::span<const double> samples, double 
   for (const double y : prepared.y) powers += std::pow(y / largest, shape) / n;
   const double scale = largest * std::pow(powers, 1 / shape);
   // Fisher's information: var ln b = 6/(π² n), var ln θ = (1 + 6 (1 − γ)²/π²)/(n b²).
-  constexpr double normal = 1.959963984540054, euler = 0.57721566490153286;
+  constexpr double within = 0.95, euler = std::numbers::egamma;
+  const double normal = gsl_cdf_ugaussian_Pinv(0.5 + within / 2);
   const double share = 6 / (M_PI * M_PI), off = normal * std::sqrt(share / n);
   const double along = normal * std::sqrt((1 + share * (1 - euler) * (1 - euler)) / n) / shape;
   WeibullLikelihood result{as_sampled(prepared, threshold, shape, scale), {}, {}};

@@ -16,12 +16,15 @@ namespace rosin::app::imports {
 
 namespace {
 
-Value call(std::string_view, const std::vector<Argument>&, int) { return {Unknown{}}; }
+Script read(const std::string& path, std::string_view text) {
+  if (dialect_of(text) == Dialect::python) return read_python(path, text);
+  return read_matlab(path, text, [](std::string_view, const std::vector<Value>&, int) { return Value{}; });
+}
 
 class Translation {
  public:
   Translation(const std::string& path, std::string_view text)
-      : script_(path, text, dialect_of(text), call),
+      : script_(read(path, text)),
         scene_(fmt::format("{}, a spring-slider of EQcycle", path.substr(path.rfind('/') + 1))) {}
 
   SceneText scene() {
@@ -44,16 +47,22 @@ class Translation {
   /// The first of several names that the script gives.
   std::optional<Parameter> find(std::initializer_list<std::string_view> names) const {
     for (const auto name : names)
-      if (auto found = parameter(script_, script_.variables(), name, name)) return found;
+      if (auto found = parameter(script_, script_.variables, name, name)) return found;
     return std::nullopt;
   }
   Parameter need(std::initializer_list<std::string_view> names, std::string_view meaning) const {
     if (auto found = find(names)) return *found;
     throw InputError(fmt::format("{}: {} is not given ({})", script_.path(), *names.begin(), meaning));
   }
+  /// One on which nothing depends.
+  std::optional<Parameter> known(std::string_view name) const {
+    const auto found = script_.variables.slots.find(name);
+    const auto* value = found == script_.variables.slots.end() ? nullptr : found->second.value.as<double>();
+    return value ? std::optional(Parameter{*value, found->second.line, std::string(name)}) : std::nullopt;
+  }
   int line_of(std::initializer_list<std::string_view> names) const {
     for (const auto name : names)
-      if (const auto found = script_.variables().slots.find(name); found != script_.variables().slots.end())
+      if (const auto found = script_.variables.slots.find(name); found != script_.variables.slots.end())
         return found->second.line;
     return 0;
   }
@@ -86,7 +95,7 @@ class Translation {
       scene_.key("L", number(L.value), L.origin("m"));
       scene_.key("v0", number(V0.value), V0.origin("m/s, reference"));
       for (const char* name : {"mu_s", "mu_d", "mu_i"})
-        if (const auto unused = find({name}); unused && unused->name != mu0.name)
+        if (const auto unused = known(name); unused && unused->name != mu0.name)
           scene_.left_out(unused->origin().was, "of the other laws, for scales of pictures");
       return;
     }
@@ -101,18 +110,18 @@ class Translation {
     scene_.key("mu_s", number(mu_s.value), mu_s.origin("static friction"));
     scene_.key("mu_d", number(mu_d.value), mu_d.origin("dynamic friction"));
     scene_.key("d_c", number(D_c.value), D_c.origin("m"));
-    if (const auto least = find({"V_ei"}))
+    if (const auto least = known("V_ei"))
       scene_.left_out(least->origin("m/s").was, "below it EQcycle takes the block to stick; rosin's stick is exact");
   }
 
   /// theta of the start: theta_0, or the first of y_in in units of 1/A, as the scripts make it dimensionless.
   std::optional<Parameter> first_state() const {
     if (auto given = find({"theta_0", "theta0", "theta_in"})) return given;
-    const auto found = script_.variables().slots.find("y_in");
+    const auto found = script_.variables.slots.find("y_in");
     const auto A = find({"A"});
-    if (found == script_.variables().slots.end() || !A) return std::nullopt;
+    if (found == script_.variables.slots.end() || !A) return std::nullopt;
     const auto* list = found->second.value.as<std::shared_ptr<List>>();
-    const auto* first = list && (*list)->size() == 3 ? (*list)->front().as<double>() : nullptr;
+    const auto* first = list && (*list)->values.size() == 3 ? (*list)->values.front().as<double>() : nullptr;
     if (!first)
       script_.refuse(found->second.line, "gives y_in, of which the first, theta, is not understood; add theta_0 = …");
     return Parameter{A->value * *first, found->second.line, "A y_in(1)"};

@@ -22,6 +22,7 @@ std::optional<Parameter> parameter(const Script& script, const Record& record, s
   const auto& [value, line] = found->second;
   if (const auto* number = value.as<double>()) return Parameter{*number, line, std::string(shown)};
   if (const auto* vector = value.as<std::shared_ptr<Vector>>()) {
+    script.refuse((*vector)->changed);
     const auto& numbers = (*vector)->numbers;  // the same for all elements of a mesh
     if (!numbers.empty() && std::ranges::all_of(numbers, [&](double one) { return one == numbers.front(); }))
       return Parameter{numbers.front(), line, std::string(shown)};

@@ -24,18 +24,10 @@ constexpr std::array relations = {Relation{"DieterichState", "ageing", "two-stat
                                   Relation{"RuinaState", "slip", "two-state-slip"},
                                   Relation{"PrzState", "prz", nullptr}, Relation{"NagataState", "nagata", nullptr}};
 
-Value call(std::string_view name, const std::vector<Argument>&, int) {
-  const bool relation = std::ranges::any_of(relations, [&](const auto& one) { return name == one.name; });
-  if (!relation && name != "Model") return {Unknown{}};
-  auto record = std::make_shared<Record>();
-  record->type = name;
-  return {record};
-}
-
 class Translation {
  public:
   Translation(const std::string& path, std::string_view text)
-      : script_(path, text, Dialect::python, call),
+      : script_(read_python(path, text)),
         scene_(fmt::format("{}, a script for rsfmodel", path.substr(path.rfind('/') + 1))) {}
 
   SceneText scene() {
@@ -52,30 +44,24 @@ class Translation {
 
  private:
   void find_model() {
-    for (const auto& [name, slot] : script_.variables().slots) {
+    for (const auto& [name, slot] : script_.variables.slots) {
       const auto record = record_of(slot.value);
-      if (!record || (record->type != "Model" && !record->slots.contains("state_relations"))) continue;
+      if (!record || record->type != "Model") continue;
       if (model_ && model_ != record)
         script_.refuse(slot.line, fmt::format("is a second model beside '{}'; one scene is one model", model_name_));
       model_ = record, model_name_ = name;
     }
-    if (!model_) throw InputError(fmt::format("{}: holds no rsf.Model()", script_.path()));
+    if (!model_)
+      throw InputError(fmt::format("{}: holds no rsf.Model() outside of functions, which are not run", script_.path()));
     const std::array known = {"mu0", "a", "k", "v", "vref", "state_relations", "time", "loadpoint_velocity"};
     const std::set<std::string> results = {"results", "solver_info", "critical_times", "mu", "dmu_dt"};
-    refuse_changed(*model_);
+    script_.refuse(model_->changed);
     for (const auto& [name, slot] : model_->slots) {
       if (std::ranges::find(known, name) != known.end() || results.contains(name)) continue;
       const auto near = nearest_name(name, std::vector<std::string>(known.begin(), known.end()));
       script_.refuse(slot.line, fmt::format("names '{}', which a Model of rsfmodel has not{}", name,
                                             near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
     }
-  }
-
-  void refuse_changed(const Record& record) const {
-    if (record.handed_over > 0)
-      script_.refuse(record.handed_over,
-                     "may change the model in a way that is not followed, as no script is run; "
-                     "write its values as assignments");
   }
 
   Parameter of_model(std::string_view name, std::string_view meaning) const {
@@ -89,10 +75,11 @@ class Translation {
           fmt::format("{}: {}.state_relations is not given (which states friction has)", script_.path(), model_name_));
     relations_line_ = found->second.line;
     const auto* list = found->second.value.as<std::shared_ptr<List>>();
-    if (!list || (*list)->empty())
+    if (list) script_.refuse((*list)->changed);
+    if (!list || (*list)->values.empty())
       script_.refuse(relations_line_,
                      "needs a list of states, such as [state1], made by rsf.DieterichState() and others");
-    for (const auto& element : **list) {
+    for (const auto& element : (*list)->values) {
       const auto record = record_of(element);
       const auto relation =
           record ? std::ranges::find_if(relations, [&](const auto& one) { return record->type == one.name; })
@@ -102,14 +89,11 @@ class Translation {
             relations_line_,
             "names a state that is none of rsfmodel's own (DieterichState, RuinaState, PrzState, NagataState); "
             "a law of your own is a law from text in rosin, docs/formula-laws.md");
-      refuse_changed(*record);
-      std::string name = "state";
-      for (const auto& [variable, slot] : script_.variables().slots)
-        if (record_of(slot.value) == record) name = variable;
+      script_.refuse(record->changed);
       for (const auto& [key, slot] : record->slots)
         if (key != "b" && key != "Dc" && key != "c" && key != "state")
           script_.refuse(slot.line, fmt::format("names '{}', which a state of rsfmodel has not", key));
-      states_.push_back({name, record, &*relation});
+      states_.push_back({record->name.empty() ? "state" : record->name, record, &*relation});
     }
   }
 
@@ -172,9 +156,11 @@ class Translation {
       script_.refuse(line, fmt::format("gives {}, but {}", shown, unknown->why));
     std::vector<double> numbers;
     if (const auto* vector = value.as<std::shared_ptr<Vector>>()) {
+      script_.refuse((*vector)->changed);
       numbers = (*vector)->numbers;
     } else if (const auto* list = value.as<std::shared_ptr<List>>()) {
-      for (const auto& one : **list) numbers.push_back(one.as<double>() ? *one.as<double>() : NAN);
+      script_.refuse((*list)->changed);
+      for (const auto& one : (*list)->values) numbers.push_back(one.as<double>() ? *one.as<double>() : NAN);
     }
     if (numbers.size() < 2) script_.refuse(line, fmt::format("gives {}, which has to be two numbers or more", shown));
     for (const double one : numbers)

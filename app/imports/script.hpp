@@ -1,5 +1,6 @@
-/// Scripts in Python or MATLAB as a list of assignments: read, never run. Numbers, texts, vectors and the arithmetic of
-/// parameters are understood; whatever is not becomes an `Unknown`, which is refused only where its value is needed.
+/// Values that a script in Python or MATLAB gives to names, each with its line. Scripts are read and never run:
+/// numbers, texts, vectors and the arithmetic of parameters are understood; whatever is not becomes unknown, and is
+/// refused where its value is needed.
 #pragma once
 #include <functional>
 #include <map>
@@ -21,13 +22,19 @@ struct Value;
 struct Unknown {
   std::string why = "is not understood";
 };
-/// A vector; names of it share its numbers, as those of NumPy do.
+/// Where a statement may have changed an object unseen; line 0: nowhere.
+struct Changed {
+  int line = 0;
+  std::string why = {};
+};
 struct Vector {
   std::vector<double> numbers;
-  bool mask = false;                     ///< truth values, which choose elements
-  std::shared_ptr<Vector> part_of = {};  ///< the vector of which this is a slice, and changes with it
+  Changed changed = {};
 };
-using List = std::vector<Value>;
+struct List {
+  std::vector<Value> values;
+  Changed changed = {};
+};
 struct Value {
   std::variant<Unknown, double, std::string, std::shared_ptr<Vector>, std::shared_ptr<Record>, std::shared_ptr<List>>
       is;
@@ -44,37 +51,40 @@ struct Slot {
 };
 /// An object, a structure or a dictionary: values by name.
 struct Record {
-  std::string type;  ///< the function that made it, "DieterichState"; empty: a dictionary
-  std::map<std::string, Slot, std::less<>> slots;
-  int handed_over = 0;  ///< line at which a function that may have changed it was called; 0: none was
+  std::string type = {};  ///< the function that made it, "DieterichState"; empty: a dictionary
+  std::string name = {};  ///< the first variable that it was given to
+  std::map<std::string, Slot, std::less<>> slots = {};
+  Changed changed = {};
+  bool ran = false;  ///< made by a run, which takes the variables as they are
 };
 
-struct Argument {
-  std::string name;  ///< empty: by position
-  Value value;
-};
-/// What a function that a format knows returns; Unknown for any other. The object of a method comes first.
-using Call = std::function<Value(std::string_view name, const std::vector<Argument>&, int line)>;
+/// What a function of MATLAB that a format knows returns; Unknown for any other.
+using Call = std::function<Value(std::string_view name, const std::vector<Value>&, int line)>;
 
 class Script {
  public:
-  /// \param known variables that are there before the first line.
-  /// \throws InputError with file and line for text that cannot be divided into statements, or beyond all sizes.
-  Script(std::string path, std::string_view text, Dialect, Call call, Record known = {});
+  Script(std::string path, std::string_view text);
 
-  const Record& variables() const { return variables_; }
+  Record variables = {};
   const std::string& path() const { return path_; }
   /// A line of the text, trimmed.
   std::string line(int number) const;
   /// "script.py:7: 'model.k = stiffness()': " and why.
   [[noreturn]] void refuse(int line, std::string_view why) const;
+  void refuse(const Changed& changed) const {
+    if (changed.line > 0) refuse(changed.line, changed.why);
+  }
 
  private:
-  friend class Statements;
   std::string path_;
   std::vector<std::string> lines_;
-  Record variables_;
 };
+
+/// By Python's own parser, in a process that has little time and memory (python.py). \throws InputError with file and
+/// line for what is no Python or too much, or where there is no python3
+Script read_python(const std::string& path, std::string_view text);
+/// \throws InputError with file and line for a text or a bracket that does not end
+Script read_matlab(const std::string& path, std::string_view text, const Call&);
 
 /// The record that a value is, or nullptr.
 std::shared_ptr<Record> record_of(const Value&);

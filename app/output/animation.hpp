@@ -12,7 +12,7 @@ using Place = std::array<double, 2>;  ///< m, to the right and upwards
 
 struct Animation {
   std::string title;
-  std::vector<std::string> caption;               ///< lines below
+  std::vector<std::string> caption = {};          ///< lines below
   double left = 0, right = 1, low = 0, high = 1;  ///< m, what is shown
   double begin = 0, period = 1;                   ///< s
   double rough = 0;  ///< m: depth of the layer of roughness below the surface at height 0; the solid begins there
@@ -23,18 +23,18 @@ struct Animation {
     const char* style;
     std::vector<std::vector<std::vector<Place>>> frames;  ///< [frame][line]
   };
-  std::vector<Lines> lines;
+  std::vector<Lines> lines = {};
   struct Station {
     std::vector<Place> place;
     std::vector<analysis::motion::Touch> touch;
   };
-  std::vector<Station> stations;
+  std::vector<Station> stations = {};
   /// Drawn over the period, with a line that moves along.
   struct Curve {
     const char *name, *style;
     std::vector<double> values;
   };
-  std::vector<Curve> curves;
+  std::vector<Curve> curves = {};
   std::string curve_unit;
 };
 

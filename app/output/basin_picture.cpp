@@ -6,11 +6,15 @@
 #include <array>
 #include <cmath>
 
+#include "analysis/basins/basins.hpp"
 #include "app/output/caption.hpp"
+#include "app/output/digits.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/sheet.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/basin.hpp"
 
 namespace rosin::app::output {
 
@@ -18,7 +22,7 @@ namespace {
 
 using analysis::basins::Attractor;
 using analysis::basins::Basins;
-using scene::StartAxis;
+using tasks::StartAxis;
 
 /// Colours that differ in lightness, for the colour-blind and in grey (after Okabe & Ito); cycles take several.
 std::string colour_of(Attractor::Kind kind, std::size_t cycle) {
@@ -38,25 +42,25 @@ std::string colour_of(Attractor::Kind kind, std::size_t cycle) {
   return cycles[cycle % cycles.size()];
 }
 
-std::string title_of(const Basins::Basin& basin) {
-  const auto share = fmt::format("{:.1f} ± {:.1f} %", 100 * basin.share, 100 * basin.error);
+std::string title_of(const Basins::Basin& basin, bool has_share) {
+  const auto share = has_share ? fmt::format(", {} %", with_error(100 * basin.share, 100 * basin.error)) : "";
   switch (basin.attractor.kind) {
     case Attractor::Kind::steady:
-      return "steady sliding, " + share;
+      return "steady sliding" + share;
     case Attractor::Kind::rest:
-      return "rest, " + share;
+      return "rest" + share;
     case Attractor::Kind::escape:
-      return "grows without bound, " + share;
+      return "grows without bound" + share;
     case Attractor::Kind::irregular:
-      return "irregular, " + share;
+      return "irregular" + share;
     case Attractor::Kind::cycle:
       break;
   }
-  return fmt::format("cycle of {:.4g} s, {}", basin.attractor.metrics.at("period").value, share);
+  return fmt::format("cycle of {:.4g} s{}", basin.attractor.metrics.at("period").value, share);
 }
 
 /// The speed of the surface that alone touches a coordinate, if the axis is its velocity.
-std::vector<double> surface_speeds(const oscillators::Structure& structure, const StartAxis& axis) {
+std::vector<double> surface_speeds(const oscillators::Structure& structure, const tasks::StartAxis& axis) {
   std::vector<double> speeds;
   for (const auto& contact : structure.contacts) {
     const auto& t = contact.tangential;
@@ -69,7 +73,7 @@ std::vector<double> surface_speeds(const oscillators::Structure& structure, cons
 }
 
 /// The orbits of all cycles along both axes, an empty row between them.
-void write_orbits(const std::filesystem::path& path, const scene::BasinTask& task, const Basins& found) {
+void write_orbits(const std::filesystem::path& path, const tasks::Basin& task, const Basins& found) {
   std::string text = task.x.name + "," + task.y.name + "\n";
   for (const auto& basin : found.basins) {
     const auto& orbit = basin.attractor.orbit;
@@ -82,7 +86,7 @@ void write_orbits(const std::filesystem::path& path, const scene::BasinTask& tas
 }
 
 /// Neighbours along x that come to the same, as one box: label, centre, ends along x and y.
-void write_cells(const std::filesystem::path& path, const scene::BasinTask& task, const Basins& found) {
+void write_cells(const std::filesystem::path& path, const tasks::Basin& task, const Basins& found) {
   const auto &x = task.x.values, &y = task.y.values;
   const double half_x = 0.5 * (x[1] - x[0]), half_y = 0.5 * (y[1] - y[0]);
   std::vector<double> columns[7];
@@ -107,7 +111,7 @@ void write_cells(const std::filesystem::path& path, const scene::BasinTask& task
 
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene& scene,
                                        const Basins& found) {
-  const auto& task = scene.basin;
+  const auto& task = scene.task<tasks::Basin>();
   const auto &x = task.x, &y = task.y;
   std::vector<double> columns[3];
   for (std::size_t i = 0; i < task.places.size(); ++i) {
@@ -135,7 +139,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
   script +=
       "set key samplen 1.6\nset style fill "
       "solid 1 border linecolor '#777777'\n";
-  const auto range = [&](const StartAxis& axis) {
+  const auto range = [&](const tasks::StartAxis& axis) {
     const auto [low, high] = std::ranges::minmax(axis.values);
     const double margin = task.random ? 0 : 0.5 * std::abs(axis.values[1] - axis.values[0]);
     return std::pair(low - margin, high + margin);
@@ -161,7 +165,8 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
           fmt::format("'basin-cells.csv' using 2:($1=={}?$3:NaN):4:5:6:7 with boxxyerror fillcolor '{}' "
                       "fillstyle solid 1 border linecolor '{}' notitle",
                       k, colour, colour));
-    curves.push_back(fmt::format("NaN with boxes fillcolor '{}' title {}", colour, single_quoted(title_of(basin))));
+    curves.push_back(fmt::format("NaN with boxes fillcolor '{}' title {}", colour,
+                                 single_quoted(title_of(basin, found.shares_of > 0))));
   }
   const auto line = [&](const std::string& what, const char* dash, const std::string& title) {
     curves.push_back(what + " with lines linewidth 4 linecolor '#FFFFFF' notitle");
@@ -175,7 +180,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
     line(fmt::format("'+' using ({}):({}+({})*$0/99.)", speed, y_low, y_high - y_low), "(6,4)", "speed of the belt");
   for (const auto& basin : found.basins)
     if (basin.attractor.kind == Attractor::Kind::steady) {
-      const auto at = [&](const StartAxis& axis) {
+      const auto at = [&](const tasks::StartAxis& axis) {
         return axis.is_velocity ? 0.0 : basin.attractor.points.front()[std::size_t(axis.coordinate)];
       };
       curves.push_back(

@@ -4,10 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/motion/last_oscillation.hpp"
+#include "analysis/motion/run.hpp"
 #include "app/output/animation.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
+#include "app/scene/scene.hpp"
+#include "oscillators/block.hpp"
 
 namespace rosin::app::output {
 

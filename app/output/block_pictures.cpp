@@ -5,11 +5,15 @@
 #include <cmath>
 #include <complex>
 
+#include "analysis/motion/run.hpp"
+#include "analysis/steady/structure_stability.hpp"
 #include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/sheet.hpp"
+#include "app/scene/scene.hpp"
+#include "oscillators/block.hpp"
 
 namespace rosin::app::output {
 
@@ -173,10 +177,11 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
   const auto panel = [&](const std::string& name, const char* title) {
     const auto& values = run.columns[column(name)];
     const auto [low, high] = std::ranges::minmax(values);
-    const auto unit = scaled(run.column_units[column(name)], std::max(std::abs(low), std::abs(high)));
-    script += fmt::format("set ylabel {}\nset ytics {:g}\nplot {}\n", label(title, unit.unit),
-                          tick_step(low * unit.factor, high * unit.factor), curve(name, unit.factor, 1, ""));
+    const auto drawn = drawn_range(title, run.column_units[column(name)], low, high);
+    script += fmt::format("set ylabel {}\nset ytics {:g}\nplot 'run.csv' using 1:{} with lines linestyle 1 notitle\n",
+                          drawn.label, 2 * tick_step(drawn.low, drawn.high), drawn.column(int(column(name)) + 2));
   };
+  script += "set offsets 0,0,graph 0.05,graph 0.05\n";
   panel("elongation", "elongation");
   script += "set format x '%g'\nset xlabel 'time (s)'\n";
   panel("tilt", "tilt");
@@ -184,7 +189,7 @@ std::vector<std::string> write_block_picture(const std::filesystem::path& folder
 
   const Sheet plane{"block-face",
                     "Pressure and slip rate along the lower face of a block over time",
-                    {.width = 860, .panels = 2, .panel = 240, .right = 110},
+                    {.width = 860, .panels = 2, .panel = 240, .right = 125, .below = 62},
                     scene.title,
                     caption(scene)};
   std::string map = fmt::format("X = {}\nset pm3d map corners2color c1\nset ylabel 'x ({})'\nset format x ''\n",

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "app/scene/scene.hpp"
 #include "app/scene/toml_document.hpp"
 
 namespace rosin::app::output {

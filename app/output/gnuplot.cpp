@@ -11,22 +11,21 @@
 #include "app/output/files.hpp"
 #include "core/files.hpp"
 #include "core/process.hpp"
+#include "core/results_folder.hpp"
 
 namespace rosin::app::output {
 
 namespace fs = std::filesystem;
 
 std::string single_quoted(std::string_view text) {
-  const bool begins_quoted = text.starts_with('\'');  // three of them would end the text for gnuplot
-  if (begins_quoted) text.remove_prefix(1);
-  std::string out = begins_quoted ? "\"'\".'" : "'";
+  std::string out = "'";
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (static_cast<unsigned char>(c) < 0x20) continue;
     if (std::string_view("_^{}@&~\\").find(c) != std::string_view::npos) out += '\\';
-    if (c == '\'') out += '\'';
     if (c == '>' && text.substr(0, i).ends_with("]]")) out += "\u2060";  // joins words, unseen: "]]>" would end the SVG
-    out += c;
+    // Gnuplot loses count of apostrophes that stand in a row, or in double quotes.
+    out += c == '\'' ? std::string("'.\"\\047\".'") : std::string(1, c);
   }
   return out + '\'';
 }
@@ -35,55 +34,79 @@ std::string label(std::string_view meaning, std::string_view unit) {
   return single_quoted(column_header(meaning.substr(0, meaning.find(';')), unit));
 }
 
+namespace {
+
+/// "harmonics.1.amplitude" as "amplitude of harmonic 1".
+std::string in_words(std::string_view path) {
+  std::string words;
+  std::size_t noun = 0;  // length of the first
+  for (std::size_t begin = 0, end; begin < path.size(); begin = end + 1) {
+    end = std::min(path.find('.', begin), path.size());
+    const std::string key(path.substr(begin, end - begin));
+    if (key.find_first_not_of("0123456789") == key.npos) {
+      const std::size_t plural = noun > 0 && words[noun - 1] == 's' ? 1 : 0;
+      words.replace(noun - plural, plural, ' ' + key);
+    } else {
+      words = key + (words.empty() ? "" : " of " + words);
+      noun = key.size();
+    }
+  }
+  std::ranges::replace(words, '_', ' ');
+  return words;
+}
+
+}  // namespace
+
+std::string axis_label(char axis, std::string_view path, std::string_view meaning, std::string_view unit) {
+  // The symbol of the longest beginning of the path that has one: the rest says which of its numbers.
+  auto of = path;
+  while (!of.empty() && symbol_of(of).empty()) of = of.substr(0, of.find('.') == of.npos ? 0 : of.rfind('.'));
+  auto symbol = symbol_of(of);
+  std::string rest = symbol.empty() ? "" : in_words(path.substr(std::min(of.size() + 1, path.size())));
+  if (symbol.empty()) {
+    const auto table = path.find('.'), key = path.rfind('.');
+    symbol = symbol_of(path.substr(key + 1));
+    const auto between = key > table ? path.substr(table + 1, key - table - 1) : "";
+    if (between.find_first_of("0123456789") != between.npos) rest = in_words(between);
+  }
+  if (const auto index = symbol.find('_'); index != symbol.npos) symbol.insert(index + 1, "{").push_back('}');
+  const std::string name(meaning.substr(0, meaning.find_first_of(",;")));
+  const auto text = fmt::format("{}.'{}'.{}", single_quoted(symbol.empty() ? name : name + ' '), symbol,
+                                single_quoted(column_header(rest.empty() ? "" : ", " + rest, unit)));
+  return fmt::format("{0} font fitted_{1}({0})", text, axis);
+}
+
 Scaled scaled(const std::string& unit, double largest) {
   struct Prefix {
     double size;
     const char* name;
   };
-  const bool prefixable = unit == "m" || unit == "m/s" || unit == "s" || unit == "N";
+  const bool prefixable = unit == "m" || unit == "m/s" || unit == "s" || unit == "N" || unit == "rad";
   if (prefixable && largest < 1e5)
     for (const auto& [size, name] :
          {Prefix{1, ""}, Prefix{1e-3, "m"}, Prefix{1e-6, "µ"}, Prefix{1e-9, "n"}, Prefix{1e-12, "p"}})
       if (largest >= size) return {1 / size, name + unit};
+  if (unit == "Pa")
+    for (const auto& [size, name] : {Prefix{1e9, "G"}, Prefix{1e6, "M"}, Prefix{1e3, "k"}})
+      if (largest >= size) return {1 / size, name + unit};
   return {1, unit};
 }
 
-std::string readable(std::string name) {
-  struct Shown {
-    std::string_view name, shown;
-  };
-  constexpr Shown symbols[] = {{"displacement", "displacement x"},
-                               {"displacement_x", "displacement x"},
-                               {"displacement_y", "displacement y"},
-                               {"velocity", "velocity ẋ"},
-                               {"slip_rate", "slip rate v"},
-                               {"slip_rate_max", "largest slip rate v"},
-                               {"slip_rate_min", "smallest slip rate v"},
-                               {"friction_force", "friction force F"},
-                               {"friction_coefficient", "friction coefficient μ"},
-                               {"normal_load", "normal load N"},
-                               {"angular_frequency", "angular frequency ω"},
-                               {"period", "period T"},
-                               {"lyapunov", "largest Lyapunov exponent λ₁"},
-                               {"lambda", "λ"},
-                               {"theta", "θ"},
-                               {"theta1", "θ₁"},
-                               {"theta2", "θ₂"},
-                               {"psi", "ψ"},
-                               {"phi", "φ"},
-                               {"mu", "μ"}};
-  for (const auto& symbol : symbols)
-    if (name == symbol.name) return std::string(symbol.shown);
-  // Of one of several contacts: "slip_rate_2".
-  if (const auto bar = name.rfind('_');
-      bar != std::string::npos && bar + 2 == name.size() && name.back() >= '1' && name.back() <= '9') {
-    constexpr std::string_view below[] = {"₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈", "₉"};
-    for (const char* of_contact : {"slip_rate", "friction_force", "friction_coefficient", "normal_load", "theta"})
-      if (name.substr(0, bar) == of_contact)
-        return readable(of_contact) + std::string(below[std::size_t(name.back() - '1')]);
+DrawnRange drawn_range(const std::string& name, const std::string& unit, double low, double high) {
+  constexpr double hardly = 1e-3;
+  const double range = high - low, largest = std::max(std::abs(low), std::abs(high));
+  double off = 0;
+  if (range > 0 && range < hardly * largest) {
+    const double decade = std::pow(10, std::ceil(std::log10(range)));
+    off = std::round(low / decade) * decade;
   }
-  std::ranges::replace(name, '_', ' ');
-  return name;
+  const auto [factor, prefixed] = scaled(unit, std::max(std::abs(low - off), std::abs(high - off)));
+  const auto common = off == 0 ? "" : fmt::format(" − {:.10g}{}", off, unit == "1" ? "" : ' ' + unit);
+  return {off, factor, output::label(name + common, prefixed), (low - off) * factor, (high - off) * factor};
+}
+
+std::string DrawnRange::column(int number) const {
+  return off == 0 ? fmt::format("(${}*{})", number, factor) : fmt::format("((${}-{})*{})", number, off, factor);
 }
 
 bool spans_decades(double low, double high) { return low > 0 && high / low > 50; }
@@ -109,7 +132,7 @@ bool is_whole(const fs::path& picture, std::string_view format) {
 /// Whether a script draws its picture for any width, as those of a sheet do.
 bool lays_itself_out(const fs::path& script) {
   constexpr std::size_t most = 100'000'000;
-  return read_whole(script, most).find("exists(\"width\")") != std::string::npos;
+  return read_found(script, most).find("exists(\"width\")") != std::string::npos;
 }
 
 }  // namespace

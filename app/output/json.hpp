@@ -7,6 +7,14 @@
 #include <vector>
 
 #include "app/scene/scene.hpp"
+#include "core/error.hpp"
+
+namespace rosin::analysis::cycles {
+struct Metrics;
+}
+namespace rosin::analysis::planes {
+struct Axis;
+}
 
 namespace rosin::app::output {
 
@@ -44,13 +52,14 @@ ordered_json grid(const Plane& plane, F f) {
   return table;
 }
 /// The same of f(point).
-template <class F>
-ordered_json rows(const analysis::planes::Map& map, F f) {
+template <class Map, class F>
+ordered_json rows(const Map& map, F f) {
   return grid(map, [&](std::size_t i) { return f(map.points[i]); });
 }
 
 /// What an event says if it is one of a stop.
-inline void add_stop(ordered_json& entry, const analysis::motion::RunEvent& event) {
+template <class Event>
+void add_stop(ordered_json& entry, const Event& event) {
   if (event.coordinate > 0) entry["coordinate"] = event.coordinate;
   if (event.kind == "impact") entry["speed"] = event.speed;
 }

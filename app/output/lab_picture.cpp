@@ -6,11 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "app/output/caption.hpp"
+#include "app/output/digits.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/sheet.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/lab.hpp"
 
 namespace rosin::app::output {
 
@@ -38,7 +42,7 @@ double place_of(const Panel::Curve& curve, double value) {
 std::vector<Mark> marks_in(const Result& result, const scene::Scene& scene, const Panel& panel) {
   const auto value = [&](const char* name) { return result.reading(name).value; };
   const auto& curve = panel.curves.front();
-  const auto& experiment = scene.experiment->name;
+  const auto& experiment = scene.task<tasks::Lab>().experiment->name;
   if (experiment == "velocity-step" && panel.x_label == "slip since the step" && !curve.x.empty()) {
     const double before = value("friction_before"), peak = value("peak"), level = before + value("final_change"),
                  length = value("decay_length"), at = place_of(curve, peak),
@@ -53,20 +57,20 @@ std::vector<Mark> marks_in(const Result& result, const scene::Scene& scene, cons
   if (experiment == "slide-hold-slide" && panel.x_decades) return {{"β", "healing_rate"}};
   if (experiment == "slide-hold-slide") {
     const double peak = result.tables.front().values[1].back(), at = place_of(curve, peak);
-    return {{"Δμ", "last_rise", "Δμ", value("last_rise") > 0, at, peak - value("last_rise"), at, peak}};
+    return {{"Δμ", "last_rise", "Δμ", value("last_rise") > result.reading("last_rise").error, at,
+             peak - value("last_rise"), at, peak}};
   }
   return {};
 }
 
-/// "a = 0.01 ± 2e-12" of each mark whose reading is a number.
+/// "a = 0.010000 ± 2e-06" of each mark whose reading is a number.
 std::vector<std::string> texts_of(const Result& result, const std::vector<Mark>& marks) {
   std::vector<std::string> texts;
   for (const auto& mark : marks) {
     const auto& reading = result.reading(mark.reading);
     if (!std::isfinite(reading.value)) continue;
     const auto [factor, unit] = scaled(reading.unit, std::abs(reading.value));
-    auto text = fmt::format("{} = {:.4g}", mark.symbol, reading.value * factor);
-    if (reading.error > 0) text += fmt::format(" ± {:.1g}", reading.error * factor);
+    const auto text = fmt::format("{} = {}", mark.symbol, with_error(reading.value * factor, reading.error * factor));
     texts.push_back(unit == "1" ? text : text + ' ' + unit);
   }
   return texts;
@@ -97,22 +101,22 @@ std::string drawn(const std::vector<Mark>& marks, const std::vector<std::string>
 std::vector<std::string> write_lab_picture(const fs::path& folder, const scene::Scene& scene, const Result& result) {
   const auto& panels = result.panels;
   const int count = static_cast<int>(panels.size());
-  const auto title = scene.title.empty() ? std::string(scene.experiment->title) : scene.title;
-  // Keys stand above their panels, a row for each two curves; of many curves inside.
+  const auto title = scene.title.empty() ? std::string(scene.task<tasks::Lab>().experiment->title) : scene.title;
+  // Keys stand above their panels; of many curves inside.
   const auto labelled = [](const Panel& panel) {
     const auto count = std::ranges::count_if(panel.curves, [](const auto& curve) { return !curve.label.empty(); });
     return count > 3 ? 0 : int(count);
   };
-  const int above_first = std::max(0, labelled(panels.front()) - 2);
   const Sheet sheet{"lab",
                     "What an experiment shows, a panel each",
                     {.width = count == 1 ? 720 : 940,
                      .panels = count,
                      .columns = std::min(count, 2),
                      .panel = 310,
-                     .above = 28 + 20.0 * above_first,
+                     .above = 28,
                      .between_rows = 95,
-                     .key = Layout::Key::own},
+                     .key = Layout::Key::own,
+                     .own_titles = std::ranges::max(panels | std::views::transform(labelled))},
                     title,
                     caption(scene)};
   std::string script = "set grid\n";
@@ -124,6 +128,7 @@ std::vector<std::string> write_lab_picture(const fs::path& folder, const scene::
         if (std::isfinite(curve.x[i])) far = std::max(far, std::abs(curve.x[i]));
         if (std::isfinite(curve.y[i])) high = std::max(high, std::abs(curve.y[i]));
       }
+    const bool is_zero = high <= panel.y_error && !panel.y_decades;  // what is left is rounding
     const auto x = panel.x_decades ? Scaled{1, panel.x_unit} : scaled(panel.x_unit, far);
     const auto y = panel.y_decades ? Scaled{1, panel.y_unit} : scaled(panel.y_unit, high);
     script += fmt::format("\n{}\n{}\nset xlabel {}\nset ylabel {}\n", axis_scale('x', panel.x_decades),
@@ -133,6 +138,7 @@ std::vector<std::string> write_lab_picture(const fs::path& folder, const scene::
     script += panel.y_decades
                   ? "unset offsets\n"
                   : fmt::format("set offsets 0, 0, graph {:g}, graph 0.06\n", 0.06 + 0.1 * double(texts.size()));
+    script += is_zero ? "set yrange [-1:1]\n" : "set yrange [*:*]\n";
     script += drawn(marks, texts, x.factor, y.factor);
     script += panel.curves.size() > 3 ? "set key inside top right vertical\n"
                                       : "set key at graph 1,1.02 right bottom horizontal\n";
@@ -140,8 +146,9 @@ std::vector<std::string> write_lab_picture(const fs::path& folder, const scene::
     for (const auto& curve : panel.curves) {
       const auto file =
           fmt::format("lab-panel-{}-{}.csv", &panel - panels.data() + 1, &curve - panel.curves.data() + 1);
+      const std::vector<double> zeros(curve.y.size());
       std::vector<Column> table = {{column_header(panel.x_label, panel.x_unit), curve.x},
-                                   {column_header(panel.y_label, panel.y_unit), curve.y}};
+                                   {column_header(panel.y_label, panel.y_unit), is_zero ? zeros : curve.y}};
       if (!curve.low.empty()) {
         table.push_back({"low", curve.low});
         table.push_back({"high", curve.high});

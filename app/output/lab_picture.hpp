@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/lab/experiment.hpp"
 #include "app/scene/scene.hpp"
 
 namespace rosin::app::output {

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/branches/branches.hpp"
 #include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/sheet.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/branch.hpp"
 
 namespace rosin::app::output {
 
@@ -28,7 +31,7 @@ std::string few_ticks(char axis, double low, double high) {
 
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene& scene,
                                        const analysis::branches::Loci& loci) {
-  const auto& task = scene.branch;
+  const auto& task = scene.task<tasks::Branch>();
   const auto& locus = *task.locus;
   const Sheet sheet{"locus",
                     "Where steady sliding and cycles change, in two parameters",
@@ -41,7 +44,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
     const auto [low, high] = std::minmax(range->from, range->to);
     script += axis_scale(axis, range->logarithmic) + '\n';
     script += fmt::format("set {0}range [{1}:{2}]\nset {0}label {3}\n", axis, low, high,
-                          label(parameter->name + ", " + parameter->meaning, parameter->unit));
+                          axis_label(axis, parameter->name, parameter->meaning, parameter->unit));
     if (range->logarithmic && !spans_decades(low, high)) script += few_ticks(axis, low, high);
   }
   std::vector<std::string> curves;

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/cycles/lyapunov.hpp"
 #include "app/output/caption.hpp"
+#include "app/output/digits.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/sheet.hpp"
+#include "app/scene/scene.hpp"
 #include "core/files.hpp"
 
 namespace rosin::app::output {
@@ -34,7 +37,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
     if (c + 1 == panels) script += "set format x '%g'\nset xlabel 'time t (s)'\n";
     if (is_cycle) {
       script += fmt::format("{}set ylabel 'ln growth {}'\nplot {}*x with lines linestyle 2 notitle, \\\n",
-                            exponent(fmt::format("λ t, λ = {:.6g} 1/s", value)), c + 1, value);
+                            exponent(fmt::format("λ t, λ = {} 1/s", with_error(value, error))), c + 1, value);
       script += fmt::format("     'lyapunov.csv' using 1:{} with lines linestyle 1 notitle\n", c + 2);
       continue;
     }
@@ -42,7 +45,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
     constexpr double early = 0.05, band = 4;
     const auto first = course.begin() + long(early * double(course.size()));
     const auto [low, high] = std::minmax_element(first, course.end());
-    script += exponent(fmt::format("λ = {:.4g} ± {:.2g} 1/s", value, error));
+    script += exponent(fmt::format("λ = {} 1/s", with_error(value, error)));
     script += fmt::format("set ylabel 'exponent λ_{{{}}} (1/s)'\nset yrange [{}:{}]\n", c + 1,
                           std::min(*low, value - band * error), std::max(*high, value + band * error));
     script += fmt::format(

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "app/scene/scene.hpp"
+
 namespace rosin::app::output {
 
 namespace {

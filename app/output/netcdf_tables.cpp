@@ -10,6 +10,7 @@
 #include "app/output/netcdf_file.hpp"
 #include "app/report/folder.hpp"
 #include "app/report/quantities.hpp"
+#include "app/scene/scene.hpp"
 #include "core/files.hpp"
 
 namespace rosin::app::output {

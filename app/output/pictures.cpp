@@ -10,10 +10,21 @@
 #include <numbers>
 #include <utility>
 
+#include "analysis/branches/branches.hpp"
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/structure_cycle.hpp"
+#include "analysis/motion/run.hpp"
+#include "analysis/steady/mode_windows.hpp"
 #include "app/output/caption.hpp"
+#include "app/output/comparison.hpp"
+#include "app/output/curve.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/sheet.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/branch.hpp"
+#include "app/tasks/compare.hpp"
+#include "app/tasks/stability.hpp"
 
 namespace rosin::app::output {
 
@@ -148,26 +159,25 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     const auto [low, high] = std::ranges::minmax(run.columns[c]);
     // A coefficient that begins near 0 has its decades there alone.
     const bool decades = !run.column_names[c].starts_with("friction_coefficient") && spans_decades(low, high);
-    const auto [factor, unit] =
-        decades ? Scaled{1, run.column_units[c]} : scaled(run.column_units[c], std::max(std::abs(low), std::abs(high)));
-    script +=
-        fmt::format("\n{}\nset ylabel {}\n", axis_scale('y', decades), label(readable(run.column_names[c]), unit));
-    script +=
-        decades ? "set ytics autofreq\n" : fmt::format("set ytics {:g}\n", tick_step(low * factor, high * factor));
+    const auto name = readable(run.column_names[c]);
+    const auto& unit = run.column_units[c];
+    const auto drawn = decades ? DrawnRange{0, 1, label(name, unit), low, high} : drawn_range(name, unit, low, high);
+    script += fmt::format("\n{}\nset ylabel {}\n", axis_scale('y', decades), drawn.label);
+    script += decades ? "set ytics autofreq\n" : fmt::format("set ytics {:g}\n", tick_step(drawn.low, drawn.high));
     script += decades ? "unset offsets\n" : "set offsets 0, 0, graph 0.05, graph 0.05\n";
     script +=
         c == shown.back() && !strip && !loaded ? "set xlabel 'time (s)'\nset format x '%g'\n" : "set format x ''\n";
-    script += fmt::format("plot 'run.csv' using 1:(${}*{}) with lines linestyle 1 notitle", c + 2, factor);
+    script += fmt::format("plot 'run.csv' using 1:{} with lines linestyle 1 notitle", drawn.column(int(c) + 2));
     if (driven && c == shown.front()) script += ", \\\n     NaN with lines linestyle 3 title 'drive speed'";
     if (driven && run.column_names[c] == "slip_rate")
-      script += fmt::format(", \\\n     'run-drive.csv' using 1:($2*{}) with lines linestyle 3 notitle", factor);
+      script += fmt::format(", \\\n     'run-drive.csv' using 1:{} with lines linestyle 3 notitle", drawn.column(2));
     const int contact = several ? contact_of_column(run.column_names[c]) : 0;
     for (const auto& kind : kinds) {  // a line over the height of the curve
       if (several && contact == 0) continue;
       script += fmt::format(
           ", \\\n     'run-events.csv' using 1:(strcol(2) eq '{}' && $3 == {} ? {} : NaN):(0):({}) with vectors nohead "
           "linecolor '{}' linewidth 0.8 dashtype {} {}",
-          kind.name, contact, low * factor, (high - low) * factor, kind.colour, kind.dash,
+          kind.name, contact, drawn.low, drawn.high - drawn.low, kind.colour, kind.dash,
           in_key ? "notitle" : fmt::format("title '{}'", kind.name));
     }
     in_key = in_key || !several || contact > 0;
@@ -222,15 +232,15 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const double low = cycle.metrics.slip_rate_min, high = cycle.metrics.slip_rate_max, period = cycle.metrics.period;
   const double speed = scene.model.drive.speed.level(), load = scene.model.drive.normal_load.level();
   // the steady curve over the slip rates of the cycle, for comparison
-  constexpr int points = 400;
+  constexpr std::size_t points = 400;
   const double sign = speed < 0 ? -1 : 1, fastest = sign > 0 ? high : -low;
   const double slowest = std::max(sign > 0 ? low : -high, 1e-6 * fastest);
   std::vector<double> rates(points), steady(points);
-  for (int i = 0; i < points; ++i)
-    rates[static_cast<std::size_t>(i)] = slowest * std::pow(fastest / slowest, double(i) / (points - 1));
-  scene.model.law->steady_friction(rates, load, steady);
-  for (auto& v : rates) v *= sign;
-  for (auto& mu : steady) mu *= sign;
+  for (std::size_t i = 0; i < points; ++i) {
+    const double v = slowest * std::pow(fastest / slowest, double(i) / (points - 1));
+    rates[i] = sign * v;
+    steady[i] = sign * scene.model.law->steady_friction({v, load}).friction;
+  }
   write_csv(folder / "cycle-steady.csv", {{"slip_rate (m/s)", rates}, {"friction_coefficient", steady}});
 
   double farthest = 0;
@@ -292,12 +302,17 @@ plot 'cycle.csv' using (abs($3)):4 with lines linestyle 1 title 'cycle', \
     for (const auto& point : cycle.orbit) nearest = std::min(nearest, point.displacement);
     double onward = nearest;
     for (const auto& point : cycle.orbit) onward = std::max(onward, point.displacement);
-    script += fmt::format("set xlabel 'displacement x ({})' offset 0,-0.5\nset ylabel 'v ({})' offset 2,-1\n", way.unit,
+    script += fmt::format("set xlabel 'displacement x ({})' offset 0,-1\nset ylabel 'v ({})' offset 2,-1\n", way.unit,
                           decade_rate.unit);
-    script += fmt::format("set zlabel '{} ({})' rotate by 90 offset -3,0\nset xtics {:g} offset -1,-0.5\n",
-                          readable(state.name), readable_unit(state.unit),
+    double largest = 0;
+    for (const auto& point : cycle.orbit) largest = std::max(largest, std::abs(point.state.front()));
+    const auto level = largest < 1 ? Scaled{1, state.unit} : scaled(state.unit, largest);
+    script += fmt::format("Z = {}\nset zlabel '{} ({})' rotate by 90 offset -3,0\nset xtics {:g} offset -1,-0.5\n",
+                          level.factor, readable(state.name), readable_unit(level.unit),
                           2 * tick_step(nearest * way.factor, onward * way.factor));
-    if (!decades) script += fmt::format("set ytics {:g}\n", 2 * tick_step(low * rate.factor, high * rate.factor));
+    constexpr double few = 3;  // labels along a side that is seen from its end
+    script += fmt::format("set ytics {:g}\n", decades ? std::pow(10, std::ceil(std::log10(high / low) / few))
+                                                      : 2 * tick_step(low * rate.factor, high * rate.factor));
     script += "set origin narrow ? 0.16 : 0.15,below_rows/high\nset size narrow ? 0.74 : 0.7,(frame+100)/high\n";
     script += R"(unset lmargin
 unset rmargin
@@ -306,7 +321,7 @@ unset bmargin
 set view 62,35,1.15,1
 set xyplane 0
 unset key
-splot 'cycle.csv' using ($2*X):($3*V):5 with lines linestyle 1
+splot 'cycle.csv' using ($2*X):($3*V):($5*Z) with lines linestyle 1
 )";
   }
   write_whole(folder / "cycle.gp", sheet.with(std::move(script)));
@@ -316,7 +331,7 @@ splot 'cycle.csv' using ($2*X):($3*V):5 with lines linestyle 1
 /// Frequencies and growth rates of all modes along the parameter, with the thresholds.
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::steady::Scan& scan) {
-  const auto& [parameter, axis] = *scene.stability_scan;
+  const auto& [parameter, axis] = *scene.task<tasks::Stability>().scan;
   std::size_t branches = 0;
   for (const auto& values : scan.eigenvalues) branches = std::max(branches, values.size());
   std::vector<std::vector<double>> columns(1 + 2 * branches);
@@ -352,11 +367,11 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::vector<Column> table;
   for (std::size_t c = 0; c < columns.size(); ++c) table.push_back({names[c], columns[c]});
   write_csv(folder / "stability.csv", table);
-  const Sheet sheet{"stability",
-                    "Frequencies and growth rates of the modes along a parameter",
-                    {.panels = 2, .panel = 235},
-                    scene.title,
-                    caption(scene, {parameter.name})};
+  Sheet sheet{"stability",
+              "Frequencies and growth rates of the modes along a parameter",
+              {.panels = 2, .panel = 235},
+              scene.title,
+              caption(scene, {parameter.name})};
   std::string script = "set grid\n";
   script += axis_scale('x', axis.logarithmic) + '\n';
   script += fmt::format("set xrange [{}:{}]\n", scan.values.front(), scan.values.back());
@@ -373,13 +388,16 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     else
       shade(threshold.value);
   if (!scan.thresholds.empty() && scan.thresholds.back().onset) shade(scan.values.back());
-  for (std::size_t k = 0; k < scan.thresholds.size(); ++k)
-    script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead linecolor '#888888' dashtype {1}\n",
-                          scan.thresholds[k].value, scan.thresholds[k].onset ? "(6,4)" : "(2,3)");
+  for (const auto& window : scan.windows)
+    for (const auto* edge : {&window.onset, &window.end})
+      if (*edge)
+        script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead linecolor '#888888' dashtype {1}\n",
+                              (*edge)->value, (*edge)->onset ? "(6,4)" : "(2,3)");
   constexpr double pressed = 20;
   const double spread = near.high - near.low, growths = growth.high - growth.low;
   const bool near_alone =
       spread > 0 && (fastest > pressed * spread || any_growth.high - any_growth.low > pressed * growths);
+  if (near_alone) sheet.caption += "; shown are modes near the threshold alone";
   const auto view = [&](Range range, double factor) {
     const double room = 0.06 * (range.high - range.low);
     return near_alone ? fmt::format("set yrange [{}:{}]\n", (range.low - room) * factor, (range.high + room) * factor)
@@ -402,10 +420,9 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
            scan.thresholds.empty()
                ? ""
                : fmt::format(
-                     "NaN with lines linecolor '#888888' dashtype (6,4) title 'threshold, unstable where shaded{}'",
-                     near_alone ? "; modes near it alone" : "")));
+                     "NaN with lines linecolor '#888888' dashtype (6,4) title 'threshold, unstable where shaded'")));
   script += fmt::format("set xlabel {}\nset ylabel 'growth rate (1/s)'\nset format x '%g'\n",
-                        label(parameter.name + ", " + parameter.meaning, parameter.unit));
+                        axis_label('x', parameter.name, parameter.meaning, parameter.unit));
   script += view(growth, 1);
   script += plot(3, 1, "0 with lines linecolor '#000000' linewidth 0.6 notitle");
   write_whole(folder / "stability.gp", sheet.with(std::move(script)));
@@ -415,8 +432,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
 /// The fastest slip of each motion and the period of cycles, stable ones as lines and unstable ones dashed.
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::branches::Branches& found) {
-  const auto& parameter = scene.branch.parameter;
-  const auto& options = scene.branch.options;
+  const auto& parameter = scene.task<tasks::Branch>().parameter;
+  const auto& options = scene.task<tasks::Branch>().options;
   double fastest = 0, longest = 0;
   for (const auto& at : found.steady)
     if (at.why.empty()) fastest = std::max(fastest, std::abs(at.slip_rates.front()));
@@ -484,7 +501,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     return fmt::format("plot {}\n", fmt::join(parts, ", \\\n     "));
   };
   const auto axis = fmt::format("set xlabel {}\nset format x '%g'\n",
-                                label(parameter.name + ", " + parameter.meaning, parameter.unit));
+                                axis_label('x', parameter.name, parameter.meaning, parameter.unit));
   script += fmt::format("set ylabel 'largest slip rate ({})'\n", speed.unit);
   script += has_cycles ? "set format x ''\n" : axis;
   script += curves(4, speed.factor, true, true);
@@ -586,6 +603,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
 
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const Comparison& comparison) {
+  auto& compare = scene.task<tasks::Compare>();
   std::vector<std::string> files;
   for (std::size_t k = 0; k < comparison.series.size(); ++k) {
     const auto& series = comparison.series[k];
@@ -611,12 +629,11 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     return static_cast<std::size_t>(found - comparison.column_names.begin());
   };
   const auto rate = named("slip_rate"), friction = named("friction_coefficient"), none = comparison.column_names.size();
-  const bool imposed =
-      std::isinf(scene.compare.members.front().model.slider.stiffness);  // the slip rate: loops are one
+  const bool imposed = std::isinf(compare.members.front().model.slider.stiffness);  // the slip rate: loops are one
   const bool loops = !imposed && comparison.x_name == "time" && rate < none && friction < none;
-  const auto law_of = [&](std::size_t k) { return scene.compare.members[k].model.law->card().name; };
+  const auto law_of = [&](std::size_t k) { return compare.members[k].model.law->card().name; };
   std::vector<std::string> varied;  // the caption tells what members have in common
-  for (std::size_t k = 1; k < scene.compare.members.size() && varied.empty(); ++k)
+  for (std::size_t k = 1; k < compare.members.size() && varied.empty(); ++k)
     if (law_of(k) != law_of(0)) varied.emplace_back("law");
   constexpr int loop = 290, between = 85;  // pixels
   const Sheet sheet{
@@ -650,7 +667,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     script += "plot ";
     for (std::size_t k = 0; k < comparison.series.size(); ++k)
       script += fmt::format("{}'{}' using 1:(${}*{}) with lines linestyle {} title {}", k > 0 ? ", \\\n     " : "",
-                            files[k], c + 2, factor, k + 1, single_quoted(scene.compare.members[k].name));
+                            files[k], c + 2, factor, k + 1, single_quoted(compare.members[k].name));
     script += '\n';
   }
   if (loops) {

@@ -1,17 +1,57 @@
 /// Pictures: gnuplot scripts beside the data of a results folder. The scripts stay, so that a user can restyle them.
 #pragma once
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "app/output/results.hpp"
+namespace rosin::analysis::basins {
+struct Basins;
+}
+namespace rosin::analysis::branches {
+struct Branches;
+struct Loci;
+}  // namespace rosin::analysis::branches
+namespace rosin::analysis::cycles {
+struct Cycle;
+struct LyapunovSpectrum;
+struct StructureCycle;
+}  // namespace rosin::analysis::cycles
+namespace rosin::analysis::inference {
+struct Design;
+}
+namespace rosin::analysis::motion {
+struct Frames;
+struct MotionSpectrum;
+struct Run;
+}  // namespace rosin::analysis::motion
+namespace rosin::analysis::planes {
+struct Map;
+struct Sweep;
+}  // namespace rosin::analysis::planes
+namespace rosin::analysis::steady {
+struct Scan;
+struct StructureStability;
+}  // namespace rosin::analysis::steady
+namespace rosin::analysis::strings {
+struct Pixel;
+struct StringRecord;
+}  // namespace rosin::analysis::strings
+namespace rosin::app::scene {
+struct Scene;
+}
 
 namespace rosin::app::output {
+
+struct Comparison;
+struct Curve;
 
 // Each writes a script and the data that only it needs into the folder, and returns the names of the files.
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&, const Curve&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::motion::Run&);
+std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
+                                       const analysis::motion::MotionSpectrum&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::cycles::Cycle&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,

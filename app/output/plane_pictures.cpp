@@ -7,11 +7,15 @@
 #include <set>
 #include <tuple>
 
+#include "analysis/inference/discrimination.hpp"
+#include "analysis/planes/map.hpp"
 #include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/sheet.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/compare.hpp"
 
 namespace rosin::app::output {
 
@@ -55,12 +59,13 @@ class DrawnAxis {
     for (std::size_t i = 0; i < centre_.size(); ++i) low = std::min(low, centre_[i] - half_width(i));
     return {low, high_ + margin};
   }
-  /// Ticks as gnuplot takes them: whole decades, and the values outside the scale by themselves.
-  std::string ticks() const {
+  /// Ticks as gnuplot takes them: whole decades, of which at most so many are labelled, and the values outside the
+  /// scale by themselves.
+  std::string ticks(int most) const {
     std::vector<std::string> list;
     if (axis_.logarithmic) {
       const int first = static_cast<int>(std::ceil(low_ - 1e-9)), last = static_cast<int>(std::floor(high_ + 1e-9));
-      const int every = std::max(1, (last - first + 7) / 8);
+      const int every = std::max(1, (last - first + most - 1) / most);
       for (int decade = first; decade <= last; ++decade) {
         const bool labelled = (decade - first) % every == 0;
         list.push_back(labelled ? fmt::format("'10^{{{}}}' {}", decade, decade) : fmt::format("'' {} 1", decade));
@@ -262,13 +267,14 @@ std::string frame_of_planes(const scene::Scene& scene, const analysis::planes::A
   const DrawnAxis x(x_axis), y(y_axis);
   const auto [x_low, x_high] = x.ends();
   const auto [y_low, y_high] = y.ends();
-  const auto axis_label = [&](const analysis::planes::Axis& axis) {
-    const auto quantity = scene.describe(axis.parameter);
-    return label(quantity.meaning, quantity.unit);
+  const auto named = [&](char axis, const std::string& parameter) {
+    const auto quantity = scene.describe(parameter);
+    return axis_label(axis, parameter, quantity.meaning, quantity.unit);
   };
   return fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset xtics {}\nset ytics {}\n", x_low, x_high, y_low,
-                     y_high, x.ticks(), y.ticks()) +
-         fmt::format("set xlabel {}\nset ylabel {}\n", axis_label(x_axis), axis_label(y_axis)) + palette;
+                     y_high, x.ticks(5), y.ticks(8)) +
+         fmt::format("set xlabel {}\nset ylabel {}\n", named('x', x_axis.parameter), named('y', y_axis.parameter)) +
+         palette;
 }
 
 }  // namespace
@@ -320,7 +326,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   std::vector<std::string> titles{"all metrics together"};
   for (std::size_t m = 0; !alone && m < design.by_metric.size(); ++m) {
     planes.push_back(&design.by_metric[m]);
-    titles.push_back(readable(scene.compare.noise[m].metric) + " alone");
+    titles.push_back(readable(scene.task<tasks::Compare>().noise[m].metric) + " alone");
   }
   std::vector<std::vector<double>> columns(6 + planes.size());
   std::vector<std::string> names = {"x", "y", "x_low", "x_high", "y_low", "y_high"};
@@ -353,12 +359,14 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const auto sheet = sheet_of_planes("design", "Where measurements tell the members apart", scene, design.x, design.y,
                                      count, {.above = 34, .between_rows = 100});
   std::string script = frame_of_planes(scene, design.x, design.y);
+  const auto& parameter = scene.task<tasks::Compare>().parameter;
+  const auto symbol = symbol_of(parameter);
   // Five decades below the most; white where less, or nothing, is to be learned.
-  script += fmt::format(
-      "set logscale cb\nset format cb '10^{{%T}}'\nset cbrange [{0}:{1}]\nset cblabel {2}\n",
-      most > 0 ? most * 1e-5 : 1e-5, most > 0 ? most : 1.0,
-      single_quoted(scene.compare.parameter.empty() ? std::string("log-likelihood ratio of one measurement")
-                                                    : fmt::format("information on ln {}", scene.compare.parameter)));
+  script += fmt::format("set logscale cb\nset format cb '10^{{%T}}'\nset cbrange [{0}:{1}]\nset cblabel {2}\n",
+                        most > 0 ? most * 1e-5 : 1e-5, most > 0 ? most : 1.0,
+                        single_quoted(parameter.empty() ? std::string("log-likelihood ratio of one measurement")
+                                      : symbol.empty()  ? "information on ln " + parameter
+                                                        : "information on ln " + symbol));
   const double least = most > 0 ? most * 1e-5 : 1e-5;
   for (int p = 0; p < count; ++p) {
     script += fmt::format("\nset title {}\n", single_quoted(titles[std::size_t(p)]));

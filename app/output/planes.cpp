@@ -7,8 +7,14 @@
 #include <cctype>
 #include <cmath>
 
+#include "analysis/basins/basins.hpp"
+#include "analysis/planes/map.hpp"
+#include "analysis/planes/sweep.hpp"
 #include "app/output/files.hpp"
 #include "app/output/netcdf_file.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/basin.hpp"
+#include "app/tasks/sweep.hpp"
 
 namespace rosin::app::output {
 
@@ -51,8 +57,8 @@ std::vector<std::string> axis_names(const std::vector<std::string>& paths, const
 void write_plane(const std::filesystem::path& path, const scene::Scene& scene, const analysis::planes::Map& map) {
   NetcdfFile plane;
   plane.begin(scene);
-  plane.attribute(NC_GLOBAL, "tolerance", scene.map.tolerance);
-  plane.attribute(NC_GLOBAL, "stick_threshold", scene.map.stick_threshold);
+  plane.attribute(NC_GLOBAL, "tolerance", scene.task<analysis::planes::MapOptions>().tolerance);
+  plane.attribute(NC_GLOBAL, "stick_threshold", scene.task<analysis::planes::MapOptions>().stick_threshold);
 
   std::vector<std::string> taken{"regime", "origin", "vertex", "fold_vertex"};
   for (const auto& metric : map.metrics) taken.push_back(metric.name), taken.push_back(metric.name + "_error");
@@ -110,11 +116,12 @@ void write_plane(const std::filesystem::path& path, const scene::Scene& scene, c
 }
 
 void write_sweep(const std::filesystem::path& path, const scene::Scene& scene, const analysis::planes::Sweep& sweep) {
+  auto& asked = scene.task<tasks::Sweep>();
   NetcdfFile plane;
   plane.begin(scene);
-  plane.attribute(NC_GLOBAL, "tolerance", scene.sweep.tolerance);
+  plane.attribute(NC_GLOBAL, "tolerance", asked.options.tolerance);
   const int value =
-      write_axis(plane, axis_names({scene.sweep.axis.parameter}, {"moment"}).front(), scene.sweep.axis, scene);
+      write_axis(plane, axis_names({asked.options.axis.parameter}, {"moment"}).front(), asked.options.axis, scene);
   std::size_t longest = 1;
   for (const auto* points : {&sweep.up, &sweep.down})
     for (const auto& point : *points)
@@ -151,11 +158,11 @@ void write_sweep(const std::filesystem::path& path, const scene::Scene& scene, c
 }
 
 void write_basins(const std::filesystem::path& path, const scene::Scene& scene, const analysis::basins::Basins& found) {
-  const auto& [x, y, random, places, direction, task] = scene.basin;
+  const auto& [x, y, random, places, direction, task] = scene.task<tasks::Basin>();
   NetcdfFile plane;
   plane.begin(scene);
   plane.attribute(NC_GLOBAL, "tolerance", task.tolerance);
-  const auto write = [&](const scene::StartAxis& axis, int dimension, const std::vector<double>& values) {
+  const auto write = [&](const tasks::StartAxis& axis, int dimension, const std::vector<double>& values) {
     const int variable = plane.variable(axis.name, NC_DOUBLE, {dimension});
     plane.attribute(variable, "units", axis.unit());
     plane.attribute(variable, "long_name", axis.name + " at the start");

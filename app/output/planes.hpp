@@ -4,10 +4,16 @@
 #include <string>
 #include <vector>
 
-#include "analysis/basins/basins.hpp"
-#include "analysis/planes/map.hpp"
-#include "analysis/planes/sweep.hpp"
-#include "app/scene/scene.hpp"
+namespace rosin::analysis::basins {
+struct Basins;
+}
+namespace rosin::analysis::planes {
+struct Map;
+struct Sweep;
+}  // namespace rosin::analysis::planes
+namespace rosin::app::scene {
+struct Scene;
+}
 
 namespace rosin::app::output {
 

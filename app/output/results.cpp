@@ -3,7 +3,11 @@
 
 #include <ctime>
 
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/planes/map.hpp"
 #include "app/output/json.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/lab.hpp"
 
 namespace rosin::app::output {
 
@@ -50,7 +54,7 @@ std::string to_json(const scene::Scene& scene, const Manifest& manifest) {
   auto document = begin(scene, manifest.verb.c_str(), manifest.outcome);
   document["date"] = utc_now();
   document["scene"] = scene.path;
-  if (scene.experiment) document["experiment"] = scene.experiment->name;
+  if (scene.task<tasks::Lab>().experiment) document["experiment"] = scene.task<tasks::Lab>().experiment->name;
   document["overrides"] = manifest.overrides;
   document["scene_resolved"] = scene.resolved;
   auto& parameters = document["parameters"] = ordered_json::object();

@@ -19,6 +19,7 @@ struct Layout {
   /// Where the key of all panels stands, in as many rows as its titles need: between title and frames, or between
   /// frames and caption. Or each panel has its own, which the script sets.
   enum class Key { above, below, own } key = Key::above;
+  int own_titles = 0;                         ///< most titles of a key that a panel has above its frame
   int rows_below = 0, narrow_rows_below = 0;  ///< of marks that a script explains itself, above the caption
 };
 

@@ -7,12 +7,16 @@
 #include <array>
 #include <cmath>
 
+#include "analysis/planes/map.hpp"
+#include "analysis/strings/strings.hpp"
 #include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/sheet.hpp"
 #include "app/scene/family.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/bowing.hpp"
 
 namespace rosin::app::output {
 
@@ -42,10 +46,10 @@ std::vector<double> borders(const analysis::planes::Axis& axis) {
 }
 
 /// "speed of the bow (m/s)", of a ramp its rate.
-std::string label_of(const scene::Scene& scene, const std::string& parameter) {
+std::string label_of(char axis, const scene::Scene& scene, const std::string& parameter) {
   if (parameter == acceleration) return single_quoted("acceleration of the bow (m/s²)");
   const auto quantity = scene.describe(parameter);
-  return label(quantity.meaning, quantity.unit);
+  return axis_label(axis, parameter, quantity.meaning, quantity.unit);
 }
 
 /// The scale of an axis, with 1, 2 and 5 as ticks of a logarithmic one that spans few decades.
@@ -84,11 +88,11 @@ Cells cells_of(const scene::Scene& scene) {
       const double place[] = {x.values[i], y.values[j], of_x[i], of_x[i + 1], of_y[j], of_y[j + 1]};
       for (std::size_t c = 0; c < cells.places.size(); ++c) cells.places[c].push_back(place[c]);
     }
-  cells.frame =
-      fmt::format("set xlabel {}\nset ylabel {}\n", label_of(scene, x.parameter), label_of(scene, y.parameter)) +
-      scale_of('x', x) + scale_of('y', y) +
-      fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset style fill solid 1 border\n", of_x.front(), of_x.back(),
-                  of_y.front(), of_y.back());
+  cells.frame = fmt::format("set xlabel {}\nset ylabel {}\n", label_of('x', scene, x.parameter),
+                            label_of('y', scene, y.parameter)) +
+                scale_of('x', x) + scale_of('y', y) +
+                fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset style fill solid 1 border\n", of_x.front(),
+                            of_x.back(), of_y.front(), of_y.back());
   return cells;
 }
 

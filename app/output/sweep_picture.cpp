@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/planes/map.hpp"
+#include "analysis/planes/sweep.hpp"
 #include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/sheet.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/sweep.hpp"
 
 namespace rosin::app::output {
 
@@ -49,7 +53,8 @@ std::vector<std::vector<double>> rows_of(const Sweep& sweep, const analysis::pla
 
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene& scene,
                                        const Sweep& sweep) {
-  const auto& options = scene.sweep;
+  auto& asked = scene.task<tasks::Sweep>();
+  const auto& options = asked.options;
   const auto& axis = options.axis;
   const auto quantity = scene.describe(axis.parameter);
   const bool of_metrics = !sweep.metrics.empty();
@@ -69,8 +74,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
     }
   } else {
     for (std::size_t c = 0; c < sweep.column_names.size(); ++c) {
-      if (sweep.column_names[c] == scene.sweep_column)
-        panels.push_back({scene.sweep_column, sweep.column_units[c], table.size()});
+      if (sweep.column_names[c] == asked.column) panels.push_back({asked.column, sweep.column_units[c], table.size()});
       table.push_back({column_header(sweep.column_names[c], sweep.column_units[c]), columns[table.size()]});
     }
   }
@@ -119,7 +123,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
     add_line(false, "(2,3)", "sliding unstable below");
     const bool last = p + 1 == panels.size();
     script += last ? fmt::format("set xlabel {}\nset format x '{}'\n",
-                                 label(axis.parameter + ", " + quantity.meaning, quantity.unit),
+                                 axis_label('x', axis.parameter, quantity.meaning, quantity.unit),
                                  axis.logarithmic ? "10^{%T}" : "%g")
                    : std::string("unset xlabel\nset format x ''\n");
     script +=

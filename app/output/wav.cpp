@@ -37,6 +37,18 @@ std::vector<double> resampled(std::span<const double> signal, double from, doubl
   return out;
 }
 
+/// Without what no ear hears, the constant part of a force foremost: a high pass of the first order.
+std::vector<double> heard(std::vector<double> sound, double rate) {
+  const double keep = std::exp(-2 * std::numbers::pi * lowest_heard / rate);
+  double before = sound.empty() ? 0 : sound.front(), level = 0;
+  for (double& x : sound) {
+    level = keep * level + (x - before);
+    before = x;
+    x = level;
+  }
+  return sound;
+}
+
 void put(std::string& bytes, std::uint32_t value, int size) {
   for (int i = 0; i < size; ++i) bytes += char((value >> (8 * i)) & 0xff);
 }
@@ -45,8 +57,9 @@ void put(std::string& bytes, std::uint32_t value, int size) {
 
 double write_wav(const std::filesystem::path& path, std::span<const double> signal, double sample_rate) {
   const double rate = std::min(std::round(sample_rate), usual_rate);
-  const auto sound =
-      rate == sample_rate ? std::vector<double>(signal.begin(), signal.end()) : resampled(signal, sample_rate, rate);
+  const auto sound = heard(
+      rate == sample_rate ? std::vector<double>(signal.begin(), signal.end()) : resampled(signal, sample_rate, rate),
+      rate);
   double full = 0;
   for (const double x : sound) full = std::max(full, std::abs(x));
   constexpr int bytes_each = 2;

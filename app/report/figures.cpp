@@ -180,17 +180,21 @@ void add_cycle(const Folder& folder, std::vector<Figure>& figures) {
   if (friction != slip) figures.back().views.push_back({"Friction over slip rate in one period", slip, friction});
 }
 
-/// Measured values and the curve that was fitted, of each set of data.
+/// Measured values and the curves of the laws that were fitted, of each set of data.
 void add_fits(const Folder& folder, const Result& result, std::vector<Figure>& figures) {
   const auto& data = at(result.document, "measurements");
   for (std::size_t d = 0; data.is_array() && d < data.size(); ++d) {
     const auto table = read_table(folder.path / fmt::format("fit-curve-{}.csv", d + 1));
     if (table.size() < 3 || table[0].values.empty()) continue;
+    std::vector<Curve> shown = {{"measured", {table[0].values, table[1].values}, -1, nullptr, true},
+                                {word(result.document, "law"), {table[0].values, table[2].values}}};
+    const auto of_others = table[2].name + " of ";
+    for (const auto& column : table)
+      if (column.name.starts_with(of_others))
+        shown.push_back({column.name.substr(of_others.size()), {table[0].values, column.values}});
     figures.push_back(curves("Measured and fitted: " + word(data[d], "data"),
-                             {quantity(table[0].name, table[0].unit), quantity("friction", "1")},
-                             {{"measured", {table[0].values, table[1].values}, -1, nullptr, true},
-                              {"fitted", {table[0].values, table[2].values}}},
-                             0, 1));
+                             {quantity(table[0].name, table[0].unit), quantity("friction", "1")}, std::move(shown), 0,
+                             1));
     figures.back().data["columns"][1]["name"] = "measured and fitted";
   }
 }

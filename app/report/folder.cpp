@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <limits>
 
+#include "app/output/document.hpp"
 #include "app/verbs/verbs.hpp"
 #include "core/error.hpp"
 #include "core/files.hpp"
+#include "core/results_folder.hpp"
 
 namespace rosin::app::report {
 
@@ -20,19 +23,6 @@ namespace {
 
 constexpr std::uintmax_t largest = 500'000'000;  // bytes
 constexpr std::string_view ending = ".manifest.json";
-
-ordered_json parse(const fs::path& path, const std::string& text) {
-  try {
-    auto document = ordered_json::parse(text);
-    if (!document.is_object()) throw InputError(fmt::format("{}: holds no results, but something else", path.string()));
-    return document;
-  } catch (const ordered_json::parse_error& error) {
-    const auto place = std::min(error.byte, text.size());
-    const auto line = 1 + std::count(text.begin(), text.begin() + std::ptrdiff_t(place), '\n');
-    throw InputError(fmt::format("{}:{}: is damaged, no JSON from byte {} of {} on; compute it again", path.string(),
-                                 line, place, text.size()));
-  }
-}
 
 void require_this_version(const fs::path& path, const ordered_json& manifest) {
   const auto version = word(manifest, "version");
@@ -49,6 +39,24 @@ std::size_t place_of(const std::string& label) {
   return std::size_t(std::ranges::find(list, verb, [](const auto& v) { return std::string(v.name); }) - list.begin());
 }
 
+bool begins_with(const fs::path& path, std::string_view mark) {
+  std::string begin(mark.size(), ' ');
+  return std::ifstream(path, std::ios::binary).read(begin.data(), std::streamsize(begin.size())) && begin == mark;
+}
+
+/// Why a file is not what its name says, which rosin gives to regular files alone; empty where it is.
+std::string foreign(const fs::directory_entry& entry) {
+  std::error_code problem;
+  const auto status = entry.symlink_status(problem);
+  const auto extension = entry.path().extension();
+  if (fs::is_symlink(status)) return "is a link, which is not followed";
+  if (fs::is_directory(status) && extension != ".json" && extension != ".csv" && extension != ".png") return {};
+  if (!fs::is_regular_file(status)) return "is no regular file";
+  constexpr std::string_view mark = "\x89PNG\r\n\x1a\n";
+  if (extension == ".png" && !begins_with(entry.path(), mark)) return "is no PNG";
+  return {};
+}
+
 }  // namespace
 
 Folder read_folder(const fs::path& path) {
@@ -56,13 +64,16 @@ Folder read_folder(const fs::path& path) {
   if (!fs::is_directory(path))
     throw InputError(
         fmt::format("{}: is no folder; results of a scene stand in out/<scene>/, or where --out says", path.string()));
-  Folder folder{path, {}};
+  Folder folder{path, {}, {}};
   std::vector<std::string> labels;
   for (const auto& entry : fs::directory_iterator(path)) {
     const auto name = entry.path().filename().string();
-    if (name.size() > ending.size() && name.ends_with(ending))
+    if (const auto why = foreign(entry); !why.empty())
+      folder.left_out[name] = why;
+    else if (name.size() > ending.size() && name.ends_with(ending))
       labels.push_back(name.substr(0, name.size() - ending.size()));
   }
+  std::erase_if(labels, [&](const auto& label) { return folder.left_out.contains(label + ".json"); });
   if (labels.empty())
     throw InputError(
         fmt::format("{}: holds no results (no <verb>{}); compute them first, such as with "
@@ -72,10 +83,10 @@ Folder read_folder(const fs::path& path) {
                     [](const auto& a, const auto& b) { return std::pair(place_of(a), a) < std::pair(place_of(b), b); });
   for (const auto& label : labels) {
     const auto manifest = path / (label + std::string(ending)), document = path / (label + ".json");
-    Result result{label, {}, parse(manifest, read_whole(manifest, largest)), {}};
+    Result result{label, {}, output::parse_document(manifest.string(), read_found(manifest, largest)), {}};
     require_this_version(manifest, result.manifest);
-    const auto text = read_whole(document, largest);
-    result.document = parse(document, text);
+    const auto text = read_found(document, largest);
+    result.document = output::parse_document(document.string(), text);
     require_this_version(document, result.document);
     result.checksum = fmt::format("{:016x}", rosin::checksum(text));
     folder.results.push_back(std::move(result));
@@ -99,8 +110,8 @@ std::vector<std::string> cells(std::string_view line) {
 
 std::vector<TableColumn> read_table(const fs::path& path) {
   std::error_code problem;
-  if (!fs::is_regular_file(path, problem)) return {};
-  const auto text = read_whole(path, largest);
+  if (!fs::is_regular_file(fs::symlink_status(path, problem))) return {};
+  const auto text = read_found(path, largest);
   std::vector<TableColumn> table;
   for (std::size_t from = 0; from < text.size();) {
     const auto end = std::min(text.find('\n', from), text.size());

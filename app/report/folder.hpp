@@ -1,6 +1,7 @@
 /// What stands in a results folder: of each verb its document and its manifest. Include only in .cpp files.
 #pragma once
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -19,7 +20,8 @@ struct Result {
 
 struct Folder {
   std::filesystem::path path;
-  std::vector<Result> results;  ///< in the order of the help
+  std::vector<Result> results;                  ///< in the order of the help
+  std::map<std::string, std::string> left_out;  ///< names of links and of files that are not what they seem, and why
 };
 
 /// \throws InputError where there are no results, where a document is damaged, and where another version wrote it.

@@ -15,7 +15,7 @@
 #include "app/report/tables.hpp"
 #include "app/report/verdicts.hpp"
 #include "core/error.hpp"
-#include "core/files.hpp"
+#include "core/results_folder.hpp"
 #include "laws/catalogue.hpp"
 
 namespace rosin::app::report {
@@ -130,7 +130,8 @@ std::string pictures_html(const Folder& folder, const Result& result) {
     if (!file.is_string()) continue;
     const fs::path name = file.get<std::string>();
     std::error_code problem;
-    if (name.extension() != ".png" || name.has_parent_path() || !fs::is_regular_file(folder.path / name, problem))
+    if (name.extension() != ".png" || name.has_parent_path() || folder.left_out.contains(name.string()) ||
+        !fs::is_regular_file(folder.path / name, problem))
       continue;
     const auto size = fs::file_size(folder.path / name, problem);
     if (problem || bytes + size > largest_pictures) continue;
@@ -138,7 +139,7 @@ std::string pictures_html(const Folder& folder, const Result& result) {
     html += fmt::format(
         "<figure><img alt=\"{0}, as drawn by gnuplot\" "
         "src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
-        escaped(name.stem().string()), base64(read_whole(folder.path / name, largest_pictures)));
+        escaped(name.stem().string()), base64(read_found(folder.path / name, largest_pictures)));
   }
   return html;
 }

@@ -10,7 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/cycles/cycle.hpp"
+#include "app/output/digits.hpp"
 #include "app/output/gnuplot.hpp"
+#include "app/output/symbols.hpp"
 #include "app/report/folder.hpp"
 #include "oscillators/model.hpp"
 
@@ -18,64 +20,64 @@ namespace rosin::app::report {
 
 namespace {
 
-/// Symbols as docs/glossary.md has them; of metrics, unit and meaning come from their own list.
+/// Of metrics, unit and meaning come from their own list.
 const std::map<std::string, Known, std::less<>>& table() {
   static const auto known = [] {
     std::map<std::string, Known, std::less<>> list = {
-        {"time", {"t", "s", "time"}},
-        {"displacement", {"x", "m", "of the slider from the unstretched spring, positive where friction pulls"}},
-        {"velocity", {"ẋ", "m/s", "of the slider"}},
-        {"slip_rate", {"v", "m/s", "V − ẋ, of the surfaces against each other"}},
-        {"friction_force", {"F", "N", "on the slider"}},
-        {"friction_coefficient", {"μ", "1", "friction over normal load"}},
-        {"normal_load", {"N", "N", "normal force"}},
-        {"theta", {"θ", "s", "mean age of the contacts"}},
-        {"psi", {"ψ", "1", "state of the interface"}},
-        {"phi", {"φ", "1", "state of the interface"}},
-        {"angular_frequency", {"ω", "rad/s", "of the oscillation"}},
-        {"frequency", {"f", "Hz", "of the oscillation"}},
-        {"growth_rate", {"σ", "1/s", "of small motions; positive: they grow"}},
-        {"damping_ratio", {"ζ", "1", "decay over frequency; negative: it grows"}},
+        {"time", {"", "s", "time"}},
+        {"displacement", {"", "m", "of the slider from the unstretched spring, positive where friction pulls"}},
+        {"velocity", {"", "m/s", "of the slider"}},
+        {"slip_rate", {"", "m/s", "V − ẋ, of the surfaces against each other"}},
+        {"friction_force", {"", "N", "on the slider"}},
+        {"friction_coefficient", {"", "1", "friction over normal load"}},
+        {"normal_load", {"", "N", "normal force"}},
+        {"theta", {"", "s", "mean age of the contacts"}},
+        {"psi", {"", "1", "state of the interface"}},
+        {"phi", {"", "1", "state of the interface"}},
+        {"angular_frequency", {"", "rad/s", "of the oscillation"}},
+        {"frequency", {"", "Hz", "of the oscillation"}},
+        {"growth_rate", {"", "1/s", "of small motions; positive: they grow"}},
+        {"damping_ratio", {"", "1", "decay over frequency; negative: it grows"}},
         {"first_lyapunov_coefficient",
-         {"ℓ₁", "1/s", "sign of the cubic term at onset; negative: vibration sets in softly"}},
+         {"", "1/s", "sign of the cubic term at onset; negative: vibration sets in softly"}},
         {"criticality", {"", "", "supercritical: sets in softly; subcritical: with a jump"}},
-        {"eigenvalues", {"s", "1/s", "of small motions about steady sliding"}},
+        {"eigenvalues", {"", "1/s", "of small motions about steady sliding"}},
         {"multipliers", {"", "1", "factor of a small change after one period"}},
-        {"exponents", {"λ", "1/s", "mean rate at which neighbouring motions part"}},
+        {"exponents", {"", "1/s", "mean rate at which neighbouring motions part"}},
         {"growth", {"", "1", "logarithm of the amplitude's growth in one period"}},
-        {"sum", {"Σλ", "1/s", "of all exponents"}},
+        {"sum", {"", "1/s", "of all exponents"}},
         {"divergence", {"", "1/s", "mean divergence of the motion, equal to the sum of exponents"}},
         {"duration", {"", "s", "over which is averaged"}},
         {"transient", {"", "s", "left out before"}},
         {"switches", {"", "1", "number of changes between stick and slip"}},
         {"returns", {"", "1", "of the map until the motion recurred"}},
-        {"stick_threshold", {"ε", "1", "slip slower than ε V counts as stick"}},
+        {"stick_threshold", {"", "1", "slip slower than ε V counts as stick"}},
         {"tolerance", {"", "1", "relative accuracy asked for"}},
         {"share", {"", "1", "of starts that come here"}},
         {"standard_error", {"", "", "of the estimate"}},
-        {"chi_square", {"χ²", "1", "sum of squared residuals over their variance"}},
+        {"chi_square", {"", "1", "sum of squared residuals over their variance"}},
         {"points", {"", "1", "number of data"}},
         {"confidence", {"", "1", "probability that an interval is meant to hold"}},
-        {"aic", {"AIC", "1", "information criterion of Akaike; the lower the better"}},
-        {"bic", {"BIC", "1", "Bayesian information criterion; the lower the better"}},
+        {"aic", {"", "1", "information criterion of Akaike; the lower the better"}},
+        {"bic", {"", "1", "Bayesian information criterion; the lower the better"}},
         {"margin", {"", "1", "least distance of the loop to −1"}},
         {"margin_frequency", {"", "Hz", "at which the loop comes nearest to −1"}},
-        {"coherence", {"γ²", "1", "part of the answer that is linear in the input"}},
-        {"recurrence", {"T", "s", "from one slip event to the next"}},
-        {"force_drop", {"ΔF", "N", "fall of the spring's force in a slip event"}},
+        {"coherence", {"", "1", "part of the answer that is linear in the input"}},
+        {"recurrence", {"", "s", "from one slip event to the next"}},
+        {"force_drop", {"", "N", "fall of the spring's force in a slip event"}},
         {"closed_form", {"", "", "whether the value is that of a formula"}},
         {"marginal", {"", "", "an eigenvalue lies on the imaginary axis within its error"}},
         {"stable", {"", "", "small disturbances die out"}},
         {"displacement_max", {"", "m", "largest displacement of the period"}},
         {"displacement_min", {"", "m", "least displacement of the period"}},
         {"amplitude", {"", "m", "half the range of the displacement"}},
-        {"lyapunov", {"λ₁", "1/s", "largest Lyapunov exponent; positive: chaos"}},
+        {"lyapunov", {"", "1/s", "largest Lyapunov exponent; positive: chaos"}},
         {"friction_work", {"", "J", "done by friction"}},
         {"event_time_error", {"", "s", "largest error of the time of an event"}},
         {"choices", {"", "1", "switches in which the order that contacts give way in decides what follows"}},
         {"path_length", {"", "m", "of the slider's way"}},
         {"stick_time", {"", "s", "in which nothing slips"}},
-        {"pressure", {"p", "Pa", "of the contact"}},
+        {"pressure", {"", "Pa", "of the contact"}},
         {"apparent_friction", {"", "1", "mean friction over mean normal load"}},
         {"open_fraction", {"", "1", "of the contact, lifted off"}},
         {"full_stick_fraction", {"", "1", "of the time in which the whole contact sticks"}},
@@ -86,29 +88,24 @@ const std::map<std::string, Known, std::less<>>& table() {
         {"high_frequency_limit", {"", "N s/m", "of the response, direct effect"}},
         {"high_frequency_stiffness", {"", "N/m", "of the response, friction over displacement"}},
         {"transient_length", {"", "1", "periods until Helmholtz motion"}},
-        {"drive.normal_load", {"N", "N", "normal load"}},
-        {"drive.speed", {"V", "m/s", "speed of the drive"}},
-        {"drive.force", {"f", "N", "force on the slider along its motion"}},
-        {"oscillator.mass", {"m", "kg", "mass of the slider"}},
-        {"oscillator.stiffness", {"k", "N/m", "stiffness of the spring"}},
-        {"oscillator.damping", {"c", "N s/m", "damping of the slider's motion"}},
-        {"law.lambda", {"λ", "1", "clock factor of the states"}},
-        {"law.mu_s", {"μ_s", "1", "largest coefficient at rest"}},
-        {"law.mu_d", {"μ_d", "1", "coefficient in motion"}},
-        {"law.v_s", {"v_s", "m/s", "speed over which friction falls"}},
-        {"law.mu0", {"μ₀", "1", "friction in steady sliding at v0"}},
-        {"law.v0", {"v₀", "m/s", "reference slip rate"}},
-        {"law.a", {"a", "1", "direct effect"}},
-        {"law.b", {"b", "1", "evolution effect"}},
-        {"law.L", {"L", "m", "slip that renews the contacts"}},
+        {"drive.normal_load", {"", "N", "normal load"}},
+        {"drive.speed", {"", "m/s", "speed of the drive"}},
+        {"drive.force", {"", "N", "force on the slider along its motion"}},
+        {"oscillator.mass", {"", "kg", "mass of the slider"}},
+        {"oscillator.stiffness", {"", "N/m", "stiffness of the spring"}},
+        {"oscillator.damping", {"", "N s/m", "damping of the slider's motion"}},
+        {"law.lambda", {"", "1", "clock factor of the states"}},
+        {"law.mu_s", {"", "1", "largest coefficient at rest"}},
+        {"law.mu_d", {"", "1", "coefficient in motion"}},
+        {"law.v_s", {"", "m/s", "speed over which friction falls"}},
+        {"law.mu0", {"", "1", "friction in steady sliding at v0"}},
+        {"law.v0", {"", "m/s", "reference slip rate"}},
+        {"law.a", {"", "1", "direct effect"}},
+        {"law.b", {"", "1", "evolution effect"}},
+        {"law.L", {"", "m", "slip that renews the contacts"}},
     };
-    const std::map<std::string_view, const char*> symbols = {
-        {"period", "T"},           {"slip_rate_max", "v_max"}, {"slip_rate_min", "v_min"}, {"friction_max", "μ_max"},
-        {"friction_min", "μ_min"}, {"friction_mean", "⟨μ⟩"},   {"slip_rate_mean", "⟨v⟩"}};
-    for (const auto& metric : analysis::cycles::metric_names()) {
-      const auto symbol = symbols.find(metric.name);
-      list[metric.name] = {symbol == symbols.end() ? "" : symbol->second, metric.unit, metric.meaning};
-    }
+    for (const auto& metric : analysis::cycles::metric_names()) list[metric.name] = {"", metric.unit, metric.meaning};
+    for (auto& [name, of_name] : list) of_name.symbol = output::symbol_of(name);
     return list;
   }();
   return known;
@@ -208,11 +205,7 @@ std::string number_text(double value, int digits) {
 std::string number_text(double value, double error, int digits) {
   if (!std::isfinite(value) || !(error > 0)) return number_text(value, digits);
   if (std::isinf(error)) return number_text(value, digits) + ", of unknown error";
-  const double whole = std::floor(std::log10(std::abs(value))) + 1, kept = whole - std::floor(std::log10(error));
-  if (!(kept >= 1)) return fmt::format("0 ± {}", typeset(fmt::format("{:.0e}", error)));
-  const int shown = int(std::min(kept, 16.0));
-  const auto text = kept > whole ? fmt::format("{:#.{}g}", value, shown) : fmt::format("{:.{}g}", value, shown);
-  return fmt::format("{} ± {}", typeset(text), typeset(fmt::format("{:.1g}", error)));
+  return fmt::format("{} ± {}", typeset(output::digits_by_error(value, error)), typeset(fmt::format("{:.1g}", error)));
 }
 
 std::string amount(double value, std::string_view unit, double error, int digits) {

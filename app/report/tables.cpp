@@ -110,6 +110,7 @@ std::string title_of(const std::string& key) {
       {"steady", "Steady sliding"},
       {"hopf", "Where steady sliding changes stability (Hopf points)"},
       {"thresholds", "Thresholds of steady sliding"},
+      {"windows", "Windows in which a mode grows"},
       {"extrema", "Extrema of the curve"},
       {"section", "Where the period begins"},
       {"state", "States"},
@@ -298,7 +299,10 @@ std::string tables_of(const Result& result) {
   for (const auto& [key, value] : document.items()) {
     if (is_shown_elsewhere(key)) continue;
     const auto title = title_of(key);
-    if (is_list_of_objects(value)) {
+    if (result.label == "fit" && key == "parameters") {
+      for (const auto& fit : at(document, "ranking"))  // the best law first
+        html += list_of(fmt::format("{} of {}", title, word(fit, "law")), at(fit, "parameters"), "", "name");
+    } else if (is_list_of_objects(value)) {
       html += list_of(title, value, unit_of_parameter(document));
     } else if ((key == "eigenvalues" || key == "multipliers") && is_list_of_pairs(value)) {
       html += pairs_of(key, value);

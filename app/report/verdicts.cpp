@@ -375,18 +375,23 @@ std::string of_frf(const Result& result) {
 std::string of_fit(const Result& result) {
   const auto& document = result.document;
   std::vector<std::string> parts;
-  if (const auto& ranking = list(document, "ranking"); ranking.size() > 1) {
-    parts.push_back(fmt::format("Of {} laws, {} explains the data best", ranking.size(), word(ranking[0], "law")));
-    const double ahead = number(ranking[1], "aic") - number(ranking[0], "aic");
-    if (std::isfinite(ahead))
-      parts.back() += fmt::format(", ahead of {} by {} in AIC", word(ranking[1], "law"), number_text(ahead, 3));
-  }
-  if (const auto& parameters = at(document, "parameters"); parameters.is_object()) {
+  const auto& ranking = list(document, "ranking");
+  std::vector<std::string> undecided;
+  for (const auto& law : list(document, "undecided"))
+    if (law.is_string()) undecided.push_back(law.get<std::string>());
+  if (!undecided.empty())
+    parts.push_back(
+        fmt::format("Of {} laws, the data do not decide between {}", ranking.size(), fmt::join(undecided, ", ")));
+  else if (ranking.size() > 1)
+    parts.push_back(fmt::format("Of {} laws, {} explains the data best, ahead of {} by {} in AIC", ranking.size(),
+                                word(ranking[0], "law"), word(ranking[1], "law"),
+                                number_text(number(ranking[1], "aic") - number(ranking[0], "aic"), 3)));
+  for (const auto& fit : ranking) {  // the best law first
     std::vector<std::string> texts;
-    for (const auto& [path, fitted] : parameters.items())
+    for (const auto& [path, fitted] : at(fit, "parameters").items())
       texts.push_back(setting(path, number(fitted, "value"), word(fitted, "unit"), number(fitted, "standard_error")));
     parts.push_back(fmt::format("{} {}: {}", parts.empty() ? "Fitted parameters of" : "fitted parameters of",
-                                word(document, "law"), fmt::join(texts, ", ")));
+                                word(fit, "law"), fmt::join(texts, ", ")));
   }
   return sentences(parts);
 }

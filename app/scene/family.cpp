@@ -4,26 +4,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
+#include <utility>
 
 #include "app/scene/structure.hpp"
 #include "app/scene/toml_document.hpp"
+#include "app/tasks/bowing.hpp"
+#include "oscillators/bowed_string.hpp"
 
 namespace rosin::app::scene {
 
 namespace {
 
 /// Without the numbers of entries of lists, and without the mean of a signal, which goes by the signal's own name.
-std::string without_numbers(const std::string& path) {
-  std::string kept;
-  for (std::size_t begin = 0; begin <= path.size();) {
-    const auto dot = std::min(path.find('.', begin), path.size());
-    const auto key = path.substr(begin, dot - begin);
-    const bool is_number =
-        !key.empty() && std::ranges::all_of(key, [](unsigned char c) { return std::isdigit(c) != 0; });
-    if (!is_number && key != "mean") kept += (kept.empty() ? "" : ".") + key;
-    begin = dot + 1;
-  }
+std::string named(const std::string& path) {
+  auto kept = without_numbers(path);
+  if (kept.ends_with(".mean")) kept.resize(kept.size() - 5);
   return kept;
 }
 
@@ -41,8 +36,12 @@ Scene read(const Request& request, const toml::table& document, const std::files
 
 }  // namespace
 
-Family::Family(const SceneReader& like, bool as_slider)
-    : request_(like.request), document_(like.document), folder_(like.folder), as_slider_(as_slider) {
+Family::Family(const SceneReader& like, std::string varied_by, bool as_slider)
+    : request_(like.request),
+      document_(like.document),
+      folder_(like.folder),
+      varied_by_(std::move(varied_by)),
+      as_slider_(as_slider) {
   const NumbersAsked asked;
   read(request_, document_, folder_, as_slider_);
   known_ = asked.quantities;
@@ -65,15 +64,15 @@ std::string Family::in_full(const std::string& path) const {
 }
 
 Quantity Family::describe(const std::string& path) const {
-  const std::string full = in_full(path), wanted = without_numbers(full);
+  const std::string full = in_full(path), wanted = named(full);
   std::vector<std::string> names;
   for (const auto& quantity : known_) {
-    if (without_numbers(quantity.name) == wanted) {
+    if (named(quantity.name) == wanted) {
       auto found = quantity;
       found.name = full;
       // That it can be set shows where the path leads through the document.
       auto document = document_;
-      apply_override(document, full + "=1");
+      set_number(document, full, 1);
       return found;
     }
     if (std::ranges::find(names, quantity.name) == names.end()) names.push_back(quantity.name);
@@ -91,8 +90,16 @@ double Family::value(const std::string& path) const {
 
 Scene Family::read_with(const std::vector<std::pair<std::string, double>>& values) const {
   auto document = document_;
-  for (const auto& [path, value] : values) apply_override(document, fmt::format("{}={}", in_full(path), value));
-  return read(request_, document, folder_, as_slider_);
+  std::string at;
+  for (const auto& [path, value] : values) {
+    set_number(document, in_full(path), value);
+    at += fmt::format("{}{} = {:.10g}", at.empty() ? "" : ", ", path, value);
+  }
+  try {
+    return read(request_, document, folder_, as_slider_);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: at {}: {}", varied_by_, at, error.what()));
+  }
 }
 
 analysis::motion::StructureModel Family::with(const std::vector<std::pair<std::string, double>>& values) const {

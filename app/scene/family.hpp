@@ -5,14 +5,16 @@
 #include <vector>
 
 #include "app/scene/reader.hpp"
+#include "oscillators/bowed_string.hpp"
 
 namespace rosin::app::scene {
 
 class Family {
  public:
   /// Of the scene that is being read, whose structure (and start of [cycle]) is read anew for each value.
+  /// \param varied_by  the table that gives the values, "stability.scan", by which errors at one of them begin
   /// \param as_slider  of a scene whose oscillator is a slider, which then may have no mass: for slider_with()
-  explicit Family(const SceneReader&, bool as_slider = false);
+  Family(const SceneReader&, std::string varied_by, bool as_slider = false);
 
   /// The number at a path: name (in full), unit, range, meaning. Lists are numbered from 1; "drive.force.amplitude" is
   /// that of the first harmonic. \throws InputError for a path that holds no number, with the nearest.
@@ -32,6 +34,7 @@ class Family {
   Request request_;
   toml::table document_;
   std::filesystem::path folder_;
+  std::string varied_by_;
   bool as_slider_;
   std::vector<Quantity> known_;
 };

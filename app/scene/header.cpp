@@ -67,13 +67,18 @@ bool same_unit(const TextUnit& a, const TextUnit& b) {
 bool looks_like_unit(const std::string& text) {
   constexpr std::size_t word = 4;  // letters in runs of at most three: longer ones are words, as "force" is to UDUNITS
   if (text == "mu") return false;  // friction, not a thousandth of the atomic mass unit
+  for (const char* unit : {"micron", "microns", "microstrain", "ustrain", "newton", "newtons", "volt", "volts",
+                           "degree", "degrees", "percent", "counts", "%", "°"})
+    if (text == unit) return true;  // these name nothing else
   std::size_t letters = 0, run = 0;
   for (const char c : text) {
     run = std::isalpha(static_cast<unsigned char>(c)) ? run + 1 : 0;
     letters += run > 0;
     if (run >= word) return false;
   }
-  return letters > 0 && std::isalpha(static_cast<unsigned char>(text.front())) && unit_known(text);
+  const bool begins = !text.empty() && (std::isalpha(static_cast<unsigned char>(text.front())) ||
+                                        static_cast<unsigned char>(text.front()) >= 0x80 || text.starts_with("1/"));
+  return letters > 0 && begins && unit_known(text);
 }
 
 std::string unit_cell(std::string_view text) {

@@ -215,6 +215,10 @@ void read_law(SceneReader& reader, Table law, oscillators::Model& model) {
     spring->read("damping_per_load", model.contact_stiffness.damping_per_load,
                  mechanical("law.contact_stiffness.damping_per_load"));
     spring->finish();
+    if (model.contact_stiffness.damped() && !model.contact_stiffness.present())
+      fail(spring->source(),
+           "law.contact_stiffness: damping without a spring beside it has no meaning; give tangential (N/m) or "
+           "per_load (1/m)");
   }
   if (auto memory = law.table("load_memory")) {
     memory->read("alpha", model.load_memory, mechanical("law.load_memory.alpha"));

@@ -34,9 +34,11 @@ const OscillatorType& oscillator_type(SceneReader& reader, const toml::node& osc
   if (found == types.end())
     fail(type->source(), "oscillator.type = '{}' is not available in this version; use 'slider' or 'structure'", name);
   const auto& verbs = found->verbs;
-  if (!verbs.empty() && std::ranges::find(verbs, reader.request.verb) == verbs.end())
-    fail(type->source(), "oscillator.type = '{}' serves {} only, not '{}'", name, fmt::join(verbs, ", "),
-         reader.request.verb);
+  if (!verbs.empty() && std::ranges::find(verbs, reader.request.verb) == verbs.end()) {
+    const auto reason = found->reasons.find(reader.request.verb);
+    fail(type->source(), "oscillator.type = '{}' serves {} only, not '{}'{}", name, fmt::join(verbs, ", "),
+         reader.request.verb, reason == found->reasons.end() ? "" : ": " + reason->second);
+  }
   return *found;
 }
 

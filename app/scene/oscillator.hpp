@@ -1,5 +1,7 @@
 /// Types of oscillators: what [oscillator] and [drive] hold for each, one file a type and one line in the list.
 #pragma once
+#include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +17,7 @@ struct OscillatorType {
   /// \param complete whether the keys that a motion needs must be there
   void (*read)(SceneReader&, Table oscillator, bool complete);
   void (*read_drive)(SceneReader&, Table drive, bool complete);
+  std::map<std::string, std::string> reasons = {};  ///< why it does not serve a verb
 };
 
 const std::vector<OscillatorType>& oscillator_types();

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "app/scene/oscillator.hpp"
 #include "app/scene/structure.hpp"
 
@@ -70,6 +73,10 @@ void read_drive_and_rig(SceneReader& reader, Table drive, bool complete) {
   if (const auto* contact = table.find("normal_contact"))
     rig.normal_law = read_normal_law(Table(*contact, table.path("normal_contact")), true);
   table.finish();
+  if (std::ranges::all_of(rig.disk_stiffness, [](double k) { return std::isinf(k); }))
+    for (const char* key : {"disk_mass", "disk_inertia", "disk_height"})
+      if (const auto* given = table.find(key))
+        fail(given->source(), "{} has no effect: the disk is rigid; give disk_stiffness (N/m)", table.path(key));
   auto contact = contact_of(reader.scene.model);
   contact.speed = reader.scene.model.drive.speed, contact.normal_load = reader.scene.model.drive.normal_load;
   reader.scene.structure->structure = located(node.source(), [&] { return oscillators::pin_on_disk(rig, contact); });

@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "analysis/motion/plane_run.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/signal.hpp"
@@ -19,6 +20,7 @@ void read(SceneReader& reader, Table table, bool) {
   const auto& of_law = reader.document.get("law")->source();
   if (reader.scene.model.contact_stiffness.present())
     fail(of_law, "law.contact_stiffness does not go with a plane slider, whose contact is rigid");
+  if (reader.scene.model.load_memory > 0) fail(of_law, "law.load_memory does not go with a plane slider");
   if (law->has_states()) {
     std::vector<std::string_view> without;
     for (const auto& other : laws::catalogue())
@@ -28,7 +30,7 @@ void read(SceneReader& reader, Table table, bool) {
          "those without are {} and formulas",
          law->card().name, fmt::join(without, ", "));
   }
-  auto& mass = reader.scene.plane.emplace().mass;
+  auto& mass = (reader.scene.plane = std::make_shared<analysis::motion::PlaneModel>())->mass;
   table.expect({"type", "mass", "stiffness", "damping"});
   table.find("type");
   table.required("mass", "kg");

@@ -368,12 +368,15 @@ class RowsOfChild final : public Rows {
 // ---------------------------------------------------------------- even time
 
 /// Holds times to an even spacing: each step within a tenth of it, and the whole within half a sample of a straight
-/// line.
+/// line. Where rows are missing the line begins anew.
 class Clock {
  public:
-  void take(const std::vector<double>& times, const Rows& rows) {
-    if (step_ == 0) begin(times);
-    for (const double t : times) {
+  /// Puts a row without numbers into a block where rows are missing, if they may be. \returns how many are missing.
+  long take(std::vector<std::vector<double>>& block, const Rows& rows, bool gaps) {
+    if (step_ == 0) begin(block.back());
+    long missing = 0;
+    for (std::size_t i = 0; i < block.back().size(); ++i, ++rows_) {
+      const double t = block.back()[i];
       if (std::isnan(t)) {  // the next one must stand in its place
         last_ += step_;
         ++count_;
@@ -382,26 +385,34 @@ class Clock {
       if (count_ > 0) {
         const double step = t - last_;
         if (!(step > 0))
-          throw InputError(fmt::format("{}: time does not ascend: {} s follows {} s", rows.place(count_), t, last_));
-        if (step > 1.5 * step_)
-          throw InputError(
-              fmt::format("{}: a gap: time {} s follows {} s, where samples are {:.6g} s apart; nothing is "
-                          "interpolated: cut the record there, or fill it yourself",
-                          rows.place(count_), t, last_, step_));
-        if (std::abs(step - step_) > 0.1 * step_)
+          throw InputError(fmt::format("{}: time does not ascend: {} s follows {} s", rows.place(rows_), t, last_));
+        if (step > 1.5 * step_) {
+          if (!gaps)
+            throw InputError(
+                fmt::format("{}: a gap: time {} s follows {} s, where samples are {:.6g} s apart; nothing is "
+                            "interpolated: cut the record there, or fill it yourself",
+                            rows.place(rows_), t, last_, step_));
+          missing += std::max(1L, std::lround(step / step_) - 1);
+          paused_ += step - 2 * step_;
+          ++count_;
+          for (auto& column : block) column.insert(column.begin() + std::ptrdiff_t(i), std::nan(""));
+          ++i;
+        } else if (std::abs(step - step_) > 0.1 * step_) {
           throw InputError(
               fmt::format("{}: samples are not evenly spaced: a step of {:.6g} s among steps of {:.6g} s; "
                           "sample the record evenly first",
-                          rows.place(count_), step, step_));
+                          rows.place(rows_), step, step_));
+        }
       }
       last_ = t;
       ++count_;
     }
-    marks_.emplace_back(count_ - 1, last_);
+    marks_.emplace_back(count_ - 1, last_ - paused_);
+    return missing;
   }
   double rate() const { return 1 / step_; }
   double mean_rate(const RecordSource& source) const {
-    const double step = (last_ - first_) / double(count_ - 1);
+    const double step = (last_ - paused_ - first_) / double(count_ - 1);
     for (const auto& [index, time] : marks_)
       if (std::abs(time - first_ - double(index) * step) > 0.5 * step)
         throw InputError(fmt::format("{}: the clock runs unevenly: sample {} is {:.3g} samples from its place",
@@ -422,7 +433,8 @@ class Clock {
     if (!(step_ > 0)) throw InputError("times of the record do not ascend");
   }
   double step_ = 0, first_ = 0, last_ = 0;
-  long count_ = 0;
+  double paused_ = 0;  ///< s in which rows are missing, but for the one that stands for them
+  long count_ = 0, rows_ = 0;
   std::vector<std::pair<long, double>> marks_;
 };
 
@@ -468,6 +480,10 @@ RecordEnd read_record(const RecordSource& source,
   std::uint64_t sum = 0;
   std::vector<std::vector<double>> block(wanted.size());
   while (rows->read(block)) {
+    if (source.time) {
+      end.missing += clock.take(block, *rows, source.gaps);
+      end.sample_rate = clock.rate();
+    }
     for (std::size_t i = 0; i < block.front().size(); ++i) {
       const auto missing = std::ranges::find_if(block, [&](const auto& column) { return std::isnan(column[i]); });
       if (missing == block.end()) continue;
@@ -478,10 +494,6 @@ RecordEnd read_record(const RecordSource& source,
           fmt::format("{}: column {} is missing here; nothing is interpolated: cut the table, or fill it yourself",
                       rows->place(end.samples + long(i)),
                       column.number > 0 ? std::to_string(column.number) : fmt::format("'{}'", column.name)));
-    }
-    if (source.time) {
-      clock.take(block.back(), *rows);
-      end.sample_rate = clock.rate();
     }
     std::vector<std::span<const double>> columns;
     for (std::size_t c = 0; c < source.columns.size(); ++c) columns.emplace_back(block[c]);
@@ -497,6 +509,7 @@ RecordEnd read_record(const RecordSource& source,
   end.understood = fmt::format("{}: {}; {} rows, {} with gaps", source.file.string(), rows->understood(), end.samples,
                                end.gaps == 0 ? "none" : std::to_string(end.gaps));
   if (source.time) end.understood += fmt::format(", one each {:.6g} s", 1 / end.sample_rate);
+  if (end.missing > 0) end.understood += fmt::format(", {} rows missing", end.missing);
   FilesRead::note(end.understood, sum);
   return end;
 }

@@ -18,15 +18,18 @@ struct RecordSource {
   double sample_rate = 0;            ///< Hz, where there is no time
   std::vector<RecordColumn> columns;
   TableKeys keys = {};
-  bool gaps = false;  ///< rows with missing numbers are handed over, with NaN in place of those; else they are refused
-  int least = 2;      ///< samples
-  int width = 0;      ///< columns that a text must have where none are chosen; 0: any number
+  /// Rows with missing numbers are handed over, with NaN in place of those, and a row of them where time tells that
+  /// rows are missing; else they are refused.
+  bool gaps = false;
+  int least = 2;  ///< samples
+  int width = 0;  ///< columns that a text must have where none are chosen; 0: any number
 };
 
 struct RecordEnd {
   double sample_rate = 0;  ///< Hz, the mean
   long samples = 0;
-  long gaps = 0;                ///< rows in which a number is missing
+  long gaps = 0;                ///< rows in which a number is missing, one for rows that are not there
+  long missing = 0;             ///< rows that are not there
   std::string understood = {};  ///< of the file, in one sentence
 };
 

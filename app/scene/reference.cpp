@@ -9,6 +9,7 @@
 
 #include "app/scene/scene_table.hpp"
 #include "core/error.hpp"
+#include "core/turning.hpp"
 #include "core/units.hpp"
 
 namespace rosin::app::scene {
@@ -56,6 +57,8 @@ double Reference::to_si(std::string_view text, std::string_view si_unit) {
   std::string problem;
   try {
     return rosin::to_si(text, si_unit);
+  } catch (const UnclearAngle&) {
+    throw;
   } catch (const InputError& error) {
     problem = error.what();
   }
@@ -63,7 +66,9 @@ double Reference::to_si(std::string_view text, std::string_view si_unit) {
     if (way.si != si_unit) continue;
     double number = 0;
     try {
-      number = rosin::to_si(text, way.unit);
+      number = way.unit == "rad/s" ? turning_to_si(text) : rosin::to_si(text, way.unit);
+    } catch (const UnclearAngle&) {
+      throw;
     } catch (const InputError&) {
       continue;
     }

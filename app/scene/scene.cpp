@@ -65,6 +65,8 @@ void SceneReader::oscillator() {
   type.read(*this, oscillator_table(node), true);
   type.read_drive(*this, Table(need("drive", "speed and normal load"), "drive"), true);
   if (!scene.plane && !scene.structure) located(node.source(), [&] { scene.model.check(); });
+  if (!scene.structure && scene.model.drive.normal_load.constant())
+    note_unread({"law.load_memory"}, "the normal load is constant");
 }
 
 void SceneReader::oscillator_if_there(bool complete) {
@@ -83,6 +85,8 @@ Quantity Scene::describe(const std::string& of) const { return family ? family->
 
 std::string Scene::placed(const std::string& text) const {
   if (text.starts_with(path) || text.starts_with(override_mark)) return text;
+  if (const auto place = places.find(text.substr(0, text.find(':'))); place != places.end())
+    return fmt::format("{}: {}", place->second, text);
   const auto is_part = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.';
   };

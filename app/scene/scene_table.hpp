@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,11 +26,11 @@ inline constexpr int largest_seed = 10'000'000;
 inline constexpr std::size_t most_names = 1000;  ///< in a list of texts, tables, or terms
 inline constexpr std::string_view override_mark = "--set ";
 
-/// "scene.toml:7:5", or the override that a value came from.
+/// "scene.toml:7:5", or the override that a value came from; empty for a value that the user has written nowhere, such
+/// as one that a verb varies.
 inline std::string place(const toml::source_region& source) {
-  const std::string path = source.path ? *source.path : "scene";
-  if (path.starts_with(override_mark)) return path;
-  return fmt::format("{}:{}:{}", path, std::max(1u, source.begin.line), std::max(1u, source.begin.column));
+  if (!source.path || source.path->starts_with(override_mark)) return source.path ? *source.path : std::string();
+  return fmt::format("{}:{}:{}", *source.path, std::max(1u, source.begin.line), std::max(1u, source.begin.column));
 }
 
 /// An InputError that already begins with its place.
@@ -38,9 +39,14 @@ class PlacedError : public InputError {
   using InputError::InputError;
 };
 
+/// \throws PlacedError, or an InputError where the source is no place of the user's
+[[noreturn]] inline void fail_at(const toml::source_region& source, const std::string& text) {
+  if (const auto where = place(source); !where.empty()) throw PlacedError(where + ": " + text);
+  throw InputError(text);
+}
 template <class... Args>
 [[noreturn]] void fail(const toml::source_region& source, fmt::format_string<Args...> text, Args&&... args) {
-  throw PlacedError(place(source) + ": " + fmt::format(text, std::forward<Args>(args)...));
+  fail_at(source, fmt::format(text, std::forward<Args>(args)...));
 }
 
 /// Calls `f`; an InputError from below gets the place in front, unless it names a more exact one already.
@@ -51,7 +57,7 @@ auto located(const toml::source_region& source, F f) {
   } catch (const PlacedError&) {
     throw;
   } catch (const InputError& error) {
-    throw PlacedError(place(source) + ": " + error.what());
+    fail_at(source, error.what());
   }
 }
 
@@ -74,6 +80,9 @@ inline std::string_view kind(const toml::node& node) {
   fail(node.source(), "{} is {}, but {} is needed", path, kind(node), wanted);
 }
 
+/// A path without the numbers of entries of lists.
+std::string without_numbers(const std::string& path);
+
 /// While it lives, the numbers that are asked for in this thread are noted with their paths, there or not: what a scene
 /// may hold, for whoever varies one of them.
 class NumbersAsked {
@@ -92,6 +101,30 @@ class NumbersAsked {
     return now;
   }
   NumbersAsked* before_;
+};
+
+/// While it lives, the keys of the scene that are read in this thread are noted by their paths, entries of lists
+/// without their numbers: the register of what a verb makes use of. One within another takes the keys that are read
+/// only to be checked.
+class KeysRead {
+ public:
+  KeysRead() : before_(std::exchange(current(), this)) {}
+  ~KeysRead() { current() = before_; }
+  KeysRead(const KeysRead&) = delete;
+  static void note(const std::string& path) {
+    if (auto* keys = current()) keys->paths_.insert(without_numbers(path));
+  }
+  /// The outermost keys of a table that nobody has read.
+  std::vector<std::string> unread(const toml::table& table, const std::string& path = "") const;
+
+ private:
+  static KeysRead*& current() {
+    static thread_local KeysRead* now = nullptr;
+    return now;
+  }
+  bool within(const std::string& path) const;  ///< whether a key of this table was read
+  std::set<std::string> paths_;
+  KeysRead* before_;
 };
 
 /// A number in SI units: plain, or a text with a unit.
@@ -181,7 +214,9 @@ class Table {
   }
   const toml::node* find(std::string_view key) {
     if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
-    return table_->get(key);
+    const auto* node = table_->get(key);
+    if (node) KeysRead::note(path(key));
+    return node;
   }
   const toml::node& required(std::string_view key, std::string_view meaning) {
     if (const auto* node = find(key)) return *node;

@@ -3,6 +3,7 @@
 #include "app/scene/reader.hpp"
 #include "app/scene/signal.hpp"
 #include "app/scene/structure.hpp"
+#include "app/tasks/curve.hpp"
 
 namespace rosin::app::scene {
 
@@ -43,7 +44,7 @@ void read_drive(SceneReader& reader, Table table, bool complete) {
                                     std::pair{"force", &drive.force}})
     if (const auto* node = table.find(key)) *signal = read_signal(*node, mechanical(table.path(key)), reader.folder);
   table.finish();
-  reader.scene.curve.normal_load = drive.normal_load.level();
+  reader.scene.task<tasks::Curve>().normal_load = drive.normal_load.level();
 }
 
 OscillatorType slider_type() { return {"slider", {}, read, read_drive_and_stops}; }

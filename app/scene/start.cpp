@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "analysis/motion/plane_run.hpp"
+
 namespace rosin::app::scene {
 
 namespace {
@@ -10,6 +12,34 @@ namespace {
 constexpr Range any{-1e15, 1e15};
 
 }  // namespace
+
+std::map<std::string, double> read_start_states(Table& table, const FrictionLaw& law, const std::string& suffix) {
+  std::map<std::string, double> given;
+  const auto read = [&](Table& from, const std::string& end) {
+    for (auto state : law.states()) {
+      std::optional<double> value;
+      from.read(state.name + end, value, state);
+      if (value) given[state.name] = *value;
+    }
+  };
+  if (const auto* state = table.find("state" + suffix)) {
+    const auto path = table.path("state" + suffix);
+    if (law.states().empty()) fail(state->source(), "{}: law '{}' has no states", path, law.card().name);
+    if (state->is_table()) {
+      Table states(*state, path);
+      read(states, "");
+      states.finish();
+    } else if (law.states().size() == 1) {
+      auto quantity = law.states().front();
+      const auto name = std::exchange(quantity.name, path);
+      given[name] = number(*state, quantity);
+    } else {
+      wrong_kind(*state, path, fmt::format("a table with the {} states by name", law.states().size()));
+    }
+  }
+  read(table, suffix);
+  return given;
+}
 
 analysis::motion::Start read_start(const toml::node& node, const std::string& path, const FrictionLaw& law) {
   using Kind = analysis::motion::Start::Kind;
@@ -22,28 +52,7 @@ analysis::motion::Start read_start(const toml::node& node, const std::string& pa
   table.read("velocity", start.velocity, {"", "m/s", any, "velocity of the slider"});
   table.read("slip_rate", start.slip_rate, {"", "m/s", any, "drive speed minus velocity of the slider"});
   if (start.velocity && start.slip_rate) fail(node.source(), "{}: give velocity or slip_rate, not both", path);
-  const auto read_states = [&](Table& from) {
-    for (auto state : law.states()) {
-      std::optional<double> value;
-      from.read(state.name, value, state);
-      if (value) start.states[state.name] = *value;
-    }
-  };
-  if (const auto* state = table.find("state")) {
-    if (law.states().empty()) fail(state->source(), "{}.state: law '{}' has no states", path, law.card().name);
-    if (state->is_table()) {
-      Table states(*state, path + ".state");
-      read_states(states);
-      states.finish();
-    } else if (law.states().size() == 1) {
-      auto quantity = law.states().front();
-      const auto name = std::exchange(quantity.name, path + ".state");
-      start.states[name] = number(*state, quantity);
-    } else {
-      wrong_kind(*state, path + ".state", fmt::format("a table with the {} states by name", law.states().size()));
-    }
-  }
-  read_states(table);
+  start.states = read_start_states(table, law, "");
   table.finish();
   return start;
 }

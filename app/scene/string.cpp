@@ -3,6 +3,8 @@
 
 #include "app/scene/oscillator.hpp"
 #include "app/scene/signal.hpp"
+#include "app/tasks/bowing.hpp"
+#include "oscillators/bowed_string.hpp"
 
 namespace rosin::app::scene {
 
@@ -62,7 +64,7 @@ void read_bow(Table& table, BowedString& string) {
 }
 
 void read(SceneReader& reader, Table table, bool) {
-  auto& model = reader.scene.string.emplace().model;
+  auto& model = (reader.scene.string = std::make_shared<tasks::Bowing>())->model;
   auto& string = model.string;
   table.expect({"type", "frequency", "impedance", "bow_position", "quality", "corner_rounding", "bridge_resistance",
                 "torsion", "delays", "sample_rate", "stiffness", "length", "body", "bow"});
@@ -128,6 +130,12 @@ void read_drive_of_string(SceneReader& reader, Table drive, bool) {
   drive.finish();
 }
 
+void read_start(Table& table, oscillators::StringStart& into) {
+  if (const auto* start = table.find("start"))
+    into = choice(*start, table.path("start"), {"rest", "helmholtz"}) == "rest" ? oscillators::StringStart::rest
+                                                                                : oscillators::StringStart::helmholtz;
+}
+
 /// [run]: duration (s) or periods after the first slip, samples that are kept, start.
 void read_run(SceneReader& reader, Table table) {
   auto& task = *reader.scene.string;
@@ -138,10 +146,7 @@ void read_run(SceneReader& reader, Table table) {
   table.read("periods", task.options.periods_after,
              {"", "1", {1, 1e5}, "periods of the open string that are computed after the first slip"});
   table.read("samples", task.samples, 1, most_points, "most samples that the record keeps");
-  if (const auto* start = table.find("start"))
-    task.model.start = choice(*start, table.path("start"), {"rest", "helmholtz"}) == "rest"
-                           ? oscillators::StringStart::rest
-                           : oscillators::StringStart::helmholtz;
+  read_start(table, task.model.start);
   table.finish();
 }
 
@@ -175,6 +180,39 @@ void read_string(SceneReader& reader) {
                     transient.most + transient.periods, options.periods_after));
 }
 
-OscillatorType string_type() { return {"string", {"run", "map", "compare"}, read, read_drive_of_string}; }
+void read_string_cycle(SceneReader& reader) {
+  auto& task = *reader.scene.string;
+  task.model.start = oscillators::StringStart::helmholtz;
+  if (auto cycle = reader.root.table("cycle")) {
+    cycle->expect({"start", "periods"});
+    read_start(*cycle, task.model.start);
+    cycle->read("periods", task.periods, {"", "1", {20, 1e5}, "periods of the open string until a motion is periodic"});
+    cycle->finish();
+  }
+  if (auto transient = reader.root.table("transient")) read_transient(reader, *transient);
+  if (task.periods < 2 * task.options.transient.periods)
+    throw InputError(
+        fmt::format("cycle.periods = {} is less than twice transient.periods = {}, by which a regime is known",
+                    task.periods, task.options.transient.periods));
+}
+
+OscillatorType string_type() {
+  constexpr const char* memory =
+      "the state of a string is all its waves, on their way between bridge and nut, and no list of numbers that a "
+      "solver "
+      "could ";
+  return {"string",
+          {"run", "stability", "cycle", "sweep", "map", "compare"},
+          read,
+          read_drive_of_string,
+          {{"branch", fmt::format("{}follow; 'sweep' computes its motions along a parameter", memory)},
+           {"basin", fmt::format("{}start from anywhere; [cycle] start chooses rest or Helmholtz motion", memory)},
+           {"lyapunov",
+            fmt::format("{}disturb one by one; 'cycle' says whether periods repeat, 'stability' how sliding grows",
+                        memory)},
+           {"frf",
+            "a frequency response is that of friction at a prescribed slip rate, which no string answers: leave "
+            "[oscillator] out; 'stability' closes the loop with the string"}}};
+}
 
 }  // namespace rosin::app::scene

@@ -6,5 +6,7 @@ namespace rosin::app::scene {
 
 /// [run] and [transient] of a string, where they are there.
 void read_string(SceneReader&);
+/// [cycle] and [transient] of a string: the motion that it comes to.
+void read_string_cycle(SceneReader&);
 
 }  // namespace rosin::app::scene

@@ -7,8 +7,10 @@
 
 #include "analysis/motion/structure_record.hpp"
 #include "app/scene/law.hpp"
+#include "app/scene/matrix_file.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/signal.hpp"
+#include "app/scene/start.hpp"
 
 namespace rosin::app::scene {
 
@@ -157,31 +159,18 @@ namespace {
 
 constexpr Range any{-1e15, 1e15};
 
-Eigen::MatrixXd read_matrix(const toml::node& node, const Quantity& quantity, Eigen::Index size) {
-  const auto& rows = list(node, quantity.name, "rows", most_names);
-  const auto n = size > 0 ? size : Eigen::Index(rows.size());
-  if (Eigen::Index(rows.size()) != n)
-    fail(node.source(), "{} has {} rows, but M has {}", quantity.name, rows.size(), n);
-  Eigen::MatrixXd matrix(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto values = numbers(*rows.get(std::size_t(i)), quantity);
-    if (Eigen::Index(values.size()) != n)
-      fail(rows.get(std::size_t(i))->source(), "{} is not square: a row has {} of {}", quantity.name, values.size(), n);
-    matrix.row(i) = Eigen::Map<const Eigen::VectorXd>(values.data(), n);
-  }
-  return matrix;
-}
-
 void read(SceneReader& reader, Table table, bool) {
   auto& structure = reader.scene.structure.emplace().structure;
   table.expect({"type", "M", "C", "K", "contacts", "force", "stops"});
   table.find("type");
-  structure.M = read_matrix(table.required("M", "mass matrix, kg"), {table.path("M"), "kg", any, "mass"}, 0);
+  const auto matrix = [&](const toml::node& node, const char* key, const char* unit, const char* meaning) {
+    return read_matrix(node, {table.path(key), unit, any, meaning}, structure.M.rows(), reader.folder);
+  };
+  structure.M = matrix(table.required("M", "mass matrix, kg"), "M", "kg", "mass");
   const auto n = structure.M.rows();
-  structure.K =
-      read_matrix(table.required("K", "stiffness matrix, N/m"), {table.path("K"), "N/m", any, "stiffness"}, n);
+  structure.K = matrix(table.required("K", "stiffness matrix, N/m"), "K", "N/m", "stiffness");
   structure.C = Eigen::MatrixXd::Zero(n, n);
-  if (const auto* C = table.find("C")) structure.C = read_matrix(*C, {table.path("C"), "N s/m", any, "damping"}, n);
+  if (const auto* C = table.find("C")) structure.C = matrix(*C, "C", "N s/m", "damping");
   for (Eigen::Index i = 0; i < n; ++i) structure.names.push_back(fmt::format("displacement_{}", i + 1));
   table.required("contacts", "tables [[oscillator.contacts]] with a tangential direction");
   if (const auto* force = table.find("force")) {
@@ -295,13 +284,31 @@ analysis::motion::StructureStart read_structure_start(const toml::node& node, co
     const auto by_name = [&](const std::string& name, std::optional<double>& into, const std::string& unit,
                              const char* list) {
       const auto* value = table.find(name);
-      if (value && value->is_array()) return;
+      if (value && value->is_array() && (name == "displacement" || name == "velocity")) return;  // read above
       if (value && into) fail(value->source(), "{}: give {} or {}, not both", path, list, name);
       table.read(name, into, {"", unit, any, name});
     };
-    by_name(structure.names[i], start.coordinates[i], structure.unit(int(i)), "coordinates");
-    by_name(analysis::motion::velocity_name(structure.names[i]), start.velocities[i], structure.unit(int(i)) + "/s",
-            "velocities");
+    const auto by_column = [&](const std::string& name) {
+      by_name(name, start.coordinates[i], structure.unit(int(i)), "coordinates");
+      by_name(analysis::motion::velocity_name(name), start.velocities[i], structure.unit(int(i)) + "/s", "velocities");
+    };
+    by_column(structure.names[i]);
+    if (n == 1 && structure.names[i] != "displacement") by_column("displacement");
+  }
+  const auto& contacts = structure.contacts;
+  for (std::size_t j = 0; j < contacts.size(); ++j) {
+    const std::string slip = contacts.size() > 1 ? fmt::format("slip_rate_{}", j + 1) : "slip_rate";
+    Eigen::Index i = 0;
+    contacts[j].tangential.cwiseAbs().maxCoeff(&i);
+    if (contacts[j].tangential == Eigen::VectorXd::Unit(contacts[j].tangential.size(), i)) {
+      std::optional<double> rate;
+      table.read(slip, rate, {"", "m/s", any, slip});
+      if (rate && start.velocities[std::size_t(i)])
+        fail(table.find(slip)->source(), "{} takes a velocity or {}, not both", path, slip);
+      if (rate) start.velocities[std::size_t(i)] = contacts[j].speed.value(0) - *rate;
+    }
+    start.states.push_back(
+        read_start_states(table, *contacts[j].law, contacts.size() > 1 ? fmt::format("_{}", j + 1) : ""));
   }
   table.finish();
   return start;

@@ -5,6 +5,7 @@
 
 #include "app/scene/reader.hpp"
 #include "app/scene/scene_table.hpp"
+#include "oscillators/block.hpp"
 
 namespace rosin::app::scene {
 
@@ -42,7 +43,7 @@ void read_slider_stops(SceneReader&, Table oscillator);
 /// \param per_area  the law gives pressures, of a contact with an area
 std::shared_ptr<const NormalLaw> read_normal_law(Table, bool per_area);
 
-/// "steady", "rest", or a table: coordinates and velocities as lists, or columns by name.
+/// "steady", "rest", or a table: coordinates and velocities as lists, or columns by name, states among them.
 analysis::motion::StructureStart read_structure_start(const toml::node&, const std::string& path,
                                                       const oscillators::Structure&);
 

@@ -149,7 +149,16 @@ UnitCount count_units(const std::vector<std::string>& cells) {
   return count;
 }
 
-/// "26000recs", or a line ruled with dashes.
+/// "Unit", before the units of the other columns.
+bool announces_units(const std::string& cell) {
+  auto word = lower(unit_cell(cell));
+  while (!word.empty() && (word.back() == ':' || word.back() == ' ')) word.pop_back();
+  for (const char* one : {"unit", "units", "einheit", "einheiten", "unit\u00e9", "unit\u00e9s", "unidad", "unidades"})
+    if (word == one) return true;
+  return false;
+}
+
+/// "5400 recs", or a line ruled with dashes.
 bool says_nothing(const std::vector<std::string>& cells) {
   return std::ranges::all_of(cells, [](const std::string& cell) {
     const bool ruled = cell.size() > 2 && cell.find_first_not_of("-=+|_") == std::string::npos;
@@ -327,9 +336,15 @@ class Finder {
                              doubtful));
   }
 
+  /// The cells of a line without a first one that announces units.
+  std::vector<std::string> cells_of_units(std::size_t i) const {
+    auto found = cells(i);
+    if (!found.empty() && announces_units(found.front())) found.front().clear();
+    return found;
+  }
   /// A unit for each column, or words among more units.
   bool holds_units(std::size_t i) const {
-    const auto found = cells(i);
+    const auto found = cells_of_units(i);
     const auto count = count_units(found);
     if (found.size() != columns()) return false;
     if (count.words == 0) return count.units > 0 || (!lines_[i].comment && std::ranges::any_of(found, is_dash));
@@ -376,7 +391,8 @@ class Finder {
       }
       const auto found = cells(i);
       const bool dashes = found.size() == columns() && columns() > 1 && std::ranges::all_of(found, is_dash);
-      if (!is_text(i) && !(dashes && last_text == none)) continue;
+      const bool counts = xlook_ && says_nothing(found);
+      if (!is_text(i) && !counts && !(dashes && last_text == none)) continue;
       if (last_text == none) last_text = i;
       if (says_nothing(found)) continue;
       if (units_ == none && holds_units(i) && names_above(i)) {
@@ -481,22 +497,26 @@ class Finder {
   void take_units_below() {
     if (units_ == none) return;
     head_.units_line = lines_[units_].number;
-    const auto texts = cells(units_);
+    const auto texts = cells_of_units(units_);
     for (std::size_t c = 0; c < head_.columns.size(); ++c) take_unit(c, unit_cell(texts[c]));
   }
-  /// A line of units right above the names, or a comment there that has a unit for each column.
+  /// A line of units above the names: of units alone, or behind a first cell that announces them; a comment right above
+  /// that has a unit for each column.
   void take_units_above() {
-    const auto i = names_ - 1;
-    if (names_ == 0 || cells(i).size() != columns()) return;
-    const auto texts = cells(i);
-    std::vector<std::string> units;
-    for (const auto& text : texts)
-      units.push_back(lines_[i].comment && !holds_units(i) ? header_cell(text).unit : unit_cell(text));
-    const bool all = std::ranges::all_of(units, [](const auto& unit) { return !unit.empty() && unit_known(unit); });
-    if (!all || count_units(units).units == 0) return;
-    units_ = i;
-    head_.units_line = lines_[i].number;
-    for (std::size_t c = 0; c < units.size(); ++c) take_unit(c, units[c]);
+    for (auto i = names_; i-- > 0 && units_ == none;) {
+      auto units = cells_of_units(i);
+      if (units.size() != columns()) continue;
+      const bool announced = announces_units(cells(i).front()), near = i + 1 == names_;
+      for (auto& unit : units)
+        unit = lines_[i].comment && !holds_units(i) && near ? header_cell(unit).unit : unit_cell(unit);
+      const auto is_unit = [](const auto& unit) { return !unit.empty() && unit_known(unit); };
+      const bool all = announced || std::ranges::all_of(units, is_unit);
+      const auto count = count_units(units);
+      if (!all || count.units == 0 || (!announced && !near && !count.long_units)) continue;
+      units_ = i;
+      head_.units_line = lines_[i].number;
+      for (std::size_t c = 0; c < units.size(); ++c) take_unit(c, units[c]);
+    }
   }
   void take_unit(std::size_t c, const std::string& unit) {
     auto& column = head_.columns[c];

@@ -7,11 +7,13 @@
 #include <cctype>
 #include <charconv>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "app/scene/aliases.hpp"
 #include "app/scene/scene_table.hpp"
+#include "app/scene/toml_text.hpp"
 #include "core/files.hpp"
 
 namespace rosin::app::scene {
@@ -22,7 +24,8 @@ constexpr std::uintmax_t largest_scene = 10'000'000;  // bytes
 
 constexpr int deepest = 100;  // levels: parsing and every walk over a scene goes as deep into the stack
 
-/// Brackets within brackets and keys with dots, counted without parsing them. \throws InputError with the line.
+/// Brackets within brackets and keys with dots, counted before the parser makes tables of them, whose end goes as deep
+/// into the stack as they lie. \throws InputError with the line.
 void check_depth(std::string_view text, std::string_view origin) {
   std::vector<int> dots = {0};  // of the key at hand, and of those that it lies within
   int line = 1, levels = 0;
@@ -36,6 +39,7 @@ void check_depth(std::string_view text, std::string_view origin) {
       line += text[i] == '\n';
       if (quote == '"' && text[i] == '\\') ++i;
     }
+    for (int more = 0; multi && more < 2 && i + 3 < text.size() && text[i + 3] == quote; ++more) ++i;  // """x"""""
     return i + end.size() - 1;
   };
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -59,15 +63,71 @@ void check_depth(std::string_view text, std::string_view origin) {
   }
 }
 
+/// \throws InputError where tables and lists lie deeper than `deepest`, as headers and overrides together can bring
+/// them.
+void check_depth(const toml::node& node, int level = 0) {
+  if (level > deepest) fail(node.source(), "tables or lists lie more than {} levels deep", deepest);
+  if (const auto* table = node.as_table())
+    for (const auto& [key, inner] : *table) check_depth(inner, level + 1);
+  if (const auto* list = node.as_array())
+    for (const auto& inner : *list) check_depth(inner, level + 1);
+}
+
 /// Moves `node` to `key`; unlike a copy, a move keeps the place that the value came from.
 void place_at(toml::table& table, std::string_view key, toml::node& node) {
   node.visit([&](auto& value) { table.insert_or_assign(key, std::move(value)); });
 }
 
-/// A value on one line. Numbers are the shortest that read back the same (the library prints seventeen digits).
+/// Puts a value, with the place that it has, at a path of a scene. \param origin  of the path, "" for none
+void put(toml::table& scene, const std::string& path, toml::node& value, const std::string& origin) {
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(origin.empty() ? why : fmt::format("{}: {}", origin, why));
+  };
+  toml::node* at = &scene;  // a table, or a list, whose entries are numbered from 1
+  const auto entry = [&](toml::array& list, std::size_t begin, std::size_t end) {
+    const auto key = path.substr(begin, end - begin);
+    std::size_t number = 0;
+    const auto [rest, problem] = std::from_chars(key.data(), key.data() + key.size(), number);
+    if (problem != std::errc{} || rest != key.data() + key.size() || number < 1 || number > list.size())
+      refuse(fmt::format("{} is a list of {}; an entry of it has a number from 1, not '{}'", path.substr(0, begin - 1),
+                         list.size(), key));
+    return number - 1;
+  };
+  std::size_t begin = 0;
+  for (std::size_t dot; (dot = path.find('.', begin)) != std::string::npos; begin = dot + 1) {
+    const auto key = path.substr(begin, dot - begin);
+    toml::node* next;
+    if (auto* list = at->as_array()) {
+      next = list->get(entry(*list, begin, dot));
+    } else {
+      auto& table = *at->as_table();
+      if (!table.contains(key)) {
+        auto empty = toml::parse("value = {}", origin);
+        place_at(table, key, *empty.get("value"));
+        table.get(key)->as_table()->is_inline(false);
+      }
+      next = table.get(key);
+    }
+    if (!next->is_table() && !next->is_array())
+      refuse(fmt::format("{} is {}, not a table", path.substr(0, dot), kind(*next)));
+    at = next;
+  }
+  if (begin == path.size()) refuse("the path ends with a dot");
+  if (auto* list = at->as_array())
+    value.visit(
+        [&](auto& is) { list->replace(list->begin() + long(entry(*list, begin, path.size())), std::move(is)); });
+  else
+    place_at(*at->as_table(), path.substr(begin), value);
+}
+
+/// A value on one line.
 void write_value(std::string& out, const toml::node& node) {
-  if (node.is_number()) {
-    out += fmt::format("{}", *node.value<double>());
+  if (const auto* whole = node.as_integer()) {
+    out += fmt::format("{}", whole->get());
+  } else if (const auto* number = node.as_floating_point()) {
+    out += toml_number(number->get());
+  } else if (const auto* text = node.as_string()) {
+    out += toml_text(text->get());
   } else if (const auto* list = node.as_array()) {
     out += '[';
     for (const auto& element : *list) {
@@ -79,14 +139,22 @@ void write_value(std::string& out, const toml::node& node) {
     const char* separator = "{ ";
     for (const auto& [key, value] : *table) {
       out += std::exchange(separator, ", ");
-      out += fmt::format("{} = ", key.str());
+      out += fmt::format("{} = ", toml_key(key.str()));
       write_value(out, value);
     }
     out += table->empty() ? "{}" : " }";
-  } else {
-    std::ostringstream text;
-    node.visit([&](const auto& value) { text << toml::toml_formatter(value); });
-    out += text.str();
+  } else {  // a truth value, a date or a time
+    std::ostringstream plain;
+    node.visit([&](const auto& value) { plain << toml::toml_formatter(value); });
+    out += plain.str();
+  }
+}
+
+bool reads_back(const std::string& text, const toml::table& scene) {
+  try {
+    return toml::parse(text) == scene;
+  } catch (const toml::parse_error&) {
+    return false;
   }
 }
 
@@ -122,7 +190,9 @@ toml::table parse_toml(std::string_view text, const std::string& origin) {
     throw InputError(fmt::format("{}:1:1: the scene is empty; it needs at least [law] with a type", origin));
   check_depth(text, origin);
   try {
-    return toml::parse(text, origin);
+    auto scene = toml::parse(text, origin);
+    check_depth(scene);
+    return scene;
   } catch (const toml::parse_error& error) {
     fail(error.source(), "not valid TOML: {}", error.description());
   }
@@ -133,6 +203,7 @@ toml::table read_document(const Request& request, std::vector<std::string>& note
   resolve_aliases(scene, notes);
   for (const auto& given : request.overrides) {
     apply_override(scene, given);
+    check_depth(scene);
     resolve_aliases(scene, notes);
   }
   return scene;
@@ -147,55 +218,31 @@ void apply_override(toml::table& scene, const std::string& given) {
   if (equals == std::string::npos || equals == 0)
     throw InputError(fmt::format("{}: must read path=value, such as --set drive.speed=1e-5", origin));
   const std::string path = given.substr(0, equals), value = given.substr(equals + 1);
-  check_depth(path + " = " + value, origin);
-
+  if (std::ranges::count(path, '.') > deepest)
+    throw InputError(fmt::format("{}: tables or lists lie more than {} levels deep", origin, deepest));
+  check_depth(value, origin);
+  const auto parse = [&](const std::string& text) { return toml::parse("value = " + text, origin); };
+  try {
+    parse(toml_text(given));
+  } catch (const toml::parse_error&) {
+    throw InputError(fmt::format("{}: is no text in UTF-8", origin));
+  }
   toml::table parsed;
   try {
-    parsed = toml::parse("value = " + value, origin);
+    parsed = parse(value);
     if (parsed.size() != 1) throw InputError(fmt::format("{}: holds more than one value", origin));
   } catch (const toml::parse_error& error) {
     if (value.empty() || value.find_first_of("[]{}\"'\n") != std::string::npos)
       throw InputError(fmt::format("{}: the value is not valid TOML: {}", origin, error.description()));
-    parsed = toml::parse("value = ''", origin);  // a bare word: a text that keeps the override as its place
-    parsed["value"].as_string()->get() = value;
+    parsed = parse(toml_text(value));  // a bare word: a text that keeps the override as its place
   }
 
-  toml::node* at = &scene;  // a table, or a list, whose entries are numbered from 1
-  const auto entry = [&](toml::array& list, std::size_t begin, std::size_t end) {
-    const auto key = path.substr(begin, end - begin);
-    std::size_t number = 0;
-    const auto [rest, problem] = std::from_chars(key.data(), key.data() + key.size(), number);
-    if (problem != std::errc{} || rest != key.data() + key.size() || number < 1 || number > list.size())
-      throw InputError(fmt::format("{}: {} is a list of {}; an entry of it has a number from 1, not '{}'", origin,
-                                   path.substr(0, begin - 1), list.size(), key));
-    return number - 1;
-  };
-  std::size_t begin = 0;
-  for (std::size_t dot; (dot = path.find('.', begin)) != std::string::npos; begin = dot + 1) {
-    const auto key = path.substr(begin, dot - begin);
-    toml::node* next;
-    if (auto* list = at->as_array()) {
-      next = list->get(entry(*list, begin, dot));
-    } else {
-      auto& table = *at->as_table();
-      if (!table.contains(key)) {
-        auto empty = toml::parse("value = {}", origin);
-        place_at(table, key, *empty.get("value"));
-        table.get(key)->as_table()->is_inline(false);
-      }
-      next = table.get(key);
-    }
-    if (!next->is_table() && !next->is_array())
-      throw InputError(fmt::format("{}: {} is {}, not a table", origin, path.substr(0, dot), kind(*next)));
-    at = next;
-  }
-  if (begin == path.size()) throw InputError(fmt::format("{}: the path ends with a dot", origin));
-  toml::node& changed = *parsed.get("value");
-  if (auto* list = at->as_array())
-    changed.visit(
-        [&](auto& is) { list->replace(list->begin() + long(entry(*list, begin, path.size())), std::move(is)); });
-  else
-    place_at(*at->as_table(), path.substr(begin), changed);
+  put(scene, path, *parsed.get("value"), origin);
+}
+
+void set_number(toml::table& scene, const std::string& path, double number) {
+  toml::value<double> value(number);
+  put(scene, path, value, "");
 }
 
 const toml::node* node_at(const toml::table& scene, std::string_view path) {
@@ -242,16 +289,23 @@ std::string filled_in(const std::string& pattern, const toml::table& scene) {
   return filled;
 }
 
-void write_table(std::string& out, const toml::table& table, std::string_view name) {
-  if (!name.empty()) out += fmt::format("\n[{}]\n", name);
-  for (const auto& [key, value] : table) {
-    if (name.empty() && value.is_table()) continue;
-    out += fmt::format("{} = ", key.str());
-    write_value(out, value);
-    out += '\n';
+std::string resolved(const toml::table& scene) {
+  std::string text;
+  const auto write_entry = [&](const toml::key& key, const toml::node& value) {
+    text += fmt::format("{} = ", toml_key(key.str()));
+    write_value(text, value);
+    text += '\n';
+  };
+  for (const auto& [key, value] : scene)
+    if (!value.is_table()) write_entry(key, value);
+  for (const auto& [name, table] : scene) {
+    if (!table.is_table()) continue;
+    text += fmt::format("\n[{}]\n", toml_key(name.str()));
+    for (const auto& [key, value] : *table.as_table()) write_entry(key, value);
   }
-  for (const auto& [key, value] : table)
-    if (name.empty() && value.is_table()) write_table(out, *value.as_table(), key.str());
+  if (!reads_back(text, scene))
+    throw std::logic_error("the scene as resolved reads back as another one: a fault of rosin, please report it");
+  return text;
 }
 
 }  // namespace rosin::app::scene

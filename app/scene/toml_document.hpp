@@ -20,6 +20,8 @@ toml::table read_document(const Request&, std::vector<std::string>& notes);
 
 /// Parses "path=value" and puts the value into the scene. \throws InputError with the override as its place.
 void apply_override(toml::table& scene, const std::string& given);
+/// The same of a number that a verb varies, which stands in no file. \throws InputError without a place
+void set_number(toml::table& scene, const std::string& path, double number);
 
 /// What stands at a path, or nullptr. Entries of lists are numbered from 1, as in overrides.
 const toml::node* node_at(const toml::table& scene, std::string_view path);
@@ -28,7 +30,8 @@ const toml::node* node_at(const toml::table& scene, std::string_view path);
 /// "{drive.speed}" is "1e-05". \throws InputError for a path with neither, with the nearest
 std::string filled_in(const std::string& pattern, const toml::table& scene);
 
-/// Values first, then a section for each table of the first level, whose own tables stand on one line.
-void write_table(std::string& out, const toml::table& table, std::string_view name);
+/// The scene as text, which is read back at once: values first, then a section for each table of the first level,
+/// whose own tables stand on one line.
+std::string resolved(const toml::table& scene);
 
 }  // namespace rosin::app::scene

@@ -1,4 +1,6 @@
 /// The verb basin: which motion each of many starts comes to, and how hard steady sliding must be hit.
+#include "app/tasks/basin.hpp"
+
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -12,6 +14,7 @@
 #include "app/output/pictures.hpp"
 #include "app/output/planes.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
@@ -23,15 +26,15 @@ namespace rosin::app::verbs {
 using analysis::basins::Attractor;
 using analysis::basins::Basins;
 using nlohmann::ordered_json;
-using scene::StartAxis;
+using tasks::StartAxis;
 
 namespace {
 
 constexpr Range any{-1e15, 1e15};
 
 /// Every coordinate of the start, and every velocity.
-std::vector<StartAxis> axes_of(const oscillators::Structure& structure) {
-  std::vector<StartAxis> axes;
+std::vector<tasks::StartAxis> axes_of(const oscillators::Structure& structure) {
+  std::vector<tasks::StartAxis> axes;
   for (const bool is_velocity : {false, true})
     for (int i = 0; i < structure.size(); ++i) {
       const auto& name = structure.names[std::size_t(i)];
@@ -40,7 +43,7 @@ std::vector<StartAxis> axes_of(const oscillators::Structure& structure) {
   return axes;
 }
 
-StartAxis read_axis(scene::Table table, const oscillators::Structure& structure, bool random) {
+tasks::StartAxis read_axis(scene::Table table, const oscillators::Structure& structure, bool random) {
   table.expect({"start", "from", "to", "points"});
   std::vector<std::string> names;
   const auto axes = axes_of(structure);
@@ -65,7 +68,7 @@ StartAxis read_axis(scene::Table table, const oscillators::Structure& structure,
 
 /// Starts on a grid, or at random, beside what the start is otherwise.
 void read_starts(scene::Table& table, scene::Scene& scene) {
-  auto& [x, y, random, places, direction, task] = scene.basin;
+  auto& [x, y, random, places, direction, task] = scene.task<tasks::Basin>();
   const auto& structure = scene.structure->structure;
   const auto *of_x = table.find("x"), *of_y = table.find("y"), *samples = table.find("samples"),
              *seed = table.find("seed"), *start = table.find("start"), *refine = table.find("refine");
@@ -100,6 +103,12 @@ void read_starts(scene::Table& table, scene::Scene& scene) {
     if (!refine->is_boolean()) scene::wrong_kind(*refine, table.path("refine"), "true or false");
     if (*refine->value<bool>()) task.refined_columns = int(x.values.size());
   }
+  for (const auto* axis : {&x, &y})  // what an axis sets is no part of the start
+    if (const auto* both = start && start->is_table() ? start->as_table()->get(axis->name) : nullptr)
+      scene::fail(both->source(), "basin.start.{0} has no effect: basin.{1} sets {0}", axis->name,
+                  axis == &x ? "x" : "y");
+  if (start && structure.size() == 1)
+    scene::fail(start->source(), "basin.start has no effect: basin.x and basin.y set {} and {}", x.name, y.name);
   analysis::motion::StructureStart beside;
   beside.kind = analysis::motion::Start::Kind::given;
   if (start) beside = scene::read_structure_start(*start, table.path("start"), structure);
@@ -121,6 +130,7 @@ void read_starts(scene::Table& table, scene::Scene& scene) {
 
 /// A disturbance of steady sliding: { velocity = 1 } and the range of its size.
 void read_direction(scene::Table& table, scene::Scene& scene) {
+  auto& basin = scene.task<tasks::Basin>();
   auto direction = table.table("direction");
   if (!direction) {
     for (const char* key : {"from", "to", "points"})
@@ -130,16 +140,16 @@ void read_direction(scene::Table& table, scene::Scene& scene) {
     return;
   }
   const auto& structure = scene.structure->structure;
-  auto& disturbance = scene.basin.task.disturbance.emplace();
+  auto& disturbance = basin.task.disturbance.emplace();
   disturbance.coordinates = disturbance.velocities = Eigen::VectorXd::Zero(structure.size());
   for (const auto& axis : axes_of(structure)) {
     double part = 0;
     direction->read(axis.name, part, {"", axis.unit(), any, "disturbance of size 1"});
     (axis.is_velocity ? disturbance.velocities : disturbance.coordinates)[axis.coordinate] = part;
-    if (part != 0) scene.basin.direction.emplace_back(axis, part);
+    if (part != 0) basin.direction.emplace_back(axis, part);
   }
   direction->finish();
-  if (scene.basin.direction.empty()) scene::fail(direction->source(), "basin.direction does not disturb anything");
+  if (basin.direction.empty()) scene::fail(direction->source(), "basin.direction does not disturb anything");
   const Quantity size{"", "1", any, "size of the disturbance, times basin.direction"};
   table.required("to", size.meaning);
   table.read("from", disturbance.from, size);
@@ -152,24 +162,25 @@ void read_direction(scene::Table& table, scene::Scene& scene) {
 
 void read(scene::SceneReader& reader) {
   auto& scene = reader.scene;
+  auto& basin = scene.task<tasks::Basin>();
   scene::Table table(reader.need("basin", "starts along x and y, or a direction from steady sliding"), "basin");
   scene::read_structure_model(reader);
   scene::located(reader.root.find("drive")->source(), [&] { common_period(scene.structure->structure); });
   table.expect({"x", "y", "samples", "seed", "start", "direction", "from", "to", "points", "returns", "refine"});
   read_starts(table, scene);
   read_direction(table, scene);
-  if (scene.basin.places.empty() && !scene.basin.task.disturbance)
+  if (basin.places.empty() && !basin.task.disturbance)
     table.required("x", "{ start = \"displacement\", from, to, points }; or direction, from steady sliding");
-  table.read("returns", scene.basin.task.most_returns, 10, 10'000'000, "returns within which motions are recognised");
+  table.read("returns", basin.task.most_returns, 10, 10'000'000, "returns within which motions are recognised");
   table.finish();
 }
 
-ordered_json axis_of(const StartAxis& axis) {
+ordered_json axis_of(const tasks::StartAxis& axis) {
   return {{"start", axis.name}, {"unit", axis.unit()}, {"values", axis.values}};
 }
 
 std::string document_of(const scene::Scene& scene, const Basins& found, double seconds) {
-  const auto& [x, y, random, places, direction, task] = scene.basin;
+  const auto& [x, y, random, places, direction, task] = scene.task<tasks::Basin>();
   auto document = output::begin(scene, "basin", found.outcome);
   auto attractors = ordered_json::array();
   for (const auto& basin : found.basins) {
@@ -178,13 +189,16 @@ std::string document_of(const scene::Scene& scene, const Basins& found, double s
       metrics[name] = measure.value, error[name] = measure.error;
     attractors.push_back({{"kind", name(basin.attractor.kind)}});
     if (!places.empty())
-      attractors.back().update({{"share", basin.share}, {"standard_error", basin.error}, {"count", basin.count}});
+      attractors.back().update({{"share", found.shares_of > 0 ? ordered_json(basin.share) : ordered_json()},
+                                {"standard_error", found.shares_of > 0 ? ordered_json(basin.error) : ordered_json()},
+                                {"count", basin.count}});
     attractors.back()["metrics"] = std::move(metrics);
     attractors.back()["error"] = std::move(error);
     if (!basin.attractor.detail.empty()) attractors.back()["detail"] = basin.attractor.detail;
   }
   document["attractors"] = std::move(attractors);
   if (!places.empty()) {
+    document["shares_of"] = found.shares_of;
     document["x"] = axis_of(x), document["y"] = axis_of(y);
     const auto label = [&](std::size_t i) {
       return found.labels[i] < 0 ? ordered_json() : ordered_json(found.labels[i]);
@@ -217,7 +231,7 @@ std::string document_of(const scene::Scene& scene, const Basins& found, double s
 }
 
 /// "velocity 1.2398476 ± 5e-07 m/s": what is added to steady sliding.
-std::string disturbance_of(const scene::BasinTask& basin, double value, double error) {
+std::string disturbance_of(const tasks::Basin& basin, double value, double error) {
   std::vector<std::string> parts;
   for (const auto& [axis, part] : basin.direction)
     parts.push_back(fmt::format("{} {}", axis.name, justified(value * part, std::abs(error * part), axis.unit())));
@@ -226,7 +240,7 @@ std::string disturbance_of(const scene::BasinTask& basin, double value, double e
 
 Status perform(Job& job) {
   auto& scene = job.scene();
-  auto& task = scene.basin.task;
+  auto& task = scene.task<tasks::Basin>().task;
   task.tolerance = job.request().tolerance.value_or(task.tolerance);
   task.threads = job.request().threads;
   job.explain("{} starts, each followed until it comes near a known attractor, and nearer from return to return",
@@ -250,14 +264,15 @@ Status perform(Job& job) {
     const auto& [attractor, count, share, error] = found.basins[k];
     std::string what;
     const auto add = [&](const char* metric) {
-      const auto& [value, of, unit] = attractor.metrics.at(metric);
-      reached.add(value, of);
-      what += fmt::format(", {} {}", output::readable(metric), justified(value, of, unit));
+      const auto& known = attractor.metrics.at(metric);
+      reached.add(known.value, known.error);
+      what += fmt::format(", {} {}", output::readable(metric), justified(known.value, known.error, known.unit));
     };
     if (attractor.kind == Attractor::Kind::steady) add("growth_rate");
     if (attractor.kind == Attractor::Kind::cycle) add("period");
     if (!attractor.detail.empty()) what += "; the first: " + attractor.detail;
-    const auto part = task.starts.empty() ? std::string() : fmt::format(" {:.2f} ± {:.2f} %", 100 * share, 100 * error);
+    const auto part =
+        found.shares_of == 0 ? std::string() : fmt::format(" {:.2f} ± {:.2f} %", 100 * share, 100 * error);
     job.say("{}  {:<9}{}{}", k, name(attractor.kind), part, what);
   }
   manifest.tolerance_reached = reached.value();
@@ -268,7 +283,8 @@ Status perform(Job& job) {
         std::ranges::count(found.followed, true), task.starts.size(), found.sample_wrong, found.sample);
   if (found.threshold) {
     const auto& [value, error, beyond] = *found.threshold;
-    job.say("steady sliding is left from {} on, to {}", disturbance_of(scene.basin, value, error), beyond);
+    job.say("steady sliding is left from {} on, to {}", disturbance_of(scene.task<tasks::Basin>(), value, error),
+            beyond);
   }
   if (!found.no_threshold.empty()) job.note(found.no_threshold);
   found.outcome = why_stopped(found.outcome);

@@ -1,4 +1,6 @@
 /// The verb branch: steady sliding and cycles along a parameter, stable or not, and the points where they change.
+#include "app/tasks/branch.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,12 +10,15 @@
 #include <numbers>
 
 #include "analysis/branches/branches.hpp"
+#include "analysis/cycles/cycle.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
+#include "app/scene/start.hpp"
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/stopping.hpp"
@@ -29,13 +34,9 @@ namespace {
 
 /// The unit of a cycle's metric.
 std::string unit_of(const scene::Scene& scene, const std::string& name) {
-  if (scene.structure || scene.model.law->set_valued()) {
-    const auto structure = scene.structure ? scene.structure->structure : oscillators::one_slider(scene.model);
-    for (const auto& [known, unit] : analysis::cycles::cycle_metrics_of(structure))
-      if (known == name) return unit;
-    return "1";
-  }
-  return analysis::cycles::find_metric(name).unit;
+  const auto structure = scene.structure ? scene.structure->structure : oscillators::one_slider(scene.model);
+  const auto metrics = analysis::cycles::cycle_metrics_of(structure);
+  return metrics.contains(name) ? metrics.at(name).unit : "1";
 }
 
 bool has_periodic_drive(const scene::Scene& scene) {
@@ -63,7 +64,7 @@ void read_parameter(scene::Table& table, const scene::Family& family, Quantity& 
   }
 }
 
-void read_locus(scene::Table table, const scene::Family& family, scene::BranchTask& task) {
+void read_locus(scene::Table table, const scene::Family& family, tasks::Branch& task) {
   auto& locus = task.locus.emplace();
   table.expect({"parameter", "from", "to", "scale", "points"});
   auto& options = locus.options;
@@ -81,17 +82,45 @@ void read_locus(scene::Table table, const scene::Family& family, scene::BranchTa
   options.p = task.options.parameter;
 }
 
+/// Where the motion that is followed starts.
+void read_start(scene::Scene& scene, const toml::node& start, const std::string& path) {
+  auto& task = scene.task<tasks::Branch>();
+  if (scene.structure)
+    task.structure_start = scene::read_structure_start(start, path, scene.structure->structure);
+  else if (analysis::branches::settles_as_structure(scene.model))
+    task.structure_start = scene::read_structure_start(start, path, oscillators::one_slider(scene.model));
+  else
+    task.slider_start = scene::read_start(start, path, *scene.model.law);
+}
+
+/// [cycle], as `rosin cycle` takes it.
+void read_cycle(scene::Table table, scene::Scene& scene) {
+  table.expect({"start", "stick_threshold"});
+  table.read("stick_threshold", scene.task<analysis::cycles::CycleOptions>().stick_threshold,
+             {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
+  if (const auto* start = table.find("start")) {
+    if (scene.task<tasks::Branch>().structure_start || scene.task<tasks::Branch>().slider_start)
+      scene.notes.push_back("cycle.start has no effect: branch.start says where the motion starts");
+    else
+      read_start(scene, *start, table.path("start"));
+  }
+  table.finish();
+}
+
 void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
-  auto& task = scene.branch;
+  auto& task = scene.task<tasks::Branch>();
   const bool is_slider = !scene.structure;
-  const auto& family = *(scene.family = std::make_shared<scene::Family>(reader, is_slider));
+  const auto& family = *(scene.family = std::make_shared<scene::Family>(reader, "branch", is_slider));
   table.expect({"parameter", "from", "to", "scale", "start", "values", "points", "step", "doublings", "locus"});
   auto& options = task.options;
   read_parameter(table, family, task.parameter, options.parameter);
   const auto& [from, to, logarithmic] = options.parameter;
   task.from_cycle = has_periodic_drive(scene);
-  if (const auto* start = table.find("start")) {
+  if (const auto* start = table.find("start"); start && start->is_table()) {
+    task.from_cycle = true;
+    read_start(scene, *start, table.path("start"));
+  } else if (start) {
     task.from_cycle = scene::choice(*start, table.path("start"), {"steady", "cycle"}) == "cycle";
     if (!task.from_cycle && has_periodic_drive(scene))
       scene::fail(start->source(),
@@ -120,6 +149,7 @@ void read(scene::SceneReader& reader) {
   if (reader.scene.plane) throw InputError("branches of a slider in the plane are not followed; type plane-slider");
   if (reader.scene.structure) scene::read_structure_model(reader);
   read_table(scene::Table(branch, "branch"), reader);
+  if (auto cycle = reader.root.table("cycle")) read_cycle(*cycle, reader.scene);
 }
 
 std::string drawn_metric(const Branches& found) {
@@ -130,7 +160,7 @@ std::string drawn_metric(const Branches& found) {
   return "slip_rate_max";
 }
 
-ordered_json loci_of(const scene::BranchTask& task, const Loci& loci) {
+ordered_json loci_of(const tasks::Branch& task, const Loci& loci) {
   auto curves = ordered_json::array();
   for (const auto& [kind, points, begins, ends] : loci.curves) {
     auto list = ordered_json::array();
@@ -150,9 +180,10 @@ ordered_json loci_of(const scene::BranchTask& task, const Loci& loci) {
 }
 
 std::string document_of(const scene::Scene& scene, const Branches& found, const Loci& loci, double seconds) {
+  auto& task = scene.task<tasks::Branch>();
   auto document = output::begin(scene, "branch", found.outcome);
-  document["parameter"] = scene.branch.parameter.name;
-  document["unit"] = scene.branch.parameter.unit;
+  document["parameter"] = task.parameter.name;
+  document["unit"] = task.parameter.unit;
   auto points = ordered_json::array(), events = points, branches = points;
   for (const auto& at : found.steady) {
     ordered_json point{{"value", at.value}, {"kind", "equilibrium"}, {"asked", false}};
@@ -178,21 +209,23 @@ std::string document_of(const scene::Scene& scene, const Branches& found, const 
                             {"squared_amplitude_slope", found.small_cycles[k]->slope}});
   }
   for (std::size_t b = 0; b < found.cycles.size(); ++b) {
-    const auto& [from, value, parent, branch] = found.cycles[b];
+    const auto& [from, value, parent, to_value, branch] = found.cycles[b];
     branches.push_back({{"from", from},
                         {"value", value},
                         {"points", branch.points.size()},
                         {"ends", branch.outcome.detail.empty() ? "at the end of the range" : branch.outcome.detail}});
     if (parent >= 0) branches.back()["parent"] = parent;
+    if (to_value) branches.back()["to_value"] = *to_value;
     for (const auto& at : branch.points)
-      points.push_back({{"value", at.p},
-                        {"kind", "cycle"},
-                        {"branch", b},
-                        {"stable", at.view.stable},
-                        {"metrics", at.view.metrics},
-                        {"multipliers", output::pairs(at.view.multipliers)},
-                        {"error", {{"value", at.error}, {"relative", at.x_error}}},
-                        {"asked", at.asked}});
+      points.push_back(
+          {{"value", at.p},
+           {"kind", "cycle"},
+           {"branch", b},
+           {"stable", at.view.stable},
+           {"metrics", at.view.metrics},
+           {"multipliers", output::pairs(at.view.multipliers)},
+           {"error", {{"value", at.error}, {"relative", at.x_error}, {"multipliers", at.view.multiplier_errors}}},
+           {"asked", at.asked}});
     for (const auto& special : branch.special) {
       events.push_back({{"kind", special.kind}, {"value", special.p}, {"error", special.error}, {"branch", b}});
       if (special.view.metrics.contains("period")) events.back()["period"] = special.view.metrics.at("period");
@@ -201,8 +234,8 @@ std::string document_of(const scene::Scene& scene, const Branches& found, const 
   document["points"] = std::move(points);
   document["events"] = std::move(events);
   document["branches"] = std::move(branches);
-  if (scene.branch.locus) document["loci"] = loci_of(scene.branch, loci);
-  document["tolerance"] = scene.branch.options.tolerance;
+  if (task.locus) document["loci"] = loci_of(task, loci);
+  document["tolerance"] = task.options.tolerance;
   document["cost"] = {{"seconds", seconds}, {"steps", found.steps}, {"closures", found.residuals}};
   auto notes = scene.notes;
   notes.insert(notes.end(), found.notes.begin(), found.notes.end());
@@ -245,7 +278,8 @@ void write_table(const std::filesystem::path& folder, const scene::Scene& scene,
     }
   std::vector<output::Column> table{
       {"branch", columns[0]},
-      {output::column_header(scene.branch.parameter.name, scene.branch.parameter.unit), columns[1]},
+      {output::column_header(scene.task<tasks::Branch>().parameter.name, scene.task<tasks::Branch>().parameter.unit),
+       columns[1]},
       {"stable", columns[2]},
       {output::column_header(drawn, "m/s"), columns[3]},
       {"largest_multiplier", columns[4]}};
@@ -257,7 +291,7 @@ void write_table(const std::filesystem::path& folder, const scene::Scene& scene,
   output::write_csv(folder / "branch.csv", table);
 }
 
-void write_loci(const std::filesystem::path& folder, const scene::BranchTask& task, const Loci& loci) {
+void write_loci(const std::filesystem::path& folder, const tasks::Branch& task, const Loci& loci) {
   std::vector<double> columns[6];
   for (std::size_t k = 0; k < loci.curves.size(); ++k)
     for (const auto& [p, q, p_error, q_error, metrics] : loci.curves[k].points) {
@@ -287,66 +321,108 @@ std::optional<analysis::branches::SmallCycles> small_cycles_at(const oscillators
 
 Status perform(Job& job) {
   auto& scene = job.scene();
-  auto& task = scene.branch;
+  auto& task = scene.task<tasks::Branch>();
   task.options.tolerance = job.request().tolerance.value_or(task.options.tolerance);
   const auto path = task.parameter.name;
   const bool is_slider = !scene.structure;
   job.explain("cycles by multiple shooting, at tolerance {} and a hundredth of it", task.options.tolerance);
   job.explain("along {} by pseudo-arclength; from {}", path,
               task.from_cycle ? "a motion that has settled" : "steady sliding");
+  const double threshold = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
   const analysis::branches::Family family = [&](double p) {
-    return is_slider ? analysis::branches::oscillator_of(scene.family->slider_with({{path, p}}))
-                     : analysis::branches::oscillator_of(scene.family->with({{path, p}}).structure);
+    return is_slider ? analysis::branches::oscillator_of(scene.family->slider_with({{path, p}}), threshold)
+                     : analysis::branches::oscillator_of(scene.family->with({{path, p}}).structure, threshold);
   };
+  const auto second = task.locus ? task.locus->parameter.name : "";
+  const analysis::branches::Family2 family_of_two = [&](double p, double q) {
+    return is_slider
+               ? analysis::branches::oscillator_of(scene.family->slider_with({{path, p}, {second, q}}), threshold)
+               : analysis::branches::oscillator_of(scene.family->with({{path, p}, {second, q}}).structure, threshold);
+  };
+  if (has_periodic_drive(scene)) {
+    const double from = task.options.parameter.from;
+    analysis::branches::require_continuous_period(family, task.options.parameter, from);
+    if (task.locus)
+      analysis::branches::require_continuous_period([&](double q) { return family_of_two(from, q); },
+                                                    task.locus->options.q, task.locus->value);
+  }
   const auto begin = std::chrono::steady_clock::now();
   Branches found;
   const auto& range = task.options.parameter;
-  const auto from_cycle = [&] {
-    const auto settled =
-        is_slider ? analysis::branches::settle(scene.family->slider_with({{path, range.from}}), task.options.tolerance)
-                  : analysis::branches::settle(scene.family->with({{path, range.from}}), task.options.tolerance);
-    if (!settled.outcome.complete())
-      throw InputError(
-          fmt::format("branch.start = \"cycle\": at branch.from = {} the motion settles on no cycle: {}; "
-                      "give another value, or start = \"steady\"",
-                      range.from, settled.outcome.detail));
-    return analysis::branches::from_cycle(family, settled, range.from, task.options);
+  bool has_started = false;
+  const auto settled = [&] {
+    has_started = true;
+    if (is_slider && !analysis::branches::settles_as_structure(scene.model))
+      return analysis::branches::settle(scene.family->slider_with({{path, range.from}}), task.options.tolerance,
+                                        task.slider_start);
+    auto model =
+        is_slider
+            ? analysis::motion::StructureModel{oscillators::one_slider(scene.family->slider_with({{path, range.from}})),
+                                               {}}
+            : scene.family->with({{path, range.from}});
+    if (is_slider) model.start.kind = analysis::motion::Start::Kind::rest;
+    if (task.structure_start) model.start = *task.structure_start;
+    return analysis::branches::settle(model, task.options.tolerance);
+  };
+  const auto why_none = [&](const analysis::branches::Settled& cycle) {
+    return fmt::format("at branch.from = {} the motion settles on no cycle: {}", range.from, cycle.outcome.detail);
   };
   if (task.from_cycle) {
-    found = from_cycle();
+    const auto cycle = settled();
+    if (!cycle.outcome.complete())
+      throw InputError(
+          fmt::format("branch.start = \"cycle\": {}; give another value, or start = \"steady\"", why_none(cycle)));
+    found = analysis::branches::from_cycle(family, cycle, range.from, task.options);
   } else {
     std::optional<std::vector<analysis::steady::Crossing>> crossings;
     if (is_slider)
       for (const auto& quantity : scene.model.parameters())
         if (quantity.name == path) crossings = analysis::branches::crossings_of(scene.model, path, range);
     found = analysis::branches::from_steady_sliding(family, task.options, crossings);
+    // Steady sliding is the question: that no cycle is found beside it is told.
     if (found.crossings.empty() && std::ranges::none_of(found.steady, &analysis::branches::SteadyPoint::stable)) {
-      job.note("steady sliding is unstable throughout, without a Hopf point: cycles from the motion that has settled");
-      auto steady = std::move(found.steady);
-      found = from_cycle();
-      found.steady = std::move(steady);
+      const bool exists = found.steady.empty() ||
+                          std::ranges::any_of(found.steady, [](const auto& point) { return point.why.empty(); });
+      const auto unstable = exists ? std::string("steady sliding is unstable throughout, without a Hopf point")
+                                   : fmt::format("there is no steady sliding: {}", found.steady.front().why);
+      if (const auto cycle = settled(); cycle.outcome.complete()) {
+        job.note(unstable + ": cycles from the motion that has settled");
+        auto steady = std::move(found.steady);
+        found = analysis::branches::from_cycle(family, cycle, range.from, task.options);
+        found.steady = std::move(steady);
+      } else {
+        found.notes.push_back(fmt::format("{}, and no cycles are followed: {}", unstable, why_none(cycle)));
+        if (cycle.outcome.ending == Ending::interrupted) found.outcome = cycle.outcome;
+      }
     }
   }
-  for (const auto& crossing : found.crossings)
-    found.small_cycles.push_back(is_slider ? small_cycles_at(scene.model, path, crossing)
-                                           : analysis::branches::small_cycles(
-                                                 [&](double p) {
-                                                   return scene.family->with({{path, p}}).structure;
-                                                 },
-                                                 crossing));
+  if (!has_started && (task.structure_start || task.slider_start))
+    found.notes.push_back("cycle.start has no effect: the branch begins with steady sliding");
+  for (const auto& crossing : found.crossings) {
+    auto& small = found.small_cycles.emplace_back();
+    try {
+      small = is_slider ? small_cycles_at(scene.model, path, crossing)
+                        : analysis::branches::small_cycles(
+                              [&](double p) {
+                                return scene.family->with({{path, p}}).structure;
+                              },
+                              crossing);
+    } catch (const InputError& error) {
+      found.notes.push_back(fmt::format("the normal form at {:.9g} is not known: {}", crossing.value, error.what()));
+    }
+  }
   Loci loci;
   if (task.locus && found.outcome.complete()) {
     auto& locus = *task.locus;
     locus.options.tolerance = task.options.tolerance;
-    const auto& second = locus.parameter.name;
-    loci = analysis::branches::find_loci(
-        [&](double p, double q) {
-          return is_slider ? analysis::branches::oscillator_of(scene.family->slider_with({{path, p}, {second, q}}))
-                           : analysis::branches::oscillator_of(scene.family->with({{path, p}, {second, q}}).structure);
-        },
-        found, locus.value, locus.options);
+    loci = analysis::branches::find_loci(family_of_two, found, locus.value, locus.options);
     found.outcome = loci.outcome;
   }
+  for (const auto& cycle : found.cycles)
+    if (found.outcome.complete() && cycle.branch.outcome.ending == Ending::budget_spent)
+      found.outcome = {Ending::budget_spent,
+                       fmt::format("{} before the branch from {} = {:.9g} came to its end; give more branch.points",
+                                   cycle.branch.outcome.detail, path, cycle.from_value)};
   const double seconds = seconds_since(begin);
   const auto& unit = task.parameter.unit;
   const auto with_unit = [](double value, const std::string& unit) {  // of what is chosen
@@ -356,7 +432,7 @@ Status perform(Job& job) {
     job.say("{:<17} {} = {}{}", crossing.angular_frequency > 0 ? "hopf" : "divergence", path,
             justified(crossing.value, crossing.error, unit),
             crossing.angular_frequency > 0 ? fmt::format(", {:.9g} rad/s", crossing.angular_frequency) : "");
-  for (const auto& [from, value, parent, branch] : found.cycles) {
+  for (const auto& [from, value, parent, to_value, branch] : found.cycles) {
     job.say("cycles from {} at {}: {} points, {}", from, with_unit(value, unit), branch.points.size(),
             branch.outcome.detail.empty() ? "to the end of the range" : branch.outcome.detail);
     for (const auto& special : branch.special)

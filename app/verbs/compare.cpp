@@ -1,19 +1,29 @@
 /// The verb compare: members under one protocol side by side, and designs that tell them apart.
 
+#include "app/tasks/compare.hpp"
+
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/inference/discrimination.hpp"
 #include "analysis/inference/equalise.hpp"
+#include "analysis/motion/run.hpp"
+#include "analysis/planes/map.hpp"
 #include "analysis/steady/curve.hpp"
 #include "analysis/steady/stability.hpp"
+#include "app/output/comparison.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/law.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/bowing.hpp"
+#include "app/tasks/curve.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
@@ -62,10 +72,10 @@ std::vector<analysis::inference::Property> read_properties(const toml::node& nod
 }
 
 /// The scene's model with what a member changes.
-scene::CompareOptions::Member read_member(scene::SceneReader& reader, const toml::node& node) {
+tasks::Compare::Member read_member(scene::SceneReader& reader, const toml::node& node) {
   scene::Table table(node, "compare.members");
   table.expect({"name", "law", "set"});
-  scene::CompareOptions::Member member{
+  tasks::Compare::Member member{
       scene::text(table.required("name", "of the member"), "compare.members.name"), reader.scene.model, {}, 0};
   if (const auto* law = table.find("law")) {
     member.model.lambda = 1;
@@ -87,7 +97,7 @@ scene::CompareOptions::Member read_member(scene::SceneReader& reader, const toml
   return member;
 }
 
-void read_noise(const toml::node& node, scene::CompareOptions& compare) {
+void read_noise(const toml::node& node, tasks::Compare& compare) {
   if (!node.is_table()) scene::wrong_kind(node, "compare.noise", "a table of metrics");
   for (const auto& [key, value] : *node.as_table()) {
     analysis::inference::Noise noise{std::string(key.str())};
@@ -106,7 +116,7 @@ void read_noise(const toml::node& node, scene::CompareOptions& compare) {
 void read_comparison(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   const bool design = reader.request.design;
-  auto& compare = scene.compare;
+  auto& compare = scene.task<tasks::Compare>();
   table.expect({"members", "protocol", "equalise", "noise", "confidence", "parameter"});
   if (const auto* protocol = table.find("protocol"))
     compare.protocol = scene::choice(*protocol, "compare.protocol", {"curve", "stability", "run", "cycle", "map"});
@@ -152,6 +162,9 @@ void read_comparison(scene::Table table, scene::SceneReader& reader) {
   table.finish();
   if (design && compare.noise.empty())
     scene::fail(table.source(), "compare.noise is needed for a design: the noise of each metric that is measured");
+  if (!design)
+    reader.note_unread({"compare.noise", "compare.confidence", "compare.parameter"},
+                       "only 'rosin compare --design' asks for it");
 }
 
 void read(scene::SceneReader& reader) {
@@ -167,7 +180,7 @@ void read(scene::SceneReader& reader) {
   if (protocol == "run") reader.need("run", "duration and start");
   if (protocol == "map" || design) reader.need("map", "the two axes and the metrics");
   read_tables_of_models(reader);
-  if ((protocol == "map" || design) && reader.scene.map.y.values.empty())
+  if ((protocol == "map" || design) && reader.scene.task<analysis::planes::MapOptions>().y.values.empty())
     scene::Table(*reader.root.find("map"), "map")
         .required("y", "second axis of the plane in which members are compared");
   read_comparison(scene::Table(reader.need("compare", "members, and what is made equal in them"), "compare"), reader);
@@ -176,7 +189,7 @@ void read(scene::SceneReader& reader) {
 // ---------------------------------------------------------------- documents
 
 /// Members of a comparison: names, laws, and what was adjusted in them.
-ordered_json members(const scene::CompareOptions& compare) {
+ordered_json members(const tasks::Compare& compare) {
   auto list = ordered_json::array();
   for (const auto& member : compare.members) {
     ordered_json one{{"name", member.name},
@@ -193,9 +206,10 @@ ordered_json members(const scene::CompareOptions& compare) {
 }
 
 std::string document_of(const scene::Scene& scene, const output::Comparison& comparison) {
+  auto& compare = scene.task<tasks::Compare>();
   auto document = output::begin(scene, "compare", comparison.outcome);
-  document["protocol"] = scene.compare.protocol;
-  document["members"] = members(scene.compare);
+  document["protocol"] = compare.protocol;
+  document["members"] = members(compare);
   auto& differences = document["differences"] = ordered_json::object();
   for (const auto& row : comparison.rows) {
     std::vector<double> difference, error;
@@ -216,9 +230,9 @@ std::string document_of(const scene::Scene& scene, const output::Comparison& com
     auto& planes = document["planes"] = ordered_json::object();
     for (std::size_t k = 0; k < comparison.maps.size(); ++k) {
       const auto& map = comparison.maps[k];
-      auto& plane = planes[scene.compare.members[k].name];
+      auto& plane = planes[compare.members[k].name];
       plane["regime"] = output::rows(map, [](const auto& point) { return name(point.regime); });
-      for (const auto& metric : scene.map.metrics) {
+      for (const auto& metric : scene.task<analysis::planes::MapOptions>().metrics) {
         const auto member = analysis::cycles::find_metric(metric).member;
         plane["metrics"][metric] = output::rows(map, [=](const auto& point) { return point.metrics.*member; });
         plane["error"][metric] = output::rows(map, [=](const auto& point) { return point.error.*member; });
@@ -228,7 +242,7 @@ std::string document_of(const scene::Scene& scene, const output::Comparison& com
   } else if (!comparison.series.empty()) {
     auto& series = document["series"] = ordered_json::object();
     for (std::size_t k = 0; k < comparison.series.size(); ++k) {
-      auto& one = series[scene.compare.members[k].name];
+      auto& one = series[compare.members[k].name];
       one[comparison.x_name] = comparison.series[k].x;
       for (std::size_t c = 0; c < comparison.column_names.size(); ++c)
         one[comparison.column_names[c]] = comparison.series[k].columns[c];
@@ -238,14 +252,20 @@ std::string document_of(const scene::Scene& scene, const output::Comparison& com
   return output::text(document);
 }
 
-std::string document_of(const scene::Scene& scene, const output::DesignResult& result) {
+struct DesignResult {
+  analysis::inference::Design design;
+  double seconds = 0;
+};
+
+std::string document_of(const scene::Scene& scene, const DesignResult& result) {
+  auto& compare = scene.task<tasks::Compare>();
   const auto& design = result.design;
   auto document = output::begin(scene, "compare", design.outcome);
-  document["members"] = members(scene.compare);
-  if (!scene.compare.parameter.empty()) document["parameter"] = scene.compare.parameter;
+  document["members"] = members(compare);
+  if (!compare.parameter.empty()) document["parameter"] = compare.parameter;
   auto& noise = document["noise"] = ordered_json::object();
-  for (const auto& n : scene.compare.noise) noise[n.metric] = {{"absolute", n.absolute}, {"relative", n.relative}};
-  document["confidence"] = scene.compare.confidence;
+  for (const auto& n : compare.noise) noise[n.metric] = {{"absolute", n.absolute}, {"relative", n.relative}};
+  document["confidence"] = compare.confidence;
   document["x"] = output::axis(design.x, scene);
   document["y"] = output::axis(design.y, scene);
   const auto plane = [&](const std::vector<double>& numbers) {
@@ -259,9 +279,9 @@ std::string document_of(const scene::Scene& scene, const output::DesignResult& r
   };
   document["best"] = best(design.best);
   auto& parts = document["by_metric"] = ordered_json::object();
-  for (std::size_t m = 0; m < scene.compare.noise.size(); ++m)
-    parts[scene.compare.noise[m].metric] = {{"discriminability", plane(design.by_metric[m])},
-                                            {"best", best(design.best_by_metric[m])}};
+  for (std::size_t m = 0; m < compare.noise.size(); ++m)
+    parts[compare.noise[m].metric] = {{"discriminability", plane(design.by_metric[m])},
+                                      {"best", best(design.best_by_metric[m])}};
   document["cost"] = {{"seconds", result.seconds}, {"failed", design.failed}};
   document["notes"] = scene.notes;
   return output::text(document);
@@ -271,7 +291,7 @@ std::string document_of(const scene::Scene& scene, const output::DesignResult& r
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
-using Members = std::vector<scene::CompareOptions::Member>;
+using Members = std::vector<tasks::Compare::Member>;
 
 /// The entries of one member, in rows that the first member to have a metric begins.
 class Entries {
@@ -299,8 +319,8 @@ void worsen(Outcome& outcome, const Outcome& other, const std::string& member) {
 
 /// Steady curves, and friction and its slope at the drive's speed.
 output::Comparison compare_curves(const scene::Scene& scene) {
-  const auto& members = scene.compare.members;
-  const auto& options = scene.curve;
+  const auto& members = scene.task<tasks::Compare>().members;
+  const auto& options = scene.task<tasks::Curve>();
   output::Comparison comparison;
   comparison.x_name = "slip_rate", comparison.x_unit = "m/s";
   comparison.column_names = {"friction_coefficient"}, comparison.column_units = {"1"};
@@ -309,8 +329,7 @@ output::Comparison compare_curves(const scene::Scene& scene) {
     output::Comparison::Series series{{}, {{}}};
     for (int i = 0; i < options.points; ++i)
       series.x.push_back(options.from * std::pow(options.to / options.from, double(i) / (options.points - 1)));
-    series.columns[0].resize(series.x.size());
-    model.law->steady_friction(series.x, options.normal_load, series.columns[0]);
+    series.columns[0] = analysis::steady::steady_curve(*model.law, series.x, options.normal_load);
     const double V = model.drive.speed.level();
     const auto steady = model.law->steady_friction({V, options.normal_load});
     Entries entries(comparison, k, members.size());
@@ -322,7 +341,7 @@ output::Comparison compare_curves(const scene::Scene& scene) {
 }
 
 output::Comparison compare_stability(const scene::Scene& scene) {
-  const auto& members = scene.compare.members;
+  const auto& members = scene.task<tasks::Compare>().members;
   output::Comparison comparison;
   for (std::size_t k = 0; k < members.size(); ++k) {
     Entries entries(comparison, k, members.size());
@@ -348,11 +367,11 @@ output::Comparison motions() {
 }
 
 output::Comparison compare_runs(const scene::Scene& scene) {
-  const auto& members = scene.compare.members;
+  const auto& members = scene.task<tasks::Compare>().members;
   output::Comparison comparison = motions();
   constexpr std::size_t chosen[] = {0, 2, 4};
   for (std::size_t k = 0; k < members.size(); ++k) {
-    const auto run = analysis::motion::run(members[k].model, scene.run);
+    const auto run = analysis::motion::run(members[k].model, scene.task<analysis::motion::RunOptions>());
     worsen(comparison.outcome, run.outcome, members[k].name);
     output::Comparison::Series series{run.time, {}};
     Entries entries(comparison, k, members.size());
@@ -371,10 +390,10 @@ output::Comparison compare_runs(const scene::Scene& scene) {
 }
 
 output::Comparison compare_cycles(const scene::Scene& scene) {
-  const auto& members = scene.compare.members;
+  const auto& members = scene.task<tasks::Compare>().members;
   output::Comparison comparison = motions();
   for (std::size_t k = 0; k < members.size(); ++k) {
-    const auto cycle = analysis::cycles::find_cycle(members[k].model, scene.cycle);
+    const auto cycle = analysis::cycles::find_cycle(members[k].model, scene.task<analysis::cycles::CycleOptions>());
     worsen(comparison.outcome, cycle.outcome, members[k].name);
     Entries entries(comparison, k, members.size());
     if (cycle.metrics.period > 0)
@@ -394,8 +413,8 @@ output::Comparison compare_cycles(const scene::Scene& scene) {
 }
 
 output::Comparison compare_maps(const scene::Scene& scene, const Request& request) {
-  const auto& members = scene.compare.members;
-  auto options = scene.map;
+  const auto& members = scene.task<tasks::Compare>().members;
+  auto options = scene.task<analysis::planes::MapOptions>();
   options.threads = request.threads;
   output::Comparison comparison;
   Progress progress(request.quiet);
@@ -424,7 +443,7 @@ output::Comparison compare_maps(const scene::Scene& scene, const Request& reques
   return comparison;
 }
 
-void say_members(const Job& job, const scene::CompareOptions& compare) {
+void say_members(const Job& job, const tasks::Compare& compare) {
   for (const auto& member : compare.members) {
     std::string adjusted;
     for (std::size_t k = 0; k < member.adjusted.size(); ++k)
@@ -453,7 +472,8 @@ void take_slow_fraction(Job& job, const std::vector<std::string*>& metrics) {
     return std::ranges::find_if(metrics, [&](const auto* metric) { return *metric == name; });
   };
   const auto stick = named("stick_fraction");
-  if (stick == metrics.end() || named("slow_fraction") != metrics.end() || !of_both_kinds(job.scene().compare.members))
+  if (stick == metrics.end() || named("slow_fraction") != metrics.end() ||
+      !of_both_kinds(job.scene().task<tasks::Compare>().members))
     return;
   **stick = "slow_fraction";
   say_too(job, fmt::format("{}: members of both kinds are compared by slow_fraction, slip below the threshold under "
@@ -464,16 +484,19 @@ void take_slow_fraction(Job& job, const std::vector<std::string*>& metrics) {
 Status side_by_side(Job& job) {
   const auto& request = job.request();
   auto& scene = job.scene();
-  const auto& protocol = scene.compare.protocol;
-  if (request.tolerance) scene.run.tolerance = scene.cycle.tolerance = scene.map.tolerance = *request.tolerance;
-  if (protocol == "cycle" && of_both_kinds(scene.compare.members))
+  auto& compare = scene.task<tasks::Compare>();
+  const auto& protocol = compare.protocol;
+  if (request.tolerance)
+    scene.task<analysis::motion::RunOptions>().tolerance = scene.task<analysis::cycles::CycleOptions>().tolerance =
+        scene.task<analysis::planes::MapOptions>().tolerance = *request.tolerance;
+  if (protocol == "cycle" && of_both_kinds(compare.members))
     say_too(job, fmt::format("{}: compare slow_fraction, slip below the threshold under every law", two_kinds));
   if (protocol == "map") {
     std::vector<std::string*> metrics;
-    for (auto& metric : scene.map.metrics) metrics.push_back(&metric);
+    for (auto& metric : scene.task<analysis::planes::MapOptions>().metrics) metrics.push_back(&metric);
     take_slow_fraction(job, metrics);
   }
-  job.explain("{} members under protocol '{}'", scene.compare.members.size(), protocol);
+  job.explain("{} members under protocol '{}'", compare.members.size(), protocol);
   const auto begin = std::chrono::steady_clock::now();
   const output::Comparison comparison = protocol == "curve"       ? compare_curves(scene)
                                         : protocol == "stability" ? compare_stability(scene)
@@ -481,10 +504,10 @@ Status side_by_side(Job& job) {
                                         : protocol == "map"       ? compare_maps(scene, request)
                                                                   : compare_cycles(scene);
   if (comparison.outcome.ending == Ending::interrupted) return stopped_early(request, "nothing is written");
-  say_members(job, scene.compare);
+  say_members(job, compare);
   Reached reached;
   std::string header(34, ' ');
-  for (const auto& member : scene.compare.members) header += fmt::format("  {:>28}", member.name);
+  for (const auto& member : compare.members) header += fmt::format("  {:>28}", member.name);
   job.say("{}", header);
   for (const auto& row : comparison.rows) {
     std::string line = fmt::format("{:<34}", row.metric);
@@ -505,15 +528,16 @@ Status side_by_side(Job& job) {
 Status design(Job& job) {
   const auto& request = job.request();
   auto& scene = job.scene();
-  auto& compare = scene.compare;
+  auto& map = scene.task<analysis::planes::MapOptions>();
+  auto& compare = scene.task<tasks::Compare>();
   std::vector<std::string*> metrics;
   for (auto& noise : compare.noise) metrics.push_back(&noise.metric);
   take_slow_fraction(job, metrics);
-  analysis::inference::DesignOptions options{.x = scene.map.x,
-                                             .y = scene.map.y,
+  analysis::inference::DesignOptions options{.x = map.x,
+                                             .y = map.y,
                                              .noise = compare.noise,
-                                             .tolerance = request.tolerance.value_or(scene.map.tolerance),
-                                             .stick_threshold = scene.map.stick_threshold,
+                                             .tolerance = request.tolerance.value_or(map.tolerance),
+                                             .stick_threshold = map.stick_threshold,
                                              .threads = request.threads,
                                              .confidence = compare.confidence};
   std::vector<std::string> measured;
@@ -523,7 +547,7 @@ Status design(Job& job) {
               of_parameter ? "information on " + compare.parameter : std::string("likelihood ratio between members"),
               options.x.parameter, options.y.parameter, fmt::join(measured, ", "));
   const auto begin = std::chrono::steady_clock::now();
-  output::DesignResult result;
+  DesignResult result;
   {
     Progress progress(request.quiet);
     const analysis::planes::MapHooks hooks{.known = {}, .finished = {}, .progress = progress.of_map()};

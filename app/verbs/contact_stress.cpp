@@ -7,9 +7,14 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "analysis/motion/run.hpp"
+#include "analysis/motion/stepped_run.hpp"
 #include "analysis/motion/stepper.hpp"
+#include "analysis/motion/structure_run.hpp"
 #include "analysis/steady/sliding_modes.hpp"
+#include "analysis/steady/structure_stability.hpp"
 #include "app/output/files.hpp"
+#include "app/scene/scene.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
@@ -17,6 +22,7 @@
 #include "core/console.hpp"
 #include "core/random.hpp"
 #include "core/stop.hpp"
+#include "oscillators/block.hpp"
 
 namespace rosin::app::verbs {
 
@@ -221,7 +227,8 @@ void judge_stations(const scene::Scene& scene, const DrawnLaw& law, Found& found
   const oscillators::StationForces contacts(structure);
   const VectorXd start = analysis::steady::steady_sliding(structure, contacts) + scene.structure->start.beside;
   const auto stepper =
-      analysis::motion::make_stepper(structure, contacts, *scene.run.stepping, start, VectorXd::Zero(structure.size()));
+      analysis::motion::make_stepper(structure, contacts, *scene.task<analysis::motion::RunOptions>().stepping, start,
+                                     VectorXd::Zero(structure.size()));
   const double mean =
       scene.model.drive.normal_load.level() / (scene.block->block.length * scene.block->block.thickness);
   constexpr int steps = 100;
@@ -257,7 +264,7 @@ bool is_of_use(const Run& run) {
 }
 
 void judge_run(const scene::Scene& scene, const Run& run, Found& found) {
-  const auto samples = std::size_t(scene.run.samples) + 1;
+  const auto samples = std::size_t(scene.task<analysis::motion::RunOptions>().samples) + 1;
   // A record that reaches the end, with errors above the tolerance but of use, says so.
   const bool short_of = run.outcome.ending == Ending::tolerance_not_met && run.time.size() == samples && is_of_use(run);
   if (!run.outcome.complete() && !short_of) throw Fault{Verdict::failed, std::string(name(run.outcome.ending))};
@@ -298,7 +305,7 @@ Found judge(const Drawn& drawn, const fs::path& file) {
     const auto steady = scene.block ? analysis::steady::lowest_modes_of_sliding(structure, modes)
                                     : analysis::steady::stability(structure);
     judge_steady(scene, steady);
-    auto how = scene.run;
+    auto how = scene.task<analysis::motion::RunOptions>();
     how.tolerance = 1e-5, how.most_steps = 20'000;
     // The pin on its contact vibrates a thousand times as fast as the block on its arm.
     constexpr double most_periods = 40;

@@ -3,11 +3,14 @@
 
 #include <cmath>
 
+#include "app/output/curve.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/curve.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/verb.hpp"
 
@@ -18,26 +21,33 @@ using nlohmann::ordered_json;
 namespace {
 
 void read_table(scene::Table table, scene::SceneReader& reader) {
-  auto& curve = reader.scene.curve;
+  auto& curve = reader.scene.task<tasks::Curve>();
   const Quantity speed{"", "m/s", {1e-15, 1e4}, "slip rate"};
   table.read("from", curve.from, speed);
   table.read("to", curve.to, speed);
   if (!(curve.from < curve.to))
     scene::fail(table.source(), "curve.from = {} must be below curve.to = {}", curve.from, curve.to);
   table.read("points", curve.points, 2, 1'000'000, "number of slip rates");
+  if (!table.find("normal_load")) scene::KeysRead::note("drive.normal_load");
   table.read("normal_load", curve.normal_load, scene::mechanical("drive.normal_load"));
   table.finish();
 }
 
 void read(scene::SceneReader& reader) {
   reader.law();
-  reader.oscillator_if_there();
+  {
+    const scene::KeysRead only_checked;
+    reader.oscillator_if_there();
+  }
+  if (!reader.root.find("curve")) scene::KeysRead::note("drive.normal_load");
   read_tables_of_models(reader);
+  reader.note_unread({"law.lambda", "law.contact_stiffness", "law.load_memory"},
+                     "a steady curve does not depend on it");
 }
 
 std::string document_of(const scene::Scene& scene, const output::Curve& curve) {
   auto document = output::begin(scene, "curve");
-  document["normal_load"] = scene.curve.normal_load;
+  document["normal_load"] = scene.task<tasks::Curve>().normal_load;
   document["slip_rate"] = curve.slip_rate;
   document["friction_coefficient"] = curve.friction_coefficient;
   auto& extrema = document["extrema"] = ordered_json::array();
@@ -52,18 +62,17 @@ std::string document_of(const scene::Scene& scene, const output::Curve& curve) {
 
 Status perform(Job& job) {
   const auto& scene = job.scene();
-  const auto& options = scene.curve;
+  const auto& options = scene.task<tasks::Curve>();
   const auto& law = *scene.model.law;
   job.explain("steady curve of '{}' at {} slip rates from {} to {} m/s under {} N; no states, no integration",
               law.card().name, options.points, options.from, options.to, options.normal_load);
   output::Curve curve;
   curve.slip_rate.resize(static_cast<std::size_t>(options.points));
-  curve.friction_coefficient.resize(curve.slip_rate.size());
   for (int i = 0; i < options.points; ++i)
     curve.slip_rate[static_cast<std::size_t>(i)] =
         options.from * std::pow(options.to / options.from, double(i) / (options.points - 1));
   curve.slip_rate.back() = options.to;
-  law.steady_friction(curve.slip_rate, options.normal_load, curve.friction_coefficient);
+  curve.friction_coefficient = analysis::steady::steady_curve(law, curve.slip_rate, options.normal_load);
   curve.extrema = analysis::steady::steady_extrema(law, options.from, options.to, options.normal_load);
 
   Reached reached;

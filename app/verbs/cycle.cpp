@@ -8,9 +8,12 @@
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
 #include "app/scene/start.hpp"
+#include "app/scene/string.hpp"
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
+#include "app/verbs/string_verbs.hpp"
 #include "app/verbs/structure_cycle.hpp"
 #include "app/verbs/verb.hpp"
 
@@ -22,18 +25,12 @@ namespace {
 
 void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
-  if (scene.structure) {
-    table.expect({"start", "stick_threshold"});
-    if (const auto* threshold = table.find("stick_threshold"))
-      scene::fail(threshold->source(),
-                  "cycle.stick_threshold has no effect here: stick of several contacts, or under a drive that varies, "
-                  "is exact rest");
-    return table.finish();
-  }
-  table.read("stick_threshold", scene.cycle.stick_threshold,
-             {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
-  if (const auto* start = table.find("start")) {
-    scene.cycle.start = scene::read_start(*start, table.path("start"), *scene.model.law);
+  auto& cycle = scene.task<analysis::cycles::CycleOptions>();
+  table.expect({"start", "stick_threshold"});
+  table.read("stick_threshold", cycle.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
+  // The start of a structure is read with it.
+  if (const auto* start = scene.structure ? nullptr : table.find("start")) {
+    cycle.start = scene::read_start(*start, table.path("start"), *scene.model.law);
     if (scene.model.law->set_valued())
       scene.notes.push_back("cycle.start has no effect under a set-valued law: stick forgets how the motion began");
   }
@@ -49,7 +46,7 @@ std::string document_of(const scene::Scene& scene, const analysis::cycles::Cycle
     return absent;
   };
   document.update(output::metrics(found ? cycle.metrics : none()));
-  document["stick_threshold"] = scene.cycle.stick_threshold;
+  document["stick_threshold"] = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
   document["ill_conditioned_stick"] = cycle.ill_conditioned_stick;
   document["multipliers"] = output::pairs(cycle.multipliers);
   document["stable"] = found && !cycle.growth ? ordered_json(cycle.stable) : ordered_json();
@@ -58,6 +55,8 @@ std::string document_of(const scene::Scene& scene, const analysis::cycles::Cycle
                          {"state", output::states(*scene.model.law, cycle.section_state)}};
   document["error"] = output::metrics(found ? cycle.error : none());
   document["error"]["multipliers"] = cycle.multiplier_errors;
+  if (cycle.exponent)
+    document["exponent"] = cycle.exponent->value, document["error"]["exponent"] = cycle.exponent->error;
   document["cost"] = {
       {"steps", cycle.cost.steps}, {"evaluations", cycle.cost.evaluations}, {"cycles", cycle.cost.cycles}};
   auto notes = scene.notes;
@@ -71,6 +70,7 @@ void read(scene::SceneReader& reader) {
   const auto& scene = reader.scene;
   reader.law();
   reader.oscillator();
+  if (scene.string) return scene::read_string_cycle(reader);
   if (!scene.structure && scene.model.drive.constant()) return read_tables_of_models(reader);
   scene::read_structure_model(reader);
   if (auto table = reader.root.table("cycle")) read_table(*table, reader);
@@ -78,15 +78,17 @@ void read(scene::SceneReader& reader) {
 
 Status perform(Job& job) {
   auto& scene = job.scene();
+  auto& asked = scene.task<analysis::cycles::CycleOptions>();
+  if (scene.string) return perform_string_cycle(job);
   if (scene.structure) return perform_structure_cycle(job);
-  scene.cycle.tolerance = job.request().tolerance.value_or(scene.cycle.tolerance);
+  asked.tolerance = job.request().tolerance.value_or(asked.tolerance);
   job.explain_model();
   job.explain("the cycle that is reached from stick, tolerance {} of every metric, at most {} cycles of transient",
-              scene.cycle.tolerance, scene.cycle.max_cycles);
+              asked.tolerance, asked.max_cycles);
   const auto begin = std::chrono::steady_clock::now();
-  const auto cycle = analysis::cycles::find_cycle(scene.model, scene.cycle);
+  const auto cycle = analysis::cycles::find_cycle(scene.model, asked);
   auto& manifest = job.manifest();
-  manifest.tolerance_asked = scene.cycle.tolerance;
+  manifest.tolerance_asked = asked.tolerance;
   manifest.cost = {{"seconds", seconds_since(begin)},
                    {"steps", double(cycle.cost.steps)},
                    {"evaluations", double(cycle.cost.evaluations)},

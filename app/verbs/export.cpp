@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "app/exports/series.hpp"
+#include "app/output/document.hpp"
 #include "app/program_list.hpp"
 #include "app/scene/scene_table.hpp"
 #include "app/scene/toml_document.hpp"
@@ -16,23 +16,13 @@
 #include "app/verbs/verbs.hpp"
 #include "core/console.hpp"
 #include "core/error.hpp"
-#include "core/files.hpp"
+#include "core/results_folder.hpp"
 
 namespace rosin::app::verbs {
 
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
-
-json read_document(const fs::path& path) {
-  constexpr std::uintmax_t largest = 2'000'000'000;  // bytes
-  try {
-    return json::parse(read_whole(path, largest));
-  } catch (const json::exception&) {
-    throw InputError(fmt::format("{}: is no result that rosin wrote", path.string()));
-  }
-}
 
 /// ∫ of a signal from `from` to `to`, piece by piece.
 double integral(const Signal& signal, double from, double to) {
@@ -51,7 +41,12 @@ double integral(const Signal& signal, double from, double to) {
 }
 
 exports::Series series_of(const fs::path& folder) {
-  const auto result = read_document(folder / "run.json"), manifest = read_document(folder / "run.manifest.json");
+  const auto read = [&](const char* name) {
+    constexpr std::uintmax_t largest = 2'000'000'000;  // bytes
+    const auto path = folder / name;
+    return output::parse_document(path.string(), read_found(path, largest));
+  };
+  const auto result = read("run.json"), manifest = read("run.manifest.json");
   exports::Series series;
   try {
     series.title = result.value("title", "");
@@ -85,7 +80,7 @@ exports::Series series_of(const fs::path& folder) {
       series.load_displacement.push_back(way);
       series.normal_load.push_back(drive.normal_load.value(t));
     }
-  } catch (const json::exception&) {
+  } catch (const nlohmann::ordered_json::exception&) {
     throw InputError(fmt::format("{}: is no result that rosin wrote", (folder / "run.json").string()));
   }
   const auto whole = [&](const std::vector<double>& column) { return column.size() == series.time.size(); };

@@ -1,16 +1,22 @@
 /// The verb fit: fits of all candidates, their ranking, tables, and the picture of data, fits and residuals.
 
+#include "app/tasks/fit.hpp"
+
 #include <numeric>
 
+#include "analysis/inference/wider_law.hpp"
+#include "app/output/digits.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/json.hpp"
 #include "app/output/sheet.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
 #include "app/verbs/fit_scene.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/verb.hpp"
+#include "laws/catalogue.hpp"
 
 namespace rosin::app::verbs {
 
@@ -81,25 +87,43 @@ ordered_json noise(const analysis::inference::FittedMeasurement& m, const Measur
                          {"durbin_watson", m.neighbours.durbin_watson},
                          {"correlation_of_neighbours", m.neighbours.correlation}};
   if (m.error_found) object["noise"] = {{"size", m.noise.size}, {"correlation", m.noise.correlation}};
+  if (m.misfit)
+    object["misfit"] = {{"where", m.misfit->where}, {"size", m.misfit->size}, {"probability", m.misfit->probability}};
+  if (const auto points = std::ranges::count(m.bounded, 1); points > 0)
+    object["rest"] = {
+        {"points", points}, {"slip_rate_below", data.history.rest.below}, {"slip_rate_noise", data.history.rest.noise}};
   return object;
+}
+
+/// Laws between which the data do not decide: those within a few units of AIC of the least; none where it stands alone.
+std::vector<std::string> undecided(const scene::Scene& scene, const std::vector<analysis::inference::Fit>& fits,
+                                   const std::vector<std::size_t>& order) {
+  constexpr double few = 4;  // a likelihood ratio of e²
+  double least = infinity;
+  for (const auto& fit : fits) least = std::min(least, fit.aic);
+  std::vector<std::string> laws;
+  for (const auto k : order)
+    if (fits[k].aic - least <= few) laws.push_back(scene.task<tasks::Fit>().candidates[k].name);
+  return laws.size() > 1 ? laws : std::vector<std::string>{};
 }
 
 std::string to_json(const scene::Scene& scene, const std::vector<analysis::inference::Fit>& fits,
                     const std::vector<std::size_t>& order) {
+  auto& asked = scene.task<tasks::Fit>();
   const auto& own = fits.front();
   auto document = app::output::begin(scene, "fit", own.outcome);
   document["parameters"] = parameters(own);
   document["correlation"] = own.correlation;
   document["chi_square"] = own.chi_square;
   document["points"] = own.points;
-  document["confidence"] = scene.fit.options.confidence;
+  document["confidence"] = asked.options.confidence;
   document["measurements"] = ordered_json::array();
   for (std::size_t d = 0; d < own.measurements.size(); ++d)
-    document["measurements"].push_back(noise(own.measurements[d], scene.fit.data[d]));
+    document["measurements"].push_back(noise(own.measurements[d], asked.data[d]));
   document["ranking"] = ordered_json::array();
   for (const auto k : order) {
     const auto& fit = fits[k];
-    document["ranking"].push_back({{"law", scene.fit.candidates[k].name},
+    document["ranking"].push_back({{"law", asked.candidates[k].name},
                                    {"aic", fit.aic},
                                    {"bic", fit.bic},
                                    {"cross_validation", fit.cross_validation},
@@ -108,18 +132,28 @@ std::string to_json(const scene::Scene& scene, const std::vector<analysis::infer
                                    {"parameters", parameters(fit)},
                                    {"warnings", fit.warnings}});
   }
+  document["undecided"] = undecided(scene, fits, order);
   document["warnings"] = own.warnings;
   document["notes"] = scene.notes;
   return output::text(document);
 }
 
 std::string described(const analysis::inference::FittedParameter& p, double confidence) {
+  if (p.withheld)
+    return fmt::format("{:.4g}{}{}, no interval: the law does not describe these data", p.value,
+                       p.unit == "1" ? "" : " ", p.unit == "1" ? "" : p.unit);
   if (std::isnan(p.low))
     return std::isnan(p.profile_low)
                ? "not determined by the data"
                : fmt::format("bounded on one side by the data, {:.5g} … {:.5g}", p.profile_low, p.profile_high);
   return fmt::format("{}, {:.3g} % interval {:.5g} … {:.5g}", justified(p.value, p.standard_error, p.unit),
                      100 * confidence, p.low, p.high);
+}
+
+std::string why_at_rest(const analysis::inference::Rest& rest) {
+  if (rest.given) return "as the data's key rest says";
+  return fmt::format("slip rates below {:.3g} m/s cannot be told from it, by noise of {:.2g} m/s", rest.below,
+                     rest.noise);
 }
 
 /// What a picture shows of a measurement: its numbers, or those of one part of a response.
@@ -155,7 +189,7 @@ Abscissa displacement_of(const Measurement& m) {
 std::string write_curve(const fs::path& folder, const scene::Scene& scene,
                         const std::vector<analysis::inference::Fit>& fits, const std::vector<std::size_t>& shown,
                         std::size_t d) {
-  const auto& m = scene.fit.data[d];
+  const auto& m = scene.task<tasks::Fit>().data[d];
   const auto& own = fits.front().measurements[d];
   std::vector<std::string> headers = {abscissa(m)};
   std::vector<std::vector<double>> columns = {m.x};
@@ -169,7 +203,7 @@ std::string write_curve(const fs::path& folder, const scene::Scene& scene,
   for (const auto k : shown)
     for (const auto& part : parts_of(m)) {
       if (k == 0) continue;
-      headers.push_back(fmt::format("{}fit of {}", part.name, scene.fit.candidates[k].name));
+      headers.push_back(fmt::format("{}fit of {}", part.name, scene.task<tasks::Fit>().candidates[k].name));
       columns.push_back(part.of(fits[k].measurements[d].fitted));
     }
   if (auto way = displacement_of(m); !way.values.empty()) {
@@ -186,11 +220,12 @@ std::string write_curve(const fs::path& folder, const scene::Scene& scene,
 std::string write_standardised(const fs::path& folder, const scene::Scene& scene,
                                const std::vector<analysis::inference::Fit>& fits, const std::vector<std::size_t>& shown,
                                std::size_t d) {
-  const auto& m = scene.fit.data[d];
+  const auto& m = scene.task<tasks::Fit>().data[d];
   std::vector<double> x;
   for (const double value : m.x) x.insert(x.end(), m.pairs() ? 2 : 1, value);
   std::vector<output::Column> table{{abscissa(m), x}};
-  for (const auto k : shown) table.push_back({scene.fit.candidates[k].name, fits[k].measurements[d].residuals});
+  for (const auto k : shown)
+    table.push_back({scene.task<tasks::Fit>().candidates[k].name, fits[k].measurements[d].residuals});
   const auto way = displacement_of(m);
   if (!way.values.empty()) table.push_back({way.name, way.values});
   const auto name = fmt::format(residual_file, d + 1);
@@ -210,19 +245,39 @@ std::string write_correlation(const fs::path& folder, const analysis::inference:
   return "fit-correlation.csv";
 }
 
-/// Data, fits and residuals over the same axis, measurement by measurement, above the parameters of the scene's law.
+/// Names and values of the parameters of the laws shown, each law's below its name where there are several.
+std::vector<std::pair<std::string, std::string>> rows_of_table(const scene::Scene& scene,
+                                                               const std::vector<analysis::inference::Fit>& fits,
+                                                               const std::vector<std::size_t>& shown) {
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const auto k : shown) {
+    if (fits.size() > 1)
+      rows.emplace_back(scene.task<tasks::Fit>().candidates[k].name,
+                        fmt::format("AIC {:+.2f} from the best", fits[k].aic - fits[shown.front()].aic));
+    for (const auto& p : fits[k].parameters)
+      rows.emplace_back((fits.size() > 1 ? "    " : "") + p.path,
+                        std::isnan(p.low) ? described(p, scene.task<tasks::Fit>().options.confidence)
+                                          : fmt::format("{} ({} … {})", justified(p.value, p.standard_error, p.unit),
+                                                        output::digits_by_error(p.low, p.standard_error),
+                                                        output::digits_by_error(p.high, p.standard_error)));
+  }
+  return rows;
+}
+
+/// Data, fits and residuals over the same axis, measurement by measurement, above the parameters of the laws.
 /// \param over_displacement each of those that are series in time, and no others
 void write_picture(const fs::path& folder, const std::string& name, const scene::Scene& scene,
                    const std::vector<analysis::inference::Fit>& fits, const std::vector<std::size_t>& shown,
                    bool over_displacement) {
-  const auto& own = fits.front();
+  auto& asked = scene.task<tasks::Fit>();
   std::vector<std::pair<std::size_t, Abscissa>> data;
-  for (std::size_t d = 0; d < scene.fit.data.size(); ++d) {
-    auto over = over_displacement ? displacement_of(scene.fit.data[d]) : own_abscissa(scene.fit.data[d]);
+  for (std::size_t d = 0; d < asked.data.size(); ++d) {
+    auto over = over_displacement ? displacement_of(asked.data[d]) : own_abscissa(asked.data[d]);
     if (!over.values.empty()) data.emplace_back(d, std::move(over));
   }
-  constexpr double above = 26, curve = 230, gap = 16, residual = 120, below = 74, line = 19;  // pixels
-  const double table = line * double(own.parameters.size());
+  constexpr double above = 26, curve = 230, gap = 24, residual = 120, below = 74, line = 19;  // pixels
+  const auto rows = rows_of_table(scene, fits, shown);
+  const double table = line * double(rows.size());
   const output::Sheet sheet{name,
                             "Data, fits, and residuals over their standard errors",
                             {.width = 760,
@@ -232,26 +287,20 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
                              .below = below + table,
                              .between_rows = below + above},
                             scene.title,
-                            fmt::format("in brackets: {:.3g} % intervals", 100 * scene.fit.options.confidence)};
+                            fmt::format("in brackets: {:.3g} % intervals", 100 * asked.options.confidence)};
   std::string script = fmt::format(
       "set grid\nset lmargin at screen 85/wide\nset rmargin at screen 1-25/wide\n"
       "part = frame / {}\n",
       curve + gap + residual);
   std::size_t longest = 0;
-  for (const auto& parameter : own.parameters) longest = std::max(longest, parameter.path.size());
+  for (const auto& [name, value] : rows) longest = std::max(longest, name.size());
   script += fmt::format("beside = 35 + {} * (narrow ? 5.7 : 7.5)\n", longest);
   double y = line * 0.7;
-  for (std::size_t i = own.parameters.size(); i-- > 0; y += line) {
-    const auto& p = own.parameters[i];
-    const auto row = fmt::format("wide,(below_rows+{})/high font narrow ? small : font", y);
-    script += fmt::format(
-        "set label {} {} at screen 20/{}\nset label {} {} at screen beside/{}\n", 2 * i + 1,
-        output::single_quoted(p.path), row, 2 * i + 2,
-        output::single_quoted(
-            std::isnan(p.low)
-                ? described(p, scene.fit.options.confidence)
-                : fmt::format("{} ({:.4g} … {:.4g})", justified(p.value, p.standard_error, p.unit), p.low, p.high)),
-        row);
+  for (std::size_t i = rows.size(); i-- > 0; y += line) {
+    const auto at = fmt::format("wide,(below_rows+{})/high font narrow ? small : font", y);
+    script +=
+        fmt::format("set label {} {} at screen 20/{}\nset label {} {} at screen beside/{}\n", 2 * i + 1,
+                    output::single_quoted(rows[i].first), at, 2 * i + 2, output::single_quoted(rows[i].second), at);
   }
   constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3"};
   constexpr const char* dashes[] = {"solid", "(8,4)", "(12,3,2,3)", "(4,2)"};
@@ -259,7 +308,7 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
   const auto edge = [](double pixels) { return fmt::format("(top-part*{})/high", pixels); };
   script += "top = high - above\n";
   for (const auto& [d, over] : data) {
-    const auto& m = scene.fit.data[d];
+    const auto& m = asked.data[d];
     const auto curves = fmt::format(curve_file, d + 1), standardised = fmt::format(residual_file, d + 1);
     const auto parts = parts_of(m);
     const auto [low, high] = std::ranges::minmax(over.values);
@@ -271,8 +320,8 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
         "screen {}\n"
         "set bmargin at screen {}\nset format x ''\nunset xlabel\nset ylabel '{}'\nset ytics autofreq\n"
         "plot ",
-        low > 0 && high / low > 20 ? "set" : "unset", low, high, output::single_quoted(m.name), edge(0), edge(curve),
-        ordinate(m));
+        m.kind != Measurement::Kind::record && low > 0 && high / low > 20 ? "set" : "unset", low, high,
+        output::single_quoted(m.name), edge(0), edge(curve), ordinate(m));
     std::string plots;
     for (std::size_t part = 0; part < parts.size(); ++part)
       plots +=
@@ -285,17 +334,17 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
         plots +=
             fmt::format(", \\\n     '{}' using {}:{} {}with lines linewidth 1.8 dashtype {} linecolor '{}' title {}",
                         curves, x, column, smooth, dashes[k], colours[k],
-                        part == 0 ? output::single_quoted(scene.fit.candidates[shown[k]].name) : "''");
+                        part == 0 ? output::single_quoted(asked.candidates[shown[k]].name) : "''");
       }
     double least = -2, most = 2;
     for (const auto k : shown)
       for (const double r : fits[k].measurements[d].residuals) least = std::min(least, r), most = std::max(most, r);
     script += plots + '\n';
-    for (std::size_t i = 0; d == data.front().first && i < 2 * own.parameters.size(); ++i)
+    for (std::size_t i = 0; d == data.front().first && i < 2 * rows.size(); ++i)
       script += fmt::format("unset label {}\n", i + 1);  // each plot would draw them again, and bolder
     script += fmt::format(
         "unset label 999\nunset key\nset tmargin at screen {}\nset bmargin at screen {}\nset format x "
-        "'%g'\nset xlabel '{}'\nset ylabel \"residual /\\nstandard error\"\nset ytics {}\nplot ",
+        "'%g'\nset xlabel '{}'\nset ylabel 'residual / error'\nset ytics {}\nplot ",
         edge(curve + gap), edge(curve + gap + residual), over.name, output::tick_step(least, most));
     for (std::size_t k = 0; k < shown.size(); ++k)
       script += fmt::format("{}'{}' using {}:{} with points pointtype {} pointsize 0.5 linecolor '{}'",
@@ -311,7 +360,7 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
 std::vector<std::string> write_tables_and_pictures(const fs::path& folder, const scene::Scene& scene,
                                                    const std::vector<analysis::inference::Fit>& fits,
                                                    const std::vector<std::size_t>& order) {
-  const auto& data = scene.fit.data;
+  const auto& data = scene.task<tasks::Fit>().data;
   constexpr std::size_t most_shown = 4;  // laws
   std::vector<std::size_t> shown;
   for (const auto k : order)
@@ -331,21 +380,40 @@ std::vector<std::string> write_tables_and_pictures(const fs::path& folder, const
   return files;
 }
 
+/// A fit that fails because b would have to be negative says so, and which law allows it.
+void say_negative_evolution(const oscillators::Model& start, const std::vector<Measurement>& data,
+                            const analysis::inference::FitOptions& options, analysis::inference::Fit& fit) {
+  const auto name = fmt::format("two-state-{}", start.law->card().name);
+  const auto& laws = laws::catalogue();
+  const auto form = std::ranges::find_if(laws, [&](const auto& law) { return law->card().name == name; });
+  if (form == laws.end()) return;
+  const auto wider = analysis::inference::fit_with_negative_evolution(start, *form, data, options, fit);
+  if (!wider) return;
+  if (fit.outcome.complete()) fit.outcome.ending = Ending::none_exists;
+  fit.outcome.detail = fmt::format(
+      "law.b would have to be negative, where its range begins at 0: law '{}' with b1 = 0 and b2 = {} describes these "
+      "data (BIC lower by {:.4g}); fit its b2",
+      name, justified(wider->b, wider->standard_error, ""), fit.bic - wider->fit.bic);
+  fit.warnings.insert(fit.warnings.begin(), fit.outcome.detail);
+}
+
 Status perform(Job& job) {
   const auto& scene = job.scene();
+  auto& asked = scene.task<tasks::Fit>();
   const auto begin = std::chrono::steady_clock::now();
   std::vector<analysis::inference::Fit> fits;
   {
     Progress progress(job.request().quiet);
-    for (const auto& candidate : scene.fit.candidates) {
-      auto options = scene.fit.options;
+    for (const auto& candidate : asked.candidates) {
+      auto options = asked.options;
       options.parameters = candidate.parameters;
       options.progress = [&](int done, int total) { progress.show(std::size_t(done), std::size_t(total)); };
       job.explain("{}: {} parameters by least squares", candidate.name, candidate.parameters.size());
-      fits.push_back(analysis::inference::fit(candidate.model, scene.fit.data, options));
+      fits.push_back(analysis::inference::fit(candidate.model, asked.data, options));
       const auto& fit = fits.back();
       for (const auto& decision : fit.decisions) job.explain("{}: {}", candidate.name, decision);
       job.explain("{}: {} predictions, {} steps of motion", candidate.name, fit.predictions, fit.steps);
+      say_negative_evolution(candidate.model, asked.data, options, fits.back());
     }
   }
   std::vector<std::size_t> order(fits.size());
@@ -356,36 +424,49 @@ Status perform(Job& job) {
   job.manifest().cost = {
       {"seconds", seconds_since(begin)}, {"predictions", double(predictions)}, {"steps", double(steps)}};
 
-  for (std::size_t k = 0; k < fits.size(); ++k) {
+  for (const auto k : order) {
     const auto& fit = fits[k];
-    job.say("{}: chi square {:.5g} of {} numbers", scene.fit.candidates[k].name, fit.chi_square, fit.points);
-    for (const auto& p : fit.parameters) job.say("  {:<34} {}", p.path, described(p, scene.fit.options.confidence));
-    for (std::size_t d = 0; d < fit.measurements.size(); ++d)
-      if (const auto& m = fit.measurements[d]; m.error_found)
-        job.say("  noise of {:<25} {:.3g}{}, of neighbours correlated by {:.2f}", scene.fit.data[d].name, m.noise.size,
-                scene.fit.data[d].in_force ? " N" : "", m.noise.correlation);
+    job.say("{}: chi square {:.5g} of {} numbers", asked.candidates[k].name, fit.chi_square, fit.points);
+    for (const auto& p : fit.parameters) job.say("  {:<34} {}", p.path, described(p, asked.options.confidence));
+    for (std::size_t d = 0; d < fit.measurements.size(); ++d) {
+      const auto& m = fit.measurements[d];
+      const auto& data = asked.data[d];
+      if (m.error_found)
+        job.say("  noise of {:<25} {:.3g}{}, of neighbours correlated by {:.2f}", data.name, m.noise.size,
+                data.in_force ? " N" : "", m.noise.correlation);
+      if (const auto points = std::ranges::count(m.bounded, 1); points > 0)
+        job.say("  rest in  {:<25} {} of {} points: friction there is bounded, not predicted; {}", data.name, points,
+                data.y.size(), why_at_rest(data.history.rest));
+    }
     if (k > 0 && fit.outcome.ending == Ending::budget_spent)  // that of the scene's own law ends the verb
-      job.note(fmt::format("{}: {}", scene.fit.candidates[k].name, fit.outcome.detail));
-    for (const auto& warning : fit.warnings) job.note(fmt::format("{}: {}", scene.fit.candidates[k].name, warning));
+      job.note(fmt::format("{}: {}", asked.candidates[k].name, fit.outcome.detail));
+    for (const auto& warning : fit.warnings) job.note(fmt::format("{}: {}", asked.candidates[k].name, warning));
   }
   if (fits.size() > 1)
     for (const auto k : order)
-      job.say("rank {:<20} AIC {:+.2f}, BIC {:+.2f} from the best, left-out points {:.3f}",
-              scene.fit.candidates[k].name, fits[k].aic - fits[order[0]].aic, fits[k].bic - fits[order[0]].bic,
-              fits[k].cross_validation);
+      job.say("rank {:<20} AIC {:+.2f}, BIC {:+.2f} from the best, left-out points {:.3f}", asked.candidates[k].name,
+              fits[k].aic - fits[order[0]].aic, fits[k].bic - fits[order[0]].bic, fits[k].cross_validation);
+  if (const auto laws = undecided(scene, fits, order); !laws.empty())
+    job.say("undecided between {}, a few units of AIC apart", fmt::join(laws, ", "));
   auto files = write_tables_and_pictures(job.folder(), scene, fits, order);
   return job.finish(to_json(scene, fits, order), std::move(files), fits.front().outcome);
 }
 
 void read(scene::SceneReader& reader) {
   reader.law();
-  reader.oscillator_if_there();
+  const auto& fit = reader.need("fit", "parameters and data");
+  const bool slides = fits_a_slider(fit);
+  reader.oscillator_if_there(slides);
   read_tables_of_models(reader);
-  read_fit(scene::Table(reader.need("fit", "parameters and data"), "fit"), reader);
-  const auto& data = reader.scene.fit.data;
-  if (std::ranges::none_of(data, [](const auto& m) { return m.kind == Measurement::Kind::stick_slip; }))
-    reader.note_unread({"oscillator"}, "a fit does not ask for it");
+  read_fit(scene::Table(fit, "fit"), reader);
+  if (!slides)
+    reader.note_unread(
+        {"oscillator.mass", "oscillator.stiffness", "oscillator.damping", "oscillator.stops", "oscillator.restitution"},
+        "a fit does not ask for it");
   reader.note_unread({"drive.force", "law.load_memory"}, "a fit does not ask for it");
+  if (std::ranges::all_of(reader.scene.task<tasks::Fit>().data,
+                          [](const auto& m) { return m.kind == Measurement::Kind::steady_curve; }))
+    reader.note_unread({"drive.speed", "law.contact_stiffness"}, "a steady curve does not depend on it");
 }
 
 }  // namespace

@@ -3,9 +3,12 @@
 
 #include <cmath>
 
-#include "analysis/inference/stick_slip.hpp"
+#include "analysis/inference/recorded_motion.hpp"
+#include "analysis/inference/recorded_slip_rate.hpp"
+#include "analysis/inference/slip_events.hpp"
 #include "app/scene/law.hpp"
 #include "app/scene/scene_table.hpp"
+#include "app/tasks/fit.hpp"
 
 namespace rosin::app::verbs {
 
@@ -50,11 +53,14 @@ void refuse_without_effect(scene::Table& table, const KindOfData& kind) {
       {"speed", {"frequency-response", "hold", "stick-slip", "stick-slip-record"}},
       {"events", {"stick-slip"}},
       {"least_drop", {"stick-slip-record"}},
+      {"least_time", {"stick-slip-record"}},
       {"from", {"velocity-step"}},
       {"to", {"velocity-step"}},
       {"steps", {"velocity-step"}},
       {"step_at", {"velocity-step"}},
       {"over", {"velocity-step"}},
+      {"rest", {"record"}},
+      {"sensor_mass", {"record"}},
       {"trend", {"velocity-step", "record"}},
       {"clock_offset", {"velocity-step", "record"}},
       {"base", {"velocity-step", "record", "steady-curve", "hold"}},
@@ -199,30 +205,151 @@ std::vector<EventColumn> choose_events(scene::Table& table, const ColumnsOfFile&
   return events;
 }
 
+/// Rows that are not there, of samples that are evenly spaced else.
+void find_missing_rows(Measurement::History& history) {
+  const auto& time = history.time;
+  std::vector<double> steps;
+  for (std::size_t i = 0; i + 1 < time.size(); ++i) steps.push_back(time[i + 1] - time[i]);
+  if (steps.empty()) return;
+  auto sorted = steps;
+  const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
+  std::ranges::nth_element(sorted, middle);
+  const double usual = *middle;
+  const auto even = std::ranges::count_if(steps, [&](double step) { return std::abs(step - usual) < 0.1 * usual; });
+  constexpr double nearly_all = 0.9;
+  if (double(even) < nearly_all * double(steps.size())) return;
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    if (steps[i] > 1.5 * usual) history.gaps.push_back(i);
+  std::ranges::sort(history.gaps);
+  const auto twice = std::ranges::unique(history.gaps);
+  history.gaps.erase(twice.begin(), twice.end());
+}
+
+/// Where a user says that a record is at rest: up to a slip rate, or in intervals of time.
+struct SaidRest {
+  std::optional<double> below = {};
+  std::vector<std::pair<double, double>> times = {};
+
+  /// \param slip_rate as it was recorded, not made smooth
+  analysis::inference::Rest of(std::span<const double> time, std::span<const double> slip_rate,
+                               std::span<const double> friction) const {
+    if (below) return analysis::inference::rest_below(slip_rate, *below);
+    if (times.empty()) return analysis::inference::find_rest(slip_rate, friction);
+    analysis::inference::Rest rest{.given = true};
+    for (const double t : time)
+      rest.state.push_back(std::ranges::any_of(times, [&](auto span) { return span.first <= t && t <= span.second; }));
+    return rest;
+  }
+};
+SaidRest read_rest(scene::Table& table) {
+  SaidRest rest;
+  const auto* node = table.find("rest");
+  if (!node) return rest;
+  const auto path = table.path("rest");
+  if (!node->is_array()) {
+    rest.below = scene::number(*node, {path, "m/s", {0, 1e4}, "slip rate up to which the record is at rest"});
+    return rest;
+  }
+  const Quantity time{path, "s", {-1e15, 1e15}, "begin or end of rest"};
+  for (const auto& element : scene::list(*node, path, "pairs [begin, end]", scene::most_names)) {
+    const auto span = scene::numbers(element, time, 2);
+    if (span.size() != 2 || !(span[0] <= span[1]))
+      scene::fail(element.source(), "{}: each rest is [begin, end] in ascending order, s", path);
+    rest.times.emplace_back(span[0], span[1]);
+  }
+  if (rest.times.empty()) scene::fail(node->source(), "{} is empty", path);
+  return rest;
+}
+
+/// Differences of displacements to the next, as slip rates.
+std::vector<double> differences(const std::vector<double>& time, const std::vector<double>& displacement) {
+  std::vector<double> rates;
+  for (std::size_t i = 0; i + 1 < time.size(); ++i)
+    rates.push_back((displacement[i + 1] - displacement[i]) / (time[i + 1] - time[i]));
+  rates.push_back(rates.back());
+  return rates;
+}
+
 /// The motion of a record from its columns: time, slip rate or displacement, and the load if it was recorded.
-Measurement::History read_history(const std::vector<double>& time, const std::vector<double>& motion,
-                                  const std::vector<double>* normal_load, bool displacement, const Measurement& data) {
+Measurement::History read_history(const std::vector<double>& time, const std::vector<double>& friction,
+                                  const std::vector<double>& motion, const std::vector<double>* normal_load,
+                                  bool displacement, const SaidRest& said, const Measurement& data,
+                                  std::vector<std::string>& notes) {
   Measurement::History history;
-  history.held = displacement;
+  std::vector<double> moved, coefficient;  // where none was recorded, the last one
+  bool lost = false;                       // a row
   for (std::size_t i = 0; i < time.size(); ++i) {
     const double load = normal_load ? (*normal_load)[i] : data.normal_load;
-    if (!std::isfinite(time[i]) || !std::isfinite(motion[i]) || !std::isfinite(load)) continue;
+    if (!std::isfinite(time[i]) || !std::isfinite(motion[i]) || !std::isfinite(load)) {
+      lost = true;
+      continue;
+    }
+    if (lost && !history.time.empty()) history.gaps.push_back(history.time.size() - 1);
+    lost = false;
     if (!history.time.empty() && !(time[i] > history.time.back()))
       throw InputError(
           fmt::format("{}: time does not ascend: {} s follows {} s", data.name, time[i], history.time.back()));
     if (!(load > 0))
       throw InputError(fmt::format("{}: normal load {} N at {} s; it must be above 0 for friction to be told",
                                    data.name, load, time[i]));
-    history.time.push_back(time[i]), history.slip_rate.push_back(motion[i]), history.normal_load.push_back(load);
+    history.time.push_back(time[i]), moved.push_back(motion[i]), history.normal_load.push_back(load);
+    coefficient.push_back(std::isfinite(friction[i]) ? friction[i] / (data.in_force ? load : 1)
+                          : coefficient.empty()      ? 0
+                                                     : coefficient.back());
   }
-  if (history.time.size() < 2) throw InputError(fmt::format("{}: a motion needs two times at least", data.name));
-  if (displacement) {
-    auto& rate = history.slip_rate;
-    for (std::size_t i = 0; i + 1 < rate.size(); ++i)
-      rate[i] = (rate[i + 1] - rate[i]) / (history.time[i + 1] - history.time[i]);
-    rate.back() = rate[rate.size() - 2];
+  find_missing_rows(history);
+  if (!history.gaps.empty())
+    notes.push_back(
+        fmt::format("{}: rows are missing at {} places, the first behind {:.6g} s; points behind are left out for as "
+                    "long as friction "
+                    "hangs on the motion meanwhile",
+                    data.name, history.gaps.size(), history.time[history.gaps.front()]));
+  constexpr std::size_t fewest = 4;
+  if (history.time.size() < fewest)
+    throw InputError(fmt::format("{}: a motion needs {} times at least", data.name, fewest));
+  auto rest = said.of(history.time, displacement ? differences(history.time, moved) : moved, coefficient);
+  if (!displacement) {
+    auto gaps = std::move(history.gaps);
+    history = analysis::inference::recorded_slip_rate(std::move(history.time), std::move(moved),
+                                                      std::move(history.normal_load));
+    history.gaps = std::move(gaps);
+    history.rest = std::move(rest);
+    return history;
   }
+  const auto recorded = analysis::inference::recorded_motion(history.time, moved);
+  history.slip_rate = recorded.after;
+  const auto n = history.time.size();
+  const double spacing = (history.time.back() - history.time.front()) / double(n - 1);
+  auto errors = recorded.standard_error;
+  std::ranges::nth_element(errors, errors.begin() + std::ptrdiff_t(n / 2));
+  const auto corners = std::ranges::count(recorded.corner, 1);
+  notes.push_back(fmt::format(
+      "{}: displacement is known to {:.2g} m{}, by which neighbours tell the slip rate to {:.2g} m/s; the smoothest "
+      "motion through them{} tells it to {:.2g} m/s, which is counted in the errors",
+      data.name, recorded.noise,
+      recorded.resolution > 0 ? fmt::format(" (steps of {:.3g} m)", recorded.resolution) : "",
+      std::sqrt(2.0) * recorded.noise / spacing, corners > 0 ? fmt::format(", with {} corners,", corners) : "",
+      errors[n / 2]));
+  history.recorded = recorded;
+  history.rest = std::move(rest);
   return history;
+}
+
+/// Leaves of a force that was measured beyond a mass the friction below it. Accelerations are those of neighbours on
+/// both sides, which the first and the last time do not have.
+void take_off_inertia(const std::vector<double>& time, const std::vector<double>& motion, bool displacement,
+                      double mass, std::vector<double>& force) {
+  const auto n = time.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i == 0 || i + 1 == n) {
+      force[i] = std::nan("");
+      continue;
+    }
+    const double before = time[i] - time[i - 1], after = time[i + 1] - time[i], span = before + after;
+    const double left = (motion[i] - motion[i - 1]) / before, right = (motion[i + 1] - motion[i]) / after;
+    // Of slip rates the slope of the parabola through three of them, of displacements its curvature.
+    force[i] -= mass * (displacement ? 2 * (right - left) / span : (left * after + right * before) / span);
+  }
 }
 
 /// The numbers of a file, without rows that lack one or lie outside `low` … `high`.
@@ -231,7 +358,9 @@ struct NumbersOfFile {
   bool has_abscissa = true;    ///< else all points are at `data.slip_rate`
   std::size_t ordinates = 1;
   MotionColumns motion = {};
+  SaidRest rest = {};
   double low, high;
+  double sensor_mass = 0;            ///< kg that move between the contact and the sensor of force
   std::optional<double> error = {};  ///< of every number
   bool errors_by_column = false;     ///< the last one
 
@@ -245,6 +374,8 @@ struct NumbersOfFile {
       notes.push_back(
           fmt::format("{}: {} of {} rows lack a number and are left out", data.name, end.gaps, end.samples));
     const std::size_t first = has_abscissa ? 1 : 0;
+    if (sensor_mass > 0)
+      take_off_inertia(values[0], values[first + ordinates], motion.displacement, sensor_mass, values[first]);
     for (std::size_t i = 0; i < values[0].size(); ++i) {
       if (std::ranges::any_of(values, [&](const auto& column) { return std::isnan(column[i]); })) continue;
       const double x = has_abscissa ? values[0][i] : data.slip_rate;
@@ -257,24 +388,32 @@ struct NumbersOfFile {
     }
     if (data.x.empty()) throw InputError(fmt::format("{}: holds no point between low and high", data.name));
     if (data.kind == Kind::record)
-      data.history =
-          read_history(values[0], values[first + ordinates],
-                       motion.normal_load ? &values[first + ordinates + 1] : nullptr, motion.displacement, data);
+      data.history = read_history(values[0], values[first], values[first + ordinates],
+                                  motion.normal_load ? &values[first + ordinates + 1] : nullptr, motion.displacement,
+                                  rest, data, notes);
   }
 };
 
-/// What the events of a record of force say, and a note of it.
-std::vector<Measurement> read_off(const Measurement& record, std::optional<double> least_drop,
+/// What the events of a record of force say, and notes of it.
+std::vector<Measurement> read_off(const Measurement& record, const analysis::inference::EventLimits& limits,
                                   std::vector<std::string>& notes) {
-  const auto [low, high] = std::ranges::minmax(record.y);
-  const double least = least_drop.value_or((high - low) / 2);
-  const auto drops = analysis::inference::force_drops(record.x, record.y, least);
+  const auto slips = analysis::inference::find_slip_events(record.x, record.y, limits);
+  const auto& drops = slips.events;
   constexpr std::size_t fewest = 3;
   if (drops.size() < fewest)
     throw InputError(fmt::format(
         "{}: {} whole events in which force falls by more than {:.4g} N; a fit needs {} (least_drop says from "
-        "which fall on an event counts)",
-        record.name, drops.size(), least, fewest));
+        "which fall on an event counts, least_time how long force must stay below)",
+        record.name, drops.size(), slips.least_drop, fewest));
+  notes.push_back(fmt::format(
+      "{}: {} events: falls of more than {:.3g} N (least_drop; any from {:.2g} to {:.2g} N finds as many) that last "
+      "longer than {:.3g} s (least_time); noise of {:.2g} N{}",
+      record.name, drops.size(), slips.least_drop, slips.same_from, slips.same_to, slips.least_time, slips.noise,
+      slips.spikes > 0 ? fmt::format(", {} samples left out as spikes", slips.spikes) : ""));
+  constexpr double clear = 2;
+  if (slips.same_to < clear * slips.same_from)
+    notes.push_back(
+        fmt::format("{}: the number of events hangs on least_drop: no gap parts them from noise", record.name));
   std::vector<Measurement> found;
   constexpr EventColumn read[] = {{"recurrence", "s", Measurement::Event::recurrence},
                                   {"force_range", "N", Measurement::Event::force_range}};
@@ -290,11 +429,27 @@ std::vector<Measurement> read_off(const Measurement& record, std::optional<doubl
     double mean = 0, square = 0;
     for (const double y : events.y) mean += y / double(events.y.size());
     for (const double y : events.y) square += (y - mean) * (y - mean) / double(events.y.size() - 1);
-    notes.push_back(fmt::format("{}: {} events, {:.6g} {} each, with a scatter of {:.2g} {}", events.name,
-                                events.y.size(), mean, unit, std::sqrt(square), unit));
+    notes.push_back(fmt::format("{}: {} of {:.6g} {}, with a scatter of {:.2g} {}", events.name, events.y.size(), mean,
+                                unit, std::sqrt(square), unit));
     found.push_back(std::move(events));
   }
   return found;
+}
+
+/// \throws InputError where neither the data nor [drive] say at which load or speed they were measured.
+void require_drive(const scene::SceneReader& reader, scene::Table& table, const Measurement& data,
+                   const NumbersOfFile& numbers) {
+  const auto said = [&](const char* key) {
+    return table.find(key) || reader.document.at_path(fmt::format("drive.{}", key));
+  };
+  const bool by_speed = data.kind == Kind::frequency_response || data.kind == Kind::hold ||
+                        (data.kind == Kind::stick_slip && !numbers.has_abscissa);
+  if (by_speed && !said("speed"))
+    scene::fail(table.source(), "{} was measured at a speed: give fit.data.speed or drive.speed, m/s", data.name);
+  const bool by_load = data.in_force || data.kind == Kind::frequency_response || data.kind == Kind::stick_slip;
+  if (by_load && !numbers.motion.normal_load && !said("normal_load"))
+    scene::fail(table.source(), "{} was measured at a normal load: give fit.data.normal_load or drive.normal_load, N",
+                data.name);
 }
 
 /// The measurements of one table of data: one, but for stick–slip, of which each column of events is one.
@@ -326,8 +481,9 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
   table.read("low", numbers.low, {"", kind.columns.front().si, {-1e300, 1e300}, "points below are left out"});
   table.read("high", numbers.high, {"", kind.columns.front().si, {-1e300, 1e300}, "points above are left out"});
 
-  std::optional<double> least_drop;
-  table.read("least_drop", least_drop, {"", "N", {1e-300, 1e300}, "fall of force from which on it is an event"});
+  analysis::inference::EventLimits limits;
+  table.read("least_drop", limits.least_drop, {"", "N", {1e-300, 1e300}, "fall of force from which on it is an event"});
+  table.read("least_time", limits.least_time, {"", "s", {0, 1e15}, "for which force stays below after an event"});
   const auto& file_node = *table.find("file");
   data.name = numbers.source.file.filename().string();
   numbers.source.gaps = true;
@@ -335,7 +491,16 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
   const ColumnsOfFile file{numbers.source, columns};
   std::vector<scene::RecordColumn> chosen;
   std::vector<EventColumn> events;
-  if (kind.kind == Kind::record) numbers.motion = choose_motion(kind, file, data);
+  if (kind.kind == Kind::record) {
+    numbers.motion = choose_motion(kind, file, data);
+    numbers.rest = read_rest(table);
+    table.read("sensor_mass", numbers.sensor_mass,
+               {"", "kg", {0, 1e9}, "moving mass between the contact and the sensor of force"});
+    if (numbers.sensor_mass > 0 && !data.in_force)
+      scene::fail(table.find("sensor_mass")->source(),
+                  "fit.data.sensor_mass takes inertia off a force: {} has a column of friction coefficients",
+                  data.name);
+  }
   if (stick_slip) {
     events = choose_events(table, file);
     numbers.has_abscissa = file.has("speed", "m/s");
@@ -375,10 +540,11 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
     scene::located(file_node.source(), [&] { numbers.read(measurement, scene.notes); });
     found.push_back(std::move(measurement));
   };
+  require_drive(reader, table, data, numbers);
   if (!stick_slip) add(data, chosen);
   if (finds_events) {
     const auto record = std::move(found.front());
-    return scene::located(file_node.source(), [&] { return read_off(record, least_drop, scene.notes); });
+    return scene::located(file_node.source(), [&] { return read_off(record, limits, scene.notes); });
   }
   for (std::size_t i = 0; i < events.size(); ++i) {
     auto own = chosen;
@@ -393,9 +559,18 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
 
 }  // namespace
 
+bool fits_a_slider(const toml::node& fit) {
+  const auto* table = fit.as_table();
+  const auto* data = table ? table->get_as<toml::array>("data") : nullptr;
+  return data && std::ranges::any_of(*data, [](const toml::node& element) {
+           const auto* one = element.as_table();
+           return one && (*one)["type"].value_or(std::string_view()).starts_with("stick-slip");
+         });
+}
+
 void read_fit(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
-  auto& task = scene.fit;
+  auto& task = scene.task<tasks::Fit>();
   auto& options = task.options;
   table.expect({"parameters", "data", "candidates", "starts", "seed", "profiles", "folds", "confidence"});
   const auto& data = table.required("data", "tables with type and file");
@@ -420,7 +595,7 @@ void read_fit(scene::Table table, scene::SceneReader& reader) {
     for (const auto& element : scene::list(*candidates, "fit.candidates", "tables", scene::most_names)) {
       scene::Table keys(element, "fit.candidates");
       keys.expect({"name", "law", "parameters"});
-      scene::FitTask::Candidate candidate{"", scene.model, {}};
+      tasks::Fit::Candidate candidate{"", scene.model, {}};
       candidate.model.lambda = 1;
       candidate.model.contact_stiffness = {};
       candidate.model.load_memory = 0;

@@ -1,5 +1,7 @@
 /// The verb frf: the friction frequency response, predicted, simulated and measured.
 
+#include "app/tasks/frf.hpp"
+
 #include <numbers>
 #include <optional>
 
@@ -11,6 +13,7 @@
 #include "app/output/sheet.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/record.hpp"
+#include "app/scene/scene.hpp"
 #include "app/verbs/frf_scene.hpp"
 #include "app/verbs/frf_use.hpp"
 #include "app/verbs/job.hpp"
@@ -46,7 +49,9 @@ ordered_json entries(const std::vector<ResponseMatrix>& matrices, bool errors = 
   return object;
 }
 
-const char* second_input(const scene::Scene& scene) { return scene.frf.rig.normal ? "approach_rate" : "normal_load"; }
+const char* second_input(const scene::Scene& scene) {
+  return scene.task<tasks::Frf>().options.rig.normal ? "approach_rate" : "normal_load";
+}
 
 void describe(ordered_json& object, const FrfCurve& curve) {
   object["slip_rate"] = curve.slip_rate;
@@ -67,15 +72,16 @@ void describe(ordered_json& object, const FrfCurve& curve) {
 }
 
 ordered_json document_of(const scene::Scene& scene, const analysis::response::FrfPrediction& prediction) {
+  auto& frf = scene.task<tasks::Frf>();
   auto document = output::begin(scene, "frf");
-  document["frequency"] = scene.frf.frequencies;
+  document["frequency"] = frf.options.frequencies;
   describe(document, prediction.curve);
-  if (scene.frf.rig.matrix) document["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
+  if (frf.options.rig.matrix) document["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
   for (const auto& s : prediction.sensitivities)
     document["sensitivities"][s.parameter] = {{"unit", s.unit}, {"slope", output::pairs(s.slope)}, {"error", s.error}};
   if (!prediction.family.empty()) {
     auto& family = document["family"];
-    family = {{"parameter", scene.frf.family}, {"unit", scene.model.describe(scene.frf.family).unit}};
+    family = {{"parameter", frf.options.family}, {"unit", scene.model.describe(frf.options.family).unit}};
     family["members"] = ordered_json::array();
     for (const auto& member : prediction.family) {
       ordered_json one{{"value", member.value}};
@@ -166,7 +172,7 @@ std::string real_ticks(const std::vector<const std::vector<Complex>*>& responses
 void write_script(const fs::path& folder, const scene::Scene& scene, const std::vector<Line>& lines, bool answers) {
   constexpr const char* colours[] = {"#00336F", "#B0560F", "#3A8F5C", "#8A4FA3", "#C4A000", "#555555", "#D1495B"};
   constexpr const char* dashes[] = {"solid", "(8,4)", "(2,3)", "(12,3,2,3)", "(4,2)"};
-  const auto& f = scene.frf.frequencies;
+  const auto& f = scene.task<tasks::Frf>().options.frequencies;
   const bool decades = f.back() / f.front() > 20;
   const output::Sheet sheet{"frf",
                             "Friction frequency response: magnitude, phase, parts, and the complex plane",
@@ -254,11 +260,11 @@ Status finish_measured(Job& job, const analysis::response::MeasuredFrf& measured
   auto& scene = job.scene();
   for (const auto& warning : measured.warnings) job.note(warning);
   std::vector<Complex> predicted;
-  if (scene.frf_predicts) {
+  if (scene.task<tasks::Frf>().predicts) {
     const analysis::response::FrictionResponse response(scene.model);
     for (const double f : measured.frequency) {
       const Complex s(0, 2 * std::numbers::pi * f);
-      predicted.push_back(response.tangential(s, scene.frf.rig));
+      predicted.push_back(response.tangential(s, scene.task<tasks::Frf>().options.rig));
     }
   }
   job.say("{} frequencies from {:.6g} to {:.6g} Hz, {:.4g} independent averages, resolution {:.4g} Hz",
@@ -303,7 +309,7 @@ Status finish_measured(Job& job, const analysis::response::MeasuredFrf& measured
 /// Takes the stretches between rows in which a number is missing, one after the other.
 class Stretches {
  public:
-  Stretches(const scene::FrfRecord& record, double sample_rate)
+  Stretches(const tasks::FrfRecord& record, double sample_rate)
       : spectra_(record.channels.count(), welch(record, sample_rate)) {
     if (record.displacement) means_.emplace(record.channels.count(), sample_rate);
   }
@@ -330,7 +336,7 @@ class Stretches {
   const std::optional<analysis::response::IntervalMeans>& means() const { return means_; }
 
  private:
-  static analysis::response::WelchOptions welch(const scene::FrfRecord& record, double sample_rate) {
+  static analysis::response::WelchOptions welch(const tasks::FrfRecord& record, double sample_rate) {
     auto options = record.welch;
     options.segment = analysis::response::segment_for(record.resolution, sample_rate);
     return options;
@@ -340,7 +346,7 @@ class Stretches {
 };
 
 Status extract(Job& job) {
-  const auto& record = *job.scene().frf_record;
+  const auto& record = *job.scene().task<tasks::Frf>().record;
   job.explain("segments of {} Hz resolution, window {}, overlap {}; the record is read in blocks", record.resolution,
               record.welch.window, record.welch.overlap);
   const auto begin = std::chrono::steady_clock::now();
@@ -354,8 +360,9 @@ Status extract(Job& job) {
   const auto& spectra = stretches->spectra();
   if (end.gaps > 0)
     warnings.push_back(fmt::format(
-        "{} of {} rows lack a number; no segment reaches across them, and {} rows ({:.3g} %) stand in none", end.gaps,
-        end.samples, end.samples - spectra.used(), 100.0 * double(end.samples - spectra.used()) / double(end.samples)));
+        "{} of {} rows lack a number{}; no segment reaches across them, and {} rows ({:.3g} %) stand in none", end.gaps,
+        end.samples, end.missing > 0 ? fmt::format(", or stand for {} that are missing", end.missing) : "",
+        end.samples - spectra.used(), 100.0 * double(end.samples - spectra.used()) / double(end.samples)));
   auto extraction = record.extraction;
   if (record.displacement) {
     job.explain(
@@ -379,7 +386,7 @@ Status extract(Job& job) {
 }
 
 Status simulate_noise(Job& job, std::optional<double> tolerance) {
-  auto options = *job.scene().frf_noise;
+  auto options = *job.scene().task<tasks::Frf>().noise;
   options.tolerance = tolerance.value_or(options.tolerance);
   job.explain(
       "the contact is run at an imposed slip rate: {} m/s and noise of {} times that (rms), {} to {} Hz; then "
@@ -398,7 +405,7 @@ Status simulate_noise(Job& job, std::optional<double> tolerance) {
 Status simulate_sweep(Job& job) {
   const auto& request = job.request();
   const auto& scene = job.scene();
-  auto options = *scene.frf_sweep;
+  auto options = *scene.task<tasks::Frf>().sweep;
   options.tolerance = request.tolerance.value_or(options.tolerance);
   options.threads = request.threads;
   job.explain(
@@ -468,17 +475,18 @@ Status simulate_sweep(Job& job) {
 
 Status perform(Job& job) {
   const auto& scene = job.scene();
+  auto& frf = scene.task<tasks::Frf>();
   const auto& model = scene.model;
-  if (scene.frf_record) return extract(job);
-  if (scene.frf_noise) return simulate_noise(job, job.request().tolerance);
-  if (scene.frf_sweep) return simulate_sweep(job);
+  if (frf.record) return extract(job);
+  if (frf.noise) return simulate_noise(job, job.request().tolerance);
+  if (frf.sweep) return simulate_sweep(job);
   job.explain_model();
   job.explain("the contact is linearised about steady sliding; {} frequencies, no integration",
-              scene.frf.frequencies.size());
+              frf.options.frequencies.size());
   if (!model.drive.constant()) job.note("the drive varies: the response is that about its mean, or about its start");
 
   const auto begin = std::chrono::steady_clock::now();
-  const auto prediction = analysis::response::predict_frf(model, scene.frf);
+  const auto prediction = analysis::response::predict_frf(model, frf.options);
   job.manifest().cost = {{"seconds", seconds_since(begin)}};
   const auto& curve = prediction.curve;
   job.say("about steady sliding at {} m/s under {} N, friction coefficient {:.10g}", curve.slip_rate, curve.normal_load,
@@ -496,7 +504,7 @@ Status perform(Job& job) {
             least / std::abs(curve.slip_rate));
   if (const auto& exponent = prediction.load_exponent; !exponent.empty()) {
     job.say("over load, |Z| grows as N^{:.3g} at {:.4g} Hz and as N^{:.3g} at {:.4g} Hz", exponent.front(),
-            scene.frf.frequencies.front(), exponent.back(), scene.frf.frequencies.back());
+            frf.options.frequencies.front(), exponent.back(), frf.options.frequencies.back());
     if (exponent.back() < 0.5 && curve.limits.stiffness != 0)
       job.say(
           "friction itself scales with load, but a contact spring in series does not: at high frequency only it is "
@@ -504,20 +512,20 @@ Status perform(Job& job) {
   }
 
   std::vector<std::string> files{"frf.csv"};
-  bool answers = write_curve(job.folder() / "frf.csv", scene.frf.frequencies, curve.tangential);
+  bool answers = write_curve(job.folder() / "frf.csv", frf.options.frequencies, curve.tangential);
   std::vector<Line> lines;
   for (std::size_t k = 0; k < prediction.family.size(); ++k) {
     const auto& member = prediction.family[k];
     files.push_back(fmt::format("frf-{}.csv", k + 1));
-    answers |= write_curve(job.folder() / files.back(), scene.frf.frequencies, member.tangential);
-    const auto quantity = model.describe(scene.frf.family);
+    answers |= write_curve(job.folder() / files.back(), frf.options.frequencies, member.tangential);
+    const auto quantity = model.describe(frf.options.family);
     lines.push_back({files.back(),
                      fmt::format("{} = {:g}{}", quantity.meaning.substr(0, quantity.meaning.find(';')), member.value,
                                  quantity.unit == "1" ? "" : " " + quantity.unit),
                      &member.tangential});
   }
   if (lines.empty()) lines.push_back({"frf.csv", "predicted", &curve.tangential});
-  if (scene.frf.frequencies.size() > 1) {  // one frequency is no line
+  if (frf.options.frequencies.size() > 1) {  // one frequency is no line
     write_script(job.folder(), scene, lines, answers);
     files.emplace_back("frf.gp");
   }
@@ -531,7 +539,7 @@ void read(scene::SceneReader& reader) {
   const auto& document = reader.document;
   const bool measured = document.at_path("frf.record").node();  // which needs neither law nor drive
   const bool record_alone = measured && !document.contains("law") && !document.contains("drive");
-  scene.frf_predicts = document.contains("drive");
+  scene.task<tasks::Frf>().predicts = document.contains("drive");
   if (!record_alone) {
     reader.law();
     reader.oscillator_if_there();

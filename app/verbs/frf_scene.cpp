@@ -5,7 +5,11 @@
 #include <numbers>
 
 #include "analysis/response/contact_slopes.hpp"
+#include "app/scene/matrix_file.hpp"
+#include "app/scene/scene.hpp"
 #include "app/scene/scene_table.hpp"
+#include "app/tasks/frf.hpp"
+#include "core/fourier.hpp"
 
 namespace rosin::app::verbs {
 
@@ -57,9 +61,9 @@ std::vector<double> read_frequencies(const toml::node& node, const std::string& 
   return list;
 }
 
-scene::FrfRecord read_frf_record(scene::Table table, const fs::path& folder) {
+tasks::FrfRecord read_frf_record(scene::Table table, const fs::path& folder) {
   using Second = analysis::response::Channels::Second;
-  scene::FrfRecord record;
+  tasks::FrfRecord record;
   table.expect({"file", "time", "sample_rate", "slip_rate", "displacement", "force", "normal_load", "approach_rate",
                 "reference", "resolution", "overlap", "window", "estimator", "names_line", "decimal"});
   auto& source = record.source;
@@ -99,7 +103,7 @@ scene::FrfRecord read_frf_record(scene::Table table, const fs::path& folder) {
   table.read("resolution", record.resolution, {"", "Hz", {1e-9, 1e9}, "width of a frequency bin"});
   table.read("overlap", record.welch.overlap, {"", "1", {0, 0.9}, "overlap of neighbouring segments"});
   if (const auto* window = table.find("window"))
-    record.welch.window = scene::choice(*window, table.path("window"), analysis::response::window_names());
+    record.welch.window = scene::choice(*window, table.path("window"), window_names());
   if (const auto* estimator = table.find("estimator"))
     record.extraction.estimator =
         scene::choice(*estimator, table.path("estimator"), analysis::response::estimator_names());
@@ -107,24 +111,8 @@ scene::FrfRecord read_frf_record(scene::Table table, const fs::path& folder) {
   return record;
 }
 
-/// A matrix as a list of rows, row-major.
-std::vector<double> read_matrix(const toml::node& node, const Quantity& quantity, std::size_t& size) {
-  std::vector<double> entries;
-  const auto& rows = scene::list(node, quantity.name, "rows");
-  if (size == 0) size = rows.size();
-  if (rows.size() != size)
-    scene::fail(node.source(), "{} has {} rows, the matrices before it {}", quantity.name, rows.size(), size);
-  for (const auto& row : rows) {
-    const auto values = scene::numbers(row, quantity);
-    if (values.size() != size)
-      scene::fail(row.source(), "{} is not square: a row has {} of {}", quantity.name, values.size(), size);
-    entries.insert(entries.end(), values.begin(), values.end());
-  }
-  return entries;
-}
-
 /// A file by name, or { file, … } with columns.
-scene::FrfUse::Measured read_complex_table(const toml::node& node, const std::string& path, const char* unit,
+tasks::FrfUse::Measured read_complex_table(const toml::node& node, const std::string& path, const char* unit,
                                            const fs::path& folder) {
   scene::RecordSource source;
   source.columns = {{"frequency", "", "Hz"}, {"real", "", unit}, {"imaginary", "", unit}};
@@ -144,7 +132,7 @@ scene::FrfUse::Measured read_complex_table(const toml::node& node, const std::st
     source.columns = std::move(columns);
     table.finish();
   }
-  scene::FrfUse::Measured table;
+  tasks::FrfUse::Measured table;
   scene::located(node.source(), [&] {
     scene::read_record(source, [&](double, std::span<const std::span<const double>> block) {
       for (std::size_t i = 0; i < block[0].size(); ++i) {
@@ -161,17 +149,23 @@ scene::FrfUse::Measured read_complex_table(const toml::node& node, const std::st
   return table;
 }
 
-scene::FrfUse read_use(scene::Table table, const scene::Scene& scene, const toml::node* oscillator,
+tasks::FrfUse read_use(scene::Table table, const scene::Scene& scene, const toml::node* oscillator,
                        const fs::path& folder) {
-  scene::FrfUse use;
+  tasks::FrfUse use;
   use.sliding.model = scene.model;
-  use.sliding.normal = scene.frf.rig.normal;
+  use.sliding.normal = scene.task<tasks::Frf>().options.rig.normal;
   table.expect({"modes", "M", "C", "K", "contacts", "receptance", "friction", "scan", "uncertain", "samples", "seed"});
   constexpr Range any{-1e15, 1e15};
   const auto *modes = table.find("modes"), *M = table.find("M"), *C = table.find("C");
   const auto *contacts = table.find("contacts"), *receptance = table.find("receptance");
   if ((modes != nullptr) + (M != nullptr) + (receptance != nullptr) > 1)
     scene::fail(table.source(), "frf.structure: give modes, or M, C and K, or receptance");
+  for (const char* key : {"C", "K"})
+    if (const auto* given = M ? nullptr : table.find(key))
+      scene::fail(given->source(), "{} has no effect without frf.structure.M", table.path(key));
+  if (modes && contacts)
+    scene::fail(contacts->source(), "{} has no effect: modes say how the contact moves by tangential and normal",
+                table.path("contacts"));
   if (modes) {
     std::vector<analysis::response::Mode> read;
     for (const auto& element : scene::list(*modes, table.path("modes"), "tables", scene::most_names)) {
@@ -183,12 +177,18 @@ scene::FrfUse read_use(scene::Table table, const scene::Scene& scene, const toml
     if (read.empty()) scene::fail(modes->source(), "frf.structure.modes is empty");
     use.sliding.form = std::move(read);
   } else if (M) {
-    std::size_t size = 0;
+    Eigen::Index size = 0;
     analysis::response::Structure structure;
-    structure.M = read_matrix(*M, {table.path("M"), "kg", any, "mass"}, size);
-    structure.K = read_matrix(table.required("K", "stiffness, N/m"), {table.path("K"), "N/m", any, "stiffness"}, size);
-    structure.C =
-        C ? read_matrix(*C, {table.path("C"), "N s/m", any, "damping"}, size) : std::vector<double>(size * size, 0.0);
+    const auto matrix = [&](const toml::node& node, const char* key, const char* unit, const char* meaning) {
+      const auto read = scene::read_matrix(node, {table.path(key), unit, any, meaning}, size, folder);
+      size = read.rows();
+      std::vector<double> row_major;
+      for (const auto row : read.rowwise()) row_major.insert(row_major.end(), row.begin(), row.end());
+      return row_major;
+    };
+    structure.M = matrix(*M, "M", "kg", "mass");
+    structure.K = matrix(table.required("K", "stiffness, N/m"), "K", "N/m", "stiffness");
+    structure.C = C ? matrix(*C, "C", "N s/m", "damping") : std::vector<double>(std::size_t(size * size), 0.0);
     if (!contacts) scene::fail(table.source(), "frf.structure.contacts is needed: tables with a tangential direction");
     for (const auto& element : scene::list(*contacts, table.path("contacts"), "tables", scene::most_names)) {
       scene::Table keys(element, table.path("contacts"));
@@ -235,6 +235,9 @@ scene::FrfUse read_use(scene::Table table, const scene::Scene& scene, const toml
       use.uncertain.push_back({path, scene::number(value, {path, "1", {1e-9, 2}, "relative standard deviation"})});
     }
   }
+  for (const char* key : {"samples", "seed"})
+    if (const auto* given = use.uncertain.empty() ? table.find(key) : nullptr)
+      scene::fail(given->source(), "{} has no effect without frf.structure.uncertain", table.path(key));
   table.read("samples", use.samples, 20, 1'000'000, "of uncertain inputs");
   int seed = 1;
   table.read("seed", seed, 0, scene::largest_seed, "of the random numbers");
@@ -244,19 +247,20 @@ scene::FrfUse read_use(scene::Table table, const scene::Scene& scene, const toml
 }
 
 void read_simulation(scene::Table table, scene::Scene& scene) {
+  auto& frf = scene.task<tasks::Frf>();
   table.expect({"type", "amplitude", "resolution", "averages", "seed", "overlap", "window"});
-  const auto& f = scene.frf.frequencies;
+  const auto& f = frf.options.frequencies;
   const Quantity amplitude{"", "1", {1e-6, 0.9}, "change of slip rate over its mean"};
   const auto type =
       scene::choice(table.required("type", "\"swept-sine\" or \"noise\""), table.path("type"), {"swept-sine", "noise"});
   if (type == "swept-sine") {
-    auto& sweep = scene.frf_sweep.emplace();
+    auto& sweep = frf.sweep.emplace();
     sweep.frequencies = f;
     table.read("amplitude", sweep.amplitude, amplitude);
     for (const char* key : {"resolution", "averages", "seed", "overlap", "window"})
       if (const auto* node = table.find(key)) scene::fail(node->source(), "{} belongs to noise", table.path(key));
   } else {
-    auto& noise = scene.frf_noise.emplace();
+    auto& noise = frf.noise.emplace();
     if (f.size() < 2) scene::fail(table.source(), "frf.frequencies must have two ends: those of the noise's band");
     noise.low = f.front(), noise.high = f.back();
     table.required("resolution", "width of a frequency bin, Hz");
@@ -268,7 +272,7 @@ void read_simulation(scene::Table table, scene::Scene& scene) {
     noise.seed = std::uint64_t(seed);
     table.read("overlap", noise.welch.overlap, {"", "1", {0, 0.9}, "overlap of neighbouring segments"});
     if (const auto* window = table.find("window"))
-      noise.welch.window = scene::choice(*window, table.path("window"), analysis::response::window_names());
+      noise.welch.window = scene::choice(*window, table.path("window"), window_names());
   }
   table.finish();
 }
@@ -277,19 +281,20 @@ void read_simulation(scene::Table table, scene::Scene& scene) {
 
 void read_frf(scene::Table table, scene::SceneReader& reader, const toml::node* oscillator) {
   auto& scene = reader.scene;
+  auto& frf = scene.task<tasks::Frf>();
   const auto& folder = reader.folder;
-  auto& options = scene.frf;
+  auto& options = frf.options;
   table.expect({"frequencies", "normal", "normal_contact", "sensor_mass", "sensitivities", "family", "record",
                 "simulate", "structure"});
-  if (auto record = table.table("record")) scene.frf_record = read_frf_record(*record, folder);
-  const auto* frequencies = scene.frf_record ? table.find("frequencies") : &table.required("frequencies", "Hz");
+  if (auto record = table.table("record")) frf.record = read_frf_record(*record, folder);
+  const auto* frequencies = frf.record ? table.find("frequencies") : &table.required("frequencies", "Hz");
   if (frequencies) options.frequencies = read_frequencies(*frequencies, table.path("frequencies"));
-  if (scene.frf_record && frequencies) {
-    scene.frf_record->extraction.from = options.frequencies.front();
-    scene.frf_record->extraction.to = options.frequencies.back();
+  if (frf.record && frequencies) {
+    frf.record->extraction.from = options.frequencies.front();
+    frf.record->extraction.to = options.frequencies.back();
   }
   if (auto simulation = table.table("simulate")) {
-    if (scene.frf_record) scene::fail(simulation->source(), "[frf] has a record: give record or simulate, not both");
+    if (frf.record) scene::fail(simulation->source(), "[frf] has a record: give record or simulate, not both");
     read_simulation(*simulation, scene);
   }
   if (const auto* normal = table.find("normal")) {
@@ -300,7 +305,7 @@ void read_frf(scene::Table table, scene::SceneReader& reader, const toml::node* 
     read_fields(*contact, analysis::response::normal_contact_fields, options.rig.normal.emplace());
     options.rig.matrix = true;
   }
-  const bool found = scene.frf_record || scene.frf_sweep || scene.frf_noise;
+  const bool found = frf.record || frf.sweep || frf.noise;
   for (const char* key : {"sensitivities", "family"})
     if (const auto* node = found ? table.find(key) : nullptr)
       scene::fail(node->source(), "{} belongs to a prediction, without frf.record and frf.simulate", table.path(key));
@@ -308,12 +313,12 @@ void read_frf(scene::Table table, scene::SceneReader& reader, const toml::node* 
     if (found)
       scene::fail(structure->source(),
                   "[frf.structure] goes with a prediction, or with a measured table 'friction' in it");
-    scene.frf_use = read_use(*structure, scene, oscillator, folder);
+    frf.use = read_use(*structure, scene, oscillator, folder);
   }
   table.read("sensor_mass", options.rig.sensor_mass,
              {"", "kg", {0, 1e6}, "live mass between contact and force sensor"});
-  if (scene.frf_sweep) scene.frf_sweep->rig = options.rig;
-  if (scene.frf_noise) scene.frf_noise->rig = options.rig;
+  if (frf.sweep) frf.sweep->rig = options.rig;
+  if (frf.noise) frf.noise->rig = options.rig;
   if (const auto* list = table.find("sensitivities")) {
     options.sensitivities = scene::texts(*list, table.path("sensitivities"));
     const auto imposed = analysis::response::imposed_contact_setup(scene.model);

@@ -7,6 +7,7 @@
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/sheet.hpp"
+#include "app/tasks/frf.hpp"
 #include "core/random.hpp"
 
 namespace rosin::app::verbs {
@@ -91,7 +92,7 @@ void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector
 
 void add_uncertainty(Job& job, ordered_json& stability, const analysis::response::Uncertainty& spread,
                      const char* measure, const char* unit) {
-  const auto& inputs = job.scene().frf_use->uncertain;
+  const auto& inputs = job.scene().task<tasks::Frf>().use->uncertain;
   job.say("with uncertain inputs: unstable in {:.3g} ± {:.1g} % of {} samples, {} {:.4g} … {:.4g}{} (5 to 95 %)",
           100 * spread.probability, 100 * spread.standard_error, spread.samples, measure, spread.low, spread.high,
           std::string_view(unit).empty() ? "" : fmt::format(" {}", unit));
@@ -106,21 +107,36 @@ void add_uncertainty(Job& job, ordered_json& stability, const analysis::response
   }
 }
 
-/// Friction and receptance at the frequencies of the tables, as measured or as the sliding structure gives them.
-std::pair<std::vector<Complex>, std::vector<Complex>> table_sides(const scene::FrfUse& use,
-                                                                  const analysis::response::SlidingStructure& sliding,
-                                                                  const std::vector<double>& frequency) {
-  auto friction = use.friction.value, receptance = use.receptance.value;
+void add_critical(Job& job, ordered_json& stability, const std::vector<analysis::response::CriticalValue>& values) {
+  const auto& use = *job.scene().task<tasks::Frf>().use;
+  stability["critical"] = ordered_json::array();
+  const auto unit = use.sliding.describe(use.scan).unit;
+  for (const auto& critical : values) {
+    job.say("critical {} = {}, at {:.6g} Hz", use.scan, justified(critical.value, critical.error, unit),
+            critical.angular_frequency / (2 * std::numbers::pi));
+    stability["critical"].push_back({{"parameter", use.scan},
+                                     {"value", critical.value},
+                                     {"angular_frequency", critical.angular_frequency},
+                                     {"error", critical.error}});
+  }
+  if (values.empty()) job.say("no critical value of {} from {} to {}", use.scan, use.scan_from, use.scan_to);
+}
+
+/// The loop at the frequencies of the tables, of friction and receptance as measured or as the sliding structure gives
+/// them.
+std::vector<Complex> loop_by_tables(const analysis::response::SlidingStructure& sliding,
+                                    const std::vector<double>& frequency, std::vector<Complex> friction,
+                                    const std::vector<Complex>& receptance) {
+  if (receptance.empty())
+    return analysis::response::friction_loop(sliding.structure(), sliding.model, sliding.normal, frequency, friction);
   if (friction.empty()) {
     const analysis::response::FrictionResponse response(sliding.model);
     for (const double f : frequency) friction.push_back(response.tangential({0, 2 * std::numbers::pi * f}));
   }
-  if (receptance.empty()) {
-    const auto structure = sliding.structure();
-    for (const double f : frequency)
-      receptance.push_back(analysis::response::receptance(structure, {0, 2 * std::numbers::pi * f}));
-  }
-  return {std::move(friction), std::move(receptance)};
+  std::vector<Complex> loop;
+  for (std::size_t k = 0; k < frequency.size(); ++k)
+    loop.push_back(Complex(0, 2 * std::numbers::pi * frequency[k]) * friction[k] * receptance[k]);
+  return loop;
 }
 
 /// Adds to each value what its standard error lets expect.
@@ -130,15 +146,15 @@ void disturb(std::vector<Complex>& values, const std::vector<double>& error, std
 }
 
 void table_stability(Job& job, ordered_json& stability, std::vector<std::string>& files) {
-  const auto& use = *job.scene().frf_use;
+  const auto& use = *job.scene().task<tasks::Frf>().use;
   const auto& table = use.friction.frequency.empty() ? use.receptance : use.friction;
   if (!use.friction.frequency.empty() && !use.receptance.frequency.empty() &&
       use.friction.frequency != use.receptance.frequency)
     throw InputError(
         "frf.structure: friction and receptance must be measured at the same frequencies; nothing is "
         "interpolated");
-  const auto [friction, receptance] = table_sides(use, use.sliding, table.frequency);
-  const auto loop = analysis::response::close_table(table.frequency, friction, receptance);
+  const auto values = loop_by_tables(use.sliding, table.frequency, use.friction.value, use.receptance.value);
+  const auto loop = analysis::response::close_table(table.frequency, values);
   stability["stable"] = loop.unstable == 0;
   stability["unstable_by_nyquist"] = loop.unstable;
   stability["turns"] = loop.turns;
@@ -150,19 +166,29 @@ void table_stability(Job& job, ordered_json& stability, std::vector<std::string>
   if (!loop.resolved)
     job.note(
         "the loop turns by more than a quarter between neighbouring frequencies: the count is not to be relied on");
+  if (!use.scan.empty())
+    add_critical(job, stability,
+                 analysis::response::critical_values(
+                     [&](double value) {
+                       return analysis::response::close_table(
+                           table.frequency, loop_by_tables(use.sliding.with(use.scan, value), table.frequency,
+                                                           use.friction.value, use.receptance.value));
+                     },
+                     use.scan_from, use.scan_to, use.scan_points));
   if (!use.uncertain.empty() || !use.friction.error.empty() || !use.receptance.error.empty()) {
     const auto spread = analysis::response::propagate(
         use.sliding, use.uncertain, use.samples, use.seed,
         [&](const analysis::response::SlidingStructure& changed, int sample) {
-          auto [friction, receptance] = table_sides(use, changed, table.frequency);
+          auto friction = use.friction.value, receptance = use.receptance.value;
           disturb(friction, use.friction.error, use.seed + 2 * std::uint64_t(sample) + 1);
           disturb(receptance, use.receptance.error, use.seed + 2 * std::uint64_t(sample) + 2);
-          const auto drawn = analysis::response::close_table(table.frequency, friction, receptance);
+          const auto drawn = analysis::response::close_table(
+              table.frequency, loop_by_tables(changed, table.frequency, friction, receptance));
           return analysis::response::Drawn{drawn.unstable > 0, drawn.margin};
         });
     add_uncertainty(job, stability, spread, "margin", "");
   }
-  draw_loop(job, table.frequency, loop.loop,
+  draw_loop(job, table.frequency, values,
             {fmt::format("{} by tables: {} roots in the right half-plane", loop.unstable == 0 ? "stable" : "unstable",
                          loop.unstable),
              {},
@@ -175,8 +201,9 @@ void table_stability(Job& job, ordered_json& stability, std::vector<std::string>
 
 void add_stability(Job& job, ordered_json& document, std::vector<std::string>& files) {
   const auto& scene = job.scene();
-  if (!scene.frf_use) return;
-  const auto& use = *scene.frf_use;
+  auto& frf = scene.task<tasks::Frf>();
+  if (!frf.use) return;
+  const auto& use = *frf.use;
   auto& stability = document["stability"];
   if (!use.friction.frequency.empty() || !use.receptance.frequency.empty()) {
     table_stability(job, stability, files);
@@ -209,21 +236,10 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
     job.say("margin {:.4g} at {:.6g} Hz: the least distance of the loop to -1", loop.margin,
             loop.margin_frequency / (2 * std::numbers::pi));
 
-  if (!use.scan.empty()) {
-    stability["critical"] = ordered_json::array();
-    const auto unit = use.sliding.describe(use.scan).unit;
-    const auto values =
-        analysis::response::critical_values(use.sliding, use.scan, use.scan_from, use.scan_to, use.scan_points);
-    for (const auto& critical : values) {
-      job.say("critical {} = {}, at {:.6g} Hz", use.scan, justified(critical.value, critical.error, unit),
-              critical.angular_frequency / (2 * std::numbers::pi));
-      stability["critical"].push_back({{"parameter", use.scan},
-                                       {"value", critical.value},
-                                       {"angular_frequency", critical.angular_frequency},
-                                       {"error", critical.error}});
-    }
-    if (values.empty()) job.say("no critical value of {} from {} to {}", use.scan, use.scan_from, use.scan_to);
-  }
+  if (!use.scan.empty())
+    add_critical(
+        job, stability,
+        analysis::response::critical_values(use.sliding, use.scan, use.scan_from, use.scan_to, use.scan_points));
   if (!use.uncertain.empty()) {
     const auto spread = analysis::response::propagate(use.sliding, use.uncertain, use.samples, use.seed);
     add_uncertainty(job, stability, spread, "growth", "1/s");
@@ -235,7 +251,7 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
       return s * response.tangential(s) * analysis::response::receptance(structure, s);
     };
     // Resonances are narrow: frequencies are added until the line is smooth.
-    std::vector<double> frequency = scene.frf.frequencies;
+    std::vector<double> frequency = frf.options.frequencies;
     std::vector<Complex> values;
     for (const double f : frequency) values.push_back(loop_at(f));
     double size = 0;

@@ -6,12 +6,15 @@
 #include <map>
 #include <set>
 
+#include "app/output/digits.hpp"
+#include "app/output/document.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
 #include "app/output/json.hpp"
 #include "app/output/netcdf_tables.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/stopping.hpp"
+#include "core/results_folder.hpp"
 
 namespace rosin::app::verbs {
 
@@ -23,11 +26,7 @@ std::string justified(double value, double error, std::string_view unit) {
   if (!std::isfinite(value)) return "none";
   if (std::isinf(error)) return fmt::format("{:.6g}{}, of unknown error", value, suffix);
   if (!(error > 0)) return fmt::format("{:.10g}{}", value, suffix);
-  const double whole = std::floor(std::log10(std::abs(value))) + 1, digits = whole - std::floor(std::log10(error));
-  if (digits < 1) return fmt::format("0 ± {:.0e}{}", error, suffix);
-  const int shown = int(std::min(digits, 16.0));
-  const auto text = digits > whole ? fmt::format("{:#.{}g}", value, shown) : fmt::format("{:.{}g}", value, shown);
-  return fmt::format("{} ± {:.0e}{}", text, error, suffix);
+  return fmt::format("{} ± {:.0e}{}", output::digits_by_error(value, error), error, suffix);
 }
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
@@ -65,6 +64,22 @@ Job::Job(const Request& request)
   for (const auto& text : scene_.files_read) explain("{}", text);
   manifest_.verb = request.verb;
   manifest_.overrides = request.overrides;
+}
+
+Job::~Job() {
+  std::error_code unused;
+  if (!staging_.empty()) fs::remove_all(staging_, unused);
+}
+
+const fs::path& Job::folder() {
+  if (staging_.empty()) {
+    staging_ = folder_ / fmt::format(".{}.new", request_.verb);
+    std::error_code problem;
+    fs::remove_all(staging_, problem);  // of a process that was killed
+    if (!problem) fs::create_directory(staging_, problem);
+    if (problem) throw InputError(fmt::format("--out {}: cannot be made: {}", staging_.string(), problem.message()));
+  }
+  return staging_;
 }
 
 void Job::results_of(std::string verb) {
@@ -107,25 +122,39 @@ namespace {
 constexpr std::uintmax_t largest_manifest = 100'000'000, largest_script = 10'000'000;  // bytes
 
 std::string checksum_of(const fs::path& script) {
-  return fmt::format("{:016x}", checksum(read_whole(script, largest_script)));
+  return fmt::format("{:016x}", checksum(read_found(script, largest_script)));
 }
 
-/// A manifest that is there and can be read; else an empty document.
-ordered_json read_manifest(const fs::path& path) {
-  std::error_code problem;
-  if (!fs::is_regular_file(path, problem)) return ordered_json::object();
+/// A manifest that is there and can be read; else an empty document, and why it cannot.
+struct FoundManifest {
+  ordered_json document = ordered_json::object();
+  std::string problem = {};
+};
+FoundManifest read_manifest(const fs::path& path) {
   try {
-    auto document = ordered_json::parse(read_whole(path, largest_manifest), nullptr, false);
-    if (document.is_object()) return document;
-  } catch (const InputError&) {  // nothing is known of what stands there
+    if (!fs::exists(fs::symlink_status(path))) return {};
+    return {output::parse_document(path.string(), read_found(path, largest_manifest))};
+  } catch (const InputError& error) {
+    return {.problem = error.what()};
   }
-  return ordered_json::object();
+}
+
+/// The files of a manifest that are of its folder.
+std::vector<std::string> files_of(const ordered_json& manifest) {
+  std::vector<std::string> names;
+  if (const auto files = manifest.find("files"); files != manifest.end() && files->is_array())
+    for (const auto& file : *files)
+      if (file.is_string() && fs::path(file.get<std::string>()).filename() == file.get<std::string>())
+        names.push_back(file.get<std::string>());
+  return names;
 }
 
 }  // namespace
 
 void Job::say_what_is_replaced() const {
-  const auto old = read_manifest(folder_ / (label_ + ".manifest.json"));
+  const auto found = read_manifest(folder_ / (label_ + ".manifest.json"));
+  const auto& old = found.document;
+  if (!found.problem.empty()) note(fmt::format("{}: what is replaced is not known", found.problem));
   if (old.empty()) return;
   const auto now = ordered_json::parse(output::to_json(scene_, manifest_));
   const auto of = [](const ordered_json& manifest, const char* key) { return manifest.value(key, ordered_json()); };
@@ -155,6 +184,27 @@ void Job::say_what_is_replaced() const {
                    example));
 }
 
+bool Job::whole_result_is_there() const {
+  const auto old = read_manifest(folder_ / (label_ + ".manifest.json")).document;
+  const auto outcome = old.find("outcome");
+  return outcome != old.end() && *outcome == name(Outcome{}.ending);
+}
+
+/// Files of the earlier result that this one does not have go: beside new numbers they would be taken for theirs.
+void Job::put_in_place() const {
+  std::set<std::string> kept = {"manifest.json", "result.json"};
+  for (const auto& entry : fs::directory_iterator(staging_)) kept.insert(entry.path().filename().string());
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    const auto name = entry.path().filename().string();
+    if (!name.ends_with(".manifest.json") || name == label_ + ".manifest.json") continue;
+    for (const auto& file : files_of(read_manifest(entry.path()).document)) kept.insert(file);
+  }
+  for (const auto& file : files_of(read_manifest(folder_ / (label_ + ".manifest.json")).document))
+    if (!kept.contains(file) && fs::is_regular_file(fs::symlink_status(folder_ / file))) fs::remove(folder_ / file);
+  for (const auto& entry : fs::directory_iterator(staging_))
+    fs::rename(entry.path(), folder_ / entry.path().filename());
+}
+
 void draw_pictures(const Request& request, const fs::path& folder, output::Manifest& manifest) {
   std::vector<std::string> scripts;
   for (const auto& file : manifest.files)
@@ -180,19 +230,28 @@ void write_results(const fs::path& folder, const std::string& label, const std::
 
 Status Job::finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome) {
   results_are_due();
+  const bool failed = !outcome.complete() && files.empty();
   manifest_.files = std::move(files);
-  draw_pictures(request_, folder_, manifest_);
+  draw_pictures(request_, folder(), manifest_);
   if (request_.netcdf) {
-    const auto tables = output::write_netcdf_tables(folder_, manifest_.files, scene_, document);
+    const auto tables = output::write_netcdf_tables(staging_, manifest_.files, scene_, document);
     manifest_.files.insert(manifest_.files.end(), tables.begin(), tables.end());
   }
   manifest_.files.push_back(label_ + ".json");
   manifest_.outcome = outcome;
-  say_what_is_replaced();
-  write_results(folder_, label_, document, output::to_json(scene_, manifest_));
+  const bool keeps = failed && whole_result_is_there();
+  if (!keeps) {
+    say_what_is_replaced();
+    write_results(staging_, label_, document, output::to_json(scene_, manifest_));
+    put_in_place();
+  }
   if (request_.json) write_output(document);
   if (!outcome.complete() && !request_.quiet)
     tell("{}: {}{}{}\n", scene_.path, name(outcome.ending), outcome.detail.empty() ? "" : ": ", outcome.detail);
+  if (keeps) {
+    note(fmt::format("{} is of an earlier computation, and is left alone", (folder_ / (label_ + ".json")).string()));
+    return status_of(outcome);
+  }
   say("Results: {}", (folder_ / "").string());
   return status_of(outcome);
 }
@@ -204,7 +263,7 @@ Scripts scripts_of(const fs::path& folder) {
     const auto name = entry.path().filename().string();
     if (name.ends_with(".gp")) there.push_back(name);
     if (!name.ends_with("manifest.json")) continue;
-    const auto manifest = read_manifest(entry.path());
+    const auto manifest = read_manifest(entry.path()).document;
     if (const auto scripts = manifest.find("scripts"); scripts != manifest.end() && scripts->is_object())
       for (const auto& [script, sum] : scripts->items())
         if (sum.is_string()) known[script].insert(sum.get<std::string>());
@@ -212,7 +271,7 @@ Scripts scripts_of(const fs::path& folder) {
   std::ranges::sort(there);
   Scripts scripts;
   for (const auto& script : there) {
-    const bool regular = fs::is_regular_file(folder / script);
+    const bool regular = fs::is_regular_file(fs::symlink_status(folder / script));
     (regular && known[script].contains(checksum_of(folder / script)) ? scripts.ours : scripts.foreign)
         .push_back(script);
   }

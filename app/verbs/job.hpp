@@ -6,13 +6,16 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "app/output/results.hpp"
+#include "app/scene/scene.hpp"
 #include "app/verbs/verbs.hpp"
 #include "core/console.hpp"
+#include "core/results_folder.hpp"
 
 namespace rosin::app::verbs {
 
@@ -41,10 +44,15 @@ class Job {
  public:
   /// Reads the scene and makes the folder. \throws InputError
   explicit Job(const Request&);
+  Job(const Job&) = delete;
+  ~Job();
 
   const Request& request() const { return request_; }
   scene::Scene& scene() { return scene_; }
-  const std::filesystem::path& folder() const { return folder_; }
+  /// Where files are written; finish() puts them into the results folder, all together.
+  const std::filesystem::path& folder();
+  /// The results folder itself, for what outlives an interrupted run.
+  const std::filesystem::path& results() const { return folder_; }
   output::Manifest& manifest() { return manifest_; }
 
   /// A line of the summary.
@@ -62,21 +70,30 @@ class Job {
   /// What all plans have in common: the unknowns that are kept.
   void explain_model() const;
 
+  /// No other process writes into the folder from here on. \throws InputError where one does
+  void claim_folder() { claim_.emplace(folder_); }
   /// The results are named as those of another verb, which the scene asks for.
   void results_of(std::string verb);
 
+  /// A complete result of an earlier run of the verb is in the folder.
+  bool whole_result_is_there() const;
+
   /// Draws the scripts (*.gp) among the files, writes the document and the manifest, each under the verb's name and as
-  /// the folder's latest; prints the document if asked. Call last.
+  /// the folder's latest, in place of all that an earlier result of the verb has left; prints the document if asked. A
+  /// failure without files leaves a whole earlier result as it is. Call last.
   Status finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome);
 
  private:
   void say_what_is_replaced() const;
+  void put_in_place() const;
 
   const Request& request_;
   scene::Scene scene_;
   std::filesystem::path folder_;
   std::string label_;  ///< of the results
   output::Manifest manifest_;
+  std::optional<FolderClaim> claim_;
+  std::filesystem::path staging_;  ///< empty until files are written
 };
 
 /// Draws the scripts (*.gp) among the manifest's files, unless no pictures are wanted; the manifest then knows the

@@ -43,6 +43,8 @@ Journal::Journal(std::filesystem::path path, std::string_view verb, const std::s
                           : fmt::format("cannot be opened: {}", std::strerror(errno)));
   struct stat status {};
   if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) refuse("is no regular file");
+  if (std::uintmax_t(status.st_size) > largest_journal)
+    refuse(fmt::format("has {:.3g} GB, more than the journal of any {}", double(status.st_size) / 1e9, verb));
   if (::flock(file_, LOCK_EX | LOCK_NB) != 0)
     refuse(fmt::format("another rosin computes this {}; wait for it or use another --out", verb));
   std::string content(static_cast<std::size_t>(status.st_size), '\0');

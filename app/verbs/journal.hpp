@@ -1,17 +1,22 @@
 /// What is finished of a long computation, kept on disk while it goes on, so that an interrupted one goes on where it
 /// stopped.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "app/scene/scene.hpp"
+
 namespace rosin::app::scene {
 struct Scene;
 }
 
 namespace rosin::app::verbs {
+
+inline constexpr std::uintmax_t largest_journal = 2'000'000'000;  ///< bytes
 
 /// The first line of the journal of a verb, and everything that determines its result.
 std::string journal_header(std::string_view verb, const std::string& key);

@@ -1,4 +1,6 @@
 /// The verb lab: an experiment as it is done in the laboratory.
+#include "app/tasks/lab.hpp"
+
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -9,6 +11,7 @@
 #include "app/output/json.hpp"
 #include "app/output/lab_picture.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
 #include "app/scene/signal.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/stopping.hpp"
@@ -41,6 +44,8 @@ analysis::lab::Sensor read_sensor(scene::Table table, const std::vector<std::str
   table.read("seed", seed, 0, scene::largest_seed, "of the noise");
   sensor.seed = static_cast<std::uint64_t>(seed);
   if (auto noise = table.table("noise")) sensor.noise = read_columns(*noise, columns, "rms of white noise, SI");
+  if (const auto* given = sensor.noise.empty() ? table.find("seed") : nullptr)
+    scene::fail(given->source(), "{} has no effect without noise", table.path("seed"));
   if (auto step = table.table("resolution"))
     sensor.resolution = read_columns(*step, columns, "step of the converter, SI");
   if (auto range = table.table("range")) sensor.range = read_columns(*range, columns, "largest reading, SI");
@@ -50,8 +55,8 @@ analysis::lab::Sensor read_sensor(scene::Table table, const std::vector<std::str
 
 void read_settings(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
-  const auto& experiment = *scene.experiment;
-  auto& task = *scene.lab;
+  const auto& experiment = *scene.task<tasks::Lab>().experiment;
+  auto& task = *scene.task<tasks::Lab>().task;
   for (const auto& setting : experiment.settings) {
     auto quantity = setting.quantity;
     const auto name = std::exchange(quantity.name, table.path(setting.quantity.name));
@@ -82,22 +87,23 @@ void read_settings(scene::Table table, scene::SceneReader& reader) {
 
 void read(scene::SceneReader& reader) {
   auto& scene = reader.scene;
-  scene.experiment = &analysis::lab::find_experiment(reader.request.experiment);
+  auto& asked = scene.task<tasks::Lab>();
+  asked.experiment = &analysis::lab::find_experiment(reader.request.experiment);
   reader.law();
-  scene.lab = analysis::lab::task_for(*scene.experiment, scene.model.law);
-  scene.model.slider = scene.experiment->slider;
-  scene.model.drive = scene.experiment->drive;
+  asked.task = analysis::lab::task_for(*asked.experiment, scene.model.law);
+  scene.model.slider = asked.experiment->slider;
+  scene.model.drive = asked.experiment->drive;
   reader.oscillator_if_there(false);
   read_tables_of_models(reader);
   if (auto table = reader.root.table("lab")) read_settings(*table, reader);
-  scene.lab->model = scene.model;
-  for (const auto& path : scene.experiment->prescribed)
-    reader.note_unread({path}, fmt::format("{} sets it itself", scene.experiment->name));
+  asked.task->model = scene.model;
+  for (const auto& path : asked.experiment->prescribed)
+    reader.note_unread({path}, fmt::format("{} sets it itself", asked.experiment->name));
 }
 
 std::string document_of(const scene::Scene& scene, const analysis::lab::Result& result) {
   auto document = output::begin(scene, "lab", result.outcome);
-  document["experiment"] = scene.experiment->name;
+  document["experiment"] = scene.task<tasks::Lab>().experiment->name;
   auto object = [] { return ordered_json::object(); };
   auto readings = object(), error = object(), meaning = object(), units = object(), columns = object(),
        tables = object();
@@ -132,11 +138,11 @@ bool is_truth(const analysis::lab::Reading& reading) { return reading.meaning.st
 
 Status perform(Job& job) {
   auto& scene = job.scene();
-  auto& task = *scene.lab;
+  auto& task = *scene.task<tasks::Lab>().task;
   task.tolerance = job.request().tolerance.value_or(task.tolerance);
   job.explain_model();
   const auto begin = std::chrono::steady_clock::now();
-  auto result = scene.experiment->perform(task);
+  auto result = scene.task<tasks::Lab>().experiment->perform(task);
   result.outcome = why_stopped(result.outcome);
   for (const auto& line : result.plan) job.explain("{}", line);
   for (const auto& warning : result.warnings) job.note(warning);
@@ -152,6 +158,10 @@ Status perform(Job& job) {
   manifest.tolerance_asked = task.tolerance;
   manifest.tolerance_reached = reached.value();
   manifest.cost = {{"seconds", seconds_since(begin)}, {"samples", double(result.record.time.size())}};
+  // A part of a record without readings is kept, but not in place of a whole result.
+  if (!result.outcome.complete() && result.readings.empty() &&
+      (result.record.time.size() < 2 || job.whole_result_is_there()))
+    return job.finish(document_of(scene, result), {}, result.outcome);
   std::vector<output::Column> table{{"time (s)", result.record.time}};
   for (std::size_t c = 0; c < result.record.columns.size(); ++c)
     table.push_back({output::column_header(result.record.names[c], result.record.units[c]), result.record.columns[c]});

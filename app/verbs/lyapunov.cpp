@@ -8,6 +8,7 @@
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
@@ -24,7 +25,7 @@ namespace {
 constexpr const char* meaning = "duration of the average (s), or tolerance of the largest exponent (1/s)";
 
 void read_table(scene::Table table, scene::SceneReader& reader) {
-  auto& lyapunov = reader.scene.lyapunov;
+  auto& lyapunov = reader.scene.task<analysis::cycles::LyapunovOptions>();
   table.expect({"duration", "transient", "tolerance"});
   table.read("duration", lyapunov.duration, {"", "s", {1e-12, 1e15}, "duration of the average"});
   table.read("transient", lyapunov.transient, {"", "s", {0, 1e15}, "duration that is left out before the average"});
@@ -70,7 +71,7 @@ std::string document_of(const scene::Scene& scene, const LyapunovSpectrum& spect
 
 Status perform(Job& job) {
   auto& scene = job.scene();
-  auto options = scene.lyapunov;
+  auto options = scene.task<analysis::cycles::LyapunovOptions>();
   options.accuracy = job.request().tolerance.value_or(options.accuracy);
   job.explain("the periodic motion first: its exponents are ln|multiplier| over the period");
   job.explain("else disturbances carried along the motion, orthonormalised after each step, errors by blocks");

@@ -5,14 +5,18 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
+#include <limits>
 
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/lyapunov.hpp"
 #include "analysis/planes/parts.hpp"
 #include "analysis/planes/structure_map.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
 #include "app/scene/structure.hpp"
+#include "app/tasks/sweep.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/partial.hpp"
 #include "app/verbs/plane_job.hpp"
@@ -60,15 +64,34 @@ analysis::planes::Axis read_axis(scene::Table table, const scene::Scene& scene) 
 
 namespace {
 
-/// A plane of a slider's own parameters under a constant drive has shortcuts; any other is that of a structure.
-bool is_of_slider(const scene::SceneReader& reader) {
-  return !reader.scene.structure && !reader.scene.string && reader.scene.model.drive.constant();
+bool is_metric_of_slider(const std::string& name) {
+  return std::ranges::any_of(analysis::cycles::metric_names(), [&](const auto& metric) { return metric.name == name; });
+}
+
+bool is_metric_of(const oscillators::Structure& structure, const std::string& name) {
+  try {
+    return !analysis::planes::metrics_of_structure(structure, {name}).empty();
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+/// A plane of a slider's own parameters under a constant drive has shortcuts, for the metrics that its search for a
+/// cycle returns; any other is that of a structure, and so is a plane of one axis.
+bool is_of_slider(const scene::SceneReader& reader, scene::Table map) {
+  const auto& scene = reader.scene;
+  if (scene.structure || scene.string || !scene.model.drive.constant() || !map.find("y")) return false;
+  const auto* metrics = map.find("metrics");
+  return !metrics || std::ranges::none_of(scene::texts(*metrics, map.path("metrics")), [&](const auto& name) {
+    return !is_metric_of_slider(name) && is_metric_of(oscillators::one_slider(scene.model), name);
+  });
 }
 
 void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
-  if (!reader.needs("map") && !is_of_slider(reader)) return;  // its paths and metrics are known to the verb map alone
-  auto& map = scene.map;
+  if (!reader.needs("map") && !is_of_slider(reader, table))
+    return;  // its paths and metrics are known to the verb map alone
+  auto& map = scene.task<analysis::planes::MapOptions>();
   table.expect({"x", "y", "metrics", "stick_threshold"});
   const auto& x = table.required("x", "first axis");
   map.x = read_axis(scene::Table(x, table.path("x")), scene);
@@ -86,7 +109,8 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
                 scene::most_points);
   const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
   map.metrics = {"stick_fraction", "loop_area_normalised"};
-  if (structure) map.metrics = {analysis::cycles::cycle_metrics_of(*structure)[1].first};
+  if (structure && !(structure->size() == 1 && structure->constant()))
+    map.metrics = {structure->names.front() + "_max"};
   const auto check = [&](const std::string& name) {
     if (structure)
       analysis::planes::metrics_of_structure(*structure, {name});
@@ -102,15 +126,10 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
         scene::fail(metrics->source(), "map.metrics names '{}' twice", *name);
     if (map.metrics.empty()) scene::fail(metrics->source(), "map.metrics is empty");
   }
-  if (structure) {
-    if (const auto* threshold = table.find("stick_threshold"))
-      scene::fail(threshold->source(), "map.stick_threshold has no effect on a structure, whose stick is exact rest");
-    return table.finish();
-  }
-  map.stick_threshold = scene.cycle.stick_threshold;
+  map.stick_threshold = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
   table.read("stick_threshold", map.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
   const bool hangs_on_it = std::ranges::find(map.metrics, "slow_fraction") != map.metrics.end();
-  if (table.find("stick_threshold") && scene.model.law->set_valued() && !hangs_on_it)
+  if (table.find("stick_threshold") && !structure && scene.model.law->set_valued() && !hangs_on_it)
     scene.notes.push_back(
         "map.stick_threshold has no effect on stick_fraction under a set-valued law, whose stick is exact rest; ask "
         "for "
@@ -123,28 +142,26 @@ void read(scene::SceneReader& reader) {
   reader.oscillator();
   auto& map = reader.need("map", "the two axes and the metrics");
   if (reader.scene.string) return read_string_map(reader, scene::Table(map, "map"));
-  if (reader.scene.plane || is_of_slider(reader)) return read_tables_of_models(reader);
+  if (reader.scene.plane || is_of_slider(reader, scene::Table(map, "map"))) return read_tables_of_models(reader);
   scene::read_structure_model(reader);
   common_period(reader.scene.structure->structure);  // refuses a drive that has none
-  reader.scene.family = std::make_shared<scene::Family>(reader);
+  reader.scene.family = std::make_shared<scene::Family>(reader, "map");
   read_table(scene::Table(map, "map"), reader);
-  if (std::ranges::find(reader.scene.map.metrics, "lyapunov") != reader.scene.map.metrics.end())
+  if (std::ranges::find(reader.scene.task<analysis::planes::MapOptions>().metrics, "lyapunov") !=
+      reader.scene.task<analysis::planes::MapOptions>().metrics.end())
     find_verb("lyapunov")
         .tables.front()
         .read(scene::Table(reader.need("lyapunov", "duration (s) for the metric of that name"), "lyapunov"), reader);
 }
 
 /// What --shard says, or else the array of jobs that a cluster's SLURM has started this one in. \throws InputError
-Share share_of(const Request& request, const Job& job) {
+Share wanted_share(const Request& request, const Job& job) {
   if (!request.shard.empty()) {
-    Share share;
-    int end = 0;
-    const int read = std::sscanf(request.shard.c_str(), "%d/%d%n", &share.index, &share.count, &end);
-    if (read != 2 || std::size_t(end) != request.shard.size() || share.index < 1 || share.index > share.count)
+    const auto share = share_of(request.shard, "/", std::numeric_limits<int>::max());
+    if (!share)
       throw InputError(fmt::format(
           "--shard {}: must be K/N with 1 <= K <= N, such as 2/8 for the second share of eight", request.shard));
-    --share.index;
-    return share;
+    return *share;
   }
   const char *id = std::getenv("SLURM_ARRAY_TASK_ID"), *first = std::getenv("SLURM_ARRAY_TASK_MIN"),
              *count = std::getenv("SLURM_ARRAY_TASK_COUNT"), *step = std::getenv("SLURM_ARRAY_TASK_STEP");
@@ -170,16 +187,17 @@ Status perform_one_axis(Job& job) {
     throw InputError(fmt::format(
         "[map] has one axis, {}, whose values the threads of one process compute: leave --shard and mpirun away, or "
         "give map.y",
-        job.scene().map.x.parameter));
-  const auto& map = job.scene().map;
-  auto& sweep = job.scene().sweep;
+        job.scene().task<analysis::planes::MapOptions>().x.parameter));
+  job.claim_folder();
+  const auto& map = job.scene().task<analysis::planes::MapOptions>();
+  auto& sweep = job.scene().task<tasks::Sweep>().options;
   sweep.axis = map.x;
   std::ranges::sort(sweep.axis.values);
   sweep.record = analysis::planes::SweepOptions::Record::metrics;
   sweep.anew = true;
   sweep.metrics = map.metrics, sweep.stick_threshold = map.stick_threshold;
   sweep.tolerance = map.tolerance;
-  sweep.lyapunov = job.scene().lyapunov;
+  sweep.lyapunov = job.scene().task<analysis::cycles::LyapunovOptions>();
   job.results_of("sweep");
   return perform_sweep(job);
 }
@@ -192,13 +210,14 @@ Status perform(Job& job) {
       throw InputError(
           "a plane of strings is computed by the threads of one process: leave --shard and mpirun away, or cut the "
           "plane along an axis into scenes of their own");
+    job.claim_folder();
     return perform_string_map(job);
   }
-  if (job.scene().map.y.values.empty()) return perform_one_axis(job);
+  if (job.scene().task<analysis::planes::MapOptions>().y.values.empty()) return perform_one_axis(job);
   PlaneJob plane(job);
   auto& options = plane.options;
   const auto* structure = plane.structure;
-  const auto share = options.share = share_of(request, job);
+  const auto share = options.share = wanted_share(request, job);
   const auto nx = options.x.values.size(), ny = options.y.values.size(), total = plane.points;
   if (!structure) job.explain_model();
   job.explain("{} x {} points of {} and {}, tolerance {} of {}", nx, ny, options.x.parameter, options.y.parameter,
@@ -220,6 +239,8 @@ Status perform(Job& job) {
     job.explain("{} processes compute it, each with {} threads", ranks->processes(), options.threads);
   }
 
+  if (share.count == 1) job.claim_folder();  // of a share, only its journal is written
+
   // Which points are of this share is asked before there is a journal: a plane may have fewer parts.
   const auto partition = analysis::planes::partition_of(options, structure != nullptr);
   std::size_t of_share = 0;
@@ -228,11 +249,11 @@ Status perform(Job& job) {
     if (const auto [columns, rows] = partition.size(part); shares[part] == share.index)
       of_share += std::size_t(columns) * std::size_t(rows);
 
-  Partial partial(job.folder() / journal_name(share), plane.key, total, plane.metrics);
+  Partial partial(job.results() / journal_name(share), plane.key, total, plane.metrics);
   if (!partial.lost().empty()) job.note(partial.lost());
   if (const auto known = partial.known_count()) job.note(fmt::format("going on from {} finished points", known));
   const auto begin = std::chrono::steady_clock::now();
-  output::MapResult result;
+  MapResult result;
   std::map<std::size_t, double> costs;
   {
     Progress progress(request.quiet);
@@ -256,7 +277,7 @@ Status perform(Job& job) {
                          fmt::format("{} of {} points are kept; the same command goes on from there", kept, of_share));
   if (share.count > 1) {
     job.say("share {} of {} is done: {} of {} points in {:.3g} s, in {}", share.index + 1, share.count, kept, total,
-            result.seconds, (job.folder() / journal_name(share)).string());
+            result.seconds, (job.results() / journal_name(share)).string());
     if (request.json) write_output(output::to_json(request.verb, result.map.outcome));
     job.say("once all shares are done, they are put together by\n  {}", command_of(request, "merge"));
     return done;

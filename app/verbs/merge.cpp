@@ -5,6 +5,7 @@
 #include <chrono>
 #include <map>
 
+#include "analysis/planes/map.hpp"
 #include "analysis/planes/parts.hpp"
 #include "analysis/planes/schedule.hpp"
 #include "app/output/json.hpp"
@@ -24,7 +25,7 @@ using analysis::planes::Share;
 using nlohmann::ordered_json;
 
 /// The journals in the folders that are named, by default the results folder, and those that are named themselves.
-std::vector<fs::path> journals_of(const Request& request, const fs::path& results) {
+std::vector<fs::path> journals_of(const Request& request, const fs::path& results, std::size_t parts) {
   std::vector<fs::path> places(request.from.begin(), request.from.end()), found;
   if (places.empty()) places.push_back(results);
   for (const auto& place : places) {
@@ -34,7 +35,7 @@ std::vector<fs::path> journals_of(const Request& request, const fs::path& result
       continue;
     }
     for (const auto& entry : fs::directory_iterator(place))
-      if (share_of_journal(entry.path().filename().string())) found.push_back(entry.path());
+      if (share_of_journal(entry.path().filename().string(), parts)) found.push_back(entry.path());
   }
   std::ranges::sort(found);
   return found;
@@ -46,7 +47,7 @@ void require_all(const Request& request, const Partition& partition, const Known
   if (known.count() == partition.points()) return;
   std::map<int, int> counts;  // of journals by the number of shares
   for (const auto& path : journals)
-    if (const auto share = share_of_journal(path.filename().string())) ++counts[share->count];
+    if (const auto share = share_of_journal(path.filename().string(), partition.count())) ++counts[share->count];
   const int count =
       counts.empty() ? 1 : std::ranges::max_element(counts, {}, [](const auto& c) { return c.second; })->first;
   std::vector<std::size_t> missing(std::size_t(count), 0);
@@ -75,7 +76,7 @@ Status forecast(const Job& job, const Partition& partition, const KnownPoints& k
     throw InputError(fmt::format(
         "{}: no part of the plane has been computed yet, so that nothing is known of its time; a sample of it is "
         "computed by '{}'",
-        job.folder().string(),
+        job.results().string(),
         command_of(job.request(), "map", {0, int(std::clamp<std::size_t>(partition.count(), 1, 100))})));
   const auto seconds = analysis::planes::filled_up(known.costs(), partition.count());
   double all = 0;
@@ -103,19 +104,20 @@ Status merge(const Request& given) {
   request.verb = "map";  // whose results are written
   Job job(request);
   if (job.scene().string) throw InputError("a plane of strings has no shares; 'rosin map' computes it");
-  if (job.scene().map.y.values.empty())
+  if (job.scene().task<analysis::planes::MapOptions>().y.values.empty())
     throw InputError("[map] has one axis, which has no shares; 'rosin map' computes it");
   const PlaneJob plane(job);
   const auto partition = analysis::planes::partition_of(plane.options, plane.structure != nullptr);
-  const auto journals = journals_of(request, job.folder());
+  const auto journals = journals_of(request, job.results(), partition.count());
   KnownPoints known(RecordForm(plane.metrics, plane.points));
   for (const auto& path : journals) read_journal(path, plane.key, known);
   if (request.forecast) return forecast(job, partition, known);
   require_all(request, partition, known, journals);
+  job.claim_folder();
   const auto begin = std::chrono::steady_clock::now();
   analysis::planes::MapHooks hooks;
   hooks.known = [&](std::size_t i) { return known.point(i); };
-  output::MapResult result{plane.compute(hooks), 0};
+  MapResult result{plane.compute(hooks), 0};
   result.seconds = seconds_since(begin);
   if (result.map.outcome.ending == Ending::interrupted) return stopped_early(request, "the journals are as they were");
   const auto status = plane.write(result, known.costs());

@@ -4,11 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
 #include <cstdlib>
 
+#include "analysis/planes/map.hpp"
 #include "core/error.hpp"
-#include "core/files.hpp"
+#include "core/results_folder.hpp"
 
 namespace rosin::app::verbs {
 
@@ -38,12 +39,25 @@ std::string journal_name(analysis::planes::Share share) {
   return share.count == 1 ? "map.partial" : fmt::format("map.{}-of-{}.partial", share.index + 1, share.count);
 }
 
-std::optional<analysis::planes::Share> share_of_journal(const std::string& name) {
+std::optional<analysis::planes::Share> share_of(std::string_view text, std::string_view between, std::size_t parts) {
   analysis::planes::Share share;
-  if (name == journal_name(share)) return share;
-  if (std::sscanf(name.c_str(), "map.%d-of-%d.partial", &share.index, &share.count) != 2) return std::nullopt;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, share.index);
+  if (first.ec != std::errc{} || !std::string_view(first.ptr, end).starts_with(between)) return std::nullopt;
+  const auto second = std::from_chars(first.ptr + between.size(), end, share.count);
+  if (second.ec != std::errc{} || second.ptr != end) return std::nullopt;
+  if (share.index < 1 || share.index > share.count || std::size_t(share.count) > parts) return std::nullopt;
   --share.index;
-  return name == journal_name(share) ? std::optional(share) : std::nullopt;
+  return share;
+}
+
+std::optional<analysis::planes::Share> share_of_journal(const std::string& name, std::size_t parts) {
+  if (name == journal_name({})) return analysis::planes::Share{};
+  constexpr std::string_view begin = "map.", end = ".partial";
+  if (!name.starts_with(begin) || !name.ends_with(end) || name.size() < begin.size() + end.size()) return std::nullopt;
+  const auto share =
+      share_of(std::string_view(name).substr(begin.size(), name.size() - begin.size() - end.size()), "-of-", parts);
+  return share && name == journal_name(*share) ? share : std::nullopt;
 }
 
 namespace {
@@ -71,8 +85,7 @@ std::string difference(std::string_view theirs, std::string_view ours) {
 }  // namespace
 
 void read_journal(const std::filesystem::path& path, const std::string& key, KnownPoints& known) {
-  constexpr std::uintmax_t largest = 100'000'000'000;  // bytes
-  auto content = read_whole(path, largest);
+  auto content = read_found(path, largest_journal);
   const auto refuse = [&](const std::string& why) { throw InputError(fmt::format("{}: {}", path.string(), why)); };
   const auto words = journal_words("map");
   if (!content.starts_with(words)) refuse("is not the journal of a map");

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/planes/map.hpp"
 #include "app/verbs/journal.hpp"
 #include "app/verbs/point_records.hpp"
 
@@ -15,8 +16,10 @@ namespace rosin::app::verbs {
 
 /// "map.partial", or of a share "map.2-of-8.partial".
 std::string journal_name(analysis::planes::Share);
-/// The share that a journal of such a name holds; nothing for any other name.
-std::optional<analysis::planes::Share> share_of_journal(const std::string& name);
+/// "2/8", with 1 <= K <= N <= parts; nothing for any other text.
+std::optional<analysis::planes::Share> share_of(std::string_view text, std::string_view between, std::size_t parts);
+/// The share of a plane of so many parts that a journal of such a name holds; nothing for any other name.
+std::optional<analysis::planes::Share> share_of_journal(const std::string& name, std::size_t parts);
 
 /// The journal of a map: one record a point.
 class Partial {

@@ -7,11 +7,14 @@
 #include <array>
 #include <cmath>
 
+#include "analysis/cycles/lyapunov.hpp"
+#include "analysis/planes/map.hpp"
 #include "analysis/planes/structure_map.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/planes.hpp"
 #include "app/scene/family.hpp"
+#include "app/scene/scene.hpp"
 #include "app/verbs/journal.hpp"
 #include "core/process.hpp"
 
@@ -22,7 +25,7 @@ using nlohmann::ordered_json;
 
 namespace {
 
-std::string document_of(const scene::Scene& scene, const output::MapResult& result) {
+std::string document_of(const scene::Scene& scene, const MapResult& result) {
   const auto& map = result.map;
   auto document = output::begin(scene, "map", map.outcome);
   document["x"] = output::axis(map.x, scene);
@@ -42,8 +45,8 @@ std::string document_of(const scene::Scene& scene, const output::MapResult& resu
     if (map.points[i].regime == analysis::planes::Regime::failed)
       failures.push_back(
           {{"ix", i % map.x.values.size()}, {"iy", i / map.x.values.size()}, {"why", map.points[i].why}});
-  document["stick_threshold"] = scene.map.stick_threshold;
-  document["tolerance"] = scene.map.tolerance;
+  document["stick_threshold"] = scene.task<analysis::planes::MapOptions>().stick_threshold;
+  document["tolerance"] = scene.task<analysis::planes::MapOptions>().tolerance;
   document["cost"] = {{"seconds", result.seconds},
                       {"points", map.points.size()},
                       {"integrated", map.integrated},
@@ -67,13 +70,13 @@ std::string command_of(const Request& request, const std::string& verb, analysis
   return line;
 }
 
-PlaneJob::PlaneJob(Job& job_) : job(job_), options(job_.scene().map) {
+PlaneJob::PlaneJob(Job& job_) : job(job_), options(job_.scene().task<analysis::planes::MapOptions>()) {
   auto& scene = job.scene();
   const auto& request = job.request();
   options.tolerance = request.tolerance.value_or(options.tolerance);
   options.threads = request.threads;
   options.exact = request.exact;
-  options.lyapunov = scene.lyapunov;
+  options.lyapunov = scene.task<analysis::cycles::LyapunovOptions>();
   if (scene.structure) structure = &scene.structure->structure;
   metrics = structure ? analysis::planes::metrics_of_structure(*structure, options.metrics)
                       : analysis::planes::metrics_of_slider(options.metrics);
@@ -90,7 +93,7 @@ analysis::planes::Map PlaneJob::compute(const analysis::planes::MapHooks& hooks)
                    : analysis::planes::compute_map(scene.model, options, hooks);
 }
 
-Status PlaneJob::write(const output::MapResult& result, const std::map<std::size_t, double>& costs) const {
+Status PlaneJob::write(const MapResult& result, const std::map<std::size_t, double>& costs) const {
   const auto& map = result.map;
   const auto& scene = job.scene();
   const auto nx = options.x.values.size(), ny = options.y.values.size(), total = points;
@@ -122,7 +125,7 @@ Status PlaneJob::write(const output::MapResult& result, const std::map<std::size
     const auto& wanted = metric.name;
     const bool fraction = wanted.find("fraction") != std::string::npos;
     // Of a number of either sign, which is 0 somewhere, errors count beside the largest in the plane.
-    const bool of_either_sign = wanted == "growth_rate" || wanted == "lyapunov";
+    const bool of_either_sign = wanted == "growth_rate" || wanted == "criticality" || wanted == "lyapunov";
     double largest = fraction ? 1 : 0;
     for (const auto& point : map.points)
       if (const double value = metric.value(point); of_either_sign && std::isfinite(value))

@@ -6,7 +6,6 @@
 
 #include "analysis/planes/map.hpp"
 #include "analysis/planes/parts.hpp"
-#include "app/output/results.hpp"
 #include "app/verbs/job.hpp"
 
 namespace rosin::app::verbs {
@@ -14,11 +13,16 @@ namespace rosin::app::verbs {
 /// The command that asks a verb about the same plane, `map` for one share of it.
 std::string command_of(const Request&, const std::string& verb, analysis::planes::Share = {});
 
+struct MapResult {
+  analysis::planes::Map map;
+  double seconds = 0;
+};
+
 struct PlaneJob {
   explicit PlaneJob(Job&);
   analysis::planes::Map compute(const analysis::planes::MapHooks&) const;
   /// Says what was found, draws it and writes it. `costs`: processor time (s) of parts, as far as they are known.
-  Status write(const output::MapResult&, const std::map<std::size_t, double>& costs) const;
+  Status write(const MapResult&, const std::map<std::size_t, double>& costs) const;
 
   Job& job;
   analysis::planes::MapOptions& options;

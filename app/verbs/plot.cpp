@@ -7,6 +7,7 @@
 #include "app/verbs/job.hpp"
 #include "app/verbs/verb.hpp"
 #include "core/console.hpp"
+#include "core/results_folder.hpp"
 
 namespace rosin::app::verbs {
 
@@ -21,6 +22,7 @@ Status plot(const Request& request) {
   if (!fs::exists(folder / "result.json"))
     throw InputError(fmt::format("{}: holds no results; compute them first, such as with 'rosin map {}'",
                                  (folder / "").string(), path.string()));
+  const FolderClaim claim(folder);
   const auto scripts = scripts_of(folder);
   auto drawn = output::draw(folder, scripts.ours, {request.pdf, request.width.value_or(0)});
   for (const auto& script : scripts.foreign)  // a script may run any program

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "analysis/planes/map.hpp"
 #include "app/verbs/records.hpp"
 #include "core/error.hpp"
 

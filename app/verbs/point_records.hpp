@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "analysis/planes/map.hpp"
 #include "analysis/planes/parts.hpp"
 #include "app/verbs/records.hpp"
 

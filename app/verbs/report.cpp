@@ -8,6 +8,7 @@
 #include "core/console.hpp"
 #include "core/error.hpp"
 #include "core/files.hpp"
+#include "core/results_folder.hpp"
 
 namespace rosin::app::verbs {
 
@@ -20,7 +21,7 @@ void require_replaceable(const fs::path& page) {
   const auto status = fs::symlink_status(page);
   if (!fs::exists(status)) return;
   constexpr std::uintmax_t largest = 100'000'000;  // bytes
-  if (fs::is_regular_file(status) && report::is_report(read_whole(page, largest))) return;
+  if (fs::is_regular_file(status) && report::is_report(read_found(page, largest))) return;
   throw InputError(
       fmt::format("{}: is no report of rosin and is left alone; --out FILE writes elsewhere", page.string()));
 }
@@ -31,6 +32,8 @@ Status write_report(const Request& request) {
   require_replaceable(page);
   const auto text = report::page_of(results);
   write_whole(page, text);
+  if (!request.quiet)
+    for (const auto& [name, why] : results.left_out) tell("note: {} {}: left out\n", (folder / name).string(), why);
   if (!request.quiet) print("Report: {}, {:.0f} kB\n", page.string(), double(text.size()) / 1000);
   return done;
 }

@@ -1,25 +1,36 @@
 /// The verb run: the motion from a start.
+#include "analysis/motion/run.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <optional>
 
+#include "analysis/cycles/cycle.hpp"
 #include "analysis/motion/last_oscillation.hpp"
-#include "analysis/motion/slip_events.hpp"
+#include "analysis/motion/plane_run.hpp"
+#include "analysis/motion/spectrum.hpp"
+#include "analysis/motion/stepped_run.hpp"
+#include "analysis/motion/structure_run.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
 #include "app/scene/start.hpp"
 #include "app/scene/string.hpp"
 #include "app/scene/structure.hpp"
+#include "app/tasks/bowing.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/string_verbs.hpp"
 #include "app/verbs/verb.hpp"
+#include "core/fourier.hpp"
+#include "oscillators/block.hpp"
 
 namespace rosin::app::verbs {
 
@@ -33,16 +44,30 @@ void check_ramps(scene::SceneReader& reader) {
   for (const auto& [signal, name] : {std::pair{&drive.speed, "speed"}, std::pair{&drive.normal_load, "normal_load"},
                                      std::pair{&drive.force, "force"}}) {
     const auto quantity = scene::mechanical(std::string("drive.") + name);
-    if (!quantity.range.contains(signal->value(reader.scene.run.duration)))
+    if (!quantity.range.contains(signal->value(reader.scene.task<analysis::motion::RunOptions>().duration)))
       scene::fail(reader.document.at_path(quantity.name).node()->source(), "{} leaves {} ({}, {}) before run.duration",
                   quantity.name, text(quantity.range), quantity.meaning, quantity.unit);
   }
 }
 
+using SpectrumTask = std::optional<analysis::motion::SpectrumOptions>;  // of scenes that ask for one
+
+void read_spectrum(scene::Table table, scene::SceneReader& reader) {
+  auto& spectrum = reader.scene.task<SpectrumTask>().emplace();
+  table.expect({"columns", "from", "window", "segment", "lines"});
+  if (const auto* columns = table.find("columns")) spectrum.columns = scene::texts(*columns, table.path("columns"));
+  table.read("from", spectrum.from, {"", "s", {0, 1e15}, "motion before it is left out"});
+  table.read("segment", spectrum.segment, {"", "s", {1e-15, 1e15}, "length of the parts of a spectrogram"});
+  table.read("lines", spectrum.lines, 0, 1000, "sinusoids told of each column");
+  if (const auto* window = table.find("window"))
+    spectrum.window = scene::choice(*window, table.path("window"), window_names());
+  table.finish();
+}
+
 void read_table(scene::Table table, scene::SceneReader& reader) {
-  auto& run = reader.scene.run;
+  auto& run = reader.scene.task<analysis::motion::RunOptions>();
   auto& plane = reader.scene.plane;
-  table.expect({"duration", "times", "samples", "start"});
+  table.expect({"duration", "times", "samples", "start", "spectrum"});
   const Quantity time{table.path("times"), "s", {0, 1e15}, "time of a sample"};
   const auto* times = table.find("times");
   if (times) {
@@ -69,6 +94,10 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
     else
       run.start = scene::read_start(*start, table.path("start"), *reader.scene.model.law);
   }
+  if (const auto* spectrum = table.find("spectrum")) {
+    if (times) scene::fail(spectrum->source(), "run.spectrum needs equal intervals: give run.samples, not run.times");
+    read_spectrum(scene::Table(*spectrum, table.path("spectrum")), reader);
+  }
   table.finish();
   if (reader.needs("run") && !plane) check_ramps(reader);
 }
@@ -81,7 +110,7 @@ void read_stepping(scene::Table& table, scene::SceneReader& reader) {
     scene::fail(scheme->source(), "{} serves structures; a slider takes solver.type", table.path("scheme"));
   if (const auto* type = table.find("type"))
     scene::fail(type->source(), "give {} or {}, not both", table.path("type"), table.path("scheme"));
-  auto& stepping = reader.scene.run.stepping.emplace();
+  auto& stepping = reader.scene.task<analysis::motion::RunOptions>().stepping.emplace();
   const auto& names = analysis::motion::scheme_names();
   const auto name = scene::choice(*scheme, table.path("scheme"), names);
   stepping.scheme = analysis::motion::Scheme(std::ranges::find(names, name) - names.begin());
@@ -103,7 +132,7 @@ void read_stepping(scene::Table& table, scene::SceneReader& reader) {
 }
 
 void read_solver(scene::Table table, scene::SceneReader& reader) {
-  auto& run = reader.scene.run;
+  auto& run = reader.scene.task<analysis::motion::RunOptions>();
   read_stepping(table, reader);
   const auto* type = table.find("type");
   if (type) {
@@ -164,7 +193,7 @@ void read(scene::SceneReader& reader) {
   }
   read_table(scene::Table(reader.need("run", "duration and start"), "run"), reader);
   if (auto solver = reader.root.table("solver")) read_solver(*solver, reader);
-  if (reader.scene.block && !reader.scene.run.stepping)
+  if (reader.scene.block && !reader.scene.task<analysis::motion::RunOptions>().stepping)
     throw InputError(
         "the motion of a block goes by steps of a given length: give [solver] with scheme = \"average-acceleration\" "
         "and step (s)");
@@ -179,6 +208,7 @@ struct EventColumn {
   double SlipEvents::Errors::*error;
 };
 constexpr EventColumn event_columns[] = {
+    {"contact", "1", &SlipEvents::contact, nullptr},
     {"onset", "s", &SlipEvents::onset, &SlipEvents::Errors::onset},
     {"duration", "s", &SlipEvents::duration, &SlipEvents::Errors::duration},
     {"force_drop", "N", &SlipEvents::force_drop, &SlipEvents::Errors::force_drop},
@@ -187,12 +217,8 @@ constexpr EventColumn event_columns[] = {
     {"peak_slip_rate", "m/s", &SlipEvents::peak_slip_rate, &SlipEvents::Errors::peak_slip_rate},
     {"recurrence", "s", &SlipEvents::recurrence, &SlipEvents::Errors::recurrence}};
 
-/// Of a slider that has slipped twice or more; else none.
-SlipEvents stick_slip(const scene::Scene& scene, const analysis::motion::Run& run) {
-  if (scene.plane || scene.structure) return {};
-  auto events = analysis::motion::slip_events(scene.model, run, scene.cycle.stick_threshold);
-  return events.onset.size() < 2 ? SlipEvents{} : events;
-}
+/// Stick–slip: two slips or more.
+bool lists_slips(const analysis::motion::Run& run) { return run.slips.onset.size() > 1; }
 
 /// The catalogue as a table, its file, and what it comes to.
 void tell_of(Job& job, const SlipEvents& events) {
@@ -200,27 +226,56 @@ void tell_of(Job& job, const SlipEvents& events) {
   job.say("{} slip events, on average", events.onset.size());
   for (const auto& column : event_columns) {
     const auto& values = events.*column.values;
+    if (values.empty()) continue;
     table.push_back({output::column_header(column.name, column.unit), values});
     std::vector<double> known;
     std::ranges::copy_if(values, std::back_inserter(known), [](double value) { return std::isfinite(value); });
-    if (column.values == &SlipEvents::onset || known.empty()) continue;
+    if (!column.error || column.values == &SlipEvents::onset || known.empty()) continue;
     const auto [low, high] = std::ranges::minmax(known);
     const double mean = std::accumulate(known.begin(), known.end(), 0.0) / double(known.size());
     const double error = events.error.*column.error;
     job.say("  {:<22} {}{}", column.name, justified(mean, error, column.unit),
             high - low > 2 * error ? fmt::format(", {:.6g} to {:.6g}", low, high) : "");
   }
-  constexpr int enough = 10;
-  if (events.fewest_samples < enough)
-    job.note(
-        fmt::format("a slip event has {} samples of the record: its peak slip rate{} no better than they are; "
-                    "run.samples would have to be {} times as many for {} in each",
-                    events.fewest_samples, job.scene().model.law->set_valued() ? " is" : ", its ends and its drop are",
-                    (enough + events.fewest_samples) / std::max(1, events.fewest_samples), enough));
   output::write_csv(job.folder() / "stick-slip.csv", table);
 }
 
-std::string document_of(const scene::Scene& scene, const analysis::motion::Run& run, const SlipEvents& slips) {
+using Spectrum = std::optional<analysis::motion::MotionSpectrum>;
+
+void add_spectrum(const analysis::motion::MotionSpectrum& spectrum, ordered_json& document) {
+  auto columns = ordered_json::object(), lines = columns, parts = columns;
+  for (std::size_t c = 0; c < spectrum.names.size(); ++c) {
+    const auto& name = spectrum.names[c];
+    columns[name] = spectrum.amplitude[c];
+    lines[name] = ordered_json::array();
+    for (const auto& line : spectrum.lines[c])
+      lines[name].push_back({{"frequency", line.frequency},
+                             {"amplitude", line.amplitude},
+                             {"error", {{"frequency", line.frequency_error}, {"amplitude", line.amplitude_error}}}});
+    if (!spectrum.part_amplitude.empty()) parts[name] = spectrum.part_amplitude[c];
+  }
+  document["spectrum"] = {{"frequency", spectrum.frequency},
+                          {"columns", std::move(columns)},
+                          {"resolution", spectrum.resolution},
+                          {"lines", std::move(lines)}};
+  if (!spectrum.part_time.empty())
+    document["spectrogram"] = {
+        {"time", spectrum.part_time}, {"frequency", spectrum.part_frequency}, {"columns", std::move(parts)}};
+}
+
+void say_spectrum(Job& job, const analysis::motion::MotionSpectrum& spectrum) {
+  constexpr std::size_t told = 3;
+  job.say("spectrum with a resolution of {:.4g} Hz; largest sinusoids:", spectrum.resolution);
+  for (std::size_t c = 0; c < spectrum.names.size(); ++c)
+    for (std::size_t i = 0; i < std::min(told, spectrum.lines[c].size()); ++i) {
+      const auto& line = spectrum.lines[c][i];
+      job.say("  {:<22} {} at {}", spectrum.names[c],
+              justified(line.amplitude, line.amplitude_error, spectrum.units[c]),
+              justified(line.frequency, line.frequency_error, "Hz"));
+    }
+}
+
+std::string document_of(const scene::Scene& scene, const analysis::motion::Run& run, const Spectrum& spectrum = {}) {
   auto document = output::begin(scene, "run", run.outcome);
   document["time"] = run.time;
   auto columns = ordered_json::object(), units = columns, error = columns;
@@ -229,6 +284,7 @@ std::string document_of(const scene::Scene& scene, const analysis::motion::Run& 
     units[run.column_names[i]] = run.column_units[i];
     if (i < run.column_error.size()) error[run.column_names[i]] = run.column_error[i];
   }
+  for (const auto& [name, of_metric] : run.metric_error) error[name] = of_metric;
   document["columns"] = std::move(columns);
   document["units"] = std::move(units);
   document["error"] = std::move(error);
@@ -237,16 +293,19 @@ std::string document_of(const scene::Scene& scene, const analysis::motion::Run& 
     events.push_back({{"time", event.time},
                       {"kind", event.kind},
                       {"displacement", scene.plane ? ordered_json{event.displacement, event.displacement_y}
-                                                   : ordered_json(event.displacement)}});
+                                                   : ordered_json(event.displacement)},
+                      {"error", event.error}});
     if (event.contact > 0) events.back()["contact"] = event.contact;
     output::add_stop(events.back(), event);
   }
   document["metrics"] = run.metrics;
-  if (!slips.onset.empty())
+  if (lists_slips(run))
     for (const auto& column : event_columns) {
-      document["stick_slip"][column.name] = slips.*column.values;
-      document["stick_slip"]["error"][column.name] = slips.error.*column.error;
+      if ((run.slips.*column.values).empty()) continue;
+      document["stick_slip"][column.name] = run.slips.*column.values;
+      if (column.error) document["stick_slip"]["error"][column.name] = run.slips.error.*column.error;
     }
+  if (spectrum) add_spectrum(*spectrum, document);
   document["solver"] = run.solver;
   document["cost"] = {{"steps", run.cost.steps}, {"evaluations", run.cost.evaluations}};
   document["notes"] = scene.notes;
@@ -275,18 +334,21 @@ void say_averages(Job& job, const std::map<std::string, double>& metrics) {
 Status perform(Job& job) {
   if (job.scene().string) return perform_string_run(job);
   auto& scene = job.scene();
-  scene.run.tolerance = job.request().tolerance.value_or(scene.run.tolerance);
+  auto& asked = scene.task<analysis::motion::RunOptions>();
+  asked.tolerance = job.request().tolerance.value_or(asked.tolerance);
   job.explain_model();
-  job.explain("solver: {}; tolerance {}; every column comes with its error", scene.run.solver, scene.run.tolerance);
+  job.explain("solver: {}; tolerance {}; every column comes with its error", asked.solver, asked.tolerance);
   const auto begin = std::chrono::steady_clock::now();
   auto run = [&] {
     Progress progress(job.request().quiet);
-    auto how = scene.run;
+    auto how = asked;
     if (progress.visible()) how.progress = [&](double part) { progress.show_pass(part); };
-    return scene.plane          ? analysis::motion::run_plane(*scene.plane, how)
-           : scene.run.stepping ? analysis::motion::run_stepped(*scene.structure, how)
-           : scene.structure    ? analysis::motion::run_structure(*scene.structure, how)
-                                : analysis::motion::run(scene.model, how);
+    return scene.plane      ? analysis::motion::run_plane(*scene.plane, how)
+           : asked.stepping ? analysis::motion::run_stepped(*scene.structure, how)
+           : scene.structure
+               ? analysis::motion::run_structure(*scene.structure, how,
+                                                 scene.task<analysis::cycles::CycleOptions>().stick_threshold)
+               : analysis::motion::run(scene.model, how, scene.task<analysis::cycles::CycleOptions>().stick_threshold);
   }();
   run.outcome = why_stopped(run.outcome);
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
@@ -301,7 +363,7 @@ Status perform(Job& job) {
     if (c < run.column_error.size()) reached.add(largest, run.column_error[c]);
   }
   auto& manifest = job.manifest();
-  manifest.tolerance_asked = scene.run.tolerance;
+  manifest.tolerance_asked = asked.tolerance;
   manifest.tolerance_reached = reached.value();
   manifest.cost = {{"seconds", seconds_since(begin)},
                    {"steps", double(run.cost.steps)},
@@ -313,22 +375,28 @@ Status perform(Job& job) {
       job.say(
           "  {:<22} ends at {}", run.column_names[c],
           justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
-  if (scene.run.stepping && run.metrics.contains("apparent_friction")) say_averages(job, run.metrics);
+  if (asked.stepping && run.metrics.contains("apparent_friction")) say_averages(job, run.metrics);
+  if (!run.outcome.complete() && run.time.size() < 2) return job.finish(document_of(scene, run), {}, run.outcome);
   output::write_csv(job.folder() / "run.csv", table);
   std::vector<std::string> files = {"run.csv"};
-  const auto slips = stick_slip(scene, run);
-  if (!slips.onset.empty()) {
-    tell_of(job, slips);
+  if (lists_slips(run)) {
+    tell_of(job, run.slips);
     files.emplace_back("stick-slip.csv");
   }
-  if (run.time.size() < 2) return job.finish(document_of(scene, run, slips), std::move(files), run.outcome);
+  if (run.time.size() < 2) return job.finish(document_of(scene, run), std::move(files), run.outcome);
   for (auto& file : scene.block ? output::write_block_picture(job.folder(), scene, run)
                                 : output::write_picture(job.folder(), scene, run))
     files.push_back(std::move(file));
+  Spectrum spectrum;
+  if (const auto& how = scene.task<SpectrumTask>(); how && run.outcome.complete()) {
+    spectrum = analysis::motion::spectrum(run, *how);
+    say_spectrum(job, *spectrum);
+    for (auto& file : output::write_picture(job.folder(), scene, *spectrum)) files.push_back(std::move(file));
+  }
   if (scene.block && run.oscillation && !job.request().no_pictures)
     for (auto& file : output::write_block_motion(job.folder(), scene, *run.oscillation))
       files.push_back(std::move(file));
-  return job.finish(document_of(scene, run, slips), std::move(files), run.outcome);
+  return job.finish(document_of(scene, run, spectrum), std::move(files), run.outcome);
 }
 
 }  // namespace

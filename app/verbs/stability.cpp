@@ -7,17 +7,21 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/steady/mode_windows.hpp"
 #include "analysis/steady/sliding_modes.hpp"
 #include "analysis/steady/structure_hopf.hpp"
 #include "analysis/steady/structure_stability.hpp"
-#include "analysis/steady/thresholds.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
 #include "app/scene/structure.hpp"
+#include "app/tasks/stability.hpp"
 #include "app/verbs/job.hpp"
+#include "app/verbs/string_verbs.hpp"
 #include "app/verbs/verb.hpp"
+#include "oscillators/block.hpp"
 
 namespace rosin::app::verbs {
 
@@ -25,9 +29,9 @@ using nlohmann::ordered_json;
 
 namespace {
 
-scene::StabilityScan read_scan(scene::Table table, scene::SceneReader& reader) {
-  scene::StabilityScan scan;
-  const auto& family = *(reader.scene.family = std::make_shared<scene::Family>(reader));
+tasks::StabilityScan read_scan(scene::Table table, scene::SceneReader& reader) {
+  tasks::StabilityScan scan;
+  const auto& family = *(reader.scene.family = std::make_shared<scene::Family>(reader, "stability.scan"));
   table.expect({"parameter", "from", "to", "points", "scale"});
   const auto& parameter = table.required("parameter", "path of a number, such as law.mu_d");
   scan.parameter = scene::located(parameter.source(),
@@ -51,18 +55,23 @@ scene::StabilityScan read_scan(scene::Table table, scene::SceneReader& reader) {
 
 void read_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
+  auto& asked = scene.task<tasks::Stability>();
   if (const auto* parameters = table.find("parameters")) {
-    scene.hopf_parameters = scene::texts(*parameters, "stability.parameters");
-    for (std::size_t i = 0; i < scene.hopf_parameters.size(); ++i)
-      scene::located(parameters->as_array()->get(i)->source(), [&] { scene.model.describe(scene.hopf_parameters[i]); });
+    asked.parameters = scene::texts(*parameters, "stability.parameters");
+    for (std::size_t i = 0; i < asked.parameters.size(); ++i)
+      scene::located(parameters->as_array()->get(i)->source(), [&] { scene.model.describe(asked.parameters[i]); });
   }
-  table.read("modes", scene.lowest_modes, 1, 200, "modes of lowest frequency that are followed");
-  if (const auto* scan = table.find("scan"))
-    scene.stability_scan = read_scan(scene::Table(*scan, table.path("scan")), reader);
+  table.read("modes", asked.modes, 1, 200, "modes of lowest frequency that are followed");
+  if (const auto* scan = table.find("scan")) asked.scan = read_scan(scene::Table(*scan, table.path("scan")), reader);
   table.finish();
 }
 
-std::string document_of(const scene::Scene& scene, const output::StabilityResult& result) {
+struct StabilityResult {
+  analysis::steady::Stability stability;
+  std::vector<analysis::steady::HopfPoint> hopf;
+};
+
+std::string document_of(const scene::Scene& scene, const StabilityResult& result) {
   auto document = output::begin(scene, "stability");
   const auto& steady = result.stability.steady;
   document["steady"] = {{"slip_rate", steady.slip_rate},
@@ -135,19 +144,34 @@ double highest_frequency(const analysis::steady::StructureStability& result) {
 }
 
 using Hopf = std::optional<analysis::steady::StructureHopf>;
+using HopfAt = std::function<Hopf(const analysis::steady::Crossing&)>;
 
-/// \param hopf  of each threshold of the scan
+ordered_json crossing_of(const analysis::steady::Crossing& crossing, const Hopf& hopf) {
+  ordered_json document = {{"value", crossing.value},
+                           {"kind", crossing.onset ? "onset" : "end"},
+                           {"angular_frequency", crossing.angular_frequency},
+                           {"error", crossing.error}};
+  if (hopf)
+    document.update({{"criticality", name(hopf->criticality)},
+                     {"first_lyapunov_coefficient", hopf->first_lyapunov_coefficient},
+                     {"first_lyapunov_coefficient_error", hopf->error},
+                     {"amplitude_coefficient", hopf->amplitude}});
+  return document;
+}
+
 std::string document_of(const scene::Scene& scene, const analysis::steady::StructureStability& result,
-                        const analysis::steady::Scan* scan, const std::vector<Hopf>& hopf) {
+                        const analysis::steady::Scan* scan, const HopfAt& hopf_at) {
+  auto& asked = scene.task<tasks::Stability>();
   auto document = output::begin(scene, "stability");
   const auto& structure = scene.structure->structure;
   document["steady"] = steady_of(structure, result);
   if (scene.block) add_block(*scene.block, result, document);
-  if (scene.lowest_modes > 0)
+  if (asked.modes > 0)
     document["window"] = {{"modes", result.modes.size()}, {"highest_frequency", highest_frequency(result)}};
   document["eigenvalues"] = output::pairs(result.eigenvalues);
   document["stable"] = result.stable;
   document["marginal"] = result.marginal;
+  document["unstable_modes"] = result.unstable_modes();
   auto& modes = document["modes"] = ordered_json::array();
   for (const auto& mode : result.modes)
     modes.push_back({{"frequency", mode.frequency()},
@@ -156,25 +180,30 @@ std::string document_of(const scene::Scene& scene, const analysis::steady::Struc
                      {"shape", output::pairs(mode.shape)},
                      {"error", {{"eigenvalue", mode.error}}}});
   if (scan) {
-    document["parameter"] = scene.stability_scan->parameter.name;
-    document["unit"] = scene.stability_scan->parameter.unit;
+    document["parameter"] = asked.scan->parameter.name;
+    document["unit"] = asked.scan->parameter.unit;
     auto& thresholds = document["thresholds"] = ordered_json::array();
-    for (std::size_t i = 0; i < scan->thresholds.size(); ++i) {
-      const auto& threshold = scan->thresholds[i];
-      thresholds.push_back({{"value", threshold.value},
-                            {"kind", threshold.onset ? "onset" : "end"},
-                            {"angular_frequency", threshold.angular_frequency},
-                            {"error", threshold.error},
-                            {"steady", steady_of(structure, threshold.at)}});
-      if (!hopf[i]) continue;
-      thresholds.back().update({{"criticality", name(hopf[i]->criticality)},
-                                {"first_lyapunov_coefficient", hopf[i]->first_lyapunov_coefficient},
-                                {"first_lyapunov_coefficient_error", hopf[i]->error},
-                                {"amplitude_coefficient", hopf[i]->amplitude}});
+    for (const auto& threshold : scan->thresholds) {
+      thresholds.push_back(crossing_of(threshold, hopf_at(threshold)));
+      thresholds.back()["steady"] = steady_of(structure, threshold.at);
+    }
+    auto& windows = document["windows"] = ordered_json::array();
+    for (const auto& window : scan->windows) {
+      const auto edge = [&](const std::optional<analysis::steady::Threshold>& at) {
+        return at ? crossing_of(*at, hopf_at(*at)) : ordered_json();
+      };
+      windows.push_back({{"onset", edge(window.onset)},
+                         {"end", edge(window.end)},
+                         {"fastest",
+                          {{"value", window.at},
+                           {"growth_rate", window.fastest.growth_rate()},
+                           {"frequency", window.fastest.frequency()},
+                           {"shape", output::pairs(window.fastest.shape)},
+                           {"error", {{"growth_rate", window.fastest.error}}}}}});
     }
     auto branches = ordered_json::array();
     for (const auto& values : scan->eigenvalues) branches.push_back(output::pairs(values));
-    document["path"] = {{"value", scan->values}, {"eigenvalues", branches}};
+    document["path"] = {{"value", scan->values}, {"eigenvalues", branches}, {"unstable_modes", scan->unstable_modes}};
   }
   document["notes"] = scene.notes;
   return output::text(document);
@@ -182,8 +211,9 @@ std::string document_of(const scene::Scene& scene, const analysis::steady::Struc
 
 /// All modes, or the lowest where the scene asks for some of them or has too many.
 analysis::steady::StructureStability stability_of(const scene::Scene& scene, const oscillators::Structure& structure) {
-  return scene.lowest_modes > 0 ? analysis::steady::lowest_modes_of_sliding(structure, scene.lowest_modes)
-                                : analysis::steady::stability(structure);
+  return scene.task<tasks::Stability>().modes > 0
+             ? analysis::steady::lowest_modes_of_sliding(structure, scene.task<tasks::Stability>().modes)
+             : analysis::steady::stability(structure);
 }
 
 /// At most so many digits, none below the error; 0 of what its error hides.
@@ -199,17 +229,18 @@ std::string signed_known(double value, double error, int digits) {
 
 Status perform_on_structure(Job& job) {
   auto& scene = job.scene();
+  auto& asked = scene.task<tasks::Stability>();
   const auto& structure = scene.structure->structure;
   constexpr int usual_modes = 10;
-  if (scene.block && scene.lowest_modes == 0) scene.lowest_modes = usual_modes;
+  if (scene.block && asked.modes == 0) asked.modes = usual_modes;
   job.explain("eigenvalues of the linearised structure of {} coordinates and {} contacts; no integration",
               structure.size(), structure.contacts.size());
-  if (!scene.hopf_parameters.empty())
+  if (!asked.parameters.empty())
     throw InputError(
         "stability.parameters serves sliders; of a structure give stability.scan = { parameter, from, to }");
   if (!structure.constant()) job.note("the drive varies: stability is that of its mean, or of its start");
   const auto result = stability_of(scene, structure);
-  if (scene.lowest_modes > 0)
+  if (asked.modes > 0)
     job.note(
         fmt::format("stability is that of the {} modes of lowest frequency, up to {:.4g} Hz (stability.modes); above "
                     "them a mesh has "
@@ -241,58 +272,78 @@ Status perform_on_structure(Job& job) {
   }
   std::vector<std::string> files;
   if (scene.block) files = output::write_block_picture(job.folder(), scene, result);
-  if (!scene.stability_scan) {
+  if (!asked.scan) {
     job.manifest().tolerance_reached = reached.value();
-    return job.finish(document_of(scene, result, nullptr, {}), std::move(files), {});
+    return job.finish(document_of(scene, result, nullptr, nullptr), std::move(files), {});
   }
-  const auto& parameter = scene.stability_scan->parameter;
-  const auto& axis = scene.stability_scan->axis;
+  const auto& parameter = asked.scan->parameter;
+  const auto& axis = asked.scan->axis;
   job.explain("{} values of {}, with the eigenvalues of each; thresholds between them located to rounding",
               axis.values.size(), parameter.name);
   const auto scan = analysis::steady::scan(
       [&](double value) {
         return stability_of(scene, scene.family->with({{parameter.name, value}}).structure);
       },
-      axis.values);
-  std::vector<Hopf> hopf;
+      axis.values, asked.modes > 0 ? int(axis.values.size()) : 2000);
+  const HopfAt hopf_at = [&](const auto& crossing) {
+    return asked.modes > 0 ? std::nullopt
+                           : analysis::steady::hopf_at(
+                                 [&](double value) {
+                                   return scene.family->with({{parameter.name, value}}).structure;
+                                 },
+                                 crossing);
+  };
   for (const auto& threshold : scan.thresholds) {
     reached.add(threshold.value, threshold.error);
-    hopf.push_back(scene.lowest_modes > 0 ? std::nullopt
-                                          : analysis::steady::hopf_at(
-                                                [&](double value) {
-                                                  return scene.family->with({{parameter.name, value}}).structure;
-                                                },
-                                                threshold));
+    const auto hopf = hopf_at(threshold);
     job.say("{} of instability at {} = {}, {:.10g} rad/s{}", threshold.onset ? "onset" : "end", parameter.name,
             justified(threshold.value, threshold.error, parameter.unit), threshold.angular_frequency,
-            hopf.back() ? ", " + name(hopf.back()->criticality) : "");
+            hopf ? ", " + name(hopf->criticality) : "");
   }
+  for (const auto& window : scan.windows) {
+    const auto edge = [&](const std::optional<analysis::steady::Threshold>& at, const char* none) {
+      if (at) reached.add(at->value, at->error);
+      return at ? justified(at->value, at->error, parameter.unit) : none;
+    };
+    const auto& fastest = window.fastest;
+    job.say("the mode of {:.4g} Hz grows from {} to {}, with {} 1/s at {:.4g}", fastest.frequency(),
+            edge(window.onset, "the scan's beginning"), edge(window.end, "its end"),
+            known(fastest.growth_rate(), fastest.error, 4), window.at);
+  }
+  if (!scan.without.empty())
+    job.note(fmt::format("no steady sliding at {} = {:.9g}: no eigenvalues there", parameter.name,
+                         fmt::join(scan.without, ", ")));
   if (scan.thresholds.empty())
     job.say("no threshold in {} from {:g} to {:g}", parameter.name, axis.values.front(), axis.values.back());
   job.manifest().tolerance_reached = reached.value();
   for (auto& file : output::write_picture(job.folder(), scene, scan)) files.push_back(std::move(file));
-  return job.finish(document_of(scene, result, &scan, hopf), std::move(files), {});
+  return job.finish(document_of(scene, result, &scan, hopf_at), std::move(files), {});
 }
 
 /// A scan is of a structure; a slider is one of one coordinate.
 void read(scene::SceneReader& reader) {
   read_model(reader);
-  if (reader.scene.stability_scan && !reader.scene.structure) scene::read_structure_model(reader);
+  if (reader.scene.string)
+    return reader.note_unread({"stability.parameters", "stability.modes", "stability.scan"},
+                              "of a string all partials are found, at the bow's own speed and load");
+  if (reader.scene.task<tasks::Stability>().scan && !reader.scene.structure) scene::read_structure_model(reader);
+  if (!reader.scene.structure) reader.note_unread({"stability.modes"}, "a slider has few modes, which are all found");
 }
 
 Status perform(Job& job) {
+  if (job.scene().string) return perform_string_stability(job);
   if (job.scene().structure) return perform_on_structure(job);
   const auto& scene = job.scene();
   const auto& model = scene.model;
   std::vector<std::string> paths = {"drive.normal_load", "oscillator.stiffness", "drive.speed"};
   if (model.law->has_states()) paths.push_back("law.lambda");
-  for (const auto& path : scene.hopf_parameters)
+  for (const auto& path : scene.task<tasks::Stability>().parameters)
     if (std::ranges::find(paths, path) == paths.end()) paths.push_back(path);
   job.explain_model();
   job.explain("eigenvalues of the linearised slider; Hopf points in {}; no integration", fmt::join(paths, ", "));
   if (!model.drive.constant()) job.note("the drive varies: stability is that of its mean, or of its start");
 
-  output::StabilityResult result;
+  StabilityResult result;
   result.stability = analysis::steady::stability(model);
   const auto& steady = result.stability.steady;
   job.say("steady sliding at {} m/s: friction coefficient {:.10g}, force {:.10g} N", steady.slip_rate,

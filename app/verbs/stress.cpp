@@ -94,6 +94,7 @@ ordered_json to_json(const StressReport& report, std::uint64_t seed) {
           {"version", ROSIN_VERSION},
           {"seed", seed},
           {"passed", report.passed()},
+          {"complete", report.complete},
           {"scenes", report.scenes},
           {"questions", tallies(report.questions, report.scenes)},
           {"certified", report.certified},

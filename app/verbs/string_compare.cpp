@@ -4,10 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/planes/map.hpp"
+#include "analysis/strings/strings.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/family.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/bowing.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/string_verbs.hpp"
@@ -24,12 +28,13 @@ void read_string_comparison(scene::SceneReader& reader, scene::Table table) {
   for (const auto& element : scene::list(members, "compare.members", "tables", scene::most_names)) {
     scene::Table keys(element, "compare.members");
     keys.expect({"name", "law", "set"});
-    scene::StringTask::Member member{scene::text(keys.required("name", "of the member"), keys.path("name")), {}, {}};
+    tasks::Bowing::Member member{scene::text(keys.required("name", "of the member"), keys.path("name")), {}, {}};
     toml::table document = reader.document;
     if (const auto* law = keys.find("law")) document.insert_or_assign("law", *law);
     scene::Scene unused;
     scene::SceneReader with_law{reader.request, document, scene::Table(document, ""), unused, reader.folder, {}};
-    member.family = std::make_shared<scene::Family>(with_law, true);
+    member.family = scene::located(element.source(),
+                                   [&] { return std::make_shared<scene::Family>(with_law, "compare.members", true); });
     if (const auto* set = keys.find("set")) {
       if (!set->is_table())
         scene::wrong_kind(*set, keys.path("set"), "a table of paths, such as { \"oscillator.bow_position\" = 0.06 }");

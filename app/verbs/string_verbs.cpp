@@ -5,16 +5,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 
+#include "analysis/planes/map.hpp"
+#include "analysis/strings/strings.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/planes.hpp"
 #include "app/output/wav.hpp"
 #include "app/scene/family.hpp"
+#include "app/scene/scene.hpp"
 #include "app/scene/string.hpp"
+#include "app/tasks/bowing.hpp"
+#include "app/tasks/sweep.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
+#include "oscillators/bowed_string.hpp"
 
 namespace rosin::app::verbs {
 
@@ -34,7 +42,7 @@ struct NamedColumn {
   const std::vector<double>* values;
 };
 
-std::vector<NamedColumn> columns_of(const StringRecord& record, const scene::StringTask& task) {
+std::vector<NamedColumn> columns_of(const StringRecord& record, const tasks::Bowing& task) {
   std::vector<NamedColumn> columns = {{"bow_speed", "m/s", &record.bow_speed},
                                       {"string_velocity", "m/s", &record.velocity},
                                       {"slip_rate", "m/s", &record.slip_rate},
@@ -75,7 +83,9 @@ struct Judged {
   const char *name, *unit, *meaning;
   double value, error;
 };
-std::vector<Judged> metrics_of(const oscillators::BowedString& string, const Bowing& bowing, const Bowing& finer) {
+/// \param most  periods: a transient of this length is none
+std::vector<Judged> metrics_of(const oscillators::BowedString& string, const Bowing& bowing, const Bowing& finer,
+                               double most) {
   const auto one = [&](const char* name, const char* unit, const char* meaning, double resolution, auto of) {
     const double value = of(bowing), other = of(finer);
     return Judged{name, unit, meaning, value, std::max(std::abs(value - other), resolution)};
@@ -83,7 +93,7 @@ std::vector<Judged> metrics_of(const oscillators::BowedString& string, const Bow
   const double sample = string.step(), periods = sample / string.period();
   return {one("first_slip", "s", "time of the first slip", sample, [](const Bowing& b) { return b.first_slip; }),
           one("transient_length", "1", "from there to Helmholtz motion, periods of the open string", periods,
-              [](const Bowing& b) { return b.transient.length; }),
+              [most](const Bowing& b) { return b.transient.length < most ? b.transient.length : NAN; }),
           one("slips_per_period", "1", "slips per period at the end", 0,
               [](const Bowing& b) { return b.transient.slips_per_period; }),
           one("period", "1", "period at the end over that of the open string", periods,
@@ -126,7 +136,8 @@ std::string document_of(const scene::Scene& scene, const StringRecord& record, c
   document["string"] = {{"surface_impedance", task.model.string.surface_impedance()},
                         {"realised_frequency", realised.realised_frequency()},
                         {"realised_bow_position", realised.realised_bow_position()}};
-  document["sound"] = {{"file", "bridge.wav"}, {"full_scale", full_scale}, {"unit", "N"}};
+  document["sound"] = {
+      {"file", "bridge.wav"}, {"full_scale", full_scale}, {"unit", "N"}, {"above", output::lowest_heard}};
   document["solver"] = "travelling waves";
   document["cost"] = {{"steps", record.bowing.samples}};
   document["notes"] = scene.notes;
@@ -148,7 +159,8 @@ Status perform_string_run(Job& job) {
   const auto record = analysis::strings::record(task.model, task.options);
   auto finer = task.model;
   finer.string.sample_rate *= 2;
-  const auto metrics = metrics_of(string, record.bowing, analysis::strings::bow(finer, task.options));
+  const auto metrics =
+      metrics_of(string, record.bowing, analysis::strings::bow(finer, task.options), task.options.transient.most);
   job.explain("{} steps, and as many again at twice the sample rate, whose difference is the error",
               record.bowing.samples);
   auto& manifest = job.manifest();
@@ -167,6 +179,13 @@ Status perform_string_run(Job& job) {
     job.say("  no Helmholtz motion within {} periods of the first slip", task.options.transient.most);
   const double full_scale = output::write_wav(job.folder() / "bridge.wav", record.sound, string.sample_rate);
   const auto kept = thinned(record, task.samples);
+  if (std::ssize(kept.time) < record.bowing.samples) {
+    scene.notes.push_back(
+        fmt::format("run.csv has {} of {} samples, evenly, so that a spectrum of it aliases; run.samples = {} keeps {}",
+                    kept.time.size(), record.bowing.samples, std::min(record.bowing.samples, long(scene::most_points)),
+                    record.bowing.samples > long(scene::most_points) ? "more" : "all"));
+    job.note(scene.notes.back());
+  }
   std::vector<output::Column> table{{"time (s)", kept.time}};
   for (const auto& column : columns_of(kept, task))
     table.push_back({output::column_header(column.name, column.unit), *column.values});
@@ -177,11 +196,156 @@ Status perform_string_run(Job& job) {
   return job.finish(document_of(scene, kept, metrics, realised, full_scale), std::move(files), record.bowing.outcome);
 }
 
+Status perform_string_stability(Job& job) {
+  auto& scene = job.scene();
+  const auto& model = scene.string->model;
+  job.explain(
+      "modes of the open string followed to those under the sliding bow; waves as they are sampled, friction "
+      "linearised; no motion is computed");
+  if (!model.speed.constant() || !model.load.constant())
+    job.note("the bow changes its speed or load: stability is that of its start");
+  const auto begin = std::chrono::steady_clock::now();
+  const auto sliding = analysis::strings::sliding_stability(model);
+  job.manifest().cost = {{"seconds", seconds_since(begin)}};
+  job.say("steady sliding at {:.6g} m/s under {:.6g} N: friction coefficient {:.10g}, force {:.10g} N",
+          sliding.slip_rate, model.load.value(0), sliding.friction_coefficient, sliding.friction_force);
+  job.say("friction changes by {:.6g} N s/m with the slip rate, at once; the string resists by {:.6g} N s/m",
+          sliding.slope, sliding.impedance);
+  const int growing = sliding.unstable_modes();
+  if (sliding.jumps)
+    job.say(
+        "unstable: friction falls by more than the string resists, so that the slip rate jumps before a wave returns");
+  else
+    job.say("{}", sliding.stable ? "stable: the bow slides, and no partial grows"
+                  : growing > 0  ? fmt::format("unstable: {} partials grow, the fastest by {:.6g} 1/s at {:.6g} Hz",
+                                               growing, sliding.modes.front().eigenvalue.real(),
+                                               sliding.modes.front().eigenvalue.imag() / (2 * std::numbers::pi))
+                                 : "marginal: no partial grows by more than its error");
+  auto document = output::begin(scene, "stability", sliding.outcome);
+  document["steady"] = {{"slip_rate", sliding.slip_rate},
+                        {"friction_coefficient", sliding.friction_coefficient},
+                        {"friction_force", sliding.friction_force}};
+  document["slope"] = sliding.slope;
+  document["impedance"] = sliding.impedance;
+  document["jumps"] = sliding.jumps;
+  document["stable"] = sliding.stable;
+  document["marginal"] = !sliding.stable && !sliding.jumps && growing == 0 && sliding.outcome.complete();
+  document["unstable_modes"] = sliding.jumps ? ordered_json() : ordered_json(growing);
+  std::vector<std::complex<double>> eigenvalues;
+  for (const auto& mode : sliding.modes) eigenvalues.push_back(mode.eigenvalue);
+  document["eigenvalues"] = output::pairs(eigenvalues);
+  auto& modes = document["modes"] = ordered_json::array();
+  Reached reached;
+  constexpr std::size_t shown = 10;
+  if (!sliding.modes.empty()) job.say("  {:>9} {:>24} {:>24}", "partial", "frequency (Hz)", "growth (1/s)");
+  for (const auto& mode : sliding.modes) {
+    const double turn = 2 * std::numbers::pi, frequency = mode.eigenvalue.imag() / turn,
+                 growth = mode.eigenvalue.real();
+    if (modes.size() < shown) {
+      job.say("  {:>9} {:>24} {:>24}", fmt::format("{}{}", mode.partial, mode.torsional ? " twist" : ""),
+              justified(frequency, mode.error / turn, "1"), justified(growth, mode.error, "1"));
+      reached.add(std::abs(mode.eigenvalue), mode.error);
+    }
+    modes.push_back({{"partial", mode.partial},
+                     {"waves", mode.torsional ? "torsional" : "transverse"},
+                     {"frequency", frequency},
+                     {"growth_rate", growth},
+                     {"damping_ratio", -growth / std::abs(mode.eigenvalue)},
+                     {"error", {{"eigenvalue", mode.error}}}});
+  }
+  job.manifest().tolerance_reached = reached.value();
+  document["notes"] = scene.notes;
+  return job.finish(output::text(document), {}, sliding.outcome);
+}
+
+Status perform_string_cycle(Job& job) {
+  auto& scene = job.scene();
+  const auto& task = *scene.string;
+  const auto& transient = task.options.transient;
+  job.explain("{:g} periods of the open string from {}, at {} samples per second and at twice that", task.periods,
+              task.model.start == oscillators::StringStart::rest ? "rest" : "Helmholtz motion",
+              task.model.string.sample_rate);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto options = analysis::strings::until_periodic(task.model, task.periods, transient);
+  auto record = analysis::strings::record(task.model, options);
+  const auto again = analysis::strings::bow(analysis::strings::finer(task.model), options);
+  const auto cycle = analysis::strings::cycle_of(task.model, record.bowing, again, transient);
+  job.manifest().cost = {{"seconds", seconds_since(begin)}, {"steps", double(cycle.samples)}};
+  auto document = output::begin(scene, "cycle", cycle.outcome);
+  auto errors = ordered_json::object();
+  Reached reached;
+  job.say("after {:g} periods: {}", task.periods, name_of(cycle.regime));
+  for (const auto& [name, unit, meaning, member] : analysis::strings::string_period_names()) {
+    const auto& measure = cycle.period.*member;
+    document[name] = measure.value, errors[name] = measure.error;
+    if (std::isnan(measure.value)) continue;
+    reached.add(measure.value, measure.error);
+    job.say("{:<22} {}", name, justified(measure.value, measure.error, unit));
+  }
+  job.manifest().tolerance_reached = reached.value();
+  document["regime"] = name_of(cycle.regime);
+  document["error"] = std::move(errors);
+  document["cost"] = {{"steps", cycle.samples}};
+  document["notes"] = scene.notes;
+  std::vector<std::string> files;
+  if (std::isfinite(cycle.period.period.value)) {
+    const auto kept = std::size_t(std::lround(cycle.period.period.value * task.model.string.sample_rate)) + 1;
+    const auto of_last = [&](const std::vector<double>& list) {
+      return std::vector<double>(list.end() - std::ptrdiff_t(std::min(kept, list.size())), list.end());
+    };
+    std::vector<std::vector<double>> columns = {of_last(record.time)};
+    const double first = columns[0].front();
+    for (double& t : columns[0]) t -= first;
+    const auto all = columns_of(record, task);
+    for (const auto& column : all) columns.push_back(of_last(*column.values));
+    std::vector<output::Column> table{{"time (s)", columns[0]}};
+    for (std::size_t c = 0; c < all.size(); ++c)
+      table.push_back({output::column_header(all[c].name, all[c].unit), columns[c + 1]});
+    output::write_csv(job.folder() / "cycle.csv", table);
+    files.push_back("cycle.csv");
+  }
+  return job.finish(output::text(document), std::move(files), cycle.outcome);
+}
+
+analysis::planes::Sweep sweep_of_strings(Job& job) {
+  auto& scene = job.scene();
+  const auto& task = *scene.string;
+  const auto& axis = scene.task<tasks::Sweep>().options.axis;
+  std::vector<oscillators::BowedStringModel> models;
+  for (const double value : axis.values) {
+    models.push_back(scene.family->string_with({{axis.parameter, value}}));
+    models.back().start = task.model.start;  // of [cycle], which a family does not vary
+  }
+  const auto cycles =
+      analysis::strings::string_cycles(models, task.periods, task.options.transient, job.request().threads);
+  analysis::planes::Sweep sweep;
+  std::size_t place = 0;
+  for (const auto& [name, unit, meaning, member] : analysis::strings::string_period_names())
+    sweep.metrics.push_back({name, unit, meaning, nullptr, place++});
+  for (const auto& cycle : cycles) {
+    auto& point = sweep.up.emplace_back();
+    point.done = true;
+    point.metrics = analysis::planes::undecided_point();
+    point.metrics.done = true, point.metrics.origin = analysis::planes::Origin::computed;
+    for (const auto& metric : analysis::strings::string_period_names()) {
+      point.metrics.measures.push_back((cycle.period.*metric.member).value);
+      point.metrics.measure_errors.push_back((cycle.period.*metric.member).error);
+    }
+    point.metrics.regime = cycle.outcome.complete() ? analysis::planes::Regime::cycle
+                           : cycle.regime == analysis::strings::StringRegime::sliding
+                               ? analysis::planes::Regime::stable
+                               : analysis::planes::Regime::failed;
+    if (!cycle.outcome.complete()) point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
+  }
+  sweep.thresholds_left_out = "thresholds of steady sliding are those of 'stability', value by value";
+  return sweep;
+}
+
 void read_string_map(scene::SceneReader& reader, scene::Table table) {
   scene::read_string(reader);
   auto& scene = reader.scene;
   auto& task = *scene.string;
-  scene.family = std::make_shared<scene::Family>(reader, true);
+  scene.family = std::make_shared<scene::Family>(reader, "map", true);
   table.expect({"x", "y", "finer", "within", "good"});
   const auto &x = table.required("x", "first axis"), &y = table.required("y", "second axis");
   task.x = read_axis(scene::Table(x, table.path("x")), scene);
@@ -209,7 +373,7 @@ void read_string_map(scene::SceneReader& reader, scene::Table table) {
 namespace {
 
 /// The plane as others are, for files: metrics of points with their errors.
-analysis::planes::Map as_map(const scene::StringTask& task, const std::vector<Pixel>& pixels) {
+analysis::planes::Map as_map(const tasks::Bowing& task, const std::vector<Pixel>& pixels) {
   analysis::planes::Map map;
   map.x = task.x, map.y = task.y;
   const std::pair<std::array<const char*, 3>, double (*)(const Pixel&)> metrics[] = {
@@ -246,7 +410,7 @@ analysis::planes::Map as_map(const scene::StringTask& task, const std::vector<Pi
 }  // namespace
 
 std::vector<oscillators::BowedStringModel> strings_of_plane(
-    const scene::StringTask& task, const scene::Family& family,
+    const tasks::Bowing& task, const scene::Family& family,
     const std::vector<std::pair<std::string, double>>& changed) {
   std::vector<oscillators::BowedStringModel> models;
   for (const double y : task.y.values)

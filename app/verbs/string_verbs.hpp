@@ -1,7 +1,11 @@
-/// The verbs run, map and compare for bowed strings.
+/// The verbs for bowed strings.
 #pragma once
+#include "analysis/planes/sweep.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
+#include "app/tasks/bowing.hpp"
 #include "app/verbs/verb.hpp"
+#include "oscillators/bowed_string.hpp"
 
 namespace rosin::app::verbs {
 
@@ -9,11 +13,15 @@ namespace rosin::app::verbs {
 analysis::planes::Axis read_axis(scene::Table, const scene::Scene&);
 
 Status perform_string_run(Job&);
+Status perform_string_stability(Job&);
+Status perform_string_cycle(Job&);
+/// Along [sweep], each from the start of [cycle].
+analysis::planes::Sweep sweep_of_strings(Job&);
 /// [map] of a scene whose oscillator is a string, with what [run] and [transient] say.
 void read_string_map(scene::SceneReader&, scene::Table map);
 Status perform_string_map(Job&);
 /// The strings of the plane in rows of x, with other numbers beside those of the axes; they start as the scene's does.
-std::vector<oscillators::BowedStringModel> strings_of_plane(const scene::StringTask&, const scene::Family&,
+std::vector<oscillators::BowedStringModel> strings_of_plane(const tasks::Bowing&, const scene::Family&,
                                                             const std::vector<std::pair<std::string, double>>& changed);
 /// [compare] of such a scene: members, each with a law of its own or other numbers.
 void read_string_comparison(scene::SceneReader&, scene::Table compare);

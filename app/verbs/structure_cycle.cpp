@@ -4,10 +4,12 @@
 #include <chrono>
 #include <cmath>
 
+#include "analysis/cycles/cycle.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
+#include "app/scene/scene.hpp"
 #include "app/verbs/job.hpp"
 
 namespace rosin::app::verbs {
@@ -21,6 +23,7 @@ std::string document_of(const scene::Scene& scene, const StructureCycle& cycle) 
   auto document = output::begin(scene, "cycle", cycle.outcome);
   auto error = ordered_json::object();
   for (const auto& [name, measure] : cycle.metrics) document[name] = measure.value, error[name] = measure.error;
+  document["stick_threshold"] = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
   document["coordinate_max"] = cycle.coordinate_max;
   document["coordinate_min"] = cycle.coordinate_min;
   document["returns"] = cycle.returns;
@@ -37,6 +40,7 @@ std::string document_of(const scene::Scene& scene, const StructureCycle& cycle) 
   for (std::size_t c = 0; c < cycle.columns.size(); ++c)
     if (!cycle.columns[c].empty()) section[cycle.column_names[c]] = cycle.columns[c].front();
   error["multipliers"] = cycle.multiplier_errors;
+  if (cycle.exponent) document["exponent"] = cycle.exponent->value, error["exponent"] = cycle.exponent->error;
   document["error"] = std::move(error);
   document["cost"] = {
       {"steps", cycle.cost.steps}, {"evaluations", cycle.cost.evaluations}, {"cycles", cycle.cost.cycles}};
@@ -52,6 +56,8 @@ Status perform_structure_cycle(Job& job) {
   auto& scene = job.scene();
   analysis::cycles::StructureCycleOptions options;
   options.tolerance = job.request().tolerance.value_or(options.tolerance);
+  options.stick_threshold = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
+  options.exponent = true;
   const auto& structure = scene.structure->structure;
   const double drive = common_period(structure);
   job.explain("structure of {} coordinates and {} contacts, followed from the start until it recurs", structure.size(),
@@ -71,9 +77,9 @@ Status perform_structure_cycle(Job& job) {
 
   Reached reached;
   const auto say = [&](const std::string& name) {
-    const auto& [value, error, unit] = cycle.metrics.at(name);
-    reached.add(value, error);
-    job.say("{:<28} {}", name, justified(value, error, unit));
+    const auto& metric = cycle.metrics.at(name);
+    reached.add(metric.value, metric.error);
+    job.say("{:<28} {}", name, justified(metric.value, metric.error, metric.unit));
   };
   say("period");
   if (drive > 0 && cycle.returns > 1) job.say("a period of the motion is {} of the drive", cycle.returns);

@@ -1,5 +1,7 @@
 /// The verb study: random oscillators under every algorithm, their statistics, tables and pictures.
 
+#include "analysis/studies/study.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,6 +15,7 @@
 #include "app/output/json.hpp"
 #include "app/output/sheet.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
@@ -83,8 +86,8 @@ ordered_json to_json(const scene::Scene& scene, const StudyResult& result, doubl
                         {"version", ROSIN_VERSION},
                         {"outcome", name(result.outcome.ending)},
                         {"cases", result.cases.size()},
-                        {"dimensions", scene.study.dimensions},
-                        {"seed", scene.study.seed},
+                        {"dimensions", scene.task<analysis::studies::StudyOptions>().dimensions},
+                        {"seed", scene.task<analysis::studies::StudyOptions>().seed},
                         {"common", result.common},
                         {"exact",
                          {{"sticking_cases", result.exact_sticking_cases},
@@ -128,10 +131,10 @@ void write_cases(const fs::path& path, const scene::Scene& scene, const StudyRes
   };
   motion(
       "exact", [](const auto& c) -> const analysis::studies::Motion& { return c.exact; }, true);
-  for (std::size_t a = 0; a < scene.study.algorithms.size(); ++a)
+  for (std::size_t a = 0; a < scene.task<analysis::studies::StudyOptions>().algorithms.size(); ++a)
     motion(
-        scene.study.algorithms[a], [a](const auto& c) -> const analysis::studies::Motion& { return c.motions[a]; },
-        false);
+        scene.task<analysis::studies::StudyOptions>().algorithms[a],
+        [a](const auto& c) -> const analysis::studies::Motion& { return c.motions[a]; }, false);
   std::vector<output::Column> table;
   for (std::size_t k = 0; k < headers.size(); ++k) table.push_back({headers[k], columns[k]});
   output::write_csv(path, table);
@@ -165,7 +168,8 @@ std::vector<std::string> write_statistics(const fs::path& folder, const scene::S
     const auto& found = result.algorithms[a];
     const auto errors = errors_of(result, a);
     if (errors.empty()) continue;
-    const double threshold = found.name == "o-fbfm" ? scene.study.window_threshold : 0;
+    const double threshold =
+        found.name == "o-fbfm" ? scene.task<analysis::studies::StudyOptions>().window_threshold : 0;
     for (std::size_t i = 0; i < errors.size(); ++i) {
       const double p = (double(i) + 0.7) / (double(errors.size()) + 0.4);
       data += fmt::format("{},{},{},{},{}\n", a, errors[i], std::abs(errors[i] - threshold), -std::log1p(-p), 100 * p);
@@ -284,7 +288,7 @@ std::vector<std::string> write_case(const fs::path& folder, const scene::Scene& 
       curves("entry", fmt::format("(($1-{})*1e3):($4*1e3)", first), "linespoints"));
   script += fmt::format("set ylabel 'displacement (mm)'\nset format y '%.6g'\nset key top right opaque\nplot {}\n",
                         curves("entry", fmt::format("(($1-{})*1e3):($3*1e3)", first), "linespoints"));
-  if (scene.study.dimensions == 2) {
+  if (scene.task<analysis::studies::StudyOptions>().dimensions == 2) {
     const output::Sheet plane{"study-path", "Path of one case in the plane", {.width = 640, .panel = 480}, title};
     write_whole(folder / "study-path.gp",
                 plane.with(fmt::format("set style line 6 linecolor '#000000' linewidth 1\nset key top "
@@ -321,18 +325,17 @@ void say(const StudyResult& result, double seconds) {
 Status perform(Job& job) {
   const auto& request = job.request();
   auto& scene = job.scene();
+  auto& study = scene.task<analysis::studies::StudyOptions>();
   const auto& folder = job.folder();
-  scene.study.threads = request.threads;
+  study.threads = request.threads;
   job.explain("{} random oscillators by seed {}, each exactly and by {}, steps of 1/{} of the shortest period",
-              scene.study.cases, scene.study.seed, fmt::join(scene.study.algorithms, ", "),
-              scene.study.steps_per_period);
+              study.cases, study.seed, fmt::join(study.algorithms, ", "), study.steps_per_period);
   const auto begin = std::chrono::steady_clock::now();
   StudyResult result;
   {
     Progress progress(request.quiet);
-    const auto total = static_cast<std::size_t>(scene.study.cases);
-    result =
-        analysis::studies::study(scene.study, [&](int done) { progress.show(static_cast<std::size_t>(done), total); });
+    const auto total = static_cast<std::size_t>(study.cases);
+    result = analysis::studies::study(study, [&](int done) { progress.show(static_cast<std::size_t>(done), total); });
   }
   if (result.outcome.ending == Ending::interrupted)
     return stopped_early(request, "nothing is written after " + result.outcome.detail);
@@ -374,7 +377,8 @@ void read_table(scene::Table table, analysis::studies::StudyOptions& study) {
 }
 
 void read(scene::SceneReader& reader) {  // a study draws its own models
-  read_table(scene::Table(reader.need("study", "cases, seed and algorithms"), "study"), reader.scene.study);
+  read_table(scene::Table(reader.need("study", "cases, seed and algorithms"), "study"),
+             reader.scene.task<analysis::studies::StudyOptions>());
 }
 
 }  // namespace

@@ -12,10 +12,15 @@
 #include "app/output/planes.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
+#include "app/scene/string.hpp"
 #include "app/scene/structure.hpp"
+#include "app/tasks/bowing.hpp"
+#include "app/tasks/sweep.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
+#include "app/verbs/string_verbs.hpp"
 #include "app/verbs/sweep_job.hpp"
 #include "app/verbs/sweep_journal.hpp"
 #include "app/verbs/verb.hpp"
@@ -43,53 +48,48 @@ void read_axis(scene::Table& table, scene::Scene& scene) {
   bool logarithmic = false;
   if (const auto* scale = table.find("scale"))
     logarithmic = scene::choice(*scale, table.path("scale"), {"log", "linear"}) == "log";
-  scene.sweep.axis = scene::located(table.source(), [&] {
+  scene.task<tasks::Sweep>().options.axis = scene::located(table.source(), [&] {
     return analysis::planes::make_axis(path, std::min(from, to), std::max(from, to), points, logarithmic, {});
   });
 }
 
 void read_metrics(scene::Table& table, scene::Scene& scene) {
-  auto& metrics = scene.sweep.metrics;
-  const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
-  metrics = {"period"};
-  metrics.push_back(structure ? structure->names.front() + "_amplitude" : "slip_rate_max");
+  auto& metrics = scene.task<tasks::Sweep>().options.metrics;
+  const auto& structure = scene.structure->structure;
+  metrics = {"period", structure.names.front() + "_amplitude"};
   const auto* given = table.find("metrics");
   if (!given) return;
-  if (scene.sweep.record != Record::metrics)
+  if (scene.task<tasks::Sweep>().options.record != Record::metrics)
     scene::fail(given->source(), "sweep.metrics has no effect without sweep.record = \"metrics\"");
   metrics = scene::texts(*given, table.path("metrics"));
   if (metrics.empty()) scene::fail(given->source(), "sweep.metrics is empty");
   for (std::size_t i = 0; i < metrics.size(); ++i)
-    scene::located(given->as_array()->get(i)->source(), [&] {
-      if (structure)
-        analysis::planes::metrics_of_structure(*structure, {metrics[i]});
-      else
-        analysis::cycles::find_metric(metrics[i]);
-    });
+    scene::located(given->as_array()->get(i)->source(),
+                   [&] { analysis::planes::metrics_of_structure(structure, {metrics[i]}); });
 }
 
 /// The column that is shown, and the coordinate whose maxima are the section: that of the column, if it is of one.
 void read_column(scene::Table& table, scene::Scene& scene) {
+  auto& sweep = scene.task<tasks::Sweep>();
   const auto* column = table.find("column");
-  const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
-  if (!structure || scene.sweep.record == Record::metrics) {
+  const auto& structure = scene.structure->structure;
+  if (sweep.options.record == Record::metrics) {
     if (column) scene::fail(column->source(), "sweep.column has no effect on metrics");
     return;
   }
-  const oscillators::StructureSystem system(*structure);
+  const oscillators::StructureSystem system(structure);
   const auto known = analysis::motion::StructureRecord(system).names;
-  scene.sweep_column = known.front();
-  if (column) scene.sweep_column = scene::choice(*column, table.path("column"), known);
-  for (int i = 0; i < structure->size(); ++i)
-    if (scene.sweep_column == structure->names[i] ||
-        scene.sweep_column == analysis::motion::velocity_name(structure->names[i]))
-      scene.sweep.watch = i;
+  sweep.column = known.front();
+  if (column) sweep.column = scene::choice(*column, table.path("column"), known);
+  for (int i = 0; i < structure.size(); ++i)
+    if (sweep.column == structure.names[i] || sweep.column == analysis::motion::velocity_name(structure.names[i]))
+      sweep.options.watch = i;
 }
 
 void read_table(scene::Table table, scene::Scene& scene) {
-  auto& sweep = scene.sweep;
+  auto& sweep = scene.task<tasks::Sweep>().options;
   table.expect({"parameter", "from", "to", "points", "scale", "direction", "start", "record", "column", "metrics",
-                "transient", "keep"});
+                "stick_threshold", "transient", "keep"});
   read_axis(table, scene);
   if (const auto* direction = table.find("direction")) {
     const auto chosen = scene::choice(*direction, table.path("direction"), {"up", "down", "both"});
@@ -97,15 +97,13 @@ void read_table(scene::Table table, scene::Scene& scene) {
   }
   if (const auto* start = table.find("start"))
     sweep.anew = scene::choice(*start, table.path("start"), {"before", "scene"}) == "scene";
-  const bool has_section = scene.structure.has_value();
-  if (!has_section) sweep.record = Record::metrics;
   if (const auto* record = table.find("record")) {
     const auto chosen = scene::choice(*record, table.path("record"), {"section", "extrema", "metrics"});
     sweep.record = chosen == "section" ? Record::section : chosen == "extrema" ? Record::extrema : Record::metrics;
-    if (!has_section && sweep.record != Record::metrics)
-      scene::fail(record->source(), "a slider without mass has no section; give sweep.record = \"metrics\"");
   }
   read_metrics(table, scene);
+  table.read("stick_threshold", sweep.stick_threshold,
+             {"", "1", {1e-6, 0.999}, "metrics: stick is |v| <= threshold times V"});
   read_column(table, scene);
   for (const auto& [key, target, least, meaning] :
        {std::tuple{"transient", &sweep.transient, 0, "returns that are not recorded"},
@@ -117,17 +115,28 @@ void read_table(scene::Table table, scene::Scene& scene) {
   table.finish();
 }
 
+/// Strings begin anew at each value, from the start of [cycle], and have the metrics of their periods.
+void read_sweep_of_strings(scene::SceneReader& reader, scene::Table table) {
+  auto& scene = reader.scene;
+  scene::read_string_cycle(reader);
+  scene.family = std::make_shared<scene::Family>(reader, "sweep", true);
+  table.expect({"parameter", "from", "to", "points", "scale"});
+  read_axis(table, scene);
+  table.finish();
+  auto& options = scene.task<tasks::Sweep>().options;
+  options.record = Record::metrics, options.anew = true;
+}
+
 void read(scene::SceneReader& reader) {
   auto& scene = reader.scene;
   reader.law();
   reader.oscillator();
   const auto& sweep = reader.need("sweep", "the parameter, its values, and what is recorded");
   if (scene.plane) return;
-  if (scene.structure || scene.model.slider.mass > 0 || !scene.model.drive.constant()) {
-    scene::read_structure_model(reader);
-    common_period(scene.structure->structure);  // refuses a drive that has none
-    scene.family = std::make_shared<scene::Family>(reader);
-  }
+  if (scene.string) return read_sweep_of_strings(reader, scene::Table(sweep, "sweep"));
+  scene::read_structure_model(reader);
+  common_period(scene.structure->structure);  // refuses a drive that has none
+  scene.family = std::make_shared<scene::Family>(reader, "sweep");
   read_table(scene::Table(sweep, "sweep"), scene);
 }
 
@@ -139,15 +148,16 @@ ordered_json each(const std::vector<SweepPoint>& points, F f) {
 }
 
 std::string document_of(const scene::Scene& scene, const Sweep& sweep, double seconds) {
-  const auto& axis = scene.sweep.axis;
+  auto& asked = scene.task<tasks::Sweep>();
+  const auto& axis = asked.options.axis;
   auto document = output::begin(scene, "sweep", sweep.outcome);
   document["parameter"] = axis.parameter;
   document["unit"] = scene.describe(axis.parameter).unit;
   document["values"] = axis.values;
   const auto both = [&](auto of) { return ordered_json{{"up", of(sweep.up)}, {"down", of(sweep.down)}}; };
   if (sweep.metrics.empty()) {
-    document["column"] = scene.sweep_column;
-    const auto c = std::size_t(std::ranges::find(sweep.column_names, scene.sweep_column) - sweep.column_names.begin());
+    document["column"] = asked.column;
+    const auto c = std::size_t(std::ranges::find(sweep.column_names, asked.column) - sweep.column_names.begin());
     const auto moments = [&](const auto& points) {
       return each(points, [&](const SweepPoint& point) { return ordered_json(point.columns[c]); });
     };
@@ -180,7 +190,7 @@ std::string document_of(const scene::Scene& scene, const Sweep& sweep, double se
     for (std::size_t i = 0; i < points->size(); ++i)
       if (const auto& why = (*points)[i].why; !why.empty())
         failures.push_back({{"direction", direction}, {"value", axis.values[i]}, {"why", why}});
-  document["tolerance"] = scene.sweep.tolerance;
+  document["tolerance"] = asked.options.tolerance;
   document["cost"] = {{"seconds", seconds}};
   auto notes = scene.notes;
   if (!sweep.thresholds_left_out.empty()) notes.push_back(sweep.thresholds_left_out);
@@ -189,53 +199,54 @@ std::string document_of(const scene::Scene& scene, const Sweep& sweep, double se
 }
 
 /// The journal beside the results, with what an interrupted run of the same sweep has left there.
-SweepJournal journal_of(const Job& job, const scene::Scene& scene) {
-  const auto& options = scene.sweep;
-  const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
+void open_journal(std::optional<SweepJournal>& journal, const Job& job, const scene::Scene& scene) {
+  const auto& options = scene.task<tasks::Sweep>().options;
+  const auto& structure = scene.structure->structure;
   std::vector<analysis::planes::PlaneMetric> metrics;
   std::size_t columns = 0;
   if (options.record != Record::metrics)
-    columns = analysis::motion::StructureRecord(oscillators::StructureSystem(*structure)).names.size();
+    columns = analysis::motion::StructureRecord(oscillators::StructureSystem(structure)).names.size();
   else
-    metrics = structure ? analysis::planes::metrics_of_structure(*structure, options.metrics)
-                        : analysis::planes::metrics_of_slider(options.metrics);
-  return {job.folder() / "sweep.partial", journal_key(scene, options.tolerance, "sweep"), options.axis.values.size(),
-          columns, std::move(metrics)};
+    metrics = analysis::planes::metrics_of_structure(structure, options.metrics);
+  journal.emplace(job.results() / "sweep.partial", journal_key(scene, options.tolerance, "sweep"),
+                  options.axis.values.size(), columns, std::move(metrics));
 }
 
 }  // namespace
 
 Status perform_sweep(Job& job) {
   auto& scene = job.scene();
-  auto& options = scene.sweep;
+  auto& options = scene.task<tasks::Sweep>().options;
   options.tolerance = job.request().tolerance.value_or(options.tolerance);
   options.threads = job.request().threads;
   const auto& axis = options.axis;
   const auto parameter = scene.describe(axis.parameter);
   const bool of_metrics = options.record == Record::metrics;
   job.explain("{} values of {}, {}", axis.values.size(), axis.parameter,
-              !scene.structure ? "each a search for the slider's cycle"
-              : options.anew   ? "each from the scene's start"
-                               : "each from the motion at the value before");
+              options.anew ? "each from the scene's start" : "each from the motion at the value before");
   if (!of_metrics)
     job.explain("{} returns of transient, then {} are recorded: {}", options.transient, options.keep,
                 options.record == Record::extrema               ? "maxima and minima of the displacement"
                 : common_period(scene.structure->structure) > 0 ? "the moment t = 0 of the drive"
                                                                 : "maxima of the displacement");
-  auto journal = journal_of(job, scene);
-  if (!journal.lost().empty()) job.note(journal.lost());
-  if (const auto known = journal.known_count()) job.note(fmt::format("going on from {} finished values", known));
+  std::optional<SweepJournal> journal;
+  if (scene.structure) {
+    open_journal(journal, job, scene);
+    if (!journal->lost().empty()) job.note(journal->lost());
+    if (const auto known = journal->known_count()) job.note(fmt::format("going on from {} finished values", known));
+  }
   const auto begin = std::chrono::steady_clock::now();
   Sweep sweep;
-  {
+  if (scene.string) {
+    sweep = sweep_of_strings(job);
+  } else {
     Progress progress(job.request().quiet);
     const analysis::planes::SweepHooks hooks{
         .progress = [&](std::size_t done, std::size_t total) { progress.show(done, total); },
-        .known = [&](bool up, std::size_t value) { return journal.known(up, value); },
-        .finished = [&](bool up, std::size_t value, const SweepPoint& point) { journal.append(up, value, point); }};
+        .known = [&](bool up, std::size_t value) { return journal->known(up, value); },
+        .finished = [&](bool up, std::size_t value, const SweepPoint& point) { journal->append(up, value, point); }};
     const auto at = [&](double value) { return scene.family->with({{axis.parameter, value}}); };
-    sweep = scene.structure ? analysis::planes::sweep(at, options, hooks)
-                            : analysis::planes::sweep_of_slider(scene.model, options, hooks);
+    sweep = analysis::planes::sweep(at, options, hooks);
   }
   const bool stopped = sweep.outcome.ending == Ending::interrupted;
   if (stopped) sweep.outcome.detail += "; the same command goes on from there";
@@ -262,7 +273,7 @@ Status perform_sweep(Job& job) {
   auto files = output::write_picture(job.folder(), scene, sweep);
   files.push_back("sweep.nc");
   const auto status = job.finish(document_of(scene, sweep, seconds), std::move(files), sweep.outcome);
-  if (!stopped) journal.remove();
+  if (journal && !stopped) journal->remove();
   return status;
 }
 

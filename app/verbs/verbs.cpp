@@ -1,11 +1,14 @@
 /// The list of verbs, and what those that take a scene have in common.
 #include "app/verbs/verbs.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <map>
+#include <optional>
 
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/job.hpp"
 #include "core/error.hpp"
@@ -76,15 +79,21 @@ std::vector<Need> model_tables(std::vector<Need> own) {
 }
 
 void read_tables_of_models(scene::SceneReader& reader) {
+  const auto& needs = find_verb(reader.request.verb).needs;
   for (const auto& verb : verbs())
-    for (const auto& [name, read] : verb.tables)
+    for (const auto& [name, read] : verb.tables) {
+      const bool needed =
+          std::ranges::any_of(needs, [&](const auto& need) { return need.table == std::string_view(name); });
+      std::optional<scene::KeysRead> only_checked;
+      if (!needed) only_checked.emplace();
       if (auto table = reader.root.table(name)) read(*table, reader);
+    }
 }
 
 void read_model(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
-  read_tables_of_models(reader);
+  if (!reader.scene.string) read_tables_of_models(reader);  // whose [run] and [cycle] are others
 }
 
 // ---------------------------------------------------------------- scenes
@@ -97,6 +106,22 @@ void note_places(const toml::node& node, const std::string& path, std::map<std::
   if (const auto* table = node.as_table())
     for (const auto& [key, inner] : *table)
       note_places(inner, path.empty() ? std::string(key.str()) : fmt::format("{}.{}", path, key.str()), places);
+}
+
+/// What the verb has not read, but for the tables of other verbs.
+void note_unread(const toml::table& document, const scene::KeysRead& read, const Verb& verb,
+                 std::vector<std::string>& notes) {
+  auto unread = read.unread(document);
+  const auto names_a_verb = [](const std::string& table) {
+    return table == "verify" || std::ranges::any_of(verbs(), [&](const auto& other) { return table == other.name; });
+  };
+  std::erase_if(unread, names_a_verb);
+  std::erase_if(unread, [&](const std::string& path) {  // its note says why
+    return std::ranges::any_of(notes, [&](const auto& note) { return note.starts_with(path + " has no effect"); });
+  });
+  if (unread.empty()) return;
+  notes.push_back(fmt::format("{} {} no effect: '{}' does not ask for {}", fmt::join(unread, ", "),
+                              unread.size() == 1 ? "has" : "have", verb.name, unread.size() == 1 ? "it" : "them"));
 }
 
 }  // namespace
@@ -115,6 +140,7 @@ scene::Scene read_scene(const Request& request) {
     for (const char* key : {"title", "law", "oscillator", "drive", "verify"}) reader.root.find(key);
     for (const auto& other : verbs())
       for (const auto& need : other.needs) reader.root.find(need.table);
+    const scene::KeysRead read;
     if (const auto* title = reader.root.find("title")) scene.title = scene::text(*title, "title");
     reader.find_smoothing();
     verb.read(reader);
@@ -122,6 +148,7 @@ scene::Scene read_scene(const Request& request) {
     for (const auto& name : reader.reference.unused())
       scene.notes.push_back(fmt::format("{} has no effect: no number that '{}' reads refers to it", name, verb.name));
     reader.root.finish();
+    note_unread(document, read, verb, scene.notes);
   } catch (const scene::PlacedError&) {
     throw;
   } catch (const InputError& error) {
@@ -129,7 +156,7 @@ scene::Scene read_scene(const Request& request) {
   }
   scene.files_read = files.texts;
   scene.files_checksum = files.checksum;
-  scene::write_table(scene.resolved, document, "");
+  scene.resolved = scene::resolved(document);
   return scene;
 }
 
@@ -137,6 +164,7 @@ Status execute(const Request& request) {
   const auto& verb = find_verb(request.verb);
   if (verb.without_scene) return verb.without_scene(request);
   Job job(request);
+  if (!verb.spreads) job.claim_folder();  // else who does not write results needs none
   try {
     return verb.perform(job);
   } catch (const InputError& error) {  // what the scene asks turned out to be none

@@ -8,6 +8,7 @@
 #include "app/companion.hpp"
 #include "app/output/json.hpp"
 #include "app/output/results.hpp"
+#include "app/scene/scene.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"

@@ -17,7 +17,7 @@ smoothed tanh tanh 1e-3
 smoothed tanh-narrow tanh 1e-4
 smoothed arctan arctan 1e-4
 cat >"$folder/belt-stick-branch.gp" <<'GNUPLOT'
-set terminal svg size 940,430 font 'sans,13' background 'white'
+set terminal svg size 940,430 font 'sans-serif,13' background 'white'
 set output 'belt-stick-branch.svg'
 set datafile separator ','
 set encoding utf8

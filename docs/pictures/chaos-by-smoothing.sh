@@ -15,7 +15,7 @@ exponent() {
   done
 } >"$folder/chaos-by-smoothing.csv"
 cat >"$folder/chaos-by-smoothing.gp" <<'GNUPLOT'
-set terminal svg size 760,430 font 'sans,13' background 'white'
+set terminal svg size 760,430 font 'sans-serif,13' background 'white'
 set output 'chaos-by-smoothing.svg'
 set datafile separator ','
 set datafile missing 'nan'

@@ -18,7 +18,7 @@ exact=$(period)
   done
 } >"$folder/smoothing-period.csv"
 cat >"$folder/smoothing-period.gp" <<'GNUPLOT'
-set terminal svg size 560,400 font 'sans,13' background 'white'
+set terminal svg size 560,400 font 'sans-serif,13' background 'white'
 set output 'smoothing-period.svg'
 set datafile separator ','
 set encoding utf8

@@ -21,6 +21,8 @@ constexpr int corner_attempt = 4;       ///< failures of Newton's method before 
 /// second value serves where no step succeeds with the first.
 constexpr double most_rounding[] = {1e-6, 0.1};
 constexpr int rounding_attempt = 12;
+constexpr int most_pieces = 12;    ///< of the way to a singular kink
+constexpr int kink_attempts = 10;  ///< after which rounding may be what the estimate next to it shows
 constexpr double least_factor = 0.1, greatest_factor = 8, safety = 0.85;
 }  // namespace
 
@@ -68,9 +70,13 @@ bool Collocation::start(double t, std::span<const double> y) {
   system_.mass(t, mass_.data());
   if (!make_consistent()) return false;
   y_before_ = y_;
-  kink_side_ = 0;
-  has_kink_ = !std::isnan(system_.kink(y_.data()));
-  if (has_kink_) end_at_kink();
+  time_carry_ = time_carry_before_ = 0;
+  system_.kinks(t, y_.data(), kinks_);
+  has_kinks_ = std::ranges::any_of(kinks_, [](double k) { return !std::isnan(k); });
+  kink_side_.assign(kinks_.size(), 0);
+  since_kink_ = has_kinks_ && system_.kinks_are_singular() ? 0 : infinity;
+  pieces_ = 0;
+  if (has_kinks_) end_at_kink();
   return true;
 }
 
@@ -235,6 +241,7 @@ double Collocation::estimate_error(double t, const double* y0, double h, bool re
     size = norm(e.data());
   }
   if (size > estimate_tolerance_) size = beyond_rounding(e);
+  estimate_ = size;
   // The error of an oscillation falls with h^10, this estimate with h^6.
   return std::max(size / estimate_tolerance_, std::pow(ringing / tolerance_, 0.6));
 }
@@ -297,9 +304,9 @@ Outcome Collocation::step(double t_limit) {
   double h = h_next_ > 0 ? h_next_ : first_step(t_limit);
   h = std::min({h, system_.resolution(), longest_step_, algebra_->longest_step()});
   h = within_growth(h);
-  // Where nothing depends on time, a step may be below rounding error of the time, as in a fast slip after a long
-  // stick, or while friction reverses.
-  const double shortest = (system_.autonomous() ? 1e-30 : 1) * 4 * rounding * std::max(std::abs(t_), 1e-300);
+  // A step may be below rounding error of the time, as in a fast slip after a long stick, or while friction reverses:
+  // what depends on time then stands still within it, and carried time adds up.
+  const double shortest = 1e-30 * 4 * rounding * std::max(std::abs(t_), 1e-300);
   bool rejected = false;
   constexpr int shortened = 3;
   const double first_tried = h, planned = rejections_ < shortened ? h : 0;
@@ -308,7 +315,7 @@ Outcome Collocation::step(double t_limit) {
       most_rounding_ = most_rounding[1];
       h = first_tried;
     }
-    const double remaining = t_limit - t_;
+    const double remaining = (t_limit - t_) - time_carry_;
     bool last = false;
     if (h >= remaining * (1 - 1e-12) && remaining <= longest_step_)
       h = remaining, last = true;
@@ -347,7 +354,9 @@ Outcome Collocation::step(double t_limit) {
       rejected = true;
       continue;
     }
-    const double error = estimate_error(t_, y_.data(), h, rejected && !fresh_);
+    double error = estimate_error(t_, y_.data(), h, rejected && !fresh_);
+    if (attempt < kink_attempts && since_kink_ < infinity)
+      error = std::max(error, error_beside_kink(h, time_to_kink(h)));
     double factor = safety * std::pow(std::max(error, 1e-12), -1.0 / (s + 1));
     if (!(error <= 1)) {
       ++count_.rejected;
@@ -377,32 +386,91 @@ Outcome Collocation::step(double t_limit) {
       y_[k] += change;
       carry_[k] = change - (y_[k] - y_before_[k]);
     }
-    t_ = last ? t_limit : t_ + h;
+    time_carry_before_ = time_carry_;
     h_last_ = h;
+    if (last)
+      t_ = t_limit, time_carry_ = 0;
+    else
+      advance_time();
     // A step cut by the limit leaves the longer planned one valid.
     h_next_ = last && h_next_ > h ? std::max(h_next_, h * factor) : h * factor;
     if (rounded_) h_next_ = std::max(h_next_, planned);
     fresh_ = false;
     ++count_.steps;
     ended_at_kink_ = false;
-    if (has_kink_) end_at_kink();
-    return {};
+    since_kink_ += h;
+    return !has_kinks_ || end_at_kink() ? Outcome{} : step(t_limit);
   }
 }
 
-/// Ends the step at a kink; the next begins anew there. A step over a kink loses its order, and neither its estimate
-/// nor the difference of two tolerances shows the error reliably.
-void Collocation::end_at_kink() {
+/// Beside a singular kink the error of a step is the estimate itself, in tolerances: next to it all of that, farther
+/// away a part that falls with the fourth power of the distance over the length, by which the orders of the two differ.
+/// \param ahead  s, from the end of the step to the next kink
+double Collocation::error_beside_kink(double h, double ahead) const {
+  constexpr double rounding_of_estimate = 1e-14;
+  const double away = std::min(since_kink_, ahead), part = away > h ? std::pow(h / away, 4) : 1;
+  return part * std::max(estimate_ - rounding_of_estimate, 0.0) / tolerance_;
+}
+
+/// From the end of the step of length h that is tried to the next kink, at the rate of this step (s).
+double Collocation::time_to_kink(double h) {
+  system_.kinks(t_, y_.data(), kinks_);
+  const std::vector<double> begin = kinks_;
+  for (int k = 0; k < n_; ++k) work_[k] = y_[k] + Z_trial_[(s - 1) * n_ + k];
+  system_.kinks(t_ + h, work_.data(), kinks_);
+  double soonest = infinity;
+  for (std::size_t k = 0; k < begin.size(); ++k)
+    if (const double rate = (kinks_[k] - begin[k]) / h; kinks_[k] * rate < 0)
+      soonest = std::min(soonest, std::abs(kinks_[k] / rate));
+  return soonest;
+}
+
+/// False where the step must be taken anew, shorter. Ends the step at the first kink in it; the next begins anew there.
+/// A step over a kink loses its order, and neither its estimate nor the difference of two tolerances shows the error
+/// reliably.
+bool Collocation::end_at_kink() {
   constexpr double across = 1e-13;  // above rounding error of a step that ended there
-  const double end = system_.kink(y_.data());
-  if (kink_side_ == 0 && std::abs(end) > across) kink_side_ = end > 0 ? 1 : -1;
-  if (!(kink_side_ * end < -across)) return;
-  const double begin = system_.kink(y_before_.data());
-  const auto theta = locate([&](double, const double* y) { return system_.kink(y); }, 0, 1,
-                            kink_side_ * std::max(kink_side_ * begin, 0.0), end);
-  ended_at_kink_ = theta && shorten(*theta);
-  kink_side_ = 0;
+  system_.kinks(t_, y_.data(), kinks_);
+  const std::vector<double> end = kinks_;
+  double first = infinity;
+  std::size_t reached = 0;
+  for (std::size_t k = 0; k < end.size(); ++k) {
+    double& side = kink_side_[k];
+    if (side == 0 && std::abs(end[k]) > across) side = end[k] > 0 ? 1 : -1;
+    if (!(side * end[k] < -across)) continue;
+    system_.kinks(t_before_, y_before_.data(), kinks_);
+    const auto theta = locate(
+        [&](double t, const double* y) {
+          system_.kinks(t, y, kinks_);
+          return kinks_[k];
+        },
+        0, 1, side * std::max(side * kinks_[k], 0.0), end[k]);
+    if (!theta)
+      side = 0, fresh_ = true;
+    else if (*theta < first)
+      first = *theta, reached = k;
+  }
+  if (first == infinity) return true;
+  std::vector<double> there(n_);
+  if (since_kink_ < infinity && pieces_ < most_pieces && solve_at(first, there.data())) {
+    estimate_error(t_before_, y_before_.data(), first * h_last_, false);
+    since_kink_ -= h_last_;
+    if (error_beside_kink(first * h_last_, 0) > 1) {
+      // A last step too long for what is singular at its end: the way to the kink is taken in shorter ones.
+      ++pieces_, ++count_.rejected;
+      y_ = y_before_, t_ = t_before_, time_carry_ = time_carry_before_;
+      std::fill(carry_.begin(), carry_.end(), 0.0);
+      h_next_ = 0.5 * first * h_last_;
+      fresh_ = true;
+      return false;
+    }
+  }
+  ended_at_kink_ = shorten(first);
+  kink_side_[reached] = 0;
+  if (since_kink_ < infinity) since_kink_ = 0;
+  pieces_ = 0;
   fresh_ = true;
+  return true;
 }
 
 void Collocation::interpolate(double theta, double* y) const {
@@ -457,6 +525,13 @@ bool Collocation::solve_at(double theta, double* y) {
   return false;
 }
 
+/// t_ to the end of the last step, its rounding error to time_carry_.
+void Collocation::advance_time() {
+  const double change = h_last_ + time_carry_before_;
+  t_ = t_before_ + change;
+  time_carry_ = change - (t_ - t_before_);
+}
+
 bool Collocation::shorten(double theta) {
   if (theta >= 1) return true;
   std::vector<double> y(n_);
@@ -466,7 +541,7 @@ bool Collocation::shorten(double theta) {
   std::fill(carry_.begin(), carry_.end(), 0.0);
   ended_at_kink_ = false;
   h_last_ *= theta;
-  t_ = t_before_ + h_last_;
+  advance_time();
   h_next_ = std::max(h_next_, h_last_);
   return true;
 }

@@ -94,7 +94,10 @@ class Collocation {
   /// Solves the algebraic rows for the algebraic unknowns of y_. \returns false where that fails.
   bool make_consistent();
   void search_for_corner();
-  void end_at_kink();
+  bool end_at_kink();
+  double error_beside_kink(double h, double ahead) const;
+  double time_to_kink(double h);
+  void advance_time();
   double resolved_growth(double h) const;
   double within_growth(double h);
   Newton solve_stages(double t, const double* y0, double h, int most_iterations, bool to_rounding = false);
@@ -115,10 +118,15 @@ class Collocation {
   double last_moment_ = infinity;  ///< the last time before the limit of the last step
   double t_ = 0, t_before_ = 0, h_next_ = 0, h_last_ = 0, error_last_ = 0;
   bool resolve_starts_ = false;
-  bool has_kink_ = false;       ///< the system has a kink
-  double kink_side_ = 0;        ///< sign of the kink function on the side of y_; 0: the next step decides
-  bool ended_at_kink_ = false;  ///< the last step ended at a kink
-  bool fresh_ = true;           ///< no polynomial of an earlier step to extrapolate
+  bool has_kinks_ = false;         ///< the system has kinks
+  std::vector<double> kinks_;      ///< scratch
+  std::vector<double> kink_side_;  ///< sign of each kink's function on the side of y_; 0: the next step decides
+  double since_kink_ = infinity;   ///< s, from the last singular kink; infinite where the system has none
+  double estimate_ = 0;            ///< the last estimate of an error, in scales
+  int pieces_ = 0;                 ///< steps that ended short of the kink ahead
+  bool ended_at_kink_ = false;     ///< the last step ended at a kink
+  bool fresh_ = true;              ///< no polynomial of an earlier step to extrapolate
+  double time_carry_ = 0, time_carry_before_ = 0;  ///< rounding error of t_ and t_before_ (compensated sum)
   std::vector<double>
       carry_;  ///< rounding error of y_ (compensated sum), without which a slowly rising load would stand still
   std::vector<double> y_, y_before_, f0_, mass_, scale_, Z_, Z_trial_, residual_, stage_mass_, work_;

@@ -304,6 +304,24 @@ double Explicit::part_of_step(double t) const {
   return theta;
 }
 
+std::array<double, GaussTableau::stages> Explicit::inner_times() const {
+  std::array<double, GaussTableau::stages> times;
+  for (int i = 0; i < s; ++i) {
+    double part = clock_last_ == Clock::time ? tableau_.nodes.block[i] : 0;
+    for (int j = 0; j < s && clock_last_ == Clock::pace; ++j) part += tableau_.a[j].block[i] * slopes_[n_].block[j];
+    times[i] = node_time(t_before_ + part * h_last_);
+  }
+  return times;
+}
+
+void Explicit::approximate(double t, double* y) {
+  const double theta = part_of_step(t);
+  extrapolate(0, theta, slopes_trial_.data());
+  advance(y_before_.data(), theta * h_last_, slopes_trial_.data(), y_trial_.data());
+  std::copy_n(y_trial_.data(), n_, y);
+  system_.restore(t, y);
+}
+
 void Explicit::interpolate(double t, double* y) {
   if (t >= t_ || t <= t_before_) {
     std::copy_n(t >= t_ ? y_.data() : y_before_.data(), n_, y);

@@ -8,6 +8,7 @@
 /// Near the limit of a step, and where the system has no pace of its own, s is time.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,10 @@ class Explicit {
   std::span<const double> state_before() const { return {y_before_.data(), std::size_t(n_)}; }
   /// The solution at time t inside the last step, as accurate as at its end.
   void interpolate(double t, double* y);
+  /// The same by the polynomial of the last step (order 8), in a fraction of the time.
+  void approximate(double t, double* y);
+  /// The times of the stages of the last step, in its pace.
+  std::array<double, GaussTableau::stages> inner_times() const;
 
   struct Count {
     long steps = 0, rejected = 0, evaluations = 0;  ///< one evaluation is of eight states at once

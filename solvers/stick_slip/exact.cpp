@@ -190,6 +190,18 @@ typename Exact<Real>::Seen Exact<Real>::at(Real t) const {
   return {x[0], mode_ == 0 ? V[0] : x[1], slip, F, N};
 }
 
+template <class Real>
+Real Exact<Real>::fastest(Real tau) const {
+  Real fastest = 0;
+  for (const auto* form : {&motion_, &speed_, &load_, &force_}) fastest = std::max(fastest, form->fastest(tau));
+  return fastest;
+}
+
+template <class Real>
+Real Exact<Real>::fastest() const {
+  return fastest(t0_ - origin_);
+}
+
 /// Adds the works done from τ = from to τ = to.
 template <class Real>
 void Exact<Real>::account(Real from, Real to) {
@@ -200,9 +212,7 @@ void Exact<Real>::account(Real from, Real to) {
       works_ = {};
       return;
     }
-    Real fastest = 0;
-    for (const auto* form : {&motion_, &speed_, &load_, &force_}) fastest = std::max(fastest, form->fastest(from));
-    const Real part = fastest > 0 ? std::min(to - from, 3 / fastest) : to - from;
+    const Real rate = fastest(from), part = rate > 0 ? std::min(to - from, 3 / rate) : to - from;
     const auto& nodes = boost::math::quadrature::gauss<Real, 15>::abscissa();
     const auto& weights = boost::math::quadrature::gauss<Real, 15>::weights();
     const Real middle = from + part / 2;

@@ -42,6 +42,9 @@ class Exact {
   int direction() const { return mode_; }
   int upcoming() const { return next_; }
 
+  /// The fastest rate (1/s) of what was passed over; 0 if all is constant.
+  Real fastest() const;
+
   struct Seen {
     Real displacement, velocity, slip_rate, friction_force, load;
   };
@@ -73,6 +76,7 @@ class Exact {
   int mode_at_rest(Real x, Real t, Real& margin) const;
   Real balance(Real x, Real t) const;
   void account(Real from, Real to);
+  Real fastest(Real tau) const;
 
   DryOscillator model_;
   double parts_left_ = 0;  ///< of the quadrature of works; 0: they are not asked for

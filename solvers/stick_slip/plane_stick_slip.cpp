@@ -61,9 +61,9 @@ class PlaneStickSlip::Slip final : public System {
     return names[i];
   }
   bool autonomous() const override { return true; }
-  double kink(const double* y) const override {
+  void kinks(double, const double* y, std::vector<double>& values) const override {
     const auto& of_speed = of_.slip_friction_.kink;
-    return of_speed ? of_speed(std::exp(y[log_speed])) : NAN;
+    values.assign(1, of_speed ? of_speed(std::exp(y[log_speed])) : NAN);
   }
 
  private:
@@ -365,7 +365,7 @@ Outcome PlaneStickSlip::advance(double limit, Switch& switched) {
   return {};
 }
 
-PlaneStickSlip::Seen PlaneStickSlip::at(double t) {
+PlaneStickSlip::Seen PlaneStickSlip::at(double t, bool near) {
   const auto& V = mass_.surface_velocity;
   if (stick_) {
     Seen seen{stick_x_, V, {}};
@@ -396,12 +396,12 @@ PlaneStickSlip::Seen PlaneStickSlip::at(double t) {
     double low = 0, high = 1, theta = 0.5;
     for (int i = 0; i < 60 && high - low > 1e-15; ++i) (clock(theta = 0.5 * (low + high)) < t ? low : high) = theta;
     // The polynomial has a lower order than the step: Newton's method corrects it at full order.
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3 && !near; ++i) {
       collocation_->solve_at(theta, y.data());
       const double rate = std::exp(y[log_speed]) * collocation_->length();
       theta = std::clamp(theta - (y[time_] - t) / rate, 1e-14, 1.0);
     }
-    collocation_->solve_at(theta, y.data());
+    if (!near) collocation_->solve_at(theta, y.data());
     const double s = std::exp(y[log_speed]);
     phi = y[angle];
     seen = {{y[x_0], y[x_1]}, {V[0] + s * std::cos(phi), V[1] + s * std::sin(phi)}, {}};

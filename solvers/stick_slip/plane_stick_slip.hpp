@@ -48,8 +48,10 @@ class PlaneStickSlip {
   struct Seen {
     PlaneVector displacement, velocity, friction;
   };
-  /// The motion at a time within the last call of advance().
-  Seen at(double t);
+  /// The motion at a time within the last call of advance(). `near`: by the polynomial of the step, at less cost.
+  Seen at(double t, bool near = false);
+  /// The fastest rate of springs, load and forces, rad/s.
+  double fastest() const { return fastest_; }
 
   double stick_time() const { return stick_time_; }
   double friction_work() const { return friction_work_; }  ///< J

@@ -97,9 +97,7 @@ double StickSlip::landing_time() {
       rate = work_[i] / mass_[i];
     else if (collocation_.length() > 0)  // of forces that balance but for their last digits the step before tells
       rate = (u - collocation_.state_before()[i]) / collocation_.length();
-    // A drive's time must still advance, and a step be a part of it that counts.
-    const double clock = (system_.autonomous() ? 1e-28 : 1e-12) * std::abs(time());
-    if (u * rate < 0) soonest = std::min(soonest, std::max(0.5 * std::abs(u / rate), clock));
+    if (u * rate < 0) soonest = std::min(soonest, std::max(0.5 * std::abs(u / rate), 1e-28 * std::abs(time())));
   }
   return soonest;
 }
@@ -318,7 +316,7 @@ Outcome StickSlip::step(double t_limit, Switch& switched) {
   if (switched_ && !begin_upcoming(t_limit)) return {Ending::not_finite, "after a switch"};
   rest_.reset();
   events_.clear();
-  collocation_.bound_step(slips() ? std::min(longest_slip_step_, landing_time()) : infinity);
+  collocation_.bound_step(slips() ? std::min({longest_step_, longest_slip_step_, landing_time()}) : longest_step_);
   if (Outcome outcome = collocation_.step(t_limit); !outcome.complete()) return outcome;
 
   read_indicators();

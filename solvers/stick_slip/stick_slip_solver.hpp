@@ -24,6 +24,8 @@ class StickSlip {
   StickSlip(SwitchingSystem&, double tolerance, const FreeSwings* swings = nullptr);
   /// No step of slip may be longer (stick is as long as it is); infinity to lift the bound.
   void bound_slip_step(double longest) { longest_slip_step_ = longest; }
+  /// No next step may be longer.
+  void bound_step(double longest) { longest_step_ = longest; }
   /// Of a system that does not know the time: every switch sets the clock to 0, so that it resolves short slips between
   /// long sticks.
   void rewind_at_switches() { rewinds_ = true; }
@@ -99,7 +101,7 @@ class StickSlip {
   SwitchingSystem& system_;
   steps::Collocation collocation_;
   SlipEnergy energy_;
-  double tolerance_, longest_slip_step_ = infinity, touch_ = 0;
+  double tolerance_, longest_slip_step_ = infinity, longest_step_ = infinity, touch_ = 0;
   bool touch_rests_ = false;
   bool switched_ = false;  ///< the last step ended in a switch: begin anew
   bool rewinds_ = false;

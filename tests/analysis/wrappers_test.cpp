@@ -292,7 +292,7 @@ TEST_CASE("planes of every law in all its surroundings have a regime at each poi
         CHECK(bristle);
         CHECK((point.why.find("would have to jump") != std::string::npos ||
                point.why.find("no periodic motion") != std::string::npos ||
-               point.why.find("no two periods are alike") != std::string::npos));
+               point.why.find("chaotic") != std::string::npos));
       } else if (point.regime != planes::Regime::stable) {
         ++cycles;
         CHECK(point.metrics.period > 0);
@@ -348,7 +348,7 @@ TEST_CASE("every law in every wrapper slides, oscillates and is judged", "[wrapp
           CHECK_THROWS_WITH(steady::stability(model), Catch::Contains("goes with springs alone"));
           continue;
         }
-        if (!damped && (law->card().name == "dahl" || law->card().name == "film")) {
+        if (!damped && (law->card().name == "dahl" || law->card().name.ends_with("film"))) {
           CHECK_THROWS_WITH(steady::stability(model), Catch::Contains("only by way of its states"));
           continue;
         }

@@ -169,7 +169,8 @@ TEST_CASE("what a response or a fit cannot use is refused with its place", "[frf
 TEST_CASE("a displacement serves where slip rate was not recorded, and lost samples cost their segments",
           "[frf-command]") {
   const Folder folder;
-  const auto record = [&](bool gap) {  // a dashpot of 200 N s/m whose slip rate is straight between samples
+  enum class Gap { none, number, row };
+  const auto record = [&](Gap gap) {  // a dashpot of 200 N s/m whose slip rate is straight between samples
     std::ofstream file(folder.path / "x.csv");
     file << "time (s);position (mm);force (N)\n";
     std::mt19937 dice(1);
@@ -178,13 +179,15 @@ TEST_CASE("a displacement serves where slip rate was not recorded, and lost samp
       const double v = 0.02 + 1e-3 * (double(dice()) / 4294967296.0 - 0.5);
       if (i > 0) x += 0.5 * (v + before) * 0.005;
       before = v;
+      if (gap == Gap::row && i == 1000) continue;
       file << fmt::format("{:.3f};{};{:.9f}\n", i * 0.005,
-                          gap && i == 1000 ? std::string("NaN") : fmt::format("{:.9f}", 1e3 * x), 3 + 200 * v);
+                          gap == Gap::number && i == 1000 ? std::string("NaN") : fmt::format("{:.9f}", 1e3 * x),
+                          3 + 200 * v);
     }
   };
   std::ofstream(folder.path / "x.toml") << "[frf]\nfrequencies = { from = 2, to = 40 }\n[frf.record]\nfile = 'x.csv'\n"
                                            "time = 'time'\ndisplacement = 'position'\nforce = 3\nresolution = 1\n";
-  for (const bool gap : {false, true}) {
+  for (const auto gap : {Gap::none, Gap::number, Gap::row}) {
     record(gap);
     const auto ran = run_rosin(folder, "frf x.toml --json");
     INFO(ran.error);
@@ -196,7 +199,9 @@ TEST_CASE("a displacement serves where slip rate was not recorded, and lost samp
       CHECK(answer["coherence"][k].get<double>() > 0.999);
     }
     const bool said = answer["warnings"].dump().find("1 of 4000 rows lack a number") != std::string::npos;
-    CHECK(said == gap);
+    CHECK(said == (gap != Gap::none));
+    const bool missing = answer["warnings"].dump().find("stand for 1 that are missing") != std::string::npos;
+    CHECK(missing == (gap == Gap::row));
   }
   CHECK_THAT(run_rosin(folder, "frf x.toml --set \"frf.record.slip_rate='position'\"").error,
              Contains("has slip_rate and displacement"));

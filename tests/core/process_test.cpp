@@ -7,6 +7,7 @@
 
 #include "core/stop.hpp"
 #include "tests/app/folder.hpp"
+#include "tests/printable_texts.hpp"
 
 using namespace rosin;
 using rosin::tests::Folder;
@@ -26,6 +27,9 @@ TEST_CASE("arguments reach a program as they are, whatever a shell would make of
   CHECK(run_program({"/bin/sh", {"-c", "head -c 1000000 /dev/zero"}})->output.size() == 65536);
   CHECK(run_program({"/bin/sh", {"-c", "printf '%s' \"$HOME\"; env | grep -c ^HOME="}, {}, {"HOME=there"}})->output ==
         "there1\n");
+  const std::string text(200'000, 'x');  // more than a pipe holds
+  CHECK(run_program({.program = "/bin/cat", .arguments = {}, .input = text, .longest_output = 1 << 20})->output ==
+        text);
   const auto both = run_program({"/bin/sh", {"-c", "head -c 1000000 /dev/zero >&2; echo done; echo why >&2"}});
   CHECK(both->output == "done\n");
   CHECK(both->messages.size() == 65536);
@@ -70,4 +74,9 @@ TEST_CASE("a word of a command line that is copied reaches the program as it was
     REQUIRE(ran);
     CHECK(ran->output == word);
   }
+  std::string line = "printf '%s\\n'", wanted;
+  for (const auto& text : tests::printable_texts()) line += " " + shell_word(text), wanted += text + "\n";
+  const auto ran = run_program({"/bin/sh", {"-c", line}});
+  REQUIRE(ran);
+  CHECK(ran->output == wanted);
 }

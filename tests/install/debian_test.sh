@@ -1,6 +1,6 @@
 #!/bin/sh
 # Makes the Debian packages of a build and uses them unpacked: debian_test.sh BUILD SOURCE. They hold files below /usr only, which
-# name neither the place of the sources nor that of the build; command and Python package give one plane, bit for bit.
+# name neither the place of the sources nor that of the build; command, Python package and wheel give one plane, bit for bit.
 #
 # debian_test.sh BUILD SOURCE FOLDER, as root, where FOLDER is a bare Debian 12 (debootstrap --variant=minbase bookworm FOLDER):
 # installs them there by apt, which finds what they depend on, uses them, and removes them again without a trace.
@@ -41,6 +41,11 @@ if [ -z "$debian" ]; then
   PATH=$place/root/usr/bin:$PATH PYTHONPATH=$place/root/usr/lib/python3/dist-packages PYTHONDONTWRITEBYTECODE=1 \
     /usr/bin/python3 "$source/tests/install/same_plane.py" root/usr/share/rosin/examples/bristol-board-plane.toml >told
   grep -q "the same bits: $place/root/usr/lib" told || fail "$(cat told)"
+  python=$(sed -n 's/^set(CPACK_WHEEL_PYTHON "\(.*\)")$/\1/p' "$build/CPackConfig.cmake")
+  "$python" -m zipfile -e rosin-*.whl wheel
+  PATH=$place/root/usr/bin:$PATH PYTHONPATH=$place/wheel PYTHONDONTWRITEBYTECODE=1 \
+    "$python" "$source/tests/install/same_plane.py" root/usr/share/rosin/examples/bristol-board-plane.toml >told
+  grep -q "the same bits: $place/wheel" told || fail "$(cat told)"
   root/usr/bin/rosin verify slip-weakening-recurrence --out verified >told || fail "$(cat told)"
   exit
 fi

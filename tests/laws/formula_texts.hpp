@@ -27,6 +27,20 @@ inline FormulaDescription spinodal() {
   law.slip_rate = "2*v0*sinh_exp(mu/a, E)";
   return law;
 }
+/// Flow of a film heats it, and heat speeds the flow: in steady sliding stress and temperature depend on each other.
+inline FormulaDescription hot_film() {
+  auto law = like(*find_law("hot-film"));
+  law.define = {{"T", "T_a + theta"},
+                {"k_B", "1.380649e-23 J/kelvin"},
+                {"E", "(E_a + N/A*V_a)/(k_B*T) - ln(d*K*T/(1 m/s))"},
+                {"flow", "(1 m/s)*sinh_exp(tau/tau_star, E)"}};
+  law.friction = "A*tau/N";
+  law.rate = {"S/d*(v - flow)", "(R*A*tau*flow - theta)/time"};
+  law.steady = {"tau_star*asinh_exp(v/(1 m/s), E)", ""};
+  law.rest = {"0 Pa", "0 K"};
+  law.size = {"tau_star", "T_a/(1 + E_a/(k_B*T_a))"};
+  return law;
+}
 inline FormulaDescription ageing() {
   auto law = like(*find_law("ageing"));
   law.define = {{"E", "(mu0 + b*ln(v0*theta/L))/a"}};

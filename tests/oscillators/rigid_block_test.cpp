@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/steady/thresholds.hpp"
+#include "analysis/steady/mode_windows.hpp"
 #include "laws/catalogue.hpp"
 #include "oscillators/structure_system.hpp"
 

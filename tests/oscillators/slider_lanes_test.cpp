@@ -33,7 +33,8 @@ TEST_CASE("lanes evaluate and linearise as single sliders do", "[slider-lanes]")
     if (law->set_valued() && (kind.mass == 0 || kind.contact_stiffness > 0)) continue;
     if (!law->has_slip_rate() && kind.mass == 0) continue;
     // Friction of these does not answer to the slip rate at once, which an undamped spring leaves open.
-    if ((law->card().name == "dahl" || law->card().name == "film") && kind.contact_stiffness > kind.contact_damping)
+    if ((law->card().name == "dahl" || law->card().name.ends_with("film")) &&
+        kind.contact_stiffness > kind.contact_damping)
       continue;
     INFO(law->card().name << ", mass " << kind.mass << ", contact stiffness " << kind.contact_stiffness);
     std::vector<SliderSystem> sliders;

@@ -2,10 +2,12 @@
 """Pictures of the docs are those that rosin draws today: pictures_test.py ROSIN.
 
 Each picture of docs/pictures has a row in docs/pictures.txt and is shown on a page, and so is each picture of a row; each example
-has a row. The tables that quick ones are drawn from hold the numbers of docs/pictures/digests.txt.
+has a row. The tables that quick ones are drawn from hold the numbers of docs/pictures/digests.txt. No text stands over another, and
+none is cut by the edge: in stored SVGs, and in a picture of each kind on a screen and 85 and 175 mm wide, as SVG, PDF and PNG.
 """
 
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -14,6 +16,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "docs/pictures"))
+import texts
 from digest import digest
 
 TOLERANCE = 1e-3  # of the largest number of a column: digests have four digits
@@ -73,6 +76,51 @@ def ask(rosin: str, command: str, rows: list[list[str]], folder: Path) -> list[s
     return faults
 
 
+# Pictures of kinds that no quick row draws, from fewer points.
+OTHERS = [
+    "branch examples/both-motions-in-two-parameters.toml --set branch.locus.points=10",
+    "map examples/guettler-diagram.toml --set map.x.points=3 --set map.y.points=3",
+    "compare examples/ageing-or-slip.toml --design --set map.x.points=4 --set map.y.points=4",
+    "compare examples/which-law-plays-the-cello.toml --design --set map.x.points=2 --set map.y.points=2",
+    "study examples/stick-slip-study.toml --set study.cases=10",
+    "sweep examples/sliding-or-stick-slip.toml --set sweep.points=8",
+    "sweep examples/forced-belt-sweep.toml --set sweep.points=8",
+    "basin examples/which-motion.toml --set basin.x.points=5 --set basin.y.points=5",
+    "run examples/elastic-block.toml --set run.duration=0.2",
+]
+
+
+def draw(script: Path) -> dict[Path, str]:
+    """A picture of each format and width, with its name."""
+    drawn = {}
+    for width in (0, 85, 175):
+        for kind in ("svg", "pdf", "png"):
+            if kind == "pdf" and not texts.PDFTOTEXT or kind == "png" and width > 0:  # laid out as PDF is
+                continue
+            picture = script.with_name(f"{script.stem}-{width}.{kind}")
+            subprocess.run(["gnuplot", "-e", f"format='{kind}'; output='{picture.name}'; width={width}", script.name],
+                           cwd=script.parent, stdin=subprocess.DEVNULL, capture_output=True, check=True)
+            drawn[picture] = f"{picture.stem.replace('-0', '')}.{kind}" + (f" of {width} mm" if width else "")
+    return drawn
+
+
+def check_texts(folders: dict[str, Path]) -> list[str]:
+    if not texts.BROWSER or not shutil.which("gnuplot"):
+        print("texts of pictures are left unmeasured: chromium or gnuplot is missing (apt-get install chromium gnuplot-nox)")
+        return []
+    names = {file: str(file.relative_to(ROOT)) for file in (ROOT / "docs").rglob("*.svg")}
+    titles = {file: [] for file in names}
+    for command, folder in folders.items():
+        for script in sorted(folder.glob("*.gp")):
+            if 'exists("width")' not in script.read_text(encoding="utf-8"):  # a script's own
+                continue
+            drawn = draw(script)
+            names |= {picture: f"{command}: {name}" for picture, name in drawn.items()}
+            titles |= dict.fromkeys(drawn, texts.titles_of(script))
+    print(f"texts of {len(names)} pictures measured")
+    return [f"{names[picture]}: {fault}" for picture, found in texts.faults(titles).items() for fault in found]
+
+
 def main() -> None:
     rosin = str(Path(sys.argv[1]).resolve())
     rows = [line.split(None, 3) for line in LISTED.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
@@ -81,11 +129,17 @@ def main() -> None:
     for row in rows:
         if row[2] == "quick" and "/" not in row[0]:
             commands.setdefault(row[3], []).append(row)
+    kinds: dict[str, str] = {}  # one command for all laws
+    for command in [row[3] for row in rows if row[2] == "quick"] + OTHERS:
+        kinds.setdefault(command.split(" --set law.type")[0], command)
     with tempfile.TemporaryDirectory() as place, ThreadPoolExecutor(2) as pool:
-        asked = [pool.submit(ask, rosin, command, pictures, Path(place) / str(number))
-                 for number, (command, pictures) in enumerate(commands.items())]
+        folders = {command: Path(place) / str(number)
+                   for number, command in enumerate(dict.fromkeys([*commands, *kinds.values()]))}
+        asked = [pool.submit(ask, rosin, command, commands.get(command, []), folder)
+                 for command, folder in folders.items()]
         for one in asked:
             faults += one.result()
+        faults += check_texts({command: folders[command] for command in kinds.values()})
     print("\n".join(faults) or f"{len(rows)} pictures, {len(commands)} commands asked again")
     sys.exit(bool(faults))
 

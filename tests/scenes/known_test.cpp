@@ -8,6 +8,7 @@
 #include "analysis/motion/run.hpp"
 #include "analysis/steady/stability.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/scene.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/verb.hpp"
 #include "tests/app/folder.hpp"
@@ -49,7 +50,7 @@ bool truth(const toml::node& node, std::string_view key) {
 
 Known read_row(const toml::table& row, const std::string& path) {
   Known known;
-  const app::Request request;
+  app::Request request;
   app::scene::SceneReader reader{request, row, app::scene::Table(row, ""), known.scene, {}, {}};
   auto& table = reader.root;
   known.name = app::scene::text(table.required("name", "the mechanism, in a sentence"), "name");
@@ -71,8 +72,9 @@ Known read_row(const toml::table& row, const std::string& path) {
             app::scene::number(bound, {of.path(quantity.str()), "", {}, "a bound"});
     }
   if (const auto* node = table.find("most_steps"))
-    known.scene.run.most_steps =
+    known.scene.task<rosin::analysis::motion::RunOptions>().most_steps =
         app::scene::count(*node, "most_steps", 1, app::scene::most_points, "steps that a run may take");
+  request.verb = known.question;
   app::verbs::find_verb(known.question).read(reader);
   known.scene.path = path;
   table.finish();
@@ -122,12 +124,13 @@ Answer cycle(const app::scene::Scene& scene, double tolerance) {
 }
 
 Answer run(const app::scene::Scene& scene, double tolerance) {
-  auto options = scene.run;
+  auto options = scene.task<rosin::analysis::motion::RunOptions>();
   options.tolerance = tolerance;
   const auto found = analysis::motion::run(scene.model, options);
   Answer answer{name(found.outcome.ending), found.outcome.detail + found.remark, {}, {{"steps", found.cost.steps}}};
   for (std::size_t c = 0; c < found.columns.size(); ++c)
     if (!found.columns[c].empty()) answer.numbers[found.column_names[c]] = found.columns[c].back();
+  answer.numbers.insert(found.metrics.begin(), found.metrics.end());
   return answer;
 }
 

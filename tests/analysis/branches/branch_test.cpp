@@ -7,11 +7,13 @@
 #include "analysis/branches/branches.hpp"
 #include "laws/catalogue.hpp"
 #include "oscillators/model.hpp"
+#include "tests/bristol_board.hpp"
 #include "tests/two_state_slip.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis::branches;
 using oscillators::Model;
+using tests::board_under;
 
 namespace {
 
@@ -25,10 +27,10 @@ class Circle final : public Problem {
             Eigen::VectorXd::Constant(1, 2 * p)};
   }
   const Eigen::VectorXd& scale() const override { return scale_; }
-  View view(const Eigen::VectorXd& x, double, double) override {
+  View view(const Solved& at, const Solved&) override {
     View view;
-    view.stable = x[0] > 0;
-    view.tests = {{"fold", x[0]}};
+    view.stable = at.x[0] > 0;
+    view.tests = {{"fold", at.x[0]}};
     return view;
   }
   bool refer_to(Eigen::VectorXd&, double, double) override { return false; }
@@ -58,15 +60,6 @@ std::vector<SpecialPoint> special(const Branches& found, const std::string& kind
   return all;
 }
 
-Model board(double lambda, double load, double speed) {
-  Model model;
-  model.law = laws::preset(*laws::find_law("spinodal"), "bristol-board");
-  model.lambda = lambda;
-  model.slider = {1, 1.09, 0};
-  model.drive.normal_load = load, model.drive.speed = speed;
-  return model;
-}
-
 }  // namespace
 
 TEST_CASE("a branch goes round its folds, which are located to rounding", "[branches]") {
@@ -90,7 +83,7 @@ TEST_CASE("cycles of the board slider over load agree with AUTO to all its digit
   BranchOptions options;
   options.parameter = {2e-4, 1e-2, true};
   options.at = {5e-4, 1e-3, 2e-3, 5e-3};
-  const Model model = board(10, 1e-3, 1e-5);
+  const Model model = board_under(1e-3, 10, 1e-5);
   const auto found = from_steady_sliding(along(model, "drive.normal_load"), options,
                                          crossings_of(model, "drive.normal_load", options.parameter));
   REQUIRE(found.crossings.size() == 1);
@@ -114,7 +107,7 @@ TEST_CASE("a cycle whose disturbances grow 1e10-fold in a period lies on its bra
   BranchOptions options;
   options.parameter = {3e-4, 4e-3, true};
   options.at = {1e-3};
-  const Model model = board(1, 9.81e-2, 1e-3);
+  const Model model = board_under(9.81e-2, 1, 1e-3);
   const auto found =
       from_steady_sliding(along(model, "drive.speed"), options, crossings_of(model, "drive.speed", options.parameter));
   const auto& unstable = asked(found, 1e-3, false);

@@ -247,7 +247,7 @@ TEST_CASE("heated slip that reverses in each turn, and never sticks, is a cycle"
   }
 }
 
-TEST_CASE("periods of stick and slip that a leap has led astray go on by themselves", "[cycle]") {
+TEST_CASE("periods of stick and slip that a leap has led astray go on by themselves", "[cycle][long]") {
   // Beside stable sliding, heated slip comes to a cycle by two parts in a thousand of its way in each period. Onsets
   // ahead of that may begin slip that does not come to rest: what follows it says nothing of the cycle.
   const auto model = slider_under("thermal-disc",
@@ -361,7 +361,7 @@ TEST_CASE("metrics are found by name, with the nearest suggested", "[cycle]") {
   CHECK_THROWS_WITH(find_metric("loop_aera"), Catch::Contains("did you mean 'loop_area'"));
 }
 
-TEST_CASE("bristles without a clock stick and slip as stiff ones do", "[cycle]") {
+TEST_CASE("bristles without a clock stick and slip as stiff ones do", "[cycle][long]") {
   auto model = slider_under("lugre", {1e6, 10.0, 0.1, 0.4, 0.3, 1e-3}, {1, 1000, 1}, 1e-3, 10);
   model.lambda = 1e-2;
   const auto fast = find_cycle(model, {.tolerance = 1e-6});

@@ -136,7 +136,7 @@ TEST_CASE("slip that reverses by less than its error may as well rest", "[cycle]
                   {&cycles::Metrics::friction_mean, &cycles::Metrics::friction_min, &cycles::Metrics::stick_fraction});
 }
 
-TEST_CASE("slip that misses rest within rounding error of its highest rate has come to rest", "[cycle]") {
+TEST_CASE("slip that misses rest within rounding error of its highest rate has come to rest", "[cycle][long]") {
   // Rounding error would decide by which oscillation: a period had 1, 2 or 33 of them.
   const double m = 2.84168, k = 9573.62;
   auto model = slider_under(

@@ -130,6 +130,34 @@ TEST_CASE("chaotic stick–slip agrees with long runs elsewhere, and with the sl
   CHECK(std::abs(logs / (t - begin) - 0.0731) < 0.02);
 }
 
+TEST_CASE("a search that finds no period says by its largest exponent whether the motion is chaotic", "[cycle]") {
+  const auto searched = [](const StructureModel& model, int returns) {
+    return find_cycle(model, {.max_cycles = returns, .multipliers = false, .exponent = true});
+  };
+  const auto chaotic = searched(belt(0.4, 1, 0.5), 3000);
+  REQUIRE(chaotic.exponent);
+  // 0.0731(4), two runs of 4·10⁵ s.
+  CHECK(chaotic.exponent->error < 0.0731 / 5);
+  CHECK(std::abs(chaotic.exponent->value - 0.0731) < 3 * std::hypot(chaotic.exponent->error, 4e-4));
+  CHECK(chaotic.outcome.ending == Ending::none_exists);
+  CHECK_THAT(chaotic.outcome.detail, Catch::StartsWith("chaotic: "));
+
+  const auto periodic = searched(belt(0.1, 1, 0.5), 3000);
+  CHECK(periodic.outcome.complete());
+  CHECK_FALSE(periodic.exponent);
+  CHECK_FALSE(find_cycle(belt(0.4, 1, 0.5), {.max_cycles = 100}).exponent);
+
+  // Without friction and damping a force of 2 rad/s and the free oscillation of √2 rad/s never repeat themselves, and
+  // disturbances neither grow nor decay.
+  auto free = belt(0.4, 1e-12, 0.5);
+  free.structure.K(0, 0) = 2;
+  const auto quasiperiodic = searched(free, 1000);
+  CHECK(quasiperiodic.outcome.ending == Ending::budget_spent);
+  REQUIRE(quasiperiodic.exponent);
+  CHECK(std::abs(quasiperiodic.exponent->value) <= 5 * quasiperiodic.exponent->error);
+  CHECK_THAT(quasiperiodic.outcome.detail, Catch::StartsWith("no period within 1000 returns; exponent"));
+}
+
 TEST_CASE("smoothing by tanh makes chaos of a periodic motion, or a periodic motion of chaos") {
   // Of tangents and of differences, by an explicit integrator with steps below the width.
   const auto wide = spectrum_of(smoothed(belt(0.1, 1, 0.5), 1e-2), 3000);

@@ -35,7 +35,7 @@ TEST_CASE("slips that are long and short in alternation are one period together"
   CHECK(last[0] - last[-2] == Approx(cycle.metrics.period).epsilon(1e-5));
 }
 
-TEST_CASE("ringing that decays until slip sticks is one period with the stick", "[cycle]") {
+TEST_CASE("ringing that decays until slip sticks is one period with the stick", "[cycle][long]") {
   Model model = slider_under("nagata", {0.230584, 0.0350439, 0.107343, 0.941433, 2.64271e-5, 1.43995},
                              {1e12, 45639.2, 0}, 4.77799e-10, 394443.0);
   model.lambda = 0.0528484;

@@ -89,7 +89,7 @@ double work_against_swing(double a, double mu_s, double mu_d, double d_c, double
 }
 }  // namespace
 
-TEST_CASE("amplitudes balance where the work of friction per period vanishes, at every tolerance", "[cycle]") {
+TEST_CASE("amplitudes balance where the work of friction per period vanishes, at every tolerance", "[cycle][long]") {
   // Friction is 5e-10 and 9e-11 of the spring's force, and a period forgets 4e-9 and 2e-9 of its start.
   struct Case {
     double mu_s, mu_d, d_c, lambda, mass, stiffness, V, load;

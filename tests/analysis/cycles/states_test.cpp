@@ -63,7 +63,7 @@ TEST_CASE("warmth that a slow drive hardly brings is measured relative to itself
   }
 }
 
-TEST_CASE("the period is known within the error of the temperature that ends its stick", "[cycle]") {
+TEST_CASE("the period is known within the error of the temperature that ends its stick", "[cycle][long]") {
   // The contact's temperature is known to 4e-9 and friction falls by 0.6 % of itself, so that the period is to 2e-7.
   auto model = slider_under("thermal", {0.35, 0.4, 0.01, 0.45, 0.1, 5e-7, 0.001, 0.008, 1.0, 1.0},
                             {0.000569151, 3.77351e6, 30.4797}, 0.00505213, 915500.0);

@@ -165,3 +165,59 @@ TEST_CASE("an alternating transient is no period of two") {
   REQUIRE(cycle.outcome.complete());
   CHECK(cycle.returns == 1);
 }
+
+TEST_CASE("two equal blocks that move as one have the period of one, though the cycle does not attract") {
+  oscillators::FrictionContact contact;
+  contact.law = laws::find_law("stribeck")->with({1.0, 0.5, 0.5, 1.0, 0.0});
+  contact.speed = 1.25, contact.normal_load = 1.0;
+  const auto cycle =
+      find_cycle(from_rest(oscillators::chain({{1, 1}, {0.7}, {0}, {1, 1}, {0.1, 0.1}}, {contact, contact})), {});
+  INFO(cycle.outcome.detail);
+  REQUIRE(cycle.outcome.complete());
+  CHECK_FALSE(cycle.stable);
+  CHECK(std::abs(value(cycle, "period") - 6.353748504669579) < error(cycle, "period"));  // of a single block
+}
+
+TEST_CASE("a contact that never slips leaves its place open, and the cycle of what moves is found at any phase") {
+  // m ẍ + c ẋ + 2 k x = F cos(ωt + φ) beside a mass that friction holds: the amplitude is F/|2k − m ω² + i c ω|. The
+  // extremes of x lie anywhere within the steps, near their ends too.
+  const double force = 0.5, w = 1.3, amplitude = force / std::hypot(2 - w * w, 0.2 * w);
+  oscillators::FrictionContact contact;
+  contact.law = laws::find_law("coulomb")->with({0.5, 0.5});
+  contact.tangential = Eigen::Vector2d(0, 1), contact.speed = 0.0, contact.normal_load = 100.0;
+  for (int phase = 0; phase < 16; ++phase) {
+    oscillators::Structure structure;
+    structure.M = Eigen::Matrix2d::Identity(), structure.C = Eigen::Vector2d(0.2, 0).asDiagonal();
+    structure.K = Eigen::Matrix2d{{2, -1}, {-1, 2}};
+    structure.names = {"displacement_1", "displacement_2"};
+    structure.force = {Signal(Signal::Harmonics{0, {{force, w, 0.4 * phase}}}), Signal(0.0)};
+    structure.contacts = {contact};
+    const auto cycle = find_cycle(from_rest(structure), {});
+    INFO("phase " << 0.4 * phase << ": " << cycle.outcome.detail);
+    REQUIRE(cycle.outcome.complete());
+    CHECK(cycle.returns == 1);
+    for (const char* name : {"displacement_1_max", "displacement_1_amplitude"})
+      CHECK(std::abs(value(cycle, name) - amplitude) < error(cycle, name) + 1e-10);
+    CHECK(error(cycle, "displacement_1_max") < 1e-7);
+    CHECK(value(cycle, "stick_fraction") == Approx(1));
+  }
+}
+
+TEST_CASE("motion that dies out while one contact sticks is at rest, which is no cycle") {
+  oscillators::Structure structure;
+  structure.M = Eigen::Matrix2d::Identity(), structure.C = 0.1 * Eigen::Matrix2d::Identity();
+  structure.K = Eigen::Matrix2d{{2, -0.5}, {-0.5, 2}};
+  structure.names = {"displacement_1", "displacement_2"};
+  for (const double speed : {0.0, 0.3}) {
+    oscillators::FrictionContact contact;
+    contact.law = laws::find_law("coulomb")->with({0.4, 0.4});
+    contact.tangential = Eigen::Vector2d::Unit(speed == 0 ? 0 : 1), contact.speed = speed, contact.normal_load = 1.0;
+    structure.contacts.push_back(contact);
+  }
+  StructureModel model{structure, {}};
+  model.start.kind = Start::Kind::given;
+  model.start.coordinates = {0.6, -0.4}, model.start.velocities = {0.0, 0.5};
+  const auto cycle = find_cycle(model, {});
+  INFO(cycle.outcome.detail);
+  CHECK(cycle.outcome.ending == Ending::none_exists);
+}

@@ -66,3 +66,26 @@ TEST_CASE("neighbours and roughness of plain series", "[noise]") {
   CHECK(walk[0] == 1);
   for (std::size_t k = 1; k < 5; ++k) CHECK(walk[k] == Approx(0).margin(1e-15));
 }
+
+TEST_CASE("points that stand apart part a series, and tell nothing of its noise", "[noise]") {
+  // Stretches of 50 points with noise of 0.7 and correlation 0.6, and 25 between them of any size.
+  const auto independent = white_noise(3000, 5);
+  Leftover part{{}, {}, {1, 0}, true, true};
+  double last = 0;
+  for (std::size_t k = 0; k < independent.size(); ++k) {
+    const bool apart = k % 75 >= 50;
+    last = k % 75 == 0 ? independent[k] : 0.6 * last + 0.8 * independent[k];
+    part.residual.push_back(apart ? 1e3 * independent[k] : 0.7 * last);
+    part.slopes.push_back(1);
+    part.apart.push_back(apart);
+  }
+  std::vector<Leftover> parts = {part};
+  find_noise(parts);
+  CHECK(parts[0].noise.size == Approx(0.7).epsilon(0.06));
+  CHECK(parts[0].noise.correlation == Approx(0.6).margin(0.06));
+  std::vector<double> values = {1, 2, 3, 4};
+  whiten(values, 1, 0.6, std::vector<char>{0, 0, 1, 0});
+  CHECK(values[1] == Approx((2 - 0.6) / 0.8));
+  CHECK(values[2] == 3);
+  CHECK(values[3] == 4);
+}

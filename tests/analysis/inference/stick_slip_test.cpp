@@ -97,22 +97,3 @@ TEST_CASE("a fit of events finds the static coefficient and the machine's stiffn
 TEST_CASE("a slider that slides steadily has no events", "[stick-slip-fit]") {
   CHECK_THROWS_AS(predict_stick_slip(block(0.3, 0.3), events(Event::recurrence, {0.1}), {}), InputError);
 }
-
-TEST_CASE("drops of a record of force are found whole, through noise", "[stick-slip-fit]") {
-  // A sawtooth of period 2 s: 1.8 s up by 3 N, 0.2 s down, begun within a fall and ended within a rise.
-  std::vector<double> time, force;
-  for (int i = 0; i <= 1000; ++i) {
-    const double t = 0.01 * i, phase = std::fmod(t + 1.9, 2);
-    time.push_back(t);
-    force.push_back((phase < 1.8 ? phase / 1.8 : (2 - phase) / 0.2) * 3 + 0.05 * std::sin(1e5 * i));
-  }
-  const auto drops = force_drops(time, force, 1.5);
-  REQUIRE(drops.size() == 4);
-  for (std::size_t i = 0; i < drops.size(); ++i) {
-    CHECK(drops[i].onset == Approx(1.9 + 2.0 * double(i)).margin(0.03));
-    CHECK(drops[i].size == Approx(3).margin(0.11));
-    CHECK(drops[i].duration == Approx(0.2).margin(0.05));
-  }
-  CHECK(force_drops(time, force, 4).empty());
-  CHECK(force_drops({}, {}, 1).empty());
-}

@@ -107,8 +107,9 @@ TEST_CASE("impulse: friction that falls over a distance has Rabinowicz's critica
   const auto result = done("impulse", task);
   check(result, "critical_speed", critical, 1e-9 * critical);
   // Nine tenths of it: v0² = c (s_0² - (s_0 - s)²), c = g cos(alpha) (mu_s - mu_d)/d_c, s_0 the critical way.
-  const double s_0 = d_c * (mu_s - tangent) / (mu_s - mu_d);
-  check(result, "stop_distance", s_0 * (1 - std::sqrt(1 - 0.81)), 1e-9);
+  const double s_0 = d_c * (mu_s - tangent) / (mu_s - mu_d), push = result.reading("push").value;
+  CHECK(push == Approx(0.9 * critical).epsilon(1e-9));
+  check(result, "stop_distance", s_0 * (1 - std::sqrt(1 - push / critical * push / critical)), 1e-9);
 }
 
 TEST_CASE("impulse: under a friction curve the push must reach where the curve falls through the slope", "[lab]") {

@@ -218,3 +218,40 @@ TEST_CASE("errors of smoothed blocks hold although friction has a kink at each r
     }
   }
 }
+
+TEST_CASE("a jump of the drive frees a contact, and is told as its switch", "[structures]") {
+  // A block at rest on a belt at rest, and from 2 s on pulled by twice its friction: x = (2 − 1)(1 − cos(t − 2)), which
+  // comes to rest half a period later.
+  Model model;
+  model.law = laws::find_law("coulomb")->with({1.0, 1.0});
+  model.slider = {1, 1, 0};
+  model.drive = {.speed = 0.0, .normal_load = 1.0, .force = Signal(Signal::Steps{{{0, 0.0}, {2, 2.0}}})};
+  StructureModel structure{oscillators::one_slider(model), {}};
+  structure.start.kind = Start::Kind::rest;
+  const auto run = run_structure(structure, short_run(8, 1e-8));
+  REQUIRE(run.outcome.complete());
+  REQUIRE(run.events.size() == 2);
+  CHECK(run.events[0].kind == "slip");
+  CHECK(run.events[0].time == 2);
+  CHECK(run.events[1].kind == "stick");
+  CHECK(std::abs(run.events[1].time - (2 + std::numbers::pi)) <= run.events[1].error);
+  // A belt that slows down under a block at rest on it: slip of the block, listed with its onset.
+  model.drive = {.speed = Signal(Signal::Steps{{{0, 0.5}, {1, 0.2}}}), .normal_load = 1.0, .force = 0.0};
+  structure.structure = oscillators::one_slider(model);
+  const auto slowed = run_structure(structure, short_run(2, 1e-8));
+  REQUIRE(slowed.outcome.complete());
+  REQUIRE(slowed.events.size() >= 2);
+  CHECK(slowed.events[0].kind == "slip");
+}
+
+TEST_CASE("extremes count the start in the modes that it is in", "[structures]") {
+  Model model;
+  model.law = laws::find_law("coulomb")->with({0.5, 0.4});
+  model.slider = {1, 1, 0};
+  model.drive = {.speed = 0.1, .normal_load = 1.0, .force = 0.0};
+  StructureModel structure{oscillators::one_slider(model), {}};
+  structure.start.kind = Start::Kind::given;
+  structure.start.coordinates = {-1.0}, structure.start.velocities = {0.5};  // faster than the belt
+  const auto run = run_structure(structure, short_run(1, 1e-8));
+  CHECK(run.metrics.at("friction_force_max") == Approx(-0.4));
+}

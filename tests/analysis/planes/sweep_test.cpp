@@ -17,14 +17,15 @@ using Record = SweepOptions::Record;
 
 namespace {
 
-std::function<analysis::motion::StructureModel(double)> over_belt_speed(Model model) {
-  return [model](double speed) {
-    Model here = model;
-    here.drive.speed = speed;
-    analysis::motion::StructureModel structure{oscillators::one_slider(here), {}};
+std::function<analysis::motion::StructureModel(double)> over(const std::string& parameter, Model model) {
+  return [=](double value) {
+    analysis::motion::StructureModel structure{oscillators::one_slider(model.with(parameter, value)), {}};
     structure.start.kind = analysis::motion::Start::Kind::rest;
     return structure;
   };
+}
+std::function<analysis::motion::StructureModel(double)> over_belt_speed(const Model& model) {
+  return over("drive.speed", model);
 }
 
 /// m = k = 1 under a load of 1 N.
@@ -212,7 +213,7 @@ TEST_CASE("a slider without mass is swept by its cycles", "[sweep]") {
   SweepOptions options;
   options.axis = make_axis("oscillator.stiffness", 4000, 4500, 2, false, {});
   options.record = Record::metrics, options.metrics = {"period"};
-  const auto result = sweep_of_slider(model, options);
+  const auto result = sweep(over(options.axis.parameter, model), options);
   REQUIRE(result.outcome.complete());
   CHECK(std::abs(result.metrics[0].value(result.up[0].metrics) - 22.048104111) < 1e-7);
   CHECK(std::abs(result.metrics[0].value(result.up[1].metrics) - 19.516047457) < 1e-7);
@@ -228,7 +229,7 @@ TEST_CASE("a sweep of a slider marks where steady sliding loses its stability, i
   SweepOptions options;
   options.axis = make_axis("drive.normal_load", 0.8 * critical->normal_load, 1.2 * critical->normal_load, 3, false, {});
   options.record = Record::metrics, options.metrics = {"period"};
-  const auto result = sweep_of_slider(model, options);
+  const auto result = sweep(over(options.axis.parameter, model), options);
   REQUIRE(result.thresholds.size() == 1);
   const auto& threshold = result.thresholds.front();
   CHECK(threshold.onset);

@@ -122,16 +122,48 @@ TEST_CASE("modes are matrices, and 1 + L is what the margin measures", "[structu
     const auto loaded = model.with("drive.normal_load", load);
     const FrictionResponse there(loaded);
     std::vector<double> hertz;
-    std::vector<Complex> Z, receptances;
+    std::vector<Complex> L;
     for (int i = 0; i <= 40000; ++i) {
       hertz.push_back(1e-2 * std::pow(10, i / 8000.0));
       const Complex jw(0, 2 * std::numbers::pi * hertz.back());
-      Z.push_back(there.tangential(jw)), receptances.push_back(receptance(s, jw));
+      L.push_back(jw * there.tangential(jw) * receptance(s, jw));
     }
-    const auto table = close_table(hertz, Z, receptances);
+    const auto table = close_table(hertz, L);
+    const auto by_determinants = friction_loop(s, loaded, {}, hertz);
+    for (std::size_t k = 0; k < L.size(); k += 1000)
+      CHECK(std::abs(by_determinants[k] - L[k]) < 1e-11 * (1 + std::abs(L[k])));
     CHECK(table.resolved);
     CHECK(table.unstable == close_loop(s, loaded).unstable_by_eigenvalues);
   }
+}
+
+TEST_CASE("a measured response keeps the coupling of load and motion, and is scanned", "[structure]") {
+  // Friction that no slip rate changes leaves mode coupling: growth of 292.4 1/s at 1137.7 Hz under μ = 0.4, from
+  // μ = 0.336635733 on by the eigenvalues of M s² + C s + K + k_n (n nᵀ − μ t nᵀ).
+  SlidingStructure sliding;
+  sliding.form = Structure{{1, 0, 0, 1}, {20, 0, 0, 30}, {5.2e7, 1e7, 1e7, 2e7}, {{{1, 0}, {0, 1}}}};
+  sliding.model = slider_under("coulomb", {0.6, 0.4}, any_slider, 1, 1000);
+  sliding.normal = NormalContact{3e7};
+  std::vector<double> hertz;
+  for (int i = 0; i <= 1000; ++i) hertz.push_back(900 + 0.5 * i);
+  const std::vector<Complex> none(hertz.size());
+  const auto at = [&](double mu) {
+    const auto changed = sliding.with("law.mu_d", mu);
+    return close_table(hertz, friction_loop(changed.structure(), changed.model, changed.normal, hertz, none));
+  };
+  CHECK(at(0.4).unstable == 2);
+  CHECK(at(0.4).resolved);
+  CHECK(at(0.3).unstable == 0);
+  const auto critical = critical_values(at, 0.1, 0.5);
+  REQUIRE(critical.size() == 1);
+  CHECK(std::abs(critical[0].value - 0.336635733) < critical[0].error);
+  CHECK(critical[0].error < 0.02);
+  CHECK(critical[0].angular_frequency / (2 * std::numbers::pi) == Approx(1138).epsilon(3e-3));
+  // Several contacts answer alike: on uncoupled masses the determinant is the product of their loops.
+  const Structure two{{1, 0, 0, 2}, {3, 0, 0, 5}, {1e4, 0, 0, 9e4}, {{{1, 0}, {}}, {{0, 1}, {}}}};
+  const Complex Z(-4, 2), s(0, 2 * std::numbers::pi * 20);
+  const auto product = (1.0 + s * Z / (s * s + 3.0 * s + 1e4)) * (1.0 + s * Z / (2.0 * s * s + 5.0 * s + 9e4));
+  CHECK(std::abs(friction_loop(two, sliding.model, {}, {20}, {Z})[0] - (product - 1.0)) < 1e-12);
 }
 
 TEST_CASE("mode coupling under Coulomb friction: two modes merge at the friction that theory names", "[structure]") {

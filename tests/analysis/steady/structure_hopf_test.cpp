@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "analysis/cycles/structure_cycle.hpp"
+#include "analysis/steady/mode_windows.hpp"
 #include "laws/catalogue.hpp"
 
 using namespace rosin;

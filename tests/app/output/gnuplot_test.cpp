@@ -3,10 +3,13 @@
 
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <map>
 
 #include "app/output/sheet.hpp"
 #include "core/files.hpp"
+#include "core/process.hpp"
 #include "tests/app/folder.hpp"
+#include "tests/printable_texts.hpp"
 
 using namespace rosin::app;
 using Catch::Matchers::Contains;
@@ -14,11 +17,71 @@ using rosin::tests::Folder;
 
 namespace fs = std::filesystem;
 
-TEST_CASE("texts with apostrophes and the end of an SVG's text stay texts", "[gnuplot]") {
-  CHECK(output::single_quoted("a 'b'") == "'a ''b'''");
-  CHECK(output::single_quoted("'t Hooft's slider") == "\"'\".'t Hooft''s slider'");
-  CHECK(output::single_quoted("a]]>b") == "'a]]\u2060>b'");
-  CHECK(output::single_quoted("a > b") == "'a > b'");
+namespace {
+
+std::string replaced(std::string text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+/// The texts of an SVG, without markup; spaces at their ends and in rows are not kept there.
+std::vector<std::string> texts_of(const std::string& svg) {
+  std::vector<std::string> texts;
+  for (std::size_t at = 0; (at = svg.find("<text", at)) != std::string::npos;) {
+    const auto end = svg.find("</text>", at);
+    std::string text;
+    bool tag = false;
+    for (; at < end; ++at) {
+      tag |= svg[at] == '<';
+      if (!tag) text += svg[at];
+      tag &= svg[at] != '>';
+    }
+    for (const auto& [from, to] : {std::pair{"&lt;", "<"}, {"&gt;", ">"}, {"&amp;", "&"}})
+      text = replaced(text, from, to);
+    texts.push_back(std::move(text));
+  }
+  return texts;
+}
+
+std::string without_spaces(std::string text) {
+  std::erase_if(text, [](char c) { return c == ' ' || c == '\n'; });
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("any text is drawn as it is: as label, tic, title of a plot, and title of a sheet", "[gnuplot]") {
+  const Folder folder;
+  const auto texts = rosin::tests::printable_texts();
+  std::string script =
+      "set terminal svg size 4000,40000\nset encoding utf8\nset output 'x.svg'\nset key on maxrows 2000\n";
+  std::string tics, plots;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    script += "set label " + std::to_string(i + 1) + " " + output::single_quoted(texts[i]) + " at graph 0.5,0.5\n";
+    const auto separator = i == 0 ? "" : ", ";
+    tics += separator + output::single_quoted(replaced(texts[i], "%", "%%")) + " " + std::to_string(i);
+    plots += separator + std::to_string(i) + " title " + output::single_quoted(texts[i]);
+  }
+  std::ofstream(folder.path / "x.gp") << script << "set ytics (" << tics << ")\nplot " << plots << "\n";
+  const auto gnuplot = rosin::find_program("gnuplot");
+  REQUIRE(gnuplot);
+  const auto ran = rosin::run_program({*gnuplot, {"x.gp"}, folder.path});
+  REQUIRE(ran);
+  CHECK(ran->status == 0);
+  CHECK(ran->messages.empty());
+  std::map<std::string, int> drawn;
+  for (const auto& text : texts_of(rosin::tests::content(folder.path / "x.svg"))) ++drawn[without_spaces(text)];
+  for (const auto& text : texts) {
+    const auto wanted = without_spaces(replaced(text, "]]>", "]]\u2060>"));
+    CAPTURE(text, wanted);
+    if (!wanted.empty()) CHECK(drawn[wanted] >= 3);
+  }
+
+  const output::Sheet sheet{"run", "A line", {.width = 900, .panel = 200}, "Friction f''(x) of 't Hooft", "''"};
+  std::ofstream(folder.path / "run.gp") << sheet.with("plot x title " + output::single_quoted("f''") + "\n");
+  CHECK(output::draw(folder.path, {"run.gp"}, {}).problems.empty());
+  CHECK_THAT(rosin::tests::content(folder.path / "run.svg"), Contains("Friction f''(x) of 't Hooft"));
 }
 
 TEST_CASE("names on axes come with the symbols of their quantities", "[gnuplot]") {
@@ -28,6 +91,20 @@ TEST_CASE("names on axes come with the symbols of their quantities", "[gnuplot]"
   CHECK(output::readable("stick_time") == "stick time");
   CHECK(output::readable("slip_rate") == "slip rate v");
   CHECK(output::readable("theta") == "θ");
+  CHECK(output::readable("mu_s") == "μ_s");
+}
+
+TEST_CASE("numbers of a scene are named on axes by what they mean, their symbol and their unit", "[gnuplot]") {
+  const auto named = [](const char* path, const char* meaning, const char* unit) {
+    const auto text = output::axis_label('x', path, meaning, unit);
+    return text.substr(0, text.find(" font fitted_x("));
+  };
+  CHECK(named("drive.speed", "speed of the driving surface", "m/s") == "'speed of the driving surface '.'V'.' (m/s)'");
+  CHECK(named("drive.force.harmonics.1.amplitude", "force on the slider, along its displacement", "N") ==
+        "'force on the slider '.'f'.', amplitude of harmonic 1 (N)'");
+  CHECK(named("law.mu_d", "dynamic coefficient, in motion", "1") == "'dynamic coefficient '.'μ_{d}'.''");
+  CHECK(named("oscillator.contacts.2.normal_load", "normal load", "N") == "'normal load '.'N'.', contact 2 (N)'");
+  CHECK(named("oscillator.bow_position", "distance of the bow", "1") == "'distance of the bow'.''.''");
 }
 
 TEST_CASE("a picture that gnuplot left cut short does not get its name", "[gnuplot]") {
@@ -117,6 +194,16 @@ TEST_CASE("pictures for print are as wide as was asked, with panels and titles i
   CHECK(old.files.empty());
   REQUIRE(old.problems.size() == 1);
   CHECK_THAT(old.problems[0], Contains("old.gp knows no width"));
+}
+
+TEST_CASE("values that hardly change are drawn less what they have in common", "[gnuplot]") {
+  const auto drawn = output::drawn_range("elongation", "m", 5.00000012, 5.00004);
+  CHECK(drawn.label == "'elongation − 5 m (µm)'");
+  CHECK(drawn.column(3) == "(($3-5)*1000000)");
+  CHECK(drawn.high == Approx(40));
+  const auto plain = output::drawn_range("slip rate v", "m/s", 0, 2e-3);
+  CHECK(plain.label == "'slip rate v (mm/s)'");
+  CHECK(plain.column(2) == "($2*1000)");
 }
 
 TEST_CASE("units have the prefix of their largest value", "[gnuplot]") {

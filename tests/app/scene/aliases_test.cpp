@@ -5,7 +5,10 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
+#include "app/scene/scene.hpp"
 #include "app/scene/toml_document.hpp"
+#include "app/tasks/compare.hpp"
+#include "app/tasks/stability.hpp"
 #include "core/error.hpp"
 #include "laws/catalogue.hpp"
 #include "tests/app/folder.hpp"
@@ -73,7 +76,8 @@ TEST_CASE("an override by another name replaces what the scene has, and paths ma
   CHECK(read(folder, own, "stability", {"law.Dc=3e-5", "law.L=4e-5"}).model.get("law.L") == 4e-5);
   CHECK(read(folder, own, "stability", {"drive.velocity=2e-5"}).model.drive.speed.level() == 2e-5);
   const auto scene = read(folder, own + "[stability]\nparameters = ['law.Dc', 'oscillator.c']\n", "stability");
-  CHECK(scene.hopf_parameters == std::vector<std::string>{"law.L", "oscillator.damping"});
+  CHECK(scene.task<rosin::app::tasks::Stability>().parameters ==
+        std::vector<std::string>{"law.L", "oscillator.damping"});
   CHECK(noted(scene, "law.Dc is read as law.L"));
 }
 
@@ -117,10 +121,10 @@ TEST_CASE("laws of members and contacts take other names too", "[aliases]") {
                "[compare]\nprotocol = 'stability'\nmembers = [{ name = 'a' }, { name = 'b', law = { type "
                "= 'Ruina', Dc = 3e-5 } }, { name = 'c', set = { 'law.Dc' = 4e-5 } }]\n",
            "compare");
-  REQUIRE(scene.compare.members.size() == 3);
-  CHECK(scene.compare.members[1].model.law->card().name == "slip");
-  CHECK(scene.compare.members[1].model.get("law.L") == 3e-5);
-  CHECK(scene.compare.members[2].model.get("law.L") == 4e-5);
+  REQUIRE(scene.task<rosin::app::tasks::Compare>().members.size() == 3);
+  CHECK(scene.task<rosin::app::tasks::Compare>().members[1].model.law->card().name == "slip");
+  CHECK(scene.task<rosin::app::tasks::Compare>().members[1].model.get("law.L") == 3e-5);
+  CHECK(scene.task<rosin::app::tasks::Compare>().members[2].model.get("law.L") == 4e-5);
   CHECK(noted(scene, "compare.members.2.law.Dc is read as compare.members.2.law.L (m)"));
 }
 

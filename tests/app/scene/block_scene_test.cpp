@@ -5,8 +5,11 @@
 #include <filesystem>
 #include <fstream>
 
+#include "analysis/motion/run.hpp"
 #include "app/scene/family.hpp"
+#include "app/scene/scene.hpp"
 #include "core/error.hpp"
+#include "oscillators/block.hpp"
 #include "tests/app/scene_of.hpp"
 
 using rosin::app::scene::Scene;
@@ -50,9 +53,9 @@ TEST_CASE("a scene's block is a mesh whose stations share the weight", "[block]"
   CHECK(structure.names.front() == "x_1_1");
   CHECK(structure.names.back() == "y_7_5");
   CHECK((structure.C - 5e-8 * Eigen::MatrixXd(scene.block->K)).norm() < 1e-12 * structure.C.norm());
-  REQUIRE(scene.run.stepping);
-  CHECK(scene.run.stepping->step == 1e-6);
-  CHECK(scene.run.stepping->stick_width == 1e-3);
+  REQUIRE(scene.task<rosin::analysis::motion::RunOptions>().stepping);
+  CHECK(scene.task<rosin::analysis::motion::RunOptions>().stepping->step == 1e-6);
+  CHECK(scene.task<rosin::analysis::motion::RunOptions>().stepping->stick_width == 1e-3);
   CHECK(scene.block->tilt.dot(scene.structure->start.beside) == Approx(1e-6).epsilon(1e-12));
 }
 

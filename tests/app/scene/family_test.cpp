@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "analysis/planes/map.hpp"
 #include "analysis/planes/structure_map.hpp"
+#include "app/scene/scene.hpp"
 #include "core/error.hpp"
 #include "tests/app/folder.hpp"
 #include "tests/app/scene_of.hpp"
@@ -91,12 +93,14 @@ y = { parameter = 'drive.force.amplitude', from = 0.1, to = 1, points = 2 }
 metrics = ['displacement_max', 'stick_fraction', 'largest_multiplier']
 )";
   const auto scene = read(slider, "map");
-  const auto metrics = analysis::planes::metrics_of_structure(scene.structure->structure, scene.map.metrics);
+  const auto metrics = analysis::planes::metrics_of_structure(
+      scene.structure->structure, scene.task<rosin::analysis::planes::MapOptions>().metrics);
   const auto map = analysis::planes::compute_structure_map(
       [&](double x, double y) {
-        return scene.family->with({{scene.map.x.parameter, x}, {scene.map.y.parameter, y}});
+        return scene.family->with({{scene.task<rosin::analysis::planes::MapOptions>().x.parameter, x},
+                                   {scene.task<rosin::analysis::planes::MapOptions>().y.parameter, y}});
       },
-      scene.map, metrics);
+      scene.task<rosin::analysis::planes::MapOptions>(), metrics);
   REQUIRE(map.points.size() == 4);
   CHECK(map.integrated == 4);
   // A force below friction leaves the block where it is; Den Hartog's amplitudes above it.
@@ -107,8 +111,9 @@ metrics = ['displacement_max', 'stick_fraction', 'largest_multiplier']
   CHECK(metrics[2].value(map.points[3]) == Approx(0.69707788).epsilon(1e-5));
   CHECK(metrics[0].error(map.points[3]) < 1e-6);
   CHECK(refusal(slider, "map", {"map.metrics=['displacement_maxi']"}).find("displacement_max") != std::string::npos);
-  CHECK(refusal(slider, "map", {"map.stick_threshold=0.1"}).find("no effect") != std::string::npos);
-  CHECK(refusal(slider, "cycle", {"cycle.stick_threshold=0.1"}).find("no effect") != std::string::npos);
+  CHECK(read(slider, "map", {"map.stick_threshold=0.2"}).task<analysis::planes::MapOptions>().stick_threshold == 0.2);
+  CHECK(read(slider, "cycle", {"cycle.stick_threshold=0.2"}).task<analysis::cycles::CycleOptions>().stick_threshold ==
+        0.2);
   CHECK(refusal(slider, "map", {"map.x.parameter=drive.force.frequencies"}).find("no number of this scene") !=
         std::string::npos);
   CHECK(refusal(slider, "map", {"oscillator.mass=0"}).find("mass") != std::string::npos);

@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/planes/map.hpp"
+#include "app/scene/scene.hpp"
 #include "core/error.hpp"
 #include "laws/catalogue.hpp"
 #include "tests/app/scene_of.hpp"
@@ -52,9 +55,9 @@ TEST_CASE("a cycle under a law from text is that under the compiled law", "[form
   const std::vector<std::string> none;
   auto scene = scene_of(example, none, "cycle");
   auto model = scene.model;
-  const auto text = analysis::cycles::find_cycle(model, scene.cycle);
+  const auto text = analysis::cycles::find_cycle(model, scene.task<rosin::analysis::cycles::CycleOptions>());
   model.law = laws::find_law("spinodal");
-  const auto compiled = analysis::cycles::find_cycle(model, scene.cycle);
+  const auto compiled = analysis::cycles::find_cycle(model, scene.task<rosin::analysis::cycles::CycleOptions>());
   REQUIRE(text.outcome.complete());
   for (const auto& metric : analysis::cycles::metric_names())
     CHECK(text.metrics.*metric.member == Approx(compiled.metrics.*metric.member).epsilon(1e-9));
@@ -63,10 +66,10 @@ TEST_CASE("a cycle under a law from text is that under the compiled law", "[form
 TEST_CASE("a plane under a law from text, through lanes, is that under the compiled law", "[formula]") {
   const std::vector<std::string> coarse = {"map.x.points=6", "map.y.points=5", "law.mu0=0.4"};
   auto scene = scene_of(example, coarse, "map");
-  const auto text = analysis::planes::compute_map(scene.model, scene.map);
+  const auto text = analysis::planes::compute_map(scene.model, scene.task<rosin::analysis::planes::MapOptions>());
   auto model = scene.model;
   model.law = laws::find_law("spinodal")->with("mu0", 0.4);
-  const auto compiled = analysis::planes::compute_map(model, scene.map);
+  const auto compiled = analysis::planes::compute_map(model, scene.task<rosin::analysis::planes::MapOptions>());
   REQUIRE(text.points.size() == compiled.points.size());
   CHECK(text.integrated > 10);
   CHECK(text.integrated == compiled.integrated);
@@ -74,7 +77,7 @@ TEST_CASE("a plane under a law from text, through lanes, is that under the compi
     const auto &a = text.points[i], &b = compiled.points[i];
     CHECK(a.regime == b.regime);
     if (a.regime != analysis::planes::Regime::cycle) continue;
-    for (const auto& name : scene.map.metrics) {
+    for (const auto& name : scene.task<rosin::analysis::planes::MapOptions>().metrics) {
       const auto member = analysis::cycles::find_metric(name).member;
       CHECK(std::abs(a.metrics.*member - b.metrics.*member) <= a.error.*member + b.error.*member);
     }

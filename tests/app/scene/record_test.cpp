@@ -137,6 +137,24 @@ TEST_CASE("a missing sample is a gap, where the reader takes gaps", "[record]") 
   CHECK_THAT(read.end.understood, Contains("names in line 1") && Contains("5 rows, 3 with gaps, one each 1 s"));
 }
 
+TEST_CASE("rows that are not there are a gap, behind which the clock begins anew", "[record]") {
+  // Of samples each 1 s one is missing, then three, then the logger goes on 0.4 s out of step, after a number was lost.
+  const Folder folder;
+  std::ofstream(folder.path / "r.csv") << "t,v\n0,1\n1,2\n2,3\n4,5\n5,6\n9,10\n10,\n11,12\n13.4,13\n14.4,14\n";
+  scene::RecordSource source{folder.path / "r.csv", scene::RecordColumn{"t", "", "s"}, 0, {{"v", "", "m/s"}}};
+  CHECK_THROWS_WITH(all_of(source), Contains("r.csv:5: a gap"));
+  source.gaps = true;
+  const auto read = all_of(source);
+  CHECK(read.end.missing == 1 + 3 + 1);
+  CHECK(read.end.gaps == 3 + 1);
+  CHECK(read.end.sample_rate == Approx(1));
+  const std::vector<double> seen = {1, 2, 3, 0, 5, 6, 0, 10, 0, 12, 0, 13, 14};
+  REQUIRE(read.columns[0].size() == seen.size());
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    CHECK((seen[i] == 0 ? std::isnan(read.columns[0][i]) : read.columns[0][i] == seen[i]));
+  CHECK_THAT(read.end.understood, Contains("5 rows missing"));
+}
+
 TEST_CASE("nothing is interpolated in silence", "[record]") {
   CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,2\n2,1,2\n5,1,2\n"), Contains("r.csv:5: a gap"));
   CHECK_THROWS_WITH(text("t,v,F\n0,1,2\n1,1,2\n2.2,1,2\n3.2,1,2\n4.2,1,2\n"),

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "analysis/planes/map.hpp"
+#include "app/scene/scene.hpp"
 #include "core/error.hpp"
 #include "tests/app/folder.hpp"
 #include "tests/app/scene_of.hpp"
@@ -50,14 +52,27 @@ TEST_CASE("turning joints come to the radius at which they rub", "[scene][units]
   CHECK(model.drive.normal_load.level() == 20);
 }
 
+TEST_CASE("a rate per minute of something that rotates counts turns; another bare rate is refused", "[scene][units]") {
+  const auto at = [](const std::string& speed) {
+    auto text = turning;
+    return text.replace(text.find("60 rpm"), 6, speed);
+  };
+  for (const char* minute : {"60 1/min", "60 min^-1", "60 RPM", "60 U/min", "60 r/min", "60 rev/min", "1 rev/s"}) {
+    INFO(minute);
+    CHECK(scene(at(minute)).model.drive.speed.level() == Approx(2 * M_PI * 0.05).epsilon(1e-12));
+  }
+  for (const char* unclear : {"1 Hz", "1 1/s"})
+    CHECK_THROWS_WITH(scene(at(unclear)), Contains("drive.speed") && Contains("turns or radians") && Contains("rev/s"));
+}
+
 TEST_CASE("axes of a plane may be stresses", "[scene][units]") {
   const auto plane =
       scene(per_area +
                 "[map]\nx = { parameter = 'drive.normal_load', from = '1 MPa', to = '10 MPa', points = 3 }\n"
                 "y = { parameter = 'drive.speed', from = 1e-7, to = 1e-5, points = 3 }\n",
             "map");
-  CHECK(plane.map.x.values.front() == Approx(400).epsilon(1e-12));
-  CHECK(plane.map.x.values.back() == Approx(4000).epsilon(1e-12));
+  CHECK(plane.task<rosin::analysis::planes::MapOptions>().x.values.front() == Approx(400).epsilon(1e-12));
+  CHECK(plane.task<rosin::analysis::planes::MapOptions>().x.values.back() == Approx(4000).epsilon(1e-12));
 }
 
 TEST_CASE("a stress without an area names the key that is missing; an area that nothing needs is noted",

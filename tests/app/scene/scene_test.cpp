@@ -9,6 +9,15 @@
 #include <filesystem>
 #include <fstream>
 
+#include "analysis/cycles/cycle.hpp"
+#include "analysis/motion/plane_run.hpp"
+#include "analysis/motion/run.hpp"
+#include "analysis/planes/map.hpp"
+#include "app/scene/family.hpp"
+#include "app/tasks/compare.hpp"
+#include "app/tasks/fit.hpp"
+#include "app/tasks/lab.hpp"
+#include "app/tasks/stability.hpp"
 #include "core/error.hpp"
 #include "tests/app/scene_of.hpp"
 
@@ -96,16 +105,17 @@ metrics = ["stick_fraction", "loop_area"]
   CHECK(scene.model.contact_stiffness.tangential == Approx(1e6));
   CHECK(scene.model.slider.mass == 1);
   CHECK(scene.model.drive.speed.level() == 1e-5);
-  CHECK(scene.run.duration == 120);
-  CHECK(scene.run.samples == 20);
-  CHECK(scene.run.start.displacement == 1e-3);
-  CHECK(scene.run.start.states.at("psi") == 0.01);
-  CHECK(scene.cycle.stick_threshold == 0.2);
-  CHECK(scene.map.stick_threshold == 0.2);
-  CHECK(scene.map.x.values.size() == 7);
-  CHECK(scene.map.y.values.back() == 0);
-  CHECK(scene.map.metrics == std::vector<std::string>{"stick_fraction", "loop_area"});
-  CHECK(scene.hopf_parameters == std::vector<std::string>{"law.lambda"});
+  CHECK(scene.task<rosin::analysis::motion::RunOptions>().duration == 120);
+  CHECK(scene.task<rosin::analysis::motion::RunOptions>().samples == 20);
+  CHECK(scene.task<rosin::analysis::motion::RunOptions>().start.displacement == 1e-3);
+  CHECK(scene.task<rosin::analysis::motion::RunOptions>().start.states.at("psi") == 0.01);
+  CHECK(scene.task<rosin::analysis::cycles::CycleOptions>().stick_threshold == 0.2);
+  CHECK(scene.task<rosin::analysis::planes::MapOptions>().stick_threshold == 0.2);
+  CHECK(scene.task<rosin::analysis::planes::MapOptions>().x.values.size() == 7);
+  CHECK(scene.task<rosin::analysis::planes::MapOptions>().y.values.back() == 0);
+  CHECK(scene.task<rosin::analysis::planes::MapOptions>().metrics ==
+        std::vector<std::string>{"stick_fraction", "loop_area"});
+  CHECK(scene.task<rosin::app::tasks::Stability>().parameters == std::vector<std::string>{"law.lambda"});
 }
 
 TEST_CASE("a law alone is enough for its curve") {
@@ -169,15 +179,16 @@ TEST_CASE("units in the headers of tables count for drives, motions and measurem
 
   const std::string lab = spinodal + slider + "[lab]\nrecord = 'motion.csv'\n";
   const auto scene = read(lab, "lab", {}, "inverse");
-  CHECK(scene.lab->motion->time.back() == 2.5);
-  CHECK(scene.lab->motion->value.back() == 4e-3);
+  CHECK(scene.task<rosin::app::tasks::Lab>().task->motion->time.back() == 2.5);
+  CHECK(scene.task<rosin::app::tasks::Lab>().task->motion->value.back() == 4e-3);
 
   const std::string fit = spinodal + "[drive]\nspeed = 1\nnormal_load = 1\n[fit]\nparameters = ['law.a']\n";
   const std::string data = "data = [ { type = 'steady-curve', file = 'curve.csv', standard_error = 1e-3, columns = ";
   for (const char* columns : {"{ slip_rate = 'Speed [mm/s]', friction_coefficient = 'mu [-]' }",
                               "{ slip_rate = 'Speed', friction_coefficient = 'mu' }",
                               "{ slip_rate = { column = 'Speed', unit = 'mm/s' }, friction_coefficient = 'mu' }"})
-    CHECK(read(fit + data + columns + " } ]", "fit").fit.data[0].x == std::vector<double>{1e-3, 1e-2, 0.1});
+    CHECK(read(fit + data + columns + " } ]", "fit").task<rosin::app::tasks::Fit>().data[0].x ==
+          std::vector<double>{1e-3, 1e-2, 0.1});
 }
 
 TEST_CASE("what a verb does not ask for is said to have no effect") {
@@ -188,7 +199,7 @@ TEST_CASE("what a verb does not ask for is said to have no effect") {
                           "data = [ { type = 'steady-curve', file = 'curve.csv', standard_error = 1e-3, columns = "
                           "{ slip_rate = 'Speed', friction_coefficient = 'mu' } } ]\n";
   const auto fitted = read(fit, "fit");
-  CHECK(said(fitted, "oscillator has no effect"));
+  CHECK(said(fitted, "oscillator.mass has no effect"));
   CHECK(said(fitted, "drive.force has no effect"));
   const std::string coulomb = "[law]\ntype = 'coulomb'\n" + slider +
                               "[map]\nstick_threshold = 0.2\nx = { parameter = 'drive.normal_load', from = 1, to = 2, "
@@ -201,7 +212,9 @@ TEST_CASE("what a verb does not ask for is said to have no effect") {
 
 TEST_CASE("starts are read in every form") {
   const auto start = [](const std::string& text) {
-    return read(spinodal + slider + "[run]\nduration = 1\nstart = " + text, "run").run.start;
+    return read(spinodal + slider + "[run]\nduration = 1\nstart = " + text, "run")
+        .task<rosin::analysis::motion::RunOptions>()
+        .start;
   };
   using Kind = rosin::analysis::motion::Start::Kind;
   CHECK(start("'steady'").kind == Kind::steady);
@@ -217,8 +230,8 @@ TEST_CASE("overrides replace values and may be bare words") {
                             "oscillator.mass=\"3 g\"", "drive.force={ steps = [[0, 1], [1, 2]] }"});
   CHECK(scene.model.get("law.a") == 0.03);
   CHECK(scene.model.drive.speed.level() == 2e-3);
-  CHECK(scene.run.start.kind == rosin::analysis::motion::Start::Kind::rest);
-  CHECK(scene.cycle.stick_threshold == 0.5);
+  CHECK(scene.task<rosin::analysis::motion::RunOptions>().start.kind == rosin::analysis::motion::Start::Kind::rest);
+  CHECK(scene.task<rosin::analysis::cycles::CycleOptions>().stick_threshold == 0.5);
   CHECK(scene.model.slider.mass == 3e-3);
   CHECK(scene.model.drive.force.value(1) == 2);
   CHECK(scene.resolved.find("0.03") != std::string::npos);
@@ -230,7 +243,27 @@ TEST_CASE("the resolved scene is a scene with the same content") {
   const Scene again = read(scene.resolved, "map");
   CHECK(again.resolved == scene.resolved);
   CHECK(again.model.get("law.a") == 0.03);
-  CHECK(again.map.x.values == scene.map.x.values);
+  CHECK(again.task<rosin::analysis::planes::MapOptions>().x.values ==
+        scene.task<rosin::analysis::planes::MapOptions>().x.values);
+  // Texts of several lines and of quotation marks, keys with dots, and a number that must stay whole.
+  const Scene titled =
+      read("title = \"\"\"a'''b\n\\\"\"\"\"\"\n" + spinodal + slider + "[run]\nduration = 1.0\nsamples = 7", "run");
+  CHECK(titled.title == "a'''b\n\"\"");
+  CHECK(read(titled.resolved, "run").title == titled.title);
+  CHECK_THROWS_WITH(read(spinodal + slider + "[run]\nduration = 1", "run", {"title=\xff"}),
+                    Catch::Contains("is no text in UTF-8"));
+}
+
+TEST_CASE("a place in a message is one that the user wrote", "[scene]") {
+  const std::string belt =
+      "[law]\ntype = 'coulomb'\nmu_s = 0.3\nmu_d = 0.3\n[oscillator]\ntype = 'two-mass-belt'\nmass = 1\nstiffness = 1\n"
+      "second_mass = 1\nsecond_stiffness = 1\n[drive]\nspeed = 1\nnormal_load = 1\n";
+  const auto scene =
+      read(belt + "[stability]\nscan = { parameter = 'law.mu_s', from = 0.1, to = 0.5, points = 5 }", "stability");
+  CHECK_THROWS_WITH(scene.family->with({{"law.mu_s", 0.1}}),
+                    Catch::StartsWith("stability.scan: at law.mu_s = 0.1: law.mu_s = 0.1 is below law.mu_d = 0.3"));
+  CHECK(scene.placed("stability.scan: at law.mu_s = 0.1: too small") ==
+        "scene.toml:15:8: stability.scan: at law.mu_s = 0.1: too small");
 }
 
 TEST_CASE("a wrong scene is refused with its place and what to try") {
@@ -475,7 +508,8 @@ TEST_CASE("a smoothing of the solver makes every set-valued law of the scene smo
                             verb);
     CHECK_FALSE(scene.model.law->set_valued());
     CHECK(scene.model.law->friction({2e-3, 1}, {}) == Approx(0.3 * std::tanh(1.0)).epsilon(1e-14));
-    for (const auto& member : scene.compare.members) CHECK_FALSE(member.model.law->set_valued());
+    for (const auto& member : scene.task<rosin::app::tasks::Compare>().members)
+      CHECK_FALSE(member.model.law->set_valued());
     // What holds at rest is lost, which a note says of each law.
     REQUIRE(scene.notes.size() >= 1);
     CHECK_THAT(scene.notes.front(),

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/scene/scene.hpp"
 #include "core/error.hpp"
 #include "tests/app/scene_of.hpp"
 

@@ -91,12 +91,20 @@ TEST_CASE("names are the last line of texts before the numbers, units stand in t
         {"v, mm/s, F, kN\n1,2\n", 1, 0, "mm/s", "kN"},
         {"v_mm_s F_kN\n1 2\n", 1, 0, "mm/s", "kN"},
         {"mm/s,kN\nv,F\n1,2\n", 2, 1, "mm/s", "kN"},
+        {"mm/s,kN\nspeed of the disc,load\nv,F\n1,2\n", 3, 1, "mm/s", "kN"},
+        {"Rig 7\n\"mm/s\",\"-\"\nv,mu\n1,2\n", 3, 2, "mm/s", "1"},
+        {"A,C\nleft,right\nv,F\n1,2\n", 3, 0, "", ""},
         {"# v (mm/s), F (kN)\nspeed,force\n1,2\n", 2, 1, "mm/s", "kN"},
         {"# rig (new), run (last)\nspeed,force\n1,2\n", 2, 0, "", ""},
         {"# v (mm/s) F [kN]\n1 2\n", 1, 0, "mm/s", "kN"},
         {"Rate,100\nOperator,Smith\nv,F\nmm/s,kN\n1,2\n", 3, 4, "mm/s", "kN"},
         {"***End***\nv\tF\n---\t---\n1\t2\n", 2, 0, "", ""},
-        {"v;x [\xb5m]\n1;2\n", 1, 0, "", "um"}}) {
+        {"v;x [\xb5m]\n1;2\n", 1, 0, "", "um"},
+        {"n / 1/min;w / °/s\n1;2\n", 1, 0, "1/min", "°/s"},
+        {"n in 1/min;slip %\n1;2\n", 1, 0, "1/min", "%"},
+        {"n;w\n1/min;°\n1;2\n", 1, 2, "1/min", "°"},
+        {"Drehzahl [U/min];M Nm\n1;2\n", 1, 0, "U/min", "Nm"},
+        {"n [min-1];RPM\n1;2\n", 1, 0, "min-1", "RPM"}}) {
     INFO(content);
     const auto read = text(content);
     CHECK(read.rows == Rows{{1, 2}});
@@ -114,6 +122,18 @@ TEST_CASE("names are the last line of texts before the numbers, units stand in t
   CHECK_THROWS_WITH(text("x,1\n0,1\n1,2\n2,3\n"), Contains("t.csv:1: column 1 is not a finite number here: 'x'"));
 }
 
+TEST_CASE("a first cell that announces units belongs to no column", "[table]") {
+  for (const char* head : {"\"Unit\",\"mm/s\",\"-\"\n\"Ch\",\"v\",\"mu\"\n", "Units:,mm/s,-\nlogger,7,x\nCh,v,mu\n",
+                           "Ch,v,mu\nUnit,mm/s,-\n", "Ch,v,mu\nEinheit,mm/s,\n"}) {
+    INFO(head);
+    const auto read = text(std::string(head) + "1,2,3\n2,4,6\n");
+    CHECK(read.head.columns[0].unit.empty());
+    CHECK(read.head.columns[1].name == "v");
+    CHECK(read.head.columns[1].unit == "mm/s");
+    CHECK(read.rows == Rows{{1, 2, 3}, {2, 4, 6}});
+  }
+}
+
 TEST_CASE("exports of xlook are read: counts, names and units in fixed widths, record numbers in front", "[table]") {
   const auto read = text(
       "number of records = 3\n"
@@ -127,6 +147,19 @@ TEST_CASE("exports of xlook are read: counts, names and units in fixed widths, r
   CHECK(read.head.columns[1].unit == "micron");
   CHECK(read.head.columns[2].unit == "MPa");
   CHECK(read.rows[2] == std::vector<double>{2, 1.7, 2.3, 0.2});
+  // right-aligned, with counts apart from "recs", and in the units of the programme
+  const auto other = text(
+      "number of records = 5400\n"
+      "            col 1       col 2       col 3\n"
+      "           LP_Vel    LP_Disp         mu\n"
+      "          mic/sec         mic           .\n"
+      "        5400 recs   5400 recs   5400 recs\n"
+      "   101         1000      5.89975      0.39975\n"
+      "   102      1125.34      5.89968     0.399684\n");
+  CHECK(other.head.columns[1].name == "LP_Vel");
+  CHECK(other.head.columns[1].unit == "mic/sec");
+  CHECK(other.head.columns[2].unit == "mic");
+  CHECK(other.rows[1] == std::vector<double>{102, 1125.34, 5.89968, 0.399684});
 }
 
 TEST_CASE("missing numbers are NaN, rows of other lengths and infinite numbers are refused", "[table]") {

@@ -8,6 +8,12 @@
 using Catch::Matchers::Contains;
 using namespace rosin::tests;
 
+namespace {
+void write(const Folder& folder, const char* name, const std::string& text) {
+  std::ofstream(folder.path / name) << text;
+}
+}  // namespace
+
 TEST_CASE("wrong keys of a branch are refused with their range or the nearest name", "[app][branches]") {
   const Folder folder;
   const auto refused = [&](const std::string& change, const std::string& why) {
@@ -54,7 +60,8 @@ TEST_CASE("a second parameter gives curves from one end of its range to the othe
               "/examples/two-motions.toml --set branch.values='[]' --set branch.to=1.3 --set branch.points=10 "
               "--set branch.locus='{parameter=\"oscillator.damping\",from=0.08,to=0.3,points=8}' --no-pictures --json");
   INFO(answer.error);
-  REQUIRE(answer.status == 0);
+  REQUIRE(answer.status == 1);  // ten points do not reach the end
+  CHECK_THAT(answer.error, Contains("10 points before the branch from drive.speed = 1.15129255 came to its end"));
   const auto document = nlohmann::json::parse(answer.out);
   const auto& hopf = document["loci"][0];
   CHECK(hopf["kind"] == "hopf");
@@ -90,4 +97,109 @@ TEST_CASE("a branch tells the cycles of the normal form beside its own", "[app][
   }
   CHECK(compared > 1);
   CHECK_THAT(content(folder.path / "out/branch.gp"), Contains("weakly nonlinear"));
+}
+
+TEST_CASE("steady sliding that is asked for is told, whether or not the motion beside it settles on a cycle",
+          "[app][branches]") {
+  const Folder folder;
+  write(folder, "belt.toml", R"(
+[law]
+type = "hyperbolic"
+mu_s = 1
+delta = 3
+[oscillator]
+type = "two-mass-belt"
+mass = 1
+stiffness = 1
+second_mass = 3
+second_stiffness = 2
+[drive]
+speed = 0.2
+normal_load = 1
+[branch]
+parameter = "drive.speed"
+from = 0.15
+to = 0.25
+start = "steady"
+)");
+  const auto answer = run_rosin(folder, "branch belt.toml --no-pictures --json");
+  INFO(answer.error);
+  REQUIRE(answer.status == 0);
+  const auto document = nlohmann::json::parse(answer.out);
+  CHECK(document["events"].empty());
+  CHECK(document["points"].size() == 101);
+  for (const auto& point : document["points"]) {
+    CHECK(point["stable"] == false);
+    // friction falls with the slip rate: growth is positive.
+    CHECK(point["metrics"]["growth_rate"] > 0);
+  }
+  CHECK_THAT(document["notes"].dump(),
+             Contains("without a Hopf point, and no cycles are followed: at branch.from = 0.15"));
+}
+
+TEST_CASE("a branch follows the motion to which its start leads", "[app][branches]") {
+  // Two motions live at 0.3 m/s: period three, and chaos from rest.
+  const std::string scene = R"(
+[law]
+type = "hyperbolic"
+mu_s = 1
+delta = 3
+[oscillator]
+mass = 1
+stiffness = 1
+damping = 0.02
+[drive]
+speed = 0.3
+normal_load = 1
+force = { mean = 0, harmonics = [{ amplitude = 0.5, angular_frequency = 2 }] }
+[branch]
+parameter = "drive.speed"
+from = 0.3
+to = 0.301
+)";
+  const Folder folder;
+  write(folder, "cycle.toml", scene + "start = \"cycle\"\n[cycle]\nstart = { displacement = 2, velocity = -1.3333 }\n");
+  write(folder, "table.toml", scene + "start = { displacement = 2, velocity = -1.3333 }\n");
+  write(folder, "both.toml", scene + "start = { displacement = 2, velocity = -1.3333 }\n[cycle]\nstart = \"rest\"\n");
+  for (const std::string name : {"cycle", "table", "both"}) {
+    const auto answer = run_rosin(folder, "branch " + name + ".toml --no-pictures --json");
+    INFO(name << answer.error);
+    REQUIRE(answer.status == 0);
+    const auto document = nlohmann::json::parse(answer.out);
+    CHECK(std::abs(document["points"][0]["metrics"]["period"].get<double>() - 9.42477796) < 1e-8);
+    CHECK((document["notes"].dump().find("cycle.start has no effect") != std::string::npos) == (name == "both"));
+    CHECK(document["points"][0]["error"]["multipliers"].size() == document["points"][0]["multipliers"].size());
+  }
+  const auto rest = run_rosin(folder, "branch table.toml --set branch.start=rest");
+  CHECK(rest.status == 2);
+  write(folder, "wrong.toml", scene + "start = { displacment = 2 }\n");
+  const auto wrong = run_rosin(folder, "branch wrong.toml");
+  CHECK(wrong.status == 2);
+  CHECK_THAT(wrong.error, Contains("displacment") && Contains("did you mean 'displacement'?"));
+}
+
+TEST_CASE("a frequency without which the others of a drive keep no period is no parameter of a branch",
+          "[app][branches]") {
+  const Folder folder;
+  write(folder, "two.toml", R"(
+[law]
+type = "coulomb"
+mu_s = 0.2
+mu_d = 0.2
+[oscillator]
+mass = 1
+stiffness = 1
+damping = 0.2
+[drive]
+speed = 0
+normal_load = 1
+force = { mean = 0, harmonics = [{ amplitude = 1, angular_frequency = 0.5 }, { amplitude = 0.3, angular_frequency = 1.5 }] }
+[branch]
+parameter = "drive.force.angular_frequency"
+from = 0.5
+to = 0.8
+)");
+  const auto answer = run_rosin(folder, "branch two.toml");
+  CHECK(answer.status == 2);
+  CHECK_THAT(answer.error, Contains("does not vary continuously along the parameter"));
 }

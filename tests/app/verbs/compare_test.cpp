@@ -1,10 +1,13 @@
 /// Comparisons in scenes: what members change, what is made equal, and what is refused with its place.
+#include "app/tasks/compare.hpp"
+
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 
+#include "app/scene/scene.hpp"
 #include "tests/app/scene_of.hpp"
 
 using namespace rosin;
@@ -51,7 +54,7 @@ TEST_CASE("members change the scene's model by a law or by single parameters", "
   const auto scene = read(R"([compare]
 members = [ { name = "as it is" }, { name = "slip", law = { type = "slip", a = 0.012, lambda = 2 } },
             { name = "soft", set = { "oscillator.stiffness" = "1 N/mm", "law.b" = 0.02 } } ])");
-  const auto& members = scene.compare.members;
+  const auto& members = scene.task<rosin::app::tasks::Compare>().members;
   REQUIRE(members.size() == 3);
   CHECK(members[0].model.law->card().name == "ageing");
   CHECK(members[1].model.law->card().name == "slip");
@@ -61,7 +64,7 @@ members = [ { name = "as it is" }, { name = "slip", law = { type = "slip", a = 0
   CHECK(members[2].model.slider.stiffness == 1000);
   CHECK(members[2].model.get("law.b") == 0.02);
   CHECK(members[2].model.get("law.a") == members[0].model.get("law.a"));
-  CHECK(scene.compare.protocol == "cycle");
+  CHECK(scene.task<rosin::app::tasks::Compare>().protocol == "cycle");
 }
 
 TEST_CASE("members are made equal to the first as they are read", "[app][compare]") {
@@ -69,7 +72,7 @@ TEST_CASE("members are made equal to the first as they are read", "[app][compare
 members = [ { name = "one" }, { name = "other", law = { type = "slip", mu0 = 0.5, a = 0.02, b = 0.03 } } ]
 equalise = { properties = [ { name = "steady-friction", slip_rate = "10 um/s" }, { name = "steady-slope", slip_rate = 1e-5 },
                             { name = "direct-effect", slip_rate = 1e-5 } ], adjust = ["law.mu0", "law.a", "law.b"] })");
-  const auto& other = scene.compare.members[1];
+  const auto& other = scene.task<rosin::app::tasks::Compare>().members[1];
   CHECK(other.model.get("law.mu0") == Approx(0.6).epsilon(1e-10));
   CHECK(other.model.get("law.a") == Approx(0.010).epsilon(1e-10));
   CHECK(other.model.get("law.b") == Approx(0.015).epsilon(1e-10));

@@ -1,8 +1,11 @@
 /// The verb fit on records as laboratories have them: numbers within intervals, warnings, tables, and refusals.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <sstream>
 
 #include "tests/app/command.hpp"
@@ -153,4 +156,196 @@ TEST_CASE("the catalogue of a run's slip events is data of a fit", "[fit-command
   CHECK(read_off.document["parameters"]["law.mu_s"]["value"].get<double>() == Approx(0.4).margin(2e-3));
   CHECK_THAT(read_off.error, Contains("events"));
   CHECK_THAT(fit(folder, record, "--set \"fit.data.1.least_drop='9 N'\"").error, Contains("0 whole events"));
+}
+
+TEST_CASE("one friction curve, as three instruments write it, is one law", "[fit-command]") {
+  // mu = 0.3 + 0.1 exp(-(v/v_s)^2), to rounding
+  const auto curve = [](const std::string& head, double v_s, const std::string& first) {
+    std::string text = head;
+    for (int i = 0; i < 14; ++i) {
+      const double v = v_s * std::pow(10, -1.3 + i / 6.0), mu = 0.3 + 0.1 * std::exp(-v * v / (v_s * v_s));
+      text += fmt::format("{}{:.12g},{:.12g}\n", first.empty() ? "" : first + ",", v, mu);
+    }
+    return text;
+  };
+  const auto xlook = [&] {
+    std::string text =
+        "number of records = 14\n            col 1       col 2\n           LP_Vel          mu\n"
+        "          mic/sec           .\n          14 recs     14 recs\n";
+    for (int i = 0; i < 14; ++i) {
+      const double v = 20e3 * std::pow(10, -1.3 + i / 6.0), mu = 0.3 + 0.1 * std::exp(-v * v / (20e3 * 20e3));
+      text += fmt::format("{:5}{:12.9g}{:12.9g}\n", i + 1, v, mu);
+    }
+    return text;
+  };
+  struct Export {
+    std::string table, column;
+    double v_s;  ///< m/s
+  };
+  for (const auto& [table, column, v_s] :
+       {Export{curve("\"Rig 7\"\n\"Unit\",\"mm/s\",\"-\"\n\"Ch\",\"Speed\",\"mu\"\n", 20, "1"), "'Speed'", 0.02},
+        Export{xlook(), "'LP_Vel'", 0.02},
+        // at 20 mm a turn a second is 0.12566 m/s
+        Export{curve("n (1/min),mu\n", 60, ""), "1", 2 * M_PI * 0.02}}) {
+    INFO(table);
+    const Folder folder;
+    std::ofstream(folder.path / "curve.csv") << table;
+    const auto found =
+        fit(folder,
+            "[law]\ntype = 'stribeck'\nmu_s = 0.45\nmu_d = 0.25\nv_s = 0.05\n[oscillator]\nradius = 0.02\nmass = 0\n"
+            "stiffness = 1\n[drive]\nspeed = 0.01\nnormal_load = 1\n[fit]\nprofiles = false\nfolds = 0\n"
+            "parameters = ['law.mu_s', 'law.mu_d', 'law.v_s']\ndata = [{ type = 'steady-curve', file = 'curve.csv', "
+            "standard_error = 1e-4, columns = { slip_rate = " +
+                column + ", friction_coefficient = 'mu' } }]\n");
+    REQUIRE(found.status == 0);
+    const auto& parameters = found.document["parameters"];
+    CHECK(parameters["law.mu_s"]["value"].get<double>() == Approx(0.4).epsilon(1e-6));
+    CHECK(parameters["law.mu_d"]["value"].get<double>() == Approx(0.3).epsilon(1e-6));
+    CHECK(parameters["law.v_s"]["value"].get<double>() == Approx(v_s).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("a record of stresses needs the area of its contact alone, and a load that somebody says", "[fit-command]") {
+  const Folder folder;
+  const auto scene = [&](const std::string& oscillator, const std::string& keys) {
+    return "[law]\ntype = 'lugre'\nmu_s = 0.3\nmu_d = 0.2\nv_s = 0.02\nsigma0 = 2e3\nsigma1 = 1\nsigma2 = 0\n" +
+           oscillator + "[fit]\nparameters = ['law.mu_d', 'law.sigma0']\ndata = [{ type = 'record', file = '" +
+           records + "lugre-motion.csv', " + keys + " }]\n";
+  };
+  const auto forces = fit(folder, scene("", "normal_load = 100, standard_error = 0.2"));
+  REQUIRE(forces.status == 0);
+  const std::string in_stress =
+      "columns = { friction_force = { column = 'friction_force', factor = 1, unit = 'MPa' } }, standard_error = '0.2 "
+      "MPa'";
+  const auto stresses = fit(folder, scene("[oscillator]\narea = '3 mm^2'\n", in_stress + ", normal_load = '100 MPa'"));
+  INFO(stresses.error);
+  REQUIRE(stresses.status == 0);
+  for (const char* path : {"law.mu_d", "law.sigma0"})
+    CHECK(stresses.document["parameters"][path]["value"].get<double>() ==
+          Approx(forces.document["parameters"][path]["value"].get<double>()).epsilon(1e-6));
+  CHECK_THAT(stresses.error, !Contains("has no effect"));
+  CHECK_THAT(fit(folder, scene("", in_stress)).error, Contains("oscillator.area"));
+  const auto no_load = fit(folder, scene("", "standard_error = 0.2"));
+  CHECK(no_load.status == 2);
+  CHECK_THAT(no_load.error, Contains("fit.data.normal_load or drive.normal_load"));
+}
+
+TEST_CASE("stick-slip with noise and spikes has the events that were made, and their limits are said",
+          "[fit-command]") {
+  // 0.4 N up in 1.8 s and down in 0.2 s, with noise of 0.03 N and a spike of 5 N each 5 s; the last fall ends with the
+  // record.
+  const Folder folder;
+  std::ofstream file(folder.path / "cell.csv");
+  file << "time (s),force (N)\n";
+  std::mt19937 dice(3);
+  std::normal_distribution<double> noise(0, 0.03);
+  for (int i = 0; i < 20000; ++i) {
+    const double t = 0.002 * i, phase = std::fmod(t, 2);
+    file << t << ','
+         << 2.8 + 0.4 * (phase < 1.8 ? phase / 1.8 : (2 - phase) / 0.2) + noise(dice) + (i % 2500 == 7 ? 5 : 0) << '\n';
+  }
+  file.close();
+  const std::string scene =
+      "[law]\ntype = 'coulomb'\nmu_s = 0.32\nmu_d = 0.30\n[oscillator]\nmass = 0.5\nstiffness = 100\n"
+      "[drive]\nspeed = '2 mm/s'\nnormal_load = 10\n[fit]\nparameters = ['law.mu_s']\n"
+      "[[fit.data]]\ntype = 'stick-slip-record'\nfile = 'cell.csv'\n"
+      "columns = { time = 'time', friction_force = 'force' }\n";
+  for (const std::string keys : {"", "least_drop = 0.04\n", "least_drop = 0.3\n", "least_time = 0.03\n"}) {
+    INFO(keys);
+    const auto found = fit(folder, scene + keys);
+    INFO(found.error);
+    REQUIRE(found.status == 0);
+    const auto notes = found.document["notes"].dump();
+    CHECK_THAT(notes, Contains("cell.csv: 19 events") && Contains("samples left out as spikes"));
+    CHECK_THAT(notes, Contains("recurrence: 18 of 2.00") || Contains("recurrence: 18 of 1.99"));
+  }
+  CHECK_THAT(fit(folder, scene + "least_time = -1\n").error, Contains("least_time"));
+}
+
+TEST_CASE("a record whose sensor never reads 0 at rest gives the friction of slip", "[fit-command]") {
+  // Made with mu_d 0.2; slip rates carry noise of 2 mm/s, a quarter of the record is rest.
+  const Folder folder;
+  const auto scene = [](const std::string& keys) {
+    return "[law]\ntype = 'coulomb'\nmu_s = 0.25\nmu_d = 0.25\n[drive]\nspeed = 0.1\nnormal_load = 400\n"
+           "[fit]\nparameters = ['law.mu_d']\ndata = [{ type = 'record', file = '" +
+           records +
+           "stick-slip-with-noisy-rest.csv', columns = { slip_rate = 'slip rate', friction_force = 'friction', "
+           "normal_load = 'load' }" +
+           keys + " }]\n";
+  };
+  for (const std::string rest : {"", ", rest = '8 mm/s'", ", rest = [[0.25, 0.41], [0.68, 0.84]]"}) {
+    const auto found = fit(folder, scene(rest));
+    INFO(rest << found.error);
+    REQUIRE(found.status == 0);
+    check_within(found.document["parameters"], "law.mu_d", 0.2);
+    CHECK(found.document["parameters"]["law.mu_d"]["standard_error"].get<double>() < 5e-4);
+    CHECK(found.document["warnings"].empty());
+    const auto& at_rest = found.document["measurements"][0]["rest"];
+    CHECK(at_rest["points"].get<int>() > 100);
+    CHECK(at_rest["points"].get<int>() + found.document["points"].get<int>() == 1000);
+    if (rest.empty()) CHECK(at_rest["slip_rate_noise"].get<double>() == Approx(2e-3).epsilon(0.1));
+  }
+  // A static coefficient that no slip tells of is bounded by the force that held.
+  auto held = scene("");
+  held.replace(held.find("'law.mu_d'"), 10, "'law.mu_d', 'law.mu_s'");
+  const auto bounded = fit(folder, held);
+  CHECK(bounded.document["parameters"]["law.mu_s"]["interval"][0].is_null());
+  check_within(bounded.document["parameters"], "law.mu_d", 0.2);
+  const auto refusal = [&](const std::string& keys) {
+    const auto answer = fit(folder, scene(keys));
+    CHECK(answer.status == 2);
+    return answer.error;
+  };
+  CHECK_THAT(refusal(", rest = [[2, 1]]"), Contains("in ascending order"));
+  CHECK_THAT(refusal(", rest = []"), Contains("is empty"));
+  CHECK_THAT(refusal(", rest = '1 N'"), Contains("fit.data.rest"));
+}
+
+TEST_CASE("holds of a slip law fitted by the ageing law are warned of, and each law has its own table",
+          "[fit-command]") {
+  // Made with the slip law: a 0.0072, b 0.0098, L 14 um, machine 2100 1/m, independent noise of 3e-4.
+  const Folder folder;
+  const std::string law = "mu0 = 0.63, v0 = '10 um/s', L = '20 um', contact_stiffness = { per_load = 2000 } }\n";
+  const std::string paths = "parameters = ['law.mu0', 'law.a', 'law.b', 'law.L', 'law.contact_stiffness.per_load']";
+  const std::string alone = "law = { type = 'ageing', " + law + "[fit]\n" + paths +
+                            "\ndata = [{ type = 'record', file = '" + records + "holds-of-a-slip-law.csv' }]\n";
+  const auto wrong = fit(folder, alone);
+  CHECK_THAT(wrong.error, Contains("residuals are no noise: after changes of the slip rate"));
+  CHECK(wrong.document["parameters"]["law.b"]["interval"][0].is_null());
+  CHECK(wrong.document["parameters"]["law.b"]["value"].get<double>() < 0.005);
+  CHECK(wrong.document["measurements"][0]["misfit"]["probability"].get<double>() < 1e-6);
+  const auto both =
+      fit(folder,
+          alone + "candidates = [{ law = { type = 'slip', " + law.substr(0, law.size() - 1) + ", " + paths + " }]\n",
+          "--out out");
+  INFO(both.error);
+  const auto& best = both.document["ranking"][0];
+  CHECK(best["law"] == "slip");
+  CHECK(best["warnings"].empty());
+  check_within(best["parameters"], "law.b", 0.0098);
+  check_within(best["parameters"], "law.L", 14e-6);
+  CHECK(best["cross_validation"].get<double>() == Approx(1).margin(0.1));
+  CHECK(both.document["undecided"].empty());
+  std::ifstream picture(folder.path / "out/fit.gp");
+  const std::string drawn((std::istreambuf_iterator<char>(picture)), {});
+  for (const char* law : {"'slip'", "'ageing'"}) CHECK_THAT(drawn, Contains(law));
+}
+
+TEST_CASE("the mass that moves with the sensor is taken off the force", "[fit-command]") {
+  // Made with mu_s 0.3, mu_d 0.2, v_s 10 mm/s under 20 N, and a carriage of 3 kg below the sensor.
+  const Folder folder;
+  const auto scene = [](const std::string& keys) {
+    return "[law]\ntype = 'stribeck'\nmu_s = 0.4\nmu_d = 0.25\nv_s = '20 mm/s'\nexponent = 1\n"
+           "[drive]\nspeed = 0.01\nnormal_load = 20\n[fit]\nparameters = ['law.mu_s', 'law.mu_d', 'law.v_s']\n"
+           "data = [{ type = 'record', file = '" +
+           records + "motor-and-carriage.csv', columns = { slip_rate = 'velocity', friction_force = 'motor force' }" +
+           keys + " }]\n";
+  };
+  const auto found = fit(folder, scene(", sensor_mass = 3"));
+  INFO(found.error);
+  REQUIRE(found.status == 0);
+  check_within(found.document["parameters"], "law.mu_s", 0.3);
+  check_within(found.document["parameters"], "law.mu_d", 0.2);
+  check_within(found.document["parameters"], "law.v_s", 0.01);
+  CHECK_THAT(fit(folder, scene(", sensor_mass = '1 N'")).error, Contains("fit.data.sensor_mass"));
 }

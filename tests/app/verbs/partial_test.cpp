@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 
+#include "analysis/planes/map.hpp"
 #include "analysis/planes/map_point.hpp"
 #include "core/error.hpp"
 #include "core/files.hpp"

@@ -114,7 +114,7 @@ TEST_CASE("wrong keys of a string are refused with place and cure", "[app][strin
     CHECK(answer.status == 2);
     for (const auto& word : words) CHECK_THAT(answer.error, Contains(word));
   };
-  refused("stability " + examples + "bowed-string.toml", {"serves run, map, compare only"});
+  refused("stability " + examples + "bowed-string.toml", {"a bow at rest does not slide"});
   refused(string + "--set oscillator.impedence=1", {"did you mean 'impedance'"});
   refused(string + "--set oscillator.sample_rate=16000", {"torsional waves", "take about"});
   refused(string + "--set oscillator.torsion=true", {"false, or a table"});
@@ -135,4 +135,45 @@ TEST_CASE("wrong keys of a string are refused with place and cure", "[app][strin
   refused(map + "--set map.metrics='[\"period\"]'", {"unknown key 'metrics'"});
   refused("compare " + examples + "which-law-plays-the-cello.toml --set compare.members='[{name=\"a\"}]'",
           {"two members or more"});
+}
+
+TEST_CASE("sliding of the bow, periodic motion and sweeps of a string have numbers with errors", "[app][string]") {
+  const Folder folder;
+  const auto scene = examples + "schelleng-diagram.toml --no-pictures --out out ";
+  const auto sliding = answer_of(folder, "stability " + scene + "--set drive.speed=0.1 --set drive.normal_load=0.05");
+  CHECK(sliding["stable"] == false);
+  CHECK(sliding["jumps"] == false);
+  CHECK(sliding["unstable_modes"].get<int>() > 0);
+  const auto& fastest = sliding["modes"][0];
+  CHECK(fastest["growth_rate"].get<double>() > 100 * fastest["error"]["eigenvalue"].get<double>());
+  const auto pressed = answer_of(folder, "stability " + scene + "--set drive.normal_load=3");
+  CHECK(pressed["jumps"] == true);
+  CHECK(pressed["modes"].empty());
+
+  const auto cycle = answer_of(folder, "cycle " + scene + "--set drive.normal_load=0.5");
+  CHECK(cycle["regime"] == "helmholtz");
+  CHECK(std::abs(cycle["period"].get<double>() * 146.8 - 1) < 0.01);
+  CHECK(cycle["error"]["period"].get<double>() < 1e-4);
+  CHECK(content(folder.path / "out/cycle.csv").size() > 1000);
+
+  const auto sweep = answer_of(folder, "sweep " + scene +
+                                           "--set 'sweep={parameter=\"drive.normal_load\", from=0.4, to=0.6, points=3, "
+                                           "scale=\"linear\"}' --set cycle.periods=60");
+  REQUIRE(sweep["up"]["period"].size() == 3);
+  CHECK(sweep["regime"]["up"][1] == "cycle");
+  CHECK(sweep["error"]["up"]["slip_distance"][1].get<double>() > 0);
+}
+
+TEST_CASE("questions that have no meaning for a string are refused with the reason", "[app][string]") {
+  const Folder folder;
+  for (const auto& [verb, reason] :
+       {std::pair{"branch", "all its waves"}, std::pair{"lyapunov --set lyapunov.duration=1", "all its waves"},
+        std::pair{"basin --set basin.samples=2", "all its waves"}, std::pair{"frf", "prescribed slip rate"}}) {
+    const auto answer = run_rosin(folder, std::string(verb) + " --out out " + examples + "schelleng-diagram.toml");
+    CHECK(answer.status == 2);
+    CHECK_THAT(answer.error, Contains(reason));
+  }
+  const auto changing = run_rosin(folder, "cycle " + examples + "bowed-string.toml --out out");
+  CHECK(changing.status == 2);
+  CHECK_THAT(changing.error, Contains("drive.speed"));
 }

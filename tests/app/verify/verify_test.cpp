@@ -208,7 +208,7 @@ TEST_CASE("work on the dossier ends in order when its time has passed", "[verify
   CHECK(kept["cases"][1]["verdict"] == "not answered");
 }
 
-TEST_CASE("the quick dossier holds, is as large as it claims, and its page lists every case", "[verify]") {
+TEST_CASE("the quick dossier holds, is as large as it claims, and its page lists every case", "[verify][long]") {
   const Folder folder;
   const auto answer = run_rosin(folder, "verify --quick --json");
   INFO(answer.error);

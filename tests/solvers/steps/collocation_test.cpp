@@ -68,7 +68,7 @@ struct Counted final : System {
   void scale(const double*, double* s) const override { s[0] = 1; }
   std::string unknown(int) const override { return "y"; }
   bool autonomous() const override { return true; }
-  double kink(const double* y) const override { return 1 - y[0]; }
+  void kinks(double, const double* y, std::vector<double>& values) const override { values.assign(1, 1 - y[0]); }
 };
 
 /// ẏ₀ = r y₀ (1 − y₀), which leaves 0 for 1, and 0 = y₁ − y₀².

@@ -1,0 +1,13 @@
+/// Symbols of quantities and of numbers of a scene, as docs/glossary.md has them.
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace rosin::app::output {
+
+/// "v" of "slip_rate", "V" of "drive.speed", "σ₀" of "law.sigma0", "μ_s" of "law.mu_s"; empty where there is none.
+std::string symbol_of(std::string_view name);
+/// "slip_rate" as it is read on an axis: "slip rate v".
+std::string readable(std::string name);
+
+}  // namespace rosin::app::output
