@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "core/instruction_set.hpp"
 #include "core/maths.hpp"
+#include "oscillators/contact_rows.hpp"
 
 namespace rosin::oscillators {
 
@@ -19,10 +20,6 @@ constexpr int most_iterations = 100;
 /// 1 or 0 of each lane.
 ROSIN_INLINE Pack number(const Mask& mask) { return Pack(mask.truth); }
 ROSIN_INLINE Mask truth(const Pack& number) { return number > Pack(0.5); }
-
-// Those of logarithmic scale are carried as logarithms.
-double to_unknown(const Quantity& state, double value) { return state.scale == Scale::log ? std::log(value) : value; }
-double to_state(const Quantity& state, double z) { return state.scale == Scale::log ? std::exp(z) : z; }
 
 bool any(const Pack& truths) {
   double sum = 0;

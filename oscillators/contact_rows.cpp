@@ -76,10 +76,6 @@ std::string ContactRows::unknown(int i) const {
              : "deflection of the contact";
 }
 
-double ContactRows::slip_rate(double u, double N, const double* z) const {
-  return rigid() || (slip_rate_place() < 0 && !carries_friction()) ? u : own_slip_rate(N, z);
-}
-
 double ContactRows::own_slip_rate(double N, const double* z) const {
   if (const int v = slip_rate_place(); v >= 0) return z[v];
   double natural[Slopes<double>::capacity];
@@ -96,15 +92,12 @@ std::vector<double> ContactRows::natural_states(double v, double N, const double
 
 void ContactRows::read_states(const double* z, double* natural) const {
   z += first_state();
-  for (int i = 0; i < states; ++i)
-    natural[i] = law->states()[std::size_t(i)].scale == Scale::log ? std::exp(z[i]) : z[i];
+  for (int i = 0; i < states; ++i) natural[i] = to_state(law->states()[std::size_t(i)], z[i]);
 }
 
 void ContactRows::write_states(std::span<const double> natural, double* z) const {
   z += first_state();
-  for (int i = 0; i < states; ++i)
-    z[i] =
-        law->states()[std::size_t(i)].scale == Scale::log ? std::log(natural[std::size_t(i)]) : natural[std::size_t(i)];
+  for (int i = 0; i < states; ++i) z[i] = to_unknown(law->states()[std::size_t(i)], natural[std::size_t(i)]);
 }
 
 double ContactRows::limit_at_rest(double N, const double* z) const {

@@ -1,6 +1,7 @@
 /// A contact as rows of an oscillator's equations: how it is set up, the order and sizes of its unknowns, and what
 /// follows from them alone.
 #pragma once
+#include <cmath>
 #include <memory>
 #include <span>
 #include <string>
@@ -12,6 +13,14 @@
 #include "oscillators/model.hpp"
 
 namespace rosin::oscillators {
+
+/// States of logarithmic scale are carried as logarithms.
+inline double to_unknown(const Quantity& state, double value) {
+  return state.scale == Scale::log ? std::log(value) : value;
+}
+inline double to_state(const Quantity& state, double unknown) {
+  return state.scale == Scale::log ? std::exp(unknown) : unknown;
+}
 
 /// The unknowns are (friction coefficient, states, slip rate of its own, deflection of its spring), each only where it
 /// is one. In all functions z points to the first of them, u is the slip rate that the oscillator imposes (m/s), and N
@@ -44,9 +53,8 @@ struct ContactRows {
 
   void scale(const double* z, double* s) const;
   std::string unknown(int i) const;
-  /// The slip rate of the contact itself: behind a spring it is not u.
-  double slip_rate(double u, double N, const double* z) const;
-  /// The same from the unknowns alone, which must have it or friction among them: without the cancellation in V − ẋ.
+  /// The slip rate of the contact itself, which must have it or friction among its unknowns: behind a spring it is not
+  /// u, and it is without the cancellation in V − ẋ.
   double own_slip_rate(double N, const double* z) const;
   /// Natural states; at λ = 0 those of steady sliding at the contact's slip rate v.
   std::vector<double> natural_states(double v, double N, const double* z) const;

@@ -5,11 +5,7 @@
 
 namespace rosin::oscillators {
 
-namespace {
-
 using Complex = std::complex<double>;
-
-}  // namespace
 
 StringLanes::Mobility StringLanes::mobility(Complex s) const {
   const int contacts = int(bows_.size());

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "analysis/cycles/motion_range.hpp"
 #include "analysis/cycles/section_map.hpp"
@@ -142,11 +143,9 @@ class Frame {
 class Pieces {
  public:
   Pieces(SectionMap& map, std::vector<double> start, double tolerance, Directions directions = Directions::all)
-      : frame(map.system(), directions),
-        range(map.system()),
-        y(std::move(start)),
-        accuracy(tolerance),
-        system_(map.system()) {}
+      : frame(map.system(), directions), y(std::move(start)), accuracy(tolerance), system_(map.system()) {
+    if (directions == Directions::one) range_.emplace(map.system());
+  }
   /// s
   static double length(const SectionMap& map) {
     constexpr double of_patience = 1e-3;
@@ -154,12 +153,12 @@ class Pieces {
   }
   Outcome follow(double duration, bool carried, const std::function<void()>& stepped = {}) {
     Follower follower(system_, accuracy);
-    range.begin(y);
+    if (range_) range_->begin(y);
     if (carried) {
       follower.carry(&frame.tangent, frame.columns());
       follower.observe = [&](Follower::Step& step, std::span<const Follower::Event> events) {
         frame.add(step, events);
-        range.add(step.state());
+        if (range_) range_->add(step.state());
         if (stepped) stepped();
       };
     }
@@ -168,14 +167,19 @@ class Pieces {
     return outcome;
   }
 
+  /// Half range (m) of the coordinate that moved most in the last piece that carried its one disturbance.
+  std::optional<double> size() const {
+    return range_ ? std::optional(range_->size().head(system_.coordinates()).maxCoeff()) : std::nullopt;
+  }
+
   Frame frame;
-  MotionRange range;  ///< of the last piece that carried disturbances
   std::vector<double> y;
   double accuracy;
   LyapunovSpectrum::Cost cost;
 
  private:
   StructureSystem& system_;
+  std::optional<MotionRange> range_;
 };
 
 void take_over(LyapunovSpectrum& spectrum, const Frame& frame) {
@@ -269,7 +273,6 @@ void take_from_steady(LyapunovSpectrum& spectrum, const steady::StructureStabili
 /// Growth of each direction in each piece of the average, and its mean so far.
 class Average {
  public:
-  explicit Average(SectionMap& map) : coordinates_(map.system().coordinates()) {}
   void add(const Pieces& pieces) {
     const Frame& frame = pieces.frame;
     if (series_.empty()) series_.resize(frame.growth.size()), before_.assign(frame.growth.size(), 0.0);
@@ -278,7 +281,7 @@ class Average {
       before_[c] = frame.growth[c];
     }
     time_.push_back(frame.duration);
-    sizes_.push_back(std::log(pieces.range.size().head(coordinates_).maxCoeff()));
+    if (const auto size = pieces.size()) sizes_.push_back(std::log(*size));
   }
   long pieces() const { return long(time_.size()); }
   BlockedError error_of(std::size_t direction) const {
@@ -325,8 +328,7 @@ class Average {
  private:
   std::vector<std::vector<double>> series_;  ///< [direction][piece]
   std::vector<double> before_, time_;
-  std::vector<double> sizes_;  ///< [piece], ln of the half range (m) of the coordinate that moves most
-  int coordinates_;
+  std::vector<double> sizes_;  ///< [piece], ln of Pieces::size
 };
 
 constexpr long first_look = 256;  ///< pieces before a tolerance is thought to be met
@@ -353,7 +355,7 @@ void take_from_average(LyapunovSpectrum& spectrum, SectionMap& map, const motion
                        const LyapunovOptions& options, long relaxing) {
   Pieces pieces(map, motion::starting_point(map.system(), model.start), options.accuracy);
   Frame& frame = pieces.frame;
-  Average average(map);
+  Average average;
   const double piece = Pieces::length(map);
   spectrum.from = "average";
   spectrum.transient = double(relaxing) * piece;
@@ -458,7 +460,7 @@ std::optional<Exponent> largest_exponent(const motion::StructureModel& model, do
   // Two parts of the motion, the second by finer steps: an exponent that is one of the steps differs.
   for (const double accuracy : {1e-8, 1e-10}) {
     Pieces pieces(map, y, accuracy, Directions::one);
-    Average average(map);
+    Average average;
     long next_look = first_look;
     Exponent found{NAN, infinity};
     const auto enough = [&] {

@@ -253,6 +253,11 @@ Bowing bow(const BowedStringModel& model, const BowingOptions& options) {
   return bow(std::span(&model, 1), options, 1).front();
 }
 
+BowedStringModel finer(BowedStringModel model, double factor) {
+  model.string.sample_rate *= factor;
+  return model;
+}
+
 StringRecord record(const BowedStringModel& model, const BowingOptions& options) {
   constexpr double kept = 5e6;  // samples, of each column
   const long every = 1 + long(most_samples(model, options) / kept);

@@ -43,6 +43,9 @@ Bowing bow(const BowedStringModel&, const BowingOptions&);
 std::vector<Bowing> bow(std::span<const BowedStringModel>, const BowingOptions&, int threads,
                         const std::function<void(std::size_t)>& finished = {});
 
+/// The string sampled more finely, from whose motion errors of sampling are told.
+BowedStringModel finer(BowedStringModel, double factor = 2);
+
 /// Samples of one string at equal intervals, all where there are up to five million.
 struct StringRecord {
   std::vector<double> time, bow_speed, velocity, friction, slip_rate, normal_load, bridge_force, stick;

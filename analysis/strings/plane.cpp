@@ -18,9 +18,9 @@ std::vector<Pixel> bow_plane(std::span<const BowedStringModel> models, const Pla
   std::vector<Pixel> pixels;
   for (auto& bowing : pass(models, 0)) pixels.push_back({std::move(bowing), NAN, true});
   for (std::size_t k = 0; k < options.finer.size(); ++k) {
-    std::vector<BowedStringModel> finer(models.begin(), models.end());
-    for (auto& model : finer) model.string.sample_rate *= options.finer[k];
-    const auto again = pass(finer, k + 1);
+    std::vector<BowedStringModel> fine;
+    for (const auto& model : models) fine.push_back(finer(model, options.finer[k]));
+    const auto again = pass(fine, k + 1);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       auto& pixel = pixels[i];
       const double change = std::abs(again[i].transient.length - pixel.bowing.transient.length);

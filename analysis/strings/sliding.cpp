@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "analysis/response/frf.hpp"
+#include "analysis/strings/bowing.hpp"
 
 namespace rosin::analysis::strings {
 
@@ -195,9 +196,7 @@ StringSliding sliding_stability(const BowedStringModel& model) {
   result.jumps = result.slope < 0 && -result.slope >= result.impedance;
   if (result.jumps) return result;
   const double highest = 0.25 * model.string.sample_rate;
-  auto finer = model;
-  finer.string.sample_rate *= 2;
-  const auto modes = follow(bow, highest), same = follow(SlidingBow(finer), highest);
+  const auto modes = follow(bow, highest), same = follow(SlidingBow(finer(model)), highest);
   for (std::size_t i = 0; i < modes.size(); ++i) {
     const auto& mode = modes[i];
     const auto other =

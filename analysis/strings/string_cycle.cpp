@@ -102,15 +102,9 @@ BowingOptions until_periodic(const BowedStringModel& model, double periods, cons
   if (!model.speed.constant() || !model.load.constant())
     throw InputError(
         "a bow whose speed or load changes leaves no periodic motion: give drive.speed (m/s) and drive.normal_load (N) "
-        "as "
-        "numbers");
+        "as numbers");
   if (model.speed.value(0) == 0) throw InputError("drive.speed is 0 m/s: a bow at rest moves no string");
   return {.duration = periods * model.string.period(), .transient = transient};
-}
-
-BowedStringModel finer(BowedStringModel model) {
-  model.string.sample_rate *= 2;
-  return model;
 }
 
 std::vector<StringCycle> string_cycles(std::span<const BowedStringModel> models, double periods,

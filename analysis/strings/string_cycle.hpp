@@ -43,6 +43,5 @@ std::vector<StringCycle> string_cycles(std::span<const BowedStringModel>, double
                                        int threads);
 /// How a string is bowed for that.
 BowingOptions until_periodic(const BowedStringModel&, double periods, const TransientOptions&);
-BowedStringModel finer(BowedStringModel);
 
 }  // namespace rosin::analysis::strings

@@ -199,8 +199,7 @@ void read_string_cycle(SceneReader& reader) {
 OscillatorType string_type() {
   constexpr const char* memory =
       "the state of a string is all its waves, on their way between bridge and nut, and no list of numbers that a "
-      "solver "
-      "could ";
+      "solver could ";
   return {"string",
           {"run", "stability", "cycle", "sweep", "map", "compare"},
           read,

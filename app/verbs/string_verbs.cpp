@@ -157,10 +157,9 @@ Status perform_string_run(Job& job) {
   job.explain("{}", string.torsion ? "torsional waves beside the transverse ones" : "no torsional waves, as asked");
   const auto begin = std::chrono::steady_clock::now();
   const auto record = analysis::strings::record(task.model, task.options);
-  auto finer = task.model;
-  finer.string.sample_rate *= 2;
   const auto metrics =
-      metrics_of(string, record.bowing, analysis::strings::bow(finer, task.options), task.options.transient.most);
+      metrics_of(string, record.bowing, analysis::strings::bow(analysis::strings::finer(task.model), task.options),
+                 task.options.transient.most);
   job.explain("{} steps, and as many again at twice the sample rate, whose difference is the error",
               record.bowing.samples);
   auto& manifest = job.manifest();
