@@ -124,7 +124,7 @@ void check(std::size_t count, int side) {
 
 }  // namespace
 
-TEST_CASE("stated errors of cycles cover the true ones", "[coverage][long]") { check(24, 4); }
+TEST_CASE("stated errors of cycles cover the true ones", "[coverage][long]") { check(12, 3); }
 
 // The larger set: rosin_tests "[coverage-large]" -s
 TEST_CASE("stated errors of many cycles cover the true ones", "[.][coverage-large]") { check(200, 14); }

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string slider = ROSIN_SOURCE_DIR "/examples/coulomb-stick-slip.toml";
+const std::string stick_slip = ROSIN_SOURCE_DIR "/examples/coulomb-stick-slip.toml";
 
 void write(const fs::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
 
@@ -33,7 +33,7 @@ std::string deep() { return "\"more\": " + std::string(100'000, '[') + std::stri
 
 TEST_CASE("a report leaves out links, pipes, and pictures that are none, and says so", "[results]") {
   const Folder folder;
-  REQUIRE(run_rosin(folder, "curve '" + slider + "' --no-pictures --out o").status == 0);
+  REQUIRE(run_rosin(folder, "curve '" + stick_slip + "' --no-pictures --out o").status == 0);
   const auto o = folder.path / "o";
   write(folder.path / "secret.txt", "TOP SECRET KEY");
   auto manifest = nlohmann::json::parse(content(o / "curve.manifest.json"));
@@ -61,13 +61,13 @@ TEST_CASE("a report leaves out links, pipes, and pictures that are none, and say
 
 TEST_CASE("documents that lie too deep are refused, and never cost a new result", "[results]") {
   const Folder folder;
-  REQUIRE(run_rosin(folder, "curve '" + slider + "' --no-pictures --out o").status == 0);
+  REQUIRE(run_rosin(folder, "curve '" + stick_slip + "' --no-pictures --out o").status == 0);
   add(folder.path / "o/curve.json", deep());
   const auto report = run_rosin(folder, "report o");
   CHECK(report.status == 2);
   CHECK_THAT(report.error, Contains("o/curve.json: lies more than 100 levels deep"));
   add(folder.path / "o/curve.manifest.json", deep());
-  const auto again = run_rosin(folder, "curve '" + slider + "' --no-pictures --out o --set law.mu_d=0.2");
+  const auto again = run_rosin(folder, "curve '" + stick_slip + "' --no-pictures --out o --set law.mu_d=0.2");
   CHECK(again.status == 0);
   CHECK_THAT(again.error, Contains("curve.manifest.json: lies more than 100 levels deep"));
   CHECK(run_rosin(folder, "report o").status == 0);
@@ -99,10 +99,10 @@ TEST_CASE("one process at a time writes a folder", "[results]") {
   fs::create_directories(o);
   {
     const rosin::FolderClaim claim(o);
-    const auto second = run_rosin(folder, "curve '" + slider + "' --no-pictures --out o");
+    const auto second = run_rosin(folder, "curve '" + stick_slip + "' --no-pictures --out o");
     CHECK(second.status == 2);
     CHECK_THAT(second.error, Contains("another rosin writes into o; use another --out"));
     CHECK(fs::is_empty(o));
   }
-  CHECK(run_rosin(folder, "curve '" + slider + "' --no-pictures --out o").status == 0);
+  CHECK(run_rosin(folder, "curve '" + stick_slip + "' --no-pictures --out o").status == 0);
 }

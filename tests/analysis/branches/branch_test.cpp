@@ -7,12 +7,14 @@
 #include "analysis/branches/branches.hpp"
 #include "laws/catalogue.hpp"
 #include "oscillators/model.hpp"
+#include "tests/analysis/branches/along.hpp"
 #include "tests/bristol_board.hpp"
 #include "tests/two_state_slip.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis::branches;
 using oscillators::Model;
+using tests::along;
 using tests::board_under;
 
 namespace {
@@ -39,10 +41,6 @@ class Circle final : public Problem {
  private:
   Eigen::VectorXd scale_ = Eigen::VectorXd::Ones(1);
 };
-
-Family along(const Model& model, const std::string& path) {
-  return [=](double p) { return oscillator_of(model.with(path, p)); };
-}
 
 const BranchPoint& asked(const Branches& found, double value, bool stable) {
   for (const auto& cycle : found.cycles)

@@ -6,16 +6,14 @@
 #include "analysis/branches/branches.hpp"
 #include "laws/catalogue.hpp"
 #include "oscillators/model.hpp"
+#include "tests/analysis/branches/along.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis::branches;
 using oscillators::Model;
+using tests::along;
 
 namespace {
-
-Family along(const Model& model, const std::string& path) {
-  return [=](double p) { return oscillator_of(model.with(path, p)); };
-}
 
 std::vector<SpecialPoint> all_special(const Branches& found) {
   std::vector<SpecialPoint> all;

@@ -35,11 +35,12 @@ Model forced(double w, double friction, double force, double r) {
 
 TEST_CASE("stops begin and end where a reversal is loaded to just the limit, whatever is varied",
           "[long][branches][stops_begin]") {
-  int followed = 0;
+  int followed = 0, drawn = 0;
   for (const double r : {1.0, 1.1})
     for (const double w : {0.6, 0.7, 0.75, 1.3, 1.7, 2.5})
       for (const Along along : {Along::load, Along::force, Along::frequency})
         for (const bool into_stops : {true, false}) {
+          if (drawn++ % 5 > 1) continue;  // two of five, of each kind: all 72 take a minute
           const double f = largest_friction(w, r);
           const auto model_at = [&](double p) {
             return along == Along::load    ? forced(w, p, 1, r)
@@ -76,5 +77,5 @@ TEST_CASE("stops begin and end where a reversal is loaded to just the limit, wha
           CHECK(branch.special[0].error < 1e-8);
           CHECK(std::abs(branch.special[0].p - wanted) <= branch.special[0].error);
         }
-  CHECK(followed >= 60);
+  CHECK(followed >= 24);
 }

@@ -118,12 +118,13 @@ class Variation final : public System {
   VectorXd mass_;
 };
 
-struct Reference {
+struct CvodeMultipliers {
   std::vector<std::complex<double>> values;
   double rounding = 0;  ///< what the derivative makes of a disturbance along the motion, which should be 0
 };
 /// Multipliers of the motion from y on the section; none where CVODE does not come round.
-Reference by_cvode(const ReturnMap& map, const std::vector<double>& y, int turns, double amplitude, double tolerance) {
+CvodeMultipliers by_cvode(const ReturnMap& map, const std::vector<double>& y, int turns, double amplitude,
+                          double tolerance) {
   const auto& slider = map.system();
   const Variation variation(slider);
   const int n = variation.moving();

