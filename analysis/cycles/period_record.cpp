@@ -8,6 +8,8 @@
 #include <complex>
 #include <numbers>
 
+#include "analysis/steady/structure_stability.hpp"
+
 namespace rosin::analysis::cycles {
 
 using motion::Follower;
@@ -213,6 +215,11 @@ void PeriodRecord::add_harmonics(int i, double duration, const std::vector<Place
              fmt::format("total harmonic distortion of {}", name));
 }
 
+void PeriodRecord::stand(const double* y) {
+  record.observe(0, y, mean_);
+  high_ = low_ = mean_;
+}
+
 void PeriodRecord::finish(double duration) {
   add_metric("period", duration, "s", "period of the motion");
   for (std::size_t c = 0; c < record.names.size(); ++c) {
@@ -237,6 +244,22 @@ void PeriodRecord::finish(double duration) {
                      metrics.at(motion::numbered(system_, "normal_load", j) + "_mean").value,
                  "1", "mean friction over mean load");
   add_metric("friction_work", heat_, "J", "heat of friction in a period");
+}
+
+std::map<std::string, double> metrics_of_sliding(const oscillators::Structure& structure) {
+  StructureSystem system(steady::frozen(structure));
+  for (int c = 0; c < system.contacts(); ++c)
+    system.set_mode(c, slip_along(system.structure().contacts[system.friction_contact(c)].speed.level()));
+  PeriodRecord record(system);
+  record.stand(system.steady(0).data());
+  record.finish(1);
+  std::map<std::string, double> values;
+  for (const auto& [name, measure] : record.metrics) {
+    const bool of_period = name == "period" || name == "friction_work" || name.starts_with("slip_distance") ||
+                           name.find("_phase_") != std::string::npos || name.ends_with("_distortion");
+    if (!of_period) values[name] = measure.value;
+  }
+  return values;
 }
 
 }  // namespace rosin::analysis::cycles

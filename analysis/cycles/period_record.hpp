@@ -20,6 +20,8 @@ class PeriodRecord {
                         double stick_threshold = CycleOptions().stick_threshold);
   /// Values of all columns at the start and the stages of the step, their extremes and means.
   void add(motion::Follower::Step&, std::span<const motion::Follower::Event> switches);
+  /// Steady sliding at y in place of the steps of a period.
+  void stand(const double* y);
   /// Of a period of this duration (s), all of whose steps were added.
   void finish(double duration);
 
@@ -52,5 +54,9 @@ class PeriodRecord {
   std::vector<double> length_;    ///< of the steps, s
   double heat_ = 0, moment_ = 0;
 };
+
+/// The metrics in steady sliding: extremes and means are its values, and ranges, times at low slip rates, harmonics and
+/// loops 0. Periods, phases and what adds up over a period have no value. \throws InputError without steady sliding
+std::map<std::string, double> metrics_of_sliding(const oscillators::Structure&);
 
 }  // namespace rosin::analysis::cycles

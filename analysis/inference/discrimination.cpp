@@ -18,25 +18,39 @@ struct Reading {
   double value = nothing, error = 0;
 };
 
-/// A metric at a point, of the motion that a slider settles on from stick.
-Reading read(const planes::MapPoint& point, const cycles::MetricName& metric, const Model& here) {
-  switch (point.regime) {
-    case planes::Regime::failed:
-      return {};
-    case planes::Regime::cycle:
-    case planes::Regime::bistable:
-      return {point.metrics.*metric.member, point.error.*metric.member};
-    case planes::Regime::stable:
-      break;
+/// Metrics at the points of a member's plane, of the motion that it settles on from its start.
+class Readings {
+ public:
+  Readings(const Varied& member, const planes::Map& map) : member_(member), map_(map) {}
+  Reading operator()(std::size_t i, std::size_t metric) {
+    const auto& point = map_.points[i];
+    const auto& asked = map_.metrics[metric];
+    if (point.regime == planes::Regime::failed) return {};
+    // What a structure's metrics say of steady sliding itself is known of stable points too.
+    if (point.regime != planes::Regime::stable || (!asked.member && std::isfinite(asked.value(point))))
+      return {asked.value(point), asked.error(point)};
+    if (i != at_) at_ = i, sliding_ = at(i).in_steady_sliding();
+    const auto found = sliding_.find(asked.name);
+    return found == sliding_.end() ? Reading{} : Reading{found->second, 0};
   }
-  const double V = here.drive.speed.level(), N = here.drive.normal_load.level();
-  const auto is = [&](auto... members) { return ((metric.member == members) || ...); };
-  if (is(&cycles::Metrics::slip_rate_max, &cycles::Metrics::slip_rate_min, &cycles::Metrics::slip_rate_mean))
-    return {V, 0};
-  if (is(&cycles::Metrics::friction_max, &cycles::Metrics::friction_min, &cycles::Metrics::friction_mean))
-    return {here.law->steady_friction({V, N}).friction, 0};
-  if (metric.member == &cycles::Metrics::period) return {};
-  return {0, 0};
+
+ private:
+  Varied at(std::size_t i) const {
+    const std::size_t nx = map_.x.values.size();
+    return member_.with(map_.x.parameter, map_.x.values[i % nx]).with(map_.y.parameter, map_.y.values[i / nx]);
+  }
+
+  const Varied& member_;
+  const planes::Map& map_;
+  std::size_t at_ = std::size_t(-1);
+  std::map<std::string, double> sliding_;  ///< at that point
+};
+
+/// Of each member.
+std::vector<Readings> readings_of(std::span<const Varied> members, const std::vector<planes::Map>& maps) {
+  std::vector<Readings> readings;
+  for (std::size_t k = 0; k < members.size(); ++k) readings.emplace_back(members[k], maps[k]);
+  return readings;
 }
 
 double deviation(const Noise& noise, double value) { return std::hypot(noise.absolute, noise.relative * value); }
@@ -63,10 +77,10 @@ Reading divergence(const Reading& a, const Reading& b, const Noise& noise) {
   return {0.5 * distance * distance / (sigma * sigma), (std::abs(distance) + 0.5 * error) * error / (sigma * sigma)};
 }
 
-void check(const DesignOptions& options) {
+void check(const Varied& member, const DesignOptions& options) {
   if (options.noise.empty()) throw InputError("no metric is measured: give the noise of at least one");
   for (const auto& noise : options.noise) {
-    cycles::find_metric(noise.metric);
+    member.metrics({noise.metric});
     if (!(noise.absolute >= 0) || !(noise.relative >= 0) || !(noise.absolute + noise.relative > 0))
       throw InputError(fmt::format(
           "noise of '{}': absolute = {} and relative = {} must not be negative, nor both 0 (standard deviation)",
@@ -88,7 +102,7 @@ planes::MapOptions map_options(const DesignOptions& options) {
 }
 
 /// The maps of the members one after the other, as one piece of work.
-std::vector<planes::Map> maps_of(std::span<const Model> members, std::span<const planes::MapOptions> options,
+std::vector<planes::Map> maps_of(std::span<const Varied> members, std::span<const planes::MapOptions> options,
                                  const planes::MapHooks& hooks, Outcome& outcome) {
   std::vector<planes::Map> maps;
   for (std::size_t k = 0; k < members.size(); ++k) {
@@ -97,7 +111,7 @@ std::vector<planes::Map> maps_of(std::span<const Model> members, std::span<const
       own.progress = [&](const planes::MapProgress& p) {
         hooks.progress({k * p.total + p.done, members.size() * p.total, (double(k) + p.work) / double(members.size())});
       };
-    maps.push_back(planes::compute_map(members[k], options[k], own));
+    maps.push_back(members[k].map(options[k], own));
     if (maps.back().outcome.ending == Ending::interrupted) {
       outcome = maps.back().outcome;
       break;
@@ -115,11 +129,6 @@ Design prepared(const DesignOptions& options) {
   design.information_error.assign(points, 0);
   design.by_metric.assign(options.noise.size(), std::vector<double>(points, 0.0));
   return design;
-}
-
-Model model_at(const Model& model, const Design& design, std::size_t i) {
-  const std::size_t nx = design.x.values.size();
-  return model.with(design.x.parameter, design.x.values[i % nx]).with(design.y.parameter, design.y.values[i / nx]);
 }
 
 /// No information at this point.
@@ -153,20 +162,16 @@ double repeats_needed(double information, double confidence) {
   return std::max(1.0, std::ceil(2 * z * z / information));
 }
 
-Design discriminate(std::span<const Model> members, const DesignOptions& options, const planes::MapHooks& hooks) {
-  check(options);
+Design discriminate(std::span<const Varied> members, const DesignOptions& options, const planes::MapHooks& hooks) {
   if (members.size() < 2) throw InputError("two members at least are needed to tell apart");
+  check(members.front(), options);
   Design design = prepared(options);
   design.maps = maps_of(members, std::vector(members.size(), map_options(options)), hooks, design.outcome);
   if (design.maps.size() < members.size() || !design.outcome.complete()) return design;
+  auto readings = readings_of(members, design.maps);
   for (std::size_t i = 0; i < design.information.size(); ++i) {
-    std::vector<Model> here;
-    bool failed = false;
-    for (std::size_t k = 0; k < members.size(); ++k) {
-      here.push_back(model_at(members[k], design, i));
-      failed |= design.maps[k].points[i].regime == planes::Regime::failed;
-    }
-    if (failed) {
+    if (std::ranges::any_of(design.maps,
+                            [&](const auto& map) { return map.points[i].regime == planes::Regime::failed; })) {
       ++design.failed;
       blank(design, i);
       continue;
@@ -177,9 +182,7 @@ Design discriminate(std::span<const Model> members, const DesignOptions& options
       for (std::size_t b = a + 1; b < members.size(); ++b) {
         double sum = 0, error = 0;
         for (std::size_t m = 0; m < options.noise.size(); ++m) {
-          const auto& metric = cycles::find_metric(options.noise[m].metric);
-          const auto part = divergence(read(design.maps[a].points[i], metric, here[a]),
-                                       read(design.maps[b].points[i], metric, here[b]), options.noise[m]);
+          const auto part = divergence(readings[a](i, m), readings[b](i, m), options.noise[m]);
           hardest_by_metric[m] = std::min(hardest_by_metric[m], part.value);
           sum += part.value;
           error += part.error;
@@ -197,12 +200,12 @@ Design discriminate(std::span<const Model> members, const DesignOptions& options
   return design;
 }
 
-Design inform(const Model& model, const std::string& parameter, const DesignOptions& options,
+Design inform(const Varied& model, const std::string& parameter, const DesignOptions& options,
               const planes::MapHooks& hooks) {
-  check(options);
+  check(model, options);
   constexpr double half_step = 0.01;  // of ln(parameter)
   Design design = prepared(options);
-  std::vector<Model> members;
+  std::vector<Varied> members;
   std::vector<planes::MapOptions> planes;
   for (const int side : {-1, 1}) {
     const double factor = std::exp(side * half_step);
@@ -221,14 +224,8 @@ Design inform(const Model& model, const std::string& parameter, const DesignOpti
   }
   design.maps = maps_of(members, planes, hooks, design.outcome);
   if (design.maps.size() < members.size() || !design.outcome.complete()) return design;
-  const std::size_t nx = design.x.values.size();
+  auto readings = readings_of(members, design.maps);
   for (std::size_t i = 0; i < design.information.size(); ++i) {
-    const auto at = [&](int side) {
-      return members[side]
-          .with(design.x.parameter, planes[side].x.values[i % nx])
-          .with(design.y.parameter, planes[side].y.values[i / nx]);
-    };
-    const Model here[] = {at(0), at(1)};
     const auto &low = design.maps[0].points[i], &high = design.maps[1].points[i];
     const bool failed = low.regime == planes::Regime::failed || high.regime == planes::Regime::failed;
     // Across a border metrics jump: a difference is no derivative there.
@@ -239,8 +236,7 @@ Design inform(const Model& model, const std::string& parameter, const DesignOpti
       continue;
     }
     for (std::size_t m = 0; m < options.noise.size(); ++m) {
-      const auto& metric = cycles::find_metric(options.noise[m].metric);
-      const auto a = read(low, metric, here[0]), b = read(high, metric, here[1]);
+      const auto a = readings[0](i, m), b = readings[1](i, m);
       if (!std::isfinite(a.value) || !std::isfinite(b.value)) continue;
       const auto& noise = options.noise[m];
       const double sigma = deviation(noise, 0.5 * (a.value + b.value));

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "analysis/planes/map.hpp"
+#include "analysis/planes/varied.hpp"
 
 namespace rosin::analysis::inference {
 
-using oscillators::Model;
+using planes::Varied;
 
 /// Standard deviation of a measured metric: the root of absolute² + (relative·value)².
 struct Noise {
@@ -60,11 +60,11 @@ double repeats_needed(double information, double confidence);
 /// of both directions of a pair the smaller. Steady sliding counts with its own metrics (no stick, no loop, all slip
 /// rates V); a period says nothing where only one member has one.
 /// \throws InputError for fewer than two members, no noise, noise without size, unknown metrics.
-Design discriminate(std::span<const Model> members, const DesignOptions&, const planes::MapHooks& = {});
+Design discriminate(std::span<const Varied> members, const DesignOptions&, const planes::MapHooks& = {});
 
 /// Fisher information of ln(parameter) from metrics, by central differences of relative size 0.02: what their means
 /// tell, and what noise tells that is a part of them. The parameter may be one of the axes. 1/√(n·information) is the
 /// standard error of ln(parameter) from n measurements.
-Design inform(const Model&, const std::string& parameter, const DesignOptions&, const planes::MapHooks& = {});
+Design inform(const Varied&, const std::string& parameter, const DesignOptions&, const planes::MapHooks& = {});
 
 }  // namespace rosin::analysis::inference

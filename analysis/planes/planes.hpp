@@ -5,3 +5,4 @@
 #include "analysis/planes/schedule.hpp"
 #include "analysis/planes/structure_map.hpp"
 #include "analysis/planes/sweep.hpp"
+#include "analysis/planes/varied.hpp"

@@ -5,4 +5,5 @@
 #include "analysis/response/frf.hpp"
 #include "analysis/response/frf_simulation.hpp"
 #include "analysis/response/interval_means.hpp"
+#include "analysis/response/sliding_receptance.hpp"
 #include "analysis/response/structure.hpp"

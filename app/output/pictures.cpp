@@ -55,6 +55,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
 }
 
 constexpr int run_panel = 140;  ///< pixels: height of a panel's frame
+constexpr std::size_t most_panels = 12;
 
 /// Number of the contact in "slip_rate_2"; 0 for what is no contact's.
 int contact_of_column(const std::string& name) {
@@ -84,7 +85,6 @@ bool starts_stuck(const analysis::motion::Run& run) {
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::motion::Run& run) {
   std::vector<std::size_t> shown;
-  constexpr std::size_t most_panels = 12;
   // The load of a single contact that gives way.
   const bool load_tells = scene.structure && scene.structure->structure.contacts.size() == 1 &&
                           scene.structure->structure.contacts[0].normal.size() > 0;
@@ -613,10 +613,12 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     files.push_back(fmt::format("compare-{}.csv", k + 1));
     write_csv(folder / files.back(), table);
   }
-  // Columns that never change have nothing to show.
+  // Columns that never change have nothing to show, and velocities and forces little beside places and slip rates.
   std::vector<std::size_t> shown;
-  for (std::size_t c = 0; c < comparison.column_names.size(); ++c)
-    if (std::ranges::any_of(comparison.series, [&](const auto& series) {
+  for (std::size_t c = 0; c < comparison.column_names.size() && shown.size() < most_panels; ++c)
+    if (comparison.column_names[c].find("velocity") == std::string::npos &&
+        !comparison.column_names[c].starts_with("friction_force") &&
+        std::ranges::any_of(comparison.series, [&](const auto& series) {
           return !series.columns[c].empty() &&
                  std::ranges::min(series.columns[c]) < std::ranges::max(series.columns[c]);
         }))
@@ -629,9 +631,10 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     return static_cast<std::size_t>(found - comparison.column_names.begin());
   };
   const auto rate = named("slip_rate"), friction = named("friction_coefficient"), none = comparison.column_names.size();
-  const bool imposed = std::isinf(compare.members.front().model.slider.stiffness);  // the slip rate: loops are one
+  const bool imposed =
+      std::isinf(compare.members.front().scene.model.slider.stiffness);  // the slip rate: loops are one
   const bool loops = !imposed && comparison.x_name == "time" && rate < none && friction < none;
-  const auto law_of = [&](std::size_t k) { return compare.members[k].model.law->card().name; };
+  const auto law_of = [&](std::size_t k) { return compare.members[k].scene.model.law->card().name; };
   std::vector<std::string> varied;  // the caption tells what members have in common
   for (std::size_t k = 1; k < compare.members.size() && varied.empty(); ++k)
     if (law_of(k) != law_of(0)) varied.emplace_back("law");
@@ -643,7 +646,7 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
       scene.title,
       caption(scene, varied)};
   std::string script = "set grid\n";
-  if (comparison.x_name == "slip_rate") script += axis_scale('x', true) + '\n';
+  if (comparison.x_name == "slip_rate" || comparison.x_name == "frequency") script += axis_scale('x', true) + '\n';
   for (int panel = 0; panel < panels; ++panel) {
     const std::size_t c = shown[std::size_t(panel)];
     const auto &name = comparison.column_names[c], &unit = comparison.column_units[c];

@@ -208,12 +208,19 @@ void read_law(SceneReader& reader, Table law, oscillators::Model& model) {
   } else if (model.law->has_states()) {
     NumbersAsked::note(mechanical("law.lambda"));
   }
-  if (auto spring = law.table("contact_stiffness")) {
-    spring->read("tangential", model.contact_stiffness.tangential, mechanical("law.contact_stiffness.tangential"));
-    spring->read("per_load", model.contact_stiffness.per_load, mechanical("law.contact_stiffness.per_load"));
-    spring->read("damping", model.contact_stiffness.damping, mechanical("law.contact_stiffness.damping"));
-    spring->read("damping_per_load", model.contact_stiffness.damping_per_load,
-                 mechanical("law.contact_stiffness.damping_per_load"));
+  const std::pair<const char*, double*> of_spring[] = {{"tangential", &model.contact_stiffness.tangential},
+                                                       {"per_load", &model.contact_stiffness.per_load},
+                                                       {"damping", &model.contact_stiffness.damping},
+                                                       {"damping_per_load", &model.contact_stiffness.damping_per_load}};
+  auto spring = law.table("contact_stiffness");
+  for (const auto& [key, value] : of_spring) {
+    const auto quantity = mechanical(fmt::format("law.contact_stiffness.{}", key));
+    if (spring)
+      spring->read(key, *value, quantity);
+    else
+      NumbersAsked::note(quantity);
+  }
+  if (spring) {
     spring->finish();
     if (model.contact_stiffness.damped() && !model.contact_stiffness.present())
       fail(spring->source(),
@@ -223,6 +230,8 @@ void read_law(SceneReader& reader, Table law, oscillators::Model& model) {
   if (auto memory = law.table("load_memory")) {
     memory->read("alpha", model.load_memory, mechanical("law.load_memory.alpha"));
     memory->finish();
+  } else {
+    NumbersAsked::note(mechanical("law.load_memory.alpha"));
   }
   law.finish();
 }

@@ -51,7 +51,11 @@ Reference::Reference(const toml::table& document) : before_(std::exchange(curren
     if (const auto found = document.at_path(quantities()[i].name)) values_[i] = number(*found.node(), quantities()[i]);
 }
 
-Reference::~Reference() { current() = before_; }
+Reference::~Reference() {
+  // A scene that is read within another one, changed in some numbers, refers to the same area and radius.
+  for (std::size_t i = 0; before_ && i < keys.size(); ++i) before_->used_[i] = before_->used_[i] || used_[i];
+  current() = before_;
+}
 
 double Reference::to_si(std::string_view text, std::string_view si_unit) {
   std::string problem;

@@ -41,8 +41,13 @@ void read_drive(SceneReader& reader, Table table, bool complete) {
     table.required("normal_load", "N");
   }
   for (const auto& [key, signal] : {std::pair{"speed", &drive.speed}, std::pair{"normal_load", &drive.normal_load},
-                                    std::pair{"force", &drive.force}})
-    if (const auto* node = table.find(key)) *signal = read_signal(*node, mechanical(table.path(key)), reader.folder);
+                                    std::pair{"force", &drive.force}}) {
+    const auto* node = table.find(key);
+    if (node)
+      *signal = read_signal(*node, mechanical(table.path(key)), reader.folder);
+    else
+      NumbersAsked::note(mechanical(table.path(key)));
+  }
   table.finish();
   reader.scene.task<tasks::Curve>().normal_load = drive.normal_load.level();
 }

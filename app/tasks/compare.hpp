@@ -4,15 +4,15 @@
 #include <vector>
 
 #include "analysis/inference/discrimination.hpp"
-#include "oscillators/model.hpp"
+#include "app/scene/scene.hpp"
 
 namespace rosin::app::tasks {
 
-/// Models side by side, and what is made equal in them beforehand.
+/// Scenes side by side, and what is made equal in them beforehand.
 struct Compare {
   struct Member {
     std::string name;
-    oscillators::Model model;
+    scene::Scene scene;            ///< as the verb of the protocol reads it
     std::vector<double> adjusted;  ///< values of the parameters that were adjusted
     double difference = 0;         ///< that is left of the properties made equal, relative
   };

@@ -11,6 +11,7 @@
 #include "analysis/response/frf_simulation.hpp"
 #include "analysis/response/structure.hpp"
 #include "app/scene/record.hpp"
+#include "oscillators/structure.hpp"
 
 namespace rosin::app::tasks {
 
@@ -50,6 +51,9 @@ struct Frf {
   std::optional<FrfUse> use;
   std::optional<analysis::response::SweepOptions> sweep;
   std::optional<analysis::response::NoiseOptions> noise;
+  /// That stands behind the contact and moves with it, and which of its contacts it is (from 0).
+  std::optional<oscillators::Structure> oscillator;
+  int contact = 0;
 };
 
 }  // namespace rosin::app::tasks

@@ -7,27 +7,34 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 #include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/inference/discrimination.hpp"
 #include "analysis/inference/equalise.hpp"
-#include "analysis/motion/run.hpp"
 #include "analysis/planes/map.hpp"
+#include "analysis/response/sliding_receptance.hpp"
 #include "analysis/steady/curve.hpp"
 #include "analysis/steady/stability.hpp"
+#include "analysis/steady/structure_stability.hpp"
 #include "app/output/comparison.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
-#include "app/scene/law.hpp"
+#include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
-#include "app/tasks/bowing.hpp"
+#include "app/scene/toml_document.hpp"
 #include "app/tasks/curve.hpp"
+#include "app/tasks/frf.hpp"
 #include "app/verbs/job.hpp"
+#include "app/verbs/plane_job.hpp"
 #include "app/verbs/progress.hpp"
+#include "app/verbs/run.hpp"
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/string_verbs.hpp"
+#include "app/verbs/structure_cycle.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
@@ -71,93 +78,149 @@ std::vector<analysis::inference::Property> read_properties(const toml::node& nod
   return properties;
 }
 
-/// The scene's model with what a member changes.
-tasks::Compare::Member read_member(scene::SceneReader& reader, const toml::node& node) {
-  scene::Table table(node, "compare.members");
-  table.expect({"name", "law", "set"});
-  tasks::Compare::Member member{
-      scene::text(table.required("name", "of the member"), "compare.members.name"), reader.scene.model, {}, 0};
-  if (const auto* law = table.find("law")) {
-    member.model.lambda = 1;
-    member.model.contact_stiffness = {};
-    scene::read_law(reader, scene::Table(*law, "compare.members.law"), member.model);
-  }
-  if (const auto* set = table.find("set")) {
-    if (!set->is_table())
-      scene::wrong_kind(*set, "compare.members.set", "a table of paths, such as { \"law.lambda\" = 10 }");
-    for (const auto& [key, value] : *set->as_table()) {
-      const std::string path(key.str());
-      scene::located(value.source(), [&] {
-        auto quantity = member.model.describe(path);
-        member.model = member.model.with(path, scene::number(value, quantity));
-      });
+/// A member while it is read as the verb of the protocol, that of the request, reads scenes: the document of the scene,
+/// changed in its law and some numbers.
+class MemberReader {
+ public:
+  MemberReader(const Request& protocol, scene::SceneReader& base, const toml::node& node)
+      : protocol_(protocol), base_(base), node_(node), document_(base.document) {
+    scene::Table table(node, "compare.members");
+    table.expect({"name", "law", "set"});
+    member.name = scene::text(table.required("name", "of the member"), "compare.members.name");
+    if (const auto* law = table.find("law")) {
+      scene::Table(*law, "compare.members.law");  // refuses what is no table
+      document_.insert_or_assign("law", *law);
     }
+    if (const auto* set = table.find("set")) {
+      if (!set->is_table())
+        scene::wrong_kind(*set, "compare.members.set", "a table of paths, such as { \"law.lambda\" = 10 }");
+      for (const auto& [key, value] : *set->as_table())
+        scene::located(value.source(), [&] {
+          const auto quantity = describe(std::string(key.str()));
+          scene::set_number(document_, quantity.name, scene::number(value, quantity));
+        });
+    }
+    table.finish();
+    read();
   }
-  table.finish();
-  return member;
-}
+  void set(const std::string& path, double value) { scene::set_number(document_, describe(path).name, value); }
+  void read() {
+    scene::Scene scene;
+    scene.path = protocol_.target;
+    scene::SceneReader reader{protocol_, document_,      scene::Table(document_, ""), scene, base_.folder,
+                              {},        base_.smoothing};
+    scene::located(node_.source(), [&] { find_verb(protocol_.verb).read(reader); });
+    base_.smooths = base_.smooths || reader.smooths;
+    for (const auto& note : scene.notes)
+      if (std::ranges::find(base_.scene.notes, note) == base_.scene.notes.end()) base_.scene.notes.push_back(note);
+    member.scene = std::move(scene);
+  }
 
-void read_noise(const toml::node& node, tasks::Compare& compare) {
+  tasks::Compare::Member member;
+
+ private:
+  Quantity describe(const std::string& path) {
+    if (!family_) {
+      scene::Scene unused;
+      const scene::SceneReader reader{protocol_, document_, scene::Table(document_, ""), unused, base_.folder, {}};
+      const bool is_slider = !base_.scene.structure && !base_.scene.plane;
+      family_.emplace(
+          scene::located(node_.source(), [&] { return scene::Family(reader, "compare.members", is_slider); }));
+    }
+    return family_->describe(path);
+  }
+
+  const Request& protocol_;
+  scene::SceneReader& base_;
+  const toml::node& node_;
+  toml::table document_;
+  std::optional<scene::Family> family_;
+};
+
+void read_noise(const toml::node& node, const scene::Scene& scene, tasks::Compare& compare) {
   if (!node.is_table()) scene::wrong_kind(node, "compare.noise", "a table of metrics");
   for (const auto& [key, value] : *node.as_table()) {
     analysis::inference::Noise noise{std::string(key.str())};
-    const auto* metric = scene::located(value.source(), [&] { return &analysis::cycles::find_metric(noise.metric); });
+    const auto metric = scene::located(value.source(), [&] { return varied(scene).metrics({noise.metric}).front(); });
     scene::Table keys(value, "compare.noise." + noise.metric);
-    keys.read("absolute", noise.absolute, {"", std::string(metric->unit), {0, 1e300}, "standard deviation"});
+    keys.read("absolute", noise.absolute, {"", metric.unit, {0, 1e300}, "standard deviation"});
     keys.read("relative", noise.relative, {"", "1", {0, 1e3}, "standard deviation over the value"});
     keys.finish();
     if (noise.absolute + noise.relative == 0)
       scene::fail(value.source(), "compare.noise.{}: give absolute ({}) or relative, above 0", noise.metric,
-                  readable_unit(metric->unit));
+                  readable_unit(metric.unit));
     compare.noise.push_back(noise);
   }
 }
 
-void read_comparison(scene::Table table, scene::SceneReader& reader) {
+void read_equal(scene::Table table, tasks::Compare& compare, std::vector<MemberReader>& members) {
+  table.expect({"properties", "adjust"});
+  const auto& properties = table.required("properties", "what the members are to share");
+  compare.adjust = scene::texts(table.required("adjust", "paths of parameters"), table.path("adjust"));
+  const auto wanted = read_properties(properties, table.path("properties"));
+  table.finish();
+  for (std::size_t k = 1; k < members.size(); ++k) {
+    auto& member = members[k].member;
+    scene::located(table.source(), [&] {
+      try {
+        const auto equalised = analysis::inference::equalise(member.scene.model, members.front().member.scene.model,
+                                                             wanted, compare.adjust);
+        for (std::size_t i = 0; i < compare.adjust.size(); ++i) members[k].set(compare.adjust[i], equalised.values[i]);
+        member.adjusted = equalised.values;
+        member.difference = equalised.difference;
+      } catch (const InputError& error) {
+        throw InputError(fmt::format("compare.equalise, member '{}': {}", member.name, error.what()));
+      }
+    });
+    members[k].read();
+  }
+}
+
+void read(scene::SceneReader& reader) {
   auto& scene = reader.scene;
   const bool design = reader.request.design;
+  if (reader.document.at_path("oscillator.type").value_or(std::string()) == "string") {
+    reader.law();
+    reader.oscillator();
+    read_string_map(reader, scene::Table(reader.need("map", "the two axes"), "map"));
+    return read_string_comparison(reader, scene::Table(reader.need("compare", "members"), "compare"));
+  }
+  scene::Table table(reader.need("compare", "members, and what is made equal in them"), "compare");
   auto& compare = scene.task<tasks::Compare>();
   table.expect({"members", "protocol", "equalise", "noise", "confidence", "parameter"});
   if (const auto* protocol = table.find("protocol"))
-    compare.protocol = scene::choice(*protocol, "compare.protocol", {"curve", "stability", "run", "cycle", "map"});
+    compare.protocol =
+        scene::choice(*protocol, "compare.protocol", {"curve", "stability", "run", "cycle", "map", "frf"});
+
+  reader.need("oscillator", "mass, stiffness and damping of the slider");
+  reader.need("drive", "speed and normal load");
+  Request as_protocol = reader.request;
+  as_protocol.verb = design ? "map" : compare.protocol;
+  scene::SceneReader base{as_protocol, reader.document, reader.root, scene, reader.folder, {}, reader.smoothing};
+  find_verb(as_protocol.verb).read(base);
+  reader.smooths = base.smooths;
+  if (as_protocol.verb == "map" && scene.task<analysis::planes::MapOptions>().y.values.empty())
+    scene::Table(*reader.root.find("map"), "map")
+        .required("y", "second axis of the plane in which members are compared");
+
   if (const auto* parameter = table.find("parameter")) {
     compare.parameter = scene::text(*parameter, "compare.parameter");
-    scene::located(parameter->source(), [&] { scene.model.describe(compare.parameter); });
+    scene::located(parameter->source(), [&] { scene.describe(compare.parameter); });
   }
-  const bool of_parameter = design && !compare.parameter.empty();
-  if (const auto* members = table.find("members"))
-    for (const auto& element : scene::list(*members, "compare.members", "tables", scene::most_names))
-      compare.members.push_back(read_member(reader, element));
-  if (!of_parameter && compare.members.size() < 2)
+  std::vector<MemberReader> members;
+  if (const auto* list = table.find("members"))
+    for (const auto& element : scene::list(*list, "compare.members", "tables", scene::most_names)) {
+      members.emplace_back(as_protocol, reader, element);
+      const auto& name = members.back().member.name;
+      if (std::any_of(members.begin(), members.end() - 1, [&](const auto& other) { return other.member.name == name; }))
+        scene::fail(table.source(), "compare.members: two are named '{}'", name);
+    }
+  if (!(design && !compare.parameter.empty()) && members.size() < 2)
     scene::fail(table.source(),
                 "compare.members needs two members or more, each a table with a name and what it changes");
-  for (auto member = compare.members.begin(); member != compare.members.end(); ++member) {
-    if (std::any_of(compare.members.begin(), member, [&](const auto& other) { return other.name == member->name; }))
-      scene::fail(table.source(), "compare.members: two are named '{}'", member->name);
-    scene::located(table.source(), [&] { member->model.check(); });
-  }
-  if (auto equal = table.table("equalise")) {
-    equal->expect({"properties", "adjust"});
-    const auto& properties = equal->required("properties", "what the members are to share");
-    compare.adjust = scene::texts(equal->required("adjust", "paths of parameters"), equal->path("adjust"));
-    const auto wanted = read_properties(properties, equal->path("properties"));
-    equal->finish();
-    for (std::size_t k = 1; k < compare.members.size(); ++k) {
-      auto& member = compare.members[k];
-      scene::located(equal->source(), [&] {
-        try {
-          const auto equalised =
-              analysis::inference::equalise(member.model, compare.members.front().model, wanted, compare.adjust);
-          member.model = equalised.model;
-          member.adjusted = equalised.values;
-          member.difference = equalised.difference;
-        } catch (const InputError& error) {
-          throw InputError(fmt::format("compare.equalise, member '{}': {}", member.name, error.what()));
-        }
-      });
-    }
-  }
-  if (const auto* noise = table.find("noise")) read_noise(*noise, compare);
+  if (auto equal = table.table("equalise")) read_equal(*equal, compare, members);
+  for (auto& one : members) compare.members.push_back(std::move(one.member));
+  if (const auto* noise = design ? table.find("noise") : nullptr) read_noise(*noise, scene, compare);
   table.read("confidence", compare.confidence, {"", "1", {0.5, 0.999999}, "probability of the right decision"});
   table.finish();
   if (design && compare.noise.empty())
@@ -167,35 +230,17 @@ void read_comparison(scene::Table table, scene::SceneReader& reader) {
                        "only 'rosin compare --design' asks for it");
 }
 
-void read(scene::SceneReader& reader) {
-  reader.law();
-  reader.oscillator();
-  const bool design = reader.request.design;
-  const auto* given = reader.document.at_path("compare.protocol").as_string();
-  const auto protocol = given && !design ? given->get() : std::string();
-  if (reader.scene.string) {
-    read_string_map(reader, scene::Table(reader.need("map", "the two axes"), "map"));
-    return read_string_comparison(reader, scene::Table(reader.need("compare", "members"), "compare"));
-  }
-  if (protocol == "run") reader.need("run", "duration and start");
-  if (protocol == "map" || design) reader.need("map", "the two axes and the metrics");
-  read_tables_of_models(reader);
-  if ((protocol == "map" || design) && reader.scene.task<analysis::planes::MapOptions>().y.values.empty())
-    scene::Table(*reader.root.find("map"), "map")
-        .required("y", "second axis of the plane in which members are compared");
-  read_comparison(scene::Table(reader.need("compare", "members, and what is made equal in them"), "compare"), reader);
-}
-
 // ---------------------------------------------------------------- documents
 
 /// Members of a comparison: names, laws, and what was adjusted in them.
 ordered_json members(const tasks::Compare& compare) {
   auto list = ordered_json::array();
   for (const auto& member : compare.members) {
-    ordered_json one{{"name", member.name},
-                     {"law", member.model.law->card().name},
-                     {"parameters", output::values(member.model.law->parameters(), member.model.law->values())}};
-    if (member.model.law->has_states()) one["lambda"] = member.model.lambda;
+    ordered_json one{
+        {"name", member.name},
+        {"law", member.scene.model.law->card().name},
+        {"parameters", output::values(member.scene.model.law->parameters(), member.scene.model.law->values())}};
+    if (member.scene.model.law->has_states()) one["lambda"] = member.scene.model.lambda;
     if (!member.adjusted.empty()) {
       for (std::size_t k = 0; k < compare.adjust.size(); ++k) one["adjusted"][compare.adjust[k]] = member.adjusted[k];
       one["difference_left"] = member.difference;
@@ -232,10 +277,9 @@ std::string document_of(const scene::Scene& scene, const output::Comparison& com
       const auto& map = comparison.maps[k];
       auto& plane = planes[compare.members[k].name];
       plane["regime"] = output::rows(map, [](const auto& point) { return name(point.regime); });
-      for (const auto& metric : scene.task<analysis::planes::MapOptions>().metrics) {
-        const auto member = analysis::cycles::find_metric(metric).member;
-        plane["metrics"][metric] = output::rows(map, [=](const auto& point) { return point.metrics.*member; });
-        plane["error"][metric] = output::rows(map, [=](const auto& point) { return point.error.*member; });
+      for (const auto& metric : map.metrics) {
+        plane["metrics"][metric.name] = output::rows(map, [&](const auto& point) { return metric.value(point); });
+        plane["error"][metric.name] = output::rows(map, [&](const auto& point) { return metric.error(point); });
       }
       plane["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
     }
@@ -325,7 +369,7 @@ output::Comparison compare_curves(const scene::Scene& scene) {
   comparison.x_name = "slip_rate", comparison.x_unit = "m/s";
   comparison.column_names = {"friction_coefficient"}, comparison.column_units = {"1"};
   for (std::size_t k = 0; k < members.size(); ++k) {
-    const auto& model = members[k].model;
+    const auto& model = members[k].scene.model;
     output::Comparison::Series series{{}, {{}}};
     for (int i = 0; i < options.points; ++i)
       series.x.push_back(options.from * std::pow(options.to / options.from, double(i) / (options.points - 1)));
@@ -345,8 +389,14 @@ output::Comparison compare_stability(const scene::Scene& scene) {
   output::Comparison comparison;
   for (std::size_t k = 0; k < members.size(); ++k) {
     Entries entries(comparison, k, members.size());
+    if (members[k].scene.structure) {  // whose parameters no closed form knows
+      const auto mode = analysis::steady::stability(members[k].scene.structure->structure).modes.front();
+      entries.add("growth_rate", "1/s", mode.growth_rate(), mode.error);
+      entries.add("frequency", "Hz", mode.frequency(), mode.error / (2 * std::numbers::pi));
+      continue;
+    }
     for (const char* path : {"drive.normal_load", "oscillator.stiffness", "drive.speed"}) {
-      const auto points = analysis::steady::hopf_points(members[k].model, path);
+      const auto points = analysis::steady::hopf_points(members[k].scene.model, path);
       if (points.empty()) continue;
       const auto& nearest = points.front();
       entries.add(fmt::format("hopf {}", path), scene.model.describe(path).unit, nearest.value, nearest.value_error);
@@ -357,58 +407,147 @@ output::Comparison compare_stability(const scene::Scene& scene) {
   return comparison;
 }
 
-/// Motions over time, by the columns that all members have: not their states.
-output::Comparison motions() {
+/// Friction responses of the contact, and the receptance along it of what it is a part of.
+output::Comparison compare_responses(const scene::Scene& scene) {
+  const auto& members = scene.task<tasks::Compare>().members;
+  const auto& asked = scene.task<tasks::Frf>();
+  if (asked.record || asked.sweep || asked.noise)
+    throw InputError("frf.record and frf.simulate have no members: compare lays predictions over each other");
   output::Comparison comparison;
-  comparison.x_name = "time", comparison.x_unit = "s";
-  comparison.column_names = {"displacement", "slip_rate", "friction_coefficient"};
-  comparison.column_units = {"m", "m/s", "1"};
+  comparison.x_name = "frequency", comparison.x_unit = "Hz";
+  comparison.column_names = {"real", "imaginary"}, comparison.column_units = {"N s/m", "N s/m"};
+  constexpr double rounding = 1e-12;
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const auto& frf = members[k].scene.task<tasks::Frf>();
+    const auto curve = analysis::response::predict_frf(members[k].scene.model, frf.options).curve;
+    Entries entries(comparison, k, members.size());
+    const auto add = [&](const char* name, double value) {
+      entries.add(name, "N s/m", value, rounding * std::abs(value));
+    };
+    output::Comparison::Series series{frf.options.frequencies, {{}, {}}};
+    double largest = 0;
+    for (const auto& Z : curve.tangential) {
+      series.columns[0].push_back(Z.real()), series.columns[1].push_back(Z.imag());
+      largest = std::max(largest, std::abs(Z));
+    }
+    add("low_frequency_limit", curve.limits.low), add("high_frequency_limit", curve.limits.high);
+    add("largest magnitude", largest);
+    if (frf.oscillator) {
+      const analysis::response::SlidingReceptance receptance(*frf.oscillator, frf.contact);
+      double most = 0, error = 0;
+      for (const double f : frf.options.frequencies)
+        if (const auto answer = receptance({0, 2 * std::numbers::pi * f}); std::abs(answer.contact) > most)
+          most = std::abs(answer.contact), error = answer.contact_error;
+      entries.add("largest receptance", "m/N", most, error);
+    }
+    comparison.series.push_back(std::move(series));
+  }
   return comparison;
+}
+
+/// Of a slider the other columns follow from these.
+constexpr const char* of_slider[] = {"displacement", "slip_rate", "friction_coefficient"};
+
+/// What a member's motion is laid over the others by.
+struct Motion {
+  std::vector<std::string> names, units;
+  output::Comparison::Series series;
+};
+
+/// The columns that all members have which move.
+void lay_over(output::Comparison& comparison, const std::vector<Motion>& motions) {
+  comparison.x_name = "time", comparison.x_unit = "s";
+  const auto place = [](const Motion& motion, const std::string& name) {
+    return std::size_t(std::ranges::find(motion.names, name) - motion.names.begin());
+  };
+  const auto moves = std::ranges::find_if(motions, [](const auto& motion) { return !motion.names.empty(); });
+  if (moves == motions.end()) return;
+  for (std::size_t c = 0; c < moves->names.size(); ++c) {
+    const auto& name = moves->names[c];
+    if (std::ranges::any_of(motions, [&](const auto& motion) {
+          return !motion.names.empty() && place(motion, name) == motion.names.size();
+        }))
+      continue;
+    comparison.column_names.push_back(name), comparison.column_units.push_back(moves->units[c]);
+  }
+  for (const auto& motion : motions) {
+    auto& series = comparison.series.emplace_back();
+    series.x = motion.series.x;
+    for (const auto& name : comparison.column_names)
+      series.columns.push_back(motion.names.empty() ? std::vector<double>()
+                                                    : motion.series.columns[place(motion, name)]);
+  }
 }
 
 output::Comparison compare_runs(const scene::Scene& scene) {
   const auto& members = scene.task<tasks::Compare>().members;
-  output::Comparison comparison = motions();
-  constexpr std::size_t chosen[] = {0, 2, 4};
+  output::Comparison comparison;
+  std::vector<Motion> motions;
   for (std::size_t k = 0; k < members.size(); ++k) {
-    const auto run = analysis::motion::run(members[k].model, scene.task<analysis::motion::RunOptions>());
+    const auto& member = members[k].scene;
+    auto how = member.task<analysis::motion::RunOptions>();
+    how.tolerance = scene.task<analysis::motion::RunOptions>().tolerance;
+    const auto run = run_of(member, how);
     worsen(comparison.outcome, run.outcome, members[k].name);
-    output::Comparison::Series series{run.time, {}};
+    Motion motion{{}, {}, {run.time, {}}};
     Entries entries(comparison, k, members.size());
-    for (std::size_t c = 0; c < std::size(chosen); ++c) {
-      const auto& column = run.columns[chosen[c]];
-      series.columns.push_back(column);
+    const bool slider = !member.structure && !member.plane;
+    for (std::size_t c = 0; c < run.columns.size(); ++c) {
+      const auto& column = run.columns[c];
+      const auto &name = run.column_names[c], &unit = run.column_units[c];
+      if (slider && std::ranges::find(of_slider, name) == std::end(of_slider)) continue;
+      motion.names.push_back(name), motion.units.push_back(unit), motion.series.columns.push_back(column);
       if (column.empty()) continue;
-      const double error = chosen[c] < run.column_error.size() ? run.column_error[chosen[c]] : nothing;
-      const auto &name = comparison.column_names[c], &unit = comparison.column_units[c];
+      const double error = c < run.column_error.size() ? run.column_error[c] : nothing;
       entries.add(name + " at the end", unit, column.back(), error);
       entries.add("largest " + name, unit, *std::ranges::max_element(column), error);
     }
-    comparison.series.push_back(std::move(series));
+    motions.push_back(std::move(motion));
   }
+  lay_over(comparison, motions);
   return comparison;
+}
+
+Motion compare_cycle(const analysis::cycles::Cycle& cycle, Entries entries) {
+  if (cycle.metrics.period > 0)
+    for (const auto& metric : analysis::cycles::metric_names())
+      entries.add(metric.name, metric.unit, cycle.metrics.*metric.member, cycle.error.*metric.member);
+  Motion motion{{std::begin(of_slider), std::end(of_slider)}, {"m", "m/s", "1"}, {{}, {{}, {}, {}}}};
+  for (const auto& point : cycle.orbit) {
+    motion.series.x.push_back(point.time);
+    const double values[] = {point.displacement, point.slip_rate, point.friction_coefficient};
+    for (std::size_t c = 0; c < std::size(values); ++c) motion.series.columns[c].push_back(values[c]);
+  }
+  return motion;
+}
+
+Motion compare_cycle(const analysis::cycles::StructureCycle& cycle, Entries entries) {
+  if (cycle.returns == 0) return {};
+  for (const auto& [name, measure] : cycle.metrics) entries.add(name, measure.unit, measure.value, measure.error);
+  return {cycle.column_names, cycle.column_units, {cycle.time, cycle.columns}};
 }
 
 output::Comparison compare_cycles(const scene::Scene& scene) {
   const auto& members = scene.task<tasks::Compare>().members;
-  output::Comparison comparison = motions();
-  for (std::size_t k = 0; k < members.size(); ++k) {
-    const auto cycle = analysis::cycles::find_cycle(members[k].model, scene.task<analysis::cycles::CycleOptions>());
+  output::Comparison comparison;
+  std::vector<Motion> motions;
+  const auto add = [&](std::size_t k, const auto& cycle) {
     worsen(comparison.outcome, cycle.outcome, members[k].name);
-    Entries entries(comparison, k, members.size());
-    if (cycle.metrics.period > 0)
-      for (const auto& metric : analysis::cycles::metric_names())
-        entries.add(std::string(metric.name), std::string(metric.unit), cycle.metrics.*metric.member,
-                    cycle.error.*metric.member);
-    output::Comparison::Series series{{}, {{}, {}, {}}};
-    for (const auto& point : cycle.orbit) {
-      series.x.push_back(point.time);
-      series.columns[0].push_back(point.displacement);
-      series.columns[1].push_back(point.slip_rate);
-      series.columns[2].push_back(point.friction_coefficient);
-    }
-    comparison.series.push_back(std::move(series));
+    motions.push_back(compare_cycle(cycle, Entries(comparison, k, members.size())));
+  };
+  const double tolerance = scene.task<analysis::cycles::CycleOptions>().tolerance;
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const auto& member = members[k].scene;
+    auto how = member.task<analysis::cycles::CycleOptions>();
+    how.tolerance = tolerance;
+    if (member.structure)
+      add(k, analysis::cycles::find_cycle(
+                 *member.structure,
+                 {.tolerance = tolerance, .stick_threshold = how.stick_threshold, .multipliers = false}));
+    else
+      add(k, analysis::cycles::find_cycle(member.model, how));
   }
+  lay_over(comparison, motions);
   return comparison;
 }
 
@@ -419,25 +558,24 @@ output::Comparison compare_maps(const scene::Scene& scene, const Request& reques
   output::Comparison comparison;
   Progress progress(request.quiet);
   for (std::size_t k = 0; k < members.size(); ++k) {
-    comparison.maps.push_back(analysis::planes::compute_map(
-        members[k].model, options, {.known = {}, .finished = {}, .progress = progress.of_map()}));
+    comparison.maps.push_back(
+        varied(members[k].scene).map(options, {.known = {}, .finished = {}, .progress = progress.of_map()}));
     worsen(comparison.outcome, comparison.maps.back().outcome, members[k].name);
     if (comparison.outcome.ending == Ending::interrupted) return comparison;
   }
   // Of each metric the largest difference to the first member, where both have a cycle.
-  for (const auto& name : options.metrics) {
-    const auto& metric = analysis::cycles::find_metric(name);
+  for (const auto& metric : comparison.maps[0].metrics) {
     for (std::size_t k = 0; k < members.size(); ++k) {
       double largest = 0, its_error = 0;
       for (std::size_t i = 0; i < comparison.maps[0].points.size(); ++i) {
         const auto &one = comparison.maps[0].points[i], &other = comparison.maps[k].points[i];
-        const double difference = std::abs(other.metrics.*metric.member - one.metrics.*metric.member);
+        const double difference = std::abs(metric.value(other) - metric.value(one));
         if (!(difference > largest)) continue;
         largest = difference;
-        its_error = one.error.*metric.member + other.error.*metric.member;
+        its_error = metric.error(one) + metric.error(other);
       }
       Entries(comparison, k, members.size())
-          .add("largest difference of " + name, std::string(metric.unit), largest, its_error);
+          .add("largest difference of " + metric.name, metric.unit, largest, its_error);
     }
   }
   return comparison;
@@ -450,14 +588,14 @@ void say_members(const Job& job, const tasks::Compare& compare) {
       adjusted +=
           fmt::format("{}{} = {:.10g}", k == 0 ? "; made equal by " : ", ", compare.adjust[k], member.adjusted[k]);
     if (!member.adjusted.empty()) adjusted += fmt::format(", leaving {:.1g} (relative)", member.difference);
-    job.say("{}: law '{}'{}", member.name, member.model.law->card().name, adjusted);
+    job.say("{}: law '{}'{}", member.name, member.scene.model.law->card().name, adjusted);
   }
 }
 
 /// Stick is creep below the threshold under smooth laws and exact rest under set-valued ones. Where members are of both
 /// kinds stick_fraction would compare the two, slow_fraction is the same for all.
 bool of_both_kinds(const Members& members) {
-  const auto set_valued = [](const auto& member) { return member.model.law->set_valued(); };
+  const auto set_valued = [](const auto& member) { return member.scene.model.law->set_valued(); };
   return std::ranges::any_of(members, set_valued) && !std::ranges::all_of(members, set_valued);
 }
 constexpr std::string_view two_kinds =
@@ -502,6 +640,7 @@ Status side_by_side(Job& job) {
                                         : protocol == "stability" ? compare_stability(scene)
                                         : protocol == "run"       ? compare_runs(scene)
                                         : protocol == "map"       ? compare_maps(scene, request)
+                                        : protocol == "frf"       ? compare_responses(scene)
                                                                   : compare_cycles(scene);
   if (comparison.outcome.ending == Ending::interrupted) return stopped_early(request, "nothing is written");
   say_members(job, compare);
@@ -509,7 +648,9 @@ Status side_by_side(Job& job) {
   std::string header(34, ' ');
   for (const auto& member : compare.members) header += fmt::format("  {:>28}", member.name);
   job.say("{}", header);
+  const bool many = protocol == "cycle" && scene.structure;
   for (const auto& row : comparison.rows) {
+    if (many && !is_told(row.metric)) continue;
     std::string line = fmt::format("{:<34}", row.metric);
     for (std::size_t k = 0; k < row.values.size(); ++k) {
       line += fmt::format("  {:>28}", justified(row.values[k], row.errors[k], row.unit));
@@ -551,10 +692,10 @@ Status design(Job& job) {
   {
     Progress progress(request.quiet);
     const analysis::planes::MapHooks hooks{.known = {}, .finished = {}, .progress = progress.of_map()};
-    std::vector<oscillators::Model> models;
-    for (const auto& member : compare.members) models.push_back(member.model);
-    result.design = of_parameter ? analysis::inference::inform(scene.model, compare.parameter, options, hooks)
-                                 : analysis::inference::discriminate(models, options, hooks);
+    std::vector<analysis::planes::Varied> members;
+    for (const auto& member : compare.members) members.push_back(varied(member.scene));
+    result.design = of_parameter ? analysis::inference::inform(varied(scene), compare.parameter, options, hooks)
+                                 : analysis::inference::discriminate(members, options, hooks);
   }
   result.seconds = seconds_since(begin);
   const auto& plane = result.design;

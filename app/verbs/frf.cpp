@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "analysis/response/interval_means.hpp"
+#include "analysis/response/sliding_receptance.hpp"
 #include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
@@ -18,6 +19,7 @@
 #include "app/verbs/frf_use.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/verb.hpp"
+#include "core/stop.hpp"
 
 namespace rosin::app::verbs {
 
@@ -473,6 +475,50 @@ Status simulate_sweep(Job& job) {
   return job.finish(output::text(document), std::move(files), {});
 }
 
+/// The oscillator with friction in it: what a force along the contact's slip moves.
+void add_receptance(Job& job, ordered_json& document, std::vector<std::string>& files) {
+  const auto& frf = job.scene().task<tasks::Frf>();
+  if (!frf.oscillator) return;
+  const auto& structure = *frf.oscillator;
+  const analysis::response::SlidingReceptance receptance(structure, frf.contact);
+  const auto& frequencies = frf.options.frequencies;
+  std::vector<Complex> contact;
+  std::vector<double> contact_error;
+  std::vector<std::vector<Complex>> coordinates(structure.names.size());
+  std::vector<std::vector<double>> errors(structure.names.size());
+  Reached reached;
+  std::size_t largest = 0;
+  for (const double f : frequencies) {
+    end_if_stopped();
+    const auto answer = receptance({0, 2 * std::numbers::pi * f});
+    contact.push_back(answer.contact), contact_error.push_back(answer.contact_error);
+    reached.add(std::abs(answer.contact), answer.contact_error);
+    if (std::abs(answer.contact) > std::abs(contact[largest])) largest = contact.size() - 1;
+    for (std::size_t i = 0; i < coordinates.size(); ++i)
+      coordinates[i].push_back(answer.coordinates[i]), errors[i].push_back(answer.errors[i]);
+  }
+  job.manifest().tolerance_reached = reached.value();
+  job.say("receptance along its slip, friction included: largest {} at {:.6g} Hz",
+          justified(std::abs(contact[largest]), contact_error[largest], "m/N"), frequencies[largest]);
+  auto& object = document["receptance"] = {{"contact", output::pairs(contact)}};
+  auto& error = document["error"]["receptance"] = {{"contact", contact_error}};
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    object[structure.names[i]] = output::pairs(coordinates[i]);
+    error[structure.names[i]] = errors[i];
+  }
+  const auto real = parts(contact, [](const Complex& z) { return z.real(); });
+  const auto imaginary = parts(contact, [](const Complex& z) { return z.imag(); });
+  const auto magnitude = parts(contact, [](const Complex& z) { return std::abs(z); });
+  const auto angle = phase(contact);
+  output::write_csv(job.folder() / "frf-receptance.csv", {{"frequency (Hz)", frequencies},
+                                                          {"real (m/N)", real},
+                                                          {"imaginary (m/N)", imaginary},
+                                                          {"magnitude (m/N)", magnitude},
+                                                          {"phase (degree)", angle},
+                                                          {"error (m/N)", contact_error}});
+  files.emplace_back("frf-receptance.csv");
+}
+
 Status perform(Job& job) {
   const auto& scene = job.scene();
   auto& frf = scene.task<tasks::Frf>();
@@ -530,6 +576,7 @@ Status perform(Job& job) {
     files.emplace_back("frf.gp");
   }
   auto document = document_of(scene, prediction);
+  add_receptance(job, document, files);
   add_stability(job, document, files);
   return job.finish(output::text(document), std::move(files), {});
 }

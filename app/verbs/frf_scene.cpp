@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "analysis/response/contact_slopes.hpp"
+#include "analysis/response/sliding_receptance.hpp"
 #include "app/scene/matrix_file.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/scene_table.hpp"
@@ -279,13 +280,52 @@ void read_simulation(scene::Table table, scene::Scene& scene) {
 
 }  // namespace
 
+namespace {
+
+/// The contact whose response is asked for becomes the scene's model, at its speed and load in steady sliding; what it
+/// is a part of stays the oscillator.
+void read_oscillator(scene::Table& table, scene::Scene& scene, const toml::node* given) {
+  auto& frf = scene.task<tasks::Frf>();
+  const auto* chosen = table.find("contact");
+  if (!scene.structure) {
+    if (chosen)
+      scene::fail(chosen->source(), "{} has no meaning: the oscillator has one contact", table.path("contact"));
+    const auto& slider = scene.model.slider;
+    if (!given || !(slider.mass > 0) || !(slider.stiffness > 0) || !std::isfinite(slider.stiffness)) return;
+    try {
+      auto structure = oscillators::one_slider(scene.model);
+      analysis::response::SlidingReceptance(structure, 0);
+      frf.oscillator = std::move(structure);
+    } catch (const InputError& error) {  // friction that answers slip rate by its states alone
+      scene.notes.push_back(fmt::format("the receptance is left out: {}", error.what()));
+    }
+    return;
+  }
+  if (table.find("structure"))
+    scene::fail(
+        table.find("structure")->source(),
+        "[frf.structure] puts the law's contact on a structure that is given there, but the oscillator of this "
+        "scene is a structure with contacts of its own: leave [oscillator] out, or ask 'rosin stability', whose "
+        "scan finds where it squeals");
+  const auto& structure = scene.structure->structure;
+  int contact = 1;
+  table.read("contact", contact, 1, int(structure.contacts.size()), "contact that responds, counted from 1");
+  frf.contact = contact - 1;
+  scene.model = scene::located(chosen ? chosen->source() : table.source(),
+                               [&] { return analysis::response::contact_in_sliding(structure, frf.contact); });
+  frf.oscillator = structure;
+}
+
+}  // namespace
+
 void read_frf(scene::Table table, scene::SceneReader& reader, const toml::node* oscillator) {
   auto& scene = reader.scene;
   auto& frf = scene.task<tasks::Frf>();
   const auto& folder = reader.folder;
   auto& options = frf.options;
-  table.expect({"frequencies", "normal", "normal_contact", "sensor_mass", "sensitivities", "family", "record",
-                "simulate", "structure"});
+  table.expect({"frequencies", "contact", "normal", "normal_contact", "sensor_mass", "sensitivities", "family",
+                "record", "simulate", "structure"});
+  read_oscillator(table, scene, oscillator);
   if (auto record = table.table("record")) frf.record = read_frf_record(*record, folder);
   const auto* frequencies = frf.record ? table.find("frequencies") : &table.required("frequencies", "Hz");
   if (frequencies) options.frequencies = read_frequencies(*frequencies, table.path("frequencies"));

@@ -9,7 +9,6 @@
 
 #include "analysis/cycles/lyapunov.hpp"
 #include "analysis/planes/map.hpp"
-#include "analysis/planes/structure_map.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/planes.hpp"
@@ -78,19 +77,15 @@ PlaneJob::PlaneJob(Job& job_) : job(job_), options(job_.scene().task<analysis::p
   options.exact = request.exact;
   options.lyapunov = scene.task<analysis::cycles::LyapunovOptions>();
   if (scene.structure) structure = &scene.structure->structure;
-  metrics = structure ? analysis::planes::metrics_of_structure(*structure, options.metrics)
-                      : analysis::planes::metrics_of_slider(options.metrics);
+  metrics = varied(scene).metrics(options.metrics);
   key = journal_key(scene, options.tolerance, options.exact ? "exact" : "adaptive");
   points = options.x.values.size() * options.y.values.size();
 }
 
-analysis::planes::Map PlaneJob::compute(const analysis::planes::MapHooks& hooks) const {
-  const auto& scene = job.scene();
-  const auto at = [&](double x, double y) {
-    return scene.family->with({{options.x.parameter, x}, {options.y.parameter, y}});
-  };
-  return structure ? analysis::planes::compute_structure_map(at, options, metrics, hooks)
-                   : analysis::planes::compute_map(scene.model, options, hooks);
+analysis::planes::Varied varied(const scene::Scene& scene) {
+  if (!scene.structure) return scene.model;
+  return analysis::planes::Varied({[family = scene.family](const auto& numbers) { return family->with(numbers); },
+                                   [family = scene.family](const std::string& path) { return family->value(path); }});
 }
 
 Status PlaneJob::write(const MapResult& result, const std::map<std::size_t, double>& costs) const {

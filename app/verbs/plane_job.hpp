@@ -6,12 +6,16 @@
 
 #include "analysis/planes/map.hpp"
 #include "analysis/planes/parts.hpp"
+#include "analysis/planes/varied.hpp"
 #include "app/verbs/job.hpp"
 
 namespace rosin::app::verbs {
 
 /// The command that asks a verb about the same plane, `map` for one share of it.
 std::string command_of(const Request&, const std::string& verb, analysis::planes::Share = {});
+
+/// The oscillator of a scene that [map] was read of.
+analysis::planes::Varied varied(const scene::Scene&);
 
 struct MapResult {
   analysis::planes::Map map;
@@ -20,7 +24,9 @@ struct MapResult {
 
 struct PlaneJob {
   explicit PlaneJob(Job&);
-  analysis::planes::Map compute(const analysis::planes::MapHooks&) const;
+  analysis::planes::Map compute(const analysis::planes::MapHooks& hooks) const {
+    return varied(job.scene()).map(options, hooks);
+  }
   /// Says what was found, draws it and writes it. `costs`: processor time (s) of parts, as far as they are known.
   Status write(const MapResult&, const std::map<std::size_t, double>& costs) const;
 

@@ -1,5 +1,5 @@
 /// The verb run: the motion from a start.
-#include "analysis/motion/run.hpp"
+#include "app/verbs/run.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -343,12 +343,7 @@ Status perform(Job& job) {
     Progress progress(job.request().quiet);
     auto how = asked;
     if (progress.visible()) how.progress = [&](double part) { progress.show_pass(part); };
-    return scene.plane      ? analysis::motion::run_plane(*scene.plane, how)
-           : asked.stepping ? analysis::motion::run_stepped(*scene.structure, how)
-           : scene.structure
-               ? analysis::motion::run_structure(*scene.structure, how,
-                                                 scene.task<analysis::cycles::CycleOptions>().stick_threshold)
-               : analysis::motion::run(scene.model, how, scene.task<analysis::cycles::CycleOptions>().stick_threshold);
+    return run_of(scene, how);
   }();
   run.outcome = why_stopped(run.outcome);
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
@@ -400,6 +395,14 @@ Status perform(Job& job) {
 }
 
 }  // namespace
+
+analysis::motion::Run run_of(const scene::Scene& scene, const analysis::motion::RunOptions& how) {
+  const double stick_threshold = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
+  return scene.plane       ? analysis::motion::run_plane(*scene.plane, how)
+         : how.stepping    ? analysis::motion::run_stepped(*scene.structure, how)
+         : scene.structure ? analysis::motion::run_structure(*scene.structure, how, stick_threshold)
+                           : analysis::motion::run(scene.model, how, stick_threshold);
+}
 
 Verb run_verb() {
   return {.name = "run",

@@ -52,6 +52,12 @@ std::string document_of(const scene::Scene& scene, const StructureCycle& cycle) 
 
 }  // namespace
 
+bool is_told(std::string_view metric) {
+  const bool extreme = metric.ends_with("_max") || metric.ends_with("_min");
+  return metric == "period" || metric.starts_with("stick_fraction") ||
+         (extreme && (metric.find("displacement") != std::string_view::npos || metric.starts_with("slip")));
+}
+
 Status perform_structure_cycle(Job& job) {
   auto& scene = job.scene();
   analysis::cycles::StructureCycleOptions options;
@@ -83,12 +89,8 @@ Status perform_structure_cycle(Job& job) {
   };
   say("period");
   if (drive > 0 && cycle.returns > 1) job.say("a period of the motion is {} of the drive", cycle.returns);
-  for (const auto& [name, measure] : cycle.metrics) {
-    const auto ends = [&](const char* with) { return name.ends_with(with); };
-    if ((ends("_max") || ends("_min")) && (name.find("displacement") != std::string::npos || name.starts_with("slip")))
-      say(name);
-    if (name.starts_with("stick_fraction")) say(name);
-  }
+  for (const auto& [name, measure] : cycle.metrics)
+    if (name != "period" && is_told(name)) say(name);
   manifest.tolerance_reached = reached.value();
   if (!cycle.multipliers.empty())
     job.say("{}: largest multiplier {}", cycle.stable ? "stable" : "unstable",

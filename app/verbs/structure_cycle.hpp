@@ -1,8 +1,14 @@
 /// The verb cycle for structures, and for sliders under a drive that varies.
 #pragma once
+#include <string_view>
+
+#include "analysis/cycles/structure_cycle.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
+
+/// Whether a summary has room for the metric: the period, extremes of displacements and slip rates, and stick.
+bool is_told(std::string_view metric);
 
 Status perform_structure_cycle(Job&);
 

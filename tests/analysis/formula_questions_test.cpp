@@ -103,7 +103,9 @@ TEST_CASE("a design tells a law from text from others as it tells the compiled l
                                          .y = planes::make_axis("drive.speed", 3e-6, 1e-5, 2, true, {}),
                                          .noise = {{"period", 0, 0.01}},
                                          .tolerance = 1e-4};
-  const auto told = [&](const Model& a, const Model& b) { return inference::discriminate(std::vector{a, b}, options); };
+  const auto told = [&](const Model& a, const Model& b) {
+    return inference::discriminate(std::vector<planes::Varied>{a, b}, options);
+  };
   const auto alike = told(compiled, text), one = told(compiled, slow), other = told(text, slow);
   REQUIRE(one.information.size() == other.information.size());
   double largest = 0;

@@ -5,11 +5,14 @@
 #include <cmath>
 #include <random>
 
+#include "analysis/cycles/structure_cycle.hpp"
+#include "laws/catalogue.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
 using namespace rosin::analysis;
 using namespace rosin::analysis::inference;
+using oscillators::Model;
 using rosin::tests::bristol_board;
 
 namespace {
@@ -47,7 +50,7 @@ TEST_CASE("repeats are those that decide rightly as often as asked", "[discrimin
 TEST_CASE("information between two clocks of the state is what their cycles and the noise give", "[discrimination]") {
   const auto options = small_design();
   const std::vector<Model> members{bristol_board(1e-3, 1), bristol_board(1e-3, 3)};
-  const auto design = discriminate(members, options);
+  const auto design = discriminate(std::vector<Varied>(members.begin(), members.end()), options);
   REQUIRE(design.outcome.complete());
   REQUIRE(design.information.size() == 6);
   double best = 0;
@@ -79,22 +82,22 @@ TEST_CASE("a member against itself brings no information, and three members that
           "[discrimination]") {
   const auto options = small_design();
   const Model one = bristol_board(1e-3, 1), other = bristol_board(1e-3, 2), third = bristol_board(1e-3, 10);
-  const auto same = discriminate(std::vector{one, one}, options);
+  const auto same = discriminate(std::vector<Varied>{one, one}, options);
   CHECK(same.best.information == 0);
   CHECK(same.best.repeats == infinity);
-  const auto near = discriminate(std::vector{one, other}, options),
-             all = discriminate(std::vector{one, other, third}, options);
+  const auto near = discriminate(std::vector<Varied>{one, other}, options),
+             all = discriminate(std::vector<Varied>{one, other, third}, options);
   for (std::size_t i = 0; i < all.information.size(); ++i) CHECK(all.information[i] <= near.information[i]);
 }
 
 TEST_CASE("of three members each metric has its own hardest pair", "[discrimination]") {
   // The board at three clocks and other weights of its metrics: pairs differ in which metric tells them apart.
   const auto options = small_design();
-  const std::vector<Model> members{bristol_board(1e-3, 1), bristol_board(1e-3, 3), bristol_board(2e-3, 2)};
+  const std::vector<Varied> members{bristol_board(1e-3, 1), bristol_board(1e-3, 3), bristol_board(2e-3, 2)};
   const auto all = discriminate(members, options);
   std::vector<Design> pairs;
   for (const auto& [a, b] : {std::pair{0, 1}, {0, 2}, {1, 2}})
-    pairs.push_back(discriminate(std::vector{members[std::size_t(a)], members[std::size_t(b)]}, options));
+    pairs.push_back(discriminate(std::vector<Varied>{members[std::size_t(a)], members[std::size_t(b)]}, options));
   for (std::size_t i = 0; i < all.information.size(); ++i)
     for (std::size_t m = 0; m < options.noise.size(); ++m)
       CHECK(all.by_metric[m][i] ==
@@ -144,9 +147,121 @@ TEST_CASE("information on a parameter is the squared slope of the metrics over t
   for (std::size_t ix = 0; ix < 3; ++ix) CHECK(along.information[ix] == Approx(design.information[ix]).epsilon(1e-4));
 }
 
+namespace {
+
+/// Two blocks on a belt, each with a contact; numbers of the family are the belt's speed and the spring between them.
+motion::StructureModel two_blocks(const Model& model, const planes::Numbers& numbers) {
+  double speed = 0.1, stiffness = 4;
+  for (const auto& [path, value] : numbers) (path == "drive.speed" ? speed : stiffness) = value;
+  auto contact = contact_of(model);
+  contact.speed = speed;
+  motion::StructureModel blocks{oscillators::chain({.mass = {1, 1},
+                                                    .coupling_stiffness = {stiffness},
+                                                    .coupling_damping = {0.4},
+                                                    .pull_stiffness = {1, 1},
+                                                    .pull_damping = {0.2, 0.2}},
+                                                   {contact, contact}),
+                                {}};
+  blocks.structure.contacts[1].load_factor = 0.8;
+  blocks.start.kind = motion::Start::Kind::rest;
+  return blocks;
+}
+
+Model block_under(const char* law, std::vector<Value> values) {
+  Model model;
+  model.law = laws::find_law(law)->with(std::move(values));
+  model.drive.normal_load = 1.0;
+  return model;
+}
+
+Varied blocks_under(const Model& model) {
+  return Varied({[=](const planes::Numbers& numbers) { return two_blocks(model, numbers); },
+                 [](const std::string& path) { return path == "drive.speed" ? 0.1 : 4; }});
+}
+
+}  // namespace
+
+TEST_CASE("repeats of a design on two blocks decide rightly as often as asked, on drawn measurements",
+          "[discrimination]") {
+  const Model laws[] = {block_under("hyperbolic", {1.0, 3.0}), block_under("coulomb", {1.0, 0.6})};
+  DesignOptions options;
+  options.x = planes::make_axis("drive.speed", 0.1, 0.12, 2, false, {});
+  options.y = planes::make_axis("oscillator.stiffness", 4, 5, 2, false, {});
+  options.noise = {{"period", 20, 0}, {"displacement_1_max", 1, 0}, {"stick_fraction_2", 0.5, 0}};
+  options.tolerance = 1e-5;
+  const auto design = discriminate(std::vector{blocks_under(laws[0]), blocks_under(laws[1])}, options);
+  REQUIRE(design.failed == 0);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < design.information.size(); ++i) {
+    std::vector<double> distances;  // in standard deviations
+    std::map<std::string, double> values[2];
+    for (const int k : {0, 1}) {
+      const auto cycle = cycles::find_cycle(two_blocks(laws[k], {{"drive.speed", options.x.values[i % 2]},
+                                                                 {"oscillator.stiffness", options.y.values[i / 2]}}),
+                                            {.tolerance = 1e-6});
+      REQUIRE(cycle.outcome.complete());
+      for (const auto& [name, measure] : cycle.metrics) values[k][name] = measure.value;
+    }
+    double information = 0;
+    for (std::size_t m = 0; m < options.noise.size(); ++m) {
+      const auto& noise = options.noise[m];
+      distances.push_back((values[1][noise.metric] - values[0][noise.metric]) / noise.absolute);
+      const double part = 0.5 * distances[m] * distances[m];
+      CHECK(design.by_metric[m][i] == Approx(part).epsilon(1e-3));
+      information += part;
+    }
+    CHECK(std::abs(design.information[i] - information) <= design.information_error[i] + 1e-4 * information);
+    const int repeats = int(design.repeats[i]), draws = 4000;
+    REQUIRE(repeats < 200);
+    int right = 0;
+    for (int draw = 0; draw < draws; ++draw) {
+      double ratio = 0;  // of the likelihoods, the first member being true
+      for (int n = 0; n < repeats; ++n)
+        for (const double d : distances) {
+          const double x = normal(random);
+          ratio += 0.5 * (x - d) * (x - d) - 0.5 * x * x;
+        }
+      right += ratio > 0;
+    }
+    // That many suffice, and hardly fewer.
+    CHECK(double(right) / draws > 0.95 - 0.012);
+    const double expected = 0.5 * std::erfc(-std::sqrt(0.5 * information * repeats) / std::sqrt(2.0));
+    CHECK(double(right) / draws == Approx(expected).margin(0.015));
+  }
+}
+
+TEST_CASE("blocks that slide steadily count with what steady sliding shows", "[discrimination]") {
+  DesignOptions options;
+  options.x = planes::make_axis("drive.speed", 2, 3, 2, false, {});
+  options.y = planes::make_axis("oscillator.stiffness", 1.2, 1.3, 2, false, {});
+  options.noise = {{"friction_1_mean", 0.01, 0}, {"displacement_2_max", 0.1, 0}, {"stick_fraction_1", 0.01, 0}};
+  options.tolerance = 1e-4;
+  // μ + 0.3 s/m v grows with slip rate, so that nothing vibrates; K q = μ (N₁, N₂) + …, K the springs.
+  const auto blocks = [](double mu) { return blocks_under(block_under("stribeck", {mu, mu, 0.5, 1.0, 0.3})); };
+  const auto design = discriminate(std::vector{blocks(0.5), blocks(0.6)}, options);
+  REQUIRE(design.failed == 0);
+  for (std::size_t i = 0; i < 4; ++i) {
+    REQUIRE(design.maps[0].points[i].regime == planes::Regime::stable);
+    const double k = options.y.values[i / 2], stiffness = (1 + k) * (1 + k) - k * k;
+    const double moved = 0.1 * (k * 1 + (1 + k) * 0.8) / stiffness;
+    CHECK(design.by_metric[0][i] == Approx(0.5 * 10 * 10).epsilon(1e-9));
+    CHECK(design.by_metric[1][i] == Approx(0.5 * (moved / 0.1) * (moved / 0.1)).epsilon(1e-9));
+    CHECK(design.by_metric[2][i] == 0);
+  }
+  // Of the spring between the blocks steady sliding tells by their places: dq₂/d ln k in standard deviations.
+  options.noise = {{"displacement_2_max", 0.1, 0}};
+  const auto information = inform(blocks(0.5), "oscillator.stiffness", options);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double k = options.y.values[i / 2], mu = 0.5 + 0.3 * options.x.values[i % 2];
+    const double slope = k * mu * (1.8 * (1 + 2 * k) - 2 * (k + 0.8 * (1 + k))) / ((1 + 2 * k) * (1 + 2 * k));
+    CHECK(information.information[i] == Approx(slope * slope / 0.01).epsilon(1e-3));
+  }
+}
+
 TEST_CASE("designs that make no sense are refused", "[discrimination]") {
   auto options = small_design();
-  const std::vector<Model> one{bristol_board(1e-3, 1)};
+  const std::vector<Varied> one{bristol_board(1e-3, 1)};
   CHECK_THROWS_WITH(discriminate(one, options), Catch::Contains("two members"));
   options.noise = {{"stick_fraction", 0, 0}};
   CHECK_THROWS_WITH(inform(one[0], "law.lambda", options), Catch::Contains("noise of 'stick_fraction'"));
