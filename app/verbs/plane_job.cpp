@@ -15,6 +15,7 @@
 #include "app/output/planes.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/scene.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/verbs/journal.hpp"
 #include "core/process.hpp"
 
@@ -70,6 +71,13 @@ std::string command_of(const Request& request, const std::string& verb, analysis
   return line;
 }
 
+std::vector<analysis::planes::PlaneMetric> metrics_of(const scene::Scene& scene,
+                                                      const std::vector<std::string>& names) {
+  const auto* stepped = scene::stepped_of(scene);
+  return stepped ? analysis::planes::metrics_of_stepped(*stepped, names)
+                 : analysis::planes::metrics_of_structure(scene.structure->structure, names);
+}
+
 PlaneJob::PlaneJob(Job& job_) : job(job_), options(job_.scene().task<analysis::planes::MapOptions>()) {
   auto& scene = job.scene();
   const auto& request = job.request();
@@ -77,20 +85,24 @@ PlaneJob::PlaneJob(Job& job_) : job(job_), options(job_.scene().task<analysis::p
   options.threads = request.threads;
   options.exact = request.exact;
   options.lyapunov = scene.task<analysis::cycles::LyapunovOptions>();
-  if (scene.structure) structure = &scene.structure->structure;
-  metrics = structure ? analysis::planes::metrics_of_structure(*structure, options.metrics)
-                      : analysis::planes::metrics_of_slider(options.metrics);
+  of_slider = !scene.structure && !scene.plane;
+  metrics = of_slider ? analysis::planes::metrics_of_slider(options.metrics) : metrics_of(scene, options.metrics);
   key = journal_key(scene, options.tolerance, options.exact ? "exact" : "adaptive");
   points = options.x.values.size() * options.y.values.size();
 }
 
 analysis::planes::Map PlaneJob::compute(const analysis::planes::MapHooks& hooks) const {
   const auto& scene = job.scene();
-  const auto at = [&](double x, double y) {
-    return scene.family->with({{options.x.parameter, x}, {options.y.parameter, y}});
+  const auto values = [&](double x, double y) {
+    return std::vector<std::pair<std::string, double>>{{options.x.parameter, x}, {options.y.parameter, y}};
   };
-  return structure ? analysis::planes::compute_structure_map(at, options, metrics, hooks)
-                   : analysis::planes::compute_map(scene.model, options, hooks);
+  if (scene::stepped_of(scene))
+    return analysis::planes::compute_stepped_map(
+        [&](double x, double y) { return scene.family->stepped_with(values(x, y)); }, options, metrics, hooks);
+  if (!of_slider)
+    return analysis::planes::compute_structure_map([&](double x, double y) { return scene.family->with(values(x, y)); },
+                                                   options, metrics, hooks);
+  return analysis::planes::compute_map(scene.model, options, hooks);
 }
 
 Status PlaneJob::write(const MapResult& result, const std::map<std::size_t, double>& costs) const {
