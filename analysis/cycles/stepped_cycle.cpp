@@ -340,8 +340,8 @@ SteppedCycle find_cycle(const SteppedOscillator& oscillator, const StructureCycl
   };
   for (auto& [name, measure] : cycle.metrics) {
     measure.value = coarse.values.at(name);
-    measure.error =
-        of_steps(name) + coarse.scatter.at(name) + (same ? fine.scatter.at(name) : 0) + left * std::abs(measure.value);
+    measure.error = of_steps(name) + coarse.scatter.at(name) + (same ? fine.scatter.at(name) : 0);
+    if (name != "period" || !oscillator.driven()) measure.error += left * std::abs(measure.value);
   }
   // Over the range of the coordinate: all that is unknown, and what the steps make of that.
   double worst = cycle.metrics.at("period").error / coarse.values.at("period"), by_steps = 0;

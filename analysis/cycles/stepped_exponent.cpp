@@ -137,9 +137,13 @@ GrowthAverage average_growth(const SteppedOscillator& oscillator, double toleran
     for (std::size_t i = 0; i + parts_of_period <= result.series.size(); i += parts_of_period)
       periods.push_back(
           std::accumulate(result.series.begin() + long(i), result.series.begin() + long(i) + parts_of_period, 0.0));
-    const auto error = blocked_error(periods.size() > 1 ? periods : result.series);
+    const auto error = blocked_error(periods);
     result.value = sum / (double(result.series.size()) * piece);
-    result.error = error.value / (piece * (periods.size() > 1 ? parts_of_period : 1));
+    // Of a few periods the mean so far shows how well the mean is known.
+    double moved = 0;
+    for (std::size_t i = result.course.size() / 2; i < result.course.size(); ++i)
+      moved = std::max(moved, std::abs(result.course[i] - result.value));
+    result.error = std::isfinite(error.value) ? error.value / (piece * parts_of_period) : moved;
     result.levelled = error.levelled;
   }
   return result;

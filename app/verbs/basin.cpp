@@ -107,7 +107,8 @@ void read_starts(scene::Table& table, scene::Scene& scene) {
   if (seed && !random) scene::fail(seed->source(), "basin.seed has no effect without basin.samples: a grid of starts");
   if (refine && random)
     scene::fail(refine->source(), "basin.refine has no effect on basin.samples: give a grid of starts");
-  const char* what = "{ start = \"displacement\", from, to, points }";
+  const auto what =
+      fmt::format("{{ start = \"{}\", from, to, points }}", stepped ? stepped->starts.front().name : "displacement");
   x = read_axis(scene::Table(table.required("x", what), table.path("x")), scene, random);
   y = read_axis(scene::Table(table.required("y", what), table.path("y")), scene, random);
   if (x.name == y.name) scene::fail(of_y->source(), "basin.x and basin.y are the same, {}", y.name);
@@ -218,8 +219,15 @@ void read(scene::SceneReader& reader) {
   table.expect({"x", "y", "samples", "seed", "start", "direction", "from", "to", "points", "returns", "refine"});
   read_starts(table, scene);
   read_direction(table, scene);
-  if (basin.places.empty() && !basin.task.disturbance)
-    table.required("x", "{ start = \"displacement\", from, to, points }; or direction, from steady sliding");
+  if (basin.places.empty() && !basin.task.disturbance) {
+    const auto* stepped = scene::stepped_of(scene);
+    std::vector<std::string> names;
+    for (const auto& axis : stepped ? axes_of(*stepped) : std::vector<StartAxis>()) names.push_back(axis.name);
+    table.required("x", stepped ? fmt::format("{{ start, from, to, points }}, start one of {}: its motion depends on "
+                                              "where it starts in many ways, and a basin shows two of these",
+                                              fmt::join(names, ", "))
+                                : "{ start = \"displacement\", from, to, points }; or direction, from steady sliding");
+  }
   table.read("returns", basin.task.most_returns, 10, 10'000'000, "returns within which motions are recognised");
   table.finish();
 }

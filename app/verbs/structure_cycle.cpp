@@ -2,6 +2,7 @@
 /// multipliers, table and picture.
 #include "app/verbs/structure_cycle.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -91,9 +92,14 @@ Status perform_structure_cycle(Job& job) {
   };
   say("period");
   if (drive > 0 && cycle.returns > 1) job.say("a period of the motion is {} of the drive", cycle.returns);
+  const auto is_of_coordinate = [&](const std::string& column) {
+    if (!stepped) return column.find("displacement") != std::string::npos || column.starts_with("slip");
+    const auto first = stepped->channels.begin();
+    return std::any_of(first, first + stepped->coordinates,
+                       [&](const auto& channel) { return channel.name == column; });
+  };
   for (const auto& [name, measure] : cycle.metrics) {
-    const auto ends = [&](const char* with) { return name.ends_with(with); };
-    if ((ends("_max") || ends("_min")) && (name.find("displacement") != std::string::npos || name.starts_with("slip")))
+    if ((name.ends_with("_max") || name.ends_with("_min")) && is_of_coordinate(name.substr(0, name.size() - 4)))
       say(name);
     if (name.starts_with("stick_fraction")) say(name);
   }
