@@ -231,8 +231,7 @@ void label_borders(const BasinTask& task, Search& search, Basins& result) {
 
 /// The known attractors that are of interest, in the order: steady sliding, rest, cycles by their share, and the rest.
 /// \param sample  starts whose shares stand for all
-void arrange(const Recogniser& recogniser, const std::vector<std::size_t>& sample, Basins& result) {
-  const auto& known = recogniser.known();
+void arrange(const std::vector<Attractor>& known, const std::vector<std::size_t>& sample, Basins& result) {
   std::vector<std::size_t> count(known.size()), sampled(known.size());
   for (const int label : result.labels)
     if (label >= 0) ++count[std::size_t(label)];
@@ -241,7 +240,7 @@ void arrange(const Recogniser& recogniser, const std::vector<std::size_t>& sampl
   std::vector<int> order;
   const auto beyond = result.threshold ? result.threshold->beyond : -1;
   for (int k = 0; k < int(known.size()); ++k)
-    if (count[std::size_t(k)] > 0 || k == beyond || (k == Recogniser::steady && recogniser.sliding_attracts()))
+    if (count[std::size_t(k)] > 0 || k == beyond || (k == Recogniser::steady && !known[std::size_t(k)].points.empty()))
       order.push_back(k);
   std::ranges::stable_sort(order, [&](int a, int b) {
     const auto &one = known[std::size_t(a)], &other = known[std::size_t(b)];
@@ -268,12 +267,112 @@ void arrange(const Recogniser& recogniser, const std::vector<std::size_t>& sampl
   if (result.threshold) result.threshold->beyond = place[std::size_t(result.threshold->beyond)];
 }
 
+/// Attractors of an oscillator that is followed by steps: each start is followed to the end of its motion.
+class SteppedRecogniser {
+ public:
+  SteppedRecogniser(const motion::SteppedOscillator& oscillator, const BasinTask& task) : oscillator_(oscillator) {
+    options_.tolerance = task.tolerance, options_.max_cycles = task.most_returns;
+    for (const auto kind :
+         {Attractor::Kind::steady, Attractor::Kind::rest, Attractor::Kind::escape, Attractor::Kind::irregular})
+      known_.emplace_back().kind = kind;
+  }
+  cycles::SteppedCycle follow(std::vector<double> start, bool errors = false) const {
+    auto from = oscillator_;
+    from.start = std::move(start);
+    return cycles::find_cycle(from, options_, errors);
+  }
+  /// The label, of a cycle that is not yet known a new one.
+  int add(const cycles::SteppedCycle& cycle) {
+    using cycles::Settled;
+    constexpr double sticks_always = 1 - 1e-9;  // but for rounding
+    if (cycle.settled == Settled::escape) return Recogniser::escape;
+    if (cycle.settled == Settled::rest ||
+        (cycle.returns > 0 && cycle.metrics.at("stick_fraction").value > sticks_always))
+      return Recogniser::rest;
+    if (cycle.settled == Settled::sliding) {
+      known_[Recogniser::steady].points = {cycle.start};
+      return Recogniser::steady;
+    }
+    if (cycle.returns == 0 || !cycle.stable) {
+      auto& detail = known_[Recogniser::irregular].detail;
+      if (detail.empty()) detail = cycle.outcome.detail;
+      return Recogniser::irregular;
+    }
+    for (int k = Recogniser::first_cycle; k < int(known_.size()); ++k)
+      if (is_same(known_[std::size_t(k)], cycle)) return k;
+    auto& attractor = known_.emplace_back();
+    attractor.kind = Attractor::Kind::cycle;
+    attractor.metrics = follow(cycle.start, true).metrics;
+    if (attractor.metrics.empty()) attractor.metrics = cycle.metrics;
+    for (std::size_t c = 0; c < cycle.columns.size(); ++c) attractor.orbit[cycle.column_names[c]] = cycle.columns[c];
+    attractor.points = {cycle.start};
+    return int(known_.size()) - 1;
+  }
+  const std::vector<Attractor>& known() const { return known_; }
+
+ private:
+  /// By its period and the extremes of its coordinates, as far as they are known.
+  bool is_same(const Attractor& known, const cycles::SteppedCycle& cycle) const {
+    constexpr double same = 1e-4, times = 3;
+    const auto differs = [&](const std::string& name, double size) {
+      const auto &one = known.metrics.at(name), &other = cycle.metrics.at(name);
+      return std::abs(one.value - other.value) > same * size + times * (one.error + other.error);
+    };
+    double widest = 0;
+    for (std::size_t i = 0; i < cycle.coordinate_max.size(); ++i)
+      widest = std::max(widest, cycle.coordinate_max[i] - cycle.coordinate_min[i]);
+    bool differ = differs("period", cycle.metrics.at("period").value);
+    for (int i = 0; i < oscillator_.coordinates; ++i)
+      for (const char* end : {"_max", "_min"})
+        differ = differ || differs(oscillator_.channels[std::size_t(i)].name + end, widest);
+    return !differ;
+  }
+
+  const motion::SteppedOscillator& oscillator_;
+  cycles::StructureCycleOptions options_;
+  std::vector<Attractor> known_;
+};
+
+void check(const BasinTask& task) {
+  require(task.tolerance, {1e-10, 1e-3}, "tolerance", "relative accuracy of cycles and of the threshold", "1");
+  require(task.threads, {1, 4096}, "threads", "number of threads", "1");
+}
+
 }  // namespace
+
+Basins find_basins(const motion::SteppedOscillator& oscillator, const BasinTask& task,
+                   const std::function<void(std::size_t, std::size_t)>& progress) {
+  check(task);
+  const std::size_t total = task.starts.size();
+  SteppedRecogniser recogniser(oscillator, task);
+  Basins result;
+  std::vector<std::optional<cycles::SteppedCycle>> ends(total);
+  std::mutex mutex;
+  std::size_t done = 0;
+  try {
+    in_parallel(task.threads, total, [&](std::size_t i) {
+      ends[i] = recogniser.follow(task.starts[i]);
+      const std::scoped_lock lock(mutex);
+      if (progress) progress(++done, total);
+    });
+  } catch (const Stopped&) {
+    result.outcome = {Ending::interrupted,
+                      fmt::format("{} of {} starts are done; no shares, for those that are done "
+                                  "are the first ones",
+                                  std::ranges::count_if(ends, [](const auto& e) { return e.has_value(); }), total)};
+  }
+  std::vector<std::size_t> sample;
+  for (std::size_t i = 0; i < total; ++i) {
+    result.labels.push_back(ends[i] ? recogniser.add(*ends[i]) : int(Recogniser::unknown));
+    if (result.outcome.complete()) sample.push_back(i);
+  }
+  arrange(recogniser.known(), sample, result);
+  return result;
+}
 
 Basins find_basins(const oscillators::Structure& structure, const BasinTask& task,
                    const std::function<void(std::size_t, std::size_t)>& progress) {
-  require(task.tolerance, {1e-10, 1e-3}, "tolerance", "relative accuracy of cycles and of the threshold", "1");
-  require(task.threads, {1, 4096}, "threads", "number of threads", "1");
+  check(task);
   Recogniser recogniser(structure, task.tolerance, task.most_returns);
   Basins result;
   if (task.disturbance) (void)recogniser.steady_sliding();
@@ -304,7 +403,7 @@ Basins find_basins(const oscillators::Structure& structure, const BasinTask& tas
   } catch (const Stopped&) {
     interrupted("; the threshold is not found");
   }
-  arrange(recogniser, sample, result);
+  arrange(recogniser.known(), sample, result);
   return result;
 }
 

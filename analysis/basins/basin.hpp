@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/basins/recognition.hpp"
+#include "analysis/cycles/stepped_cycle.hpp"
 
 namespace rosin::analysis::basins {
 
@@ -62,6 +63,11 @@ struct Basins {
 /// \param progress  called with the number of starts done, from one thread at a time
 /// \throws InputError where the drive has no period, and for disturbances of steady sliding that does not attract
 Basins find_basins(const oscillators::Structure&, const BasinTask&,
+                   const std::function<void(std::size_t done, std::size_t total)>& progress = {});
+
+/// The same of an oscillator that is followed by steps, whose starts are its states: each is followed to its end.
+/// Borders are not refined, and there is no threshold of a disturbance.
+Basins find_basins(const motion::SteppedOscillator&, const BasinTask&,
                    const std::function<void(std::size_t done, std::size_t total)>& progress = {});
 
 /// Numbers uniform between 0 and 1: two for each start, the same for the same seed on every machine.

@@ -3,4 +3,6 @@
 #include "analysis/cycles/cycle.hpp"
 #include "analysis/cycles/lyapunov.hpp"
 #include "analysis/cycles/return_map.hpp"
+#include "analysis/cycles/stepped_cycle.hpp"
+#include "analysis/cycles/stepped_exponent.hpp"
 #include "analysis/cycles/structure_cycle.hpp"

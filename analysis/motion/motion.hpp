@@ -6,6 +6,7 @@
 #include "analysis/motion/slip_events.hpp"
 #include "analysis/motion/spectrum.hpp"
 #include "analysis/motion/start.hpp"
+#include "analysis/motion/stepped_oscillator.hpp"
 #include "analysis/motion/stepped_run.hpp"
 #include "analysis/motion/stepper.hpp"
 #include "analysis/motion/structure_record.hpp"

@@ -10,7 +10,6 @@
 
 #include "analysis/motion/motion_record.hpp"
 #include "solvers/force_algorithms/force_algorithms.hpp"
-#include "solvers/stick_slip/plane_stick_slip.hpp"
 
 namespace rosin::analysis::motion {
 
@@ -34,10 +33,7 @@ struct Pass {
 
   Pass(const PlaneModel& model, const std::vector<double>& times, double end, long most_steps, double tolerance)
       : record(columns, 0, times) {
-    solvers::stick_slip::SlipFriction friction;
-    if (const auto& law = model.law)
-      friction = {law->contact({.unknowns = Unknowns::states}), [law](double v) { return law->slip_kink(v); }};
-    PlaneStickSlip solver(model.mass, tolerance, std::move(friction));
+    PlaneStickSlip solver(model.mass, tolerance, slip_friction(model));
     solver.start(0, model.displacement, model.velocity);
     const auto row = [&](bool near) {
       return [&, near](double t, double* to) {
@@ -119,6 +115,12 @@ MotionRecord stepped(const PlaneModel& model, const RunOptions& options, const s
 }
 
 }  // namespace
+
+solvers::stick_slip::SlipFriction slip_friction(const PlaneModel& model) {
+  const auto& law = model.law;
+  if (!law) return {};
+  return {law->contact({.unknowns = Unknowns::states}), [law](double v) { return law->slip_kink(v); }};
+}
 
 std::vector<std::string> plane_solver_names() {
   std::vector<std::string> names = {"auto", "exact"};

@@ -2,6 +2,7 @@
 #pragma once
 #include "analysis/motion/run.hpp"
 #include "solvers/force_algorithms/stepped_motion.hpp"
+#include "solvers/stick_slip/plane_stick_slip.hpp"
 
 namespace rosin::analysis::motion {
 
@@ -19,6 +20,9 @@ struct PlaneModel {
 /// Coulomb friction, a force algorithm, whose errors are the differences to that. \throws InputError for other solvers,
 /// and what these refuse.
 Run run_plane(const PlaneModel&, const RunOptions&);
+
+/// The law where friction depends on the slip rate, as the solver takes it.
+solvers::stick_slip::SlipFriction slip_friction(const PlaneModel&);
 
 /// Names of the solvers that serve in the plane.
 std::vector<std::string> plane_solver_names();

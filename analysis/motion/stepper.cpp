@@ -60,7 +60,8 @@ class ImplicitStepper final : public Stepper {
  public:
   ImplicitStepper(const Structure& structure, const StationForces& contacts, const Stepping& stepping,
                   const VectorXd& q, const VectorXd& v)
-      : external_(structure, contacts),
+      : contacts_(contacts),
+        external_(structure, contacts),
         h_(stepping.step),
         w_(weights_of(stepping)),
         M_(structure.M.sparseView()),
@@ -98,6 +99,19 @@ class ImplicitStepper final : public Stepper {
     return {};
   }
 
+  VectorXd state() const override {
+    VectorXd all(3 * q_.size());
+    all << q_, v_, a_;
+    return all;
+  }
+  void start(double t, const VectorXd& state) override {
+    const auto n = q_.size();
+    t_ = t, q_ = state.head(n), v_ = state.segment(n, n), a_ = state.tail(n);
+    contacts_.evaluate(t_, B_ * q_, B_ * v_, forces_);
+    all_forces_ = other_forces(t_, q_, v_) + B_.transpose() * forces_.value;
+    kinetic_energy_ = v_.dot(M_ * v_) / 2;
+  }
+
  private:
   VectorXd other_forces(double t, const VectorXd& q, const VectorXd& v) {
     VectorXd f = external_.at(t);
@@ -106,6 +120,7 @@ class ImplicitStepper final : public Stepper {
     return f;
   }
 
+  const StationForces& contacts_;
   ExternalForce external_;
   double h_;
   Weights w_;
@@ -160,6 +175,19 @@ class ExplicitStepper final : public Stepper {
     t_ += h_, iterations_ = rows_.iterations();
     if (!std::isfinite(kinetic_energy_)) return {Ending::not_finite, fmt::format("at t = {:.9g} s", t_)};
     return {};
+  }
+
+  VectorXd state() const override {
+    VectorXd all(3 * q_.size());
+    all << q_, half_, next_half_;
+    return all;
+  }
+  void start(double t, const VectorXd& state) override {
+    const auto n = q_.size();
+    t_ = t, q_ = state.head(n), half_ = state.segment(n, n), next_half_ = state.tail(n);
+    v_ = (half_ + next_half_) / 2;
+    contacts_.evaluate(t_, B_ * q_, B_ * v_, forces_);
+    kinetic_energy_ = half_.dot(mass_.cwiseProduct(next_half_)) / 2;
   }
 
  private:

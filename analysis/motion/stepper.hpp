@@ -17,6 +17,9 @@ class Stepper {
   virtual ~Stepper() = default;
   /// One step. An Outcome that is not complete where none was found.
   virtual Outcome advance() = 0;
+  /// All that the motion depends on from here: displacements, velocities, and as many numbers of the scheme's own.
+  virtual Eigen::VectorXd state() const = 0;
+  virtual void start(double t, const Eigen::VectorXd& state) = 0;  ///< goes on from there
   double time() const { return t_; }
   const Eigen::VectorXd& coordinates() const { return q_; }
   const Eigen::VectorXd& velocities() const { return v_; }

@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "analysis/cycles/lyapunov.hpp"
+#include "analysis/cycles/stepped_cycle.hpp"
+#include "analysis/cycles/stepped_exponent.hpp"
 #include "analysis/lanes/driven_exponents.hpp"
 #include "analysis/planes/map_point.hpp"
 #include "analysis/planes/parts.hpp"
@@ -29,13 +31,12 @@ bool is_of_sliding(std::string_view name) {
   return name == growth_rate || name == unstable_modes || name == criticality;
 }
 
-std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& structure,
-                                              const std::vector<std::string>& names) {
-  auto known = cycles::cycle_metrics_of(structure);
-  known[growth_rate] = {NAN, NAN, "1/s", "largest growth rate of steady sliding"};
-  known[unstable_modes] = {NAN, NAN, "1", "unstable modes of steady sliding"};
-  known[criticality] = {NAN, NAN, "1", "criticality of the nearest Hopf point"};
-  known[largest_multiplier] = {NAN, NAN, "1", "modulus of the largest multiplier of the cycle"};
+namespace {
+
+using KnownMeasures = std::map<std::string, cycles::StructureCycle::Measure>;
+
+/// Those of the cycle whatever the oscillator, and the names among them.
+std::vector<PlaneMetric> metrics_among(KnownMeasures known, const std::vector<std::string>& names) {
   known[returns] = {NAN, NAN, "1", "returns of the section in a period"};
   known[lyapunov] = {NAN, NAN, "1/s", "largest Lyapunov exponent"};
   std::vector<std::string> all;
@@ -54,18 +55,46 @@ std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& stru
   return metrics;
 }
 
-MapPoint compute_structure_point(const motion::StructureModel& model, double tolerance,
-                                 const std::vector<PlaneMetric>& metrics, const cycles::LyapunovOptions& exponents,
-                                 double stick_threshold, std::vector<double>* end) {
-  MapPoint point = undecided_point();
-  point.measures.assign(metrics.size(), NAN), point.measure_errors.assign(metrics.size(), NAN);
-  const auto set = [&](std::string_view name, double value, double error) {
+/// Values go by the names of metrics, where these are asked.
+auto setter_of(MapPoint& point, const std::vector<PlaneMetric>& metrics) {
+  return [&point, &metrics](std::string_view name, double value, double error) {
     for (const auto& metric : metrics)
       if (metric.name == name) metric.value(point) = value, metric.error(point) = error;
   };
-  const auto asked = [&](std::string_view name) {
-    return std::ranges::any_of(metrics, [&](const auto& metric) { return metric.name == name; });
-  };
+}
+
+bool is_asked(const std::vector<PlaneMetric>& metrics, std::string_view name) {
+  return std::ranges::any_of(metrics, [&](const auto& metric) { return metric.name == name; });
+}
+
+MapPoint blank_point(const std::vector<PlaneMetric>& metrics) {
+  auto blank = undecided_point();
+  blank.measures.assign(metrics.size(), NAN), blank.measure_errors.assign(metrics.size(), NAN);
+  return blank;
+}
+
+}  // namespace
+
+std::vector<PlaneMetric> metrics_of_structure(const oscillators::Structure& structure,
+                                              const std::vector<std::string>& names) {
+  auto known = cycles::cycle_metrics_of(structure);
+  known[growth_rate] = {NAN, NAN, "1/s", "largest growth rate of steady sliding"};
+  known[unstable_modes] = {NAN, NAN, "1", "unstable modes of steady sliding"};
+  known[criticality] = {NAN, NAN, "1", "criticality of the nearest Hopf point"};
+  known[largest_multiplier] = {NAN, NAN, "1", "modulus of the largest multiplier of the cycle"};
+  return metrics_among(std::move(known), names);
+}
+
+std::vector<PlaneMetric> metrics_of_stepped(const motion::SteppedOscillator& oscillator,
+                                            const std::vector<std::string>& names) {
+  return metrics_among(cycles::cycle_metrics_of(oscillator), names);
+}
+
+MapPoint compute_structure_point(const motion::StructureModel& model, double tolerance,
+                                 const std::vector<PlaneMetric>& metrics, const cycles::LyapunovOptions& exponents,
+                                 double stick_threshold, std::vector<double>* end) {
+  MapPoint point = blank_point(metrics);
+  const auto set = setter_of(point, metrics);
   const bool driven = common_period(model.structure) > 0;
   const bool slides =
       std::ranges::all_of(model.structure.contacts, [](const auto& contact) { return contact.speed.level() != 0; });
@@ -77,7 +106,7 @@ MapPoint compute_structure_point(const motion::StructureModel& model, double tol
     set(unstable_modes, sliding.unstable_modes(), 0);
     const auto oscillates = [](const auto& mode) { return mode.eigenvalue.imag() > 0; };
     const auto leading = std::ranges::find_if(sliding.modes, oscillates);
-    if (asked(criticality) && leading != sliding.modes.end())
+    if (is_asked(metrics, criticality) && leading != sliding.modes.end())
       if (const auto form = steady::normal_form(model.structure, leading->eigenvalue))
         set(criticality, form->value, form->error);
   }
@@ -88,7 +117,7 @@ MapPoint compute_structure_point(const motion::StructureModel& model, double tol
   }
   std::optional<cycles::LyapunovSpectrum> spectrum;
   cycles::StructureCycle cycle;
-  if (asked(lyapunov)) {
+  if (is_asked(metrics, lyapunov)) {
     auto how = exponents;
     how.accuracy = tolerance, how.stick_threshold = stick_threshold;
     spectrum = cycles::lyapunov_spectrum(model, how);
@@ -121,6 +150,37 @@ MapPoint compute_structure_point(const motion::StructureModel& model, double tol
   return point;
 }
 
+MapPoint compute_stepped_point(const motion::SteppedOscillator& oscillator, double tolerance,
+                               const std::vector<PlaneMetric>& metrics, const cycles::LyapunovOptions& exponents,
+                               std::vector<double>* end) {
+  MapPoint point = blank_point(metrics);
+  const auto set = setter_of(point, metrics);
+  cycles::StructureCycleOptions how;
+  how.tolerance = tolerance;
+  const auto cycle = cycles::find_cycle(oscillator, how);
+  if (end) *end = cycle.start;
+  point.done = true, point.origin = Origin::computed;
+  if (cycle.returns > 0) {
+    point.regime = Regime::cycle;
+    for (const auto& [name, measure] : cycle.metrics) set(name, measure.value, measure.error);
+    set(returns, cycle.returns, 0);
+  }
+  if (!cycle.outcome.complete()) {
+    const bool stands = cycle.settled == cycles::Settled::sliding || cycle.settled == cycles::Settled::rest;
+    point.regime = stands ? Regime::stable : Regime::failed;
+    point.why = fmt::format("{}: {}", name(cycle.outcome.ending), cycle.outcome.detail);
+  }
+  if (!is_asked(metrics, lyapunov)) return point;
+  auto average = exponents;
+  average.accuracy = tolerance;
+  const auto spectrum = cycles::lyapunov_spectrum(oscillator, average);
+  end_if_stopped();  // a part of an average is no value of the plane
+  if (!spectrum.exponents.empty() && std::isfinite(spectrum.exponents.front().value))
+    set(lyapunov, spectrum.exponents.front().value, spectrum.exponents.front().error);
+  if (spectrum.outcome.complete() && point.regime == Regime::failed) point.regime = Regime::cycle;
+  return point;
+}
+
 namespace {
 /// A forced block that lanes have followed.
 MapPoint point_of(const lanes::DrivenExponent& exponent, MapPoint point, const std::vector<PlaneMetric>& metrics) {
@@ -131,64 +191,39 @@ MapPoint point_of(const lanes::DrivenExponent& exponent, MapPoint point, const s
   }
   return point;
 }
-}  // namespace
 
-Map compute_structure_map(const StructureFamily& family, const MapOptions& options,
-                          const std::vector<PlaneMetric>& metrics, const MapHooks& hooks) {
+/// Points of some places that are computed together, as far as they are.
+using PointsAhead = std::function<std::vector<std::optional<MapPoint>>(const std::vector<std::size_t>&)>;
+
+/// The points of a plane, each computed by itself where it was not computed ahead with others of its part.
+Map compute_points(const MapOptions& options, const std::vector<PlaneMetric>& metrics, const MapHooks& hooks,
+                   const Partition& partition, const std::function<MapPoint(double x, double y)>& compute,
+                   const PointsAhead& ahead) {
   require(options.threads, {1, 4096}, "threads", "number of threads", "1");
   Map map;
   map.x = options.x, map.y = options.y, map.metrics = metrics;
   const std::size_t width = map.x.values.size(), total = width * map.y.values.size();
-  auto blank = undecided_point();
-  blank.measures.assign(metrics.size(), NAN), blank.measure_errors.assign(metrics.size(), NAN);
   const bool leads = !hooks.crew || hooks.crew->leads();
-  if (leads) map.points.assign(total, blank);
-  const auto model_at = [&](std::size_t i) { return family(map.x.values[i % width], map.y.values[i / width]); };
-  const bool only_exponents = std::ranges::all_of(
-      metrics, [](const auto& metric) { return metric.name == lyapunov || metric.name == returns; });
-  const auto first_is_served = [&] {
-    try {
-      return lanes::serves_exponents(model_at(0), options.lyapunov);
-    } catch (const InputError&) {
-      return false;  // told where the point is computed
-    }
-  };
-  const bool in_lanes = only_exponents && options.lyapunov.duration > 0 && first_is_served();
-  auto exponents = options.lyapunov;
-  exponents.accuracy = options.tolerance;
-  const Partition partition = partition_of(options, true, in_lanes);
+  if (leads) map.points.assign(total, blank_point(metrics));
   try {
     compute_parts(partition, {}, options, hooks, map, [&](const std::vector<std::size_t>& parts, Desk& desk) {
-      std::vector<std::pair<std::size_t, std::size_t>> places;  // point and part
+      std::vector<std::size_t> places, part_of;
       for (const std::size_t part : parts)
-        partition.for_each(part, [&](std::size_t i, int, int) { places.emplace_back(i, part); });
-      std::vector<std::optional<lanes::DrivenExponent>> known(places.size());
-      if (in_lanes) {
-        std::vector<motion::StructureModel> models;
-        std::vector<std::size_t> place_of;
-        for (std::size_t k = 0; k < places.size(); ++k) try {
-            models.push_back(model_at(places[k].first));
-            place_of.push_back(k);
-          } catch (const InputError&) {
-            continue;  // told where the point is computed by itself
-          }
-        const auto found = lanes::driven_exponents(models, exponents);
-        for (std::size_t m = 0; m < models.size(); ++m) known[place_of[m]] = found[m];
-      }
+        partition.for_each(part, [&](std::size_t i, int, int) { places.push_back(i), part_of.push_back(part); });
+      std::vector<std::optional<MapPoint>> known(places.size());
+      if (ahead) known = ahead(places);
       for (std::size_t k = 0; k < places.size(); ++k) {
-        const auto& [i, part] = places[k];
         end_if_stopped();
-        MapPoint point = blank;
+        const std::size_t i = places[k];
+        MapPoint point = blank_point(metrics);
         try {
-          point = known[k] ? point_of(*known[k], blank, metrics)
-                           : compute_structure_point(model_at(i), options.tolerance, metrics, options.lyapunov,
-                                                     options.stick_threshold);
+          point = known[k] ? std::move(*known[k]) : compute(map.x.values[i % width], map.y.values[i / width]);
         } catch (const InputError& error) {
           point.done = true, point.regime = Regime::failed, point.why = error.what();
         }
         FinishedPoints finished;
         finished.emplace_back(i, std::move(point));
-        desk.work(part, 1);
+        desk.work(part_of[k], 1);
         desk.points(finished);
       }
     });
@@ -202,6 +237,58 @@ Map compute_structure_map(const StructureFamily& family, const MapOptions& optio
   if (std::ranges::all_of(map.points, [](const auto& p) { return p.regime == Regime::failed; }))
     map.outcome = {Ending::none_exists, "every point failed; the first: " + map.points.front().why};
   return map;
+}
+}  // namespace
+
+Map compute_structure_map(const StructureFamily& family, const MapOptions& options,
+                          const std::vector<PlaneMetric>& metrics, const MapHooks& hooks) {
+  const std::size_t width = options.x.values.size();
+  const auto model_at = [&](std::size_t i) { return family(options.x.values[i % width], options.y.values[i / width]); };
+  const bool only_exponents = std::ranges::all_of(
+      metrics, [](const auto& metric) { return metric.name == lyapunov || metric.name == returns; });
+  const auto first_is_served = [&] {
+    try {
+      return lanes::serves_exponents(model_at(0), options.lyapunov);
+    } catch (const InputError&) {
+      return false;  // told where the point is computed
+    }
+  };
+  const bool in_lanes = only_exponents && options.lyapunov.duration > 0 && first_is_served();
+  auto exponents = options.lyapunov;
+  exponents.accuracy = options.tolerance;
+  PointsAhead ahead;
+  if (in_lanes)
+    ahead = [&](const std::vector<std::size_t>& places) {
+      std::vector<std::optional<MapPoint>> known(places.size());
+      std::vector<motion::StructureModel> models;
+      std::vector<std::size_t> place_of;
+      for (std::size_t k = 0; k < places.size(); ++k) try {
+          models.push_back(model_at(places[k]));
+          place_of.push_back(k);
+        } catch (const InputError&) {
+          continue;  // told where the point is computed by itself
+        }
+      const auto found = lanes::driven_exponents(models, exponents);
+      for (std::size_t m = 0; m < models.size(); ++m)
+        if (found[m]) known[place_of[m]] = point_of(*found[m], blank_point(metrics), metrics);
+      return known;
+    };
+  return compute_points(
+      options, metrics, hooks, partition_of(options, true, in_lanes),
+      [&](double x, double y) {
+        return compute_structure_point(family(x, y), options.tolerance, metrics, options.lyapunov,
+                                       options.stick_threshold);
+      },
+      ahead);
+}
+
+Map compute_stepped_map(const SteppedFamily& family, const MapOptions& options, const std::vector<PlaneMetric>& metrics,
+                        const MapHooks& hooks) {
+  return compute_points(options, metrics, hooks, partition_of(options, true),
+                        [&](double x, double y) {
+                          return compute_stepped_point(family(x, y), options.tolerance, metrics, options.lyapunov);
+                        },
+                        {});
 }
 
 }  // namespace rosin::analysis::planes

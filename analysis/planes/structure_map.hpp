@@ -1,8 +1,10 @@
-/// A parameter plane of a structure, or of a slider under a drive that varies: each point computed by itself.
+/// A parameter plane of a structure, of a slider under a drive that varies, or of an oscillator that is followed by
+/// steps: each point computed by itself.
 #pragma once
 #include <functional>
 #include <string_view>
 
+#include "analysis/motion/stepped_oscillator.hpp"
 #include "analysis/motion/structure_start.hpp"
 #include "analysis/planes/map.hpp"
 
@@ -25,6 +27,13 @@ MapPoint compute_structure_point(const motion::StructureModel&, double tolerance
                                  const std::vector<PlaneMetric>& metrics, const cycles::LyapunovOptions& exponents,
                                  double stick_threshold, std::vector<double>* end = nullptr);
 
+/// The same of an oscillator that is followed by steps: metrics of its periods, "returns" and "lyapunov". Steady
+/// sliding is "stable" where the motion comes to it, or to rest.
+std::vector<PlaneMetric> metrics_of_stepped(const motion::SteppedOscillator&, const std::vector<std::string>& names);
+MapPoint compute_stepped_point(const motion::SteppedOscillator&, double tolerance,
+                               const std::vector<PlaneMetric>& metrics, const cycles::LyapunovOptions& exponents,
+                               std::vector<double>* end = nullptr);
+
 /// The structure at values of x and y.
 using StructureFamily = std::function<motion::StructureModel(double x, double y)>;
 
@@ -33,5 +42,8 @@ using StructureFamily = std::function<motion::StructureModel(double x, double y)
 /// short are "failed", with the reason. Metrics of steady sliding alone: nothing is integrated.
 Map compute_structure_map(const StructureFamily&, const MapOptions&, const std::vector<PlaneMetric>&,
                           const MapHooks& = {});
+
+using SteppedFamily = std::function<motion::SteppedOscillator(double x, double y)>;
+Map compute_stepped_map(const SteppedFamily&, const MapOptions&, const std::vector<PlaneMetric>&, const MapHooks& = {});
 
 }  // namespace rosin::analysis::planes

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "analysis/cycles/section_map.hpp"
+#include "analysis/cycles/stepped_returns.hpp"
 #include "analysis/lanes/driven_lanes.hpp"
 #include "analysis/motion/recurrence.hpp"
 #include "analysis/motion/structure_record.hpp"
@@ -242,6 +243,46 @@ void for_each_value(const SweepOptions& options, Sweep& sweep, const SweepHooks&
     sweep.outcome = {Ending::none_exists, fmt::format("every value failed; the first: {}", first)};
 }
 
+/// One value where it can be computed; else the reason why not.
+template <class Compute>
+void compute_value(const Sweep& sweep, SweepPoint& point, Compute compute) {
+  try {
+    compute();
+    point.done = true;
+  } catch (const InputError& error) {
+    point.done = true, point.why = error.what();
+    point.columns.assign(sweep.column_names.size(), {});
+    point.metrics = undecided_point();
+    point.metrics.measures.assign(sweep.metrics.size(), NAN), point.metrics.measure_errors = point.metrics.measures;
+  }
+}
+
+/// The channels of a motion by steps at its returns, or at the extrema of the watched coordinate.
+/// \returns the state in which it ended
+std::vector<double> record_point(const motion::SteppedOscillator& oscillator, const SweepOptions& options,
+                                 SweepPoint& point) {
+  cycles::SteppedReturns returns(oscillator, 0.1 * options.tolerance);
+  returns.watch(options.watch);
+  point.columns.assign(oscillator.channels.size(), {});
+  const auto record = [&](const std::vector<double>& row) {
+    for (std::size_t c = 0; c < row.size(); ++c) point.columns[c].push_back(row[c]);
+  };
+  cycles::SteppedReturn one;
+  Outcome outcome;
+  for (int k = 0; k < options.transient + options.keep; ++k) {
+    if (k == options.transient && options.record == Record::extrema) returns.extremum = record;
+    outcome = returns.next(one);
+    if (outcome.ending != Ending::event) break;
+    if (k >= options.transient && options.record == Record::section) record(one.row);
+  }
+  // A motion that comes to no return any more, in rest or steady sliding, has one moment: its last.
+  if (outcome.ending == Ending::none_exists) outcome = {};
+  if (!outcome.complete()) point.why = fmt::format("{}: {}", name(outcome.ending), outcome.detail);
+  if (point.columns.front().empty() && !one.row.empty()) record(one.row);
+  if (!point.columns.front().empty()) point.recurrence = recurrence(point.columns);
+  return returns.state();
+}
+
 }  // namespace
 
 Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOptions& options, const SweepHooks& hooks) {
@@ -265,7 +306,7 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
     }
   }
   const auto compute = [&](std::size_t i, SweepPoint& point) {
-    try {
+    compute_value(result, point, [&] {
       auto model = family(options.axis.values[i]);
       const auto size = std::size_t(oscillators::StructureSystem(model.structure).size());
       // Where a parameter changes which unknowns there are, the motion begins anew.
@@ -275,17 +316,11 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
         point.metrics = compute_structure_point(model, options.tolerance, result.metrics, options.lyapunov,
                                                 options.stick_threshold, &reached);
         point.why = point.metrics.regime == Regime::failed ? point.metrics.why : "";
-        point.done = true;
         if (!reached.empty()) point.end = reached;
       } else {
         point.end = record_point(model, options, point);
       }
-    } catch (const InputError& error) {
-      point.done = true, point.why = error.what();
-      point.columns.assign(result.column_names.size(), {});
-      point.metrics = undecided_point();
-      point.metrics.measures.assign(result.metrics.size(), NAN), point.metrics.measure_errors = point.metrics.measures;
-    }
+    });
   };
   const bool in_lanes =
       options.anew && options.record == Record::section && lanes::DrivenBlock::of(first.structure).has_value();
@@ -293,6 +328,32 @@ Sweep sweep(const std::function<StructureModel(double)>& family, const SweepOpti
     if (in_lanes) Batch(options).run(family, due);
     for (const auto& [i, point] : due)
       if (!point->done) compute(i, *point);
+  });
+  return result;
+}
+
+Sweep sweep(const std::function<motion::SteppedOscillator(double)>& family, const SweepOptions& options,
+            const SweepHooks& hooks) {
+  Sweep result;
+  const auto first = family(options.axis.values.front());
+  for (const auto& channel : first.channels)
+    result.column_names.push_back(channel.name), result.column_units.push_back(channel.unit);
+  if (options.record == Record::metrics) result.metrics = metrics_of_stepped(first, options.metrics);
+  if (!first.driven())
+    result.thresholds_left_out = "thresholds of steady sliding are those of 'stability', value by value";
+  for_each_value(options, result, hooks, 1, [&](std::span<const Due> due) {
+    for (const auto& [i, point] : due)
+      compute_value(result, *point, [&, i = i, point = point] {
+        auto oscillator = family(options.axis.values[i]);
+        if (point->end.size() == oscillator.start.size()) oscillator.start = point->end;
+        if (options.record == Record::metrics) {
+          point->metrics =
+              compute_stepped_point(oscillator, options.tolerance, result.metrics, options.lyapunov, &point->end);
+          point->why = point->metrics.regime == Regime::failed ? point->metrics.why : "";
+        } else {
+          point->end = record_point(oscillator, options, *point);
+        }
+      });
   });
   return result;
 }

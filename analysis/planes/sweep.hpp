@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/motion/stepped_oscillator.hpp"
 #include "analysis/motion/structure_start.hpp"
 #include "analysis/planes/map.hpp"
 #include "analysis/steady/thresholds.hpp"
@@ -63,5 +64,7 @@ struct SweepHooks {
 /// result does not depend on the number of threads. Asked to stop, it ends "interrupted" with the values that are done.
 /// \throws InputError for unknown metrics, and where the drive has no period
 Sweep sweep(const std::function<motion::StructureModel(double)>&, const SweepOptions&, const SweepHooks& = {});
+/// The same of oscillators that are followed by steps, whose columns are their channels.
+Sweep sweep(const std::function<motion::SteppedOscillator(double)>&, const SweepOptions&, const SweepHooks& = {});
 
 }  // namespace rosin::analysis::planes

@@ -1,4 +1,4 @@
-/// A slider answers by its model, a structure by its family.
+/// A slider answers by its model, others by their families.
 #include "analysis/planes/varied.hpp"
 
 #include <algorithm>
@@ -9,44 +9,55 @@
 
 namespace rosin::analysis::planes {
 
-motion::StructureModel Varied::structure(Numbers more) const {
+Numbers Varied::numbers(Numbers more) const {
   auto numbers = changed_;
   std::ranges::move(more, std::back_inserter(numbers));
-  return structures_.with(numbers);
+  return numbers;
 }
 
 double Varied::get(const std::string& path) const {
-  if (!structures_.with) return model_.get(path);
+  if (const auto* model = std::get_if<Model>(&of_)) return model->get(path);
   const auto given = std::ranges::find(changed_, path, &Numbers::value_type::first);
-  return given != changed_.end() ? given->second : structures_.value(path);
+  if (given != changed_.end()) return given->second;
+  if (const auto* structures = std::get_if<Structures>(&of_)) return structures->value(path);
+  return std::get<SteppedOscillators>(of_).value(path);
 }
 
 Varied Varied::with(const std::string& path, double value) const {
+  if (const auto* model = std::get_if<Model>(&of_)) return model->with(path, value);
   Varied varied = *this;
-  if (!structures_.with) {
-    varied.model_ = model_.with(path, value);
-    return varied;
-  }
   std::erase_if(varied.changed_, [&](const auto& number) { return number.first == path; });
   varied.changed_.emplace_back(path, value);
   return varied;
 }
 
 std::vector<PlaneMetric> Varied::metrics(const std::vector<std::string>& names) const {
-  return structures_.with ? metrics_of_structure(structure().structure, names) : metrics_of_slider(names);
+  if (const auto* structures = std::get_if<Structures>(&of_))
+    return metrics_of_structure(structures->with(numbers()).structure, names);
+  if (const auto* stepped = std::get_if<SteppedOscillators>(&of_))
+    return metrics_of_stepped(stepped->with(numbers()), names);
+  return metrics_of_slider(names);
 }
 
 Map Varied::map(const MapOptions& options, const MapHooks& hooks) const {
-  if (!structures_.with) return compute_map(model_, options, hooks);
-  const auto at = [&](double x, double y) { return structure({{options.x.parameter, x}, {options.y.parameter, y}}); };
-  return compute_structure_map(at, options, metrics(options.metrics), hooks);
+  const auto at = [&](double x, double y) { return numbers({{options.x.parameter, x}, {options.y.parameter, y}}); };
+  if (const auto* structures = std::get_if<Structures>(&of_))
+    return compute_structure_map([&](double x, double y) { return structures->with(at(x, y)); }, options,
+                                 metrics(options.metrics), hooks);
+  if (const auto* stepped = std::get_if<SteppedOscillators>(&of_))
+    return compute_stepped_map([&](double x, double y) { return stepped->with(at(x, y)); }, options,
+                               metrics(options.metrics), hooks);
+  return compute_map(std::get<Model>(of_), options, hooks);
 }
 
 std::map<std::string, double> Varied::in_steady_sliding() const {
-  if (structures_.with) return cycles::metrics_of_sliding(structure().structure);
+  if (const auto* structures = std::get_if<Structures>(&of_))
+    return cycles::metrics_of_sliding(structures->with(numbers()).structure);
   std::map<std::string, double> values;
-  const double V = model_.drive.speed.level(),
-               mu = model_.law->steady_friction({V, model_.drive.normal_load.level()}).friction;
+  const auto* model = std::get_if<Model>(&of_);
+  if (!model) return values;
+  const double V = model->drive.speed.level(),
+               mu = model->law->steady_friction({V, model->drive.normal_load.level()}).friction;
   for (const auto& metric : cycles::metric_names())
     if (metric.member != &cycles::Metrics::period) values[metric.name] = 0;
   for (const char* end : {"max", "min", "mean"})

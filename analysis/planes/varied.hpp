@@ -4,8 +4,10 @@
 #include <map>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "analysis/motion/stepped_oscillator.hpp"
 #include "analysis/motion/structure_start.hpp"
 #include "analysis/planes/map.hpp"
 
@@ -14,17 +16,21 @@ namespace rosin::analysis::planes {
 /// Numbers by their paths.
 using Numbers = std::vector<std::pair<std::string, double>>;
 
-/// Structures that differ in numbers, and the number that theirs is where none is given.
-struct Structures {
-  std::function<motion::StructureModel(const Numbers&)> with;
+/// Oscillators that differ in numbers, and the number that theirs is where none is given.
+template <class Oscillator>
+struct VariedFamily {
+  std::function<Oscillator(const Numbers&)> with;
   std::function<double(const std::string& path)> value;
 };
+using Structures = VariedFamily<motion::StructureModel>;
+using SteppedOscillators = VariedFamily<motion::SteppedOscillator>;
 
-/// A slider by the parameters of its model, or a member of a family of structures.
+/// A slider by the parameters of its model, or a member of a family of structures or of oscillators followed by steps.
 class Varied {
  public:
-  Varied(Model model) : model_(std::move(model)) {}
-  explicit Varied(Structures structures) : structures_(std::move(structures)) {}
+  Varied(Model of) : of_(std::move(of)) {}
+  explicit Varied(Structures of) : of_(std::move(of)) {}
+  explicit Varied(SteppedOscillators of) : of_(std::move(of)) {}
 
   /// \throws InputError for a path that names no number.
   double get(const std::string& path) const;
@@ -34,15 +40,15 @@ class Varied {
   std::vector<PlaneMetric> metrics(const std::vector<std::string>& names) const;
   /// The plane of the options' metrics.
   Map map(const MapOptions&, const MapHooks& = {}) const;
-  /// Metrics in steady sliding, by their names; a period and what adds up over one has none.
+  /// Metrics in steady sliding, by their names; a period and what adds up over one has none, and of what is followed by
+  /// steps none is known.
   std::map<std::string, double> in_steady_sliding() const;
 
  private:
-  motion::StructureModel structure(Numbers more = {}) const;
+  Numbers numbers(Numbers more = {}) const;
 
-  Model model_;
-  Structures structures_;  ///< empty: the slider of the model
-  Numbers changed_;
+  std::variant<Model, Structures, SteppedOscillators> of_;
+  Numbers changed_;  ///< of a family
 };
 
 }  // namespace rosin::analysis::planes

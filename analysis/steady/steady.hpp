@@ -3,6 +3,7 @@
 #include "analysis/steady/curve.hpp"
 #include "analysis/steady/mode_tracking.hpp"
 #include "analysis/steady/mode_windows.hpp"
+#include "analysis/steady/plane_sliding.hpp"
 #include "analysis/steady/sliding_modes.hpp"
 #include "analysis/steady/stability.hpp"
 #include "analysis/steady/structure_hopf.hpp"

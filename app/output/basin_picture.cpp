@@ -77,7 +77,7 @@ void write_orbits(const std::filesystem::path& path, const tasks::Basin& task, c
   std::string text = task.x.name + "," + task.y.name + "\n";
   for (const auto& basin : found.basins) {
     const auto& orbit = basin.attractor.orbit;
-    if (orbit.empty()) continue;
+    if (!orbit.contains(task.x.name) || !orbit.contains(task.y.name)) continue;
     const auto &x = orbit.at(task.x.name), &y = orbit.at(task.y.name);
     for (std::size_t i = 0; i < x.size(); ++i) text += fmt::format("{},{}\n", x[i], y[i]);
     text += '\n';
@@ -118,8 +118,8 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
     columns[0].push_back(task.places[i].first), columns[1].push_back(task.places[i].second);
     columns[2].push_back(found.labels[i] < 0 ? NAN : double(found.labels[i]));
   }
-  std::vector<Column> table{{column_header(x.name, x.unit()), columns[0]},
-                            {column_header(y.name, y.unit()), columns[1]},
+  std::vector<Column> table{{column_header(x.name, x.unit), columns[0]},
+                            {column_header(y.name, y.unit), columns[1]},
                             {"attractor", columns[2]}};
   const std::vector<double> followed(found.followed.begin(), found.followed.end());
   if (!followed.empty()) table.push_back({"followed", followed});
@@ -133,9 +133,8 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
                     {.width = 760, .panel = 420, .key = Layout::Key::below},
                     scene.title,
                     caption(scene)};
-  std::string script =
-      fmt::format("set xlabel {}\nset ylabel {}\n", label(readable(x.name) + " at the start", x.unit()),
-                  label(readable(y.name) + " at the start", y.unit()));
+  std::string script = fmt::format("set xlabel {}\nset ylabel {}\n", label(readable(x.name) + " at the start", x.unit),
+                                   label(readable(y.name) + " at the start", y.unit));
   script +=
       "set key samplen 1.6\nset style fill "
       "solid 1 border linecolor '#777777'\n";
@@ -173,13 +172,17 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
     curves.push_back(
         fmt::format("{} with lines linewidth 1.5 linecolor '#000000' dashtype {} title '{}'", what, dash, title));
   };
-  if (cycle > 0) line("'basin-cycles.csv' using 1:2", "solid", "the motion of a cycle");
-  const auto& structure = scene.structure->structure;
+  const bool shows_orbits = std::ranges::any_of(found.basins, [&](const auto& basin) {
+    return basin.attractor.orbit.contains(x.name) && basin.attractor.orbit.contains(y.name);
+  });
+  if (shows_orbits) line("'basin-cycles.csv' using 1:2", "solid", "the motion of a cycle");
+  const bool of_structure = scene.structure && !scene.block;
+  const auto structure = of_structure ? scene.structure->structure : oscillators::Structure();
   for (const double speed : surface_speeds(structure, y)) line(fmt::format("{}", speed), "(6,4)", "speed of the belt");
   for (const double speed : surface_speeds(structure, x))
     line(fmt::format("'+' using ({}):({}+({})*$0/99.)", speed, y_low, y_high - y_low), "(6,4)", "speed of the belt");
   for (const auto& basin : found.basins)
-    if (basin.attractor.kind == Attractor::Kind::steady) {
+    if (basin.attractor.kind == Attractor::Kind::steady && (of_structure || scene.plane)) {
       const auto at = [&](const tasks::StartAxis& axis) {
         return axis.is_velocity ? 0.0 : basin.attractor.points.front()[std::size_t(axis.coordinate)];
       };

@@ -22,6 +22,7 @@
 #include "app/output/gnuplot.hpp"
 #include "app/output/sheet.hpp"
 #include "app/scene/scene.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/tasks/branch.hpp"
 #include "app/tasks/compare.hpp"
 #include "app/tasks/stability.hpp"
@@ -511,10 +512,45 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   return {"branch.gp"};
 }
 
+namespace {
+/// Of an oscillator that is followed by steps: for each coordinate a row, in time and against its velocity.
+std::vector<std::string> write_coordinates(const fs::path& folder, const scene::Scene& scene,
+                                           const analysis::motion::SteppedOscillator& oscillator,
+                                           const analysis::cycles::StructureCycle& cycle) {
+  const std::size_t rows = std::size_t(oscillator.coordinates);
+  const Sheet sheet{"cycle",
+                    "One periodic motion: coordinates in time, and against their velocities",
+                    {.width = 940, .panels = int(2 * rows), .columns = 2, .panel = 205, .between_rows = 90},
+                    scene.title,
+                    caption(scene)};
+  const auto scaled_column = [&](std::size_t c) {
+    const auto [low, high] = std::ranges::minmax(cycle.columns[c]);
+    return scaled(cycle.column_units[c], std::max(std::abs(low), std::abs(high)));
+  };
+  const auto time = scaled("s", cycle.metrics.at("period").value);
+  std::string script = "set grid\nset offsets 0, 0, graph 0.05, graph 0.05\n";
+  for (std::size_t i = 0; i < rows; ++i) {
+    const auto place = scaled_column(i), velocity = scaled_column(rows + i);
+    script += fmt::format(
+        "\nset xlabel 'time ({})'\nset ylabel {}\nplot 'cycle.csv' using ($1*{}):(${}*{}) with lines linestyle 1 "
+        "notitle\n",
+        time.unit, label(readable(cycle.column_names[i]), place.unit), time.factor, i + 2, place.factor);
+    script += fmt::format(
+        "\nset xlabel {}\nset ylabel {}\nplot 'cycle.csv' using (${}*{}):(${}*{}) with lines linestyle 1 notitle\n",
+        label(readable(cycle.column_names[i]), place.unit),
+        label(readable(cycle.column_names[rows + i]), velocity.unit), i + 2, place.factor, rows + i + 2,
+        velocity.factor);
+  }
+  write_whole(folder / "cycle.gp", sheet.with(std::move(script)));
+  return {"cycle.gp"};
+}
+}  // namespace
+
 /// For each contact a row: slip rate in time, and the plane of its coordinate and velocity, with stick marked. Where
 /// its load follows motion, a second row: friction and load in time, and against each other.
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::cycles::StructureCycle& cycle) {
+  if (const auto* stepped = scene::stepped_of(scene)) return write_coordinates(folder, scene, *stepped, cycle);
   const auto& structure = scene.structure->structure;
   const auto column = [&](const std::string& name) {
     return std::size_t(std::ranges::find(cycle.column_names, name) - cycle.column_names.begin());

@@ -164,7 +164,7 @@ void write_basins(const std::filesystem::path& path, const scene::Scene& scene, 
   plane.attribute(NC_GLOBAL, "tolerance", task.tolerance);
   const auto write = [&](const tasks::StartAxis& axis, int dimension, const std::vector<double>& values) {
     const int variable = plane.variable(axis.name, NC_DOUBLE, {dimension});
-    plane.attribute(variable, "units", axis.unit());
+    plane.attribute(variable, "units", axis.unit);
     plane.attribute(variable, "long_name", axis.name + " at the start");
     plane.values(variable, values);
   };

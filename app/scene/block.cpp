@@ -78,6 +78,14 @@ analysis::motion::StructureStart read_block_start(const toml::node& node, const 
   return start;
 }
 
-OscillatorType block_type() { return {"block", {"run", "stability"}, read, read_drive_of_block}; }
+OscillatorType block_type() {
+  return {"block",
+          {"run", "stability", "cycle", "map", "sweep", "lyapunov", "basin"},
+          read,
+          read_drive_of_block,
+          {{"branch",
+            "its cycles are found by following the motion, which shows those that attract alone; 'sweep' follows them "
+            "along a parameter, and 'stability' with a scan follows steady sliding"}}};
+}
 
 }  // namespace rosin::app::scene

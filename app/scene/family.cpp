@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/scene/stepped.hpp"
 #include "app/scene/structure.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/tasks/bowing.hpp"
@@ -22,7 +23,8 @@ std::string named(const std::string& path) {
   return kept;
 }
 
-Scene read(const Request& request, const toml::table& document, const std::filesystem::path& folder, bool as_slider) {
+Scene read(const Request& request, const toml::table& document, const std::filesystem::path& folder, bool as_slider,
+           bool with_steps = false) {
   Scene scene;
   scene.path = request.target;
   SceneReader reader{request, document, Table(document, ""), scene, folder, {}};
@@ -31,6 +33,7 @@ Scene read(const Request& request, const toml::table& document, const std::files
     reader.law(), reader.oscillator();
   else
     read_structure_model(reader);
+  if (with_steps) read_stepped(reader);
   return scene;
 }
 
@@ -88,7 +91,7 @@ double Family::value(const std::string& path) const {
   return number(*node, quantity);
 }
 
-Scene Family::read_with(const std::vector<std::pair<std::string, double>>& values) const {
+Scene Family::read_with(const std::vector<std::pair<std::string, double>>& values, bool with_steps) const {
   auto document = document_;
   std::string at;
   for (const auto& [path, value] : values) {
@@ -96,7 +99,7 @@ Scene Family::read_with(const std::vector<std::pair<std::string, double>>& value
     at += fmt::format("{}{} = {:.10g}", at.empty() ? "" : ", ", path, value);
   }
   try {
-    return read(request_, document, folder_, as_slider_);
+    return read(request_, document, folder_, as_slider_, with_steps);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: at {}: {}", varied_by_, at, error.what()));
   }
@@ -112,6 +115,11 @@ oscillators::BowedStringModel Family::string_with(const std::vector<std::pair<st
 
 oscillators::Model Family::slider_with(const std::vector<std::pair<std::string, double>>& values) const {
   return read_with(values).model;
+}
+
+analysis::motion::SteppedOscillator Family::stepped_with(
+    const std::vector<std::pair<std::string, double>>& values) const {
+  return *stepped_of(read_with(values, true));
 }
 
 }  // namespace rosin::app::scene

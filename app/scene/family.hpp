@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/motion/stepped_oscillator.hpp"
 #include "app/scene/reader.hpp"
 #include "oscillators/bowed_string.hpp"
 
@@ -26,10 +27,12 @@ class Family {
   /// The same of a bowed string, which is read as a slider is.
   oscillators::BowedStringModel string_with(const std::vector<std::pair<std::string, double>>& values) const;
   oscillators::Model slider_with(const std::vector<std::pair<std::string, double>>& values) const;
+  /// The same of an oscillator that is followed by steps.
+  analysis::motion::SteppedOscillator stepped_with(const std::vector<std::pair<std::string, double>>& values) const;
 
  private:
   std::string in_full(const std::string& path) const;
-  Scene read_with(const std::vector<std::pair<std::string, double>>& values) const;
+  Scene read_with(const std::vector<std::pair<std::string, double>>& values, bool with_steps = false) const;
 
   Request request_;
   toml::table document_;

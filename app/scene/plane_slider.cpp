@@ -21,7 +21,7 @@ void read(SceneReader& reader, Table table, bool) {
   if (reader.scene.model.contact_stiffness.present())
     fail(of_law, "law.contact_stiffness does not go with a plane slider, whose contact is rigid");
   if (reader.scene.model.load_memory > 0) fail(of_law, "law.load_memory does not go with a plane slider");
-  if (law->has_states()) {
+  if (law->has_states() && reader.request.verb != "stability") {
     std::vector<std::string_view> without;
     for (const auto& other : laws::catalogue())
       if (!other->has_states()) without.push_back(other->card().name);
@@ -53,7 +53,7 @@ void read_plane_drive(SceneReader& reader, Table drive, bool) {
         both(*force, quantity.name, [&](const toml::node& node) { return read_signal(node, quantity, reader.folder); });
   drive.finish();
   const auto& law = *reader.scene.model.law;
-  if (!law.set_valued()) {
+  if (!law.set_valued() || law.has_states()) {
     mass.static_friction = mass.dynamic_friction = 0;
     return;
   }
@@ -72,6 +72,14 @@ void read_plane_drive(SceneReader& reader, Table drive, bool) {
 
 }  // namespace
 
-OscillatorType plane_slider_type() { return {"plane-slider", {"run"}, read, read_plane_drive}; }
+OscillatorType plane_slider_type() {
+  return {"plane-slider",
+          {"run", "stability", "cycle", "map", "sweep", "lyapunov", "basin"},
+          read,
+          read_plane_drive,
+          {{"branch",
+            "its cycles are found by following the motion, which shows those that attract alone; 'sweep' follows them "
+            "along a parameter, up and down"}}};
+}
 
 }  // namespace rosin::app::scene

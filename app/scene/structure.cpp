@@ -5,7 +5,9 @@
 
 #include <algorithm>
 
+#include "analysis/motion/plane_run.hpp"
 #include "analysis/motion/structure_record.hpp"
+#include "analysis/steady/plane_sliding.hpp"
 #include "app/scene/law.hpp"
 #include "app/scene/matrix_file.hpp"
 #include "app/scene/oscillator.hpp"
@@ -243,7 +245,11 @@ void read_structure_model(SceneReader& reader) {
   auto& scene = reader.scene;
   reader.law();
   reader.oscillator();
-  if (scene.plane) return;
+  if (scene.plane && reader.request.verb == "stability")
+    scene.structure.emplace().structure = located(reader.root.find("drive")->source(), [&] {
+      return analysis::steady::sliding_in_plane(scene.plane->mass, contact_of(scene.model));
+    });
+  if (scene.plane || scene.block) return;  // whose starts are their own
   if (!scene.structure)
     scene.structure.emplace().structure =
         located(reader.root.find("oscillator")->source(), [&] { return oscillators::one_slider(scene.model); });

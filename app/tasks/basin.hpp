@@ -13,8 +13,8 @@ struct StartAxis {
   std::string name;
   int coordinate = 0;
   bool is_velocity = false;
-  std::vector<double> values;  ///< of a grid, or the ends of the range of random starts
-  const char* unit() const { return is_velocity ? "m/s" : "m"; }
+  std::vector<double> values = {};  ///< of a grid, or the ends of the range of random starts
+  std::string unit = is_velocity ? "m/s" : "m";
 };
 
 /// Starts over a plane of two of their values, or disturbances of steady sliding.

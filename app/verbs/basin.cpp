@@ -15,6 +15,7 @@
 #include "app/output/planes.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
@@ -25,6 +26,7 @@ namespace rosin::app::verbs {
 
 using analysis::basins::Attractor;
 using analysis::basins::Basins;
+using analysis::motion::SteppedOscillator;
 using nlohmann::ordered_json;
 using tasks::StartAxis;
 
@@ -38,20 +40,43 @@ std::vector<tasks::StartAxis> axes_of(const oscillators::Structure& structure) {
   for (const bool is_velocity : {false, true})
     for (int i = 0; i < structure.size(); ++i) {
       const auto& name = structure.names[std::size_t(i)];
-      axes.push_back({is_velocity ? analysis::motion::velocity_name(name) : name, i, is_velocity, {}});
+      axes.push_back({is_velocity ? analysis::motion::velocity_name(name) : name, i, is_velocity});
     }
   return axes;
 }
 
-tasks::StartAxis read_axis(scene::Table table, const oscillators::Structure& structure, bool random) {
+/// Values in which starts of an oscillator that is followed by steps may differ.
+std::vector<tasks::StartAxis> axes_of(const SteppedOscillator& oscillator) {
+  std::vector<tasks::StartAxis> axes;
+  for (const auto& start : oscillator.starts) {
+    const bool is_velocity = start.unit.ends_with("/s");
+    axes.push_back({start.name, int(axes.size()) % oscillator.coordinates, is_velocity, {}, start.unit});
+  }
+  return axes;
+}
+
+/// Coordinates along x and y may be numbered: displacement_1 is displacement_x.
+std::string by_axis(std::string name) {
+  if (name.ends_with("_1")) name.replace(name.size() - 1, 1, "x");
+  if (name.ends_with("_2")) name.replace(name.size() - 1, 1, "y");
+  return name;
+}
+
+tasks::StartAxis read_axis(scene::Table table, const scene::Scene& scene, bool random) {
   table.expect({"start", "from", "to", "points"});
   std::vector<std::string> names;
-  const auto axes = axes_of(structure);
+  const auto* stepped = scene::stepped_of(scene);
+  const auto axes = stepped ? axes_of(*stepped) : axes_of(scene.structure->structure);
   for (const auto& axis : axes) names.push_back(axis.name);
-  const auto name = scene::choice(table.required("start", fmt::format("one of {}", fmt::join(names, ", "))),
-                                  table.path("start"), names);
+  const auto& start = table.required("start", fmt::format("one of {}", fmt::join(names, ", ")));
+  auto known = names;
+  if (scene.plane)
+    for (const char* number : {"_1", "_2"})
+      for (const char* of : {"displacement", "velocity"}) known.push_back(std::string(of) + number);
+  auto name = scene::choice(start, table.path("start"), known);
+  if (scene.plane) name = by_axis(std::move(name));
   auto axis = axes[std::size_t(std::ranges::find(names, name) - names.begin())];
-  const Quantity quantity{"", axis.unit(), any, name + " at the start"};
+  const Quantity quantity{"", axis.unit, any, name + " at the start"};
   double from = 0, to = 0;
   table.required("from", quantity.meaning), table.required("to", quantity.meaning);
   table.read("from", from, quantity);
@@ -69,7 +94,7 @@ tasks::StartAxis read_axis(scene::Table table, const oscillators::Structure& str
 /// Starts on a grid, or at random, beside what the start is otherwise.
 void read_starts(scene::Table& table, scene::Scene& scene) {
   auto& [x, y, random, places, direction, task] = scene.task<tasks::Basin>();
-  const auto& structure = scene.structure->structure;
+  const auto* stepped = scene::stepped_of(scene);
   const auto *of_x = table.find("x"), *of_y = table.find("y"), *samples = table.find("samples"),
              *seed = table.find("seed"), *start = table.find("start"), *refine = table.find("refine");
   if (!of_x && !of_y) {
@@ -82,9 +107,10 @@ void read_starts(scene::Table& table, scene::Scene& scene) {
   if (seed && !random) scene::fail(seed->source(), "basin.seed has no effect without basin.samples: a grid of starts");
   if (refine && random)
     scene::fail(refine->source(), "basin.refine has no effect on basin.samples: give a grid of starts");
-  const char* what = "{ start = \"displacement\", from, to, points }";
-  x = read_axis(scene::Table(table.required("x", what), table.path("x")), structure, random);
-  y = read_axis(scene::Table(table.required("y", what), table.path("y")), structure, random);
+  const auto what =
+      fmt::format("{{ start = \"{}\", from, to, points }}", stepped ? stepped->starts.front().name : "displacement");
+  x = read_axis(scene::Table(table.required("x", what), table.path("x")), scene, random);
+  y = read_axis(scene::Table(table.required("y", what), table.path("y")), scene, random);
   if (x.name == y.name) scene::fail(of_y->source(), "basin.x and basin.y are the same, {}", y.name);
   if (random) {
     int count = 0, chosen = 1;
@@ -102,7 +128,24 @@ void read_starts(scene::Table& table, scene::Scene& scene) {
   if (refine) {
     if (!refine->is_boolean()) scene::wrong_kind(*refine, table.path("refine"), "true or false");
     if (*refine->value<bool>()) task.refined_columns = int(x.values.size());
+    if (stepped && task.refined_columns > 0)
+      scene::fail(refine->source(), "basin.refine serves structures: here every start is followed to its end");
   }
+  if (stepped) {
+    if (start)
+      scene::fail(start->source(),
+                  "basin.start has no effect: what basin.x and basin.y leave is as cycle.start has it");
+    std::vector<std::optional<double>> values(stepped->starts.size());
+    for (const auto& [at_x, at_y] : places) {
+      for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = stepped->starts[i].name == x.name   ? std::optional(at_x)
+                    : stepped->starts[i].name == y.name ? std::optional(at_y)
+                                                        : std::nullopt;
+      task.starts.push_back(stepped->start_at(values));
+    }
+    return;
+  }
+  const auto& structure = scene.structure->structure;
   for (const auto* axis : {&x, &y})  // what an axis sets is no part of the start
     if (const auto* both = start && start->is_table() ? start->as_table()->get(axis->name) : nullptr)
       scene::fail(both->source(), "basin.start.{0} has no effect: basin.{1} sets {0}", axis->name,
@@ -139,12 +182,15 @@ void read_direction(scene::Table& table, scene::Scene& scene) {
                     key);
     return;
   }
+  if (scene::stepped_of(scene))
+    scene::fail(direction->source(),
+                "basin.direction serves structures, whose steady sliding is known: give starts, basin.x and basin.y");
   const auto& structure = scene.structure->structure;
   auto& disturbance = basin.task.disturbance.emplace();
   disturbance.coordinates = disturbance.velocities = Eigen::VectorXd::Zero(structure.size());
   for (const auto& axis : axes_of(structure)) {
     double part = 0;
-    direction->read(axis.name, part, {"", axis.unit(), any, "disturbance of size 1"});
+    direction->read(axis.name, part, {"", axis.unit, any, "disturbance of size 1"});
     (axis.is_velocity ? disturbance.velocities : disturbance.coordinates)[axis.coordinate] = part;
     if (part != 0) basin.direction.emplace_back(axis, part);
   }
@@ -164,19 +210,30 @@ void read(scene::SceneReader& reader) {
   auto& scene = reader.scene;
   auto& basin = scene.task<tasks::Basin>();
   scene::Table table(reader.need("basin", "starts along x and y, or a direction from steady sliding"), "basin");
-  scene::read_structure_model(reader);
-  scene::located(reader.root.find("drive")->source(), [&] { common_period(scene.structure->structure); });
+  reader.law();
+  reader.oscillator();
+  if (!scene::read_stepped(reader)) {
+    scene::read_structure_model(reader);
+    scene::located(reader.root.find("drive")->source(), [&] { common_period(scene.structure->structure); });
+  }
   table.expect({"x", "y", "samples", "seed", "start", "direction", "from", "to", "points", "returns", "refine"});
   read_starts(table, scene);
   read_direction(table, scene);
-  if (basin.places.empty() && !basin.task.disturbance)
-    table.required("x", "{ start = \"displacement\", from, to, points }; or direction, from steady sliding");
+  if (basin.places.empty() && !basin.task.disturbance) {
+    const auto* stepped = scene::stepped_of(scene);
+    std::vector<std::string> names;
+    for (const auto& axis : stepped ? axes_of(*stepped) : std::vector<StartAxis>()) names.push_back(axis.name);
+    table.required("x", stepped ? fmt::format("{{ start, from, to, points }}, start one of {}: its motion depends on "
+                                              "where it starts in many ways, and a basin shows two of these",
+                                              fmt::join(names, ", "))
+                                : "{ start = \"displacement\", from, to, points }; or direction, from steady sliding");
+  }
   table.read("returns", basin.task.most_returns, 10, 10'000'000, "returns within which motions are recognised");
   table.finish();
 }
 
 ordered_json axis_of(const tasks::StartAxis& axis) {
-  return {{"start", axis.name}, {"unit", axis.unit()}, {"values", axis.values}};
+  return {{"start", axis.name}, {"unit", axis.unit}, {"values", axis.values}};
 }
 
 std::string document_of(const scene::Scene& scene, const Basins& found, double seconds) {
@@ -234,7 +291,7 @@ std::string document_of(const scene::Scene& scene, const Basins& found, double s
 std::string disturbance_of(const tasks::Basin& basin, double value, double error) {
   std::vector<std::string> parts;
   for (const auto& [axis, part] : basin.direction)
-    parts.push_back(fmt::format("{} {}", axis.name, justified(value * part, std::abs(error * part), axis.unit())));
+    parts.push_back(fmt::format("{} {}", axis.name, justified(value * part, std::abs(error * part), axis.unit)));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -243,8 +300,9 @@ Status perform(Job& job) {
   auto& task = scene.task<tasks::Basin>().task;
   task.tolerance = job.request().tolerance.value_or(task.tolerance);
   task.threads = job.request().threads;
-  job.explain("{} starts, each followed until it comes near a known attractor, and nearer from return to return",
-              task.starts.size());
+  const auto* stepped = scene::stepped_of(scene);
+  job.explain("{} starts, each followed until it {}", task.starts.size(),
+              stepped ? "recurs" : "comes near a known attractor, and nearer from return to return");
   job.explain("attractors: steady sliding by its eigenvalues, cycles as 'rosin cycle' has them");
   if (task.disturbance)
     job.explain("{} disturbances of steady sliding, then halving to a width of {}", task.disturbance->points,
@@ -252,8 +310,9 @@ Status perform(Job& job) {
   const auto begin = std::chrono::steady_clock::now();
   auto found = [&] {
     Progress progress(job.request().quiet);
-    return analysis::basins::find_basins(scene.structure->structure, task,
-                                         [&](std::size_t done, std::size_t total) { progress.show(done, total); });
+    const auto show = [&](std::size_t done, std::size_t total) { progress.show(done, total); };
+    return stepped ? analysis::basins::find_basins(*stepped, task, show)
+                   : analysis::basins::find_basins(scene.structure->structure, task, show);
   }();
   const double seconds = seconds_since(begin);
   auto& manifest = job.manifest();
@@ -268,7 +327,7 @@ Status perform(Job& job) {
       reached.add(known.value, known.error);
       what += fmt::format(", {} {}", output::readable(metric), justified(known.value, known.error, known.unit));
     };
-    if (attractor.kind == Attractor::Kind::steady) add("growth_rate");
+    if (attractor.kind == Attractor::Kind::steady && !stepped) add("growth_rate");
     if (attractor.kind == Attractor::Kind::cycle) add("period");
     if (!attractor.detail.empty()) what += "; the first: " + attractor.detail;
     const auto part =

@@ -10,6 +10,7 @@
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/start.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/scene/string.hpp"
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
@@ -29,7 +30,7 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   table.expect({"start", "stick_threshold"});
   table.read("stick_threshold", cycle.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
   // The start of a structure is read with it.
-  if (const auto* start = scene.structure ? nullptr : table.find("start")) {
+  if (const auto* start = scene.structure || scene.plane ? nullptr : table.find("start")) {
     cycle.start = scene::read_start(*start, table.path("start"), *scene.model.law);
     if (scene.model.law->set_valued())
       scene.notes.push_back("cycle.start has no effect under a set-valued law: stick forgets how the motion began");
@@ -71,8 +72,12 @@ void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   if (scene.string) return scene::read_string_cycle(reader);
-  if (!scene.structure && scene.model.drive.constant()) return read_tables_of_models(reader);
-  scene::read_structure_model(reader);
+  if (scene::read_stepped(reader))
+    reader.note_unread({"cycle.stick_threshold"}, "stick is what the motion's steps show");
+  else if (!scene.structure && scene.model.drive.constant())
+    return read_tables_of_models(reader);
+  else
+    scene::read_structure_model(reader);
   if (auto table = reader.root.table("cycle")) read_table(*table, reader);
 }
 
@@ -80,7 +85,7 @@ Status perform(Job& job) {
   auto& scene = job.scene();
   auto& asked = scene.task<analysis::cycles::CycleOptions>();
   if (scene.string) return perform_string_cycle(job);
-  if (scene.structure) return perform_structure_cycle(job);
+  if (scene.structure || scene.plane) return perform_structure_cycle(job);
   asked.tolerance = job.request().tolerance.value_or(asked.tolerance);
   job.explain_model();
   job.explain("the cycle that is reached from stick, tolerance {} of every metric, at most {} cycles of transient",

@@ -4,11 +4,13 @@
 #include <chrono>
 #include <cmath>
 
+#include "analysis/cycles/stepped_exponent.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
@@ -37,8 +39,12 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
 
 void read(scene::SceneReader& reader) {
   reader.need("lyapunov", meaning);
-  scene::read_structure_model(reader);
-  scene::located(reader.root.find("drive")->source(), [&] { common_period(reader.scene.structure->structure); });
+  reader.law();
+  reader.oscillator();
+  if (!scene::read_stepped(reader)) {
+    scene::read_structure_model(reader);
+    scene::located(reader.root.find("drive")->source(), [&] { common_period(reader.scene.structure->structure); });
+  }
   read_tables_of_models(reader);
 }
 
@@ -73,13 +79,20 @@ Status perform(Job& job) {
   auto& scene = job.scene();
   auto options = scene.task<analysis::cycles::LyapunovOptions>();
   options.accuracy = job.request().tolerance.value_or(options.accuracy);
-  job.explain("the periodic motion first: its exponents are ln|multiplier| over the period");
-  job.explain("else disturbances carried along the motion, orthonormalised after each step, errors by blocks");
+  const auto* stepped = scene::stepped_of(scene);
+  if (stepped) {
+    job.explain("two neighbouring motions by steps, whose difference is scaled back time and again; errors by blocks");
+    scene.notes.emplace_back("of a motion by steps the largest exponent alone is computed: sum and divergence are not");
+  } else {
+    job.explain("the periodic motion first: its exponents are ln|multiplier| over the period");
+    job.explain("else disturbances carried along the motion, orthonormalised after each step, errors by blocks");
+  }
   const auto begin = std::chrono::steady_clock::now();
   auto spectrum = [&] {
     Progress progress(job.request().quiet);
     if (progress.visible()) options.progress = [&](double part) { progress.show_pass(part); };
-    return analysis::cycles::lyapunov_spectrum(*scene.structure, options);
+    return stepped ? analysis::cycles::lyapunov_spectrum(*stepped, options)
+                   : analysis::cycles::lyapunov_spectrum(*scene.structure, options);
   }();
   spectrum.outcome = why_stopped(spectrum.outcome);
   if (!spectrum.levelled)

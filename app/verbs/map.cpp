@@ -15,6 +15,7 @@
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/scene/structure.hpp"
 #include "app/tasks/sweep.hpp"
 #include "app/verbs/job.hpp"
@@ -80,7 +81,7 @@ bool is_metric_of(const oscillators::Structure& structure, const std::string& na
 /// cycle returns; any other is that of a structure, and so is a plane of one axis.
 bool is_of_slider(const scene::SceneReader& reader, scene::Table map) {
   const auto& scene = reader.scene;
-  if (scene.structure || scene.string || !scene.model.drive.constant() || !map.find("y")) return false;
+  if (scene.structure || scene.plane || scene.string || !scene.model.drive.constant() || !map.find("y")) return false;
   const auto* metrics = map.find("metrics");
   return !metrics || std::ranges::none_of(scene::texts(*metrics, map.path("metrics")), [&](const auto& name) {
     return !is_metric_of_slider(name) && is_metric_of(oscillators::one_slider(scene.model), name);
@@ -108,12 +109,15 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
     scene::fail(table.source(), "map has {} x {} points, more than {}", map.x.values.size(), map.y.values.size(),
                 scene::most_points);
   const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
+  const auto* stepped = scene::stepped_of(scene);
   map.metrics = {"stick_fraction", "loop_area_normalised"};
-  if (structure && !(structure->size() == 1 && structure->constant()))
+  if (stepped)
+    map.metrics = {stepped->channels.front().name + "_max"};
+  else if (structure && !(structure->size() == 1 && structure->constant()))
     map.metrics = {structure->names.front() + "_max"};
   const auto check = [&](const std::string& name) {
-    if (structure)
-      analysis::planes::metrics_of_structure(*structure, {name});
+    if (structure || stepped)
+      metrics_of(scene, {name});
     else
       analysis::cycles::find_metric(name);
   };
@@ -129,7 +133,9 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   map.stick_threshold = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
   table.read("stick_threshold", map.stick_threshold, {"", "1", {1e-6, 0.999}, "stick is |v| <= threshold times V"});
   const bool hangs_on_it = std::ranges::find(map.metrics, "slow_fraction") != map.metrics.end();
-  if (table.find("stick_threshold") && !structure && scene.model.law->set_valued() && !hangs_on_it)
+  if (table.find("stick_threshold") && stepped)
+    scene.notes.push_back("map.stick_threshold has no effect: stick is what the motion's steps show");
+  if (table.find("stick_threshold") && !structure && !stepped && scene.model.law->set_valued() && !hangs_on_it)
     scene.notes.push_back(
         "map.stick_threshold has no effect on stick_fraction under a set-valued law, whose stick is exact rest; ask "
         "for "
@@ -142,9 +148,11 @@ void read(scene::SceneReader& reader) {
   reader.oscillator();
   auto& map = reader.need("map", "the two axes and the metrics");
   if (reader.scene.string) return read_string_map(reader, scene::Table(map, "map"));
-  if (reader.scene.plane || is_of_slider(reader, scene::Table(map, "map"))) return read_tables_of_models(reader);
-  scene::read_structure_model(reader);
-  common_period(reader.scene.structure->structure);  // refuses a drive that has none
+  if (is_of_slider(reader, scene::Table(map, "map"))) return read_tables_of_models(reader);
+  if (!scene::read_stepped(reader)) {
+    scene::read_structure_model(reader);
+    common_period(reader.scene.structure->structure);  // refuses a drive that has none
+  }
   reader.scene.family = std::make_shared<scene::Family>(reader, "map");
   read_table(scene::Table(map, "map"), reader);
   if (std::ranges::find(reader.scene.task<analysis::planes::MapOptions>().metrics, "lyapunov") !=
@@ -216,14 +224,14 @@ Status perform(Job& job) {
   if (job.scene().task<analysis::planes::MapOptions>().y.values.empty()) return perform_one_axis(job);
   PlaneJob plane(job);
   auto& options = plane.options;
-  const auto* structure = plane.structure;
   const auto share = options.share = wanted_share(request, job);
   const auto nx = options.x.values.size(), ny = options.y.values.size(), total = plane.points;
-  if (!structure) job.explain_model();
+  if (plane.of_slider) job.explain_model();
   job.explain("{} x {} points of {} and {}, tolerance {} of {}", nx, ny, options.x.parameter, options.y.parameter,
               options.tolerance, fmt::join(options.metrics, ", "));
-  if (!structure) job.explain("where steady sliding is stable and no cycle can exist beside it, nothing is integrated");
-  job.explain("{}", structure ? "every point is followed from its start until the motion recurs"
+  if (plane.of_slider)
+    job.explain("where steady sliding is stable and no cycle can exist beside it, nothing is integrated");
+  job.explain("{}", !plane.of_slider ? "every point is followed from its start until the motion recurs"
                     : analysis::planes::interpolates(options)
                         ? "points are computed where they are needed, and the others interpolated to the tolerance"
                     : options.exact ? "every point is computed, as asked"
@@ -242,7 +250,7 @@ Status perform(Job& job) {
   if (share.count == 1) job.claim_folder();  // of a share, only its journal is written
 
   // Which points are of this share is asked before there is a journal: a plane may have fewer parts.
-  const auto partition = analysis::planes::partition_of(options, structure != nullptr);
+  const auto partition = analysis::planes::partition_of(options, !plane.of_slider);
   std::size_t of_share = 0;
   const auto shares = partition.shares(share.count);
   for (std::size_t part = 0; part < shares.size(); ++part)

@@ -107,7 +107,7 @@ Status merge(const Request& given) {
   if (job.scene().task<analysis::planes::MapOptions>().y.values.empty())
     throw InputError("[map] has one axis, which has no shares; 'rosin map' computes it");
   const PlaneJob plane(job);
-  const auto partition = analysis::planes::partition_of(plane.options, plane.structure != nullptr);
+  const auto partition = analysis::planes::partition_of(plane.options, !plane.of_slider);
   const auto journals = journals_of(request, job.results(), partition.count());
   KnownPoints known(RecordForm(plane.metrics, plane.points));
   for (const auto& path : journals) read_journal(path, plane.key, known);

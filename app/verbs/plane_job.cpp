@@ -9,11 +9,13 @@
 
 #include "analysis/cycles/lyapunov.hpp"
 #include "analysis/planes/map.hpp"
+#include "analysis/planes/structure_map.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/planes.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/scene.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/verbs/journal.hpp"
 #include "core/process.hpp"
 
@@ -69,6 +71,13 @@ std::string command_of(const Request& request, const std::string& verb, analysis
   return line;
 }
 
+std::vector<analysis::planes::PlaneMetric> metrics_of(const scene::Scene& scene,
+                                                      const std::vector<std::string>& names) {
+  const auto* stepped = scene::stepped_of(scene);
+  return stepped ? analysis::planes::metrics_of_stepped(*stepped, names)
+                 : analysis::planes::metrics_of_structure(scene.structure->structure, names);
+}
+
 PlaneJob::PlaneJob(Job& job_) : job(job_), options(job_.scene().task<analysis::planes::MapOptions>()) {
   auto& scene = job.scene();
   const auto& request = job.request();
@@ -76,16 +85,20 @@ PlaneJob::PlaneJob(Job& job_) : job(job_), options(job_.scene().task<analysis::p
   options.threads = request.threads;
   options.exact = request.exact;
   options.lyapunov = scene.task<analysis::cycles::LyapunovOptions>();
-  if (scene.structure) structure = &scene.structure->structure;
+  of_slider = !scene.structure && !scene.plane;
   metrics = varied(scene).metrics(options.metrics);
   key = journal_key(scene, options.tolerance, options.exact ? "exact" : "adaptive");
   points = options.x.values.size() * options.y.values.size();
 }
 
 analysis::planes::Varied varied(const scene::Scene& scene) {
-  if (!scene.structure) return scene.model;
-  return analysis::planes::Varied({[family = scene.family](const auto& numbers) { return family->with(numbers); },
-                                   [family = scene.family](const std::string& path) { return family->value(path); }});
+  using namespace analysis::planes;
+  const auto family = scene.family;
+  const auto value = [=](const std::string& path) { return family->value(path); };
+  if (scene::stepped_of(scene))
+    return Varied(SteppedOscillators{[=](const auto& numbers) { return family->stepped_with(numbers); }, value});
+  if (scene.structure) return Varied(Structures{[=](const auto& numbers) { return family->with(numbers); }, value});
+  return scene.model;
 }
 
 Status PlaneJob::write(const MapResult& result, const std::map<std::size_t, double>& costs) const {

@@ -22,6 +22,10 @@ struct MapResult {
   double seconds = 0;
 };
 
+/// Metrics of the structure in the scene, or of the oscillator that is followed by steps. \throws InputError for an
+/// unknown name
+std::vector<analysis::planes::PlaneMetric> metrics_of(const scene::Scene&, const std::vector<std::string>& names);
+
 struct PlaneJob {
   explicit PlaneJob(Job&);
   analysis::planes::Map compute(const analysis::planes::MapHooks& hooks) const {
@@ -32,7 +36,7 @@ struct PlaneJob {
 
   Job& job;
   analysis::planes::MapOptions& options;
-  const oscillators::Structure* structure = nullptr;  ///< none: the plane is a slider's
+  bool of_slider = true;  ///< the plane is a slider's, with its shortcuts; else each point is computed by itself
   std::vector<analysis::planes::PlaneMetric> metrics;
   std::string key;  ///< everything that determines the plane: two with the same key have the same points
   std::size_t points = 0;

@@ -21,6 +21,7 @@
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/start.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/scene/string.hpp"
 #include "app/scene/structure.hpp"
 #include "app/tasks/bowing.hpp"
@@ -102,38 +103,9 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   if (reader.needs("run") && !plane) check_ramps(reader);
 }
 
-/// Steps of a given length for a structure: scheme, step and spectral_radius.
-void read_stepping(scene::Table& table, scene::SceneReader& reader) {
-  const auto* scheme = table.find("scheme");
-  if (!scheme) return;
-  if (!reader.scene.structure)
-    scene::fail(scheme->source(), "{} serves structures; a slider takes solver.type", table.path("scheme"));
-  if (const auto* type = table.find("type"))
-    scene::fail(type->source(), "give {} or {}, not both", table.path("type"), table.path("scheme"));
-  auto& stepping = reader.scene.task<analysis::motion::RunOptions>().stepping.emplace();
-  const auto& names = analysis::motion::scheme_names();
-  const auto name = scene::choice(*scheme, table.path("scheme"), names);
-  stepping.scheme = analysis::motion::Scheme(std::ranges::find(names, name) - names.begin());
-  table.required("step", "length of a step, s");
-  table.read("step", stepping.step, {"", "s", {1e-15, 1e15}, "length of a step"});
-  if (const auto* radius = table.find("spectral_radius");
-      radius && stepping.scheme != analysis::motion::Scheme::generalised_alpha)
-    scene::fail(radius->source(), "{} has no meaning for scheme '{}', only for generalised-alpha",
-                table.path("spectral_radius"), name);
-  table.read("spectral_radius", stepping.spectral_radius,
-             {"", "1", {0, 1}, "part of the fastest motion that a step leaves"});
-  if (!reader.smoothing)
-    scene::fail(
-        scheme->source(),
-        "{} needs friction that rises through rest: give solver.smoothing = {{ type = \"parabolic\", width = … }} "
-        "with a width (m/s) well below the speed of the surface",
-        table.path("scheme"));
-  stepping.stick_width = reader.smoothing->width;
-}
-
 void read_solver(scene::Table table, scene::SceneReader& reader) {
   auto& run = reader.scene.task<analysis::motion::RunOptions>();
-  read_stepping(table, reader);
+  scene::read_stepping(table, reader);
   const auto* type = table.find("type");
   if (type) {
     auto known = analysis::motion::solver_names();
@@ -193,10 +165,7 @@ void read(scene::SceneReader& reader) {
   }
   read_table(scene::Table(reader.need("run", "duration and start"), "run"), reader);
   if (auto solver = reader.root.table("solver")) read_solver(*solver, reader);
-  if (reader.scene.block && !reader.scene.task<analysis::motion::RunOptions>().stepping)
-    throw InputError(
-        "the motion of a block goes by steps of a given length: give [solver] with scheme = \"average-acceleration\" "
-        "and step (s)");
+  scene::require_stepping_of_block(reader.scene);
 }
 
 using analysis::motion::SlipEvents;

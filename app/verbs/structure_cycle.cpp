@@ -1,15 +1,19 @@
-/// Periodic motion of a structure as a result: metrics, switches, multipliers, table and picture.
+/// Periodic motion of a structure, or of an oscillator that is followed by steps, as a result: metrics, switches,
+/// multipliers, table and picture.
 #include "app/verbs/structure_cycle.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/stepped_cycle.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/scene.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/verbs/job.hpp"
 
 namespace rosin::app::verbs {
@@ -64,15 +68,20 @@ Status perform_structure_cycle(Job& job) {
   options.tolerance = job.request().tolerance.value_or(options.tolerance);
   options.stick_threshold = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
   options.exponent = true;
-  const auto& structure = scene.structure->structure;
-  const double drive = common_period(structure);
-  job.explain("structure of {} coordinates and {} contacts, followed from the start until it recurs", structure.size(),
-              structure.contacts.size());
+  const auto* stepped = scene::stepped_of(scene);
+  const double drive = stepped ? stepped->drive_period : common_period(scene.structure->structure);
+  if (stepped)
+    job.explain("followed by steps from the start until it recurs, and then again by finer ones");
+  else
+    job.explain("structure of {} coordinates and {} contacts, followed from the start until it recurs",
+                scene.structure->structure.size(), scene.structure->structure.contacts.size());
   job.explain("{}", drive > 0 ? fmt::format("section: each period of the drive, {:.9g} s", drive)
                               : "section: the maxima of the coordinate that moves most");
-  job.explain("then closed by Newton's method at two tolerances or more, with derivatives exact through stick");
+  if (!stepped)
+    job.explain("then closed by Newton's method at two tolerances or more, with derivatives exact through stick");
   const auto begin = std::chrono::steady_clock::now();
-  const auto cycle = analysis::cycles::find_cycle(*scene.structure, options);
+  const auto cycle = stepped ? analysis::cycles::find_cycle(*stepped, options)
+                             : analysis::cycles::find_cycle(*scene.structure, options);
   auto& manifest = job.manifest();
   manifest.tolerance_asked = options.tolerance;
   manifest.cost = {{"seconds", seconds_since(begin)},
@@ -89,8 +98,14 @@ Status perform_structure_cycle(Job& job) {
   };
   say("period");
   if (drive > 0 && cycle.returns > 1) job.say("a period of the motion is {} of the drive", cycle.returns);
+  const auto is_extreme_of_coordinate = [&](std::string_view metric) {
+    const auto first = stepped->channels.begin();
+    return std::any_of(first, first + stepped->coordinates, [&](const auto& channel) {
+      return metric == channel.name + "_max" || metric == channel.name + "_min";
+    });
+  };
   for (const auto& [name, measure] : cycle.metrics)
-    if (name != "period" && is_told(name)) say(name);
+    if (name != "period" && (is_told(name) || (stepped && is_extreme_of_coordinate(name)))) say(name);
   manifest.tolerance_reached = reached.value();
   if (!cycle.multipliers.empty())
     job.say("{}: largest multiplier {}", cycle.stable ? "stable" : "unstable",

@@ -1,4 +1,4 @@
-/// The verb cycle for structures, and for sliders under a drive that varies.
+/// The verb cycle for structures, sliders under a drive that varies, and oscillators that are followed by steps.
 #pragma once
 #include <string_view>
 

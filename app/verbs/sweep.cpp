@@ -6,18 +6,19 @@
 #include <cmath>
 
 #include "analysis/motion/structure_record.hpp"
-#include "analysis/planes/structure_map.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/output/planes.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/scene/string.hpp"
 #include "app/scene/structure.hpp"
 #include "app/tasks/bowing.hpp"
 #include "app/tasks/sweep.hpp"
 #include "app/verbs/job.hpp"
+#include "app/verbs/plane_job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/string_verbs.hpp"
@@ -53,10 +54,20 @@ void read_axis(scene::Table& table, scene::Scene& scene) {
   });
 }
 
+/// What is recorded of the motion at a moment: coordinates first.
+std::vector<std::string> columns_of(const scene::Scene& scene) {
+  std::vector<std::string> names;
+  if (const auto* stepped = scene::stepped_of(scene)) {
+    for (const auto& channel : stepped->channels) names.push_back(channel.name);
+    return names;
+  }
+  const oscillators::StructureSystem system(scene.structure->structure);
+  return analysis::motion::StructureRecord(system).names;
+}
+
 void read_metrics(scene::Table& table, scene::Scene& scene) {
   auto& metrics = scene.task<tasks::Sweep>().options.metrics;
-  const auto& structure = scene.structure->structure;
-  metrics = {"period", structure.names.front() + "_amplitude"};
+  metrics = {"period", columns_of(scene).front() + "_amplitude"};
   const auto* given = table.find("metrics");
   if (!given) return;
   if (scene.task<tasks::Sweep>().options.record != Record::metrics)
@@ -64,25 +75,24 @@ void read_metrics(scene::Table& table, scene::Scene& scene) {
   metrics = scene::texts(*given, table.path("metrics"));
   if (metrics.empty()) scene::fail(given->source(), "sweep.metrics is empty");
   for (std::size_t i = 0; i < metrics.size(); ++i)
-    scene::located(given->as_array()->get(i)->source(),
-                   [&] { analysis::planes::metrics_of_structure(structure, {metrics[i]}); });
+    scene::located(given->as_array()->get(i)->source(), [&] { metrics_of(scene, {metrics[i]}); });
 }
 
 /// The column that is shown, and the coordinate whose maxima are the section: that of the column, if it is of one.
 void read_column(scene::Table& table, scene::Scene& scene) {
   auto& sweep = scene.task<tasks::Sweep>();
   const auto* column = table.find("column");
-  const auto& structure = scene.structure->structure;
   if (sweep.options.record == Record::metrics) {
     if (column) scene::fail(column->source(), "sweep.column has no effect on metrics");
     return;
   }
-  const oscillators::StructureSystem system(structure);
-  const auto known = analysis::motion::StructureRecord(system).names;
+  const auto known = columns_of(scene);
   sweep.column = known.front();
   if (column) sweep.column = scene::choice(*column, table.path("column"), known);
-  for (int i = 0; i < structure.size(); ++i)
-    if (sweep.column == structure.names[i] || sweep.column == analysis::motion::velocity_name(structure.names[i]))
+  const auto* stepped = scene::stepped_of(scene);
+  const int coordinates = stepped ? stepped->coordinates : scene.structure->structure.size();
+  for (int i = 0; i < coordinates; ++i)  // their velocities follow them
+    if (sweep.column == known[std::size_t(i)] || sweep.column == known[std::size_t(coordinates + i)])
       sweep.options.watch = i;
 }
 
@@ -132,10 +142,11 @@ void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   const auto& sweep = reader.need("sweep", "the parameter, its values, and what is recorded");
-  if (scene.plane) return;
   if (scene.string) return read_sweep_of_strings(reader, scene::Table(sweep, "sweep"));
-  scene::read_structure_model(reader);
-  common_period(scene.structure->structure);  // refuses a drive that has none
+  if (!scene::read_stepped(reader)) {
+    scene::read_structure_model(reader);
+    common_period(scene.structure->structure);  // refuses a drive that has none
+  }
   scene.family = std::make_shared<scene::Family>(reader, "sweep");
   read_table(scene::Table(sweep, "sweep"), scene);
 }
@@ -201,13 +212,12 @@ std::string document_of(const scene::Scene& scene, const Sweep& sweep, double se
 /// The journal beside the results, with what an interrupted run of the same sweep has left there.
 void open_journal(std::optional<SweepJournal>& journal, const Job& job, const scene::Scene& scene) {
   const auto& options = scene.task<tasks::Sweep>().options;
-  const auto& structure = scene.structure->structure;
   std::vector<analysis::planes::PlaneMetric> metrics;
   std::size_t columns = 0;
   if (options.record != Record::metrics)
-    columns = analysis::motion::StructureRecord(oscillators::StructureSystem(structure)).names.size();
+    columns = columns_of(scene).size();
   else
-    metrics = analysis::planes::metrics_of_structure(structure, options.metrics);
+    metrics = metrics_of(scene, options.metrics);
   journal.emplace(job.results() / "sweep.partial", journal_key(scene, options.tolerance, "sweep"),
                   options.axis.values.size(), columns, std::move(metrics));
 }
@@ -224,13 +234,17 @@ Status perform_sweep(Job& job) {
   const bool of_metrics = options.record == Record::metrics;
   job.explain("{} values of {}, {}", axis.values.size(), axis.parameter,
               options.anew ? "each from the scene's start" : "each from the motion at the value before");
+  const auto* stepped = scene::stepped_of(scene);
+  const double drive_period = stepped           ? stepped->drive_period
+                              : scene.structure ? common_period(scene.structure->structure)
+                                                : 0;
   if (!of_metrics)
     job.explain("{} returns of transient, then {} are recorded: {}", options.transient, options.keep,
-                options.record == Record::extrema               ? "maxima and minima of the displacement"
-                : common_period(scene.structure->structure) > 0 ? "the moment t = 0 of the drive"
-                                                                : "maxima of the displacement");
+                options.record == Record::extrema ? "maxima and minima of the displacement"
+                : drive_period > 0                ? "the moment t = 0 of the drive"
+                                                  : "maxima of the displacement");
   std::optional<SweepJournal> journal;
-  if (scene.structure) {
+  if (!scene.string) {
     open_journal(journal, job, scene);
     if (!journal->lost().empty()) job.note(journal->lost());
     if (const auto known = journal->known_count()) job.note(fmt::format("going on from {} finished values", known));
@@ -245,8 +259,18 @@ Status perform_sweep(Job& job) {
         .progress = [&](std::size_t done, std::size_t total) { progress.show(done, total); },
         .known = [&](bool up, std::size_t value) { return journal->known(up, value); },
         .finished = [&](bool up, std::size_t value, const SweepPoint& point) { journal->append(up, value, point); }};
-    const auto at = [&](double value) { return scene.family->with({{axis.parameter, value}}); };
-    sweep = analysis::planes::sweep(at, options, hooks);
+    if (stepped)
+      sweep = analysis::planes::sweep(
+          [&](double value) {
+            return scene.family->stepped_with({{axis.parameter, value}});
+          },
+          options, hooks);
+    else
+      sweep = analysis::planes::sweep(
+          [&](double value) {
+            return scene.family->with({{axis.parameter, value}});
+          },
+          options, hooks);
   }
   const bool stopped = sweep.outcome.ending == Ending::interrupted;
   if (stopped) sweep.outcome.detail += "; the same command goes on from there";

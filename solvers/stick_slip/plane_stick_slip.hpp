@@ -44,6 +44,8 @@ class PlaneStickSlip {
   double time() const { return t1_; }
   double time_before() const { return t0_; }
   bool sticking() const { return stick_; }
+  const PlaneVector& displacement() const { return x_; }  ///< at time()
+  const PlaneVector& velocity() const { return v_; }
 
   struct Seen {
     PlaneVector displacement, velocity, friction;

@@ -364,8 +364,9 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
       {"run", run("[run]\nduration = 1\n[solver]\ntype = 'lanes'"), "is that of maps"},
       {"run", run("[run]\nduration = 1\n[solver]\ntype = 'cfm'\nwindow = 1"), "only for o-fbfm"},
       {"run", run("[run]\nduration = 1\n[solver]\nstep = 1"), "no meaning for solver 'auto'"},
-      {"cycle", "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nspeed = 0\nnormal_load = 1",
-       "scene.toml:4:8: oscillator.type = 'plane-slider' serves run only, not 'cycle'"},
+      {"branch", "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nspeed = 0\nnormal_load = 1",
+       "scene.toml:4:8: oscillator.type = 'plane-slider' serves run, stability, cycle, map, sweep, lyapunov, basin "
+       "only, not 'branch': its cycles are found by following the motion"},
       {"frf", structure(""),
        "scene.toml:4:8: oscillator.type = 'structure' serves run, stability, cycle, map, sweep, branch, lyapunov, "
        "basin only, "

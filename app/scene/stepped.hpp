@@ -1,0 +1,20 @@
+/// Oscillators that are followed by steps of their own, a plane slider and a block: with the start of [cycle], and the
+/// steps of [solver].
+#pragma once
+#include "analysis/motion/stepped_oscillator.hpp"
+#include "app/scene/reader.hpp"
+
+namespace rosin::app::scene {
+
+/// After law and oscillator: reads how the oscillator is followed, if it is one that is followed by steps.
+/// \returns whether it is
+bool read_stepped(SceneReader&);
+/// The oscillator that was read so; null: another one is in the scene.
+const analysis::motion::SteppedOscillator* stepped_of(const Scene&);
+
+/// [solver] scheme, step and spectral_radius: steps of a given length for a structure.
+void read_stepping(Table&, SceneReader&);
+/// \throws InputError for a block without them
+void require_stepping_of_block(const Scene&);
+
+}  // namespace rosin::app::scene
