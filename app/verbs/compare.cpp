@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "analysis/cycles/cycle.hpp"
+#include "analysis/cycles/stepped_cycle.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/inference/discrimination.hpp"
 #include "analysis/inference/equalise.hpp"
@@ -25,6 +26,7 @@
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/tasks/curve.hpp"
 #include "app/tasks/frf.hpp"
@@ -540,10 +542,12 @@ output::Comparison compare_cycles(const scene::Scene& scene) {
     const auto& member = members[k].scene;
     auto how = member.task<analysis::cycles::CycleOptions>();
     how.tolerance = tolerance;
-    if (member.structure)
-      add(k, analysis::cycles::find_cycle(
-                 *member.structure,
-                 {.tolerance = tolerance, .stick_threshold = how.stick_threshold, .multipliers = false}));
+    const analysis::cycles::StructureCycleOptions many{
+        .tolerance = tolerance, .stick_threshold = how.stick_threshold, .multipliers = false};
+    if (const auto* stepped = scene::stepped_of(member))
+      add(k, analysis::cycles::find_cycle(*stepped, many));
+    else if (member.structure)
+      add(k, analysis::cycles::find_cycle(*member.structure, many));
     else
       add(k, analysis::cycles::find_cycle(member.model, how));
   }
@@ -648,7 +652,7 @@ Status side_by_side(Job& job) {
   std::string header(34, ' ');
   for (const auto& member : compare.members) header += fmt::format("  {:>28}", member.name);
   job.say("{}", header);
-  const bool many = protocol == "cycle" && scene.structure;
+  const bool many = protocol == "cycle" && (scene.structure || scene.plane);
   for (const auto& row : comparison.rows) {
     if (many && !is_told(row.metric)) continue;
     std::string line = fmt::format("{:<34}", row.metric);
