@@ -21,6 +21,7 @@ namespace {
 
 constexpr int most_returns_in_period = 32;
 constexpr int periods_measured = 3;
+constexpr long most_returns_averaged = 200;  ///< for the exponent of a motion without a period
 
 /// One list of metrics: names with units and meanings, and their values in a period.
 class PeriodMetrics {
@@ -53,7 +54,7 @@ class PeriodMetrics {
       double low = infinity, high = -infinity, integral = 0;
       for (const auto& one : returns)
         low = std::min(low, one.low[c]), high = std::max(high, one.high[c]), integral += one.integral[c];
-      if (kind == Channel::Kind::part) values[name] = integral / duration;
+      if (kind == Channel::Kind::part) values[name] = std::min(integral / duration, 1.0);
       if (kind == Channel::Kind::rate) values[name] = integral;
       if (kind != Channel::Kind::value) continue;
       values[name + "_max"] = high, values[name + "_min"] = low;
@@ -127,7 +128,7 @@ class SteppedSearch {
   }
 
  private:
-  static constexpr int most_crossings = 1000;
+  static constexpr int most_crossings = 500;
   static constexpr double alike = 1e-2;  ///< over the range: returns of periods that keep to each other's neighbourhood
   static constexpr double small = 1e-6;  ///< over the largest displacement: what counts as rest
 
@@ -171,6 +172,9 @@ class SteppedSearch {
         if (ranges_.size() <= 8) near_start_ = farthest_;
       }
     }
+    double widest = 0;  // range of a coordinate in this return
+    for (int i = 0; i < oscillator_.coordinates; ++i) widest = std::max(widest, one.high[i] - one.low[i]);
+    widths_.push_back(widest);
     // A coordinate that hardly moves is compared by those that do, of its unit.
     const auto ranges = size_;
     constexpr double hardly = 1e-3;
@@ -217,7 +221,21 @@ class SteppedSearch {
       }
     }
     away_.push_back(std::move(away));
-    if (result_.crossings % 50 == 0 && result_.crossings >= 150) look_for_neighbourhood();
+    if (result_.crossings % 50 != 0 || result_.crossings < 150) return;
+    if (creeps_to_rest()) {
+      result_.settled = Settled::rest;
+      result_.outcome = {Ending::none_exists, "the motion comes to rest, by slips that grow ever smaller"};
+    } else {
+      look_for_neighbourhood();
+    }
+  }
+
+  /// Under a periodic drive slips may move a mass to where friction holds it, by less each time and by no factor.
+  bool creeps_to_rest() const {
+    constexpr double smaller = 0.7, beside_all = 0.1;
+    const std::size_t n = widths_.size();
+    return oscillator_.driven() && widths_[n - 1] < smaller * widths_[n / 2] &&
+           widths_[n / 2] < smaller * widths_[n / 4] && widths_[n - 1] < beside_all * farthest_;
   }
 
   /// Periods that neither come nearer to each other nor leave: the largest distance over the last returns is what it
@@ -269,6 +287,7 @@ class SteppedSearch {
   };
   std::deque<Extremes> ranges_;
   std::vector<double> size_;
+  std::vector<double> widths_;             ///< of each return, the range of the coordinate that moves most
   std::vector<std::vector<double>> away_;  ///< [return][m], from that m returns before
   double nearest_ = infinity, farthest_ = 0, near_start_ = 0;
   Periods result_;
@@ -317,7 +336,7 @@ SteppedCycle find_cycle(const SteppedOscillator& oscillator, const StructureCycl
   if (coarse.returns == 0) {
     if (options.exponent && cycle.outcome.ending == Ending::budget_spent && coarse.crossings > 0) {
       cycle.exponent = largest_exponent(oscillator, options.tolerance, coarse.time, coarse.end, coarse.mean_return,
-                                        coarse.crossings);
+                                        std::min(coarse.crossings, most_returns_averaged));
       cycle.outcome = outcome_of(cycle.exponent, coarse.crossings, cycle.outcome);
     }
     return cycle;

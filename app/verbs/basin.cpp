@@ -128,10 +128,10 @@ void read_starts(scene::Table& table, scene::Scene& scene) {
   if (refine) {
     if (!refine->is_boolean()) scene::wrong_kind(*refine, table.path("refine"), "true or false");
     if (*refine->value<bool>()) task.refined_columns = int(x.values.size());
-    if (stepped && task.refined_columns > 0)
-      scene::fail(refine->source(), "basin.refine serves structures: here every start is followed to its end");
   }
   if (stepped) {
+    if (refine)
+      scene::fail(refine->source(), "basin.refine serves structures: here every start is followed to its end");
     if (start)
       scene::fail(start->source(),
                   "basin.start has no effect: what basin.x and basin.y leave is as cycle.start has it");

@@ -102,6 +102,27 @@ TEST_CASE("a plane slider on a belt slides steadily, with friction over speed as
   CHECK(ask(folder, "cycle", belt).status == 1);  // it comes to steady sliding
 }
 
+TEST_CASE("along its slip a plane slider has the eigenvalues of the slider, with states too", "[app][plane]") {
+  const Folder folder;
+  const std::string ageing = "[law]\ntype = 'ageing'\nmu0 = 0.55\na = 0.015\nb = 0.028\nL = 0.12\nv0 = 0.08\n";
+  const auto plane = answer(folder, "stability",
+                            ageing +
+                                "[oscillator]\ntype = 'plane-slider'\nmass = 1\nstiffness = [1.5, "
+                                "1.5]\ndamping = [0, 0]\n[drive]\nspeed = [0.06, 0.08]\n"
+                                "normal_load = 6.5\n");
+  const auto one =
+      answer(folder, "stability",
+             ageing + "[oscillator]\nmass = 1\nstiffness = 1.5\n[drive]\nspeed = 0.1\nnormal_load = 6.5\n");
+  REQUIRE(plane["eigenvalues"].size() == 5);
+  for (const auto& wanted : one["eigenvalues"]) {
+    double nearest = 1;
+    for (const auto& z : plane["eigenvalues"])
+      nearest = std::min(nearest, std::hypot(z[0].get<double>() - wanted[0].get<double>(),
+                                             z[1].get<double>() - wanted[1].get<double>()));
+    CHECK(nearest < 1e-10);
+  }
+}
+
 TEST_CASE("a block answers by its steps", "[app][block]") {
   const Folder folder;
   const auto cycle = answer(folder, "cycle", block + "[cycle]\nstart = { tilt = 1e-2 }\n");
