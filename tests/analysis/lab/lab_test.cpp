@@ -1,4 +1,5 @@
 /// The virtual laboratory against closed forms, published relaxations and its own stated errors.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <complex>
@@ -547,25 +548,21 @@ TEST_CASE("readings agree with those of a finer record within the errors of both
     }
 }
 
-TEST_CASE("experiments run on laws of every kind, or say why not", "[lab][long]") {
-  std::size_t number = 0;
-  for (const auto& experiment : experiments()) {
-    std::size_t place = number++;
+TEST_CASE("every experiment runs on every law, or says why not", "[lab][long]") {
+  for (const auto& experiment : experiments())
     for (const auto& law : laws::catalogue()) {
-      if (place++ % 3 != 0) continue;  // each experiment on some laws, each law in some: all take a minute
       INFO(experiment.name << " on " << law->card().name);
       try {
         const auto result = experiment.perform(task_for(experiment, law));
         CHECK((result.outcome.complete() || !result.outcome.detail.empty()));
         for (const auto& column : result.record.columns)
-          for (const double value : column) REQUIRE(std::isfinite(value));
+          REQUIRE(std::ranges::all_of(column, [](double value) { return std::isfinite(value); }));
         for (const auto& reading : result.readings) CHECK((reading.error >= 0 || std::isnan(reading.value)));
       } catch (const InputError& error) {
         CHECK_THAT(error.what(),
                    Catch::Contains("drive.speed reaches or passes 0"));  // sticks and remembers: no imposed slip
       }
     }
-  }
 }
 
 TEST_CASE("experiments refuse what is not theirs", "[lab]") {

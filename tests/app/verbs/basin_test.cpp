@@ -83,7 +83,7 @@ TEST_CASE("wrong keys of a basin are refused with their range or the nearest nam
   CHECK_THAT(alone.error, Contains("the scene has no [basin]"));
 }
 
-TEST_CASE("refined borders say which starts were followed, and are refused for random starts", "[app][basin]") {
+TEST_CASE("refined borders say which starts were followed, and are refused for random starts", "[app][basin][long]") {
   const Folder folder;
   const std::string grid = "--set basin.x.points=33 --set basin.y.points=33 --set basin.points=3 --no-pictures ";
   REQUIRE(run_rosin(folder, command + grid + "--out full").status == 0);

@@ -100,7 +100,7 @@ TEST_CASE("a branch tells the cycles of the normal form beside its own", "[app][
 }
 
 TEST_CASE("steady sliding that is asked for is told, whether or not the motion beside it settles on a cycle",
-          "[app][branches]") {
+          "[app][branches][long]") {
   const Folder folder;
   write(folder, "belt.toml", R"(
 [law]

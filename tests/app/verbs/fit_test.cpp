@@ -48,7 +48,7 @@ void check_within(const json& parameters, const std::string& path, double truth)
 
 }  // namespace
 
-TEST_CASE("a step on a layer that weakens gives the law with a trend, and a warning without", "[fit-command]") {
+TEST_CASE("a step on a layer that weakens gives the law with a trend, and a warning without", "[fit-command][long]") {
   // Made with a 0.008, b 0.005, L 12 um, machine 2500 1/m and a trend of -7 1/m of displacement, noise 5e-4.
   const Folder folder;
   const std::string step = "from = '10 um/s', to = '30 um/s', standard_error = 5e-4";
@@ -302,7 +302,7 @@ TEST_CASE("a record whose sensor never reads 0 at rest gives the friction of sli
 }
 
 TEST_CASE("holds of a slip law fitted by the ageing law are warned of, and each law has its own table",
-          "[fit-command]") {
+          "[fit-command][long]") {
   // Made with the slip law: a 0.0072, b 0.0098, L 14 um, machine 2100 1/m, independent noise of 3e-4.
   const Folder folder;
   const std::string law = "mu0 = 0.63, v0 = '10 um/s', L = '20 um', contact_stiffness = { per_load = 2000 } }\n";
