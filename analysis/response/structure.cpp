@@ -26,19 +26,6 @@ using ComplexMatrix = Eigen::MatrixXcd;
 
 namespace {
 
-Matrix matrix_of(const std::vector<double>& entries, int n, const char* name) {
-  if (int(entries.size()) != n * n)
-    throw InputError(fmt::format("{} has {} entries, but {} coordinates need {}", name, entries.size(), n, n * n));
-  return Eigen::Map<const RowMajor>(entries.data(), n, n);
-}
-
-Eigen::VectorXd vector_of(const std::vector<double>& entries, int n, const char* name) {
-  if (int(entries.size()) != n)
-    throw InputError(fmt::format("the {} direction of a contact has {} entries, the structure {} coordinates", name,
-                                 entries.size(), n));
-  return Eigen::Map<const Eigen::VectorXd>(entries.data(), n);
-}
-
 /// Structure and contacts with everything checked.
 struct Assembly {
   int n;
@@ -52,17 +39,27 @@ struct Assembly {
   NormalContact normal;
 
   Assembly(const Structure& structure, const Model& model, const std::optional<NormalContact>& given)
-      : n(structure.size()), response(model), normal(given.value_or(NormalContact{})) {
-    if (n == 0) throw InputError("a structure needs a contact");
-    M = matrix_of(structure.M, n, "M"), C = matrix_of(structure.C, n, "C"), K = matrix_of(structure.K, n, "K");
+      : n(structure.size()),
+        M(structure.M),
+        C(structure.C),
+        K(structure.K),
+        response(model),
+        normal(given.value_or(NormalContact{})) {
+    if (structure.contacts.empty()) throw InputError("a structure needs a contact");
+    for (const auto& [name, matrix] : {std::pair{"M", &M}, {"C", &C}, {"K", &K}})
+      if (matrix->rows() != n || matrix->cols() != n)
+        throw InputError(fmt::format("{} has {} × {} entries, but {} coordinates need {} × {}", name, matrix->rows(),
+                                     matrix->cols(), n, n, n));
     if (!M.allFinite() || !C.allFinite() || !K.allFinite()) throw InputError("M, C and K must be finite");
     if (Eigen::FullPivLU<Matrix>(M).rank() < n) throw InputError("M is singular: every coordinate needs a mass");
     for (const auto& contact : structure.contacts) {
-      const bool pressed = !contact.normal.empty();
+      const bool pressed = contact.normal.size() > 0;
       if (pressed && !given)
         throw InputError("a contact with a normal direction needs the normal contact: stiffness and damping");
-      contacts.push_back({vector_of(contact.tangential, n, "tangential"),
-                          pressed ? vector_of(contact.normal, n, "normal") : Eigen::VectorXd::Zero(n).eval(), pressed});
+      if (contact.tangential.size() != n || (pressed && (contact.normal.rows() != n || contact.normal.cols() != 1)))
+        throw InputError(fmt::format("the directions of a contact need an entry for each of {} coordinates", n));
+      contacts.push_back(
+          {contact.tangential, pressed ? contact.normal.col(0).eval() : Eigen::VectorXd::Zero(n).eval(), pressed});
     }
   }
 
@@ -243,33 +240,38 @@ std::vector<Eigenvalue> eigenvalues(const Assembly& assembly) {
 
 }  // namespace
 
+namespace {
+
+/// What a structure has of a contact here: where it slips, and along what it is pressed (empty: the load is given).
+oscillators::FrictionContact directions(Eigen::VectorXd tangential, Eigen::MatrixXd normal = {}) {
+  oscillators::FrictionContact contact;
+  contact.tangential = std::move(tangential), contact.normal = std::move(normal);
+  return contact;
+}
+
+}  // namespace
+
 Structure modal(const std::vector<Mode>& modes) {
-  Structure s;
-  const std::size_t n = modes.size();
-  s.M.assign(n * n, 0), s.C = s.M, s.K = s.M;
-  Structure::Contact contact;
-  bool pressed = false;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto& mode = modes[i];
+  const auto n = Eigen::Index(modes.size());
+  Structure s{Matrix::Zero(n, n), Matrix::Zero(n, n), Matrix::Zero(n, n), {}, {}, {}, {}, {}, {}};
+  auto contact = directions(Eigen::VectorXd(n), Eigen::VectorXd(n));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& mode = modes[std::size_t(i)];
     const double omega = 2 * std::numbers::pi * mode.frequency;
-    s.M[i * n + i] = mode.mass;
-    s.C[i * n + i] = 2 * mode.damping_ratio * omega * mode.mass;
-    s.K[i * n + i] = omega * omega * mode.mass;
-    contact.tangential.push_back(mode.tangential);
-    contact.normal.push_back(mode.normal);
-    pressed = pressed || mode.normal != 0;
+    s.M(i, i) = mode.mass;
+    s.C(i, i) = 2 * mode.damping_ratio * omega * mode.mass;
+    s.K(i, i) = omega * omega * mode.mass;
+    contact.tangential[i] = mode.tangential, contact.normal(i, 0) = mode.normal;
   }
-  if (!pressed) contact.normal.clear();
-  s.contacts.push_back(contact);
+  if (contact.normal.isZero(0)) contact.normal.resize(0, 0);
+  s.contacts.push_back(std::move(contact));
   return s;
 }
 
 Complex receptance(const Structure& structure, Complex s) {
-  const int n = structure.size();
-  const ComplexMatrix D = s * s * matrix_of(structure.M, n, "M").cast<Complex>() +
-                          s * matrix_of(structure.C, n, "C").cast<Complex>() +
-                          matrix_of(structure.K, n, "K").cast<Complex>();
-  const ComplexMatrix t = vector_of(structure.contacts.front().tangential, n, "tangential").cast<Complex>();
+  const ComplexMatrix D =
+      s * s * structure.M.cast<Complex>() + s * structure.C.cast<Complex>() + structure.K.cast<Complex>();
+  const ComplexMatrix t = structure.contacts.front().tangential.cast<Complex>();
   return (t.transpose() * D.partialPivLu().solve(t))(0, 0);
 }
 
@@ -349,7 +351,11 @@ Structure SlidingStructure::structure() const {
   if (const auto* matrices = std::get_if<Structure>(&form)) return *matrices;
   const auto& slider = model.slider;
   if (!(slider.mass > 0)) throw InputError("the slider needs a mass (oscillator.mass, kg) to be a structure");
-  return {{slider.mass}, {slider.damping}, {slider.stiffness}, {{{1}, {}}}};
+  const auto number = [](double x) { return Matrix::Constant(1, 1, x); };
+  Structure structure;
+  structure.M = number(slider.mass), structure.C = number(slider.damping), structure.K = number(slider.stiffness);
+  structure.contacts = {directions(Eigen::VectorXd::Ones(1))};
+  return structure;
 }
 
 std::vector<SlidingStructure::Entry> SlidingStructure::entries() const {
@@ -371,7 +377,7 @@ std::vector<SlidingStructure::Entry> SlidingStructure::entries() const {
       list.push_back({{fmt::format("structure.{}", name), "1", {1e-12, 1e12}, "factor on the matrix"},
                       1,
                       [member = member](SlidingStructure& changed, double factor) {
-                        for (double& entry : std::get<Structure>(changed.form).*member) entry *= factor;
+                        std::get<Structure>(changed.form).*member *= factor;
                       }});
   if (normal)
     for (const auto& f : normal_contact_fields)

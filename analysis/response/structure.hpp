@@ -15,20 +15,11 @@
 #include <vector>
 
 #include "analysis/response/frf.hpp"
+#include "oscillators/structure.hpp"
 
 namespace rosin::analysis::response {
 
-/// Row-major matrices of n coordinates, and the directions of the contacts.
-struct Structure {
-  std::vector<double> M, C, K;
-  struct Contact {
-    std::vector<double> tangential;  ///< n entries
-    std::vector<double> normal;      ///< n entries, or empty: the load does not change
-  };
-  std::vector<Contact> contacts;
-
-  int size() const { return contacts.empty() ? 0 : int(contacts.front().tangential.size()); }
-};
+using oscillators::Structure;
 
 /// A mode: its frequency (Hz), damping ratio, modal mass (kg), and amplitudes at the contact.
 struct Mode {
@@ -41,7 +32,7 @@ inline constexpr Field<Mode, double> mode_fields[] = {
     field(&Mode::mass, "mass", "kg", {1e-12, 1e12}, "modal mass"),
     field(&Mode::tangential, "tangential", "1", {-1e15, 1e15}, "amplitude at the contact along slip"),
     field(&Mode::normal, "normal", "1", {-1e15, 1e15}, "amplitude at the contact, pressing")};
-/// Modes at one contact as matrices.
+/// Modes at one contact as matrices; the contact has its directions alone.
 Structure modal(const std::vector<Mode>&);
 
 /// A structure in sliding contact, every contact of which answers as the model does at its load, with the parameters
@@ -86,7 +77,8 @@ struct ClosedLoop {
   double margin = 0, margin_frequency = 0;
 };
 
-/// Every contact answers as the model does at its load. `normal`: as FrictionResponse::matrix takes it, stiffness and
+/// Of the structure's matrices and the directions of its contacts, each of which answers as the model does at its load.
+/// `normal`: as FrictionResponse::matrix takes it, stiffness and
 /// damping. \throws InputError for matrices that do not fit, a mass matrix without inverse, a contact that is unstable
 /// by itself.
 ClosedLoop close_loop(const Structure&, const Model&, const std::optional<NormalContact>& normal = {});

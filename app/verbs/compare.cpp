@@ -227,6 +227,10 @@ void read(scene::SceneReader& reader) {
   table.finish();
   if (design && compare.noise.empty())
     scene::fail(table.source(), "compare.noise is needed for a design: the noise of each metric that is measured");
+  if (as_protocol.verb == "run") reader.note_unread({"run.spectrum"}, "'compare' lays motions over each other");
+  if (as_protocol.verb == "frf")
+    reader.note_unread({"frf.sensitivities", "frf.family", "frf.structure", "frf.normal", "frf.normal_contact"},
+                       "'compare' lays tangential responses over each other");
   if (!design)
     reader.note_unread({"compare.noise", "compare.confidence", "compare.parameter"},
                        "only 'rosin compare --design' asks for it");

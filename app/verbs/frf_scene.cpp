@@ -178,30 +178,30 @@ tasks::FrfUse read_use(scene::Table table, const scene::Scene& scene, const toml
     if (read.empty()) scene::fail(modes->source(), "frf.structure.modes is empty");
     use.sliding.form = std::move(read);
   } else if (M) {
-    Eigen::Index size = 0;
-    analysis::response::Structure structure;
+    oscillators::Structure structure;
     const auto matrix = [&](const toml::node& node, const char* key, const char* unit, const char* meaning) {
-      const auto read = scene::read_matrix(node, {table.path(key), unit, any, meaning}, size, folder);
-      size = read.rows();
-      std::vector<double> row_major;
-      for (const auto row : read.rowwise()) row_major.insert(row_major.end(), row.begin(), row.end());
-      return row_major;
+      return scene::read_matrix(node, {table.path(key), unit, any, meaning}, structure.M.rows(), folder);
     };
     structure.M = matrix(*M, "M", "kg", "mass");
     structure.K = matrix(table.required("K", "stiffness, N/m"), "K", "N/m", "stiffness");
-    structure.C = C ? matrix(*C, "C", "N s/m", "damping") : std::vector<double>(std::size_t(size * size), 0.0);
+    structure.C = C ? matrix(*C, "C", "N s/m", "damping") : Eigen::MatrixXd::Zero(structure.size(), structure.size());
     if (!contacts) scene::fail(table.source(), "frf.structure.contacts is needed: tables with a tangential direction");
     for (const auto& element : scene::list(*contacts, table.path("contacts"), "tables", scene::most_names)) {
       scene::Table keys(element, table.path("contacts"));
       keys.expect({"tangential", "normal"});
-      analysis::response::Structure::Contact contact;
-      const Quantity entry{"", "1", any, "direction of a contact"};
-      contact.tangential = scene::numbers(keys.required("tangential", "direction of slip"),
-                                          {keys.path("tangential"), "1", any, "direction of slip"});
+      const auto direction = [&](const toml::node& node, std::string_view key, const char* meaning) -> Eigen::VectorXd {
+        const auto entries = scene::numbers(node, {keys.path(key), "1", any, meaning});
+        if (int(entries.size()) != structure.size())
+          scene::fail(node.source(), "{} has {} entries for {} coordinates", keys.path(key), entries.size(),
+                      structure.size());
+        return Eigen::Map<const Eigen::VectorXd>(entries.data(), structure.size());
+      };
+      auto& contact = structure.contacts.emplace_back();
+      contact.tangential =
+          direction(keys.required("tangential", "direction of slip"), "tangential", "direction of slip");
       if (const auto* normal = keys.find("normal"))
-        contact.normal = scene::numbers(*normal, {keys.path("normal"), "1", any, "direction that presses"});
+        contact.normal = direction(*normal, "normal", "direction that presses");
       keys.finish();
-      structure.contacts.push_back(std::move(contact));
     }
     use.sliding.form = std::move(structure);
   } else if (receptance) {

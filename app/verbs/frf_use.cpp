@@ -244,7 +244,7 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
     const auto spread = analysis::response::propagate(use.sliding, use.uncertain, use.samples, use.seed);
     add_uncertainty(job, stability, spread, "growth", "1/s");
   }
-  if (structure.contacts.size() == 1 && structure.contacts.front().normal.empty()) {
+  if (structure.contacts.size() == 1 && structure.contacts.front().normal.size() == 0) {
     const analysis::response::FrictionResponse response(scene.model);
     const auto loop_at = [&](double f) {
       const Complex s(0, 2 * std::numbers::pi * f);

@@ -22,7 +22,28 @@ using Complex = std::complex<double>;
 
 namespace {
 
-const Structure single{{1}, {0}, {1.09}, {{{1}, {}}}};
+/// Where a contact slips, and along what it is pressed.
+struct Directions {
+  std::vector<double> tangential, normal;
+};
+/// Matrices as lists of their rows.
+Structure matrices(const std::vector<double>& M, const std::vector<double>& C, const std::vector<double>& K,
+                   const std::vector<Directions>& contacts) {
+  const auto n = Eigen::Index(contacts.front().tangential.size());
+  const auto matrix = [&](const std::vector<double>& rows) -> Eigen::MatrixXd {
+    return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(rows.data(), n, n);
+  };
+  Structure structure;
+  structure.M = matrix(M), structure.C = matrix(C), structure.K = matrix(K);
+  for (const auto& [tangential, normal] : contacts) {
+    auto& contact = structure.contacts.emplace_back();
+    contact.tangential = Eigen::Map<const Eigen::VectorXd>(tangential.data(), n);
+    if (!normal.empty()) contact.normal = Eigen::Map<const Eigen::VectorXd>(normal.data(), n);
+  }
+  return structure;
+}
+
+const Structure single = matrices({1}, {0}, {1.09}, {{{1}, {}}});
 
 }  // namespace
 
@@ -47,7 +68,7 @@ TEST_CASE("eigenvalues are those of the slider", "[structure]") {
     auto model =
         slider_under(law, laws::find_law(law)->values(), {.mass = 2, .stiffness = 300, .damping = 0.4}, 1e-3, 3);
     const auto expected = steady::stability(model).eigenvalues;
-    const auto found = close_loop({{2}, {0.4}, {300}, {{{1}, {}}}}, model).eigenvalues;
+    const auto found = close_loop(matrices({2}, {0.4}, {300}, {{{1}, {}}}), model).eigenvalues;
     INFO(law);
     REQUIRE(found.size() == expected.size());
     for (std::size_t i = 0; i < found.size(); ++i)
@@ -65,7 +86,8 @@ TEST_CASE("Nyquist and eigenvalues agree on 1000 random structures", "[structure
     const char* law = laws[std::size_t(k) % laws.size()];
     auto model = slider_under(law, laws::find_law(law)->values(), any_slider, decades(1e-6, 1e-2), decades(0.01, 100));
     const int n = 1 + k % 4, contacts = 1 + (k / 4) % 2;
-    Structure s;
+    std::vector<double> M, C, K;
+    std::vector<Directions> directions;
     std::vector<double> root(std::size_t(n) * n), stiff(root.size());
     for (auto* list : {&root, &stiff})
       for (double& x : *list) x = uniform(-1, 1);
@@ -77,19 +99,19 @@ TEST_CASE("Nyquist and eigenvalues agree on 1000 random structures", "[structure
           m += root[std::size_t(i * n + l)] * root[std::size_t(j * n + l)];
           stiffness += stiff[std::size_t(i * n + l)] * stiff[std::size_t(j * n + l)];
         }
-        s.M.push_back(m), s.K.push_back(scale * stiffness);
+        M.push_back(m), K.push_back(scale * stiffness);
       }
     const double loss = decades(1e-4, 1e-2) / std::sqrt(scale);
-    for (const double x : s.K) s.C.push_back(loss * x);
+    for (const double x : K) C.push_back(loss * x);
     const bool pressed = k % 3 == 0;
     for (int c = 0; c < contacts; ++c) {
-      Structure::Contact contact;
+      Directions contact;
       for (int i = 0; i < n; ++i) contact.tangential.push_back(uniform(-1, 1));
       for (int i = 0; pressed && i < n; ++i) contact.normal.push_back(uniform(-1, 1));
-      s.contacts.push_back(contact);
+      directions.push_back(contact);
     }
     const NormalContact normal{.stiffness = scale * decades(0.1, 3), .damping = 0, .lift = 0};
-    const auto loop = close_loop(s, model, normal);
+    const auto loop = close_loop(matrices(M, C, K, directions), model, normal);
     INFO(k << ": " << law << ", " << n << " coordinates, " << contacts << " contacts, pressed " << pressed);
     if (loop.unstable_by_nyquist < 0) {
       ++uncounted;
@@ -141,7 +163,7 @@ TEST_CASE("a measured response keeps the coupling of load and motion, and is sca
   // Friction that no slip rate changes leaves mode coupling: growth of 292.4 1/s at 1137.7 Hz under μ = 0.4, from
   // μ = 0.336635733 on by the eigenvalues of M s² + C s + K + k_n (n nᵀ − μ t nᵀ).
   SlidingStructure sliding;
-  sliding.form = Structure{{1, 0, 0, 1}, {20, 0, 0, 30}, {5.2e7, 1e7, 1e7, 2e7}, {{{1, 0}, {0, 1}}}};
+  sliding.form = matrices({1, 0, 0, 1}, {20, 0, 0, 30}, {5.2e7, 1e7, 1e7, 2e7}, {{{1, 0}, {0, 1}}});
   sliding.model = slider_under("coulomb", {0.6, 0.4}, any_slider, 1, 1000);
   sliding.normal = NormalContact{3e7};
   std::vector<double> hertz;
@@ -160,7 +182,7 @@ TEST_CASE("a measured response keeps the coupling of load and motion, and is sca
   CHECK(critical[0].error < 0.02);
   CHECK(critical[0].angular_frequency / (2 * std::numbers::pi) == Approx(1138).epsilon(3e-3));
   // Several contacts answer alike: on uncoupled masses the determinant is the product of their loops.
-  const Structure two{{1, 0, 0, 2}, {3, 0, 0, 5}, {1e4, 0, 0, 9e4}, {{{1, 0}, {}}, {{0, 1}, {}}}};
+  const Structure two = matrices({1, 0, 0, 2}, {3, 0, 0, 5}, {1e4, 0, 0, 9e4}, {{{1, 0}, {}}, {{0, 1}, {}}});
   const Complex Z(-4, 2), s(0, 2 * std::numbers::pi * 20);
   const auto product = (1.0 + s * Z / (s * s + 3.0 * s + 1e4)) * (1.0 + s * Z / (2.0 * s * s + 5.0 * s + 9e4));
   CHECK(std::abs(friction_loop(two, sliding.model, {}, {20}, {Z})[0] - (product - 1.0)) < 1e-12);
@@ -172,7 +194,7 @@ TEST_CASE("mode coupling under Coulomb friction: two modes merge at the friction
   const double k11 = 11e3, k22 = 0, k12 = -5e3, k_n = 10e3, m = 1;
   const double half = (k11 - (k22 + k_n)) / 2;
   const double critical = (k12 + half * half / k12) / k_n;  // negative: sliding the other way
-  Structure s{{m, 0, 0, m}, {0, 0, 0, 0}, {k11, -k12, -k12, k22}, {{{1, 0}, {0, 1}}}};
+  Structure s = matrices({m, 0, 0, m}, {0, 0, 0, 0}, {k11, -k12, -k12, k22}, {{{1, 0}, {0, 1}}});
   // with the sign of x turned, μ_c = −critical
   const NormalContact normal{.stiffness = k_n};
   for (const double part : {0.97, 1.03}) {
@@ -268,13 +290,9 @@ Flutter random_flutter(std::mt19937& random, int n, double mass_damping, double 
     flutter.damping.push_back(mass_damping + stiffness_damping * lambda[i]);
     flutter.residue.push_back(k * normal.dot(modes.col(i)) * t.dot(modes.col(i)));
   }
-  const auto rows = [&](const Eigen::MatrixXd& A) {
-    std::vector<double> list;
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j) list.push_back(A(i, j));
-    return list;
-  };
-  flutter.structure = {rows(M), rows(C), rows(K), {{{t.begin(), t.end()}, {normal.begin(), normal.end()}}}};
+  flutter.structure.M = M, flutter.structure.C = C, flutter.structure.K = K;
+  auto& contact = flutter.structure.contacts.emplace_back();
+  contact.tangential = t, contact.normal = normal;
   flutter.normal = {.stiffness = k};
   return flutter;
 }
@@ -372,7 +390,7 @@ TEST_CASE("undamped pairs merge at the friction of theory; defective structures 
   for (const auto& [K, k_n, critical, omega] : {Pair{{2, 1, 1, 2.0 / 3}, 4.0 / 3, 0.75, std::sqrt(2.0)},
                                                 Pair{{5.2e7, 1e7, 1e7, 2e7}, 3e7, 404.0 / 1200, std::sqrt(5.1e7)}}) {
     // An undamped pair of unit masses merges where 4 k12 (k12 − μ k_n) = −(k11 − k22 − k_n)²; Hoffmann et al. (2002).
-    const Structure pair{{1, 0, 0, 1}, {0, 0, 0, 0}, K, {{{1, 0}, {0, 1}}}};
+    const Structure pair = matrices({1, 0, 0, 1}, {0, 0, 0, 0}, K, {{{1, 0}, {0, 1}}});
     for (const auto& [low, high, points] : {std::tuple{0.01, 3.0, 60}, {0.01, 3.0, 61}, {0.2, 0.8, 7}}) {
       const auto found = critical_values({.form = pair,
                                           .model = slider_under("coulomb", {5.0, 0.1}, any_slider, 1, 1),
@@ -386,7 +404,7 @@ TEST_CASE("undamped pairs merge at the friction of theory; defective structures 
   }
   // Hoffmann et al. (2002): an undamped pair merges at μ = ¾; equal damping shifts the merged roots as a whole.
   for (const double damping : {0.0, 20.0}) {
-    const Structure pair{{1, 0, 0, 1}, {damping, 0, 0, damping}, {2, 1, 1, 2.0 / 3}, {{{1, 0}, {0, 1}}}};
+    const Structure pair = matrices({1, 0, 0, 1}, {damping, 0, 0, damping}, {2, 1, 1, 2.0 / 3}, {{{1, 0}, {0, 1}}});
     const auto loop = close_loop(pair, under(0.75), normal);
     CHECK(loop.marginal == (damping == 0));
     CHECK(loop.stable == (damping > 0));
@@ -398,22 +416,16 @@ TEST_CASE("undamped pairs merge at the friction of theory; defective structures 
   // unknowns.
   for (const int n : {3, 6, 9}) {
     Structure chain;
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j) {
-        chain.M.push_back(i == j), chain.C.push_back(0);
-        chain.K.push_back(i == j ? 1 : i == j + 1 ? 1 : 0);
-      }
-    std::vector<double> t(std::size_t(n), 0.0);
-    t[0] = 1;
-    chain.contacts.push_back({t, {}});
+    chain.M = Eigen::MatrixXd::Identity(n, n), chain.C = Eigen::MatrixXd::Zero(n, n);
+    chain.K = chain.M;
+    chain.K.diagonal(-1).setOnes();
+    chain.contacts.emplace_back().tangential = Eigen::VectorXd::Unit(n, 0);
     const auto loop = close_loop(chain, under(0.3));
     CHECK(loop.eigenvalues.size() == std::size_t(2 * n));
     CHECK(loop.marginal);
     const auto equal = [&] {
       Structure same = chain;
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j)
-          same.C[std::size_t(i * n + j)] = 2 * (i == j), same.K[std::size_t(i * n + j)] = i == j;
+      same.C = 2 * chain.M, same.K = chain.M;
       return same;
     }();
     // Critically damped: every eigenvalue is −1, 2n times.
@@ -454,9 +466,9 @@ TEST_CASE("parameters of the structure move stability as those of the model do",
 
   // The model's own slider as the structure follows its parameters, and factors scale matrices.
   const SlidingStructure own{{}, slider, {}};
-  CHECK(own.with("oscillator.mass", 3.0).structure().M[0] == 3);
-  const SlidingStructure matrices{Structure{{1}, {0}, {1.09}, {{{1}, {}}}}, model, {}};
-  CHECK(matrices.with("structure.K", 2.0).structure().K[0] == Approx(2.18));
+  CHECK(own.with("oscillator.mass", 3.0).structure().M(0, 0) == 3);
+  const SlidingStructure by_matrices{single, model, {}};
+  CHECK(by_matrices.with("structure.K", 2.0).structure().K(0, 0) == Approx(2.18));
 }
 
 TEST_CASE("contacts that remember the load and press themselves: eigenvalues balance the structure by hand",
@@ -468,7 +480,7 @@ TEST_CASE("contacts that remember the load and press themselves: eigenvalues bal
   auto model = slider_under("ageing", {mu0, a, b, L, v0}, any_slider, V, N);
   model.load_memory = alpha;
   const double mu = mu0 + (a - b) * std::log(V / v0);
-  const Structure s{{2, 0.3, 0.3, 1}, {4, 0, 0, 3}, {9e3, -2e3, -2e3, 5e3}, {{{1, 0.4}, {-0.3, 1}}}};
+  const Structure s = matrices({2, 0.3, 0.3, 1}, {4, 0, 0, 3}, {9e3, -2e3, -2e3, 5e3}, {{{1, 0.4}, {-0.3, 1}}});
   const NormalContact normal{.stiffness = 7e3, .damping = 11, .lift = -2};
   const auto loop = close_loop(s, model, normal);
   CHECK(loop.eigenvalues.size() == 5);
@@ -480,9 +492,8 @@ TEST_CASE("contacts that remember the load and press themselves: eigenvalues bal
     double size = 0;
     for (int i = 0; i < 2; ++i)
       for (int j = 0; j < 2; ++j) {
-        const auto k = std::size_t(2 * i + j);
         const Complex load = (normal.stiffness + normal.damping * at) * n[j] - normal.lift * at * t[j];
-        D[i][j] = at * at * s.M[k] + at * s.C[k] + s.K[k] + t[i] * (Z * at * t[j] - Y * load) + n[i] * load;
+        D[i][j] = at * at * s.M(i, j) + at * s.C(i, j) + s.K(i, j) + t[i] * (Z * at * t[j] - Y * load) + n[i] * load;
         size = std::max(size, std::abs(D[i][j]));
       }
     INFO(at);
