@@ -122,9 +122,9 @@ TEST_CASE("laws of members and contacts take other names too", "[aliases]") {
                "= 'Ruina', Dc = 3e-5 } }, { name = 'c', set = { 'law.Dc' = 4e-5 } }]\n",
            "compare");
   REQUIRE(scene.task<rosin::app::tasks::Compare>().members.size() == 3);
-  CHECK(scene.task<rosin::app::tasks::Compare>().members[1].model.law->card().name == "slip");
-  CHECK(scene.task<rosin::app::tasks::Compare>().members[1].model.get("law.L") == 3e-5);
-  CHECK(scene.task<rosin::app::tasks::Compare>().members[2].model.get("law.L") == 4e-5);
+  CHECK(scene.task<rosin::app::tasks::Compare>().members[1].scene.model.law->card().name == "slip");
+  CHECK(scene.task<rosin::app::tasks::Compare>().members[1].scene.model.get("law.L") == 3e-5);
+  CHECK(scene.task<rosin::app::tasks::Compare>().members[2].scene.model.get("law.L") == 4e-5);
   CHECK(noted(scene, "compare.members.2.law.Dc is read as compare.members.2.law.L (m)"));
 }
 

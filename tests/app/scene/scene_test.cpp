@@ -510,7 +510,7 @@ TEST_CASE("a smoothing of the solver makes every set-valued law of the scene smo
     CHECK_FALSE(scene.model.law->set_valued());
     CHECK(scene.model.law->friction({2e-3, 1}, {}) == Approx(0.3 * std::tanh(1.0)).epsilon(1e-14));
     for (const auto& member : scene.task<rosin::app::tasks::Compare>().members)
-      CHECK_FALSE(member.model.law->set_valued());
+      CHECK_FALSE(member.scene.model.law->set_valued());
     // What holds at rest is lost, which a note says of each law.
     REQUIRE(scene.notes.size() >= 1);
     CHECK_THAT(scene.notes.front(),
