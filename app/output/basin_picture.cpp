@@ -59,14 +59,14 @@ std::string title_of(const Basins::Basin& basin, bool has_share) {
   return fmt::format("cycle of {:.4g} s{}", basin.attractor.metrics.at("period").value, share);
 }
 
-/// The speed of the surface that alone touches a coordinate, if the axis is its velocity.
+/// The speed of the surface that alone touches a coordinate, if the axis is its velocity; as a slip rate it is 0.
 std::vector<double> surface_speeds(const oscillators::Structure& structure, const tasks::StartAxis& axis) {
   std::vector<double> speeds;
   for (const auto& contact : structure.contacts) {
     const auto& t = contact.tangential;
     if (!axis.is_velocity || t[axis.coordinate] == 0 || t.squaredNorm() != t[axis.coordinate] * t[axis.coordinate])
       continue;
-    const double speed = contact.speed.level() / t[axis.coordinate];
+    const double speed = axis.velocity_of(contact.speed.level() / t[axis.coordinate]);
     if (std::ranges::find(speeds, speed) == speeds.end()) speeds.push_back(speed);
   }
   return speeds;
@@ -184,7 +184,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
   for (const auto& basin : found.basins)
     if (basin.attractor.kind == Attractor::Kind::steady && (of_structure || scene.plane)) {
       const auto at = [&](const tasks::StartAxis& axis) {
-        return axis.is_velocity ? 0.0 : basin.attractor.points.front()[std::size_t(axis.coordinate)];
+        return axis.is_velocity ? axis.velocity_of(0) : basin.attractor.points.front()[std::size_t(axis.coordinate)];
       };
       curves.push_back(
           fmt::format("'+' using ({}):({}) every ::::0 with points pointtype 2 pointsize 1.1 linewidth 2 "

@@ -80,7 +80,7 @@ analysis::motion::StructureStart read_block_start(const toml::node& node, const 
 
 OscillatorType block_type() {
   return {"block",
-          {"run", "stability", "cycle", "map", "sweep", "lyapunov", "basin"},
+          {"run", "stability", "cycle", "map", "sweep", "lyapunov", "basin", "frf"},
           read,
           read_drive_of_block,
           {{"branch",

@@ -74,7 +74,7 @@ void read_plane_drive(SceneReader& reader, Table drive, bool) {
 
 OscillatorType plane_slider_type() {
   return {"plane-slider",
-          {"run", "stability", "cycle", "map", "sweep", "lyapunov", "basin"},
+          {"run", "stability", "cycle", "map", "sweep", "lyapunov", "basin", "frf"},
           read,
           read_plane_drive,
           {{"branch",

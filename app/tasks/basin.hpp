@@ -1,5 +1,6 @@
 /// What the verb basin is asked.
 #pragma once
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,13 @@ struct StartAxis {
   bool is_velocity = false;
   std::vector<double> values = {};  ///< of a grid, or the ends of the range of random starts
   std::string unit = is_velocity ? "m/s" : "m";
+  std::optional<double> surface_speed = {};  ///< m/s; of a slip rate, which is this minus the velocity
+
+  /// The velocity that a value stands for, and the value of a velocity.
+  double velocity_of(double value) const { return surface_speed ? *surface_speed - value : value; }
+  bool is_same(const StartAxis& other) const {
+    return coordinate == other.coordinate && is_velocity == other.is_velocity;
+  }
 };
 
 /// Starts over a plane of two of their values, or disturbances of steady sliding.

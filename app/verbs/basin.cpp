@@ -34,7 +34,7 @@ namespace {
 
 constexpr Range any{-1e15, 1e15};
 
-/// Every coordinate of the start, and every velocity.
+/// Every coordinate of the start, and every velocity; of one coordinate that slides the slip rate too.
 std::vector<tasks::StartAxis> axes_of(const oscillators::Structure& structure) {
   std::vector<tasks::StartAxis> axes;
   for (const bool is_velocity : {false, true})
@@ -42,6 +42,8 @@ std::vector<tasks::StartAxis> axes_of(const oscillators::Structure& structure) {
       const auto& name = structure.names[std::size_t(i)];
       axes.push_back({is_velocity ? analysis::motion::velocity_name(name) : name, i, is_velocity});
     }
+  if (structure.size() == 1 && structure.contacts.size() == 1 && structure.contacts[0].tangential[0] == 1)
+    axes.push_back({"slip_rate", 0, true, {}, "m/s", structure.contacts[0].speed.value(0)});
   return axes;
 }
 
@@ -111,7 +113,9 @@ void read_starts(scene::Table& table, scene::Scene& scene) {
       fmt::format("{{ start = \"{}\", from, to, points }}", stepped ? stepped->starts.front().name : "displacement");
   x = read_axis(scene::Table(table.required("x", what), table.path("x")), scene, random);
   y = read_axis(scene::Table(table.required("y", what), table.path("y")), scene, random);
-  if (x.name == y.name) scene::fail(of_y->source(), "basin.x and basin.y are the same, {}", y.name);
+  if (x.is_same(y))
+    scene::fail(of_y->source(), "basin.x and basin.y are the same, {}{}", x.name,
+                x.name == y.name ? "" : fmt::format(" and {}", y.name));
   if (random) {
     int count = 0, chosen = 1;
     table.read("samples", count, 1, scene::most_points, "number of random starts");
@@ -165,7 +169,8 @@ void read_starts(scene::Table& table, scene::Scene& scene) {
     given.velocities.assign(velocity.begin(), velocity.end());
     for (const auto& [at_x, at_y] : places) {
       for (const auto& [axis, value] : {std::pair{&x, at_x}, {&y, at_y}})
-        (axis->is_velocity ? given.velocities : given.coordinates)[std::size_t(axis->coordinate)] = value;
+        (axis->is_velocity ? given.velocities : given.coordinates)[std::size_t(axis->coordinate)] =
+            axis->velocity_of(value);
       task.starts.push_back(analysis::motion::starting_point(system, given));
     }
   });
@@ -191,7 +196,8 @@ void read_direction(scene::Table& table, scene::Scene& scene) {
   for (const auto& axis : axes_of(structure)) {
     double part = 0;
     direction->read(axis.name, part, {"", axis.unit, any, "disturbance of size 1"});
-    (axis.is_velocity ? disturbance.velocities : disturbance.coordinates)[axis.coordinate] = part;
+    (axis.is_velocity ? disturbance.velocities : disturbance.coordinates)[axis.coordinate] +=
+        axis.surface_speed ? -part : part;
     if (part != 0) basin.direction.emplace_back(axis, part);
   }
   direction->finish();

@@ -181,7 +181,11 @@ void read_equal(scene::Table table, tasks::Compare& compare, std::vector<MemberR
 void read(scene::SceneReader& reader) {
   auto& scene = reader.scene;
   const bool design = reader.request.design;
-  if (reader.document.at_path("oscillator.type").value_or(std::string()) == "string") {
+  const auto is = [&](const char* path, const std::string& usual, const std::string& value) {
+    return reader.document.at_path(path).value_or(usual) == value;
+  };
+  // Planes of strings are compared string by string, at several sample rates.
+  if (is("oscillator.type", "", "string") && is("compare.protocol", "map", "map")) {
     reader.law();
     reader.oscillator();
     read_string_map(reader, scene::Table(reader.need("map", "the two axes"), "map"));
@@ -485,12 +489,26 @@ void lay_over(output::Comparison& comparison, const std::vector<Motion>& motions
   }
 }
 
+Motion compare_run(const StringRun& run, const tasks::Bowing& task, Entries entries) {
+  for (const auto& metric : run.metrics) entries.add(metric.name, metric.unit, metric.value, metric.error);
+  Motion motion{{}, {}, {run.record.time, {}}};
+  for (const auto& [name, unit, values] : columns_of(run.record, task))
+    motion.names.push_back(name), motion.units.push_back(unit), motion.series.columns.push_back(*values);
+  return motion;
+}
+
 output::Comparison compare_runs(const scene::Scene& scene) {
   const auto& members = scene.task<tasks::Compare>().members;
   output::Comparison comparison;
   std::vector<Motion> motions;
   for (std::size_t k = 0; k < members.size(); ++k) {
     const auto& member = members[k].scene;
+    if (member.string) {
+      const auto run = run_of(*member.string);
+      worsen(comparison.outcome, run.record.bowing.outcome, members[k].name);
+      motions.push_back(compare_run(run, *member.string, Entries(comparison, k, members.size())));
+      continue;
+    }
     auto how = member.task<analysis::motion::RunOptions>();
     how.tolerance = scene.task<analysis::motion::RunOptions>().tolerance;
     const auto run = run_of(member, how);
@@ -533,6 +551,12 @@ Motion compare_cycle(const analysis::cycles::StructureCycle& cycle, Entries entr
   return {cycle.column_names, cycle.column_units, {cycle.time, cycle.columns}};
 }
 
+Motion compare_cycle(const analysis::strings::StringCycle& cycle, Entries entries) {
+  for (const auto& [name, unit, meaning, member] : analysis::strings::string_period_names())
+    entries.add(name, unit, (cycle.period.*member).value, (cycle.period.*member).error);
+  return {};
+}
+
 output::Comparison compare_cycles(const scene::Scene& scene) {
   const auto& members = scene.task<tasks::Compare>().members;
   output::Comparison comparison;
@@ -544,6 +568,12 @@ output::Comparison compare_cycles(const scene::Scene& scene) {
   const double tolerance = scene.task<analysis::cycles::CycleOptions>().tolerance;
   for (std::size_t k = 0; k < members.size(); ++k) {
     const auto& member = members[k].scene;
+    if (const auto& string = member.string) {
+      add(k,
+          analysis::strings::string_cycles(std::span(&string->model, 1), string->periods, string->options.transient, 1)
+              .front());
+      continue;
+    }
     auto how = member.task<analysis::cycles::CycleOptions>();
     how.tolerance = tolerance;
     const analysis::cycles::StructureCycleOptions many{
@@ -729,7 +759,7 @@ Status design(Job& job) {
 }
 
 Status perform(Job& job) {
-  if (job.scene().string) return perform_string_comparison(job);
+  if (job.scene().string && !job.scene().string->members.empty()) return perform_string_comparison(job);
   return job.request().design ? design(job) : side_by_side(job);
 }
 

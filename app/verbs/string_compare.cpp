@@ -23,7 +23,7 @@ using nlohmann::ordered_json;
 
 void read_string_comparison(scene::SceneReader& reader, scene::Table table) {
   auto& task = *reader.scene.string;
-  table.expect({"members"});
+  table.expect({"members", "protocol"});
   const auto& members = table.required("members", "tables with a name and what each changes");
   for (const auto& element : scene::list(members, "compare.members", "tables", scene::most_names)) {
     scene::Table keys(element, "compare.members");

@@ -37,19 +37,16 @@ std::string name_of(analysis::strings::StringRegime regime) {
   return analysis::strings::string_regime_names()[std::size_t(regime)];
 }
 
-struct NamedColumn {
-  std::string name, unit;
-  const std::vector<double>* values;
-};
+}  // namespace
 
-std::vector<NamedColumn> columns_of(const StringRecord& record, const tasks::Bowing& task) {
-  std::vector<NamedColumn> columns = {{"bow_speed", "m/s", &record.bow_speed},
-                                      {"string_velocity", "m/s", &record.velocity},
-                                      {"slip_rate", "m/s", &record.slip_rate},
-                                      {"friction_force", "N", &record.friction},
-                                      {"normal_load", "N", &record.normal_load},
-                                      {"bridge_force", "N", &record.bridge_force},
-                                      {"stick", "1", &record.stick}};
+std::vector<StringColumn> columns_of(const StringRecord& record, const tasks::Bowing& task) {
+  std::vector<StringColumn> columns = {{"bow_speed", "m/s", &record.bow_speed},
+                                       {"string_velocity", "m/s", &record.velocity},
+                                       {"slip_rate", "m/s", &record.slip_rate},
+                                       {"friction_force", "N", &record.friction},
+                                       {"normal_load", "N", &record.normal_load},
+                                       {"bridge_force", "N", &record.bridge_force},
+                                       {"stick", "1", &record.stick}};
   const auto states = oscillators::BowContacts::state_names(*task.model.law);
   for (std::size_t k = 0; k < record.states.size(); ++k)
     columns.push_back({states[k].name, states[k].unit, &record.states[k]});
@@ -59,6 +56,8 @@ std::vector<NamedColumn> columns_of(const StringRecord& record, const tasks::Bow
   }
   return columns;
 }
+
+namespace {
 
 /// Every so many samples.
 StringRecord thinned(StringRecord record, int most) {
@@ -77,18 +76,13 @@ StringRecord thinned(StringRecord record, int most) {
   return record;
 }
 
-/// Numbers of a motion, with their differences to the same at twice the sample rate, but of times no less than a
-/// sample.
-struct Judged {
-  const char *name, *unit, *meaning;
-  double value, error;
-};
+/// With the differences to a finer string, but of times no less than a sample.
 /// \param most  periods: a transient of this length is none
-std::vector<Judged> metrics_of(const oscillators::BowedString& string, const Bowing& bowing, const Bowing& finer,
-                               double most) {
+std::vector<StringMetric> metrics_of(const oscillators::BowedString& string, const Bowing& bowing, const Bowing& finer,
+                                     double most) {
   const auto one = [&](const char* name, const char* unit, const char* meaning, double resolution, auto of) {
     const double value = of(bowing), other = of(finer);
-    return Judged{name, unit, meaning, value, std::max(std::abs(value - other), resolution)};
+    return StringMetric{name, unit, meaning, value, std::max(std::abs(value - other), resolution)};
   };
   const double sample = string.step(), periods = sample / string.period();
   return {one("first_slip", "s", "time of the first slip", sample, [](const Bowing& b) { return b.first_slip; }),
@@ -102,7 +96,7 @@ std::vector<Judged> metrics_of(const oscillators::BowedString& string, const Bow
               [](const Bowing& b) { return b.bridge_force; })};
 }
 
-std::string document_of(const scene::Scene& scene, const StringRecord& record, const std::vector<Judged>& metrics,
+std::string document_of(const scene::Scene& scene, const StringRecord& record, const std::vector<StringMetric>& metrics,
                         const oscillators::StringLanes& realised, double full_scale) {
   const auto& task = *scene.string;
   const auto& transient = record.bowing.transient;
@@ -146,6 +140,14 @@ std::string document_of(const scene::Scene& scene, const StringRecord& record, c
 
 }  // namespace
 
+StringRun run_of(const tasks::Bowing& task) {
+  StringRun run{analysis::strings::record(task.model, task.options), {}};
+  run.metrics = metrics_of(task.model.string, run.record.bowing,
+                           analysis::strings::bow(analysis::strings::finer(task.model), task.options),
+                           task.options.transient.most);
+  return run;
+}
+
 Status perform_string_run(Job& job) {
   auto& scene = job.scene();
   const auto& task = *scene.string;
@@ -156,10 +158,7 @@ Status perform_string_run(Job& job) {
       string.sample_rate, realised.realised_bow_position(), realised.realised_frequency());
   job.explain("{}", string.torsion ? "torsional waves beside the transverse ones" : "no torsional waves, as asked");
   const auto begin = std::chrono::steady_clock::now();
-  const auto record = analysis::strings::record(task.model, task.options);
-  const auto metrics =
-      metrics_of(string, record.bowing, analysis::strings::bow(analysis::strings::finer(task.model), task.options),
-                 task.options.transient.most);
+  const auto [record, metrics] = run_of(task);
   job.explain("{} steps, and as many again at twice the sample rate, whose difference is the error",
               record.bowing.samples);
   auto& manifest = job.manifest();

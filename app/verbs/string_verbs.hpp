@@ -12,6 +12,24 @@ namespace rosin::app::verbs {
 /// An axis of a plane: parameter, from, to, points, scale, extra. Defined beside the verb map.
 analysis::planes::Axis read_axis(scene::Table, const scene::Scene&);
 
+struct StringColumn {
+  std::string name, unit;
+  const std::vector<double>* values;
+};
+/// Of the record, which must outlive them.
+std::vector<StringColumn> columns_of(const analysis::strings::StringRecord&, const tasks::Bowing&);
+
+/// The motion of a string, and its numbers with their errors.
+struct StringMetric {
+  const char *name, *unit, *meaning;
+  double value, error;
+};
+struct StringRun {
+  analysis::strings::StringRecord record;
+  std::vector<StringMetric> metrics;
+};
+StringRun run_of(const tasks::Bowing&);
+
 Status perform_string_run(Job&);
 Status perform_string_stability(Job&);
 Status perform_string_cycle(Job&);

@@ -227,7 +227,7 @@ namespace rosin::app::verbs {
 Verb verify_verb() {
   return {.name = "verify",
           .help = "numbers that others have printed or computed, asked of rosin again",
-          .example = "rosin verify --quick",
+          .example = "rosin verify slip-weakening-recurrence velocity-step-ageing",
           .operands = {{"CASE", &Request::cases, "cases or groups by name, or files; all if left out", false}},
           .options = {{"--quick", &Request::quick, "only cases that take less than half a second"},
                       {"--cases", &Request::dossier, "folder of cases; default the dossier of this installation"},

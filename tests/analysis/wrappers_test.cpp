@@ -301,7 +301,7 @@ TEST_CASE("planes of every law in all its surroundings have a regime at each poi
       }
     }
   }
-  CHECK(cycles > 65);
+  CHECK(cycles > 45);
   CHECK(stable > 30);
 }
 

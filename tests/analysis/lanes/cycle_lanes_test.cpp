@@ -156,7 +156,7 @@ TEST_CASE("bristles that deflect ring through stick in lanes too", "[cycle-lanes
       return std::pow(10, std::uniform_real_distribution<double>(low, high)(random));
     };
     std::vector<Model> models;
-    while (models.size() < 5) {
+    while (models.size() < 8) {
       Model model;
       model.law = laws::find_law(name);
       model.slider = {1, decades(0, 4), models.size() % 4 == 0 ? decades(-3, 0) : 0};

@@ -365,12 +365,11 @@ TEST_CASE("a wrong scene is refused with its place and what to try") {
       {"run", run("[run]\nduration = 1\n[solver]\ntype = 'cfm'\nwindow = 1"), "only for o-fbfm"},
       {"run", run("[run]\nduration = 1\n[solver]\nstep = 1"), "no meaning for solver 'auto'"},
       {"branch", "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\n[drive]\nspeed = 0\nnormal_load = 1",
-       "scene.toml:4:8: oscillator.type = 'plane-slider' serves run, stability, cycle, map, sweep, lyapunov, basin "
-       "only, not 'branch': its cycles are found by following the motion"},
-      {"frf", structure(""),
+       "scene.toml:4:8: oscillator.type = 'plane-slider' serves run, stability, cycle, map, sweep, lyapunov, basin, "
+       "frf only, not 'branch': its cycles are found by following the motion"},
+      {"lab", structure(""),
        "scene.toml:4:8: oscillator.type = 'structure' serves run, stability, cycle, map, sweep, branch, lyapunov, "
-       "basin only, "
-       "not 'frf'"},
+       "basin, compare, frf only, not 'lab'"},
       {"run", structure("K = [[1]]"), "scene.toml:6:5: oscillator.K has 1 rows, but M has 2"},
       {"run", structure("K = [[1, 0], [0]]"), "scene.toml:6:14: oscillator.K is not square: a row has 1 of 2"},
       {"run", structure("K = [['3 kN/m', 0], [0, '1 m']]"), "scene.toml:6:25: oscillator.K: '1 m' is in m"},
@@ -503,7 +502,7 @@ TEST_CASE("a smoothing of the solver makes every set-valued law of the scene smo
     CAPTURE(verb);
     const auto scene = read(coulomb + slider + tanh + "[run]\nduration = 1\n" +
                                 "[map]\nx = { parameter = 'drive.speed', from = 1e-3, to = 1, points = 2 }\n"
-                                "y = { parameter = 'law.mu_d', from = 1e-2, to = 1, points = 2 }\n"
+                                "y = { parameter = 'drive.normal_load', from = 1e-2, to = 1, points = 2 }\n"
                                 "[compare]\nmembers = [{ name = 'a' }, { name = 'b', law = { type = 'stribeck' } }, "
                                 "{ name = 'c', law = { type = 'spinodal' } }]\n",
                             verb);

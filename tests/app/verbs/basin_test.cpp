@@ -37,6 +37,14 @@ TEST_CASE("starts on a grid have labels in rows of y, and a threshold beside the
   CHECK(labels[2][4] == 0);
   CHECK(document["threshold"]["beyond"] == 1);
   CHECK(document["threshold"]["value"].get<double>() == Approx(1.23985488445).epsilon(1e-6));
+  // The belt runs at 1.5 m/s: slip rates from 3.5 to -0.5 are the same starts.
+  const auto by_slip_rate = run_rosin(folder, command +
+                                                  "--set basin.x.points=9 --set basin.y.points=5 "
+                                                  "--set basin.y.start=slip_rate --set basin.y.from=3.5 --set "
+                                                  "basin.y.to=-0.5 --set basin.points=3 --no-pictures --json");
+  INFO(by_slip_rate.error);
+  REQUIRE(by_slip_rate.status == 0);
+  CHECK(nlohmann::json::parse(by_slip_rate.out)["labels"] == labels);
 }
 
 TEST_CASE("random starts are the same for the same seed", "[app][basin]") {
@@ -67,6 +75,7 @@ TEST_CASE("wrong keys of a basin are refused with their range or the nearest nam
   };
   refused("basin.x.start=displacment", "did you mean 'displacement'?");
   refused("basin.y.start=displacement", "basin.x and basin.y are the same, displacement");
+  refused("basin.x.start=velocity --set basin.y.start=slip_rate", "are the same, velocity and slip_rate");
   refused("basin.smaples=5", "unknown key 'smaples' in [basin]; did you mean 'samples'?");
   refused("basin.samples=5", "basin.x.points does not go with basin.samples");
   refused("basin.seed=5", "basin.seed has no effect without basin.samples");

@@ -164,6 +164,27 @@ TEST_CASE("sliding of the bow, periodic motion and sweeps of a string have numbe
   CHECK(sweep["error"]["up"]["slip_distance"][1].get<double>() > 0);
 }
 
+TEST_CASE("strings are compared by run and cycle, with the numbers of those verbs", "[app][string][compare]") {
+  const Folder folder;
+  for (const auto& [protocol, metric, table] :
+       {std::tuple{"cycle", "slip_distance", "--set cycle.periods=60 "},
+        std::tuple{"run", "bridge_force", "--set run.duration=0.1 --set run.start=helmholtz "}}) {
+    CAPTURE(protocol);
+    const auto scene = examples + "schelleng-diagram.toml --no-pictures --out out " + table;
+    const auto compared =
+        answer_of(folder, "compare " + scene + "--set 'compare={ protocol = \"" + protocol +
+                              "\", members = [{ name = \"a\", set = { \"drive.normal_load\" = 0.4 } }, { name = "
+                              "\"b\", set = { \"drive.normal_load\" = 0.6 } }]}'");
+    const auto& row = compared["differences"][metric];
+    for (const auto& [member, load] : {std::pair{0, "0.4"}, {1, "0.6"}}) {
+      const auto alone = answer_of(folder, protocol + (" " + scene) + "--set drive.normal_load=" + load);
+      const auto& value = protocol == std::string("run") ? alone["metrics"][metric] : alone[metric];
+      CHECK(row["values"][std::size_t(member)] == value);
+      CHECK(row["errors"][std::size_t(member)] == alone["error"][metric]);
+    }
+  }
+}
+
 TEST_CASE("questions that have no meaning for a string are refused with the reason", "[app][string]") {
   const Folder folder;
   for (const auto& [verb, reason] :
