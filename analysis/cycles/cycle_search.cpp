@@ -194,7 +194,9 @@ GrowthBalance balance_of_growth(ReturnMap& map, const std::vector<double>& y, do
   double high_rate = high->rate;
   for (int iteration = 0, stays = 0; iteration < 30; ++iteration) {
     const double l2 = low * low, h2 = high->size * high->size, width = h2 - l2;
-    const double a2 = std::clamp(l2 + width * low_rate / (low_rate - high_rate), l2 + 1e-4 * width, h2 - 1e-4 * width);
+    // Where growth scatters the ends may have passed each other: then near the end of decay.
+    const double inside = std::max(l2 + width * low_rate / (low_rate - high_rate), l2 + 1e-4 * width);
+    const double a2 = std::min(inside, h2 - 1e-4 * width);
     const auto here = growth_at(std::sqrt(a2));
     if (!here) return {};
     if (std::abs(here->rate) < 0.02 * growth || width < 1e-3 * h2) return {here->y};
