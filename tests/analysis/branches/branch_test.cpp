@@ -101,7 +101,7 @@ TEST_CASE("cycles of the board slider over load agree with AUTO to all its digit
 }
 
 TEST_CASE("a cycle whose disturbances grow 1e10-fold in a period lies on its branch, which turns at a fold",
-          "[branches]") {
+          "[branches][long]") {
   BranchOptions options;
   options.parameter = {3e-4, 4e-3, true};
   options.at = {1e-3};
@@ -168,7 +168,7 @@ TEST_CASE("cycles of dry friction are followed through stick to the speed where 
   CHECK(settled.period == Approx(sticks.view.metrics.at("period")).epsilon(1e-8));
 }
 
-TEST_CASE("the forced belt keeps its period three over the force, with its multiplier", "[branches]") {
+TEST_CASE("the forced belt keeps its period three over the force, with its multiplier", "[branches][long]") {
   Model model;
   model.law = laws::find_law("hyperbolic");
   model.slider = {1, 1, 0};

@@ -226,7 +226,8 @@ TEST_CASE("sixty branches have the Hopf points of closed forms and of eigenvalue
   CHECK(check_structures(100, 130) > 20);
 }
 
-TEST_CASE("multipliers of a branch multiply to the exponential of the trace's integral", "[branches][known_events]") {
+TEST_CASE("multipliers of a branch multiply to the exponential of the trace's integral",
+          "[branches][known_events][long]") {
   struct Along {
     Model model;
     const char* path;

@@ -58,7 +58,7 @@ TEST_CASE("the Hopf curve of a block on a belt follows its closed form", "[branc
   }
 }
 
-TEST_CASE("the folds of the board slider over speed and clock factor are those of AUTO", "[branches]") {
+TEST_CASE("the folds of the board slider over speed and clock factor are those of AUTO", "[branches][long]") {
   Model model;
   model.law = laws::preset(*laws::find_law("spinodal"), "bristol-board");
   model.lambda = std::pow(10.0, 0.75);

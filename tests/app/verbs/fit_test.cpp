@@ -105,7 +105,7 @@ TEST_CASE("LuGre comes back from a recorded motion, with tables of the fit and o
 }
 
 TEST_CASE("keys that a measurement does not listen to, and programs that say things twice, are refused",
-          "[fit-command]") {
+          "[fit-command][long]") {
   const Folder folder;
   const auto refusal = [&](const std::string& keys) {
     const auto answer = fit(folder, layer(keys));
