@@ -216,7 +216,8 @@ class SteppedSearch {
       const double factor = std::min(before > 0 ? now / before : 0, 1.0),
                    left = factor < 1 ? now / (1 - factor) : infinity;
       if (now < alike && (now == 0 || left < of_tolerance * options_.tolerance) && result_.crossings > 3) {
-        result_.returns = int(m), result_.closes = true, result_.apart = now == 0 ? 0 : left;
+        result_.closes = true, result_.apart = now == 0 ? 0 : left;
+        result_.returns = int(shortest_within(m, away, result_.apart));
         return;
       }
     }
@@ -228,6 +229,15 @@ class SteppedSearch {
     } else {
       look_for_neighbourhood();
     }
+  }
+
+  /// What still swings about a period while it approaches may close over several of them first: the fewest returns, of
+  /// which m are a multiple, that are apart by no more than twice what is left, which is what such a swing leaves.
+  std::size_t shortest_within(std::size_t m, const std::vector<double>& away, double left) const {
+    constexpr double swing = 2;
+    for (std::size_t few = fewest_; few < m; ++few)
+      if (m % few == 0 && away[few] <= swing * left) return few;
+    return m;
   }
 
   /// Under a periodic drive slips may move a mass to where friction holds it, by less each time and by no factor.

@@ -62,6 +62,18 @@ LyapunovSpectrum average_over(const motion::SteppedOscillator& oscillator, doubl
 
 }  // namespace
 
+TEST_CASE("a motion that still swings about its period has that of the drive, and not two of them", "[plane]") {
+  // Friction of 4e-4 N beside forces of 12 and 9 N: free swings of 11.5 and 8.2 rad/s die out by e^(-t/3).
+  motion::PlaneModel model;
+  model.mass = {3, {400, 200}, {2, 2}, 0.4, 0.4, {0, 0}, 1e-3, {wave(12, 10), wave(9, 10, 1)}};
+  const auto found = find_cycle(motion::stepped(model), to(1e-8));
+  REQUIRE(found.outcome.complete());
+  CHECK(found.returns == 1);
+  CHECK(found.metrics.at("period").value == Approx(2 * pi / 10).epsilon(1e-12));
+  CHECK(found.metrics.at("displacement_x_max").value == Approx(12 / std::hypot(100, 20)).epsilon(1e-3));
+  CHECK(found.metrics.at("displacement_y_max").value == Approx(9 / std::hypot(100, 20)).epsilon(1e-3));
+}
+
 TEST_CASE("a turning force moves a plane slider along the circle of the balance of forces", "[plane]") {
   const double w = 10, A = GENERATE(12.0, 20.0);
   const auto found = find_cycle(motion::stepped(turning(A, w, 0.4)), to(1e-7));
