@@ -226,6 +226,10 @@ void StructureSystem::set_mode(int contact, ContactMode mode) {
   if (!same_stick) follow_modes();
 }
 
+void StructureSystem::slide() {
+  for (int c = 0; c < contacts(); ++c) set_mode(c, slip_along(structure().contacts[friction_contact(c)].speed.level()));
+}
+
 /// Matrices that depend on which contacts stick.
 void StructureSystem::follow_modes() {
   if (is_diagonal_) return;

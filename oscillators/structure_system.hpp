@@ -52,6 +52,8 @@ class StructureSystem final : public SwitchingSystem {
   int contacts() const override { return int(switching_.size()); }
   ContactMode mode(int contact) const override { return at_[switching_[contact]].mode; }
   void set_mode(int contact, ContactMode mode) override;
+  /// Every contact slips along its surface, as in steady sliding.
+  void slide();
   int slip_rate_unknown(int contact) const override { return n_ + at_[switching_[contact]].row; }
   double displacement(int contact, const double* y) const override;
   double reference_speed(int contact) const override { return at_[switching_[contact]].reference_speed; }

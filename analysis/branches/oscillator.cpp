@@ -25,8 +25,7 @@ class OfStructure final : public Oscillator {
   Follower follower(double tolerance) override { return {system_, tolerance}; }
   bool has_stops() const override { return system_.stops() > 0; }
   std::vector<double> steady() override {
-    for (int c = 0; c < system_.contacts(); ++c)
-      system_.set_mode(c, slip_along(system_.structure().contacts[system_.friction_contact(c)].speed.level()));
+    system_.slide();
     return system_.steady(0);
   }
   std::vector<double> slip_rates(const std::vector<double>& y) const override {

@@ -248,8 +248,7 @@ void PeriodRecord::finish(double duration) {
 
 std::map<std::string, double> metrics_of_sliding(const oscillators::Structure& structure) {
   StructureSystem system(steady::frozen(structure));
-  for (int c = 0; c < system.contacts(); ++c)
-    system.set_mode(c, slip_along(system.structure().contacts[system.friction_contact(c)].speed.level()));
+  system.slide();
   PeriodRecord record(system);
   record.stand(system.steady(0).data());
   record.finish(1);

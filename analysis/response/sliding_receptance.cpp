@@ -33,8 +33,7 @@ const oscillators::FrictionContact& friction_contact(const Structure& structure,
 StructureSystem sliding(Structure structure) {
   StructureSystem system(steady::frozen(std::move(structure)), Unknowns::states);
   steady::require_sliding(system.structure());
-  for (int c = 0; c < system.contacts(); ++c)
-    system.set_mode(c, slip_along(system.structure().contacts[system.friction_contact(c)].speed.level()));
+  system.slide();
   return system;
 }
 

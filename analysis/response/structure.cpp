@@ -238,10 +238,6 @@ std::vector<Eigenvalue> eigenvalues(const Assembly& assembly) {
   return list;
 }
 
-}  // namespace
-
-namespace {
-
 /// What a structure has of a contact here: where it slips, and along what it is pressed (empty: the load is given).
 oscillators::FrictionContact directions(Eigen::VectorXd tangential, Eigen::MatrixXd normal = {}) {
   oscillators::FrictionContact contact;

@@ -18,8 +18,7 @@ class Expansion {
  public:
   explicit Expansion(const oscillators::Structure& structure)
       : system(frozen(structure), Unknowns::states), n(system.size()) {
-    for (int c = 0; c < system.contacts(); ++c)
-      system.set_mode(c, slip_along(system.structure().contacts[system.friction_contact(c)].speed.level()));
+    system.slide();
     y = system.steady(0);
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows(n, n);
     f.resize(n), mass.resize(n), scale.resize(n), reach.resize(n), slip.resize(n);

@@ -64,8 +64,7 @@ StructureStability stability(const oscillators::Structure& moving) {
   oscillators::StructureSystem system(frozen(moving), Unknowns::states);
   const auto& structure = system.structure();
   require_sliding(structure);
-  for (int c = 0; c < system.contacts(); ++c)
-    system.set_mode(c, slip_along(structure.contacts[system.friction_contact(c)].speed.level()));
+  system.slide();
   const auto y = system.steady(0);
   const int size = system.size(), n = system.coordinates();
   std::vector<double> f(size);

@@ -2,6 +2,7 @@
 #include "oscillators/block.hpp"
 
 #include "app/scene/oscillator.hpp"
+#include "app/scene/stepped.hpp"
 #include "app/scene/structure.hpp"
 
 namespace rosin::app::scene {
@@ -80,7 +81,7 @@ analysis::motion::StructureStart read_block_start(const toml::node& node, const 
 
 OscillatorType block_type() {
   return {"block",
-          {"run", "stability", "cycle", "map", "sweep", "lyapunov", "basin", "frf"},
+          verbs_by_steps,
           read,
           read_drive_of_block,
           {{"branch",

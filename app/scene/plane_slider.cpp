@@ -6,14 +6,21 @@
 #include <tuple>
 
 #include "analysis/motion/plane_run.hpp"
+#include "analysis/steady/plane_sliding.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/signal.hpp"
+#include "app/scene/stepped.hpp"
 #include "laws/catalogue.hpp"
 
 namespace rosin::app::scene {
 
 namespace {
+
+/// Whose answer is that of the structure of its steady sliding, in which laws may have states.
+bool asks_of_steady_sliding(const SceneReader& reader) {
+  return reader.request.verb == "stability" || reader.request.verb == "frf";
+}
 
 void read(SceneReader& reader, Table table, bool) {
   const auto& law = reader.scene.model.law;
@@ -21,7 +28,7 @@ void read(SceneReader& reader, Table table, bool) {
   if (reader.scene.model.contact_stiffness.present())
     fail(of_law, "law.contact_stiffness does not go with a plane slider, whose contact is rigid");
   if (reader.scene.model.load_memory > 0) fail(of_law, "law.load_memory does not go with a plane slider");
-  if (law->has_states() && reader.request.verb != "stability") {
+  if (law->has_states() && !asks_of_steady_sliding(reader)) {
     std::vector<std::string_view> without;
     for (const auto& other : laws::catalogue())
       if (!other->has_states()) without.push_back(other->card().name);
@@ -52,6 +59,10 @@ void read_plane_drive(SceneReader& reader, Table drive, bool) {
     mass.force =
         both(*force, quantity.name, [&](const toml::node& node) { return read_signal(node, quantity, reader.folder); });
   drive.finish();
+  if (asks_of_steady_sliding(reader))
+    reader.scene.structure.emplace().structure = located(reader.root.find("drive")->source(), [&] {
+      return analysis::steady::sliding_in_plane(mass, contact_of(reader.scene.model));
+    });
   const auto& law = *reader.scene.model.law;
   if (!law.set_valued() || law.has_states()) {
     mass.static_friction = mass.dynamic_friction = 0;
@@ -74,7 +85,7 @@ void read_plane_drive(SceneReader& reader, Table drive, bool) {
 
 OscillatorType plane_slider_type() {
   return {"plane-slider",
-          {"run", "stability", "cycle", "map", "sweep", "lyapunov", "basin", "frf"},
+          verbs_by_steps,
           read,
           read_plane_drive,
           {{"branch",

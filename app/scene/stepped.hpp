@@ -1,10 +1,17 @@
 /// Oscillators that are followed by steps of their own, a plane slider and a block: with the start of [cycle], and the
 /// steps of [solver].
 #pragma once
+#include <string_view>
+#include <vector>
+
 #include "analysis/motion/stepped_oscillator.hpp"
 #include "app/scene/reader.hpp"
 
 namespace rosin::app::scene {
+
+/// Verbs that serve them; stability and frf ask of their steady sliding.
+inline const std::vector<std::string_view> verbs_by_steps = {"run",   "stability", "cycle", "map",
+                                                             "sweep", "lyapunov",  "basin", "frf"};
 
 /// After law and oscillator: reads how the oscillator is followed, if it is one that is followed by steps.
 /// \returns whether it is

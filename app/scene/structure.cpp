@@ -5,9 +5,7 @@
 
 #include <algorithm>
 
-#include "analysis/motion/plane_run.hpp"
 #include "analysis/motion/structure_record.hpp"
-#include "analysis/steady/plane_sliding.hpp"
 #include "app/scene/law.hpp"
 #include "app/scene/matrix_file.hpp"
 #include "app/scene/oscillator.hpp"
@@ -241,18 +239,10 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
 
 OscillatorType structure_type() { return {"structure", verbs_of_structures, read, read_drive_and_contacts}; }
 
-void slide_in_plane(SceneReader& reader) {
-  auto& scene = reader.scene;
-  scene.structure.emplace().structure = located(reader.root.find("drive")->source(), [&] {
-    return analysis::steady::sliding_in_plane(scene.plane->mass, contact_of(scene.model));
-  });
-}
-
 void read_structure_model(SceneReader& reader) {
   auto& scene = reader.scene;
   reader.law();
   reader.oscillator();
-  if (scene.plane && reader.request.verb == "stability") slide_in_plane(reader);
   if (scene.plane || scene.block) return;  // whose starts are their own
   if (!scene.structure)
     scene.structure.emplace().structure =

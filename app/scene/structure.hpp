@@ -25,8 +25,6 @@ void read_structure_drive(SceneReader&, Table drive, bool complete, bool takes_f
 /// The same for a block with one contact, its first coordinate along the belt: the force acts on it.
 void read_drive_of_one(SceneReader&, Table drive, bool complete);
 
-/// The plane slider that was read becomes, beside it, the structure of its steady sliding.
-void slide_in_plane(SceneReader&);
 /// Law, oscillator and drive as a structure, of one coordinate for a slider, with the start of [cycle], else from rest.
 void read_structure_model(SceneReader&);
 

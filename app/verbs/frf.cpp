@@ -15,7 +15,6 @@
 #include "app/scene/reader.hpp"
 #include "app/scene/record.hpp"
 #include "app/scene/scene.hpp"
-#include "app/scene/structure.hpp"
 #include "app/verbs/frf_scene.hpp"
 #include "app/verbs/frf_use.hpp"
 #include "app/verbs/job.hpp"
@@ -592,7 +591,6 @@ void read(scene::SceneReader& reader) {
     reader.law();
     reader.oscillator_if_there();
     if (!measured) reader.need("drive", "speed and normal load");
-    if (scene.plane) scene::slide_in_plane(reader);
     read_tables_of_models(reader);
   }
   read_frf(scene::Table(reader.need("frf", "frequencies"), "frf"), reader,

@@ -278,10 +278,6 @@ void read_simulation(scene::Table table, scene::Scene& scene) {
   table.finish();
 }
 
-}  // namespace
-
-namespace {
-
 /// The contact whose response is asked for becomes the scene's model, at its speed and load in steady sliding; what it
 /// is a part of stays the oscillator.
 void read_oscillator(scene::Table& table, scene::Scene& scene, const toml::node* given) {

@@ -326,8 +326,7 @@ void read(scene::SceneReader& reader) {
   if (reader.scene.string)
     return reader.note_unread({"stability.parameters", "stability.modes", "stability.scan"},
                               "of a string all partials are found, at the bow's own speed and load");
-  if (reader.scene.plane || (reader.scene.task<tasks::Stability>().scan && !reader.scene.structure))
-    scene::read_structure_model(reader);
+  if (reader.scene.task<tasks::Stability>().scan && !reader.scene.structure) scene::read_structure_model(reader);
   if (!reader.scene.structure) reader.note_unread({"stability.modes"}, "a slider has few modes, which are all found");
 }
 

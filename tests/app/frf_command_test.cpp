@@ -88,6 +88,37 @@ TEST_CASE("a simulated record goes through extraction to the same response, and 
   CHECK(document["ranking"][2]["aic"].get<double>() > document["ranking"][0]["aic"].get<double>());
 }
 
+TEST_CASE("a plane slider on a moving surface answers along its slip as the slider of that direction",
+          "[frf-command]") {
+  const Folder folder;
+  const std::string law = "[law]\ntype = 'ageing'\n[frf]\nfrequencies = [0.1, 1, 10]\n";
+  std::ofstream(folder.path / "plane.toml")
+      << law << "[oscillator]\ntype = 'plane-slider'\nmass = 3\nstiffness = [400, 400]\ndamping = [2, 2]\n"
+      << "[drive]\nspeed = [0.06, 0.08]\nnormal_load = 20\n";
+  std::ofstream(folder.path / "slider.toml") << law << "[oscillator]\nmass = 3\nstiffness = 400\ndamping = 2\n"
+                                             << "[drive]\nspeed = 0.1\nnormal_load = 20\n";
+  const auto plane = run_rosin(folder, "frf plane.toml --json --no-pictures"),
+             slider = run_rosin(folder, "frf slider.toml --json --no-pictures");
+  INFO(plane.error << slider.error);
+  REQUIRE(plane.status == 0);
+  REQUIRE(slider.status == 0);
+  const auto one = json::parse(plane.out), other = json::parse(slider.out);
+  for (int k : {0, 1, 2})
+    for (int part : {0, 1}) {
+      CHECK(one["tangential"][k][part].get<double>() == Approx(other["tangential"][k][part].get<double>()));
+      CHECK(one["receptance"]["contact"][k][part].get<double>() ==
+            Approx(other["receptance"]["contact"][k][part].get<double>()));
+    }
+  // What was measured needs no drive, and then the slider does not slide.
+  std::ofstream(folder.path / "measured.toml")
+      << "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\nmass = 3\nstiffness = [400, 400]\n"
+      << "damping = [2, 2]\n[frf.record]\nfile = 'none.csv'\nsample_rate = 100\n"
+      << "slip_rate = 'v'\nforce = 'F'\n";
+  const auto measured = run_rosin(folder, "frf measured.toml");
+  CHECK(measured.status == 2);
+  CHECK_THAT(measured.error, Contains("none.csv"));
+}
+
 TEST_CASE("a structure with friction answers by eigenvalues and by Nyquist", "[frf-command]") {
   const Folder folder;
   const auto answer = run_rosin(folder, "frf " + examples + "frf-squeal.toml --json");
