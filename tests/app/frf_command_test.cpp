@@ -113,7 +113,7 @@ TEST_CASE("a plane slider on a moving surface answers along its slip as the slid
   std::ofstream(folder.path / "measured.toml")
       << "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\nmass = 3\nstiffness = [400, 400]\n"
       << "damping = [2, 2]\n[frf.record]\nfile = 'none.csv'\nsample_rate = 100\n"
-      << "slip_rate = 'v'\nforce = 'F'\n";
+      << "slip_rate = 'v'\nforce = 'F'\nresolution = 1\n";
   const auto measured = run_rosin(folder, "frf measured.toml");
   CHECK(measured.status == 2);
   CHECK_THAT(measured.error, Contains("none.csv"));
