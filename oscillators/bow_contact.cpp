@@ -129,6 +129,17 @@ void BowContacts::slide(int lane, std::shared_ptr<const FrictionLaw> given, doub
   }
 }
 
+std::vector<Lanes*> BowContacts::memory() {
+  std::vector<Lanes*> all = {&direction_, &slip_rate_, &drive_, &answer_};
+  if (heat_) {
+    all.push_back(&heat_->heating);
+    for (auto& part : heat_->parts) all.push_back(&part);
+  } else {
+    for (int k = 0; k < states_; ++k) all.push_back(&z_[k]), all.push_back(&rate_[k]);
+  }
+  return all;
+}
+
 std::vector<double> BowContacts::states(int lane) const {
   std::vector<double> state;
   if (heat_) {

@@ -42,6 +42,8 @@ class BowContacts {
   /// States of the law in natural units; of laws by temperature alone, the rise of it (K).
   std::vector<double> states(int lane) const;
   static std::vector<Quantity> state_names(const FrictionLaw&);
+  /// All that the next step depends on, each one number a lane, in an order of its own: the direction stands first.
+  std::vector<Lanes*> memory();
   /// Steps at which no slip rate was found to the accuracy asked.
   const Lanes& unsolved() const { return unsolved_; }
 

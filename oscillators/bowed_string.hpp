@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -111,6 +112,16 @@ class StringLanes {
   /// Place of the string as the delays have it: frequency of its length (Hz), and β.
   double realised_frequency() const;
   double realised_bow_position() const;
+  /// All that the motion of a lane from now on depends on, under a bow of constant speed and load.
+  struct State {
+    std::vector<double> values;
+    /// Of each value as it differs between motions whose speeds differ by 1 m/s; infinite where it follows from others
+    /// or is no continuous number, as stick and slip are not.
+    std::vector<double> sizes;
+  };
+  State state(int lane);
+  /// \param values  of a state of this string
+  void set_state(int lane, std::span<const double> values);
   /// The answer to small forces e^{st} under the bow.
   struct Mobility {
     Eigen::MatrixXcd velocity;  ///< of the surface under a contact (row), for a force at a contact (column), m/(N s)
@@ -183,6 +194,9 @@ class StringLanes {
     Lanes displacement = 0.0, velocity = 0.0, acceleration = 0.0;
   };
 
+  /// f(numbers of all lanes, size as in State) for each number of a state, in one order.
+  template <class F>
+  void each_number(const F& f);
   static Waves make_waves(const BowedString&, double impedance, double speed_ratio, double quality, double rounding,
                           double reflection, double extra_delay);
   /// What comes back from the bridge, and its force.

@@ -46,7 +46,7 @@ const std::vector<Room> rooms = {
     {"analysis/lab", {"analysis/response", "analysis/cycles", "analysis/motion", "analysis/steady"}},
     {"analysis/inference",
      {"analysis/lab", "analysis/planes", "analysis/response", "analysis/cycles", "analysis/motion", "analysis/steady"}},
-    {"analysis/strings", {"analysis/response"}},
+    {"analysis/strings", {"analysis/response", "analysis/cycles", "analysis/motion", "analysis/steady"}},
     {"analysis/studies", {"analysis/lanes", "analysis/cycles", "analysis/motion", "analysis/steady"}},
 };
 

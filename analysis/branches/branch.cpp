@@ -404,6 +404,7 @@ Branches from_steady_sliding(const Family& family, const BranchOptions& options,
     }
   }
   result.crossings = crossings ? *crossings : steady::crossings(leading, sliding);
+  if (!options.cycles) return result;
   until_stopped(result, [&] {
     Tracer tracer(family, options, result);
     const auto begins = result.crossings;  // a branch may end at one that is not among them

@@ -35,6 +35,7 @@ struct BranchOptions {
   double longest_step = 0.05;   ///< 1 is the range of the parameter, or the size of the cycle
   int doublings = 1;            ///< how many period doublings one after another are followed
   std::vector<double> at = {};  ///< values at which points are wanted
+  bool cycles = true;           ///< whether those born at Hopf points are followed
 };
 
 /// Steady sliding at a value.

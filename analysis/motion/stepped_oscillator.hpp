@@ -55,7 +55,8 @@ struct SteppedOscillator {
   std::vector<double> size;   ///< of the entries of a state, by which states are compared; infinite: an entry is not
   /// \param finer  at half the step, or at a smaller tolerance, which shows the error
   std::function<std::unique_ptr<SteppedMotion>(double tolerance, bool finer)> motion;
-  std::vector<Channel> starts;  ///< values in which starts may differ
+  std::vector<Channel> starts;      ///< values in which starts may differ
+  std::vector<double> start_sizes;  ///< natural size of each
   /// The state at t = 0 with those that are given, the others as in `start`.
   std::function<std::vector<double>(std::span<const std::optional<double>> values)> start_at;
 

@@ -99,6 +99,7 @@ SteppedOscillator stepped(const PlaneModel& model) {
     return std::make_unique<PlaneMotion>(model, std::clamp(1e-3 * tolerance * (finer ? by : 1), 1e-13, 1e-9));
   };
   oscillator.starts.assign(oscillator.channels.begin(), oscillator.channels.begin() + 4);
+  oscillator.start_sizes = oscillator.size;
   oscillator.start_at = [start = oscillator.start](std::span<const std::optional<double>> values) {
     auto state = start;
     for (std::size_t i = 0; i < state.size(); ++i) state[i] = values[i].value_or(state[i]);

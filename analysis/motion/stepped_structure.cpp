@@ -151,6 +151,8 @@ SteppedOscillator stepped(const StructureModel& model, const Stepping& stepping,
     return std::make_unique<StructureMotion>(body, how, q);
   };
   oscillator.starts = shapes.names;
+  for (const auto& shape : shapes.columns.colwise())
+    oscillator.start_sizes.push_back(length / shape.cwiseAbs().maxCoeff());
   oscillator.start_at = [state_of, shapes, sliding, along](std::span<const std::optional<double>> values) {
     VectorXd place = sliding;
     for (std::size_t i = 0; i < values.size(); ++i)

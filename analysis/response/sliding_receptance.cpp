@@ -37,6 +37,36 @@ StructureSystem sliding(Structure structure) {
   return system;
 }
 
+/// M ẏ = J y + b F, and where the slip is read.
+struct Linearised {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  RowMajor J;
+  VectorXd mass, force, tangential;
+  SlidingReceptance::Answer answer(Complex s) const;
+};
+
+SlidingReceptance::Answer Linearised::answer(Complex s) const {
+  const auto size = J.rows(), n = tangential.size();
+  Eigen::MatrixXcd A = -J.cast<Complex>();
+  A.diagonal() += s * mass.cast<Complex>();
+  Eigen::VectorXcd b = force.cast<Complex>();
+  for (Eigen::Index i = 0; i < size; ++i) {  // rows have units of their own
+    const double largest = A.row(i).cwiseAbs().maxCoeff();
+    if (largest > 0) A.row(i) /= largest, b[i] /= largest;
+  }
+  const Eigen::MatrixXcd inverse = A.partialPivLu().inverse();
+  Eigen::VectorXcd x = inverse * b;
+  x += inverse * (b - A * x);
+  // Each entry of the equations is known to some units of its last digit.
+  constexpr double known = 1e-14;
+  const VectorXd left = known * (A.cwiseAbs() * x.cwiseAbs() + b.cwiseAbs());
+  const VectorXd error = inverse.cwiseAbs() * left;
+  SlidingReceptance::Answer answer{{x.begin(), x.begin() + n}, {error.begin(), error.begin() + n}, 0, 0};
+  answer.contact = tangential.cast<Complex>().dot(x.head(n));
+  answer.contact_error = tangential.cwiseAbs().dot(error.head(n));
+  return answer;
+}
+
 }  // namespace
 
 oscillators::Model contact_in_sliding(const Structure& structure, int contact) {
@@ -49,46 +79,26 @@ oscillators::Model contact_in_sliding(const Structure& structure, int contact) {
   return model;
 }
 
-SlidingReceptance::SlidingReceptance(const Structure& moving, int contact)
-    : tangential_(friction_contact(moving, contact).tangential) {
+SlidingReceptance sliding_receptance(const Structure& moving, int contact) {
+  Linearised equations{{}, {}, {}, friction_contact(moving, contact).tangential};
+  auto& [J, mass, force, tangential] = equations;
   const auto system = sliding(moving);
   const auto y = system.steady(0);
   const int size = system.size();
-  J_.resize(size, size), mass_.resize(size), force_.resize(size);
+  J.resize(size, size), mass.resize(size), force.resize(size);
   VectorXd unforced(size);
-  system.linearise(0, y.data(), unforced.data(), J_.data());
-  system.mass(0, mass_.data());
+  system.linearise(0, y.data(), unforced.data(), J.data());
+  system.mass(0, mass.data());
   // Forces enter to the first power: beside one that is large enough the others are nothing.
   constexpr double large = 0x1p200;
   auto forced = moving;
   forced.force.assign(std::size_t(moving.size()), 0.0);
-  for (int i = 0; i < moving.size(); ++i) forced.force[std::size_t(i)] = large * tangential_[i];
-  sliding(std::move(forced)).evaluate(0, y.data(), force_.data());
-  force_ = (force_ - unforced) / large;
-  if (!J_.allFinite() || !force_.allFinite())
+  for (int i = 0; i < moving.size(); ++i) forced.force[std::size_t(i)] = large * tangential[i];
+  sliding(std::move(forced)).evaluate(0, y.data(), force.data());
+  force = (force - unforced) / large;
+  if (!J.allFinite() || !force.allFinite())
     throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
-}
-
-SlidingReceptance::Answer SlidingReceptance::operator()(Complex s) const {
-  const auto size = J_.rows(), n = tangential_.size();
-  Eigen::MatrixXcd A = -J_.cast<Complex>();
-  A.diagonal() += s * mass_.cast<Complex>();
-  Eigen::VectorXcd b = force_.cast<Complex>();
-  for (Eigen::Index i = 0; i < size; ++i) {  // rows have units of their own
-    const double largest = A.row(i).cwiseAbs().maxCoeff();
-    if (largest > 0) A.row(i) /= largest, b[i] /= largest;
-  }
-  const Eigen::MatrixXcd inverse = A.partialPivLu().inverse();
-  Eigen::VectorXcd x = inverse * b;
-  x += inverse * (b - A * x);
-  // Each entry of the equations is known to some units of its last digit.
-  constexpr double known = 1e-14;
-  const VectorXd left = known * (A.cwiseAbs() * x.cwiseAbs() + b.cwiseAbs());
-  const VectorXd error = inverse.cwiseAbs() * left;
-  Answer answer{{x.begin(), x.begin() + n}, {error.begin(), error.begin() + n}, 0, 0};
-  answer.contact = tangential_.cast<Complex>().dot(x.head(n));
-  answer.contact_error = tangential_.cwiseAbs().dot(error.head(n));
-  return answer;
+  return {moving.names, [equations = std::move(equations)](Complex s) { return equations.answer(s); }};
 }
 
 }  // namespace rosin::analysis::response

@@ -1,11 +1,9 @@
-/// How a structure in steady sliding answers a small force along the slip of one of its contacts, friction of all of
+/// How an oscillator in steady sliding answers a small force along the slip of one of its contacts, friction of all of
 /// them included.
-///
-/// The equations are those of `stability`: M ẏ = J y + b F about steady sliding, so that y(s) = (s M − J)⁻¹ b F. With
-/// one contact the answer tᵀx/F is H/(1 + s Z H), H the receptance without friction and Z the contact's response.
 #pragma once
-#include <Eigen/Core>
 #include <complex>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "oscillators/structure_system.hpp"
@@ -17,23 +15,20 @@ namespace rosin::analysis::response {
 /// \throws InputError for a contact that is not there or has no friction, and without steady sliding
 oscillators::Model contact_in_sliding(const oscillators::Structure&, int contact);
 
-class SlidingReceptance {
- public:
-  /// \throws InputError as contact_in_sliding
-  SlidingReceptance(const oscillators::Structure&, int contact);
-
+struct SlidingReceptance {
   struct Answer {
     std::vector<std::complex<double>> coordinates;  ///< of each, m/N (rad/N of an angle)
-    std::vector<double> errors;                     ///< that rounding of the equations leaves
-    std::complex<double> contact;                   ///< tᵀx, m/N
+    std::vector<double> errors;                     ///< absolute
+    std::complex<double> contact;                   ///< displacement along the slip, m/N
     double contact_error;
   };
-  Answer operator()(std::complex<double> s) const;
-
- private:
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  RowMajor J_;
-  Eigen::VectorXd mass_, force_, tangential_;
+  std::vector<std::string> coordinates;  ///< their names
+  std::function<Answer(std::complex<double> s)> at;
 };
+
+/// Of a structure, by the equations of `stability`: M ẏ = J y + b F about steady sliding, so that y(s) = (s M − J)⁻¹ b
+/// F. With one contact the answer tᵀx/F is H/(1 + s Z H), H the receptance without friction and Z the contact's
+/// response. Errors are what rounding of the equations leaves. \throws InputError as contact_in_sliding
+SlidingReceptance sliding_receptance(const oscillators::Structure&, int contact);
 
 }  // namespace rosin::analysis::response

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "analysis/response/frf.hpp"
@@ -24,7 +25,7 @@ namespace {
 class SlidingBow {
  public:
   explicit SlidingBow(const BowedStringModel& model)
-      : string_(model.string), lanes_(model.string, model.law, model.lambda), friction_(contact_of(model)) {}
+      : string_(model.string), lanes_(model.string, model.law, model.lambda), friction_(contact_in_sliding(model)) {}
 
   const response::FrictionResponse& friction() const { return friction_; }
   /// 0 at a mode; without poles but those of friction itself.
@@ -49,21 +50,26 @@ class SlidingBow {
     return 1 / (1 / string_.surface_impedance() + hair);
   }
 
- private:
-  static oscillators::Model contact_of(const BowedStringModel& model) {
-    oscillators::Model contact;
-    contact.law = model.law, contact.lambda = model.lambda;
-    contact.drive.speed = model.speed.value(0);
-    contact.drive.normal_load = model.load.value(0) / model.string.bow.contacts;
-    return contact;
+  /// Of the string's surface, for a force at one contact: 1/s of Y F − Y (1 + Z (Y + H))⁻¹ Z Y F.
+  Complex receptance(Complex s, int contact) const {
+    const auto mobility = lanes_.mobility(s);
+    const Eigen::VectorXcd open = mobility.velocity.col(contact);
+    const Eigen::VectorXcd friction = closed(s, mobility, 1).partialPivLu().solve(friction_.tangential(s) * open);
+    return (open - mobility.velocity * friction)[contact] / s;
   }
+
+ private:
   Complex loop(Complex s, const StringLanes::Mobility& mobility, double part_of_friction) const {
+    return closed(s, mobility, part_of_friction).determinant();
+  }
+  /// 1 + Z (Y + H)
+  Eigen::MatrixXcd closed(Complex s, const StringLanes::Mobility& mobility, double part_of_friction) const {
     const auto n = mobility.velocity.rows();
     const auto& bow = string_.bow;
     const Complex hair =
         bow.hair_stiffness == BowedString::none ? 0.0 : s / (bow.hair_stiffness + s * bow.hair_damping);
     const Eigen::MatrixXcd answer = mobility.velocity + hair * Eigen::MatrixXcd::Identity(n, n);
-    return (Eigen::MatrixXcd::Identity(n, n) + part_of_friction * friction_.tangential(s) * answer).determinant();
+    return Eigen::MatrixXcd::Identity(n, n) + part_of_friction * friction_.tangential(s) * answer;
   }
 
   BowedString string_;
@@ -180,17 +186,39 @@ int StringSliding::unstable_modes() const {
   return int(std::ranges::count_if(modes, [](const Mode& mode) { return mode.eigenvalue.real() > mode.error; }));
 }
 
-StringSliding sliding_stability(const BowedStringModel& model) {
+oscillators::Model contact_in_sliding(const BowedStringModel& model) {
   const double speed = model.speed.value(0), load = model.load.value(0);
   if (speed == 0)
     throw InputError("drive.speed is 0 m/s at t = 0: a bow at rest does not slide; give the speed at which it slides");
   if (!(load > 0)) throw InputError("drive.normal_load is 0 N at t = 0: a bow without load has no friction");
+  oscillators::Model contact;
+  contact.law = model.law, contact.lambda = model.lambda;
+  contact.drive.speed = speed;
+  contact.drive.normal_load = load / model.string.bow.contacts;
+  return contact;
+}
+
+response::SlidingReceptance sliding_receptance(const BowedStringModel& model, int contact) {
+  const auto bow = std::make_shared<const SlidingBow>(model), same = std::make_shared<const SlidingBow>(finer(model));
+  return {{}, [bow, same, contact](Complex s) {
+            const Complex value = bow->receptance(s, contact);
+            constexpr double rounding = 1e-12;
+            const double error = std::abs(value - same->receptance(s, contact)) + rounding * std::abs(value);
+            if (!std::isfinite(error))
+              throw InputError(
+                  fmt::format("at {:.10g} Hz the string has no receptance: no losses bound the waves that come back",
+                              s.imag() / (2 * pi)));
+            return response::SlidingReceptance::Answer{{}, {}, value, error};
+          }};
+}
+
+StringSliding sliding_stability(const BowedStringModel& model) {
   const SlidingBow bow(model);
   const int contacts = model.string.bow.contacts;
   StringSliding result;
-  result.slip_rate = speed;
+  result.slip_rate = model.speed.value(0);
   result.friction_coefficient = bow.friction().friction_coefficient();
-  result.friction_force = result.friction_coefficient * load;
+  result.friction_force = result.friction_coefficient * model.load.value(0);
   result.slope = bow.friction().limits().high * contacts;
   result.impedance = bow.impedance() * contacts;
   result.jumps = result.slope < 0 && -result.slope >= result.impedance;

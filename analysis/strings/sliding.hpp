@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/response/sliding_receptance.hpp"
 #include "core/error.hpp"
 #include "oscillators/bowed_string.hpp"
 
@@ -38,5 +39,14 @@ struct StringSliding {
 /// At the speed and the load with which the bow begins.
 /// \throws InputError for a bow at rest or without load
 StringSliding sliding_stability(const BowedStringModel&);
+
+/// One contact of the bow by itself, at the speed with which the bow begins and its share of the load.
+oscillators::Model contact_in_sliding(const BowedStringModel&);
+/// How the surface of the string under a contact of the sliding bow answers a small force there, with the friction of
+/// all contacts: (1 + Y Z (1 + H Z)⁻¹)⁻¹ Y/s, from Y, H and Z of StringSliding. Errors are the difference to twice the
+/// sample rate.
+/// \param contact  from 0
+/// \throws InputError for a bow at rest or without load
+response::SlidingReceptance sliding_receptance(const BowedStringModel&, int contact);
 
 }  // namespace rosin::analysis::strings

@@ -98,12 +98,16 @@ StringCycle cycle_of(const BowedStringModel& model, const Bowing& bowing, const 
   return cycle;
 }
 
-BowingOptions until_periodic(const BowedStringModel& model, double periods, const TransientOptions& transient) {
+void require_steady_bow(const BowedStringModel& model) {
   if (!model.speed.constant() || !model.load.constant())
     throw InputError(
-        "a bow whose speed or load changes leaves no periodic motion: give drive.speed (m/s) and drive.normal_load (N) "
+        "a bow whose speed or load changes has no motion that lasts: give drive.speed (m/s) and drive.normal_load (N) "
         "as numbers");
   if (model.speed.value(0) == 0) throw InputError("drive.speed is 0 m/s: a bow at rest moves no string");
+}
+
+BowingOptions until_periodic(const BowedStringModel& model, double periods, const TransientOptions& transient) {
+  require_steady_bow(model);
   return {.duration = periods * model.string.period(), .transient = transient};
 }
 
@@ -122,7 +126,7 @@ std::vector<StringCycle> string_cycles(std::span<const BowedStringModel> models,
       if (models[i].string.frequency == frequency)
         these.push_back(models[i]), fine.push_back(finer(models[i])), places.push_back(i);
     const auto options = until_periodic(these.front(), periods, transient);
-    for (const auto& model : these) until_periodic(model, periods, transient);
+    for (const auto& model : these) require_steady_bow(model);
     const auto bowings = bow(these, options, threads), again = bow(fine, options, threads);
     for (std::size_t k = 0; k < these.size(); ++k)
       cycles[places[k]] = cycle_of(these[k], bowings[k], again[k], transient);

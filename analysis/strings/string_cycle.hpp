@@ -41,6 +41,8 @@ StringCycle cycle_of(const BowedStringModel&, const Bowing&, const Bowing& finer
 /// that. \throws InputError where a bow changes its speed or load.
 std::vector<StringCycle> string_cycles(std::span<const BowedStringModel>, double periods, const TransientOptions&,
                                        int threads);
+/// \throws InputError where a bow changes its speed or load, or does not move
+void require_steady_bow(const BowedStringModel&);
 /// How a string is bowed for that.
 BowingOptions until_periodic(const BowedStringModel&, double periods, const TransientOptions&);
 

@@ -4,4 +4,5 @@
 #include "analysis/strings/plane.hpp"
 #include "analysis/strings/sliding.hpp"
 #include "analysis/strings/string_cycle.hpp"
+#include "analysis/strings/string_exponent.hpp"
 #include "analysis/strings/transient.hpp"

@@ -79,14 +79,6 @@ analysis::motion::StructureStart read_block_start(const toml::node& node, const 
   return start;
 }
 
-OscillatorType block_type() {
-  return {"block",
-          verbs_by_steps,
-          read,
-          read_drive_of_block,
-          {{"branch",
-            "its cycles are found by following the motion, which shows those that attract alone; 'sweep' follows them "
-            "along a parameter, and 'stability' with a scan follows steady sliding"}}};
-}
+OscillatorType block_type() { return {"block", verbs_by_steps, read, read_drive_of_block}; }
 
 }  // namespace rosin::app::scene

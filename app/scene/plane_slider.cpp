@@ -19,7 +19,8 @@ namespace {
 
 /// Whose answer is that of the structure of its steady sliding, in which laws may have states.
 bool asks_of_steady_sliding(const SceneReader& reader) {
-  return reader.request.verb == "stability" || reader.request.verb == "frf";
+  const auto& verb = reader.request.verb;
+  return verb == "stability" || verb == "branch" || verb == "frf";
 }
 
 void read(SceneReader& reader, Table table, bool) {
@@ -83,14 +84,6 @@ void read_plane_drive(SceneReader& reader, Table drive, bool) {
 
 }  // namespace
 
-OscillatorType plane_slider_type() {
-  return {"plane-slider",
-          verbs_by_steps,
-          read,
-          read_plane_drive,
-          {{"branch",
-            "its cycles are found by following the motion, which shows those that attract alone; 'sweep' follows them "
-            "along a parameter, up and down"}}};
-}
+OscillatorType plane_slider_type() { return {"plane-slider", verbs_by_steps, read, read_plane_drive}; }
 
 }  // namespace rosin::app::scene

@@ -201,17 +201,13 @@ OscillatorType string_type() {
       "the state of a string is all its waves, on their way between bridge and nut, and no list of numbers that a "
       "solver could ";
   return {"string",
-          {"run", "stability", "cycle", "sweep", "map", "compare"},
+          {"run", "stability", "cycle", "sweep", "map", "compare", "frf", "lyapunov"},
           read,
           read_drive_of_string,
-          {{"branch", fmt::format("{}follow; 'sweep' computes its motions along a parameter", memory)},
-           {"basin", fmt::format("{}start from anywhere; [cycle] start chooses rest or Helmholtz motion", memory)},
-           {"lyapunov",
-            fmt::format("{}disturb one by one; 'cycle' says whether periods repeat, 'stability' how sliding grows",
-                        memory)},
-           {"frf",
-            "a frequency response is that of friction at a prescribed slip rate, which no string answers: leave "
-            "[oscillator] out; 'stability' closes the loop with the string"}}};
+          {
+              {"branch", fmt::format("{}follow; 'sweep' computes its motions along a parameter", memory)},
+              {"basin", fmt::format("{}start from anywhere; [cycle] start chooses rest or Helmholtz motion", memory)},
+          }};
 }
 
 }  // namespace rosin::app::scene

@@ -9,9 +9,9 @@
 #include "analysis/response/extraction.hpp"
 #include "analysis/response/frf.hpp"
 #include "analysis/response/frf_simulation.hpp"
+#include "analysis/response/sliding_receptance.hpp"
 #include "analysis/response/structure.hpp"
 #include "app/scene/record.hpp"
-#include "oscillators/structure.hpp"
 
 namespace rosin::app::tasks {
 
@@ -51,9 +51,8 @@ struct Frf {
   std::optional<FrfUse> use;
   std::optional<analysis::response::SweepOptions> sweep;
   std::optional<analysis::response::NoiseOptions> noise;
-  /// That stands behind the contact and moves with it, and which of its contacts it is (from 0).
-  std::optional<oscillators::Structure> oscillator;
-  int contact = 0;
+  /// What stands behind the contact and moves with it.
+  std::optional<analysis::response::SlidingReceptance> oscillator;
 };
 
 }  // namespace rosin::app::tasks

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <tuple>
 
 #include "analysis/basins/basins.hpp"
 #include "analysis/motion/structure_record.hpp"
@@ -93,13 +94,37 @@ tasks::StartAxis read_axis(scene::Table table, const scene::Scene& scene, bool r
   return axis;
 }
 
+/// The first displacement and the first velocity, or two displacements, from −2 to 2 natural sizes.
+std::pair<tasks::StartAxis, tasks::StartAxis> natural_axes(const scene::Scene& scene, bool random) {
+  const auto* stepped = scene::stepped_of(scene);
+  const auto axes = stepped ? axes_of(*stepped) : axes_of(scene.structure->structure);
+  std::vector<double> sizes;
+  if (stepped) {
+    sizes = stepped->start_sizes;
+  } else {
+    const oscillators::StructureSystem system(scene.structure->structure);
+    const auto start = analysis::motion::starting_point(system, scene.structure->start);
+    sizes.resize(start.size());
+    system.scale(start.data(), sizes.data());
+  }
+  const auto velocity = std::ranges::find(axes, true, &tasks::StartAxis::is_velocity);
+  auto x = axes.front(), y = velocity != axes.end() ? *velocity : axes[1];
+  const auto place_of_y = velocity != axes.end() ? std::size_t(velocity - axes.begin()) : 1;
+  constexpr double reach = 2;
+  constexpr int points = 9;
+  for (const auto& [axis, size] : {std::pair{&x, sizes.front()}, {&y, sizes[place_of_y]}})
+    for (int i = 0; i < points; i += random ? points - 1 : 1)
+      axis->values.push_back(reach * size * (2.0 * i / (points - 1) - 1));
+  return {x, y};
+}
+
 /// Starts on a grid, or at random, beside what the start is otherwise.
 void read_starts(scene::Table& table, scene::Scene& scene) {
   auto& [x, y, random, places, direction, task] = scene.task<tasks::Basin>();
   const auto* stepped = scene::stepped_of(scene);
   const auto *of_x = table.find("x"), *of_y = table.find("y"), *samples = table.find("samples"),
              *seed = table.find("seed"), *start = table.find("start"), *refine = table.find("refine");
-  if (!of_x && !of_y) {
+  if (!of_x && !of_y && table.find("direction")) {
     for (const auto& [key, node] :
          {std::pair{"samples", samples}, {"seed", seed}, {"start", start}, {"refine", refine}})
       if (node) scene::fail(node->source(), "basin.{} has no effect without basin.x and basin.y", key);
@@ -109,10 +134,17 @@ void read_starts(scene::Table& table, scene::Scene& scene) {
   if (seed && !random) scene::fail(seed->source(), "basin.seed has no effect without basin.samples: a grid of starts");
   if (refine && random)
     scene::fail(refine->source(), "basin.refine has no effect on basin.samples: give a grid of starts");
-  const auto what =
-      fmt::format("{{ start = \"{}\", from, to, points }}", stepped ? stepped->starts.front().name : "displacement");
-  x = read_axis(scene::Table(table.required("x", what), table.path("x")), scene, random);
-  y = read_axis(scene::Table(table.required("y", what), table.path("y")), scene, random);
+  if (of_x || of_y) {
+    const auto what =
+        fmt::format("{{ start = \"{}\", from, to, points }}", stepped ? stepped->starts.front().name : "displacement");
+    x = read_axis(scene::Table(table.required("x", what), table.path("x")), scene, random);
+    y = read_axis(scene::Table(table.required("y", what), table.path("y")), scene, random);
+  } else {
+    std::tie(x, y) = natural_axes(scene, random);
+    for (const auto& [key, axis] : {std::pair{'x', &x}, {'y', &y}})
+      scene.notes.push_back(fmt::format("basin.{} is not given: {} from {:.4g} to {:.4g} {}, twice its natural size",
+                                        key, axis->name, axis->values.front(), axis->values.back(), axis->unit));
+  }
   if (x.is_same(y))
     scene::fail(of_y->source(), "basin.x and basin.y are the same, {}{}", x.name,
                 x.name == y.name ? "" : fmt::format(" and {}", y.name));
@@ -225,15 +257,6 @@ void read(scene::SceneReader& reader) {
   table.expect({"x", "y", "samples", "seed", "start", "direction", "from", "to", "points", "returns", "refine"});
   read_starts(table, scene);
   read_direction(table, scene);
-  if (basin.places.empty() && !basin.task.disturbance) {
-    const auto* stepped = scene::stepped_of(scene);
-    std::vector<std::string> names;
-    for (const auto& axis : stepped ? axes_of(*stepped) : std::vector<StartAxis>()) names.push_back(axis.name);
-    table.required("x", stepped ? fmt::format("{{ start, from, to, points }}, start one of {}: its motion depends on "
-                                              "where it starts in many ways, and a basin shows two of these",
-                                              fmt::join(names, ", "))
-                                : "{ start = \"displacement\", from, to, points }; or direction, from steady sliding");
-  }
   table.read("returns", basin.task.most_returns, 10, 10'000'000, "returns within which motions are recognised");
   table.finish();
 }

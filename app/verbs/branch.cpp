@@ -117,6 +117,12 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   read_parameter(table, family, task.parameter, options.parameter);
   const auto& [from, to, logarithmic] = options.parameter;
   task.from_cycle = has_periodic_drive(scene);
+  options.cycles = !scene.plane && !scene.block;
+  if (const auto* start = table.find("start");
+      !options.cycles && (task.from_cycle || (start && start->value_or(std::string()) != "steady")))
+    scene::fail(start ? start->source() : table.source(),
+                "cycles of an oscillator that is followed by steps are found where they attract: 'sweep' follows them "
+                "along a parameter; a branch is that of steady sliding under a constant drive, start = \"steady\"");
   if (const auto* start = table.find("start"); start && start->is_table()) {
     task.from_cycle = true;
     read_start(scene, *start, table.path("start"));
@@ -146,7 +152,6 @@ void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   auto& branch = reader.need("branch", "the parameter, from and to");
-  if (reader.scene.plane) throw InputError("branches of a slider in the plane are not followed; type plane-slider");
   if (reader.scene.structure) scene::read_structure_model(reader);
   read_table(scene::Table(branch, "branch"), reader);
   if (auto cycle = reader.root.table("cycle")) read_cycle(*cycle, reader.scene);
@@ -380,7 +385,8 @@ Status perform(Job& job) {
         if (quantity.name == path) crossings = analysis::branches::crossings_of(scene.model, path, range);
     found = analysis::branches::from_steady_sliding(family, task.options, crossings);
     // Steady sliding is the question: that no cycle is found beside it is told.
-    if (found.crossings.empty() && std::ranges::none_of(found.steady, &analysis::branches::SteadyPoint::stable)) {
+    if (task.options.cycles && found.crossings.empty() &&
+        std::ranges::none_of(found.steady, &analysis::branches::SteadyPoint::stable)) {
       const bool exists = found.steady.empty() ||
                           std::ranges::any_of(found.steady, [](const auto& point) { return point.why.empty(); });
       const auto unstable = exists ? std::string("steady sliding is unstable throughout, without a Hopf point")

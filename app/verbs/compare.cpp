@@ -443,10 +443,9 @@ output::Comparison compare_responses(const scene::Scene& scene) {
     add("low_frequency_limit", curve.limits.low), add("high_frequency_limit", curve.limits.high);
     add("largest magnitude", largest);
     if (frf.oscillator) {
-      const analysis::response::SlidingReceptance receptance(*frf.oscillator, frf.contact);
       double most = 0, error = 0;
       for (const double f : frf.options.frequencies)
-        if (const auto answer = receptance({0, 2 * std::numbers::pi * f}); std::abs(answer.contact) > most)
+        if (const auto answer = frf.oscillator->at({0, 2 * std::numbers::pi * f}); std::abs(answer.contact) > most)
           most = std::abs(answer.contact), error = answer.contact_error;
       entries.add("largest receptance", "m/N", most, error);
     }

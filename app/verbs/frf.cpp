@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "analysis/response/interval_means.hpp"
-#include "analysis/response/sliding_receptance.hpp"
 #include "app/output/caption.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
@@ -479,18 +478,17 @@ Status simulate_sweep(Job& job) {
 void add_receptance(Job& job, ordered_json& document, std::vector<std::string>& files) {
   const auto& frf = job.scene().task<tasks::Frf>();
   if (!frf.oscillator) return;
-  const auto& structure = *frf.oscillator;
-  const analysis::response::SlidingReceptance receptance(structure, frf.contact);
+  const auto& receptance = *frf.oscillator;
   const auto& frequencies = frf.options.frequencies;
   std::vector<Complex> contact;
   std::vector<double> contact_error;
-  std::vector<std::vector<Complex>> coordinates(structure.names.size());
-  std::vector<std::vector<double>> errors(structure.names.size());
+  std::vector<std::vector<Complex>> coordinates(receptance.coordinates.size());
+  std::vector<std::vector<double>> errors(receptance.coordinates.size());
   Reached reached;
   std::size_t largest = 0;
   for (const double f : frequencies) {
     end_if_stopped();
-    const auto answer = receptance({0, 2 * std::numbers::pi * f});
+    const auto answer = receptance.at({0, 2 * std::numbers::pi * f});
     contact.push_back(answer.contact), contact_error.push_back(answer.contact_error);
     reached.add(std::abs(answer.contact), answer.contact_error);
     if (std::abs(answer.contact) > std::abs(contact[largest])) largest = contact.size() - 1;
@@ -503,8 +501,8 @@ void add_receptance(Job& job, ordered_json& document, std::vector<std::string>& 
   auto& object = document["receptance"] = {{"contact", output::pairs(contact)}};
   auto& error = document["error"]["receptance"] = {{"contact", contact_error}};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
-    object[structure.names[i]] = output::pairs(coordinates[i]);
-    error[structure.names[i]] = errors[i];
+    object[receptance.coordinates[i]] = output::pairs(coordinates[i]);
+    error[receptance.coordinates[i]] = errors[i];
   }
   const auto real = parts(contact, [](const Complex& z) { return z.real(); });
   const auto imaginary = parts(contact, [](const Complex& z) { return z.imag(); });
@@ -591,7 +589,7 @@ void read(scene::SceneReader& reader) {
     reader.law();
     reader.oscillator_if_there();
     if (!measured) reader.need("drive", "speed and normal load");
-    read_tables_of_models(reader);
+    if (!scene.string) read_tables_of_models(reader);  // whose [run] and [cycle] are others
   }
   read_frf(scene::Table(reader.need("frf", "frequencies"), "frf"), reader,
            record_alone ? nullptr : reader.root.find("oscillator"));

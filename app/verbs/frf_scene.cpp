@@ -6,9 +6,11 @@
 
 #include "analysis/response/contact_slopes.hpp"
 #include "analysis/response/sliding_receptance.hpp"
+#include "analysis/strings/sliding.hpp"
 #include "app/scene/matrix_file.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/scene_table.hpp"
+#include "app/tasks/bowing.hpp"
 #include "app/tasks/frf.hpp"
 #include "core/fourier.hpp"
 
@@ -281,35 +283,38 @@ void read_simulation(scene::Table table, scene::Scene& scene) {
 /// The contact whose response is asked for becomes the scene's model, at its speed and load in steady sliding; what it
 /// is a part of stays the oscillator.
 void read_oscillator(scene::Table& table, scene::Scene& scene, const toml::node* given) {
-  auto& frf = scene.task<tasks::Frf>();
+  auto& oscillator = scene.task<tasks::Frf>().oscillator;
+  const auto* structure = scene.structure ? &scene.structure->structure : nullptr;
+  const auto* string = scene.string ? &scene.string->model : nullptr;
   const auto* chosen = table.find("contact");
-  if (!scene.structure) {
+  if (!structure && !string) {
     if (chosen)
       scene::fail(chosen->source(), "{} has no meaning: the oscillator has one contact", table.path("contact"));
     const auto& slider = scene.model.slider;
     if (!given || !(slider.mass > 0) || !(slider.stiffness > 0) || !std::isfinite(slider.stiffness)) return;
     try {
-      auto structure = oscillators::one_slider(scene.model);
-      analysis::response::SlidingReceptance(structure, 0);
-      frf.oscillator = std::move(structure);
+      oscillator = analysis::response::sliding_receptance(oscillators::one_slider(scene.model), 0);
     } catch (const InputError& error) {  // friction that answers slip rate by its states alone
       scene.notes.push_back(fmt::format("the receptance is left out: {}", error.what()));
     }
     return;
   }
-  if (table.find("structure"))
-    scene::fail(
-        table.find("structure")->source(),
-        "[frf.structure] puts the law's contact on a structure that is given there, but the oscillator of this "
-        "scene is a structure with contacts of its own: leave [oscillator] out, or ask 'rosin stability', whose "
-        "scan finds where it squeals");
-  const auto& structure = scene.structure->structure;
+  if (const auto* other = table.find("structure"))
+    scene::fail(other->source(),
+                "[frf.structure] puts the law's contact on a structure that is given there, but the oscillator of this "
+                "scene has contacts of its own: leave [oscillator] out, or ask 'rosin stability' where it squeals");
   int contact = 1;
-  table.read("contact", contact, 1, int(structure.contacts.size()), "contact that responds, counted from 1");
-  frf.contact = contact - 1;
-  scene.model = scene::located(chosen ? chosen->source() : table.source(),
-                               [&] { return analysis::response::contact_in_sliding(structure, frf.contact); });
-  frf.oscillator = structure;
+  table.read("contact", contact, 1, structure ? int(structure->contacts.size()) : string->string.bow.contacts,
+             "contact that responds, counted from 1");
+  scene::located(chosen ? chosen->source() : table.source(), [&] {
+    if (structure) {
+      scene.model = analysis::response::contact_in_sliding(*structure, contact - 1);
+      oscillator = analysis::response::sliding_receptance(*structure, contact - 1);
+    } else {
+      scene.model = analysis::strings::contact_in_sliding(*string);
+      oscillator = analysis::strings::sliding_receptance(*string, contact - 1);
+    }
+  });
 }
 
 }  // namespace

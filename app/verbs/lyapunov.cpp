@@ -5,13 +5,16 @@
 #include <cmath>
 
 #include "analysis/cycles/stepped_exponent.hpp"
+#include "analysis/strings/string_exponent.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/stepped.hpp"
+#include "app/scene/string.hpp"
 #include "app/scene/structure.hpp"
+#include "app/tasks/bowing.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
@@ -41,6 +44,10 @@ void read(scene::SceneReader& reader) {
   reader.need("lyapunov", meaning);
   reader.law();
   reader.oscillator();
+  if (reader.scene.string) {
+    scene::read_string_cycle(reader);
+    return read_table(*reader.root.table("lyapunov"), reader);  // [run] and [cycle] of a string are others
+  }
   if (!scene::read_stepped(reader)) {
     scene::read_structure_model(reader);
     scene::located(reader.root.find("drive")->source(), [&] { common_period(reader.scene.structure->structure); });
@@ -80,7 +87,7 @@ Status perform(Job& job) {
   auto options = scene.task<analysis::cycles::LyapunovOptions>();
   options.accuracy = job.request().tolerance.value_or(options.accuracy);
   const auto* stepped = scene::stepped_of(scene);
-  if (stepped) {
+  if (stepped || scene.string) {
     job.explain("two neighbouring motions by steps, whose difference is scaled back time and again; errors by blocks");
     scene.notes.emplace_back("of a motion by steps the largest exponent alone is computed: sum and divergence are not");
   } else {
@@ -91,6 +98,7 @@ Status perform(Job& job) {
   auto spectrum = [&] {
     Progress progress(job.request().quiet);
     if (progress.visible()) options.progress = [&](double part) { progress.show_pass(part); };
+    if (scene.string) return analysis::strings::lyapunov_spectrum(scene.string->model, options);
     return stepped ? analysis::cycles::lyapunov_spectrum(*stepped, options)
                    : analysis::cycles::lyapunov_spectrum(*scene.structure, options);
   }();

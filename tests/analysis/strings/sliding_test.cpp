@@ -65,6 +65,31 @@ TEST_CASE("under a bow in the middle of a lossless string odd partials grow by t
   CHECK(sliding.unstable_modes() == 25);
 }
 
+TEST_CASE("a sliding bow lets a lossless string move by the closed form, with hair and without", "[string]") {
+  // Y = (i/Z₀) sin(ωβT/2) sin(ω(1 − β)T/2)/sin(ωT/2); friction adds −κ of the slip rate, hair H = s/(k + c s).
+  using Complex = std::complex<double>;
+  const double kappa = 0.4, beta = 1.0 / 3;
+  for (const bool hair : {false, true}) {
+    auto model = lossless(300, 100, kappa);
+    if (hair) model.string.bow.hair_stiffness = 5e4, model.string.bow.hair_damping = 3;
+    const auto receptance = sliding_receptance(model, 0);
+    for (const double f : {20.0, 150.0, 700.0, 1234.0}) {
+      CAPTURE(hair, f);
+      const double angle = pi * f / model.string.frequency;
+      const Complex s(0, 2 * pi * f), H = hair ? s / (5e4 + 3.0 * s) : 0.0;
+      const Complex Y = Complex(0, 1) / model.string.impedance * std::sin(beta * angle) * std::sin((1 - beta) * angle) /
+                        std::sin(angle);
+      const Complex expected = (Y + Y * kappa * Y / (1.0 - kappa * (Y + H))) / s;
+      const auto answer = receptance.at(s);
+      CHECK(std::abs(answer.contact - expected) <= answer.contact_error);
+      CHECK(answer.contact_error < 1e-9 * std::abs(expected));
+    }
+  }
+  auto idle = lossless(300, 100, kappa);
+  idle.speed.signal = Signal(0);
+  CHECK_THROWS_WITH(sliding_receptance(idle, 0), Contains("drive.speed is 0 m/s"));
+}
+
 TEST_CASE("under a bow at a third of a lossless string partials grow and shift by the closed form", "[string]") {
   // With z = e^{−T s/3} and k = κ/Z₀: (2 + k) z² + 2 z + 2 − k = 0.
   const double k = 0.9;

@@ -72,8 +72,9 @@ TEST_CASE("scenes of blocks are refused with what is missing or cannot be", "[bl
   CHECK_THROWS_WITH(read("mass_matrix = 'diagonal'", steps), Contains("oscillator.mass_matrix = 'diagonal'"));
   CHECK_THROWS_WITH(read("mass = 2", steps), Contains("mass") && Contains("mass_matrix"));
   CHECK_THROWS_WITH(read("", "", "cycle"), Contains("scheme = \"average-acceleration\""));
-  CHECK_THROWS_WITH(read("", steps, "branch"),
-                    Contains("lyapunov, basin, frf only, not 'branch': its cycles are found"));
+  const std::string branch = "[branch]\nparameter = 'law.mu_d'\nfrom = 0.1\nto = 0.2\n";
+  CHECK_THROWS_WITH(read("", steps, "branch", branch + "start = 'cycle'\n"),
+                    Contains("'sweep' follows them along a parameter"));
 }
 
 TEST_CASE("numbers of a block are varied with the smoothing of its friction kept", "[block]") {

@@ -98,7 +98,14 @@ TEST_CASE("a plane slider on a belt slides steadily, with friction over speed as
   CHECK(stability["modes"][1]["growth_rate"].get<double>() == Approx(-(6 + 8 / 0.5) / 6));
   CHECK_THAT(ask(folder, "stability", slider).error, Contains("a surface that moves alone"));
   CHECK_THAT(ask(folder, "cycle", slider).error, Contains("nothing drives the slider"));
-  CHECK_THAT(ask(folder, "branch", belt).error, Contains("shows those that attract alone"));
+  // Along the slip the growth rate is −c/2m at any load, and nothing changes its stability.
+  const std::string along = "[branch]\nparameter = 'drive.normal_load'\nfrom = 10\nto = 30\n";
+  const auto branch = answer(folder, "branch", belt + along);
+  CHECK(branch["points"].size() == 101);
+  CHECK(branch["events"].empty());
+  for (const auto& point : branch["points"]) CHECK(point["metrics"]["growth_rate"].get<double>() == Approx(-1));
+  CHECK_THAT(ask(folder, "branch", belt + along + "start = 'cycle'\n").error,
+             Contains("'sweep' follows them along a parameter"));
   CHECK(ask(folder, "cycle", belt).status == 1);  // it comes to steady sliding
 }
 

@@ -188,8 +188,7 @@ TEST_CASE("strings are compared by run and cycle, with the numbers of those verb
 TEST_CASE("questions that have no meaning for a string are refused with the reason", "[app][string]") {
   const Folder folder;
   for (const auto& [verb, reason] :
-       {std::pair{"branch", "all its waves"}, std::pair{"lyapunov --set lyapunov.duration=1", "all its waves"},
-        std::pair{"basin --set basin.samples=2", "all its waves"}, std::pair{"frf", "prescribed slip rate"}}) {
+       {std::pair{"branch", "all its waves"}, std::pair{"basin --set basin.samples=2", "all its waves"}}) {
     const auto answer = run_rosin(folder, std::string(verb) + " --out out " + examples + "schelleng-diagram.toml");
     CHECK(answer.status == 2);
     CHECK_THAT(answer.error, Contains(reason));
