@@ -10,8 +10,8 @@
 namespace rosin::app::scene {
 
 /// Verbs that serve them; stability and frf ask of their steady sliding.
-inline const std::vector<std::string_view> verbs_by_steps = {"run",   "stability", "cycle", "map",
-                                                             "sweep", "lyapunov",  "basin", "frf"};
+inline const std::vector<std::string_view> verbs_by_steps = {"run",      "stability", "cycle", "map", "sweep",
+                                                             "lyapunov", "basin",     "frf",   "fit"};
 
 /// After law and oscillator: reads how the oscillator is followed, if it is one that is followed by steps.
 /// \returns whether it is

@@ -209,6 +209,9 @@ OscillatorType string_type() {
            {"lyapunov",
             fmt::format("{}disturb one by one; 'cycle' says whether periods repeat, 'stability' how sliding grows",
                         memory)},
+           {"fit",
+            "a motion of a string is that of its waves at a sample rate, whose slopes by numbers are not known to be "
+            "smooth; 'compare' lays strings beside each other"},
            {"frf",
             "a frequency response is that of friction at a prescribed slip rate, which no string answers: leave "
             "[oscillator] out; 'stability' closes the loop with the string"}}};
