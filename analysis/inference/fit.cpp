@@ -40,10 +40,10 @@ struct Variable {
   double slope(double q) const { return q < low || q > high ? 0 : logarithmic ? value(q) : 1; }
 };
 
-Variable make_variable(const Model& model, const std::string& path) {
-  require_fittable(model, path, true);
-  Variable v{model.describe(path), false, 0, 0, 1};
-  const double value = model.get(path);
+Variable make_variable(const Subject& subject, const std::string& path) {
+  require_fittable(subject, path, true);
+  Variable v{subject.describe(path), false, 0, 0, 1};
+  const double value = subject.get(path);
   v.logarithmic = v.quantity.range.low >= 0;
   constexpr double smallest = 1e-30, largest = 1e30;
   v.low = v.logarithmic ? std::log(std::max(v.quantity.range.low, smallest)) : v.quantity.range.low;
@@ -59,7 +59,8 @@ double largest(const std::vector<double>& values) {
 }
 
 /// The terms of a measurement's laboratory; each begins at 0.
-void add_terms(std::vector<Variable>& variables, const Measurement& m, std::size_t index) {
+/// \param has_clock  a column of the same motion has said how late its clock is
+void add_terms(std::vector<Variable>& variables, const Measurement& m, std::size_t index, bool has_clock) {
   using Trend = Measurement::Terms::Trend;
   using Term = Variable::Term;
   const auto add = [&](Term term, const char* name, std::string unit, double scale, double most, const char* meaning) {
@@ -67,7 +68,7 @@ void add_terms(std::vector<Variable>& variables, const Measurement& m, std::size
     variables.push_back({quantity, false, -most, most, scale, term, index});
   };
   const bool over_way = m.over == Measurement::Over::displacement;
-  const std::string unit = m.in_force ? "N" : "1";
+  const std::string unit = m.unit_of_y();
   const double size = largest(m.y) > 0 ? largest(m.y) : 1;
   constexpr double wide = 100;  // times all of y
   if (m.terms.base) add(Term::base, "base", unit, size, wide * size, "level beside the law's friction");
@@ -75,10 +76,10 @@ void add_terms(std::vector<Variable>& variables, const Measurement& m, std::size
     const double reach = largest(trend_abscissa(m));
     if (!(reach > 0)) throw InputError(fmt::format("{}: its points leave no room for a trend", m.name));
     const char* per = m.terms.trend == Trend::time ? "s" : "m";
-    add(Term::trend, "trend", unit + "/" + per, size / reach, wide * size / reach,
+    add(Term::trend, "trend", fmt::format("{}/{}", unit, per), size / reach, wide * size / reach,
         "straight line beside the law's friction");
   }
-  if (m.terms.clock_offset) {
+  if (m.terms.clock_offset && !has_clock) {
     const double span = m.x.back() - m.x.front();
     if (!(span > 0)) throw InputError(fmt::format("{}: one time alone tells of no clock offset", m.name));
     add(Term::clock_offset, "clock_offset", over_way ? "m" : "s", span / 100, span,
@@ -93,7 +94,7 @@ double beyond_noise(double residual) {
 }
 
 struct Problem {
-  const Model* model;
+  const Subject* subject;
   const std::vector<Measurement>* data;
   std::vector<Variable> variables;
   std::vector<double> q;  ///< all of them; those that are free are replaced
@@ -105,8 +106,8 @@ struct Problem {
   mutable int evaluations;                  ///< of the present minimisation
   mutable long predictions = 0, steps = 0;  ///< in all
 
-  Model at(const std::vector<double>& all) const {
-    Model changed = *model;
+  Subject at(const std::vector<double>& all) const {
+    Subject changed = *subject;
     for (std::size_t i = 0; i < variables.size(); ++i)
       if (variables[i].term == Variable::Term::none)
         changed = changed.with(variables[i].quantity.name, variables[i].value(all[i]));
@@ -119,12 +120,20 @@ struct Problem {
   bool in_shadow(std::size_t measurement, std::size_t point) const {
     return !shadows[measurement].empty() && shadows[measurement][point];
   }
+  /// True for a term of this measurement's laboratory. Columns of one motion share a clock.
+  bool belongs(const Variable& v, std::size_t measurement) const {
+    if (v.term == Variable::Term::none || v.measurement == measurement) return v.term != Variable::Term::none;
+    const auto &one = (*data)[v.measurement], &other = (*data)[measurement];
+    return v.term == Variable::Term::clock_offset && one.kind == Measurement::Kind::motion &&
+           other.kind == Measurement::Kind::motion && one.machine == other.machine;
+  }
   /// y of one measurement, and its slopes by the variables of `moved`, a row of them for each point.
   struct Said {
     std::vector<double> y, slopes;
-    std::vector<char> bounded;  ///< as of a prediction
+    std::vector<char> bounded;      ///< as of a prediction
+    std::vector<double> slip_rate;  ///< as of a prediction
   };
-  Said predicted(const Model& changed, std::size_t measurement, const std::vector<double>& all,
+  Said predicted(const Subject& changed, std::size_t measurement, const std::vector<double>& all,
                  const std::vector<std::size_t>& moved) const {
     using Term = Variable::Term;
     const auto& m = (*data)[measurement];
@@ -133,7 +142,7 @@ struct Problem {
       if (variables[i].term == Term::none) paths.push_back(variables[i].quantity.name);
     double base = 0, trend = 0, clock_offset = 0;
     for (std::size_t i = 0; i < variables.size(); ++i) {
-      if (variables[i].measurement != measurement) continue;
+      if (!belongs(variables[i], measurement)) continue;
       const double value = variables[i].value(all[i]);
       if (variables[i].term == Term::base) base = value;
       if (variables[i].term == Term::trend) trend = value;
@@ -141,7 +150,7 @@ struct Problem {
     }
     auto prediction = predict(changed, m, paths, clock_offset);
     ++predictions, steps += prediction.steps;
-    Said said{std::move(prediction.y), {}, std::move(prediction.bounded)};
+    Said said{std::move(prediction.y), {}, std::move(prediction.bounded), std::move(prediction.slip_rate)};
     said.bounded.resize(said.y.size());
     const auto& s = trends[measurement];
     for (std::size_t k = 0; k < said.y.size(); ++k) {
@@ -156,7 +165,7 @@ struct Problem {
         double slope = 0;
         if (v.term == Term::none)
           slope = side * prediction.slopes[path++][k];
-        else if (v.measurement == measurement)
+        else if (belongs(v, measurement))
           slope = v.term == Term::base ? 1 : v.term == Term::trend ? s[k] : prediction.by_clock[k];
         said.slopes.push_back(slope * v.slope(all[i]));
       }
@@ -172,7 +181,7 @@ struct Problem {
   std::optional<Residuals> residuals(const std::vector<double>& all, const std::vector<std::size_t>& moved = {}) const {
     Residuals r;
     try {
-      const Model changed = at(all);
+      const Subject changed = at(all);
       std::size_t point = 0;
       for (std::size_t d = 0; d < data->size(); ++d) {
         const auto& m = (*data)[d];
@@ -320,13 +329,14 @@ double profile_end(Problem problem, const Minimum& best, std::size_t index, doub
 
 }  // namespace
 
-void require_fittable(const Model& model, const std::string& path, bool with_slider) {
-  const auto quantity = model.describe(path);
-  const double value = model.get(path);
-  if (path.starts_with("oscillator.") ? !with_slider : !path.starts_with("law."))
+void require_fittable(const Subject& subject, const std::string& path, bool with_slider) {
+  const auto quantity = subject.describe(path);
+  const double value = subject.get(path);
+  if (subject.machines.empty() && (path.starts_with("oscillator.") ? !with_slider : !path.starts_with("law.")))
     throw InputError(
-        fmt::format("{}: a fit finds numbers of the law and its contact, law.…, and of the slider, oscillator.…, where "
-                    "events of stick-slip are among the data; measurements have their own drive",
+        fmt::format("{}: a fit finds numbers of the law and its contact, law.…, of the slider, oscillator.…, where "
+                    "events of stick-slip are among the data, and of any machine whose motion is; other measurements "
+                    "have their own drive",
                     path));
   if (!std::isfinite(value) || (quantity.range.low >= 0 && !(value > 0)))
     throw InputError(fmt::format("{} = {}: a fit needs a start above 0 and finite", path, value));
@@ -353,7 +363,7 @@ void check(const Measurement& m) {
 std::vector<Leftover> leftovers(const Problem& problem, const std::vector<double>& q) {
   const auto& moved = problem.free;
   std::vector<Leftover> parts;
-  const Model model = problem.at(q);
+  const auto model = problem.at(q);
   for (std::size_t d = 0; d < problem.data->size(); ++d) {
     const auto& m = (*problem.data)[d];
     auto said = problem.predicted(model, d, q, moved);
@@ -387,7 +397,7 @@ double find_noise_at(Problem& problem, const Minimum& best) {
 /// Finds the points behind missing rows whose friction hangs on what happened meanwhile: which differs there by more
 /// than a third of the noise, or at the point before. \returns true if they are others than before.
 bool find_shadows(Problem& problem, const std::vector<double>& q) {
-  const Model model = problem.at(q);
+  const auto model = problem.at(q);
   bool changed = false;
   for (std::size_t d = 0; d < problem.data->size(); ++d) {
     const auto& m = (*problem.data)[d];
@@ -440,7 +450,7 @@ double left_open_by_motion(const Problem& problem, const std::vector<double>& q,
   constexpr std::uint64_t draws = 4;
   const auto& m = (*problem.data)[measurement];
   if (!moves(m)) return 0;
-  const Model model = problem.at(q);
+  const auto model = problem.at(q);
   const auto own = predict(model, m).y;
   double sum = 0;
   for (std::uint64_t seed = 1; seed <= draws; ++seed) {
@@ -533,7 +543,12 @@ class Conclusion {
     for (std::size_t d = 0; d < parts.size(); ++d) {
       const auto& m = (*problem_.data)[d];
       Told told{{}, parts[d].noise};
-      if (parts[d].series) told = tell_misfit(m, parts[d]);
+      if (m.kind == Measurement::Kind::motion) {
+        const auto rates = problem_.predicted(problem_.at(best_.q), d, best_.q, {}).slip_rate;
+        if (!rates.empty()) told = tell_misfit(m, rates, parts[d]);
+      } else if (parts[d].series) {
+        told = tell_misfit(m, imposed_slip_rate(m), parts[d]);
+      }
       // What errors of the motion leave is no noise either, and counts in the errors already.
       if (told.misfit &&
           told.misfit->size * (parts[d].unknown ? 1 : m.error.front()) <= left_open_by_motion(problem_, best_.q, d))
@@ -614,7 +629,7 @@ class Conclusion {
 
  private:
   /// What an offset of the clock would find in a record without one.
-  Found clock_of(const Model& model, Measurement m, std::size_t measurement, std::size_t row,
+  Found clock_of(const Subject& model, Measurement m, std::size_t measurement, std::size_t row,
                  const std::vector<char>& apart) const {
     if (m.kind != Measurement::Kind::record || m.terms.clock_offset) return {};
     m.terms.clock_offset = true;
@@ -687,7 +702,7 @@ void Conclusion::clock(std::size_t i) {
 
 void Conclusion::measurements() {
   using Trend = Measurement::Terms::Trend;
-  const Model model = problem_.at(best_.q);
+  const auto model = problem_.at(best_.q);
   std::size_t row = 0;
   for (std::size_t d = 0; d < problem_.data->size(); ++d) {
     const auto& m = (*problem_.data)[d];
@@ -814,7 +829,7 @@ double cross_validation(Problem& problem, const Minimum& best, int folds, const 
 
 }  // namespace
 
-Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptions& options) {
+Fit fit(const Subject& model, const std::vector<Measurement>& data, const FitOptions& options) {
   gsl_set_error_handler_off();
   Problem problem{&model, &data, {}, {}, {}, {}, {}, {}, std::vector<std::vector<char>>(data.size()), 0};
   Fit result;
@@ -828,13 +843,18 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
   for (std::size_t d = 0; d < data.size(); ++d) {
     const auto& m = data[d];
     check(m);
-    add_terms(problem.variables, m, d);
+    if (m.kind == Measurement::Kind::motion) predict(model, m);  // a motion that ends early says why
+    add_terms(problem.variables, m, d,
+              std::ranges::any_of(data.begin(), data.begin() + std::ptrdiff_t(d), [&](const auto& other) {
+                return m.kind == Measurement::Kind::motion && other.kind == m.kind && other.machine == m.machine;
+              }));
     problem.trends.push_back(m.terms.trend == Measurement::Terms::Trend::none ? std::vector<double>{}
                                                                               : trend_abscissa(m));
     problem.noise.push_back({m.error.empty() ? roughness(m.y) : 1, 0});
     errors_given = errors_given && !m.error.empty();
     result.points += int(m.y.size());
-    if (!m.pairs() && m.kind != Measurement::Kind::stick_slip) {  // events repeat themselves
+    const bool repeats = m.kind == Measurement::Kind::stick_slip || m.kind == Measurement::Kind::motion;
+    if (!m.pairs() && !repeats) {  // events repeat themselves, and what sticks stays where it is
       response::ClippingWatch watch;
       for (const double y : m.y) watch.add(y);
       if (auto clipped = response::clipping_warning(watch, m.name + ": friction", "1", long(m.y.size()));
@@ -958,7 +978,7 @@ Fit fit(const Model& model, const std::vector<Measurement>& data, const FitOptio
         fmt::format("the least squares did not converge from any of {} starts, within {} evaluations each", starts,
                     most_evaluations)};
 
-  result.model = problem.at(best.q);
+  result.model = problem.at(best.q).model;
   result.chi_square = best.chi_square;
   for (std::size_t d = 0; d < data.size(); ++d)
     if (const auto lost = std::ranges::count(problem.shadows[d], 1); lost > 0)

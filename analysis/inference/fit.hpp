@@ -73,11 +73,11 @@ struct Fit {
   Outcome outcome;  ///< none_exists where the data do not determine a number; budget_spent without convergence
 };
 
-/// \throws InputError unless a fit can find the number at `path`: one of the law or its contact, or of the slider
-/// where data know one, finite, and above 0 where it cannot be negative.
-void require_fittable(const Model&, const std::string& path, bool with_slider);
+/// \throws InputError unless a fit can find the number at `path`: one of the law or its contact, of the slider where
+/// data know one, or any of a machine that is among the data; finite, and above 0 where it cannot be negative.
+void require_fittable(const Subject&, const std::string& path, bool with_slider);
 
 /// \throws InputError for unknown or unfit parameters, errors that are not positive, and fewer points than parameters.
-Fit fit(const Model&, const std::vector<Measurement>&, const FitOptions&);
+Fit fit(const Subject&, const std::vector<Measurement>&, const FitOptions&);
 
 }  // namespace rosin::analysis::inference

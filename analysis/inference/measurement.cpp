@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "analysis/inference/machine_motion.hpp"
 #include "analysis/inference/stick_slip.hpp"
 #include "analysis/response/contact_slopes.hpp"
 #include "analysis/response/frf.hpp"
@@ -536,11 +537,11 @@ Measurement::History Measurement::History::across(bool as_behind) const {
   return history;
 }
 
-Prediction predict(const Model& given, const Measurement& m, const std::vector<std::string>& paths,
-                   double clock_offset) {
+namespace {
+
+/// As `predict`, of a contact and by numbers of the law alone.
+Prediction predict_contact(Model model, const Measurement& m, std::vector<std::string> own, double clock_offset) {
   using Kind = Measurement::Kind;
-  if (m.kind == Kind::stick_slip) return predict_stick_slip(given, m, paths);
-  Model model = given;
   double fastest = m.slip_rate;
   if (m.kind == Kind::record) {
     fastest = 0;
@@ -548,9 +549,6 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
     if (fastest == 0) throw InputError(fmt::format("{}: nothing moves in this record", m.name));
   }
   model.drive = {fastest, m.normal_load, 0.0};
-  // Steady sliding does not know the clock of the states, nor a spring.
-  std::vector<std::string> own = paths;
-  std::erase_if(own, [](const std::string& path) { return path.starts_with("oscillator."); });
   if (m.kind == Kind::hold && (!model.law->has_states() || model.lambda == 0))
     throw InputError(fmt::format("law '{}' without states does not remember a hold", model.law->card().name));
   const bool reload = m.kind == Kind::hold && model.contact_stiffness.present();
@@ -561,9 +559,7 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
                     m.name, model.law->card().name));
   if (m.kind == Kind::steady_curve) {
     model.contact_stiffness = {};
-    std::erase_if(own, [](const std::string& path) { return path.starts_with("law.contact_stiffness."); });
     model.lambda = 0;
-    std::erase(own, "law.lambda");
   }
 
   Prediction found{{}, std::vector<std::vector<double>>(own.size())};
@@ -598,12 +594,32 @@ Prediction predict(const Model& given, const Measurement& m, const std::vector<s
       follow_holds(held(0, m.slip_rate), sliding, m, reload, found);
     }
   }
-  Prediction prediction{std::move(found.y), {}, std::move(found.by_clock), std::move(found.bounded), found.steps};
+  return found;
+}
+
+}  // namespace
+
+Prediction predict(const Subject& subject, const Measurement& m, const std::vector<std::string>& paths,
+                   double clock_offset) {
+  using Kind = Measurement::Kind;
+  if (m.kind == Kind::motion) return predict_motion(subject, m, paths, clock_offset);
+  const bool knows_slider = m.kind == Kind::stick_slip;
+  std::vector<std::string> own = paths;
+  std::erase_if(own, [&](const std::string& path) {
+    return !path.starts_with("law.") && !(knows_slider && path.starts_with("oscillator."));
+  });
+  if (m.kind == Kind::steady_curve)  // which knows neither the clock of the states, nor a spring
+    std::erase_if(own,
+                  [](const auto& path) { return path.starts_with("law.contact_stiffness.") || path == "law.lambda"; });
+  auto prediction =
+      knows_slider ? predict_stick_slip(subject.model, m, own) : predict_contact(subject.model, m, own, clock_offset);
+  std::vector<std::vector<double>> slopes;
   for (const auto& path : paths) {
     const auto at = std::ranges::find(own, path);
-    prediction.slopes.push_back(at == own.end() ? std::vector<double>(prediction.y.size(), 0.0)
-                                                : found.slopes[std::size_t(at - own.begin())]);
+    slopes.push_back(at == own.end() ? std::vector<double>(prediction.y.size(), 0.0)
+                                     : prediction.slopes[std::size_t(at - own.begin())]);
   }
+  prediction.slopes = std::move(slopes);
   return prediction;
 }
 
@@ -634,7 +650,7 @@ std::vector<double> way_of(const Imposed& imposed) {
 }  // namespace
 
 std::vector<double> imposed_displacement(const Measurement& m) {
-  if (!m.series()) return {};
+  if (!m.imposed()) return {};
   return way_of(imposed_by(m));
 }
 
@@ -650,6 +666,11 @@ std::vector<double> imposed_normal_load(const Measurement& m) {
 
 std::vector<double> trend_abscissa(const Measurement& m) {
   using Over = Measurement::Over;
+  if (m.kind == Measurement::Kind::motion) {
+    std::vector<double> s;
+    for (const double x : m.x) s.push_back(x - m.x.front());
+    return s;
+  }
   const bool by_displacement = m.terms.trend == Measurement::Terms::Trend::displacement;
   const bool record = m.kind == Measurement::Kind::record;
   if (!record && by_displacement == (m.over == Over::displacement)) {

@@ -1,18 +1,16 @@
 /// What a model says to a measurement, and how that changes with its numbers: frequency responses, steady curves,
-/// velocity steps, holds, events of stick–slip, and friction recorded while the slip rate or the load point moves in
-/// any way.
+/// velocity steps, holds, events of stick–slip, friction recorded while the slip rate or the load point moves in any
+/// way, and the recorded motion of a machine.
 #pragma once
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "analysis/inference/machine.hpp"
 #include "analysis/inference/recorded_motion.hpp"
 #include "analysis/inference/rest.hpp"
-#include "oscillators/model.hpp"
 
 namespace rosin::analysis::inference {
-
-using oscillators::Model;
 
 /// One set of numbers, each with its standard error.
 struct Measurement {
@@ -22,6 +20,7 @@ struct Measurement {
     steady_curve,        ///< x: m/s; y: friction coefficient
     hold,                ///< x: s that the drive rests; y: peak coefficient as it resumes, behind the contact's spring
     record,              ///< x: s; y: friction coefficient or force under the motion of `history`
+    motion,              ///< x: s; y: `column` of the motion of `machine`
     stick_slip,          ///< x: drive speed, m/s; y: `event` of the slider's stick–slip
   };
   Kind kind = Kind::frequency_response;
@@ -60,7 +59,9 @@ struct Measurement {
     History across(bool as_behind) const;
   };
   History history = {};
-  bool in_force = false;  ///< y of a record in N
+  bool in_force = false;     ///< y of a record in N
+  std::size_t machine = 0;   ///< of a motion: one of the subject's
+  std::string column, unit;  ///< of a motion, as a run calls it
   /// What was read off each slip event.
   enum class Event {
     recurrence,      ///< s, from one event to the next
@@ -82,7 +83,10 @@ struct Measurement {
   /// Points of a response have two numbers.
   bool pairs() const { return kind == Kind::frequency_response; }
   /// A series in time, of which a neighbour's noise may know something.
-  bool series() const { return kind == Kind::velocity_step || kind == Kind::record; }
+  bool series() const { return imposed() || kind == Kind::motion; }
+  /// A series under a slip rate that is imposed.
+  bool imposed() const { return kind == Kind::velocity_step || kind == Kind::record; }
+  std::string unit_of_y() const { return kind == Kind::motion ? unit : in_force ? "N" : "1"; }
 };
 
 /// The model's y of a measurement, and ∂y/∂p of each number asked for.
@@ -93,14 +97,16 @@ struct Prediction {
   /// True of each point at rest under a law that sticks: friction is then any up to a limit either way, and y the
   /// limit.
   std::vector<char> bounded = {};
-  long steps = 0;  ///< of the motion
+  std::vector<double> slip_rate = {};  ///< of a motion, m/s, at each x; empty where no contact slips
+  long steps = 0;                      ///< of the motion
 };
 
 /// What a model says to a measurement's x, as its y, with slopes by the numbers at `paths`: exact for responses and
 /// steady curves; motion and its variational equations by collocation at 1e-10 for steps, holds and records.
+/// Of the motion of a machine: analysis/inference/machine_motion.hpp.
 /// \param clock_offset s or m, as x: the motion is later than x says. Trend and base are not in it.
 /// \throws InputError where the law does not answer, and where no slope exists (analysis/response/contact_slopes.hpp).
-Prediction predict(const Model&, const Measurement&, const std::vector<std::string>& paths = {},
+Prediction predict(const Subject&, const Measurement&, const std::vector<std::string>& paths = {},
                    double clock_offset = 0);
 
 /// Of a step or a record at each x: m that were imposed since the first step or the begin; empty for others.

@@ -112,8 +112,7 @@ std::vector<int> quantiles(std::span<const double> values, int classes) {
   return of;
 }
 
-std::vector<Classes> classes_of(const Measurement& m) {
-  const auto u = imposed_slip_rate(m);
+std::vector<Classes> classes_of(const Measurement& m, const std::vector<double>& u) {
   auto all = behind_changes(u);
   constexpr int rates = 8, loads = 6;
   // Rising or falling in magnitude: friction that remembers is another on the way back.
@@ -150,13 +149,13 @@ MatrixXd columns_of(const std::vector<int>& classes, const std::vector<char>& ap
 
 }  // namespace
 
-Told tell_misfit(const Measurement& m, const Leftover& part) {
+Told tell_misfit(const Measurement& m, const std::vector<double>& slip_rate, const Leftover& part) {
   const auto n = Index(part.residual.size()), p = Index(part.slopes.size()) / n;
   const auto points = n - Index(std::ranges::count(part.apart, 1));
   constexpr double by_chance = 1e-3;
   Told told{{}, part.noise};
   double clearest = 0;  // fall of χ²
-  const auto families = classes_of(m);
+  const auto families = classes_of(m, slip_rate);
   for (const auto& family : families) {
     const auto columns = columns_of(family.of, part.apart);
     if (columns.cols() < 2 || points < 2 * (p + columns.cols())) continue;

@@ -25,7 +25,8 @@ struct Told {
 /// in length; classes of slip rate, rising or falling in magnitude; classes of load. An F test tells by how much they
 /// explain more than noise. Because noise is what remains beside them, its correlation takes no misfit up. Misfit is
 /// what less than a thousandth of records of the right law would leave.
+/// \param slip_rate at each x, m/s, that is imposed, or that the fitted motion has
 /// \param part residuals of the measurement and their slopes, neither whitened, with the noise as it was found.
-Told tell_misfit(const Measurement&, const Leftover& part);
+Told tell_misfit(const Measurement&, const std::vector<double>& slip_rate, const Leftover& part);
 
 }  // namespace rosin::analysis::inference

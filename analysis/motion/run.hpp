@@ -21,6 +21,7 @@ struct RunOptions {
   int samples = 1000;
   Start start;
   double tolerance = 1e-8;
+  bool once = false;  ///< a structure in one pass whose errors are not measured, with a tenth of the tolerance
   long most_steps = 5'000'000;                   ///< steps of one pass
   std::string solver = "auto";                   ///< one of solver_names()
   solvers::force_algorithms::Options algorithm;  ///< options of the force algorithms

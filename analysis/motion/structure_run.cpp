@@ -299,7 +299,8 @@ Run run_structure(const StructureModel& model, const RunOptions& options, double
   Run result;
   std::unique_ptr<Pass> coarse, fine = std::make_unique<Pass>(model, options, times, tolerance, stick_threshold);
   result.cost = fine->cost;
-  for (int pass = 1; pass < most_passes && fine->outcome.complete() && worst > options.tolerance; ++pass) {
+  for (int pass = 1; !options.once && pass < most_passes && fine->outcome.complete() && worst > options.tolerance;
+       ++pass) {
     tolerance *= finer;
     coarse = std::move(fine);
     fine = std::make_unique<Pass>(model, options, times, tolerance, stick_threshold);
@@ -334,7 +335,7 @@ Run run_structure(const StructureModel& model, const RunOptions& options, double
   if (fine->system.stops() > 0) result.metrics["impact_work"] = fine->energy.impacts;
   result.metrics["energy_residual"] = fine->energy_residual;
   if (fine->system.contacts() > 1) result.metrics["choices"] = double(fine->choices);
-  if (result.outcome.complete() && worst > options.tolerance)
+  if (!options.once && result.outcome.complete() && worst > options.tolerance)
     result.outcome = {Ending::tolerance_not_met, fmt::format("the motion is known to {:.1e} of its size only", worst)};
   return result;
 }

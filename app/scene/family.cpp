@@ -23,35 +23,38 @@ std::string named(const std::string& path) {
   return kept;
 }
 
-Scene read(const Request& request, const toml::table& document, const std::filesystem::path& folder, bool as_slider,
-           bool with_steps = false) {
+void read_slider(SceneReader& reader) { reader.law(), reader.oscillator(); }
+
+Scene scene_of(const Request& request, const toml::table& document, const std::filesystem::path& folder,
+               const Family::Read& read) {
   Scene scene;
   scene.path = request.target;
   SceneReader reader{request, document, Table(document, ""), scene, folder, {}};
   reader.find_smoothing();
-  if (as_slider)
-    reader.law(), reader.oscillator();
-  else
-    read_structure_model(reader);
-  if (with_steps) read_stepped(reader);
+  read(reader);
   return scene;
 }
 
 }  // namespace
 
 Family::Family(const SceneReader& like, std::string varied_by, bool as_slider)
+    : Family(like, std::move(varied_by), Read(as_slider ? read_slider : read_structure_model)) {}
+
+Family::Family(const SceneReader& like, std::string varied_by, Read read)
     : request_(like.request),
       document_(like.document),
       folder_(like.folder),
       varied_by_(std::move(varied_by)),
-      as_slider_(as_slider) {
+      read_(std::move(read)) {
   const NumbersAsked asked;
-  read(request_, document_, folder_, as_slider_);
+  scene_of(request_, document_, folder_, read_);
   known_ = asked.quantities;
 }
 
 std::string Family::in_full(const std::string& path) const {
-  std::string full = path.starts_with("contacts.") ? "oscillator." + path : path;
+  std::string full = path.starts_with("contacts.") ? "oscillator." + path
+                     : path.starts_with("data.")   ? "fit." + path
+                                                   : path;
   const auto dot = full.rfind('.');
   if (dot != std::string::npos) {
     const auto key = full.substr(dot + 1), signal = full.substr(0, dot);
@@ -91,7 +94,7 @@ double Family::value(const std::string& path) const {
   return number(*node, quantity);
 }
 
-Scene Family::read_with(const std::vector<std::pair<std::string, double>>& values, bool with_steps) const {
+Scene Family::scene_with(const std::vector<std::pair<std::string, double>>& values, const Read& read) const {
   auto document = document_;
   std::string at;
   for (const auto& [path, value] : values) {
@@ -99,27 +102,31 @@ Scene Family::read_with(const std::vector<std::pair<std::string, double>>& value
     at += fmt::format("{}{} = {:.10g}", at.empty() ? "" : ", ", path, value);
   }
   try {
-    return read(request_, document, folder_, as_slider_, with_steps);
+    return scene_of(request_, document, folder_, read);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: at {}: {}", varied_by_, at, error.what()));
   }
 }
 
+Scene Family::with_numbers(const std::vector<std::pair<std::string, double>>& values) const {
+  return scene_with(values, read_);
+}
+
 analysis::motion::StructureModel Family::with(const std::vector<std::pair<std::string, double>>& values) const {
-  return *read_with(values).structure;
+  return *with_numbers(values).structure;
 }
 
 oscillators::BowedStringModel Family::string_with(const std::vector<std::pair<std::string, double>>& values) const {
-  return read_with(values).string->model;
+  return with_numbers(values).string->model;
 }
 
 oscillators::Model Family::slider_with(const std::vector<std::pair<std::string, double>>& values) const {
-  return read_with(values).model;
+  return with_numbers(values).model;
 }
 
 analysis::motion::SteppedOscillator Family::stepped_with(
     const std::vector<std::pair<std::string, double>>& values) const {
-  return *stepped_of(read_with(values, true));
+  return *stepped_of(scene_with(values, [&](SceneReader& reader) { read_(reader), read_stepped(reader); }));
 }
 
 }  // namespace rosin::app::scene

@@ -11,7 +11,7 @@ namespace rosin::app::scene {
 
 /// Verbs that serve them; stability, branch and frf ask of their steady sliding.
 inline const std::vector<std::string_view> verbs_by_steps = {"run",    "stability", "cycle", "map", "sweep",
-                                                             "branch", "lyapunov",  "basin", "frf"};
+                                                             "branch", "lyapunov",  "basin", "frf", "fit"};
 
 /// After law and oscillator: reads how the oscillator is followed, if it is one that is followed by steps.
 /// \returns whether it is

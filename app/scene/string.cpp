@@ -204,10 +204,11 @@ OscillatorType string_type() {
           {"run", "stability", "cycle", "sweep", "map", "compare", "frf", "lyapunov"},
           read,
           read_drive_of_string,
-          {
-              {"branch", fmt::format("{}follow; 'sweep' computes its motions along a parameter", memory)},
-              {"basin", fmt::format("{}start from anywhere; [cycle] start chooses rest or Helmholtz motion", memory)},
-          }};
+          {{"branch", fmt::format("{}follow; 'sweep' computes its motions along a parameter", memory)},
+           {"basin", fmt::format("{}start from anywhere; [cycle] start chooses rest or Helmholtz motion", memory)},
+           {"fit",
+            "a motion of a string is that of its waves at a sample rate, whose slopes by numbers are not known to be "
+            "smooth; 'compare' lays strings beside each other"}}};
 }
 
 }  // namespace rosin::app::scene

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "analysis/inference/fit.hpp"
-#include "oscillators/model.hpp"
 
 namespace rosin::app::tasks {
 
@@ -12,7 +11,7 @@ namespace rosin::app::tasks {
 struct Fit {
   struct Candidate {
     std::string name;
-    oscillators::Model model;
+    analysis::inference::Subject subject;
     std::vector<std::string> parameters;
   };
   std::vector<Candidate> candidates;  ///< the scene's own law first

@@ -40,6 +40,7 @@ const char* abscissa(const Measurement& m) {
     case Measurement::Kind::hold:
       return "time at rest (s)";
     case Measurement::Kind::record:
+    case Measurement::Kind::motion:
       return "time (s)";
     case Measurement::Kind::stick_slip:
       return "drive speed (m/s)";
@@ -312,28 +313,33 @@ void write_picture(const fs::path& folder, const std::string& name, const scene:
     const auto curves = fmt::format(curve_file, d + 1), standardised = fmt::format(residual_file, d + 1);
     const auto parts = parts_of(m);
     const auto [low, high] = std::ranges::minmax(over.values);
+    const auto [lowest, highest] = std::ranges::minmax(m.y);
+    const auto shown_y = m.kind == Measurement::Kind::motion  // in a unit that keeps ticks short
+                             ? output::drawn_range(output::readable(m.column), m.unit, lowest, highest)
+                             : output::DrawnRange{0, 1, output::single_quoted(ordinate(m)), lowest, highest};
     const std::size_t others_shown = shown.size() - (std::ranges::find(shown, 0u) != shown.end() ? 1 : 0);
     const auto x = over.last ? 2 + 4 * parts.size() + others_shown * parts.size() : 1;
     const char* smooth = over.last ? "" : "smooth unique ";  // a path may come back to where it was
     script += fmt::format(
         "{} logscale x\nset xrange [{}:{}]\nset label 999 {} at graph 0,1 offset 0,0.8\nset tmargin at "
         "screen {}\n"
-        "set bmargin at screen {}\nset format x ''\nunset xlabel\nset ylabel '{}'\nset ytics autofreq\n"
+        "set bmargin at screen {}\nset format x ''\nunset xlabel\nset ylabel {}\nset ytics autofreq\n"
         "plot ",
-        m.kind != Measurement::Kind::record && low > 0 && high / low > 20 ? "set" : "unset", low, high,
-        output::single_quoted(m.name), edge(0), edge(curve), ordinate(m));
+        !m.series() && low > 0 && high / low > 20 ? "set" : "unset", low, high, output::single_quoted(m.name), edge(0),
+        edge(curve), shown_y.label);
     std::string plots;
     for (std::size_t part = 0; part < parts.size(); ++part)
       plots +=
           fmt::format("{}'{}' using {}:{} with points pointtype {} pointsize 0.5 linecolor '#888888' title '{}data'",
-                      part > 0 ? ", \\\n     " : "", curves, x, 2 + 4 * part, part == 0 ? 7 : 6, parts[part].name);
+                      part > 0 ? ", \\\n     " : "", curves, x, shown_y.column(int(2 + 4 * part)), part == 0 ? 7 : 6,
+                      parts[part].name);
     std::size_t others = 2 + 4 * parts.size();
     for (std::size_t k = 0; k < shown.size(); ++k)
       for (std::size_t part = 0; part < parts.size(); ++part) {
         const auto column = shown[k] == 0 ? 3 + 4 * part : others++;
         plots +=
             fmt::format(", \\\n     '{}' using {}:{} {}with lines linewidth 1.8 dashtype {} linecolor '{}' title {}",
-                        curves, x, column, smooth, dashes[k], colours[k],
+                        curves, x, shown_y.column(int(column)), smooth, dashes[k], colours[k],
                         part == 0 ? output::single_quoted(asked.candidates[shown[k]].name) : "''");
       }
     double least = -2, most = 2;
@@ -409,11 +415,12 @@ Status perform(Job& job) {
       options.parameters = candidate.parameters;
       options.progress = [&](int done, int total) { progress.show(std::size_t(done), std::size_t(total)); };
       job.explain("{}: {} parameters by least squares", candidate.name, candidate.parameters.size());
-      fits.push_back(analysis::inference::fit(candidate.model, asked.data, options));
+      fits.push_back(analysis::inference::fit(candidate.subject, asked.data, options));
       const auto& fit = fits.back();
       for (const auto& decision : fit.decisions) job.explain("{}: {}", candidate.name, decision);
       job.explain("{}: {} predictions, {} steps of motion", candidate.name, fit.predictions, fit.steps);
-      say_negative_evolution(candidate.model, asked.data, options, fits.back());
+      if (candidate.subject.machines.empty())
+        say_negative_evolution(candidate.subject.model, asked.data, options, fits.back());
     }
   }
   std::vector<std::size_t> order(fits.size());
@@ -433,7 +440,7 @@ Status perform(Job& job) {
       const auto& data = asked.data[d];
       if (m.error_found)
         job.say("  noise of {:<25} {:.3g}{}, of neighbours correlated by {:.2f}", data.name, m.noise.size,
-                data.in_force ? " N" : "", m.noise.correlation);
+                data.unit_of_y() == "1" ? "" : " " + data.unit_of_y(), m.noise.correlation);
       if (const auto points = std::ranges::count(m.bounded, 1); points > 0)
         job.say("  rest in  {:<25} {} of {} points: friction there is bounded, not predicted; {}", data.name, points,
                 data.y.size(), why_at_rest(data.history.rest));
@@ -456,14 +463,22 @@ void read(scene::SceneReader& reader) {
   reader.law();
   const auto& fit = reader.need("fit", "parameters and data");
   const bool slides = fits_a_slider(fit);
-  reader.oscillator_if_there(slides);
+  const bool moves = fits_a_machine(fit);
+  if (moves)
+    reader.oscillator();
+  else
+    reader.oscillator_if_there(slides);
+  if (slides && reader.document.at_path("oscillator.type").value_or(std::string_view("slider")) != "slider")
+    scene::fail(reader.root.find("oscillator")->source(),
+                "events of stick-slip are those of a slider: of another oscillator fit the record of its motion, "
+                "type = \"motion\"");
   read_tables_of_models(reader);
   read_fit(scene::Table(fit, "fit"), reader);
-  if (!slides)
+  if (!slides && !moves)
     reader.note_unread(
         {"oscillator.mass", "oscillator.stiffness", "oscillator.damping", "oscillator.stops", "oscillator.restitution"},
         "a fit does not ask for it");
-  reader.note_unread({"drive.force", "law.load_memory"}, "a fit does not ask for it");
+  if (!moves) reader.note_unread({"drive.force", "law.load_memory"}, "a fit does not ask for it");
   if (std::ranges::all_of(reader.scene.task<tasks::Fit>().data,
                           [](const auto& m) { return m.kind == Measurement::Kind::steady_curve; }))
     reader.note_unread({"drive.speed", "law.contact_stiffness"}, "a steady curve does not depend on it");
@@ -474,8 +489,8 @@ void read(scene::SceneReader& reader) {
 Verb fit_verb() {
   return {.name = "fit",
           .help =
-              "parameters of laws from responses, velocity steps, steady curves, holds, records and stick-slip; laws "
-              "ranked",
+              "parameters of laws from responses, velocity steps, steady curves, holds, records, motions and "
+              "stick-slip; laws ranked",
           .example = "rosin fit examples/fit-laws.toml",
           .operands = {scene_operand},
           .needs = {{"law", "the friction law, with values to start from"},

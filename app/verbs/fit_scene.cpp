@@ -9,6 +9,7 @@
 #include "app/scene/law.hpp"
 #include "app/scene/scene_table.hpp"
 #include "app/tasks/fit.hpp"
+#include "app/verbs/fit_machine.hpp"
 
 namespace rosin::app::verbs {
 
@@ -36,6 +37,7 @@ const std::vector<KindOfData>& kinds() {
       {"steady-curve", Kind::steady_curve, {{"slip_rate", "m/s"}, {"friction_coefficient", "1"}}},
       {"hold", Kind::hold, {{"hold_time", "s"}, {"friction_coefficient", "1"}}},
       {"record", Kind::record, {{"time", "s"}, {"friction_coefficient", "1"}}},
+      {"motion", Kind::motion, {{"time", "s"}}},
       {"stick-slip", Kind::stick_slip, {{"speed", "m/s"}}},
       {"stick-slip-record", Kind::stick_slip, {{"time", "s"}, {"friction_force", "N"}}}};
   return list;
@@ -51,6 +53,10 @@ void refuse_without_effect(scene::Table& table, const KindOfData& kind) {
     std::vector<std::string_view> kinds;
   } listeners[] = {
       {"speed", {"frequency-response", "hold", "stick-slip", "stick-slip-record"}},
+      {"normal_load",
+       {"frequency-response", "velocity-step", "steady-curve", "hold", "record", "stick-slip", "stick-slip-record"}},
+      {"measured", {"motion"}},
+      {"start", {"motion"}},
       {"events", {"stick-slip"}},
       {"least_drop", {"stick-slip-record"}},
       {"least_time", {"stick-slip-record"}},
@@ -61,10 +67,11 @@ void refuse_without_effect(scene::Table& table, const KindOfData& kind) {
       {"over", {"velocity-step"}},
       {"rest", {"record"}},
       {"sensor_mass", {"record"}},
-      {"trend", {"velocity-step", "record"}},
-      {"clock_offset", {"velocity-step", "record"}},
-      {"base", {"velocity-step", "record", "steady-curve", "hold"}},
-      {"standard_error", {"frequency-response", "velocity-step", "steady-curve", "hold", "record", "stick-slip"}}};
+      {"trend", {"velocity-step", "record", "motion"}},
+      {"clock_offset", {"velocity-step", "record", "motion"}},
+      {"base", {"velocity-step", "record", "steady-curve", "hold", "motion"}},
+      {"standard_error",
+       {"frequency-response", "velocity-step", "steady-curve", "hold", "record", "stick-slip", "motion"}}};
   for (const auto& [key, those] : listeners)
     if (const auto* node = table.find(key); node && std::ranges::find(those, kind.name) == those.end())
       scene::fail(node->source(), "{} has no effect on a {}", table.path(key), kind.name);
@@ -128,6 +135,9 @@ void read_terms(scene::Table& table, Measurement& data) {
     else
       scene::wrong_kind(*trend, table.path("trend"), "true, \"time\" or \"displacement\"");
   }
+  if (data.kind == Kind::motion && data.terms.trend == Trend::displacement)
+    scene::fail(table.find("trend")->source(), "{}: no displacement is imposed on a motion; its trend is over time",
+                table.path("trend"));
   data.terms.base = truth(table, "base");
   data.terms.clock_offset = truth(table, "clock_offset");
 }
@@ -364,6 +374,17 @@ struct NumbersOfFile {
   std::optional<double> error = {};  ///< of every number
   bool errors_by_column = false;     ///< the last one
 
+  /// \param node  a value, or a column, which becomes the last one; null: none is given
+  void take_error(const toml::node* node, const std::string& path, const char* si) {
+    errors_by_column =
+        node && (node->is_table() ||
+                 (node->is_string() && !std::isdigit(static_cast<unsigned char>(node->as_string()->get()[0]))));
+    if (errors_by_column)
+      source.columns.push_back(scene::read_column(*node, path, si));
+    else if (node)
+      error = scene::number(*node, {path, si, {1e-300, 1e300}, "standard error"});
+  }
+
   void read(Measurement& data, std::vector<std::string>& notes) const {
     std::vector<std::vector<double>> values(source.columns.size());
     const auto end = scene::read_record(source, [&](double, std::span<const std::span<const double>> block) {
@@ -392,6 +413,13 @@ struct NumbersOfFile {
                                   motion.normal_load ? &values[first + ordinates + 1] : nullptr, motion.displacement,
                                   rest, data, notes);
   }
+};
+
+/// A motion among the data, from which machines are made for each law.
+struct MotionOfMachine {
+  std::size_t data;  ///< number of its table, from 0
+  std::string name = {};
+  std::vector<double> times = {};  ///< s
 };
 
 /// What the events of a record of force say, and notes of it.
@@ -452,8 +480,87 @@ void require_drive(const scene::SceneReader& reader, scene::Table& table, const 
                 data.name);
 }
 
-/// The measurements of one table of data: one, but for stick–slip, of which each column of events is one.
-std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& reader) {
+/// The standard error of each of these columns: a value or the name of a column, in a table by the columns where there
+/// are several. Null: it is to be found.
+std::vector<const toml::node*> errors_of(scene::Table& table, const std::vector<std::string>& measured) {
+  std::vector<const toml::node*> errors(measured.size(), nullptr);
+  const auto* given = table.find("standard_error");
+  if (!given) return errors;
+  const auto* by_name = given->as_table();
+  if (measured.size() == 1 && (!by_name || !by_name->contains(measured.front()))) return {given};
+  if (!by_name)
+    scene::wrong_kind(*given, table.path("standard_error"),
+                      fmt::format("a table such as {{ {} = … }}, for the columns differ", measured.front()));
+  scene::Table keys(*given, table.path("standard_error"));
+  for (std::size_t i = 0; i < measured.size(); ++i) errors[i] = keys.find(measured[i]);
+  keys.finish();
+  return errors;
+}
+
+/// The recorded columns of a machine's motion, each a measurement, and the machine.
+/// \param data  what they have in common \param numbers  without columns
+std::vector<Measurement> read_motion(scene::Table& table, scene::SceneReader& reader, const Measurement& data,
+                                     NumbersOfFile numbers, MotionOfMachine& motion) {
+  const auto& named = table.required("measured", "columns that were recorded, as 'rosin run' names them");
+  const auto measured = scene::texts(named, table.path("measured"));
+  if (measured.empty()) scene::fail(named.source(), "{} is empty", table.path("measured"));
+  table.required("start", "of the motion at time 0: \"steady\", \"rest\", or a table as [run] takes it");
+  auto columns = table.table("columns");
+  const ColumnsOfFile file{numbers.source, columns};
+  const auto errors = errors_of(table, measured);
+  const auto& file_node = *table.find("file");
+  const auto time = file.of("time", "s");
+  auto all = data;
+  numbers.ordinates = 0, numbers.source.columns = {time};
+  std::vector<std::string> unsaid;
+  scene::located(file_node.source(), [&] {
+    numbers.read(all, unsaid);
+    if (!(all.x.front() >= 0))
+      throw InputError(
+          fmt::format("{}: {:.6g} s lies before time 0, at which the motion starts; leave it out by "
+                      "low = 0, or give the time an offset",
+                      data.name, all.x.front()));
+    if (std::ranges::adjacent_find(all.x, std::greater_equal{}) != all.x.end())
+      throw InputError(fmt::format("{}: its times must ascend", data.name));
+  });
+  motion.name = data.name, motion.times = all.x;
+  const auto machine = machine_of(reader, nullptr, motion.data, motion.name, motion.times);
+  long steps = 0;
+  const auto seen = scene::located(table.source(), [&] { return machine->motion({}, 0, 0, steps); });
+  std::vector<Measurement> found;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const auto& name = measured[i];
+    const auto known = std::ranges::find(seen->names, name);
+    const auto& place = named.as_array()->get(i)->source();
+    if (known == seen->names.end())
+      scene::fail(place, "{}: the motion has no column '{}'{}", table.path("measured"), name,
+                  scene::suggestion(name, seen->names));
+    if (std::find(measured.begin(), measured.begin() + std::ptrdiff_t(i), name) != measured.begin() + std::ptrdiff_t(i))
+      scene::fail(place, "{} names '{}' twice", table.path("measured"), name);
+    auto one = data;
+    one.column = name, one.unit = seen->units[std::size_t(known - seen->names.begin())];
+    one.name += fmt::format(", {}", name);
+    auto own = numbers;
+    own.ordinates = 1;
+    own.source.columns = {time, file.of(name.c_str(), one.unit.c_str())};
+    own.take_error(errors[i], table.path("standard_error"), one.unit.c_str());
+    scene::located(file_node.source(), [&] { own.read(one, reader.scene.notes); });
+    if (name.starts_with("friction_") && reader.scene.model.law->set_valued())
+      reader.scene.notes.push_back(fmt::format(
+          "{}: friction of a law that sticks jumps where slip begins, and the least squares with it as a "
+          "switch passes a sample: they may end off their minimum; displacements and velocities do not jump",
+          one.name));
+    found.push_back(std::move(one));
+  }
+  if (columns) columns->finish();
+  table.finish();
+  return found;
+}
+
+/// The measurements of one table of data: one, but for stick–slip and motions, of which each column is one.
+/// \param motions  gains that of this table, if it is one
+std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& reader, std::size_t number,
+                                   std::vector<MotionOfMachine>& motions) {
   auto& scene = reader.scene;
   scene::Table table(node, "fit.data");
   table.expect({"type", "file", "columns", "standard_error", "speed", "from", "to", "normal_load", "low", "high",
@@ -487,6 +594,10 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
   const auto& file_node = *table.find("file");
   data.name = numbers.source.file.filename().string();
   numbers.source.gaps = true;
+  if (kind.kind == Kind::motion) {
+    data.machine = motions.size();
+    return read_motion(table, reader, data, numbers, motions.emplace_back(number));
+  }
   auto columns = table.table("columns");
   const ColumnsOfFile file{numbers.source, columns};
   std::vector<scene::RecordColumn> chosen;
@@ -524,19 +635,11 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
                 "events = [\"{}\"], and give each a table of data of its own",
                 events.size(), events.front().name);
   const char* si = stick_slip ? events.front().si : kind.columns.back().si;
-  numbers.errors_by_column =
-      error && (error->is_table() ||
-                (error->is_string() && !std::isdigit(static_cast<unsigned char>(error->as_string()->get()[0]))));
-  std::optional<scene::RecordColumn> column_of_errors;
-  if (numbers.errors_by_column)
-    column_of_errors = scene::read_column(*error, table.path("standard_error"), si);
-  else if (error)
-    numbers.error = scene::number(*error, {table.path("standard_error"), si, {1e-300, 1e300}, "standard error"});
   table.finish();
   std::vector<Measurement> found;
   const auto add = [&](Measurement measurement, std::vector<scene::RecordColumn> own) {
-    if (column_of_errors) own.push_back(*column_of_errors);
     numbers.source.columns = std::move(own);
+    numbers.take_error(error, table.path("standard_error"), si);
     scene::located(file_node.source(), [&] { numbers.read(measurement, scene.notes); });
     found.push_back(std::move(measurement));
   };
@@ -559,14 +662,20 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
 
 }  // namespace
 
-bool fits_a_slider(const toml::node& fit) {
+namespace {
+/// True for a table of data whose type begins so.
+bool has_data(const toml::node& fit, std::string_view type) {
   const auto* table = fit.as_table();
   const auto* data = table ? table->get_as<toml::array>("data") : nullptr;
-  return data && std::ranges::any_of(*data, [](const toml::node& element) {
+  return data && std::ranges::any_of(*data, [&](const toml::node& element) {
            const auto* one = element.as_table();
-           return one && (*one)["type"].value_or(std::string_view()).starts_with("stick-slip");
+           return one && (*one)["type"].value_or(std::string_view()).starts_with(type);
          });
 }
+}  // namespace
+
+bool fits_a_slider(const toml::node& fit) { return has_data(fit, "stick-slip"); }
+bool fits_a_machine(const toml::node& fit) { return has_data(fit, "motion"); }
 
 void read_fit(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
@@ -574,13 +683,22 @@ void read_fit(scene::Table table, scene::SceneReader& reader) {
   auto& options = task.options;
   table.expect({"parameters", "data", "candidates", "starts", "seed", "profiles", "folds", "confidence"});
   const auto& data = table.required("data", "tables with type and file");
+  std::vector<MotionOfMachine> motions;
+  std::size_t number = 0;
   for (const auto& element : scene::list(data, "fit.data", "tables", scene::most_names)) {
-    auto measurements = read_data(element, reader);
+    auto measurements = read_data(element, reader, number++, motions);
     std::ranges::move(measurements, std::back_inserter(task.data));
   }
   if (task.data.empty()) scene::fail(data.source(), "fit.data is empty");
   const bool with_slider = std::ranges::any_of(task.data, [](const auto& m) { return m.kind == Kind::stick_slip; });
-  const auto read_parameters = [&](const toml::node& node, const std::string& path, const oscillators::Model& model) {
+  const auto subject = [&](const oscillators::Model& model, const toml::node* law) {
+    analysis::inference::Subject all(model);
+    for (const auto& motion : motions)
+      all.machines.push_back(machine_of(reader, law, motion.data, motion.name, motion.times));
+    return all;
+  };
+  const auto read_parameters = [&](const toml::node& node, const std::string& path,
+                                   const analysis::inference::Subject& model) {
     const auto paths = scene::texts(node, path);
     for (std::size_t i = 0; i < paths.size(); ++i)
       scene::located(node.as_array()->get(i)->source(),
@@ -588,23 +706,23 @@ void read_fit(scene::Table table, scene::SceneReader& reader) {
     if (paths.empty()) scene::fail(node.source(), "{} is empty", path);
     return paths;
   };
-  task.candidates.push_back(
-      {std::string(scene.model.law->card().name), scene.model,
-       read_parameters(table.required("parameters", "paths, such as law.a"), "fit.parameters", scene.model)});
+  auto own = subject(scene.model, nullptr);
+  auto parameters = read_parameters(table.required("parameters", "paths, such as law.a"), "fit.parameters", own);
+  task.candidates.push_back({std::string(scene.model.law->card().name), std::move(own), std::move(parameters)});
   if (const auto* candidates = table.find("candidates"))
     for (const auto& element : scene::list(*candidates, "fit.candidates", "tables", scene::most_names)) {
       scene::Table keys(element, "fit.candidates");
       keys.expect({"name", "law", "parameters"});
-      tasks::Fit::Candidate candidate{"", scene.model, {}};
-      candidate.model.lambda = 1;
-      candidate.model.contact_stiffness = {};
-      candidate.model.load_memory = 0;
+      auto model = scene.model;
+      model.lambda = 1;
+      model.contact_stiffness = {};
+      model.load_memory = 0;
       const auto& law = keys.required("law", "the friction law");
-      scene::read_law(reader, scene::Table(law, "fit.candidates.law"), candidate.model);
-      candidate.name = candidate.model.law->card().name;
+      scene::read_law(reader, scene::Table(law, "fit.candidates.law"), model);
+      tasks::Fit::Candidate candidate{std::string(model.law->card().name), subject(model, &law), {}};
       if (const auto* name = keys.find("name")) candidate.name = scene::text(*name, keys.path("name"));
       candidate.parameters =
-          read_parameters(keys.required("parameters", "paths"), "fit.candidates.parameters", candidate.model);
+          read_parameters(keys.required("parameters", "paths"), "fit.candidates.parameters", candidate.subject);
       keys.finish();
       for (const auto& other : task.candidates)
         if (other.name == candidate.name)

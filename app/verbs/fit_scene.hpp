@@ -6,6 +6,8 @@ namespace rosin::app::verbs {
 
 /// True if events of stick–slip are among the data, which are those of a slider.
 bool fits_a_slider(const toml::node& fit);
+/// True if motions of the scene's oscillator are among the data.
+bool fits_a_machine(const toml::node& fit);
 
 /// Reads what is to be fitted, and the files of data. \throws InputError with the place of what cannot be used.
 void read_fit(scene::Table, scene::SceneReader&);

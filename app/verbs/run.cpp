@@ -84,17 +84,7 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   if (times && run.times.back() > run.duration)
     scene::fail(times->source(), "run.times ends at {} s, after run.duration = {} s", run.times.back(), run.duration);
   table.read("samples", run.samples, 1, scene::most_points, "equal intervals of the record");
-  if (const auto* start = table.find("start")) {
-    if (plane)
-      scene::read_plane_start(*start, table.path("start"), *plane);
-    else if (reader.scene.block)
-      reader.scene.structure->start = scene::read_block_start(*start, table.path("start"), *reader.scene.block);
-    else if (reader.scene.structure)
-      reader.scene.structure->start =
-          scene::read_structure_start(*start, table.path("start"), reader.scene.structure->structure);
-    else
-      run.start = scene::read_start(*start, table.path("start"), *reader.scene.model.law);
-  }
+  if (const auto* start = table.find("start")) read_start_of_run(*start, table.path("start"), reader.scene);
   if (const auto* spectrum = table.find("spectrum")) {
     if (times) scene::fail(spectrum->source(), "run.spectrum needs equal intervals: give run.samples, not run.times");
     read_spectrum(scene::Table(*spectrum, table.path("spectrum")), reader);
@@ -102,6 +92,8 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   table.finish();
   if (reader.needs("run") && !plane) check_ramps(reader);
 }
+
+}  // namespace
 
 void read_solver(scene::Table table, scene::SceneReader& reader) {
   auto& run = reader.scene.task<analysis::motion::RunOptions>();
@@ -154,6 +146,8 @@ void read_solver(scene::Table table, scene::SceneReader& reader) {
   table.find("smoothing");  // of every verb
   table.finish();
 }
+
+namespace {
 
 void read(scene::SceneReader& reader) {
   reader.law();
@@ -364,6 +358,17 @@ Status perform(Job& job) {
 }
 
 }  // namespace
+
+void read_start_of_run(const toml::node& start, const std::string& path, scene::Scene& scene) {
+  if (scene.plane)
+    scene::read_plane_start(start, path, *scene.plane);
+  else if (scene.block)
+    scene.structure->start = scene::read_block_start(start, path, *scene.block);
+  else if (scene.structure)
+    scene.structure->start = scene::read_structure_start(start, path, scene.structure->structure);
+  else
+    scene.task<analysis::motion::RunOptions>().start = scene::read_start(start, path, *scene.model.law);
+}
 
 analysis::motion::Run run_of(const scene::Scene& scene, const analysis::motion::RunOptions& how) {
   const double stick_threshold = scene.task<analysis::cycles::CycleOptions>().stick_threshold;

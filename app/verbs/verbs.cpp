@@ -56,7 +56,8 @@ std::vector<Option> scene_options(std::vector<Option> own) {
   std::vector<Option> options = {
       {"--set", &Request::overrides, "path=value: change the scene, such as drive.speed=1e-5"},
       {"--tolerance", &Request::tolerance, "relative accuracy of every result; default 1e-8, of planes 1e-6"},
-      threads_option("threads of a map, of each process where a launcher starts several; results do not depend on it"),
+      threads_option("threads of a map or of the motions of a fit, of each process where a launcher starts several; "
+                     "results do not depend on it"),
       out_option("out/<scene>/; {drive.speed} in it stands for that value of the scene"),
       json_option,
       quiet_option,
