@@ -3,6 +3,8 @@
 #include "analysis/inference/discrimination.hpp"
 #include "analysis/inference/equalise.hpp"
 #include "analysis/inference/fit.hpp"
+#include "analysis/inference/machine.hpp"
+#include "analysis/inference/machine_motion.hpp"
 #include "analysis/inference/recorded_motion.hpp"
 #include "analysis/inference/recorded_slip_rate.hpp"
 #include "analysis/inference/slip_events.hpp"
