@@ -209,21 +209,9 @@ void StringLanes::begin(int lane, const BowedStringModel& model) {
   models_[lane] = model;
   begun_[lane] = n_;
   loads_[lane] = model.load.value(0);
+  set_state(lane, std::vector<double>(state_sizes().size(), 0.0));
   for (auto& bow : bows_) bow.rest(lane, model.law, loads_[lane] / double(bows_.size()));
-  const auto clear = [&](Line& line) {
-    for (auto& x : line.past) x.set(lane, 0);
-  };
-  for (auto& waves : waves_) {
-    clear(waves.bridge), clear(waves.nut);
-    for (auto* lines : {&waves.rightward, &waves.leftward})
-      for (auto& line : *lines) clear(line);
-    waves.at_bridge.clear(lane), waves.at_nut.clear(lane);
-  }
-  clear(from_bridge_);
-  for (auto& x : dispersion_.state) x.set(lane, 0);
-  for (auto& mode : body_)
-    for (auto* x : {&mode.displacement, &mode.velocity, &mode.acceleration}) x->set(lane, 0);
-  for (auto* list : {&velocity_, &friction_, &hair_stretch_, &hair_speed_})
+  for (auto* list : {&velocity_, &friction_})
     for (auto& x : *list) x.set(lane, 0);
   bridge_force_.set(lane, 0);
   if (model.start == StringStart::helmholtz) start_helmholtz(lane, model);

@@ -113,14 +113,11 @@ class StringLanes {
   double realised_frequency() const;
   double realised_bow_position() const;
   /// All that the motion of a lane from now on depends on, under a bow of constant speed and load.
-  struct State {
-    std::vector<double> values;
-    /// Of each value as it differs between motions whose speeds differ by 1 m/s; infinite where it follows from others
-    /// or is no continuous number, as stick and slip are not.
-    std::vector<double> sizes;
-  };
-  State state(int lane);
-  /// \param values  of a state of this string
+  std::vector<double> state(int lane);
+  /// Each number of a state as it differs between motions whose speeds differ by 1 m/s; infinite where it follows from
+  /// others or is no continuous number, as stick and slip are not.
+  std::vector<double> state_sizes();
+  /// \param values  a state of this string
   void set_state(int lane, std::span<const double> values);
   /// The answer to small forces e^{st} under the bow.
   struct Mobility {
@@ -165,7 +162,6 @@ class StringLanes {
       second.pack[p] = second.pack[p] + (1 - keep) * (first.pack[p] - second.pack[p]);
       return second.pack[p];
     }
-    void clear(int lane) { first.set(lane, 0), second.set(lane, 0); }
   };
   /// First-order all-passes, (a + z⁻¹)/(1 + a z⁻¹) each, by which high partials run ahead.
   struct Dispersion {
@@ -194,7 +190,7 @@ class StringLanes {
     Lanes displacement = 0.0, velocity = 0.0, acceleration = 0.0;
   };
 
-  /// f(numbers of all lanes, size as in State) for each number of a state, in one order.
+  /// f(numbers of all lanes, size as in state_sizes()) for each number of a state, in one order.
   template <class F>
   void each_number(const F& f);
   static Waves make_waves(const BowedString&, double impedance, double speed_ratio, double quality, double rounding,

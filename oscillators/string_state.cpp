@@ -37,11 +37,16 @@ void StringLanes::each_number(const F& f) {
     for (auto* number : bow.memory()) f(*number, follows);
 }
 
-StringLanes::State StringLanes::state(int lane) {
-  State state;
-  each_number(
-      [&](const Lanes& number, double size) { state.values.push_back(number[lane]), state.sizes.push_back(size); });
-  return state;
+std::vector<double> StringLanes::state(int lane) {
+  std::vector<double> values;
+  each_number([&](const Lanes& number, double) { values.push_back(number[lane]); });
+  return values;
+}
+
+std::vector<double> StringLanes::state_sizes() {
+  std::vector<double> sizes;
+  each_number([&](const Lanes&, double size) { sizes.push_back(size); });
+  return sizes;
 }
 
 void StringLanes::set_state(int lane, std::span<const double> values) {

@@ -32,7 +32,7 @@ class StringMotion final : public motion::SteppedMotion {
   }
   double time_before() const override { return begin_ + double(steps_ - 1) * step_; }
   double time() const override { return begin_ + double(steps_) * step_; }
-  std::vector<double> state() const override { return string_->state(0).values; }
+  std::vector<double> state() const override { return string_->state(0); }
   int parts() const override { return 1; }
   void observe(double, bool, double*) override {}
 
@@ -49,12 +49,11 @@ motion::SteppedOscillator stepped(const BowedStringModel& model) {
   const double speed = std::abs(model.speed.value(0));
   StringLanes string(model.string, model.law, model.lambda);
   string.begin(0, model);
-  auto state = string.state(0);
-  for (auto& size : state.sizes) size *= speed;
   motion::SteppedOscillator oscillator;
   oscillator.natural_period = 1 / string.realised_frequency();
   oscillator.fixed_steps = true;
-  oscillator.start = std::move(state.values), oscillator.size = std::move(state.sizes);
+  oscillator.start = string.state(0), oscillator.size = string.state_sizes();
+  for (auto& size : oscillator.size) size *= speed;
   oscillator.motion = [model](double, bool) { return std::make_unique<StringMotion>(model); };
   return oscillator;
 }

@@ -17,7 +17,7 @@ namespace rosin::app::scene {
 
 namespace {
 
-/// Whose answer is that of the structure of its steady sliding, in which laws may have states.
+/// True for verbs that ask of steady sliding alone: as a structure, under laws that may have states.
 bool asks_of_steady_sliding(const SceneReader& reader) {
   const auto& verb = reader.request.verb;
   return verb == "stability" || verb == "branch" || verb == "frf";

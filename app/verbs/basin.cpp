@@ -108,11 +108,11 @@ std::pair<tasks::StartAxis, tasks::StartAxis> natural_axes(const scene::Scene& s
     system.scale(start.data(), sizes.data());
   }
   const auto velocity = std::ranges::find(axes, true, &tasks::StartAxis::is_velocity);
-  auto x = axes.front(), y = velocity != axes.end() ? *velocity : axes[1];
-  const auto place_of_y = velocity != axes.end() ? std::size_t(velocity - axes.begin()) : 1;
+  const auto second = velocity != axes.end() ? std::size_t(velocity - axes.begin()) : 1;
+  auto x = axes.front(), y = axes[second];
   constexpr double reach = 2;
   constexpr int points = 9;
-  for (const auto& [axis, size] : {std::pair{&x, sizes.front()}, {&y, sizes[place_of_y]}})
+  for (const auto& [axis, size] : {std::pair{&x, sizes.front()}, {&y, sizes[second]}})
     for (int i = 0; i < points; i += random ? points - 1 : 1)
       axis->values.push_back(reach * size * (2.0 * i / (points - 1) - 1));
   return {x, y};

@@ -419,7 +419,8 @@ struct NumbersOfFile {
 struct MotionOfMachine {
   std::size_t data;  ///< number of its table, from 0
   std::string name = {};
-  std::vector<double> times = {};  ///< s
+  std::vector<double> times = {};                                    ///< s
+  std::shared_ptr<const analysis::inference::Machine> machine = {};  ///< under the scene's own law
 };
 
 /// What the events of a record of force say, and notes of it.
@@ -524,9 +525,9 @@ std::vector<Measurement> read_motion(scene::Table& table, scene::SceneReader& re
       throw InputError(fmt::format("{}: its times must ascend", data.name));
   });
   motion.name = data.name, motion.times = all.x;
-  const auto machine = machine_of(reader, nullptr, motion.data, motion.name, motion.times);
+  motion.machine = machine_of(reader, nullptr, motion.data, motion.name, motion.times);
   long steps = 0;
-  const auto seen = scene::located(table.source(), [&] { return machine->motion({}, 0, 0, steps); });
+  const auto seen = scene::located(table.source(), [&] { return motion.machine->motion({}, 0, 0, steps); });
   std::vector<Measurement> found;
   for (std::size_t i = 0; i < measured.size(); ++i) {
     const auto& name = measured[i];
@@ -660,9 +661,6 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
   return found;
 }
 
-}  // namespace
-
-namespace {
 /// True for a table of data whose type begins so.
 bool has_data(const toml::node& fit, std::string_view type) {
   const auto* table = fit.as_table();
@@ -672,6 +670,7 @@ bool has_data(const toml::node& fit, std::string_view type) {
            return one && (*one)["type"].value_or(std::string_view()).starts_with(type);
          });
 }
+
 }  // namespace
 
 bool fits_a_slider(const toml::node& fit) { return has_data(fit, "stick-slip"); }
@@ -694,7 +693,7 @@ void read_fit(scene::Table table, scene::SceneReader& reader) {
   const auto subject = [&](const oscillators::Model& model, const toml::node* law) {
     analysis::inference::Subject all(model);
     for (const auto& motion : motions)
-      all.machines.push_back(machine_of(reader, law, motion.data, motion.name, motion.times));
+      all.machines.push_back(law ? machine_of(reader, law, motion.data, motion.name, motion.times) : motion.machine);
     return all;
   };
   const auto read_parameters = [&](const toml::node& node, const std::string& path,

@@ -589,7 +589,7 @@ void read(scene::SceneReader& reader) {
     reader.law();
     reader.oscillator_if_there();
     if (!measured) reader.need("drive", "speed and normal load");
-    if (!scene.string) read_tables_of_models(reader);  // whose [run] and [cycle] are others
+    read_tables_of_models(reader);
   }
   read_frf(scene::Table(reader.need("frf", "frequencies"), "frf"), reader,
            record_alone ? nullptr : reader.root.find("oscillator"));

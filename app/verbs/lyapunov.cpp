@@ -46,9 +46,7 @@ void read(scene::SceneReader& reader) {
   reader.oscillator();
   if (reader.scene.string) {
     scene::read_string_cycle(reader);
-    return read_table(*reader.root.table("lyapunov"), reader);  // [run] and [cycle] of a string are others
-  }
-  if (!scene::read_stepped(reader)) {
+  } else if (!scene::read_stepped(reader)) {
     scene::read_structure_model(reader);
     scene::located(reader.root.find("drive")->source(), [&] { common_period(reader.scene.structure->structure); });
   }

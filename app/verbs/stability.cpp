@@ -322,10 +322,12 @@ Status perform_on_structure(Job& job) {
 
 /// A scan is of a structure; a slider is one of one coordinate.
 void read(scene::SceneReader& reader) {
-  read_model(reader);
+  reader.law();
+  reader.oscillator();
   if (reader.scene.string)
     return reader.note_unread({"stability.parameters", "stability.modes", "stability.scan"},
                               "of a string all partials are found, at the bow's own speed and load");
+  read_tables_of_models(reader);
   if (reader.scene.task<tasks::Stability>().scan && !reader.scene.structure) scene::read_structure_model(reader);
   if (!reader.scene.structure) reader.note_unread({"stability.modes"}, "a slider has few modes, which are all found");
 }

@@ -84,8 +84,7 @@ Option threads_option(std::string help);
 std::vector<Option> scene_options(std::vector<Option> own = {});
 /// [law], [oscillator] and [drive], and the verb's own.
 std::vector<Need> model_tables(std::vector<Need> own);
-/// Reads law, oscillator and drive, and the tables that all verbs look at.
-void read_model(scene::SceneReader&);
+/// Reads the tables of all verbs: those that this one needs, and the others to check them.
 void read_tables_of_models(scene::SceneReader&);
 
 }  // namespace rosin::app::verbs

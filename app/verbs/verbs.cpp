@@ -86,15 +86,10 @@ void read_tables_of_models(scene::SceneReader& reader) {
       const bool needed =
           std::ranges::any_of(needs, [&](const auto& need) { return need.table == std::string_view(name); });
       std::optional<scene::KeysRead> only_checked;
+      if (!needed && reader.scene.string) continue;  // whose [run] and [cycle] are others
       if (!needed) only_checked.emplace();
       if (auto table = reader.root.table(name)) read(*table, reader);
     }
-}
-
-void read_model(scene::SceneReader& reader) {
-  reader.law();
-  reader.oscillator();
-  if (!reader.scene.string) read_tables_of_models(reader);  // whose [run] and [cycle] are others
 }
 
 // ---------------------------------------------------------------- scenes
