@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "analysis/branches/cycle_problem.hpp"
-#include "analysis/branches/linearised.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/steady/stability.hpp"
 #include "analysis/steady/verdict.hpp"
@@ -22,14 +21,15 @@ using motion::Follower;
 namespace {
 
 /// The eigenvector of the moving unknowns that oscillates with ω, in natural units.
-Eigen::VectorXcd mode(const Linearised& at, double angular_frequency) {
-  const auto pairs = eigenpairs(at.part.A, true);
+Eigen::VectorXcd mode(const steady::Linearised& at, double angular_frequency) {
+  const auto moving = at.moving();
+  const auto pairs = eigenpairs(moving.A, true);
   Index nearest = 0;
   const auto off = [&](Index k) { return std::abs(pairs.values[k] - std::complex<double>(0, angular_frequency)); };
   for (Index k = 1; k < pairs.values.size(); ++k)
     if (off(k) < off(nearest)) nearest = k;
   Eigen::VectorXcd q = pairs.vectors.col(nearest);
-  for (Index j = 0; j < q.size(); ++j) q[j] *= at.scale[at.part.unknowns[std::size_t(j)]];
+  for (Index j = 0; j < q.size(); ++j) q[j] *= at.scale[moving.unknowns[std::size_t(j)]];
   return q;
 }
 
@@ -57,7 +57,7 @@ class Tracer {
   void from_hopf(const steady::Crossing& hopf) {
     auto problem = std::make_unique<CycleProblem>(family_, 1);
     Continuation continuation(*problem, this->continuation());
-    const auto at = linearise(problem->oscillator(hopf.value));
+    const auto at = problem->oscillator(hopf.value).linearised();
     const auto q = mode(at, hopf.angular_frequency);
     std::optional<BranchPoint> point;
     for (const double amplitude : {1e-2, 1e-3, 1e-4}) {
@@ -174,7 +174,7 @@ class Tracer {
     const double ratio = amplitude / amplitude_before, ahead = (at.p - p_before) * ratio * ratio / (1 - ratio * ratio);
     const double turn = 2 * std::numbers::pi / at.view.metrics.at("period");
     const auto growth = [&](double p) {
-      const auto spectrum = spectrum_of(linearise(*family_(p)).part.A);
+      const auto spectrum = spectrum_of(family_(p)->linearised().moving().A);
       const auto off = [&](std::size_t k) { return std::abs(spectrum.values[k] - std::complex(0.0, turn)); };
       std::size_t nearest = 0;
       for (std::size_t k = 1; k < spectrum.values.size(); ++k)
@@ -386,14 +386,15 @@ Branches from_steady_sliding(const Family& family, const BranchOptions& options,
   std::map<double, steady::Leading> known;
   const auto leading = [&](double p) {
     const auto found = known.find(p);
-    return found != known.end() ? found->second : leading_of(steady::spectrum_of_sliding(linearise(*family(p)).part));
+    return found != known.end() ? found->second
+                                : leading_of(steady::spectrum_of_sliding(family(p)->linearised().moving()));
   };
   std::vector<double> sliding;
   for (const double p : values) {
     try {
       const auto oscillator = family(p);
-      const auto there = linearise(*oscillator);
-      auto spectrum = steady::spectrum_of_sliding(there.part);
+      const auto there = oscillator->linearised();
+      auto spectrum = steady::spectrum_of_sliding(there.moving());
       const auto most = known[p] = leading_of(spectrum);
       std::ranges::stable_sort(spectrum.values, std::greater(), [](auto z) { return z.real(); });
       result.steady.push_back(

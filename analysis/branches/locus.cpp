@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "analysis/branches/cycle_problem.hpp"
-#include "analysis/branches/linearised.hpp"
 #include "analysis/steady/verdict.hpp"
 #include "core/linear_solve.hpp"
 #include "core/stop.hpp"
@@ -80,7 +79,7 @@ class HopfProblem final : public Problem {
   };
   Mode mode_at(double p, double c_q) const {
     const auto oscillator = family_(p, options_.q.value(c_q));
-    const auto spectrum = steady::spectrum_of_sliding(linearise(*oscillator).part);
+    const auto spectrum = steady::spectrum_of_sliding(oscillator->linearised().moving());
     const auto off = [&](std::size_t k) {
       return std::abs(spectrum.values[k] - std::complex(0.0, angular_frequency_));
     };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/motion/follower.hpp"
+#include "analysis/steady/linearised.hpp"
 #include "oscillators/model.hpp"
 
 namespace rosin::analysis::branches {
@@ -22,6 +23,11 @@ class Oscillator {
   double drive_period() const { return drive_period_; }  ///< s; 0: the drive is constant
   /// Steady sliding, in the modes of slip along the drives. \throws InputError where there is none.
   virtual std::vector<double> steady() = 0;
+  /// The equations of small motions about that. \throws as steady()
+  steady::Linearised linearised() {
+    auto y = steady();
+    return steady::linearise(system(), std::move(y));
+  }
   /// Slip rates of the contacts (m/s) at the time 0.
   virtual std::vector<double> slip_rates(const std::vector<double>& y) const = 0;
 

@@ -20,6 +20,7 @@
 #include "analysis/motion/reversal_steps.hpp"
 #include "analysis/motion/slider_swings.hpp"
 #include "analysis/motion/stated_error.hpp"
+#include "analysis/steady/linearised.hpp"
 #include "analysis/steady/stability.hpp"
 #include "core/eigenpairs.hpp"
 #include "core/stop.hpp"
@@ -142,14 +143,12 @@ bool stays_steady(const Model& model, const RunOptions& options) {
   SliderSystem system(model);
   const auto y = starting_point(system, options.start);
   const int n = system.size();
-  std::vector<double> f(n), J(n * n), size(n);
   system.set_mode(0, slip_along(model.drive.speed.level()));
-  system.linearise(0, y.data(), f.data(), J.data());
-  system.scale(y.data(), size.data());
-  for (int j = 0; j < n; ++j) size[j] = std::max(std::abs(y[j]), size[j]);
+  auto at = steady::linearise(system, y);
+  for (int j = 0; j < n; ++j) at.scale[j] = std::max(std::abs(y[j]), at.scale[j]);
   for (int i = 0; i < n; ++i) {
     constexpr double rounding = 1e-12;
-    if (!(std::abs(f[i]) <= rounding * size_of_terms(&J[i * n], size.data(), n))) return false;
+    if (!(std::abs(at.f[i]) <= rounding * size_of_terms(at.J.row(i).data(), at.scale.data(), n))) return false;
   }
   return true;
 }
@@ -160,16 +159,12 @@ bool stays_steady(const Model& model, const RunOptions& options) {
 /// \returns the time at which it gets there (s). `duration`: duration of the run. Friction must respond to the slip
 /// rate at once; other friction lets no mode grow that fast.
 double leave_unstable_balance(SliderSystem& system, std::vector<double>& y, double duration) {
-  using Eigen::MatrixXd, Eigen::VectorXd;
-  const int n = system.size(), u = system.slip_rate_index();
-  std::vector<double> f(n);
-  VectorXd mass(n), scale(n);
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(n, n);
+  using Eigen::VectorXd;
+  const int u = system.slip_rate_index();
   if (system.model().law->set_valued()) system.set_mode(0, slip_along(y[u]));
-  system.linearise(0, y.data(), f.data(), J.data());
-  system.mass(0, mass.data());
-  system.scale(y.data(), scale.data());
-  const auto [moving, A] = moving_part(J, mass, scale);
+  const auto at = steady::linearise(system, y);
+  const auto& [mass, scale, f] = std::tie(at.mass, at.scale, at.f);
+  const auto [moving, A] = at.moving();
   const auto slip = std::find(moving.begin(), moving.end(), u) - moving.begin();
   if (slip == std::ssize(moving) || !A.allFinite()) return 0;
   const auto modes = eigenpairs(A, true);

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "analysis/steady/linearised.hpp"
 #include "analysis/steady/structure_stability.hpp"
 #include "analysis/steady/verdict.hpp"
 
@@ -83,19 +84,15 @@ SlidingReceptance sliding_receptance(const Structure& moving, int contact) {
   Linearised equations{{}, {}, {}, friction_contact(moving, contact).tangential};
   auto& [J, mass, force, tangential] = equations;
   const auto system = sliding(moving);
-  const auto y = system.steady(0);
-  const int size = system.size();
-  J.resize(size, size), mass.resize(size), force.resize(size);
-  VectorXd unforced(size);
-  system.linearise(0, y.data(), unforced.data(), J.data());
-  system.mass(0, mass.data());
+  auto at = steady::linearise(system, system.steady(0));
+  J = std::move(at.J), mass = std::move(at.mass), force.resize(system.size());
   // Forces enter to the first power: beside one that is large enough the others are nothing.
   constexpr double large = 0x1p200;
   auto forced = moving;
   forced.force.assign(std::size_t(moving.size()), 0.0);
   for (int i = 0; i < moving.size(); ++i) forced.force[std::size_t(i)] = large * tangential[i];
-  sliding(std::move(forced)).evaluate(0, y.data(), force.data());
-  force = (force - unforced) / large;
+  sliding(std::move(forced)).evaluate(0, at.y.data(), force.data());
+  force = (force - at.f) / large;
   if (!J.allFinite() || !force.allFinite())
     throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
   return {moving.names, [equations = std::move(equations)](Complex s) { return equations.answer(s); }};

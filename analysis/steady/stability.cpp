@@ -3,12 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/tools/roots.hpp>
 #include <cmath>
 
 #include "analysis/steady/curve.hpp"
+#include "analysis/steady/normal_form.hpp"
 #include "core/characteristic.hpp"
 #include "core/eigenpairs.hpp"
 #include "oscillators/slider_system.hpp"
@@ -18,11 +19,8 @@ namespace rosin::analysis::steady {
 using oscillators::Mechanics;
 using oscillators::SliderSystem;
 using Complex = std::complex<double>;
-using Matrix = Eigen::MatrixXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using ComplexMatrix = Eigen::MatrixXcd;
 using Vector = Eigen::VectorXd;
-using ComplexVector = Eigen::VectorXcd;
 
 namespace {
 
@@ -79,23 +77,14 @@ struct Pencil {
   std::unique_ptr<Contact<double>> contact_;
 };
 
-/// M ẏ = J y around steady sliding, in the unknowns of a solver.
+/// Steady sliding in the unknowns of a solver.
 struct Linearisation {
   SliderSystem system;
-  std::vector<double> y;
-  Matrix J;
-  Vector mass, scale;
+  Linearised at;
 
   explicit Linearisation(const Model& model) : system(frozen(model), Unknowns::states) {
     system.set_mode(0, slip_along(model.drive.speed.level()));
-    y = system.steady(0);
-    const int n = system.size();
-    std::vector<double> f(n), jacobian(n * n);
-    mass.resize(n), scale.resize(n);
-    system.linearise(0, y.data(), f.data(), jacobian.data());
-    system.mass(0, mass.data());
-    system.scale(y.data(), scale.data());
-    J = Eigen::Map<RowMajor>(jacobian.data(), n, n);
+    at = linearise(system, system.steady(0));
   }
 
   /// Signals replaced by their levels.
@@ -111,7 +100,7 @@ struct Linearisation {
   };
   /// Largest real part first.
   std::vector<Eigenvalue> eigenvalues() const {
-    if (!J.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
+    if (!at.J.allFinite()) throw InputError("steady sliding cannot be linearised here: its derivatives are not finite");
     std::vector<Eigenvalue> list;
     if (const Pencil pencil(system); pencil.mass.size() <= most_expanded) {
       const auto count = std::size_t(pencil.J.size());
@@ -120,7 +109,7 @@ struct Linearisation {
         list.push_back({roots.values[i], roots.errors[i], roots.real_errors[i]});
     } else {
       // By QR: good to rounding of the largest.
-      const auto values = eigenpairs(moving_part(J, mass, scale).A).values;
+      const auto values = eigenpairs(at.moving().A).values;
       double largest = 0;
       for (const auto& e : values) largest = std::max(largest, std::abs(e));
       for (const auto& e : values) list.push_back({e, 1e-14 * largest, 1e-14 * largest});
@@ -135,61 +124,20 @@ struct Linearisation {
   }
 };
 
-/// Re c₁/ω at a Hopf point. Kuznetsov (2004), eq 5.34, in the form for M ẏ = f with algebraic rows.
+/// Re c₁/ω at a Hopf point; NaN where the pair is double.
 double first_lyapunov_coefficient(const Model& model, double omega) {
-  const Linearisation at(model);
-  const int n = at.system.size();
-  const ComplexMatrix M = at.mass.asDiagonal().toDenseMatrix().cast<Complex>(), J = at.J.cast<Complex>();
-  // Null vectors of J − iωM by inverse iteration, with columns measured in their scales and rows in their own sizes.
-  ComplexMatrix K = (J - Complex(0, omega) * M) * at.scale.cast<Complex>().asDiagonal();
-  Vector row_size(n);
-  for (int i = 0; i < n; ++i) {
-    row_size[i] = std::max(K.row(i).cwiseAbs().maxCoeff(), 1e-300);
-    K.row(i) /= row_size[i];
-  }
-  const auto null_vector = [&](const ComplexMatrix& A) {
-    const auto lu = ComplexMatrix(A + 1e-14 * ComplexMatrix::Identity(n, n)).partialPivLu();
-    ComplexVector x = ComplexVector::LinSpaced(n, Complex(1, 0.3), Complex(0.7, -0.4));
-    for (int k = 0; k < 4; ++k) x = lu.solve(x).normalized();
-    return x;
-  };
-  ComplexVector q = at.scale.cast<Complex>().asDiagonal() * null_vector(K);
-  ComplexVector p = row_size.cwiseInverse().cast<Complex>().asDiagonal() * null_vector(K.adjoint());
-
-  // w scaled so that the slip rate is V + Re(w) V.
-  Vector gradient(n);
-  at.system.slip_rate_gradient(0, at.y.data(), gradient.data());
-  const Complex q_v = gradient.cast<Complex>().dot(q);  // gradient is real
-  q *= 0.5 * model.drive.speed.level() / q_v;
-  p /= std::conj(p.dot(M * q));  // p^H M q = 1; Eigen's dot conjugates its left argument
-
+  const Linearisation sliding(model);
+  const auto& system = sliding.system;
+  Expansion at{sliding.at, {}, {}, Vector(system.size()), model.drive.speed.level()};
+  system.slip_rate_gradient(0, at.linear.y.data(), at.slip_rate_gradient.data());
   const auto derivatives = [&](const Vector& d) {
-    Vector second(n), third(n);
-    at.system.expand(0, at.y.data(), d.data(), second.data(), third.data());
+    Vector second(system.size()), third(system.size());
+    system.expand(0, at.linear.y.data(), d.data(), second.data(), third.data());
     return std::pair{second, third};
   };
-  const auto quadratic = [&](const Vector& a, const Vector& b) -> Vector {
-    return (derivatives(a + b).first - derivatives(a - b).first) / 4;
-  };
-  const auto bilinear = [&](const ComplexVector& a, const ComplexVector& b) -> ComplexVector {
-    const Vector ar = a.real(), ai = a.imag(), br = b.real(), bi = b.imag();
-    ComplexVector r(n);
-    r.real() = quadratic(ar, br) - quadratic(ai, bi);
-    r.imag() = quadratic(ar, bi) + quadratic(ai, br);
-    return r;
-  };
-  const Vector r = q.real(), i = q.imag();
-  const Vector sum = derivatives(r + i).second, difference = derivatives(r - i).second;
-  const Vector rrr = derivatives(r).second, iii = derivatives(i).second;
-  const Vector rri = (sum - difference - 2 * iii) / 6, rii = (sum + difference - 2 * rrr) / 6;
-  ComplexVector cubic(n);  // C(q, q, q̄)
-  cubic.real() = rrr + rii;
-  cubic.imag() = rri + iii;
-
-  const ComplexVector h11 = -J.partialPivLu().solve(bilinear(q, q.conjugate()));
-  const ComplexVector h20 = (Complex(0, 2 * omega) * M - J).partialPivLu().solve(bilinear(q, q));
-  const Complex c1 = 0.5 * p.dot(cubic + 2 * bilinear(q, h11) + bilinear(q.conjugate(), h20));
-  return c1.real() / omega;
+  at.second = [&](const Vector& d) { return derivatives(d).first; };
+  at.third = [&](const Vector& d) { return derivatives(d).second; };
+  return normal_form_coefficient(at, {0, omega}).value_or(NAN) / omega;
 }
 
 /// What single-state laws need for closed forms, at steady sliding.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/steady/linearised.hpp"
 #include "analysis/steady/verdict.hpp"
 
 namespace rosin::analysis::steady {
@@ -65,14 +66,9 @@ StructureStability stability(const oscillators::Structure& moving) {
   const auto& structure = system.structure();
   require_sliding(structure);
   system.slide();
-  const auto y = system.steady(0);
-  const int size = system.size(), n = system.coordinates();
-  std::vector<double> f(size);
-  VectorXd mass(size), scale(size);
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(size, size);
-  system.linearise(0, y.data(), f.data(), J.data());
-  system.mass(0, mass.data());
-  system.scale(y.data(), scale.data());
+  const auto at = linearise(system, system.steady(0));
+  const auto& y = at.y;
+  const int n = system.coordinates();
 
   StructureStability result;
   result.coordinates.assign(y.begin(), y.begin() + n);
@@ -83,7 +79,7 @@ StructureStability stability(const oscillators::Structure& moving) {
   for (int j = 0; j < system.friction_contacts(); ++j)
     result.contacts.push_back({system.normal_load(j, 0, y.data()), force[j], system.slip_rate(j, 0, y.data())});
 
-  const auto part = moving_part(J, mass, scale);
+  const auto part = at.moving();
   const Spectrum spectrum = spectrum_of_sliding(part);
   const Eigenpairs pairs = eigenpairs(part.A, true);
   double most = -infinity, error_of_most = 0;
@@ -100,7 +96,7 @@ StructureStability stability(const oscillators::Structure& moving) {
     ComplexMode mode{value, spectrum.errors[nearest], std::vector<std::complex<double>>(n)};
     for (std::size_t i = 0; i < part.unknowns.size(); ++i)
       if (part.unknowns[i] < n)
-        mode.shape[part.unknowns[i]] = pairs.vectors(Eigen::Index(i), k) * scale[part.unknowns[i]];
+        mode.shape[part.unknowns[i]] = pairs.vectors(Eigen::Index(i), k) * at.scale[part.unknowns[i]];
     const auto largest = *std::ranges::max_element(mode.shape, {}, [](auto z) { return std::abs(z); });
     if (std::abs(largest) > 0)
       for (auto& z : mode.shape) z /= largest;
