@@ -65,7 +65,7 @@ const std::vector<Setup>& machines() {
       {"slide-hold-slide", "ageing", rock, {1, 1e4, 100}, 1, {{"hold_times", std::vector<double>{1, 10, 100}}}},
       {"reciprocation", "ageing", rock, {1e-3, 1e5, 10}, 10, {}},
       {"reciprocation", "coulomb", {0.4, 0.3}, {1e-4, 1e4, 20}, 5, {}},
-      {"spring-pulled", "coulomb", {0.4, 0.3}, {1, 1.09, 0}, 2, {}},
+      {"spring-pulled", "coulomb", {0.4, 0.3}, {1, 1.09, 0.02}, 2, {}},
       {"spring-pulled", "ageing", rock, {1, 100, 0}, 1, {}},
       {"spring-pulled", "ageing", rock, {1, 2000, 10}, 1, {}}};
   return list;
