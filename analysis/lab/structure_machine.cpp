@@ -141,7 +141,7 @@ Regime::Number StructureMachine::critical(double here, const std::function<void(
       if (found.modes.empty()) return {-1, 0, 0};
       const auto& mode = found.modes.front();
       return {mode.growth_rate(), mode.error, std::abs(mode.eigenvalue.imag())};
-    } catch (const oscillators::NoSteadySliding&) {
+    } catch (const InputError&) {  // no steady sliding, or none that can be linearised
       return {std::nan(""), 0, 0};
     }
   };

@@ -462,7 +462,7 @@ Status perform(Job& job) {
 void read(scene::SceneReader& reader) {
   reader.law();
   const auto& fit = reader.need("fit", "parameters and data");
-  const bool slides = fits_a_slider(fit);
+  const bool slides = fits_stick_slip(fit);
   const bool moves = fits_a_machine(fit);
   if (moves)
     reader.oscillator();

@@ -686,7 +686,7 @@ bool has_data(const toml::node& fit, std::string_view type) {
 
 }  // namespace
 
-bool fits_a_slider(const toml::node& fit) { return has_data(fit, "stick-slip"); }
+bool fits_stick_slip(const toml::node& fit) { return has_data(fit, "stick-slip"); }
 bool fits_a_machine(const toml::node& fit) { return has_data(fit, "motion"); }
 
 void read_fit(scene::Table table, scene::SceneReader& reader) {
