@@ -1,7 +1,7 @@
 /// The machine of an experiment: an oscillator whose load point is driven, and what its sensors show.
 ///
-/// The load point moves at the speed of the surface seen from the frame, drive.speed: a belt that moves under a machine
-/// at rest is a machine that is pulled over a surface at rest.
+/// The surface moves under the machine at drive.speed. While that is constant it is a machine that is pulled over a
+/// surface at rest; where it jumps, masses keep their velocity in the frame of the machine.
 #pragma once
 #include <memory>
 
