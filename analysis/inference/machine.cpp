@@ -9,6 +9,10 @@
 
 namespace rosin::analysis::inference {
 
+namespace {
+constexpr std::size_t most_kept = 100;  // those of a few Jacobians
+}
+
 Machine::Machine(Family family, std::string name, std::string starts, std::vector<double> times, int threads)
     : family_(std::move(family)),
       name_(std::move(name)),
@@ -58,9 +62,24 @@ std::shared_ptr<const Machine::Motion> Machine::motion(const MachineNumbers& num
   motion->steps = run.cost.steps;
   const std::scoped_lock lock(guard_);
   computed += motion->steps;
-  constexpr std::size_t most_kept = 100;  // those of a few Jacobians
   if (kept_.size() >= most_kept) kept_.clear();
   return kept_[std::move(key)] = motion;
+}
+
+std::shared_ptr<const Machine::Cycle> Machine::cycle(const MachineNumbers& given) const {
+  auto numbers = given;
+  std::erase_if(numbers, [&](const auto& number) { return !depends_on(number.first); });
+  {
+    const std::scoped_lock lock(guard_);
+    if (const auto found = kept_cycles_.find(numbers); found != kept_cycles_.end()) return found->second;
+  }
+  const auto model = family_.structure(numbers);
+  auto cycle = std::make_shared<Cycle>(
+      Cycle{model.structure, cycles::find_cycle(model, {.tolerance = 1e-9, .multipliers = false})});
+  end_if_stopped();
+  const std::scoped_lock lock(guard_);
+  if (kept_cycles_.size() >= most_kept) kept_cycles_.clear();
+  return kept_cycles_[std::move(numbers)] = std::move(cycle);
 }
 
 bool Subject::in_model(const std::string& path) const {

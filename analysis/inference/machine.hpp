@@ -1,4 +1,5 @@
-/// Machines whose recorded motion is fitted, and what a fit varies: a model, with the machines among the data.
+/// Machines whose recorded motion or stick–slip is fitted, and what a fit varies: a model, with the machines among the
+/// data.
 #pragma once
 #include <functional>
 #include <map>
@@ -7,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/cycles/structure_cycle.hpp"
 #include "analysis/motion/run.hpp"
 #include "oscillators/model.hpp"
 
@@ -17,23 +19,28 @@ using oscillators::Model;
 /// Numbers of a machine by their paths, in place of its own.
 using MachineNumbers = std::map<std::string, double>;
 
-/// An oscillator under its drive, run from one start and seen at the times of one record. Motions that were computed
-/// are kept, because several columns of a record ask for the same ones.
+/// An oscillator under its drive: run from one start and seen at the times of one record, or on the cycle that it
+/// settles on. Motions and cycles that were computed are kept, because several columns of a record ask for the same
+/// ones.
 class Machine {
  public:
   /// Machines that differ in numbers.
   struct Family {
-    /// The motion at times that ascend from 0 or later. \throws InputError where a scene with these numbers would
+    /// The motion at times that ascend from 0 or later; null: none is among the data.
+    /// \throws InputError where a scene with these numbers would
     std::function<motion::Run(const MachineNumbers&, const std::vector<double>& times)> run;
+    /// The same of the structure whose cycle is searched for.
+    std::function<motion::StructureModel(const MachineNumbers&)> structure;
     std::function<Quantity(const std::string& path)> describe;
     /// \throws InputError for a path that names no number, and for one that is left to its default
     std::function<double(const std::string& path)> value;
   };
   /// \param starts  what the paths of numbers of the start begin with: "data.1.start."
-  /// \param times  of the record, s, ascending
+  /// \param times  of the record, s, ascending; empty where cycles are asked for
   Machine(Family, std::string name, std::string starts, std::vector<double> times, int threads);
 
   const Family& family() const { return family_; }
+  const std::string& name() const { return name_; }
   const std::vector<double>& times() const { return times_; }
   int threads() const { return threads_; }
   /// False for numbers of the start of another machine.
@@ -55,6 +62,13 @@ class Machine {
   /// \throws InputError where the motion does not reach the end
   std::shared_ptr<const Motion> motion(const MachineNumbers&, double clock_offset, double beside, long& computed) const;
 
+  struct Cycle {
+    oscillators::Structure structure;
+    cycles::StructureCycle cycle;
+  };
+  /// The cycle that the structure settles on from its start, at a relative accuracy of 1e-9.
+  std::shared_ptr<const Cycle> cycle(const MachineNumbers&) const;
+
  private:
   Family family_;
   std::string name_, starts_;
@@ -67,6 +81,7 @@ class Machine {
   };
   mutable std::mutex guard_;
   mutable std::map<Key, std::shared_ptr<const Motion>> kept_;
+  mutable std::map<MachineNumbers, std::shared_ptr<const Cycle>> kept_cycles_;
 };
 
 /// The numbers that a fit varies: those of a model, and of the machines whose motions are among the data. A value.

@@ -59,7 +59,7 @@ std::string slip_rate_beside(const std::string& column, const std::vector<std::s
 
 Prediction predict_motion(const Subject& subject, const Measurement& m, const std::vector<std::string>& paths,
                           double clock_offset) {
-  const auto& machine = *subject.machines.at(m.machine);
+  const auto& machine = *subject.machines.at(*m.machine);
   Prediction prediction;
   const auto at = [&](const MachineNumbers& numbers, double beside, long& steps) {
     return machine.motion(numbers, clock_offset, beside, steps);

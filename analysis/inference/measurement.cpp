@@ -606,13 +606,14 @@ Prediction predict(const Subject& subject, const Measurement& m, const std::vect
   const bool knows_slider = m.kind == Kind::stick_slip;
   std::vector<std::string> own = paths;
   std::erase_if(own, [&](const std::string& path) {
+    if (m.machine) return !subject.machines.at(*m.machine)->depends_on(path);
     return !path.starts_with("law.") && !(knows_slider && path.starts_with("oscillator."));
   });
   if (m.kind == Kind::steady_curve)  // which knows neither the clock of the states, nor a spring
     std::erase_if(own,
                   [](const auto& path) { return path.starts_with("law.contact_stiffness.") || path == "law.lambda"; });
   auto prediction =
-      knows_slider ? predict_stick_slip(subject.model, m, own) : predict_contact(subject.model, m, own, clock_offset);
+      knows_slider ? predict_stick_slip(subject, m, own) : predict_contact(subject.model, m, own, clock_offset);
   std::vector<std::vector<double>> slopes;
   for (const auto& path : paths) {
     const auto at = std::ranges::find(own, path);

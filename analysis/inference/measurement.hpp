@@ -3,6 +3,7 @@
 /// way, and the recorded motion of a machine.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,7 @@ struct Measurement {
     hold,                ///< x: s that the drive rests; y: peak coefficient as it resumes, behind the contact's spring
     record,              ///< x: s; y: friction coefficient or force under the motion of `history`
     motion,              ///< x: s; y: `column` of the motion of `machine`
-    stick_slip,          ///< x: drive speed, m/s; y: `event` of the slider's stick–slip
+    stick_slip,          ///< x: drive speed, m/s; y: `event` of the stick–slip of the slider, or of `machine`
   };
   Kind kind = Kind::frequency_response;
   std::string name;
@@ -59,8 +60,9 @@ struct Measurement {
     History across(bool as_behind) const;
   };
   History history = {};
-  bool in_force = false;     ///< y of a record in N
-  std::size_t machine = 0;   ///< of a motion: one of the subject's
+  bool in_force = false;  ///< y of a record in N
+  /// Of a motion or of stick–slip: one of the subject's. None: stick–slip is that of the model's slider.
+  std::optional<std::size_t> machine = {};
   std::string column, unit;  ///< of a motion, as a run calls it
   /// What was read off each slip event.
   enum class Event {

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/lab/machine.hpp"
+
 namespace rosin::analysis::lab {
 
 namespace {
@@ -69,7 +71,13 @@ const Reading& Result::reading(std::string_view name) const {
   throw InputError(fmt::format("the experiment has no reading '{}'{}", name, hint(name, names)));
 }
 
+void Experiment::require_served(const Task& task) const {
+  if (task.structure && !only_slider.empty())
+    throw InputError(fmt::format("'{}' is an experiment on a slider: {}", name, only_slider));
+}
+
 Result Experiment::perform(const Task& task) const {
+  require_served(task);
   try {
     return protocol(task);
   } catch (NothingRecorded& end) {
@@ -101,9 +109,8 @@ Task task_for(const Experiment& experiment, std::shared_ptr<const FrictionLaw> l
   return task;
 }
 
-std::vector<std::string> column_names(const Experiment& experiment, const FrictionLaw& law) {
-  std::vector<std::string> names = {"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"};
-  for (const auto& state : law.states()) names.push_back(state.name);
+std::vector<std::string> column_names(const Experiment& experiment, const Task& task) {
+  auto names = machine_of(task)->column_names();
   names.insert(names.end(), experiment.extra_columns.begin(), experiment.extra_columns.end());
   return names;
 }

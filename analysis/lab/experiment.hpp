@@ -10,7 +10,7 @@
 
 #include "analysis/lab/sensor.hpp"
 #include "analysis/motion/run.hpp"
-#include "oscillators/model.hpp"
+#include "oscillators/structure.hpp"
 
 namespace rosin::analysis::lab {
 
@@ -92,6 +92,7 @@ struct NothingRecorded {
 /// All that an experiment needs.
 struct Task {
   Model model;  ///< law, slider and drive; the protocol replaces what it prescribes
+  std::optional<oscillators::Structure> structure = std::nullopt;  ///< in place of the slider; its speed is the drive's
   Settings settings;
   Sensor sensor = {};
   std::optional<Signal::Table> motion = std::nullopt;  ///< a recorded motion, for experiments that take one
@@ -106,8 +107,11 @@ struct Experiment {
   std::vector<std::string> extra_columns;  ///< of the record, beside those of a run
   std::vector<std::string> prescribed;     ///< paths of the model that the protocol sets, such as "drive.speed"
   bool takes_motion = false;
-  Result (*protocol)(const Task&);  ///< may throw NothingRecorded
+  std::string_view only_slider = {};  ///< why it is not done on other machines; empty: it is
+  Result (*protocol)(const Task&);    ///< may throw NothingRecorded
 
+  /// \throws InputError for a machine on which it is not done
+  void require_served(const Task&) const;
   /// \throws InputError for a wrong input. A record that nothing can be read off is a result whose outcome says why.
   Result perform(const Task&) const;
 };
@@ -118,7 +122,7 @@ const Experiment& find_experiment(std::string_view name);
 /// The experiment on a law, with the protocol, slider and drive that it has by itself.
 Task task_for(const Experiment&, std::shared_ptr<const FrictionLaw>);
 /// Names of the columns that the experiment's record will have.
-std::vector<std::string> column_names(const Experiment&, const FrictionLaw&);
+std::vector<std::string> column_names(const Experiment&, const Task&);
 
 // The experiments, each in a file of its name.
 Experiment inclined_plane();

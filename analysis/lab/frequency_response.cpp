@@ -60,7 +60,7 @@ Result perform(const Task& task) {
   Result result;
   Task run = task;
   run.tolerance = std::max(task.tolerance, options.tolerance);
-  record_run(result, run, plan.model, motion::Start{}, plan.times);
+  record_run(result, run, motion_of(plan.model), motion::Start{}, plan.times);
   // Bins within the window's reach of the band's ends are driven by leakage only.
   const double margin = plan.margin, low = from + margin, high = to - margin;
   const auto measured_in = [&](const Record& seen) { return extract(seen, options.resolution, low, high); };
@@ -123,6 +123,9 @@ Experiment frequency_response() {
           .drive = {.speed = 1e-4, .normal_load = 1.0, .force = 0.0},
           .extra_columns = {},
           .prescribed = {"drive.force", "oscillator.mass", "oscillator.stiffness", "oscillator.damping"},
+          .only_slider =
+              "the rig imposes the slip rate, so that no machine answers back; of a structure that does, 'rosin frf' "
+              "gives the receptance",
           .protocol = perform};
 }
 

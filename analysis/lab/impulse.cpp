@@ -56,7 +56,7 @@ class Slope {
       Result trial;
       std::vector<double> times = {0};
       append_times(times, 0, duration, 300);
-      record_run(trial, task_, model_, pushed(v0), times);
+      record_run(trial, task_, motion_of(model_), pushed(v0), times);
       const auto &u = trial.record.columns[2], &mu = trial.record.columns[4];
       for (std::size_t i = 1; i < u.size(); ++i) {
         if (model_.law->set_valued() && u[i] <= 0) return Fate::stops;
@@ -158,7 +158,7 @@ Result perform(const Task& task) {
     for (const double x : record.columns[0]) slid.push_back(-x);
     return slid;
   };
-  record_run(result, task, model, slope.pushed(push), times_after(push, 1));
+  record_run(result, task, motion_of(model), slope.pushed(push), times_after(push, 1));
   result.record.add("slid", "m", slid_in(result.record), result.record.errors[0]);
   const double at_rest = settings.number_or("rest_speed", 1e-3 * push);
   const bool set_valued = model.law->set_valued();
@@ -198,7 +198,7 @@ Result perform(const Task& task) {
     for (const double v0 : {0.99 * critical.value, 1.01 * critical.value}) {
       Result other;
       for (double stretch = 1; stretch < 100; stretch *= 8) {  // close to critical it takes its time
-        record_run(other, task, model, slope.pushed(v0), times_after(v0, stretch));
+        record_run(other, task, motion_of(model), slope.pushed(v0), times_after(v0, stretch));
         const auto &x = other.record.columns[0], &u = other.record.columns[2];
         if (-x.back() > 4 * farthest || u.back() == 0) break;
       }
@@ -236,6 +236,7 @@ Experiment impulse() {
       .drive = {.speed = 0.0, .normal_load = 1.0, .force = 0.0},
       .extra_columns = {"slid"},
       .prescribed = {"drive.speed", "drive.normal_load", "drive.force", "oscillator.stiffness", "oscillator.damping"},
+      .only_slider = "a push gives a block alone its speed, and would set a frame that holds it swinging",
       .protocol = perform};
 }
 

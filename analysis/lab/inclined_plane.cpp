@@ -103,7 +103,7 @@ Result perform(const Task& task) {
   Result trial;
   for (;; end = std::min(1.1 * end, steepest / rate)) {
     trial = {};
-    record_run(trial, task, model, start, times_to(end, 200));
+    record_run(trial, task, motion_of(model), start, times_to(end, 200));
     const auto& x = trial.record.columns[0];
     if (!trial.outcome.complete() || -x.back() >= travel || end == steepest / rate) break;
   }
@@ -118,7 +118,7 @@ Result perform(const Task& task) {
         break;
       }
   end = std::min(end, trial.record.time.back());
-  record_run(result, task, model, start, times_to(end, 2 * settings.count("samples")));
+  record_run(result, task, motion_of(model), start, times_to(end, 2 * settings.count("samples")));
   std::vector<double> slope, slid;
   for (std::size_t i = 0; i < result.record.time.size(); ++i) {
     slope.push_back(rate * result.record.time[i]);
@@ -179,6 +179,7 @@ Experiment inclined_plane() {
       .drive = {.speed = 0.0, .normal_load = 1.0, .force = 0.0},
       .extra_columns = {"slope", "slid"},
       .prescribed = {"drive.speed", "drive.normal_load", "drive.force", "oscillator.stiffness", "oscillator.damping"},
+      .only_slider = "down a slope a block slides by its own weight, and no frame holds it",
       .protocol = perform};
 }
 

@@ -185,7 +185,7 @@ void simulate(Result& result, const Task& task) {
   rest.kind = motion::Start::Kind::rest;
   Task fine{task};
   fine.tolerance = std::min(task.tolerance, 1e-10);  // second derivatives ask for more than a picture does
-  record_run(result, fine, task.model, rest, times);
+  record_run(result, fine, motion_of(task.model), rest, times);
   if (result.outcome.ending == Ending::tolerance_not_met && result.record.time.size() == times.size())
     result.outcome = {};  // the noise that is found says how good it is
 }
@@ -310,6 +310,9 @@ Experiment inverse() {
       .extra_columns = {},
       .prescribed = {},
       .takes_motion = true,
+      .only_slider =
+          "friction follows from the motion of one mass whose spring and damper are known; of a structure 'rosin fit' "
+          "takes the recorded motion, type = \"motion\"",
       .protocol = perform};
 }
 

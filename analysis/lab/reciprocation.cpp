@@ -42,12 +42,13 @@ double slope_at_zero(const Record& record, double begin, double end) {
 
 Result perform(const Task& task) {
   Result result;
-  Model model = task.model;
+  Task pulled = task;
+  pulled.model.drive.force = 0.0;
+  const auto machine = machine_of(pulled);
   const auto& settings = task.settings;
   const double X = settings.number("amplitude"), omega = two_pi * settings.number("frequency");
   const int cycles = settings.count("cycles"), samples = 4 * settings.count("samples");
-  model.drive.force = 0.0;
-  model.drive.speed = Signal(Signal::Harmonics{0, {{X * omega, omega, 0}}});
+  const Signal speed(Signal::Harmonics{0, {{X * omega, omega, 0}}});
   // Even in the phase near reversals, at which friction turns over at once: denser by a sine there.
   const double quarter = two_pi / omega / 4;
   std::vector<double> times = {0};
@@ -58,15 +59,16 @@ Result perform(const Task& task) {
     }
   // The last cycle begins at the reversal before last but one, so that it is closed.
   const double end = quarter * (4 * cycles - 1), begin = end - 4 * quarter, past_end = std::nextafter(end, infinity);
-  if (memoryless(model) && rigid_machine(model)) {
+  if (const auto* model = machine->curve()) {
     std::vector<double> rates;
     for (std::size_t i = 0; i < times.size(); ++i) {
       const bool reversal = i > 0 && i % samples == 0 && i / samples % 2 == 1;  // the motion before it goes on to it
       rates.push_back(reversal ? 1e-6 * rates.back() : X * omega * std::cos(omega * times[i]));
     }
-    record_curve(result, model, times, rates);
+    record_curve(result, *model, times, rates);
   } else {
-    record_run(result, task, model, motion::Start{}, times, {{begin, past_end, true}, {begin, past_end, false}});
+    record_run(result, task, motion_of(*machine, speed), motion::Start{}, times,
+               {{begin, past_end, true}, {begin, past_end, false}});
   }
   if (!result.outcome.complete()) return result;
   std::vector<double> stroke;
@@ -80,8 +82,7 @@ Result perform(const Task& task) {
         std::max(extreme(seen, F, {begin, past_end, true}).value, -extreme(seen, F, {begin, past_end, false}).value);
     const double energy = loop_energy(seen, begin, end), stiffness = slope_at_zero(seen, begin, begin + 2 * quarter);
     return {{"energy_per_cycle", "J", "area of the last loop of force over stroke", energy},
-            {"mean_friction", "1", "energy over 4 strokes and the load",
-             energy / (4 * X * model.drive.normal_load.level())},
+            {"mean_friction", "1", "energy over 4 strokes and the load", energy / (4 * X * machine->normal_load())},
             {"force_max", "N", "largest friction force", most},
             {"contact_stiffness", "N/m", "slope of the loop at zero force, where the contact itself does not slip",
              std::isfinite(stiffness) ? stiffness : std::nan("")},

@@ -92,17 +92,18 @@ void hold_without_memory(Result& result, const Model& model, const std::vector<d
 
 Result perform(const Task& task) {
   Result result;
-  Model model = task.model;
+  Task pulled = task;
+  pulled.model.drive.force = 0.0;
+  const auto machine = machine_of(pulled);
   const auto& settings = task.settings;
   auto hold_times = settings.list("hold_times");
   std::ranges::sort(hold_times);
   if (std::ranges::adjacent_find(hold_times) != hold_times.end())
     throw InputError("lab.hold_times holds a time twice (s); each is one hold");
-  const double speed = settings.number("speed"), N = model.drive.normal_load.level();
-  model.drive.force = 0.0;
+  const double speed = settings.number("speed"), N = machine->normal_load(), k = machine->stiffness();
 
   double slide = settings.number_or("slide_time", 0);
-  const double settling = settling_time(model, speed);
+  const double settling = machine->settling_time(speed);
   if (slide == 0) {
     if (!std::isfinite(settling))
       throw InputError(
@@ -110,7 +111,7 @@ Result perform(const Task& task) {
                       "and slip; stiffen oscillator.stiffness, or give lab.slide_time",
                       speed));
     constexpr double forgotten = 24;
-    const double reload = std::isfinite(model.slider.stiffness) ? 2 * N / model.slider.stiffness / speed : 0;
+    const double reload = std::isfinite(k) ? 2 * N / k / speed : 0;
     slide = settling > 0 ? forgotten * settling + reload : 1;
     // Transients of large peaks decay from far above steady sliding first.
     if (settling > 0) slide += settling * std::log1p(hold_times.back() / settling);
@@ -132,14 +133,14 @@ Result perform(const Task& task) {
     times.back() = t;
   }
   holds.back().end = times.back() * (1 + 1e-12);
-  model.drive.speed = Signal(drive);
+  const Signal load_point(drive);
   std::vector<Sought> extremes;
   for (const auto& hold : holds) extremes.push_back({hold.resume, hold.end, true});
-  if (memoryless(model) && rigid_machine(model))
-    hold_without_memory(result, model, times, holds, speed);
+  if (const auto* model = machine->curve())
+    hold_without_memory(result, *model, times, holds, speed);
   else
-    record_run(result, task, model, motion::Start{}, times, extremes);
-  result.record.add("load_point", "m", driven_way(result.record.time, model.drive.speed));
+    record_run(result, task, motion_of(*machine, load_point), motion::Start{}, times, extremes);
+  result.record.add("load_point", "m", driven_way(result.record.time, load_point));
   for (const auto& hold : holds) result.record.breaks.insert(result.record.breaks.end(), {hold.begin, hold.resume});
   if (!result.outcome.complete()) return result;
 
@@ -195,10 +196,10 @@ Result perform(const Task& task) {
   if (!heals)
     result.warnings.push_back(fmt::format(
         "no healing: no peak stands above sliding by more than its error, {:.0e}{}", result.panels[1].y_error,
-        rigid_machine(model)
+        machine->rigid()
             ? fmt::format("; on a rigid machine the law '{}' does not strengthen at rest: give [oscillator] mass = 0 "
                           "and the machine's stiffness",
-                          model.law->card().name)
+                          task.model.law->card().name)
             : ""));
   if (heals && std::isfinite(line.slope)) result.panels[1].curves.push_back(std::move(fit));
   return result;

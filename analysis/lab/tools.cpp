@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "analysis/steady/curve.hpp"
-#include "analysis/steady/stability.hpp"
 #include "core/random.hpp"
 #include "core/stop.hpp"
 
@@ -77,7 +76,19 @@ std::vector<double> closer_times(const Record& record, const std::vector<Sought>
 
 }  // namespace
 
-void record_run(Result& result, const Task& task, const Model& model, const motion::Start& start,
+Motion motion_of(Model model) {
+  const bool may_jump = model.law->set_valued();
+  return {[model = std::move(model)](const motion::RunOptions& options) { return motion::run(model, options); },
+          may_jump};
+}
+
+Motion motion_of(const Machine& machine, Signal speed) {
+  return {
+      [&machine, speed = std::move(speed)](const motion::RunOptions& options) { return machine.run(speed, options); },
+      machine.friction_may_jump()};
+}
+
+void record_run(Result& result, const Task& task, const Motion& motion, const motion::Start& start,
                 const std::vector<double>& times, const std::vector<Sought>& extremes) {
   motion::RunOptions options;
   options.times = times;
@@ -85,7 +96,7 @@ void record_run(Result& result, const Task& task, const Model& model, const moti
   options.start = start;
   options.tolerance = task.tolerance;
   const auto record = [&] {
-    auto run = analysis::motion::run(model, options);
+    auto run = motion.run(options);
     end_if_stopped();  // a part of a protocol has no readings
     result.outcome = run.outcome;
     result.events = std::move(run.events);
@@ -96,7 +107,7 @@ void record_run(Result& result, const Task& task, const Model& model, const moti
                      {},
                      std::move(run.column_error)};
     result.record.errors.resize(result.record.columns.size(), infinity);
-    if (model.law->set_valued())  // friction may jump
+    if (motion.friction_may_jump)
       for (const auto& event : result.events) result.record.breaks.push_back(event.time);
     result.plan.push_back(fmt::format("solver {}, {} steps; {}", run.solver, run.cost.steps, run.why));
   };
@@ -153,19 +164,6 @@ void record_curve(Result& result, const Model& model, const std::vector<double>&
 }
 
 bool memoryless(const Model& model) { return !model.law->has_states() || model.lambda == 0; }
-
-bool rigid_machine(const Model& model) {
-  return model.slider.mass == 0 && std::isinf(model.slider.stiffness) && !model.contact_stiffness.present();
-}
-
-double settling_time(Model model, double V) {
-  if (memoryless(model) && rigid_machine(model)) return 0;
-  model.drive.speed = V;
-  model.drive.force = 0.0;
-  const auto found = steady::stability(model);
-  if (found.eigenvalues.empty()) return 0;
-  return found.eigenvalues.front().real() < 0 ? -1 / found.eigenvalues.front().real() : infinity;
-}
 
 void append_times(std::vector<double>& times, double begin, double duration, int count) {
   constexpr double bend = 14;  // the first step is about e^−bend of the last

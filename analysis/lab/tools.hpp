@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "analysis/lab/experiment.hpp"
+#include "analysis/lab/machine.hpp"
 
 namespace rosin::analysis::lab {
 
@@ -14,11 +15,20 @@ struct Sought {
   bool maximum;
 };
 
-/// Runs the model over the times and makes the result's record of it, with outcome and events. A run that ends short
+/// A motion by the options of a run, and whether friction in it may jump at its events.
+struct Motion {
+  std::function<motion::Run(const motion::RunOptions&)> run;
+  bool friction_may_jump;
+};
+/// That of a model, and that of a machine whose load point moves at `speed`.
+Motion motion_of(Model);
+Motion motion_of(const Machine&, Signal speed);
+
+/// Runs the motion over the times and makes the result's record of it, with outcome and events. A run that ends short
 /// leaves what it reached; one whose error exceeds the tolerance is taken with that error, and a warning. Extremes that
 /// are sought may fall between samples: without a sensor the run is repeated with samples closer to them.
 /// \throws NothingRecorded where that is less than two samples, of which nothing can be read.
-void record_run(Result&, const Task&, const Model&, const motion::Start&, const std::vector<double>& times,
+void record_run(Result&, const Task&, const Motion&, const motion::Start&, const std::vector<double>& times,
                 const std::vector<Sought>& = {});
 
 /// The record of a memoryless law at an imposed slip rate (m/s, one for each time): nothing is integrated.
@@ -26,11 +36,6 @@ void record_curve(Result&, const Model&, const std::vector<double>& times, const
 
 /// True where friction follows the slip rate at once: no states, or states in equilibrium.
 bool memoryless(const Model&);
-/// True where the model imposes the slip rate and nothing yields.
-bool rigid_machine(const Model&);
-
-/// Longest time constant of steady sliding at slip rate V, s; 0 without memory, infinity if steady sliding is unstable.
-double settling_time(Model, double V);
 
 /// Appends times after `begin`, `count` of them even in the logarithm of the time since, one just before the end and
 /// one at it, `begin + duration`.

@@ -71,20 +71,21 @@ Panel close_up(const Record& record, const Step& step, const Moment& moment) {
 
 Result perform(const Task& task) {
   Result result;
-  Model model = task.model;
+  Task pulled = task;
+  pulled.model.drive.force = 0.0;
+  const auto machine = machine_of(pulled);
   const auto& speeds = task.settings.list("speeds");
   if (speeds.size() < 2) throw InputError("lab.speeds needs two or more slip rates (m/s), one step between each two");
-  model.drive.force = 0.0;
 
   // Each speed is held until the step before it has been forgotten.
-  const double N = model.drive.normal_load.level();
+  const double N = machine->normal_load(), k = machine->stiffness();
   Signal::Steps drive;
   std::vector<double> times = {0}, breaks, settling;
   double t = 0;
   for (std::size_t i = 0; i < speeds.size(); ++i) {
     drive.steps.push_back({t, speeds[i]});
     double dwell = task.settings.number_or("dwell", 0);
-    settling.push_back(settling_time(model, speeds[i]));
+    settling.push_back(machine->settling_time(speeds[i]));
     if (dwell == 0) {
       if (!std::isfinite(settling.back()))
         throw InputError(
@@ -92,14 +93,14 @@ Result perform(const Task& task) {
                         "and slip; stiffen oscillator.stiffness, or give lab.dwell to see it",
                         speeds[i]));
       constexpr double forgotten = 24;  // time constants: e^−24 is left
-      const double machine = std::isfinite(model.slider.stiffness) ? 0.1 * N / model.slider.stiffness / speeds[i] : 0;
-      dwell = settling.back() > 0 ? forgotten * settling.back() + machine : 1;
+      const double reload = std::isfinite(k) ? 0.1 * N / k / speeds[i] : 0;
+      dwell = settling.back() > 0 ? forgotten * settling.back() + reload : 1;
     }
     append_times(times, t, dwell, 2 * task.settings.count("samples"));
     t += dwell;
     if (i + 1 < speeds.size()) breaks.push_back(t);
   }
-  model.drive.speed = Signal(drive);
+  const Signal speed(drive);
   std::vector<Moment> moments;
   std::vector<Sought> extremes;
   for (std::size_t i = 0; i < breaks.size(); ++i) {
@@ -108,20 +109,21 @@ Result perform(const Task& task) {
     extremes.push_back({breaks[i], end, speeds[i + 1] > speeds[i]});
   }
 
-  if (memoryless(model) && rigid_machine(model)) {
+  if (const auto* model = machine->curve()) {
     std::vector<double> rates;
-    for (const double time : times) rates.push_back(model.drive.speed.value(time));
-    record_curve(result, model, times, rates);
+    for (const double time : times) rates.push_back(speed.value(time));
+    record_curve(result, *model, times, rates);
   } else {
     motion::Start steady;
-    record_run(result, task, model, steady, times, extremes);
+    record_run(result, task, motion_of(*machine, speed), steady, times, extremes);
   }
   auto& record = result.record;
   record.breaks.insert(record.breaks.end(), breaks.begin(), breaks.end());
-  // Slip: what the drive has moved less what the slider has yielded.
-  auto slip = driven_way(record.time, model.drive.speed);
-  for (std::size_t i = 0; i < slip.size(); ++i) slip[i] -= record.columns[0][i] - record.columns[0][0];
-  record.add("slip", "m", std::move(slip), record.errors[0]);
+  // Slip: what the drive has moved less what the machine has yielded.
+  auto slip = driven_way(record.time, speed);
+  const auto yielded = machine->displacement().over(record.columns);
+  for (std::size_t i = 0; i < slip.size(); ++i) slip[i] -= yielded[i] - yielded[0];
+  record.add("slip", "m", std::move(slip), machine->displacement().error(record.errors));
 
   const auto steps_of = [&](const Record& seen) {
     std::vector<Step> steps;
@@ -164,7 +166,7 @@ Result perform(const Task& task) {
                     .y_unit = "1",
                     .curves = {{"", seen.column("slip"), seen.column("friction_coefficient")}}},
                    close_up(seen, steps_of(seen).front(), moments.front())};
-  if (!rigid_machine(model))  // the slip rate is not what the protocol says
+  if (!machine->rigid())  // the slip rate is not what the protocol says
     result.panels.push_back({.x_label = "slip",
                              .x_unit = "m",
                              .y_label = "slip rate v",

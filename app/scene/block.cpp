@@ -79,6 +79,14 @@ analysis::motion::StructureStart read_block_start(const toml::node& node, const 
   return start;
 }
 
-OscillatorType block_type() { return {"block", verbs_by_steps, read, read_drive_of_block}; }
+OscillatorType block_type() {
+  return {"block",
+          verbs_by_steps,
+          read,
+          read_drive_of_block,
+          {{"lab",
+            "its face slips in part before it slips as a whole, so that no slip rate is that of the experiment; 'run' "
+            "follows any drive.speed"}}};
+}
 
 }  // namespace rosin::app::scene

@@ -84,6 +84,14 @@ void read_plane_drive(SceneReader& reader, Table drive, bool) {
 
 }  // namespace
 
-OscillatorType plane_slider_type() { return {"plane-slider", verbs_by_steps, read, read_plane_drive}; }
+OscillatorType plane_slider_type() {
+  return {"plane-slider",
+          verbs_by_steps,
+          read,
+          read_plane_drive,
+          {{"lab",
+            "friction in the plane turns with the slip, and experiments read it along one line; 'run' follows "
+            "any drive"}}};
+}
 
 }  // namespace rosin::app::scene

@@ -11,7 +11,7 @@ namespace rosin::app::scene {
 
 /// Verbs that follow structures.
 inline const std::vector<std::string_view> verbs_of_structures = {
-    "run", "stability", "cycle", "map", "sweep", "branch", "lyapunov", "basin", "compare", "frf", "fit"};
+    "run", "stability", "cycle", "map", "sweep", "branch", "lyapunov", "basin", "compare", "frf", "fit", "lab"};
 
 /// One number for all of `size`, or a list of so many.
 std::vector<double> one_or_list(Table&, std::string_view key, std::size_t size, Quantity, double usual);

@@ -462,23 +462,24 @@ Status perform(Job& job) {
 void read(scene::SceneReader& reader) {
   reader.law();
   const auto& fit = reader.need("fit", "parameters and data");
-  const bool slides = fits_a_slider(fit);
+  const bool slides = fits_stick_slip(fit);
   const bool moves = fits_a_machine(fit);
   if (moves)
     reader.oscillator();
   else
     reader.oscillator_if_there(slides);
-  if (slides && reader.document.at_path("oscillator.type").value_or(std::string_view("slider")) != "slider")
+  if (slides && (reader.scene.plane || reader.scene.block))
     scene::fail(reader.root.find("oscillator")->source(),
-                "events of stick-slip are those of a slider: of another oscillator fit the record of its motion, "
-                "type = \"motion\"");
+                "this oscillator is followed by steps, between which no stick and slip are located: fit the record of "
+                "its motion, type = \"motion\"");
   read_tables_of_models(reader);
   read_fit(scene::Table(fit, "fit"), reader);
   if (!slides && !moves)
     reader.note_unread(
         {"oscillator.mass", "oscillator.stiffness", "oscillator.damping", "oscillator.stops", "oscillator.restitution"},
         "a fit does not ask for it");
-  if (!moves) reader.note_unread({"drive.force", "law.load_memory"}, "a fit does not ask for it");
+  if (!moves && !reader.scene.structure)
+    reader.note_unread({"drive.force", "law.load_memory"}, "a fit does not ask for it");
   if (std::ranges::all_of(reader.scene.task<tasks::Fit>().data,
                           [](const auto& m) { return m.kind == Measurement::Kind::steady_curve; }))
     reader.note_unread({"drive.speed", "law.contact_stiffness"}, "a steady curve does not depend on it");

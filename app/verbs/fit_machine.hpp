@@ -16,4 +16,9 @@ std::shared_ptr<const analysis::inference::Machine> machine_of(const scene::Scen
                                                                std::size_t data, std::string name,
                                                                std::vector<double> times);
 
+/// The machine whose stick–slip a table of data holds: a structure, from the start of [cycle], else from rest.
+std::shared_ptr<const analysis::inference::Machine> stick_slip_machine_of(const scene::SceneReader&,
+                                                                          const toml::node* law, std::size_t data,
+                                                                          std::string name);
+
 }  // namespace rosin::app::verbs

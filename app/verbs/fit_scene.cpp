@@ -415,12 +415,19 @@ struct NumbersOfFile {
   }
 };
 
-/// A motion among the data, from which machines are made for each law.
-struct MotionOfMachine {
+/// A motion or the stick–slip of a machine among the data, from which machines are made for each law.
+struct MachineOfData {
   std::size_t data;  ///< number of its table, from 0
+  bool moves;        ///< else it sticks and slips
   std::string name = {};
-  std::vector<double> times = {};                                    ///< s
+  std::vector<double> times = {};                                    ///< s, of a motion
   std::shared_ptr<const analysis::inference::Machine> machine = {};  ///< under the scene's own law
+
+  /// \param law  in place of that of the scene; null: the scene's own
+  std::shared_ptr<const analysis::inference::Machine> under(const scene::SceneReader& reader,
+                                                            const toml::node* law) const {
+    return moves ? machine_of(reader, law, data, name, times) : stick_slip_machine_of(reader, law, data, name);
+  }
 };
 
 /// What the events of a record of force say, and notes of it.
@@ -501,7 +508,7 @@ std::vector<const toml::node*> errors_of(scene::Table& table, const std::vector<
 /// The recorded columns of a machine's motion, each a measurement, and the machine.
 /// \param data  what they have in common \param numbers  without columns
 std::vector<Measurement> read_motion(scene::Table& table, scene::SceneReader& reader, const Measurement& data,
-                                     NumbersOfFile numbers, MotionOfMachine& motion) {
+                                     NumbersOfFile numbers, MachineOfData& motion) {
   const auto& named = table.required("measured", "columns that were recorded, as 'rosin run' names them");
   const auto measured = scene::texts(named, table.path("measured"));
   if (measured.empty()) scene::fail(named.source(), "{} is empty", table.path("measured"));
@@ -525,7 +532,7 @@ std::vector<Measurement> read_motion(scene::Table& table, scene::SceneReader& re
       throw InputError(fmt::format("{}: its times must ascend", data.name));
   });
   motion.name = data.name, motion.times = all.x;
-  motion.machine = machine_of(reader, nullptr, motion.data, motion.name, motion.times);
+  motion.machine = motion.under(reader, nullptr);
   long steps = 0;
   const auto seen = scene::located(table.source(), [&] { return motion.machine->motion({}, 0, 0, steps); });
   std::vector<Measurement> found;
@@ -559,9 +566,9 @@ std::vector<Measurement> read_motion(scene::Table& table, scene::SceneReader& re
 }
 
 /// The measurements of one table of data: one, but for stick–slip and motions, of which each column is one.
-/// \param motions  gains that of this table, if it is one
+/// \param machines  gains that of this table, if it has one
 std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& reader, std::size_t number,
-                                   std::vector<MotionOfMachine>& motions) {
+                                   std::vector<MachineOfData>& machines) {
   auto& scene = reader.scene;
   scene::Table table(node, "fit.data");
   table.expect({"type", "file", "columns", "standard_error", "speed", "from", "to", "normal_load", "low", "high",
@@ -573,7 +580,8 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
   refuse_without_effect(table, kind);
   const bool finds_events = holds_record(kind), stick_slip = kind.kind == Kind::stick_slip && !finds_events;
   if (kind.kind == Kind::stick_slip && !reader.root.find("oscillator"))
-    scene::fail(node.source(), "events of stick-slip are those of a slider: give [oscillator] with mass and stiffness");
+    scene::fail(node.source(),
+                "events of stick-slip are those of a machine: give [oscillator], its masses and springs");
   Measurement data;
   data.kind = kind.kind;
   data.slip_rate = data.next_slip_rate = scene.model.drive.speed.level();
@@ -596,8 +604,13 @@ std::vector<Measurement> read_data(const toml::node& node, scene::SceneReader& r
   data.name = numbers.source.file.filename().string();
   numbers.source.gaps = true;
   if (kind.kind == Kind::motion) {
-    data.machine = motions.size();
-    return read_motion(table, reader, data, numbers, motions.emplace_back(number));
+    data.machine = machines.size();
+    return read_motion(table, reader, data, numbers, machines.emplace_back(number, true));
+  }
+  if (kind.kind == Kind::stick_slip && scene.structure) {
+    data.machine = machines.size();
+    auto& machine = machines.emplace_back(number, false, data.name);
+    machine.machine = machine.under(reader, nullptr);
   }
   auto columns = table.table("columns");
   const ColumnsOfFile file{numbers.source, columns};
@@ -673,7 +686,7 @@ bool has_data(const toml::node& fit, std::string_view type) {
 
 }  // namespace
 
-bool fits_a_slider(const toml::node& fit) { return has_data(fit, "stick-slip"); }
+bool fits_stick_slip(const toml::node& fit) { return has_data(fit, "stick-slip"); }
 bool fits_a_machine(const toml::node& fit) { return has_data(fit, "motion"); }
 
 void read_fit(scene::Table table, scene::SceneReader& reader) {
@@ -682,18 +695,17 @@ void read_fit(scene::Table table, scene::SceneReader& reader) {
   auto& options = task.options;
   table.expect({"parameters", "data", "candidates", "starts", "seed", "profiles", "folds", "confidence"});
   const auto& data = table.required("data", "tables with type and file");
-  std::vector<MotionOfMachine> motions;
+  std::vector<MachineOfData> machines;
   std::size_t number = 0;
   for (const auto& element : scene::list(data, "fit.data", "tables", scene::most_names)) {
-    auto measurements = read_data(element, reader, number++, motions);
+    auto measurements = read_data(element, reader, number++, machines);
     std::ranges::move(measurements, std::back_inserter(task.data));
   }
   if (task.data.empty()) scene::fail(data.source(), "fit.data is empty");
   const bool with_slider = std::ranges::any_of(task.data, [](const auto& m) { return m.kind == Kind::stick_slip; });
   const auto subject = [&](const oscillators::Model& model, const toml::node* law) {
     analysis::inference::Subject all(model);
-    for (const auto& motion : motions)
-      all.machines.push_back(law ? machine_of(reader, law, motion.data, motion.name, motion.times) : motion.machine);
+    for (const auto& one : machines) all.machines.push_back(law ? one.under(reader, law) : one.machine);
     return all;
   };
   const auto read_parameters = [&](const toml::node& node, const std::string& path,

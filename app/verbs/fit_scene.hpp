@@ -4,8 +4,8 @@
 
 namespace rosin::app::verbs {
 
-/// True if events of stick–slip are among the data, which are those of a slider.
-bool fits_a_slider(const toml::node& fit);
+/// True if events of stick–slip of the scene's oscillator are among the data.
+bool fits_stick_slip(const toml::node& fit);
 /// True if motions of the scene's oscillator are among the data.
 bool fits_a_machine(const toml::node& fit);
 

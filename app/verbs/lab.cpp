@@ -81,8 +81,32 @@ void read_settings(scene::Table table, scene::SceneReader& reader) {
         Signal{*task.motion};  // refuses empty records and times that do not ascend
       });
   if (auto sensor = table.table("sensor"))
-    task.sensor = read_sensor(*sensor, analysis::lab::column_names(experiment, *scene.model.law));
+    task.sensor = read_sensor(*sensor, analysis::lab::column_names(experiment, task));
   table.finish();
+}
+
+/// A structure in place of the experiment's slider, whose contacts all have the speed of the load point.
+void read_machine(scene::SceneReader& reader) {
+  auto& scene = reader.scene;
+  auto& asked = scene.task<tasks::Lab>();
+  const auto& oscillator = *reader.root.find("oscillator");
+  reader.need("drive", "normal load, and what else the protocol does not set");
+  if (const auto* contacts = reader.document.at_path("oscillator.contacts").as_array())
+    for (const auto& contact : *contacts)
+      if (const auto* speed = contact.as_table() ? contact.as_table()->get("speed") : nullptr)
+        scene::fail(speed->source(),
+                    "oscillator.contacts: a surface with a speed of its own is not pulled at the load point, whose "
+                    "speed is drive.speed; 'rosin run' follows such a machine");
+  asked.task->structure = scene.structure->structure;
+  const auto& prescribed = asked.experiment->prescribed;
+  const auto sets = [&](std::string_view path) { return std::ranges::find(prescribed, path) != prescribed.end(); };
+  if (sets("drive.speed") && reader.document.at_path("oscillator.convective").value_or(false))
+    scene::fail(reader.document.at_path("oscillator.convective").node()->source(),
+                "oscillator.convective: Coriolis forces change with drive.speed, which '{}' changes; leave it out",
+                asked.experiment->name);
+  // Of types that take drive.force it acts on the first coordinate.
+  if (sets("drive.force") && reader.document.at_path("drive.force")) asked.task->structure->force[0] = 0.0;
+  scene::located(oscillator.source(), [&] { asked.experiment->require_served(*asked.task); });
 }
 
 void read(scene::SceneReader& reader) {
@@ -94,9 +118,10 @@ void read(scene::SceneReader& reader) {
   scene.model.slider = asked.experiment->slider;
   scene.model.drive = asked.experiment->drive;
   reader.oscillator_if_there(false);
+  asked.task->model = scene.model;
+  if (scene.structure) read_machine(reader);
   read_tables_of_models(reader);
   if (auto table = reader.root.table("lab")) read_settings(*table, reader);
-  asked.task->model = scene.model;
   for (const auto& path : asked.experiment->prescribed)
     reader.note_unread({path}, fmt::format("{} sets it itself", asked.experiment->name));
 }

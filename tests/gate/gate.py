@@ -92,7 +92,7 @@ def questions_of_every_verb():
                  for x, place in (("x", coordinate), ("y", coordinate.replace("displacement", "velocity")))]
         made = {"run": ["run.duration=10", "run.samples=20"], "stability": [], "cycle": [], "basin": start,
                 "lyapunov": ["lyapunov.duration=30", "lyapunov.transient=10"],
-                "frf": ["frf.frequencies=[0.1, 1, 10]"]}
+                "frf": ["frf.frequencies=[0.1, 1, 10]"], "lab spring-pulled": []}
         if parameter:
             member = f'{{ name = "b", set = {{ "drive.{parameter}" = {high} }} }}'
             made |= {"map": [f"map.x={axis}"],
@@ -102,7 +102,7 @@ def questions_of_every_verb():
         for verb, sets in made.items():
             if verb in content and sets:
                 continue  # its own question, or one that a case asks
-            yield name, [verb], [*(part for s in sets for part in ("--set", s)), "--tolerance", "1e-5",
+            yield name, verb.split(), [*(part for s in sets for part in ("--set", s)), "--tolerance", "1e-5",
                                  "--time-limit", str(SHORTEST)]
 
 

@@ -72,6 +72,37 @@ TEST_CASE("events of a block without damping are those of the closed form, with 
   }
 }
 
+TEST_CASE("events of a machine of one coordinate are those of the closed form, with their slopes", "[stick-slip-fit]") {
+  const auto own = block(0.4, 0.3);
+  const auto structure = [own](const MachineNumbers& numbers) {
+    auto model = own;
+    for (const auto& [path, value] : numbers) model = model.with(path, value);
+    analysis::motion::StructureModel one{oscillators::one_slider(model), {}};
+    one.start.kind = analysis::motion::Start::Kind::rest;
+    return one;
+  };
+  const auto machine =
+      std::make_shared<const Machine>(Machine::Family{{},
+                                                      structure,
+                                                      [own](const std::string& path) { return own.describe(path); },
+                                                      [own](const std::string& path) { return own.get(path); }},
+                                      "events", "data.1.start.", std::vector<double>(), 1);
+  const Subject subject(own, {machine});
+  const std::vector<double> speeds = {0.05, 0.2, 1.0};
+  for (const auto event : {Event::recurrence, Event::force_drop, Event::peak_slip_rate, Event::force_range}) {
+    auto data = events(event, speeds);
+    data.machine = 0;
+    const auto said = predict(subject, data, {"law.mu_s"});
+    for (std::size_t i = 0; i < speeds.size(); ++i) {
+      constexpr double h = 1e-5;
+      const auto at = [&](double difference) { return value(closed_form(difference, speeds[i]), event); };
+      INFO("event " << int(event) << " at " << speeds[i]);
+      CHECK(said.y[i] == Approx(at(0.1)).epsilon(1e-7));
+      CHECK(said.slopes[0][i] == Approx((at(0.1 + h) - at(0.1 - h)) / (2 * h)).epsilon(2e-3));
+    }
+  }
+}
+
 TEST_CASE("a fit of events finds the static coefficient and the machine's stiffness", "[stick-slip-fit]") {
   const std::vector<double> speeds = {0.05, 0.1, 0.2, 0.5, 1};
   std::vector<Measurement> data;
