@@ -333,7 +333,11 @@ void state_errors(PeriodRecord& fine, const PeriodRecord& coarse, double known) 
   for (auto& [name, measure] : fine.metrics) {
     double apart = measure.value - coarse.metrics.at(name).value;
     if (measure.unit == "rad") apart = std::remainder(apart, 2 * std::numbers::pi);
-    measure.error = std::abs(apart) + known * std::abs(measure.value);
+    double size = std::abs(measure.value);
+    constexpr std::string_view mean = "_mean";  // in which an oscillation cancels
+    if (name.ends_with(mean))
+      size = std::max(size, fine.metrics.at(name.substr(0, name.size() - mean.size()) + "_amplitude").value);
+    measure.error = std::abs(apart) + known * size;
   }
 }
 
@@ -506,9 +510,11 @@ StructureCycle find_measured_cycle(const Model& model, const CycleOptions& optio
       result.metrics_left_out =
           fmt::format("metrics left out: one more period ends {:.1e} of its range from its start", closure);
     } else {
-      double known = closure;  // as certified
-      for (auto member : {&Metrics::period, &Metrics::slip_rate_max})
-        known = std::max(known, cycle.error.*member / std::abs(cycle.metrics.*member));
+      const auto& [metrics, error] = std::pair(cycle.metrics, cycle.error);
+      const double fastest = std::max(std::abs(metrics.slip_rate_max), std::abs(metrics.slip_rate_min));
+      const double known =  // as certified
+          std::max(
+              {closure, error.period / metrics.period, error.slip_rate_max / fastest, error.slip_rate_min / fastest});
       state_errors(fine.record, coarse.record, std::max(finer * tolerance, known));
       result.metrics = std::move(fine.record.metrics);
       result.coordinate_max = fine.record.coordinate_max, result.coordinate_min = fine.record.coordinate_min;
