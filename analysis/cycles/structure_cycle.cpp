@@ -334,9 +334,10 @@ void state_errors(PeriodRecord& fine, const PeriodRecord& coarse, double known) 
     double apart = measure.value - coarse.metrics.at(name).value;
     if (measure.unit == "rad") apart = std::remainder(apart, 2 * std::numbers::pi);
     double size = std::abs(measure.value);
-    constexpr std::string_view mean = "_mean";  // in which an oscillation cancels
-    if (name.ends_with(mean))
-      size = std::max(size, fine.metrics.at(name.substr(0, name.size() - mean.size()) + "_amplitude").value);
+    if (measure.unit == "rad") size = std::max(size, 1.0);
+    for (const std::string_view end : {"_max", "_min", "_mean"})  // in which an oscillation may cancel
+      if (name.ends_with(end))
+        size = std::max(size, fine.metrics.at(name.substr(0, name.size() - end.size()) + "_amplitude").value);
     measure.error = std::abs(apart) + known * size;
   }
 }

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <tuple>
+#include <vector>
 
 #include "tests/app/command.hpp"
 
@@ -95,9 +97,29 @@ void compare_cycles(const Case& of) {
   CHECK(slider["returns"] == structure["returns"]);
 }
 
+/// Laws with their usual parameters on a soft spring, or 0.7 of the stiffness below which sliding is unstable.
 std::vector<Case> cases() {
-  return {{"type = 'coulomb'\nmu_s = 1\nmu_d = 0.6", 1, 1, 0, 0.2, 1},
-          {"type = 'hyperbolic'\nmu_s = 1\ndelta = 3", 1, 1, 0, 0.2, 1}};
+  std::vector<Case> cases;
+  for (const auto& [law, stiffness, speed] : {std::tuple{"hyperbolic", 1.0, 0.1},
+                                              {"coulomb", 1.0, 0.1},
+                                              {"stribeck", 1.0, 0.1},
+                                              {"two-exponential", 1.0, 0.1},
+                                              {"ageing", 350.0, 1e-6},
+                                              {"slip", 350.0, 1e-6},
+                                              {"prz", 350.0, 1e-6},
+                                              {"nagata", 120.0, 1e-6},
+                                              {"two-state-ageing", 120.0, 1e-6},
+                                              {"bowden-tabor", 1e4, 1e-6},
+                                              {"flash-heating", 140.0, 1e-6},
+                                              {"slip-distance", 1.0, 0.1},
+                                              {"static-growth", 1.0, 0.1},
+                                              {"kato-growth", 1.0, 0.1},
+                                              {"loading-rate", 1.0, 0.1},
+                                              {"hot-film", 3100.0, 0.1}})
+    cases.push_back({fmt::format("type = '{}'", law), 1, stiffness, 0, speed, 1});
+  cases.push_back({"type = 'spinodal'\npreset = 'bristol-board'\nlambda = 10", 1, 1.09, 0, 1e-5, 9.81e-4});
+  cases.push_back({"type = 'ageing'", 0, 350, 1, 1e-6, 1});  // without mass
+  return cases;
 }
 
 }  // namespace
