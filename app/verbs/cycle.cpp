@@ -155,13 +155,10 @@ Status perform(Job& job) {
   Reached reached;
   std::vector<std::string> known;
   for (const auto& [name, measure] : cycle.metrics) known.push_back(name);
-  const auto told = told_metrics(scene, known);
-  std::size_t width = 22;
-  for (const auto& name : told) width = std::max(width, name.size());
-  for (const auto& name : told) {
+  for (const auto& name : told_metrics(scene, known)) {
     const auto& metric = cycle.metrics.at(name);
     reached.add(metric.value, metric.error);
-    job.say("{:<{}} {}", name, width, justified(metric.value, metric.error, metric.unit));
+    job.say("{:<22} {}", name, justified(metric.value, metric.error, metric.unit));
     if (name == "period" && drive > 0 && cycle.returns > 1)
       job.say("a period of the motion is {} of the drive", cycle.returns);
   }
