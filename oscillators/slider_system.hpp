@@ -20,6 +20,7 @@ enum class Mechanics {
 /// Observable quantities of the slider at one instant.
 struct Observation {
   double displacement, velocity, slip_rate, friction_force, friction_coefficient;
+  double acceleration;        ///< m/s², by the equation of motion; NaN without mass
   std::vector<double> state;  ///< natural units
 };
 

@@ -88,7 +88,7 @@ struct Structure {
 FrictionContact contact_of(const Model&);
 /// A contact that only presses, along n.
 FrictionContact frictionless_contact(Eigen::VectorXd normal, std::shared_ptr<const NormalLaw>);
-/// A slider as a structure of one coordinate. \throws InputError for a slider without mass.
+/// A slider as a structure of one coordinate. \throws InputError for an infinite stiffness, which imposes the motion.
 Structure one_slider(const Model&);
 
 /// A structure that has no steady sliding, or none that was found. Others of its family may have.

@@ -381,6 +381,16 @@ Eigen::VectorXd StructureSystem::velocity(double t, const double* y) const {
   return velocity_of_speed_ * (Eigen::Map<const VectorXd>(y + n_, n_) - speeds_of_surfaces(t));
 }
 
+Eigen::VectorXd StructureSystem::acceleration(double t, const double* y) const {
+  std::vector<double> f(size_);
+  evaluate(t, y, f.data());
+  VectorXd rate = Eigen::Map<const VectorXd>(f.data() + n_, n_).cwiseQuotient(row_mass_);
+  for (std::size_t j = 0; j < at_.size(); ++j)
+    if (at_[j].row >= 0) rate[at_[j].row] -= structure_.contacts[j].speed.rate(t);
+  if (!is_diagonal_) return velocity_of_speed_ * rate;
+  return along_.cwiseProduct(rate);
+}
+
 double StructureSystem::slip_rate(int contact, double t, const double* y) const {
   if (at_[contact].row >= 0) return y[n_ + at_[contact].row];
   const double V = structure_.contacts[contact].speed.value(t);

@@ -91,6 +91,9 @@ class StructureSystem final : public SwitchingSystem {
   int friction_contacts() const { return int(at_.size()); }
   /// Velocities q̇ (m/s), from the speeds of y.
   Eigen::VectorXd velocity(double t, const double* y) const;
+  /// Accelerations q̈ (m/s²) by the equation of motion in the present modes, between impacts. Not of a coordinate
+  /// without mass.
+  Eigen::VectorXd acceleration(double t, const double* y) const;
   double slip_rate(int friction_contact, double t, const double* y) const;
   /// The slip rate of the contact itself, equal to slip_rate() where no spring is in series with it.
   double contact_slip_rate(int friction_contact, double t, const double* y) const;

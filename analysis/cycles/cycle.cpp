@@ -73,10 +73,6 @@ bool is_stick(const MetricName& metric) {
          metric.member == &Metrics::stick_fraction_001 || metric.member == &Metrics::stick_fraction_05;
 }
 
-namespace {
-
-/// The same slider under its law at λ = 0, a set-valued one, where slip can stick under it. Nothing with a contact
-/// spring or without mass, where that law leaves the motion undetermined.
 std::optional<Model> without_clock(const Model& model) {
   if (model.lambda != 0 || !(model.slider.mass > 0) || model.contact_stiffness.present()) return std::nullopt;
   auto curve = model.law->without_clock(model.drive.normal_load.level());
@@ -86,6 +82,9 @@ std::optional<Model> without_clock(const Model& model) {
   same.lambda = 1;
   return same;
 }
+
+namespace {
+
 /// Adds the states, which the set-valued law does not have.
 void add_states(Cycle& cycle, const FrictionLaw& law, double normal_load) {
   cycle.section_state = law.steady({0, normal_load});
@@ -110,6 +109,7 @@ void mirror(Cycle& cycle, const FrictionLaw& law) {
   mirror_states(cycle.section_state);
   for (auto& p : cycle.orbit) {
     p.displacement = -p.displacement, p.slip_rate = -p.slip_rate, p.friction_coefficient = -p.friction_coefficient;
+    p.acceleration = -p.acceleration;
     mirror_states(p.state);
   }
 }

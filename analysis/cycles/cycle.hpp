@@ -61,6 +61,7 @@ struct CycleOptions {
 /// One sample of a cycle for pictures.
 struct CyclePoint {
   double time, displacement, slip_rate, friction_coefficient;
+  double acceleration;  ///< m/s²; NaN without mass
   std::vector<double> state;
 };
 
@@ -88,6 +89,10 @@ struct Cycle {
 /// The attracting cycle reached from stick, or from the start given. Steady sliding must not be assumed unstable:
 /// coexisting cycles are found.
 Cycle find_cycle(const Model&, const CycleOptions& = {});
+
+/// The same slider under its law at λ = 0, a set-valued one, where slip can stick under it: the search for a cycle is
+/// for this one. Nothing with a contact spring or without mass, where that law leaves the motion undetermined.
+std::optional<Model> without_clock(const Model&);
 
 /// True if nothing feeds an oscillation: friction nowhere falls with slip rate, and ringing on the deflected contact
 /// dies out, however slowly.

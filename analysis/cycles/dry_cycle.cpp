@@ -21,6 +21,7 @@ class Swing {
       : V_(o.speed.level()),
         N_(o.load.level()),
         f_(o.force.level()),
+        mass_(o.mass),
         k_(o.stiffness),
         c_(o.damping),
         viscous_(o.viscous),
@@ -83,11 +84,13 @@ class Swing {
     for (int i = 0; i <= points; ++i) {
       const Real tau = -full() + slip * i / points, u = i == 0 || i == points ? Real(0) : slip_rate(tau);
       const Real friction = i == 0 ? static_ : dynamic_ + viscous_ / N_ * u;
-      list.push_back({double(tau + full()), double(displacement(stretch(tau))), double(u), double(friction), {}});
+      const Real x = displacement(stretch(tau)), a = (N_ * friction + f_ - k_ * x - c_ * (V_ - u)) / mass_;
+      list.push_back({double(tau + full()), double(x), double(u), double(friction), double(a), {}});
     }
     for (const Real part : {Real(0), Real(1)}) {
       const Real load = stretch(end_) + part * stick * V_;
-      list.push_back({double(slip + part * stick), double(displacement(load)), 0.0, double(holding(load) / N_), {}});
+      const Real x = displacement(load);
+      list.push_back({double(slip + part * stick), double(x), 0.0, double(holding(load) / N_), 0.0, {}});
     }
     return list;
   }
@@ -116,7 +119,7 @@ class Swing {
     return (a + b) / 2;
   }
 
-  Real V_, N_, f_, k_, c_, viscous_, static_, dynamic_;
+  Real V_, N_, f_, mass_, k_, c_, viscous_, static_, dynamic_;
   Real decay_ = 0, frequency_ = 1, sine_ = 0;  ///< w = e^{−γt} (−V cos ωt + sine · sin ωt)
   Real highest_ = 0, lowest_ = 0, end_ = 0;    ///< τ of the extrema of the slip rate, and of the end of slip
   bool sticks_ = false;

@@ -283,7 +283,7 @@ void Recorder::step(Collocation& solver) {
       if (i >= 0) solver.stage(i, y.data());
       const auto seen = system_.observe(i < 0 ? solver.time_before() : solver.stage_time(i), y.data());
       orbit.push_back({elapsed_ + samples[std::size_t(i + 1)].theta * h, seen.displacement, seen.slip_rate,
-                       seen.friction_coefficient, seen.state});
+                       seen.friction_coefficient, seen.acceleration, seen.state});
     }
   }
   for (int i = 0; i < Collocation::stages; ++i) {

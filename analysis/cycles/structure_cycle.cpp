@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -326,6 +327,80 @@ std::string symmetry_of(SectionMap& map, const Closed& closed, int returns, doub
   return apart < std::max(same, 1e3 * tolerance) ? "symmetric" : "twin";
 }
 
+/// Errors of the metrics of a period from those at a coarser tolerance. `known`: what is left of the period beside
+/// that, as a part of its size.
+void state_errors(PeriodRecord& fine, const PeriodRecord& coarse, double known) {
+  for (auto& [name, measure] : fine.metrics) {
+    double apart = measure.value - coarse.metrics.at(name).value;
+    if (measure.unit == "rad") apart = std::remainder(apart, 2 * std::numbers::pi);
+    double size = std::abs(measure.value);
+    if (measure.unit == "rad") size = std::max(size, 1.0);
+    for (const std::string_view end : {"_max", "_min", "_mean"})  // in which an oscillation may cancel
+      if (name.ends_with(end))
+        size = std::max(size, fine.metrics.at(name.substr(0, name.size() - end.size()) + "_amplitude").value);
+    measure.error = std::abs(apart) + known * size;
+  }
+}
+
+/// One more period of a slider's cycle, followed as a structure of one coordinate from its first point.
+struct SliderPeriod {
+  StructureSystem system;
+  PeriodRecord record;
+  Outcome outcome;
+  double closure = 0;  ///< how far it ends from its start, as a part of the range of displacement or slip rate
+
+  SliderPeriod(const Model& model, const Cycle& cycle, double tolerance, double stick_threshold)
+      : system(oscillators::one_slider(model)), record(system, tolerance, stick_threshold) {
+    const auto& first = cycle.orbit.front();
+    const double V = model.drive.speed.level(), N = model.drive.normal_load.level();
+    // What a structure adds to the unknowns of a slider without mass is its slip rate, and to those of one without a
+    // damper as well, whose spring is in series with the contact, all of the mechanics.
+    const oscillators::SliderSystem slider(model);
+    std::vector<double> y =
+        slider.unknowns_at(0, first.displacement, first.slip_rate, first.state, first.friction_coefficient * N);
+    if (slider.mechanics() == oscillators::Mechanics::damped) y.insert(y.begin() + 1, first.slip_rate);
+    if (slider.mechanics() == oscillators::Mechanics::elastic)
+      y = system.unknowns_at(0, VectorXd::Constant(1, first.displacement), VectorXd::Constant(1, V - first.slip_rate),
+                             {first.state});
+    Follower follower(system, tolerance);
+    follower.observe = [this](Follower::Step& step, std::span<const Follower::Event> switches) {
+      record.add(step, switches);
+    };
+    outcome = follower.follow(0, y, cycle.metrics.period);
+    if (!outcome.complete()) return;
+    record.finish(cycle.metrics.period);
+    const auto range = [&](const char* name) { return 2 * record.metrics.at(std::string(name) + "_amplitude").value; };
+    closure = std::max(std::abs(y[0] - first.displacement) / range("displacement"),
+                       std::abs(system.slip_rate(0, 0, y.data()) - first.slip_rate) / range("slip_rate"));
+  }
+  /// Maxima of the displacement.
+  int returns() const {
+    const auto& velocity = record.record.values[1];
+    int maxima = 0;
+    double before = velocity.back();
+    for (std::size_t i = 1; i < velocity.size(); before = velocity[i++]) maxima += before > 0 && velocity[i] <= 0;
+    return maxima;
+  }
+};
+
+/// The columns of a slider's cycle, those of a structure of one coordinate.
+void take_orbit(const Model& model, const Cycle& cycle, StructureCycle& result) {
+  const StructureSystem system(oscillators::one_slider(model));
+  const motion::StructureRecord record(system);
+  result.column_names = record.names, result.column_units = record.units;
+  result.columns.resize(record.names.size());
+  const double V = model.drive.speed.level(), N = model.drive.normal_load.level();
+  for (const auto& point : cycle.orbit) {
+    result.time.push_back(point.time);
+    std::vector<double> row = {point.displacement, V - point.slip_rate, point.slip_rate, N * point.friction_coefficient,
+                               point.friction_coefficient};
+    row.insert(row.end(), point.state.begin(), point.state.end());
+    row.resize(5 + model.law->states().size(), std::numeric_limits<double>::quiet_NaN());  // some dry curves have none
+    row.push_back(point.acceleration);
+    for (std::size_t c = 0; c < result.columns.size(); ++c) result.columns[c].push_back(row[c]);
+  }
+}
+
 }  // namespace
 
 std::map<std::string, StructureCycle::Measure> cycle_metrics_of(const Structure& structure) {
@@ -378,11 +453,7 @@ StructureCycle find_cycle(const motion::StructureModel& model, const StructureCy
     fine.emplace(map, std::move(closed), recurrence.returns, tolerance, options.stick_threshold);
     if (coarse) {
       double longest = 0;  // range of the widest coordinate, for those that hardly move
-      for (auto& [name, measure] : fine->metrics) {
-        double apart = measure.value - coarse->metrics.at(name).value;
-        if (measure.unit == "rad") apart = std::remainder(apart, 2 * std::numbers::pi);
-        measure.error = std::abs(apart) + std::max(tolerance, fine->closed.change) * std::abs(measure.value);
-      }
+      state_errors(*fine, *coarse, std::max(tolerance, fine->closed.change));
       for (std::size_t i = 0; i < fine->coordinate_max.size(); ++i)
         longest = std::max(longest, fine->coordinate_max[i] - fine->coordinate_min[i]);
       worst = std::max(fine->closed.change, fine->metrics["period"].error / fine->duration);
@@ -411,6 +482,49 @@ StructureCycle find_cycle(const motion::StructureModel& model, const StructureCy
   result.stable = !fine->multipliers.empty() && std::abs(fine->multipliers.front()) < 1;
   if (result.outcome.complete() && worst > options.tolerance)
     result.outcome = {Ending::tolerance_not_met, fmt::format("the period is known to {:.1e} only", worst)};
+  return result;
+}
+
+StructureCycle find_measured_cycle(const Model& model, const CycleOptions& options) {
+  const Cycle cycle = find_cycle(model, options);
+  StructureCycle result;
+  result.outcome = cycle.outcome;
+  result.ill_conditioned_stick = cycle.ill_conditioned_stick, result.growth = cycle.growth;
+  result.multipliers = cycle.multipliers, result.multiplier_errors = cycle.multiplier_errors;
+  result.multipliers_left_out = cycle.multipliers_left_out;
+  result.stable = cycle.stable, result.exponent = cycle.exponent;
+  result.cost = {cycle.cost.steps, cycle.cost.evaluations, cycle.cost.cycles};
+  const bool found = cycle.metrics.period > 0;
+  if (found) {
+    take_orbit(model, cycle, result);
+    constexpr double finer = 1.0 / 30, least = 3e-14, another = 1e-2;
+    const double tolerance = std::max(0.1 * options.tolerance, least / finer);
+    const Model followed = without_clock(model).value_or(model);
+    SliderPeriod fine(followed, cycle, finer * tolerance, options.stick_threshold);
+    const SliderPeriod coarse(followed, cycle, tolerance, options.stick_threshold);
+    result.returns = std::max(1, fine.returns());
+    const double closure = std::max(fine.closure, coarse.closure);
+    const Outcome& outcome = fine.outcome.complete() ? coarse.outcome : fine.outcome;
+    if (!outcome.complete()) {
+      result.metrics_left_out = fmt::format("metrics left out: one more period ends as {}", outcome.detail);
+    } else if (!(closure < another)) {
+      result.metrics_left_out =
+          fmt::format("metrics left out: one more period ends {:.1e} of its range from its start", closure);
+    } else {
+      const auto& [metrics, error] = std::pair(cycle.metrics, cycle.error);
+      const double fastest = std::max(std::abs(metrics.slip_rate_max), std::abs(metrics.slip_rate_min));
+      const double known =  // as certified
+          std::max(
+              {closure, error.period / metrics.period, error.slip_rate_max / fastest, error.slip_rate_min / fastest});
+      state_errors(fine.record, coarse.record, std::max(finer * tolerance, known));
+      result.metrics = std::move(fine.record.metrics);
+      result.coordinate_max = fine.record.coordinate_max, result.coordinate_min = fine.record.coordinate_min;
+      result.events = std::move(fine.record.events);
+    }
+  }
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& [name, unit, meaning, member] : metric_names())
+    result.metrics[name] = {found ? cycle.metrics.*member : none, found ? cycle.error.*member : none, unit, meaning};
   return result;
 }
 

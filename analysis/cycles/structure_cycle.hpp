@@ -1,4 +1,5 @@
-/// Periodic motion of a structure: that which it settles on, or its answer to a periodic drive.
+/// Periodic motion of a structure: that which it settles on, or its answer to a periodic drive; and of a slider, as a
+/// structure of one coordinate.
 #pragma once
 #include <complex>
 #include <map>
@@ -6,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/cycles/exponent.hpp"
+#include "analysis/cycles/cycle.hpp"
 #include "analysis/motion/run.hpp"
 #include "analysis/motion/structure_start.hpp"
 
@@ -29,13 +30,16 @@ struct StructureCycle {
     std::string unit, meaning = {};
   };
   std::map<std::string, Measure> metrics;              ///< of one period, by the names of cycle_metrics_of()
+  std::string metrics_left_out;                        ///< the reason why some are not known; empty: all are
   std::vector<double> coordinate_max, coordinate_min;  ///< m
   /// Floquet, largest modulus first, without the trivial 1 of a structure that is not driven; of what stick forgets 0.
   std::vector<std::complex<double>> multipliers;
   std::vector<double> multiplier_errors;
   std::string multipliers_left_out;
   bool stable = false;
-  std::optional<Exponent> exponent;  ///< the largest, of a motion that goes on without a period
+  bool ill_conditioned_stick = false;  ///< of a slider, as in Cycle
+  std::optional<double> growth;        ///< of a slider, as in Cycle
+  std::optional<Exponent> exponent;    ///< the largest, of a motion that goes on without a period
   /// "symmetric": after half a period all coordinates are reversed; "twin": the drive has that symmetry but the motion
   /// has not, so that its mirror image is another motion; "": the drive has none.
   std::string symmetry;
@@ -59,5 +63,10 @@ std::map<std::string, StructureCycle::Measure> cycle_metrics_of(const oscillator
 /// with its exact derivative, then closes it at two tolerances, whose difference is the error.
 /// \throws InputError where the drive has no period, and for a start that does not fit.
 StructureCycle find_cycle(const motion::StructureModel&, const StructureCycleOptions&);
+
+/// The cycle that find_cycle(Model) certifies, with all metrics of the list above. Those of Metrics are its own; of the
+/// others one more period from the same point, as a structure of one coordinate, shows values and errors at two
+/// tolerances. Where no cycle is found, those of Metrics are NaN. \throws InputError as find_cycle(Model)
+StructureCycle find_measured_cycle(const Model&, const CycleOptions&);
 
 }  // namespace rosin::analysis::cycles

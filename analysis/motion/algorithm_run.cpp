@@ -65,10 +65,12 @@ void run_algorithm(const Model& model, const DryOscillator& oscillator, const Ru
 
   const auto row = [&](double t, double* to) {
     const auto [x, v, F] = between(track, t);
-    const double N = oscillator.load.value(t), values[] = {x, v, V - v, F, N > 0 ? F / N : 0};
+    const double N = oscillator.load.value(t), rest = oscillator.force.value(t) - oscillator.stiffness * x,
+                 values[] = {x, v, V - v, F, N > 0 ? F / N : 0, (F + rest - oscillator.damping * v) / oscillator.mass};
     std::ranges::copy(values, to);
   };
-  MotionRecord record(5, 0, times, {slip_columns(model, 0)});
+  constexpr std::size_t columns = 6;
+  MotionRecord record(columns, 0, times, {slip_columns(model, 0)});
   const auto& points = track.points;
   for (std::size_t n = 1; n < points.size() && points[n - 1].time < end; ++n) {
     const auto &before = points[n - 1], &now = points[n];
@@ -87,11 +89,11 @@ void run_algorithm(const Model& model, const DryOscillator& oscillator, const Ru
   Run exact;
   exact.column_names = result.column_names;
   run_exactly(model, oscillator, options, times, exact);
-  for (std::size_t c = 0; c < 5; ++c) {
+  for (std::size_t c = 0; c < columns; ++c) {
     result.column_error.push_back(largest_difference(exact.columns[c], record.columns()[c]));
     result.columns.push_back(record.columns()[c]);
   }
-  state_what_is_seen(record, nullptr, std::vector<ErrorRule>(5), result);
+  state_what_is_seen(record, nullptr, std::vector<ErrorRule>(columns), result);
   for (auto& [name, error] : result.metric_error)
     error = std::abs(result.metrics.at(name) - exact.metrics.at(name)) + exact.metric_error.at(name);
 

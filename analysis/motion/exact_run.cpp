@@ -35,8 +35,8 @@ std::variant<DryOscillator, std::string> dry_oscillator(const Model& model) {
 
 namespace {
 
-constexpr int columns = 5;  // displacement, velocity, slip_rate, friction_force, friction_coefficient
-constexpr int velocity = 1, slip_rate = 2;
+// displacement, velocity, slip_rate, friction_force, friction_coefficient, acceleration
+constexpr int columns = 6, velocity = 1, slip_rate = 2, friction_force = 3, acceleration = 5;
 
 template <class Real>
 struct Pass {
@@ -45,9 +45,9 @@ struct Pass {
   bool extremes_of_samples = false;  ///< of a part of the motion that has too many oscillations
   Outcome outcome;
 
-  Pass(Exact<Real>& solver, const RunOptions& options, const std::vector<double>& times, std::array<double, 2> start,
-       const SlipColumns& slips)
-      : record(columns, 0, times, {slips}) {
+  Pass(Exact<Real>& solver, const DryOscillator& oscillator, const RunOptions& options,
+       const std::vector<double>& times, std::array<double, 2> start, const SlipColumns& slips)
+      : record(columns, 0, times, {slips}), oscillator_(oscillator) {
     try {
       follow(solver, options, std::max(options.duration, times.back()), start);
     } catch (const Stopped&) {
@@ -59,8 +59,14 @@ struct Pass {
   void follow(Exact<Real>& solver, const RunOptions& options, double end, std::array<double, 2> start) {
     const auto row = [&](double t, double* to) {
       const auto seen = solver.at(std::clamp(Real(t), solver.time_before(), solver.time()));
-      const Real values[] = {seen.displacement, seen.velocity, seen.slip_rate, seen.friction_force,
-                             seen.load > 0 ? seen.friction_force / seen.load : 0};
+      const Real values[] = {seen.displacement,
+                             seen.velocity,
+                             seen.slip_rate,
+                             seen.friction_force,
+                             seen.load > 0 ? seen.friction_force / seen.load : 0,
+                             (seen.friction_force + oscillator_.force.value(t) -
+                              oscillator_.stiffness * seen.displacement - oscillator_.damping * seen.velocity) /
+                                 oscillator_.mass};
       std::ranges::copy(values, to);
     };
     long parts_left = most_parts;
@@ -101,6 +107,7 @@ struct Pass {
     return times;
   }
 
+  const DryOscillator& oscillator_;
   static constexpr long most_parts =
       200'000;  ///< by which extremes and works take no longer than the motion itself may
 };
@@ -121,16 +128,19 @@ void run_exactly(const Model& model, const DryOscillator& oscillator, const RunO
                     frequency, end, 1e13 / frequency));
   const auto slips = slip_columns(model, 0);
   Exact<long double> fine_solver(oscillator);
-  Pass<long double> fine(fine_solver, options, times, start, slips);
+  Pass<long double> fine(fine_solver, oscillator, options, times, start, slips);
   Exact<double> coarse_solver(oscillator);
-  const Pass<double> coarse(coarse_solver, options, times, start, slips);
+  const Pass<double> coarse(coarse_solver, oscillator, options, times, start, slips);
 
   result.outcome = fine.outcome;
   double worst = 0;
   std::vector<ErrorRule> rules;
   for (int c = 0; c < columns; ++c) {
     // Velocity is the drive's speed less the slip rate, and may be nothing but rounding.
-    const double least = c == velocity || c == slip_rate ? std::abs(oscillator.speed.level()) : 0;
+    // So may the acceleration, in which friction and the spring cancel.
+    const double least = c == velocity || c == slip_rate ? std::abs(oscillator.speed.level())
+                         : c == acceleration             ? fine.record.size(friction_force) / oscillator.mass
+                                                         : 0;
     const double size = std::max(least, fine.record.size(c));
     rules.push_back({1, 0, std::numeric_limits<double>::epsilon() * size});
     const double error =

@@ -41,8 +41,11 @@ using solvers::stick_slip::Switch;
 
 namespace {
 
-/// Columns before those of the states.
+/// Columns before those of the states, behind which that of the acceleration stands.
 enum Column : std::size_t { displacement, velocity, slip_rate, friction_force, friction_coefficient, before_states };
+std::size_t columns_of(const Model& model) {
+  return before_states + model.law->states().size() + (model.slider.mass > 0 ? 1 : 0);
+}
 
 /// Explicit steps until stability limits them, then collocation up to the next break of the drive.
 class WhileNotStiff {
@@ -199,8 +202,7 @@ class Pass {
         times_(times),
         system_(model, solver == "cvode" ? Unknowns::states : Unknowns::friction),
         solver_(solver),
-        record_(before_states + model.law->states().size(), 0, times,
-                {slip_columns(system_.model(), stick_threshold)}) {
+        record_(columns_of(model), 0, times, {slip_columns(system_.model(), stick_threshold)}) {
     system_.limit_creep_for(times.back());
     record_.on_sample = [this](double t) { note_errors(t, seen_at_); };
   }
@@ -257,6 +259,7 @@ class Pass {
     row[displacement] = seen.displacement, row[velocity] = seen.velocity, row[slip_rate] = seen.slip_rate;
     row[friction_force] = seen.friction_force, row[friction_coefficient] = seen.friction_coefficient;
     std::ranges::copy(seen.state, row + before_states);
+    if (system_.model().slider.mass > 0) row[columns_of(system_.model()) - 1] = seen.acceleration;
     seen_at_ = y;
   }
   /// The rows of a motion that stays at y.
@@ -666,15 +669,17 @@ Choice choose_solver(const Model& model, const RunOptions& options) {
 }
 
 /// Smallest reference size of each column, which may pass zero or hold only rounding error: the drive speed for slip
-/// rate and velocity of a mass, the natural size for states, and friction in steady sliding where a state carries
-/// friction.
+/// rate and velocity of a mass, the natural size for states, friction in steady sliding where a state carries friction,
+/// and that over the mass for the acceleration, in which spring and friction nearly cancel.
 std::vector<double> least_sizes(const Model& model) {
   const SliderSystem system(model);
   const auto& law = *model.law;
   const double V = std::abs(model.drive.speed.level()), N = model.drive.normal_load.level();
-  std::vector<double> sizes(before_states + law.states().size());
+  std::vector<double> sizes(columns_of(model));
   // Without mass the slip rate follows from friction, to its own rounding error.
   if (model.slider.mass > 0) sizes[velocity] = sizes[slip_rate] = V;
+  if (model.slider.mass > 0 && V > 0)
+    sizes.back() = std::abs(law.steady_friction({V, N}).friction) * N / model.slider.mass;
   if (law.deflects() && V > 0) {
     sizes[friction_coefficient] = std::abs(law.steady_friction({V, N}).friction);
     sizes[friction_force] = N * sizes[friction_coefficient];
@@ -742,14 +747,21 @@ void run_twice(const Model& model, const RunOptions& options, double stick_thres
     constexpr double exceed = 10;  // largest error of the unknowns, in tolerances
     for (const Column c : {velocity, slip_rate})
       rules[c].floor += exceed * fine->slip_rate_error_ + fine->slip_rate_rounding_;
-    std::vector<double> ratio(sizes.size());
+    const auto& [mass, stiffness, damping] = model.slider;
+    if (mass > 0)
+      rules.back().floor =
+          (rules[friction_force].floor + stiffness * rules[displacement].floor + damping * rules[velocity].floor) /
+          mass;
+    // The acceleration follows from the others, and magnifies their errors: the tolerance is not of it.
+    const std::size_t counted = sizes.size() - (mass > 0 ? 1 : 0);
+    std::vector<double> ratio(counted);
     std::size_t worst = 0;
     const auto state_errors = [&] {
       result.column_error.clear();
       for (std::size_t c = 0; c < sizes.size(); ++c) {
         const double difference = largest_difference(coarse->record().columns()[c], fine->record().columns()[c]);
         result.column_error.push_back(rules[c].error(difference, sampled[c]));
-        ratio[c] = sizes[c] > 0 ? result.column_error[c] / sizes[c] : 0;
+        if (c < counted) ratio[c] = sizes[c] > 0 ? result.column_error[c] / sizes[c] : 0;
       }
       worst = std::size_t(std::ranges::max_element(ratio) - ratio.begin());
     };
@@ -828,6 +840,8 @@ Run run(const Model& model, const RunOptions& options, double stick_threshold) {
     result.column_names.push_back(s.name);
     result.column_units.push_back(s.unit);
   }
+  if (model.slider.mass > 0)
+    result.column_names.emplace_back("acceleration"), result.column_units.emplace_back("m/s^2");
   const Run empty = result;
   if (result.solver == "exact")
     run_exactly(model, std::get<solvers::stick_slip::DryOscillator>(dry_oscillator(model)), options, times, result);

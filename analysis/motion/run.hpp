@@ -46,7 +46,7 @@ struct Run {
   Outcome outcome;
   std::vector<double> time;
   std::vector<std::string> column_names;  ///< displacement, velocity, slip_rate, friction_force,
-                                          ///< friction_coefficient, then states
+                                          ///< friction_coefficient, then states, and of a mass its acceleration
   std::vector<std::string> column_units;
   std::vector<std::vector<double>> columns;  ///< [column][sample]
   std::vector<double> column_error;          ///< largest absolute difference to a run at a smaller tolerance

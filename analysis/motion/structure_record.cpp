@@ -8,14 +8,20 @@ namespace rosin::analysis::motion {
 using oscillators::Structure;
 using oscillators::StructureSystem;
 
-std::string velocity_name(const std::string& coordinate) {
+namespace {
+std::string name_of(const std::string& rate, const std::string& coordinate) {
   const std::string word = "displacement";
   const auto at = coordinate.find(word);
-  return at == std::string::npos ? "velocity_of_" + coordinate
-                                 : coordinate.substr(0, at) + "velocity" + coordinate.substr(at + word.size());
+  return at == std::string::npos ? rate + "_of_" + coordinate
+                                 : coordinate.substr(0, at) + rate + coordinate.substr(at + word.size());
 }
+}  // namespace
 
-StructureRecord::StructureRecord(const StructureSystem& system) : system_(system), force_(system.friction_contacts()) {
+std::string velocity_name(const std::string& coordinate) { return name_of("velocity", coordinate); }
+std::string acceleration_name(const std::string& coordinate) { return name_of("acceleration", coordinate); }
+
+StructureRecord::StructureRecord(const StructureSystem& system)
+    : system_(system), force_(system.friction_contacts()), has_mass_(system.structure().M(0, 0) > 0) {
   const Structure& structure = system.structure();
   const auto add = [&](std::string name, std::string unit) {
     names.push_back(std::move(name));
@@ -36,6 +42,8 @@ StructureRecord::StructureRecord(const StructureSystem& system) : system_(system
     if (system.follows_motion(j)) add("open_fraction" + number, "1");
     for (const auto& state : structure.contacts[j].law->states()) add(state.name + number, state.unit);
   }
+  for (std::size_t i = 0; has_mass_ && i < structure.names.size(); ++i)
+    add(acceleration_name(structure.names[i]), structure.unit(int(i)) + "/s^2");
   values.resize(names.size());
 }
 
@@ -56,6 +64,8 @@ void StructureRecord::observe(double t, const double* y, std::vector<double>& ro
     if (system_.follows_motion(j)) row.push_back(system_.open_fraction(j, t, y));
     for (const double state : system_.states(j, t, y)) row.push_back(state);
   }
+  if (!has_mass_) return;
+  for (const double a : system_.acceleration(t, y)) row.push_back(a);
 }
 
 void StructureRecord::record(double t, const double* y) {

@@ -1,4 +1,5 @@
-/// What is recorded of the motion of a structure: coordinates, velocities, and each contact's slip rate and forces.
+/// What is recorded of the motion of a structure: coordinates, velocities, each contact's slip rate and forces, and
+/// accelerations of what has a mass.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,8 +10,9 @@
 
 namespace rosin::analysis::motion {
 
-/// Names of the columns of velocities: "second_velocity" for the coordinate "second_displacement".
+/// Names of the columns of velocities and accelerations: "second_velocity" for the coordinate "second_displacement".
 std::string velocity_name(const std::string& coordinate);
+std::string acceleration_name(const std::string& coordinate);
 
 /// The name, with the number of the contact where there are several.
 std::string numbered(const oscillators::StructureSystem&, const char* name, int friction_contact);
@@ -31,6 +33,7 @@ class StructureRecord {
   bool shows_load(int contact) const;
   const oscillators::StructureSystem& system_;
   std::vector<double> force_, row_;
+  bool has_mass_;
 };
 
 /// As a record numbers it: contacts only where there are several.

@@ -36,7 +36,6 @@ inline ordered_json pairs(const std::vector<std::complex<double>>& list) {
 ordered_json values(const std::vector<Quantity>& names, const std::vector<Value>& list);
 /// States by name.
 ordered_json states(const FrictionLaw&, std::span<const double> state);
-ordered_json metrics(const analysis::cycles::Metrics&);
 ordered_json axis(const analysis::planes::Axis&, const scene::Scene&);
 
 /// Row by row: [iy][ix] of f(index of the point).

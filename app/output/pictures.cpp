@@ -90,8 +90,8 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   const bool load_tells = scene.structure && scene.structure->structure.contacts.size() == 1 &&
                           scene.structure->structure.contacts[0].normal.size() > 0;
   const auto is_shown = [&](const std::string& name) {
-    return name.find("velocity") == std::string::npos && !name.starts_with("friction_force") &&
-           (!name.starts_with("normal_load") || load_tells);
+    return name.find("velocity") == std::string::npos && name.find("acceleration") == std::string::npos &&
+           !name.starts_with("friction_force") && (!name.starts_with("normal_load") || load_tells);
   };
   // What never changes has nothing to show, but for the slip rate, beside which the drive stands.
   const auto tells = [&](std::size_t c) {
@@ -226,107 +226,6 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
   if (strip) files.emplace_back("run-strip.csv");
   if (driven) files.emplace_back("run-drive.csv");
   return files;
-}
-
-std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
-                                       const analysis::cycles::Cycle& cycle) {
-  const double low = cycle.metrics.slip_rate_min, high = cycle.metrics.slip_rate_max, period = cycle.metrics.period;
-  const double speed = scene.model.drive.speed.level(), load = scene.model.drive.normal_load.level();
-  // the steady curve over the slip rates of the cycle, for comparison
-  constexpr std::size_t points = 400;
-  const double sign = speed < 0 ? -1 : 1, fastest = sign > 0 ? high : -low;
-  const double slowest = std::max(sign > 0 ? low : -high, 1e-6 * fastest);
-  std::vector<double> rates(points), steady(points);
-  for (std::size_t i = 0; i < points; ++i) {
-    const double v = slowest * std::pow(fastest / slowest, double(i) / (points - 1));
-    rates[i] = sign * v;
-    steady[i] = sign * scene.model.law->steady_friction({v, load}).friction;
-  }
-  write_csv(folder / "cycle-steady.csv", {{"slip_rate (m/s)", rates}, {"friction_coefficient", steady}});
-
-  double farthest = 0;
-  for (const auto& point : cycle.orbit) farthest = std::max(farthest, std::abs(point.displacement));
-  const auto time = scaled("s", 2 * period), way = scaled("m", farthest);
-  const auto rate = scaled("m/s", std::max(std::abs(low), std::abs(high)));
-  // a logarithmic axis keeps SI units
-  const bool decades = spans_decades(low, high);
-  const auto decade_rate = decades ? Scaled{1, "m/s"} : rate;
-
-  // A law with memory moves in three dimensions: a panel more.
-  const bool space = scene.model.law->has_states() && scene.model.lambda > 0;
-  const Sheet sheet{"cycle",
-                    "One periodic motion: in time, against slip rate, and in the phase plane",
-                    {.width = 940,
-                     .panels = space ? 5 : 4,
-                     .columns = 2,
-                     .panel = 270,
-                     .above = 26,
-                     .between_rows = 90,
-                     .key = Layout::Key::own},
-                    scene.title,
-                    caption(scene)};
-  std::string script = fmt::format("period = {}\nspeed = {}\n# from SI to the units of the axes\nT = {}\nX = {}\n",
-                                   period, speed, time.factor, way.factor);
-  script += "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
-
-  script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'slip rate v ({})'\n", time.unit, decade_rate.unit);
-  script += fmt::format("V = {}\n{}\n", decade_rate.factor, axis_scale('y', decades));
-  script += R"(set xrange [0:2*period*T]
-plot 'cycle.csv' using ($1*T):($3*V) with lines linestyle 1 notitle, \
-     'cycle.csv' using (($1+period)*T):($3*V) with lines linestyle 1 notitle, \
-     speed*V with lines linestyle 3 title 'drive'
-set autoscale x
-)";
-  script +=
-      fmt::format("\nset xlabel 'slip rate v ({})'\nV = {}\n{}\n", rate.unit, rate.factor, axis_scale('y', false));
-  script += R"(set ylabel 'friction coefficient μ'
-plot 'cycle.csv' using ($3*V):4 with lines linestyle 1 title 'cycle', \
-     'cycle-steady.csv' using ($1*V):2 with lines linestyle 2 title 'steady sliding'
-)";
-  const std::string plane =
-      fmt::format("\nset xlabel 'displacement x ({})'\nset ylabel 'slip rate v ({})'\nV = {}\n{}\n", way.unit,
-                  decade_rate.unit, decade_rate.factor, axis_scale('y', decades));
-  script += plane;
-  script += R"(plot 'cycle.csv' using ($2*X):($3*V) with lines linestyle 1 title 'cycle', \
-     speed*V with lines linestyle 3 title 'drive'
-)";
-  script += fmt::format("\n{}\n{}\n", axis_scale('y', false), axis_scale('x', true));
-  script += R"(set xlabel '|slip rate v| (m/s)'
-set ylabel 'friction coefficient μ'
-plot 'cycle.csv' using (abs($3)):4 with lines linestyle 1 title 'cycle', \
-     'cycle-steady.csv' using (abs($1)):2 with lines linestyle 2 title 'steady sliding'
-)";
-  if (space) {
-    const auto& state = scene.model.law->states().front();
-    script += fmt::format("\n{}", axis_scale('x', false)) + plane;
-    double nearest = farthest;
-    for (const auto& point : cycle.orbit) nearest = std::min(nearest, point.displacement);
-    double onward = nearest;
-    for (const auto& point : cycle.orbit) onward = std::max(onward, point.displacement);
-    script += fmt::format("set xlabel 'displacement x ({})' offset 0,-1\nset ylabel 'v ({})' offset 2,-1\n", way.unit,
-                          decade_rate.unit);
-    double largest = 0;
-    for (const auto& point : cycle.orbit) largest = std::max(largest, std::abs(point.state.front()));
-    const auto level = largest < 1 ? Scaled{1, state.unit} : scaled(state.unit, largest);
-    script += fmt::format("Z = {}\nset zlabel '{} ({})' rotate by 90 offset -3,0\nset xtics {:g} offset -1,-0.5\n",
-                          level.factor, readable(state.name), readable_unit(level.unit),
-                          2 * tick_step(nearest * way.factor, onward * way.factor));
-    constexpr double few = 3;  // labels along a side that is seen from its end
-    script += fmt::format("set ytics {:g}\n", decades ? std::pow(10, std::ceil(std::log10(high / low) / few))
-                                                      : 2 * tick_step(low * rate.factor, high * rate.factor));
-    script += "set origin narrow ? 0.16 : 0.15,below_rows/high\nset size narrow ? 0.74 : 0.7,(frame+100)/high\n";
-    script += R"(unset lmargin
-unset rmargin
-unset tmargin
-unset bmargin
-set view 62,35,1.15,1
-set xyplane 0
-unset key
-splot 'cycle.csv' using ($2*X):($3*V):($5*Z) with lines linestyle 1
-)";
-  }
-  write_whole(folder / "cycle.gp", sheet.with(std::move(script)));
-  return {"cycle-steady.csv", "cycle.gp"};
 }
 
 /// Frequencies and growth rates of all modes along the parameter, with the thresholds.
@@ -544,6 +443,105 @@ std::vector<std::string> write_coordinates(const fs::path& folder, const scene::
   write_whole(folder / "cycle.gp", sheet.with(std::move(script)));
   return {"cycle.gp"};
 }
+
+/// Of a slider: in time, against slip rate beside steady sliding, and in the phase plane.
+std::vector<std::string> write_slider(const fs::path& folder, const scene::Scene& scene,
+                                      const analysis::cycles::StructureCycle& cycle) {
+  const auto value = [&](const char* metric) { return cycle.metrics.at(metric).value; };
+  const double low = value("slip_rate_min"), high = value("slip_rate_max"), period = value("period");
+  const double speed = scene.model.drive.speed.level(), load = scene.model.drive.normal_load.level();
+  // the steady curve over the slip rates of the cycle, for comparison
+  constexpr std::size_t points = 400;
+  const double sign = speed < 0 ? -1 : 1, fastest = sign > 0 ? high : -low;
+  const double slowest = std::max(sign > 0 ? low : -high, 1e-6 * fastest);
+  std::vector<double> rates(points), steady(points);
+  for (std::size_t i = 0; i < points; ++i) {
+    const double v = slowest * std::pow(fastest / slowest, double(i) / (points - 1));
+    rates[i] = sign * v;
+    steady[i] = sign * scene.model.law->steady_friction({v, load}).friction;
+  }
+  write_csv(folder / "cycle-steady.csv", {{"slip_rate (m/s)", rates}, {"friction_coefficient", steady}});
+
+  const auto [nearest, onward] = std::ranges::minmax(cycle.columns[0]);
+  const double farthest = std::max(std::abs(nearest), std::abs(onward));
+  const auto time = scaled("s", 2 * period), way = scaled("m", farthest);
+  const auto rate = scaled("m/s", std::max(std::abs(low), std::abs(high)));
+  // a logarithmic axis keeps SI units
+  const bool decades = spans_decades(low, high);
+  const auto decade_rate = decades ? Scaled{1, "m/s"} : rate;
+
+  // A law with memory moves in three dimensions: a panel more.
+  const bool space = scene.model.law->has_states() && scene.model.lambda > 0;
+  const Sheet sheet{"cycle",
+                    "One periodic motion: in time, against slip rate, and in the phase plane",
+                    {.width = 940,
+                     .panels = space ? 5 : 4,
+                     .columns = 2,
+                     .panel = 270,
+                     .above = 26,
+                     .between_rows = 90,
+                     .key = Layout::Key::own},
+                    scene.title,
+                    caption(scene)};
+  std::string script = fmt::format("period = {}\nspeed = {}\n# from SI to the units of the axes\nT = {}\nX = {}\n",
+                                   period, speed, time.factor, way.factor);
+  script += "set grid\nset key at graph 1,1.02 right bottom horizontal\n";
+
+  script += fmt::format("\nset xlabel 'time ({})'\nset ylabel 'slip rate v ({})'\n", time.unit, decade_rate.unit);
+  script += fmt::format("V = {}\n{}\n", decade_rate.factor, axis_scale('y', decades));
+  script += R"(set xrange [0:2*period*T]
+plot 'cycle.csv' using ($1*T):($4*V) with lines linestyle 1 notitle, \
+     'cycle.csv' using (($1+period)*T):($4*V) with lines linestyle 1 notitle, \
+     speed*V with lines linestyle 3 title 'drive'
+set autoscale x
+)";
+  script +=
+      fmt::format("\nset xlabel 'slip rate v ({})'\nV = {}\n{}\n", rate.unit, rate.factor, axis_scale('y', false));
+  script += R"(set ylabel 'friction coefficient μ'
+plot 'cycle.csv' using ($4*V):6 with lines linestyle 1 title 'cycle', \
+     'cycle-steady.csv' using ($1*V):2 with lines linestyle 2 title 'steady sliding'
+)";
+  const std::string plane =
+      fmt::format("\nset xlabel 'displacement x ({})'\nset ylabel 'slip rate v ({})'\nV = {}\n{}\n", way.unit,
+                  decade_rate.unit, decade_rate.factor, axis_scale('y', decades));
+  script += plane;
+  script += R"(plot 'cycle.csv' using ($2*X):($4*V) with lines linestyle 1 title 'cycle', \
+     speed*V with lines linestyle 3 title 'drive'
+)";
+  script += fmt::format("\n{}\n{}\n", axis_scale('y', false), axis_scale('x', true));
+  script += R"(set xlabel '|slip rate v| (m/s)'
+set ylabel 'friction coefficient μ'
+plot 'cycle.csv' using (abs($4)):6 with lines linestyle 1 title 'cycle', \
+     'cycle-steady.csv' using (abs($1)):2 with lines linestyle 2 title 'steady sliding'
+)";
+  if (space) {
+    const auto& state = scene.model.law->states().front();
+    script += fmt::format("\n{}", axis_scale('x', false)) + plane;
+    script += fmt::format("set xlabel 'displacement x ({})' offset 0,-1\nset ylabel 'v ({})' offset 2,-1\n", way.unit,
+                          decade_rate.unit);
+    const auto [least, most] = std::ranges::minmax(cycle.columns[5]);
+    const double largest = std::max(std::abs(least), std::abs(most));
+    const auto level = largest < 1 ? Scaled{1, state.unit} : scaled(state.unit, largest);
+    script += fmt::format("Z = {}\nset zlabel '{} ({})' rotate by 90 offset -3,0\nset xtics {:g} offset -1,-0.5\n",
+                          level.factor, readable(state.name), readable_unit(level.unit),
+                          2 * tick_step(nearest * way.factor, onward * way.factor));
+    constexpr double few = 3;  // labels along a side that is seen from its end
+    script += fmt::format("set ytics {:g}\n", decades ? std::pow(10, std::ceil(std::log10(high / low) / few))
+                                                      : 2 * tick_step(low * rate.factor, high * rate.factor));
+    script += "set origin narrow ? 0.16 : 0.15,below_rows/high\nset size narrow ? 0.74 : 0.7,(frame+100)/high\n";
+    script += R"(unset lmargin
+unset rmargin
+unset tmargin
+unset bmargin
+set view 62,35,1.15,1
+set xyplane 0
+unset key
+splot 'cycle.csv' using ($2*X):($4*V):($7*Z) with lines linestyle 1
+)";
+  }
+  write_whole(folder / "cycle.gp", sheet.with(std::move(script)));
+  return {"cycle-steady.csv", "cycle.gp"};
+}
 }  // namespace
 
 /// For each contact a row: slip rate in time, and the plane of its coordinate and velocity, with stick marked. Where
@@ -551,6 +549,7 @@ std::vector<std::string> write_coordinates(const fs::path& folder, const scene::
 std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
                                        const analysis::cycles::StructureCycle& cycle) {
   if (const auto* stepped = scene::stepped_of(scene)) return write_coordinates(folder, scene, *stepped, cycle);
+  if (!scene.structure) return write_slider(folder, scene, cycle);
   const auto& structure = scene.structure->structure;
   const auto column = [&](const std::string& name) {
     return std::size_t(std::ranges::find(cycle.column_names, name) - cycle.column_names.begin());
@@ -649,10 +648,12 @@ std::vector<std::string> write_picture(const fs::path& folder, const scene::Scen
     files.push_back(fmt::format("compare-{}.csv", k + 1));
     write_csv(folder / files.back(), table);
   }
-  // Columns that never change have nothing to show, and velocities and forces little beside places and slip rates.
+  // Columns that never change have nothing to show, and velocities, accelerations and forces little beside places and
+  // slip rates.
   std::vector<std::size_t> shown;
   for (std::size_t c = 0; c < comparison.column_names.size() && shown.size() < most_panels; ++c)
     if (comparison.column_names[c].find("velocity") == std::string::npos &&
+        comparison.column_names[c].find("acceleration") == std::string::npos &&
         !comparison.column_names[c].starts_with("friction_force") &&
         std::ranges::any_of(comparison.series, [&](const auto& series) {
           return !series.columns[c].empty() &&

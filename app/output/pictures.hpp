@@ -13,7 +13,6 @@ struct Branches;
 struct Loci;
 }  // namespace rosin::analysis::branches
 namespace rosin::analysis::cycles {
-struct Cycle;
 struct LyapunovSpectrum;
 struct StructureCycle;
 }  // namespace rosin::analysis::cycles
@@ -52,8 +51,6 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
                                        const analysis::motion::Run&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::motion::MotionSpectrum&);
-std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
-                                       const analysis::cycles::Cycle&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,
                                        const analysis::cycles::StructureCycle&);
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene&,

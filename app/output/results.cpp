@@ -24,12 +24,6 @@ ordered_json states(const FrictionLaw& law, std::span<const double> state) {
   return object;
 }
 
-ordered_json metrics(const analysis::cycles::Metrics& values) {
-  auto object = ordered_json::object();
-  for (const auto& metric : analysis::cycles::metric_names()) object[metric.name] = values.*metric.member;
-  return object;
-}
-
 ordered_json axis(const analysis::planes::Axis& axis, const scene::Scene& scene) {
   return {{"parameter", axis.parameter},
           {"unit", scene.describe(axis.parameter).unit},

@@ -27,6 +27,7 @@ const std::map<std::string, Known, std::less<>>& table() {
         {"time", {"", "s", "time"}},
         {"displacement", {"", "m", "of the slider from the unstretched spring, positive where friction pulls"}},
         {"velocity", {"", "m/s", "of the slider"}},
+        {"acceleration", {"", "m/s^2", "of the slider"}},
         {"slip_rate", {"", "m/s", "V − ẋ, of the surfaces against each other"}},
         {"friction_force", {"", "N", "on the slider"}},
         {"friction_coefficient", {"", "1", "friction over normal load"}},

@@ -84,7 +84,8 @@ std::shared_ptr<const FrictionLaw> read_formula(const toml::node& node) {
     law.parameters.push_back(std::move(parameter));
   }
   for (auto& [name, entry] : named("states")) {
-    refuse_reserved(entry, name, {"displacement", "velocity", "slip_rate", "state", "time", "friction_force"});
+    refuse_reserved(entry, name,
+                    {"displacement", "velocity", "acceleration", "slip_rate", "state", "time", "friction_force"});
     entry.expect({"unit", "scale", "minimum", "maximum", "meaning"});
     const auto* scale = entry.find("scale");
     const bool logarithmic = scale && choice(*scale, entry.path("scale"), {"log", "linear"}) == "log";

@@ -30,13 +30,13 @@
 #include "app/scene/toml_document.hpp"
 #include "app/tasks/curve.hpp"
 #include "app/tasks/frf.hpp"
+#include "app/verbs/cycle.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/plane_job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/run.hpp"
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/string_verbs.hpp"
-#include "app/verbs/structure_cycle.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
@@ -454,8 +454,11 @@ output::Comparison compare_responses(const scene::Scene& scene) {
   return comparison;
 }
 
-/// Of a slider the other columns follow from these.
-constexpr const char* of_slider[] = {"displacement", "slip_rate", "friction_coefficient"};
+/// Of a slider the other columns follow from three.
+bool is_shown(const scene::Scene& member, std::string_view column) {
+  if (member.structure || member.plane) return true;
+  return column == "displacement" || column == "slip_rate" || column == "friction_coefficient";
+}
 
 /// What a member's motion is laid over the others by.
 struct Motion {
@@ -514,11 +517,10 @@ output::Comparison compare_runs(const scene::Scene& scene) {
     worsen(comparison.outcome, run.outcome, members[k].name);
     Motion motion{{}, {}, {run.time, {}}};
     Entries entries(comparison, k, members.size());
-    const bool slider = !member.structure && !member.plane;
     for (std::size_t c = 0; c < run.columns.size(); ++c) {
       const auto& column = run.columns[c];
       const auto &name = run.column_names[c], &unit = run.column_units[c];
-      if (slider && std::ranges::find(of_slider, name) == std::end(of_slider)) continue;
+      if (!is_shown(member, name)) continue;
       motion.names.push_back(name), motion.units.push_back(unit), motion.series.columns.push_back(column);
       if (column.empty()) continue;
       const double error = c < run.column_error.size() ? run.column_error[c] : nothing;
@@ -531,26 +533,19 @@ output::Comparison compare_runs(const scene::Scene& scene) {
   return comparison;
 }
 
-Motion compare_cycle(const analysis::cycles::Cycle& cycle, Entries entries) {
-  if (cycle.metrics.period > 0)
-    for (const auto& metric : analysis::cycles::metric_names())
-      entries.add(metric.name, metric.unit, cycle.metrics.*metric.member, cycle.error.*metric.member);
-  Motion motion{{std::begin(of_slider), std::end(of_slider)}, {"m", "m/s", "1"}, {{}, {{}, {}, {}}}};
-  for (const auto& point : cycle.orbit) {
-    motion.series.x.push_back(point.time);
-    const double values[] = {point.displacement, point.slip_rate, point.friction_coefficient};
-    for (std::size_t c = 0; c < std::size(values); ++c) motion.series.columns[c].push_back(values[c]);
+Motion compare_cycle(const scene::Scene& member, const analysis::cycles::StructureCycle& cycle, Entries entries) {
+  if (cycle.returns == 0) return {};
+  for (const auto& [name, measure] : cycle.metrics) entries.add(name, measure.unit, measure.value, measure.error);
+  Motion motion{{}, {}, {cycle.time, {}}};
+  for (std::size_t c = 0; c < cycle.columns.size(); ++c) {
+    if (!is_shown(member, cycle.column_names[c])) continue;
+    motion.names.push_back(cycle.column_names[c]), motion.units.push_back(cycle.column_units[c]);
+    motion.series.columns.push_back(cycle.columns[c]);
   }
   return motion;
 }
 
-Motion compare_cycle(const analysis::cycles::StructureCycle& cycle, Entries entries) {
-  if (cycle.returns == 0) return {};
-  for (const auto& [name, measure] : cycle.metrics) entries.add(name, measure.unit, measure.value, measure.error);
-  return {cycle.column_names, cycle.column_units, {cycle.time, cycle.columns}};
-}
-
-Motion compare_cycle(const analysis::strings::StringCycle& cycle, Entries entries) {
+Motion compare_cycle(const scene::Scene&, const analysis::strings::StringCycle& cycle, Entries entries) {
   for (const auto& [name, unit, meaning, member] : analysis::strings::string_period_names())
     entries.add(name, unit, (cycle.period.*member).value, (cycle.period.*member).error);
   return {};
@@ -562,7 +557,7 @@ output::Comparison compare_cycles(const scene::Scene& scene) {
   std::vector<Motion> motions;
   const auto add = [&](std::size_t k, const auto& cycle) {
     worsen(comparison.outcome, cycle.outcome, members[k].name);
-    motions.push_back(compare_cycle(cycle, Entries(comparison, k, members.size())));
+    motions.push_back(compare_cycle(members[k].scene, cycle, Entries(comparison, k, members.size())));
   };
   const double tolerance = scene.task<analysis::cycles::CycleOptions>().tolerance;
   for (std::size_t k = 0; k < members.size(); ++k) {
@@ -582,7 +577,7 @@ output::Comparison compare_cycles(const scene::Scene& scene) {
     else if (member.structure)
       add(k, analysis::cycles::find_cycle(*member.structure, many));
     else
-      add(k, analysis::cycles::find_cycle(member.model, how));
+      add(k, analysis::cycles::find_measured_cycle(member.model, how));
   }
   lay_over(comparison, motions);
   return comparison;
@@ -685,9 +680,11 @@ Status side_by_side(Job& job) {
   std::string header(34, ' ');
   for (const auto& member : compare.members) header += fmt::format("  {:>28}", member.name);
   job.say("{}", header);
-  const bool many = protocol == "cycle" && (scene.structure || scene.plane);
-  for (const auto& row : comparison.rows) {
-    if (many && !is_told(row.metric)) continue;
+  std::vector<std::string> told;
+  for (const auto& row : comparison.rows) told.push_back(row.metric);
+  if (protocol == "cycle" && !scene.string) told = told_metrics(scene, told);
+  for (const auto& metric : told) {
+    const auto& row = *std::ranges::find(comparison.rows, metric, &output::Comparison::Row::metric);
     std::string line = fmt::format("{:<34}", row.metric);
     for (std::size_t k = 0; k < row.values.size(); ++k) {
       line += fmt::format("  {:>28}", justified(row.values[k], row.errors[k], row.unit));

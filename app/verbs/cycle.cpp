@@ -1,9 +1,10 @@
-/// The verb cycle: the periodic motion, its multipliers and metrics.
-#include "analysis/cycles/cycle.hpp"
+/// The verb cycle: the periodic motion of any oscillator, its multipliers and metrics, table and picture.
+#include "app/verbs/cycle.hpp"
 
+#include <algorithm>
 #include <chrono>
-#include <cmath>
 
+#include "analysis/cycles/stepped_cycle.hpp"
 #include "app/output/files.hpp"
 #include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
@@ -15,12 +16,30 @@
 #include "app/scene/structure.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/string_verbs.hpp"
-#include "app/verbs/structure_cycle.hpp"
 #include "app/verbs/verb.hpp"
 
 namespace rosin::app::verbs {
 
+using analysis::cycles::StructureCycle;
 using nlohmann::ordered_json;
+
+std::vector<std::string> told_metrics(const scene::Scene& scene, const std::vector<std::string>& known) {
+  std::vector<std::string> told;
+  for (const auto& metric : analysis::cycles::metric_names())
+    if (std::ranges::find(known, metric.name) != known.end()) told.emplace_back(metric.name);
+  const auto* stepped = scene::stepped_of(scene);
+  const auto is_of_coordinate = [&](std::string_view name) {
+    if (name.find("displacement") != std::string_view::npos || name.starts_with("slip")) return true;
+    return stepped && std::any_of(stepped->channels.begin(), stepped->channels.begin() + stepped->coordinates,
+                                  [&](const auto& channel) { return name.substr(0, name.size() - 4) == channel.name; });
+  };
+  for (const auto& name : known) {
+    if (std::ranges::find(told, name) != told.end()) continue;
+    const bool extreme = name.ends_with("_max") || name.ends_with("_min");
+    if (name.starts_with("stick_fraction") || (extreme && is_of_coordinate(name))) told.push_back(name);
+  }
+  return told;
+}
 
 namespace {
 
@@ -38,30 +57,39 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   table.finish();
 }
 
-std::string document_of(const scene::Scene& scene, const analysis::cycles::Cycle& cycle) {
+std::string document_of(const scene::Scene& scene, const StructureCycle& cycle) {
   auto document = output::begin(scene, "cycle", cycle.outcome);
-  const bool found = cycle.metrics.period > 0;  // known, if less accurately than asked
-  const auto none = [] {
-    analysis::cycles::Metrics absent;
-    for (const auto& metric : analysis::cycles::metric_names()) absent.*metric.member = std::nan("");
-    return absent;
-  };
-  document.update(output::metrics(found ? cycle.metrics : none()));
+  auto error = ordered_json::object();
+  for (const auto& [name, measure] : cycle.metrics) document[name] = measure.value, error[name] = measure.error;
   document["stick_threshold"] = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
-  document["ill_conditioned_stick"] = cycle.ill_conditioned_stick;
+  if (!scene.structure && !scene.plane) document["ill_conditioned_stick"] = cycle.ill_conditioned_stick;
+  document["coordinate_max"] = cycle.coordinate_max;
+  document["coordinate_min"] = cycle.coordinate_min;
+  document["returns"] = cycle.returns;
   document["multipliers"] = output::pairs(cycle.multipliers);
-  document["stable"] = found && !cycle.growth ? ordered_json(cycle.stable) : ordered_json();
+  document["stable"] = cycle.returns > 0 && !cycle.growth ? ordered_json(cycle.stable) : ordered_json();
   if (cycle.growth) document["growth"] = *cycle.growth;
-  document["section"] = {{"displacement", found ? cycle.section_displacement : std::nan("")},
-                         {"state", output::states(*scene.model.law, cycle.section_state)}};
-  document["error"] = output::metrics(found ? cycle.error : none());
-  document["error"]["multipliers"] = cycle.multiplier_errors;
-  if (cycle.exponent)
-    document["exponent"] = cycle.exponent->value, document["error"]["exponent"] = cycle.exponent->error;
+  if (!cycle.symmetry.empty()) document["symmetry"] = cycle.symmetry;
+  auto& events = document["events"] = ordered_json::array();
+  for (const auto& event : cycle.events) {
+    events.push_back({{"time", event.time}, {"kind", event.kind}, {"displacement", event.displacement}});
+    if (event.contact > 0) events.back()["contact"] = event.contact;
+    output::add_stop(events.back(), event);
+  }
+  auto& section = document["section"] = ordered_json::object();
+  for (std::size_t c = 0; c < cycle.columns.size(); ++c)
+    if (!cycle.columns[c].empty()) section[cycle.column_names[c]] = cycle.columns[c].front();
+  section["state"] = ordered_json::object();
+  for (const auto& state : scene.model.law->states())
+    if (section.contains(state.name)) section["state"][state.name] = section[state.name];
+  error["multipliers"] = cycle.multiplier_errors;
+  if (cycle.exponent) document["exponent"] = cycle.exponent->value, error["exponent"] = cycle.exponent->error;
+  document["error"] = std::move(error);
   document["cost"] = {
       {"steps", cycle.cost.steps}, {"evaluations", cycle.cost.evaluations}, {"cycles", cycle.cost.cycles}};
   auto notes = scene.notes;
-  if (!cycle.multipliers_left_out.empty()) notes.push_back(cycle.multipliers_left_out);
+  for (const auto* left_out : {&cycle.multipliers_left_out, &cycle.metrics_left_out})
+    if (!left_out->empty()) notes.push_back(*left_out);
   document["notes"] = notes;
   return output::text(document);
 }
@@ -81,30 +109,58 @@ void read(scene::SceneReader& reader) {
   if (auto table = reader.root.table("cycle")) read_table(*table, reader);
 }
 
-Status perform(Job& job) {
+/// The motion, and how it was looked for.
+StructureCycle find(Job& job, double drive) {
   auto& scene = job.scene();
   auto& asked = scene.task<analysis::cycles::CycleOptions>();
-  if (scene.string) return perform_string_cycle(job);
-  if (scene.structure || scene.plane) return perform_structure_cycle(job);
   asked.tolerance = job.request().tolerance.value_or(asked.tolerance);
-  job.explain_model();
-  job.explain("the cycle that is reached from stick, tolerance {} of every metric, at most {} cycles of transient",
-              asked.tolerance, asked.max_cycles);
+  const auto* stepped = scene::stepped_of(scene);
+  if (!scene.structure && !stepped) {
+    job.explain_model();
+    job.explain("the cycle that is reached from stick, tolerance {} of every metric, at most {} cycles of transient",
+                asked.tolerance, asked.max_cycles);
+    return analysis::cycles::find_measured_cycle(scene.model, asked);
+  }
+  const analysis::cycles::StructureCycleOptions options{
+      .tolerance = asked.tolerance, .stick_threshold = asked.stick_threshold, .exponent = true};
+  if (stepped)
+    job.explain("followed by steps from the start until it recurs, and then again by finer ones");
+  else
+    job.explain("structure of {} coordinates and {} contacts, followed from the start until it recurs",
+                scene.structure->structure.size(), scene.structure->structure.contacts.size());
+  job.explain("{}", drive > 0 ? fmt::format("section: each period of the drive, {:.9g} s", drive)
+                              : "section: the maxima of the coordinate that moves most");
+  if (stepped) return analysis::cycles::find_cycle(*stepped, options);
+  job.explain("then closed by Newton's method at two tolerances or more, with derivatives exact through stick");
+  return analysis::cycles::find_cycle(*scene.structure, options);
+}
+
+Status perform(Job& job) {
+  auto& scene = job.scene();
+  if (scene.string) return perform_string_cycle(job);
+  const auto* stepped = scene::stepped_of(scene);
+  const double drive = stepped           ? stepped->drive_period
+                       : scene.structure ? common_period(scene.structure->structure)
+                                         : 0;
   const auto begin = std::chrono::steady_clock::now();
-  const auto cycle = analysis::cycles::find_cycle(scene.model, asked);
+  const auto cycle = find(job, drive);
   auto& manifest = job.manifest();
-  manifest.tolerance_asked = asked.tolerance;
+  manifest.tolerance_asked = scene.task<analysis::cycles::CycleOptions>().tolerance;
   manifest.cost = {{"seconds", seconds_since(begin)},
                    {"steps", double(cycle.cost.steps)},
                    {"evaluations", double(cycle.cost.evaluations)},
                    {"cycles", double(cycle.cost.cycles)}};
-  if (!(cycle.metrics.period > 0)) return job.finish(document_of(scene, cycle), {}, cycle.outcome);
+  if (cycle.returns == 0) return job.finish(document_of(scene, cycle), {}, cycle.outcome);
 
   Reached reached;
-  for (const auto& metric : analysis::cycles::metric_names()) {
-    const double value = cycle.metrics.*metric.member, error = cycle.error.*metric.member;
-    reached.add(value, error);
-    job.say("{:<22} {}", metric.name, justified(value, error, metric.unit));
+  std::vector<std::string> known;
+  for (const auto& [name, measure] : cycle.metrics) known.push_back(name);
+  for (const auto& name : told_metrics(scene, known)) {
+    const auto& metric = cycle.metrics.at(name);
+    reached.add(metric.value, metric.error);
+    job.say("{:<22} {}", name, justified(metric.value, metric.error, metric.unit));
+    if (name == "period" && drive > 0 && cycle.returns > 1)
+      job.say("a period of the motion is {} of the drive", cycle.returns);
   }
   manifest.tolerance_reached = reached.value();
   if (cycle.ill_conditioned_stick)
@@ -115,24 +171,15 @@ Status perform(Job& job) {
   if (!cycle.multipliers.empty())
     job.say("{}: largest multiplier {}", cycle.stable ? "stable" : "unstable",
             justified(std::abs(cycle.multipliers.front()), cycle.multiplier_errors.front(), "1"));
-  if (!cycle.multipliers_left_out.empty()) job.note(cycle.multipliers_left_out);
+  for (const auto* left_out : {&cycle.multipliers_left_out, &cycle.metrics_left_out})
+    if (!left_out->empty()) job.note(*left_out);
+  if (cycle.symmetry == "symmetric") job.say("symmetric: half a period later all coordinates are reversed");
+  if (cycle.symmetry == "twin")
+    job.say("not symmetric although the drive is: its mirror image half a period later is another motion");
 
-  const auto states = scene.model.law->states().size();
-  std::vector<std::vector<double>> columns(4 + states);
-  for (const auto& point : cycle.orbit) {
-    const double numbers[] = {point.time, point.displacement, point.slip_rate, point.friction_coefficient};
-    for (std::size_t c = 0; c < 4; ++c) columns[c].push_back(numbers[c]);
-    for (std::size_t s = 0; s < states; ++s)
-      columns[4 + s].push_back(s < point.state.size() ? point.state[s] : std::nan(""));
-  }
-  std::vector<output::Column> table = {{"time (s)", columns[0]},
-                                       {"displacement (m)", columns[1]},
-                                       {"slip_rate (m/s)", columns[2]},
-                                       {"friction_coefficient", columns[3]}};
-  for (std::size_t s = 0; s < states; ++s) {
-    const auto& state = scene.model.law->states()[s];
-    table.push_back({output::column_header(state.name, state.unit), columns[4 + s]});
-  }
+  std::vector<output::Column> table = {{"time (s)", cycle.time}};
+  for (std::size_t c = 0; c < cycle.columns.size(); ++c)
+    table.push_back({output::column_header(cycle.column_names[c], cycle.column_units[c]), cycle.columns[c]});
   output::write_csv(job.folder() / "cycle.csv", table);
   auto files = output::write_picture(job.folder(), scene, cycle);
   files.push_back("cycle.csv");

@@ -16,7 +16,9 @@
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/stepped.hpp"
+#include "app/scene/string.hpp"
 #include "app/scene/structure.hpp"
+#include "app/tasks/bowing.hpp"
 #include "app/tasks/sweep.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/partial.hpp"
@@ -82,10 +84,31 @@ bool is_metric_of(const oscillators::Structure& structure, const std::string& na
 bool is_of_slider(const scene::SceneReader& reader, scene::Table map) {
   const auto& scene = reader.scene;
   if (scene.structure || scene.plane || scene.string || !scene.model.drive.constant() || !map.find("y")) return false;
-  const auto* metrics = map.find("metrics");
-  return !metrics || std::ranges::none_of(scene::texts(*metrics, map.path("metrics")), [&](const auto& name) {
+  std::vector<std::string> names;
+  if (const auto* metrics = map.find("metrics")) names = scene::texts(*metrics, map.path("metrics"));
+  if (const auto* noise = reader.request.design ? reader.document.at_path("compare.noise").as_table() : nullptr)
+    for (const auto& [metric, of_metric] : *noise) names.emplace_back(metric.str());
+  return std::ranges::none_of(names, [&](const auto& name) {
     return !is_metric_of_slider(name) && is_metric_of(oscillators::one_slider(scene.model), name);
   });
+}
+
+void refuse_extra(scene::Table x) {
+  if (const auto* extra = x.find("extra"))
+    scene::fail(extra->source(),
+                "map.x.extra goes with a plane; without map.y its values belong into from, to, points");
+}
+
+/// A plane of one axis is the sweep of that parameter, of strings as well.
+void read_one_axis_of_strings(scene::SceneReader& reader, scene::Table table) {
+  auto& scene = reader.scene;
+  scene::read_string_cycle(reader);
+  scene.family = std::make_shared<scene::Family>(reader, "map", true);
+  table.expect({"x", "y"});
+  const scene::Table x(table.required("x", "the axis"), table.path("x"));
+  scene.task<analysis::planes::MapOptions>().x = read_axis(x, scene);
+  refuse_extra(x);
+  table.finish();
 }
 
 void read_table(scene::Table table, scene::SceneReader& reader) {
@@ -101,9 +124,8 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
     map.y = read_axis(scene::Table(*y, table.path("y")), scene);
     if (map.x.parameter == map.y.parameter)
       scene::fail(y->source(), "map.x and map.y are the same parameter, {}", map.y.parameter);
-  } else if (const auto* extra = scene::Table(x, table.path("x")).find("extra")) {
-    scene::fail(extra->source(),
-                "map.x.extra goes with a plane; without map.y its values belong into from, to, points");
+  } else {
+    refuse_extra(scene::Table(x, table.path("x")));
   }
   if (y && map.x.values.size() > scene::most_points / map.y.values.size())
     scene::fail(table.source(), "map has {} x {} points, more than {}", map.x.values.size(), map.y.values.size(),
@@ -147,7 +169,10 @@ void read(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   auto& map = reader.need("map", "the two axes and the metrics");
-  if (reader.scene.string) return read_string_map(reader, scene::Table(map, "map"));
+  if (reader.scene.string) {
+    scene::Table table(map, "map");
+    return table.find("y") ? read_string_map(reader, table) : read_one_axis_of_strings(reader, table);
+  }
   if (is_of_slider(reader, scene::Table(map, "map"))) return read_tables_of_models(reader);
   if (!scene::read_stepped(reader)) {
     scene::read_structure_model(reader);
@@ -213,7 +238,7 @@ Status perform_one_axis(Job& job) {
 Status perform(Job& job) {
   const auto& request = job.request();
   auto* ranks = request.ranks;
-  if (job.scene().string) {
+  if (job.scene().string && !job.scene().string->y.values.empty()) {
     if (ranks || !request.shard.empty())
       throw InputError(
           "a plane of strings is computed by the threads of one process: leave --shard and mpirun away, or cut the "

@@ -7,7 +7,7 @@ orbit() {
   name=$1
   shift
   "$rosin" cycle examples/leine-belt-block.toml "$@" --out "$folder/$name" --no-pictures --quiet
-  { echo 'displacement (m),velocity (m/s)' && awk -F, 'NR > 1 { print $2 "," 0.2 - $3 }' "$folder/$name/cycle.csv"; } >"$folder/belt-stick-branch-$name.csv"
+  { echo 'displacement (m),velocity (m/s)' && awk -F, 'NR > 1 { print $2 "," $3 }' "$folder/$name/cycle.csv"; } >"$folder/belt-stick-branch-$name.csv"
 }
 smoothed() {
   orbit "$1" --set "solver.smoothing={ type = '$2', width = $3 }"

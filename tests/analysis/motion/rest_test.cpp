@@ -80,6 +80,7 @@ TEST_CASE("healing in the moment of a reversal is followed", "[run]") {
     const auto found = motion::run(model, options);
     REQUIRE(found.columns[2].size() == 2);
     CHECK(found.columns[2].back() == Approx(-v).epsilon(1e-2));
-    CHECK(found.columns.back().back() - age == Approx(2 * v_c / (model.lambda * slope)).epsilon(2e-3));
+    REQUIRE(found.column_names[5] == "theta");
+    CHECK(found.columns[5].back() - age == Approx(2 * v_c / (model.lambda * slope)).epsilon(2e-3));
   }
 }

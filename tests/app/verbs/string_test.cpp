@@ -162,6 +162,13 @@ TEST_CASE("sliding of the bow, periodic motion and sweeps of a string have numbe
   REQUIRE(sweep["up"]["period"].size() == 3);
   CHECK(sweep["regime"]["up"][1] == "cycle");
   CHECK(sweep["error"]["up"]["slip_distance"][1].get<double>() > 0);
+  // A plane of one axis is that sweep.
+  const auto map =
+      answer_of(folder, "map " + scene +
+                            "--set 'map={ x={ parameter=\"drive.normal_load\", from=0.4, to=0.6, points=3, "
+                            "scale=\"linear\" } }' --set cycle.periods=60");
+  CHECK(map["up"] == sweep["up"]);
+  CHECK(map["error"] == sweep["error"]);
 }
 
 TEST_CASE("strings are compared by run and cycle, with the numbers of those verbs", "[app][string][compare]") {
