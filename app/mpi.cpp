@@ -1,6 +1,8 @@
 /// The one file that knows MPI, and that is built without it too: part of the command, not of the library.
 #include "app/mpi.hpp"
 
+#include "app/verbs/mail.hpp"
+
 #ifdef ROSIN_MPI
 // Only C: the C++ bindings are another library.
 #define OMPI_SKIP_MPICXX 1
@@ -58,13 +60,13 @@ class MpiMail : public verbs::Mail {
 
 }  // namespace
 
-bool has_mpi() { return true; }
-std::unique_ptr<verbs::Mail> mail_by_mpi() { return std::make_unique<MpiMail>(); }
+JoinProcesses mpi() {
+  return []() -> std::unique_ptr<verbs::Mail> { return std::make_unique<MpiMail>(); };
+}
 
 #else
 
-bool has_mpi() { return false; }
-std::unique_ptr<verbs::Mail> mail_by_mpi() { return nullptr; }
+JoinProcesses mpi() { return nullptr; }
 
 #endif
 

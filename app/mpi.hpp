@@ -1,14 +1,10 @@
 /// Letters by MPI.
 #pragma once
-#include <memory>
-
-#include "app/verbs/mail.hpp"
+#include "app/command.hpp"
 
 namespace rosin::app {
 
-/// True if the command was built with MPI.
-bool has_mpi();
-/// Joins the processes of the launcher. Nothing without MPI.
-std::unique_ptr<verbs::Mail> mail_by_mpi();
+/// Joins the processes of the launcher by MPI. Null where the command is built without it.
+JoinProcesses mpi();
 
 }  // namespace rosin::app

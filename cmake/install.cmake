@@ -25,6 +25,9 @@ endif()
 list(JOIN ROSIN_FOLDERS "|" folders)
 install(DIRECTORY ${ROSIN_FOLDERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rosin COMPONENT development
         FILES_MATCHING PATTERN *.hpp)
+if(TARGET rosin_app)
+  install(FILES app/add_oscillator.hpp app/command.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rosin/app COMPONENT development)
+endif()
 install(CODE "
   file(GLOB_RECURSE headers \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/rosin/*.hpp\")
   foreach(header \${headers})
@@ -35,6 +38,11 @@ install(CODE "
 
 set(config ${CMAKE_INSTALL_LIBDIR}/cmake/rosin)
 install(TARGETS rosin EXPORT rosin COMPONENT development)
+if(TARGET rosin_app) # the command as a library, which find_package brings as its component "app"
+  set_target_properties(rosin_app PROPERTIES EXPORT_NAME app)
+  install(TARGETS rosin_app rosin_bench bench_rivals EXPORT rosinApp COMPONENT development)
+  install(EXPORT rosinApp FILE rosinAppTargets.cmake NAMESPACE rosin:: DESTINATION ${config} COMPONENT development)
+endif()
 install(EXPORT rosin FILE rosinTargets.cmake NAMESPACE rosin:: DESTINATION ${config} COMPONENT development)
 include(CMakePackageConfigHelpers)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/rosinConfigVersion.cmake COMPATIBILITY SameMinorVersion)
@@ -62,8 +70,9 @@ set(CPACK_COMPONENT_COMMAND_DESCRIPTION "The command rosin with its examples, an
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME librosin-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libeigen3-dev, libfmt-dev, libsundials-dev, libudunits2-dev, libfftw3-dev, libgsl-dev, pkgconf")
-set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Headers and the static library of rosin, for CMake and pkg-config.")
+    "libeigen3-dev, libfmt-dev, libsundials-dev, libudunits2-dev, libfftw3-dev, libgsl-dev, libtomlplusplus-dev, \
+libnetcdf-dev, pkgconf")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Headers and the static libraries of rosin, for CMake and pkg-config.")
 if(ROSIN_PYTHON_PACKAGE)
   list(APPEND CPACK_COMPONENTS_ALL python)
   set(CPACK_POST_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/wheel.cmake)

@@ -1,4 +1,5 @@
-# find_package(rosin): the target rosin::rosin, and the libraries that a static one is linked with.
+# find_package(rosin): the target rosin::rosin, and the libraries that a static one is linked with. The component "app" is
+# the command as the library rosin::app, for programs that add oscillators to it.
 include(CMakeFindDependencyMacro)
 find_dependency(Threads)
 find_dependency(Eigen3 3.4)
@@ -9,3 +10,8 @@ pkg_check_modules(UDUNITS REQUIRED QUIET IMPORTED_TARGET udunits)
 pkg_check_modules(FFTW REQUIRED QUIET IMPORTED_TARGET fftw3)
 pkg_check_modules(GSL REQUIRED QUIET IMPORTED_TARGET gsl)
 include(${CMAKE_CURRENT_LIST_DIR}/rosinTargets.cmake)
+if("app" IN_LIST rosin_FIND_COMPONENTS)
+  pkg_check_modules(TOMLPP REQUIRED QUIET IMPORTED_TARGET tomlplusplus)
+  pkg_check_modules(NETCDF REQUIRED QUIET IMPORTED_TARGET netcdf)
+  include(${CMAKE_CURRENT_LIST_DIR}/rosinAppTargets.cmake)
+endif()

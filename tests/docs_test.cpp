@@ -59,13 +59,6 @@ std::vector<Block> blocks_of(const fs::path& page) {
   return blocks;
 }
 
-/// The command of a line of shell, as it stands behind `rosin`; empty if the line is not one.
-std::string arguments_of(const std::string& line) {
-  for (const std::string word : {"rosin ", "build/release/rosin "})
-    if (line.rfind(word, 0) == 0) return line.substr(word.size());
-  return {};
-}
-
 /// True if the pieces of `pattern` between "…" stand in one line of the output, in their order.
 bool printed(const std::string& pattern, const std::vector<std::string>& output) {
   const std::string gap = "…";
@@ -116,7 +109,15 @@ struct Workplace {
 }  // namespace
 
 #ifdef ROSIN_COMMAND
-const std::string command = "'" ROSIN_COMMAND "' ";
+/// A line of shell that runs `rosin` or another program of build/release/, with those of this build; empty if it runs
+/// none.
+std::string command_of(const std::string& line) {
+  const std::string rosin = "rosin ", build = "build/release/";
+  if (line.rfind(rosin, 0) == 0) return "'" ROSIN_COMMAND "' " + line.substr(rosin.size());
+  if (line.rfind(build, 0) == 0)
+    return fs::path(ROSIN_COMMAND).parent_path().string() + "/" + line.substr(build.size());
+  return {};
+}
 
 TEST_CASE("every command in the docs runs, and prints what is quoted below it", "[long]") {
   int commands = 0;
@@ -137,10 +138,10 @@ TEST_CASE("every command in the docs runs, and prints what is quoted below it", 
       output.clear();
       if (block.language != "sh") continue;
       for (const auto& line : block.lines) {
-        const auto arguments = arguments_of(line);
-        if (arguments.empty()) continue;
+        const auto command = command_of(line);
+        if (command.empty()) continue;
         INFO(line);
-        const auto ran = run(command + arguments, workplace.path);
+        const auto ran = run(command, workplace.path);
         CHECK(ran.status == 0);
         output.insert(output.end(), ran.output.begin(), ran.output.end());
         ++commands;
@@ -169,6 +170,12 @@ TEST_CASE("the README shows examples/readme.cpp as it is compiled, and what it p
 #endif
   }
   CHECK(shown == 1);
+}
+
+TEST_CASE("the page of oscillators shows examples/your_own_oscillator.cpp as it is compiled") {
+  const auto example = lines_of(content(root / "examples/your_own_oscillator.cpp"));
+  const auto blocks = blocks_of(root / "docs/add-an-oscillator.md");
+  CHECK(std::any_of(blocks.begin(), blocks.end(), [&](const Block& block) { return block.lines == example; }));
 }
 
 TEST_CASE("links within the docs lead to files") {

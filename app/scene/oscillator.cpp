@@ -13,8 +13,10 @@ namespace rosin::app::scene {
 #include "app/scene/oscillators.def"
 #undef ROSIN_OSCILLATOR
 
-const std::vector<OscillatorType>& oscillator_types() {
-  static const std::vector<OscillatorType> list = {
+namespace {
+
+std::vector<OscillatorType>& all_types() {
+  static std::vector<OscillatorType> list = {
 #define ROSIN_OSCILLATOR(name) name##_type(),
 #include "app/scene/oscillators.def"
 #undef ROSIN_OSCILLATOR
@@ -22,14 +24,28 @@ const std::vector<OscillatorType>& oscillator_types() {
   return list;
 }
 
+std::vector<std::string> known_names() {
+  std::vector<std::string> known = {"modal"};  // reserved
+  for (const auto& one : all_types()) known.push_back(one.name);
+  return known;
+}
+
+}  // namespace
+
+const std::vector<OscillatorType>& oscillator_types() { return all_types(); }
+
+void add_oscillator_type(OscillatorType type) {
+  if (const auto known = known_names(); std::ranges::find(known, type.name) != known.end())
+    throw InputError(fmt::format("oscillator.type = '{}' is taken; known are {}", type.name, fmt::join(known, ", ")));
+  all_types().push_back(std::move(type));
+}
+
 const OscillatorType& oscillator_type(SceneReader& reader, const toml::node& oscillator) {
   const auto& types = oscillator_types();
   Table table(oscillator, "oscillator");
   const auto* type = table.find("type");
   if (!type) return types.front();
-  std::vector<std::string> known = {"modal"};  // reserved
-  for (const auto& one : types) known.emplace_back(one.name);
-  const auto name = choice(*type, table.path("type"), known);
+  const auto name = choice(*type, table.path("type"), known_names());
   const auto found = std::ranges::find(types, name, &OscillatorType::name);
   if (found == types.end())
     fail(type->source(), "oscillator.type = '{}' is not available in this version; use 'slider' or 'structure'", name);

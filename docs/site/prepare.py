@@ -20,9 +20,11 @@ ROOMS = ("analysis", "solvers")
 HEADERS = """laws/catalogue.hpp laws/law.hpp laws/adapter.hpp laws/formula.hpp
     oscillators/model.hpp oscillators/structure.hpp oscillators/block.hpp oscillators/rigid_block.hpp
     oscillators/pin_on_disk.hpp oscillators/bowed_string.hpp
+    app/add_oscillator.hpp app/command.hpp
     core/error.hpp core/parameters.hpp core/signal.hpp core/units.hpp core/system.hpp""".split()
 NAMESPACES = {"rosin": "Errors, signals, units, parameters (core/)", "rosin::laws": "Laws (laws/)",
-              "rosin::oscillators": "Sliders, structures, strings (oscillators/)"}
+              "rosin::oscillators": "Sliders, structures, strings (oscillators/)",
+              "rosin::app": "The command, and oscillators added to it (app/)"}
 
 
 written: set[Path] = set()

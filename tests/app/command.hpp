@@ -14,12 +14,15 @@ struct Printed {
   std::string out, error;
 };
 /// \param arguments as a shell takes them.
-inline Printed run_rosin(const Folder& folder, const std::string& arguments) {
+inline Printed run_program(const Folder& folder, const std::string& program, const std::string& arguments) {
   const auto line =
-      "cd '" + folder.path.string() + "' && '" ROSIN_COMMAND "' " + arguments + " >out.txt 2>error.txt </dev/null";
+      "cd '" + folder.path.string() + "' && '" + program + "' " + arguments + " >out.txt 2>error.txt </dev/null";
   const int status = std::system(line.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content(folder.path / "out.txt"),
           content(folder.path / "error.txt")};
+}
+inline Printed run_rosin(const Folder& folder, const std::string& arguments) {
+  return run_program(folder, ROSIN_COMMAND, arguments);
 }
 
 }  // namespace rosin::tests

@@ -50,6 +50,26 @@ cmake --build mine/build --verbose >built 2>&1 || fail "$(cat built)"
 mine/build/your_own_law >told
 grep -q 'it sticks and slips every' told || fail "the law of one's own says: $(cat told)"
 
+# The command with an oscillator of one's own.
+mkdir own
+cp "$share/examples/your_own_oscillator.cpp" own
+cat >own/CMakeLists.txt <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(own LANGUAGES CXX)
+find_package(rosin 0.1 REQUIRED COMPONENTS app)
+add_executable(your_own_oscillator your_own_oscillator.cpp)
+target_link_libraries(your_own_oscillator PRIVATE rosin::app)
+END
+cmake -S own -B own/build -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$place/here" >configured 2>&1 || fail "$(cat configured)"
+cmake --build own/build --verbose >built 2>&1 || fail "$(cat built)"
+cat >rotors.toml <<'END'
+law = { type = "hyperbolic", mu_s = 0.4, delta = 0.5 }
+oscillator = { type = "two-rotors", damping = 0.1 }
+drive = { speed = 0.5, normal_load = 40 }
+END
+own/build/your_own_oscillator stability rotors.toml --no-pictures --out rotors >told || fail "the oscillator of one's own says: $(cat told)"
+grep -q 'friction force 12.8 N' told || fail "the oscillator of one's own says: $(cat told)"
+
 # Through pkg-config, and every header there is.
 PKG_CONFIG_PATH=$place/$(dirname "$(find here -name rosin.pc)")
 export PKG_CONFIG_PATH
@@ -58,6 +78,6 @@ ${CXX:-c++} $(pkg-config --cflags rosin) -fsyntax-only all.cpp || fail "a header
 ${CXX:-c++} -O2 $(pkg-config --cflags rosin) mine/readme.cpp -o readme $(pkg-config --libs rosin)
 ./readme >told
 grep -q 'with a period of 22.58705' told || fail "the example of the README says: $(cat told)"
-if grep -rlE "$build|#include \"(core|laws|oscillators|solvers|analysis)/" here/include here/lib/cmake here/lib/pkgconfig; then
+if grep -rlE "$build|#include \"(core|laws|oscillators|solvers|analysis|app)/" here/include here/lib/cmake here/lib/pkgconfig; then
   fail "these files name the place where rosin was built, or folders without rosin/"
 fi
