@@ -99,7 +99,7 @@ double line_at(const std::vector<double>& force, const std::vector<double>& smoo
   return n == 0 ? smooth[at] : determinant > 0 ? (xx * y - x * xy) / determinant : y / n;
 }
 
-double quantile(std::vector<double> values, double part) {
+double order_statistic(std::vector<double> values, double part) {
   const auto at = values.begin() + std::ptrdiff_t(part * double(values.size()));
   std::nth_element(values.begin(), at, values.end());
   return *at;
@@ -137,19 +137,21 @@ std::vector<SlipEvent> measured(const std::vector<double>& time, const std::vect
     lengths.push_back(double(low - high));
   }
   // Where the fall begins and ends, seen from the crossing.
-  const auto about = std::max<std::size_t>(1, std::min(apart / 2, std::size_t(quantile(lengths, 0.5)) + 2 * window));
+  const auto about =
+      std::max<std::size_t>(1, std::min(apart / 2, std::size_t(order_statistic(lengths, 0.5)) + 2 * window));
   std::vector<double> typical;
   for (std::size_t j = 0; j <= 2 * about; ++j) {
     std::vector<double> there;
     for (const auto c : crossings)
       if (c >= about && c + about < force.size()) there.push_back(force[c - about + j]);
     if (there.empty()) return {};
-    typical.push_back(quantile(std::move(there), 0.5));
+    typical.push_back(order_statistic(std::move(there), 0.5));
   }
   // The times at which nine tenths and one tenth of its height are left are known better than those of its corners: a
   // straight fall goes on for 0.62 of what lies between them on each side of the middle, half a cosine for 0.85.
   const auto centre = typical.begin() + std::ptrdiff_t(about);
-  const double top = quantile({typical.begin(), centre}, 0.9), bottom = quantile({centre, typical.end()}, 0.1);
+  const double top = order_statistic({typical.begin(), centre}, 0.9),
+               bottom = order_statistic({centre, typical.end()}, 0.1);
   constexpr double left = 0.1, onward = 0.7;
   auto nine = centre, one = centre;
   while (nine != typical.begin() && *nine < top - left * (top - bottom)) --nine;
@@ -234,7 +236,7 @@ SlipEvents find_slip_events(const std::vector<double>& time, const std::vector<d
   for (std::size_t i = 0; i < force.size(); ++i) off.push_back(std::abs(force[i] - smooth[i]));
   constexpr double part = 0.9;
   const double of_normal = gsl_cdf_ugaussian_Pinv(0.5 + part / 2);  // within so many standard deviations
-  found.noise = quantile(off, part) / of_normal;
+  found.noise = order_statistic(off, part) / of_normal;
   const std::size_t stride = std::size_t(1) << level;
   for (auto& [high, low] : seen) {
     high *= stride, low = std::min(low * stride, force.size() - 1);

@@ -45,7 +45,7 @@ double crossing(const response::MeasuredFrf& m) {
   return std::nan("");
 }
 
-Result perform(const Task& task) {
+Result perform_frequency_response(const Task& task) {
   const auto& settings = task.settings;
   const response::FrictionResponse response(task.model);
   const auto [from, to] = band_of(task, response);
@@ -126,7 +126,7 @@ Experiment frequency_response() {
           .only_slider =
               "the rig imposes the slip rate, so that no machine answers back; of a structure that does, 'rosin frf' "
               "gives the receptance",
-          .protocol = perform};
+          .protocol = perform_frequency_response};
 }
 
 }  // namespace rosin::analysis::lab

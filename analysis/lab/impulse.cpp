@@ -128,7 +128,7 @@ double default_slope(const Task& task) {
   });
 }
 
-Result perform(const Task& task) {
+Result perform_impulse(const Task& task) {
   Result result;
   const auto& settings = task.settings;
   const double alpha = settings.number_or("slope", 0) > 0 ? settings.number("slope") : default_slope(task);
@@ -237,7 +237,7 @@ Experiment impulse() {
       .extra_columns = {"slid"},
       .prescribed = {"drive.speed", "drive.normal_load", "drive.force", "oscillator.stiffness", "oscillator.damping"},
       .only_slider = "a push gives a block alone its speed, and would set a frame that holds it swinging",
-      .protocol = perform};
+      .protocol = perform_impulse};
 }
 
 }  // namespace rosin::analysis::lab

@@ -14,15 +14,15 @@ namespace rosin::analysis::lab {
 
 namespace {
 
-constexpr double slowest = 1e-12;  ///< m/s: lower end of the steady curve that is searched
-constexpr double steepest = 1.55;  ///< rad
+constexpr double slowest_slip = 1e-12;  ///< m/s: lower end of the steady curve that is searched
+constexpr double steepest = 1.55;       ///< rad
 
 /// The least slope that sustains sliding, and the slope above which creep runs away: minimum and maximum of the steady
 /// curve. NaN where the curve has none.
 void read_curve(Result& result, const Task& task) {
   const auto& law = *task.model.law;
   const double fastest = task.settings.number("fastest"), none = std::nan("");
-  const auto range_at = [&](double N) { return steady_range(law, N, slowest, fastest); };
+  const auto range_at = [&](double N) { return steady_range(law, N, slowest_slip, fastest); };
   const auto range = range_at(task.model.slider.mass * task.settings.number("gravity"));
   const double least =
       range.minimum ? balance_slope(task, [&](double N) { return range_at(N).minimum.value_or(none); }) : none;
@@ -75,7 +75,7 @@ std::vector<Reading> read_record(const Record& seen, double gravity, double rate
           {"mu_moving", "1", "mean coefficient in motion, by balance of momentum", mu}};
 }
 
-Result perform(const Task& task) {
+Result perform_inclined_plane(const Task& task) {
   Result result;
   const auto& settings = task.settings;
   const auto& law = *task.model.law;
@@ -89,7 +89,8 @@ Result perform(const Task& task) {
   const auto states = states_of(law, start);
   const double guess = balance_slope(task, [&](double N) {
     if (const auto limit = static_limit(law, N, states)) return *limit;
-    return memoryless(model) ? steady_range(law, N, slowest, threshold).most : law.friction({threshold, N}, states);
+    return memoryless(model) ? steady_range(law, N, slowest_slip, threshold).most
+                             : law.friction({threshold, N}, states);
   });
   const double run_out = std::cbrt(6 * travel / (gravity * rate));  // time to slide that far with nothing lost
   double end = std::min(guess / rate + run_out, steepest / rate);
@@ -180,7 +181,7 @@ Experiment inclined_plane() {
       .extra_columns = {"slope", "slid"},
       .prescribed = {"drive.speed", "drive.normal_load", "drive.force", "oscillator.stiffness", "oscillator.damping"},
       .only_slider = "down a slope a block slides by its own weight, and no frame holds it",
-      .protocol = perform};
+      .protocol = perform_inclined_plane};
 }
 
 }  // namespace rosin::analysis::lab

@@ -190,7 +190,7 @@ void simulate(Result& result, const Task& task) {
     result.outcome = {};  // the noise that is found says how good it is
 }
 
-Result perform(const Task& task) {
+Result perform_inverse(const Task& task) {
   Result result;
   const Model& model = task.model;
   const auto& slider = model.slider;
@@ -313,7 +313,7 @@ Experiment inverse() {
       .only_slider =
           "friction follows from the motion of one mass whose spring and damper are known; of a structure 'rosin fit' "
           "takes the recorded motion, type = \"motion\"",
-      .protocol = perform};
+      .protocol = perform_inverse};
 }
 
 }  // namespace rosin::analysis::lab

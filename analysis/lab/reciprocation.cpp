@@ -40,7 +40,7 @@ double slope_at_zero(const Record& record, double begin, double end) {
   return infinity;
 }
 
-Result perform(const Task& task) {
+Result perform_reciprocation(const Task& task) {
   Result result;
   Task pulled = task;
   pulled.model.drive.force = 0.0;
@@ -124,7 +124,7 @@ Experiment reciprocation() {
       .drive = {.speed = 0.0, .normal_load = 1.0, .force = 0.0},
       .extra_columns = {"stroke"},
       .prescribed = {"drive.speed", "drive.force"},
-      .protocol = perform};
+      .protocol = perform_reciprocation};
 }
 
 }  // namespace rosin::analysis::lab

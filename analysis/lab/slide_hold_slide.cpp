@@ -90,7 +90,7 @@ void hold_without_memory(Result& result, const Model& model, const std::vector<d
       if (times[i] == hold.resume) mu[i] = *limit, force[i] = N * *limit;
 }
 
-Result perform(const Task& task) {
+Result perform_slide_hold_slide(const Task& task) {
   Result result;
   Task pulled = task;
   pulled.model.drive.force = 0.0;
@@ -225,7 +225,7 @@ Experiment slide_hold_slide() {
           .drive = {.speed = 0.0, .normal_load = 1.0, .force = 0.0},
           .extra_columns = {"load_point"},
           .prescribed = {"drive.speed", "drive.force"},
-          .protocol = perform};
+          .protocol = perform_slide_hold_slide};
 }
 
 }  // namespace rosin::analysis::lab

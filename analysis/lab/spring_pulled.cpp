@@ -42,7 +42,7 @@ std::vector<Reading> read_record(const Record& seen, const CoordinateSum& spring
            level(t, mu, t.front(), t.back() * (1 + 1e-12))}};
 }
 
-Result perform(const Task& task) {
+Result perform_spring_pulled(const Task& task) {
   Result result;
   const auto& settings = task.settings;
   const auto machine = machine_of(task);
@@ -125,7 +125,7 @@ Experiment spring_pulled() {
           .drive = {.speed = 1e-5, .normal_load = 1.0, .force = 0.0},
           .extra_columns = {},
           .prescribed = {},
-          .protocol = perform};
+          .protocol = perform_spring_pulled};
 }
 
 }  // namespace rosin::analysis::lab

@@ -69,7 +69,7 @@ Panel close_up(const Record& record, const Step& step, const Moment& moment) {
   return panel;
 }
 
-Result perform(const Task& task) {
+Result perform_velocity_step(const Task& task) {
   Result result;
   Task pulled = task;
   pulled.model.drive.force = 0.0;
@@ -192,7 +192,7 @@ Experiment velocity_step() {
       .drive = {.speed = 0.0, .normal_load = 1.0, .force = 0.0},
       .extra_columns = {"slip"},
       .prescribed = {"drive.speed", "drive.force"},
-      .protocol = perform};
+      .protocol = perform_velocity_step};
 }
 
 }  // namespace rosin::analysis::lab

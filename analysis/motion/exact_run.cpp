@@ -39,14 +39,14 @@ namespace {
 constexpr int columns = 6, velocity = 1, slip_rate = 2, friction_force = 3, acceleration = 5;
 
 template <class Real>
-struct Pass {
+struct ExactPass {
   MotionRecord record;
   std::vector<RunEvent> events;
   bool extremes_of_samples = false;  ///< of a part of the motion that has too many oscillations
   Outcome outcome;
 
-  Pass(Exact<Real>& solver, const DryOscillator& oscillator, const RunOptions& options,
-       const std::vector<double>& times, std::array<double, 2> start, const SlipColumns& slips)
+  ExactPass(Exact<Real>& solver, const DryOscillator& oscillator, const RunOptions& options,
+            const std::vector<double>& times, std::array<double, 2> start, const SlipColumns& slips)
       : record(columns, 0, times, {slips}), oscillator_(oscillator) {
     try {
       follow(solver, options, std::max(options.duration, times.back()), start);
@@ -128,9 +128,9 @@ void run_exactly(const Model& model, const DryOscillator& oscillator, const RunO
                     frequency, end, 1e13 / frequency));
   const auto slips = slip_columns(model, 0);
   Exact<long double> fine_solver(oscillator);
-  Pass<long double> fine(fine_solver, oscillator, options, times, start, slips);
+  ExactPass<long double> fine(fine_solver, oscillator, options, times, start, slips);
   Exact<double> coarse_solver(oscillator);
-  const Pass<double> coarse(coarse_solver, oscillator, options, times, start, slips);
+  const ExactPass<double> coarse(coarse_solver, oscillator, options, times, start, slips);
 
   result.outcome = fine.outcome;
   double worst = 0;

@@ -24,14 +24,14 @@ namespace {
 constexpr int columns = 6;
 
 /// One pass by located events.
-struct Pass {
+struct PlanePass {
   MotionRecord record;
   std::vector<RunEvent> events;
   Outcome outcome;
   double stick_time, friction_work, path_length, energy_residual;
   long steps;
 
-  Pass(const PlaneModel& model, const std::vector<double>& times, double end, long most_steps, double tolerance)
+  PlanePass(const PlaneModel& model, const std::vector<double>& times, double end, long most_steps, double tolerance)
       : record(columns, 0, times) {
     PlaneStickSlip solver(model.mass, tolerance, slip_friction(model));
     solver.start(0, model.displacement, model.velocity);
@@ -145,9 +145,9 @@ Run run_plane(const PlaneModel& model, const RunOptions& options) {
   result.column_names = {"displacement_x", "displacement_y", "velocity_x", "velocity_y", "friction_x", "friction_y"};
   result.column_units = {"m", "m", "m/s", "m/s", "N", "N"};
   const double tolerance = std::clamp(1e-3 * options.tolerance, 1e-13, 1e-9);
-  const Pass fine(model, times, end, options.most_steps, tolerance);
+  const PlanePass fine(model, times, end, options.most_steps, tolerance);
   result.solver = exactly ? "exact" : options.solver;
-  std::optional<Pass> coarse;
+  std::optional<PlanePass> coarse;
   std::optional<MotionRecord> steps;
   if (exactly) {
     coarse.emplace(model, times, end, options.most_steps, 30 * tolerance);

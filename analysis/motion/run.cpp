@@ -194,10 +194,10 @@ double leave_unstable_balance(SliderSystem& system, std::vector<double>& y, doub
 }
 
 /// One pass at one tolerance: record and events.
-class Pass {
+class SliderPass {
  public:
-  Pass(const Model& model, const RunOptions& options, const std::string& solver, const std::vector<double>& times,
-       double stick_threshold)
+  SliderPass(const Model& model, const RunOptions& options, const std::string& solver, const std::vector<double>& times,
+             double stick_threshold)
       : options_(options),
         times_(times),
         system_(model, solver == "cvode" ? Unknowns::states : Unknowns::friction),
@@ -710,16 +710,18 @@ void run_twice(const Model& model, const RunOptions& options, double stick_thres
                                                      : Collocation::least_tolerance;
   double tolerance = options.tolerance * (result.solver == "cvode" ? 0.03 : 0.3);
   const auto least_size = least_sizes(model);
-  const auto add_cost = [&](const Pass& pass) {
+  const auto add_cost = [&](const SliderPass& pass) {
     result.cost.steps += pass.cost_.steps, result.cost.evaluations += pass.cost_.evaluations;
   };
-  const auto new_pass = [&] { return std::make_unique<Pass>(model, options, result.solver, times, stick_threshold); };
+  const auto new_pass = [&] {
+    return std::make_unique<SliderPass>(model, options, result.solver, times, stick_threshold);
+  };
   auto coarse = new_pass();
   // A decaying perturbation would look stiff to explicit steps.
   const bool perturbs = result.solver != "explicit";
   coarse->run(tolerance, perturbs);
   add_cost(*coarse);
-  std::unique_ptr<Pass> fine;
+  std::unique_ptr<SliderPass> fine;
   std::vector<ErrorRule> rules;
   for (int attempt = 0;; ++attempt, coarse = std::move(fine)) {
     tolerance = std::max(0.01 * tolerance, least);
@@ -767,7 +769,7 @@ void run_twice(const Model& model, const RunOptions& options, double stick_thres
     };
     state_errors();
     const bool last_attempt = attempt == 3 || tolerance <= least;
-    const auto ended = [](const Pass& pass) { return pass.outcome_.ending == Ending::none_exists; };
+    const auto ended = [](const SliderPass& pass) { return pass.outcome_.ending == Ending::none_exists; };
     if (ended(*fine) && !ended(*coarse) && !last_attempt) continue;  // only one pass came to an end
     if (!result.outcome.complete()) break;
     if (ratio[worst] > options.tolerance && last_attempt && coarse->outcome_.complete()) {

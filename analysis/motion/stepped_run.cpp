@@ -192,7 +192,7 @@ class Averages {
   double load_low_ = infinity, load_high_ = -infinity, pressure_min_ = infinity;
 };
 
-struct Pass {
+struct SteppedPass {
   Outcome outcome;
   std::vector<double> time;
   std::vector<std::vector<double>> columns;
@@ -226,8 +226,8 @@ VectorXd start_of(const StructureModel& model, const StationForces& contacts, Ve
   return q;
 }
 
-Pass follow(const StructureModel& model, const RunOptions& options, const StationForces& contacts, double step,
-            const std::vector<double>& times) {
+SteppedPass follow(const StructureModel& model, const RunOptions& options, const StationForces& contacts, double step,
+                   const std::vector<double>& times) {
   const Structure& structure = model.structure;
   VectorXd v;
   const VectorXd q = start_of(model, contacts, v);
@@ -241,7 +241,7 @@ Pass follow(const StructureModel& model, const RunOptions& options, const Statio
   // Oscillations are told by the last functional, the tilt of a block.
   LastOscillation oscillation;
   const auto told_by = Eigen::Index(structure.functionals.size()) - 1;
-  Pass pass;
+  SteppedPass pass;
   std::vector<std::string> units;
   const auto names = names_of(structure, units);
   const auto values_of = [](const Seen& seen) {
@@ -307,7 +307,7 @@ Run run_stepped(const StructureModel& model, const RunOptions& options) {
   const auto times = sample_times(options);
   const StationForces contacts(model.structure);
   const double step = options.stepping->step;
-  Pass pass = follow(model, options, contacts, step, times);
+  SteppedPass pass = follow(model, options, contacts, step, times);
   Run run;
   run.outcome = pass.outcome;
   run.solver = scheme_names()[std::size_t(options.stepping->scheme)];
@@ -328,7 +328,7 @@ Run run_stepped(const StructureModel& model, const RunOptions& options) {
   run.time = pass.time, run.columns = pass.columns, run.metrics = pass.metrics, run.cost = pass.cost;
   run.column_error.assign(run.columns.size(), infinity);
   if (!pass.outcome.complete()) return run;
-  const Pass half = follow(model, options, contacts, step / 2, times);
+  const SteppedPass half = follow(model, options, contacts, step / 2, times);
   run.cost.steps += half.cost.steps, run.cost.evaluations += half.cost.evaluations;
   if (!half.outcome.complete()) {
     run.outcome = {half.outcome.ending,

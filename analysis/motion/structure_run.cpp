@@ -161,7 +161,7 @@ std::vector<SlipColumns> slip_columns(const StructureSystem& system, const Struc
 }
 
 /// One pass at one tolerance.
-struct Pass {
+struct StructurePass {
   StructureSystem system;
   StructureRecord columns;
   MotionRecord record;
@@ -173,8 +173,8 @@ struct Pass {
   long choices = 0;
   double energy_residual = 0;
 
-  Pass(const StructureModel& model, const RunOptions& options, const std::vector<double>& times, double tolerance,
-       double stick_threshold)
+  StructurePass(const StructureModel& model, const RunOptions& options, const std::vector<double>& times,
+                double tolerance, double stick_threshold)
       : system(model.structure),
         columns(system),
         record(columns.names.size(), std::size_t(system.friction_contacts()), times,
@@ -237,8 +237,8 @@ struct Pass {
 /// Errors of the columns by the largest differences of two passes, with what the finer leaves: two passes may agree by
 /// chance. \returns the largest error of a coordinate or velocity as a part of its size, which is its natural size
 /// where it hardly moves.
-double compare(const Pass& fine, const Pass& coarse, const std::vector<double>& times, const ErrorRule& rule,
-               double asked, std::vector<double>& error) {
+double compare(const StructurePass& fine, const StructurePass& coarse, const std::vector<double>& times,
+               const ErrorRule& rule, double asked, std::vector<double>& error) {
   const int n = fine.system.coordinates();
   const std::vector<double> rest(fine.system.size());
   std::vector<double> scale(fine.system.size());
@@ -297,13 +297,14 @@ Run run_structure(const StructureModel& model, const RunOptions& options, double
   double tolerance = 0.1 * options.tolerance, worst = infinity;
   ErrorRule rule;
   Run result;
-  std::unique_ptr<Pass> coarse, fine = std::make_unique<Pass>(model, options, times, tolerance, stick_threshold);
+  std::unique_ptr<StructurePass> coarse,
+      fine = std::make_unique<StructurePass>(model, options, times, tolerance, stick_threshold);
   result.cost = fine->cost;
   for (int pass = 1; !options.once && pass < most_passes && fine->outcome.complete() && worst > options.tolerance;
        ++pass) {
     tolerance *= finer;
     coarse = std::move(fine);
-    fine = std::make_unique<Pass>(model, options, times, tolerance, stick_threshold);
+    fine = std::make_unique<StructurePass>(model, options, times, tolerance, stick_threshold);
     result.cost.steps += fine->cost.steps, result.cost.evaluations += fine->cost.evaluations;
     constexpr double cautious = 3;  // the coarser pass differs from the truth by the differences of finer ones too
     rule = {cautious, std::max(3 * tolerance, 0.01 * options.tolerance)};

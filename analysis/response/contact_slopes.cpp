@@ -15,7 +15,7 @@ namespace rosin::analysis::response {
 
 namespace {
 
-constexpr int most = Slopes<double>::capacity;
+constexpr int capacity = Slopes<double>::capacity;
 using Complex = std::complex<double>;
 
 /// The slope of what a contact is made of by a number of the model.
@@ -82,7 +82,7 @@ ContactInput<Tower> ContactSlopes::input(const ContactInput<double>& in, double 
 
 ContactSlopes::Values ContactSlopes::values(const ContactInput<double>& in, const double* z) const {
   const int n = unknowns();
-  Tower unknown[most], g[most], mass[most], F;
+  Tower unknown[capacity], g[capacity], mass[capacity], F;
   for (int i = 0; i < n; ++i) unknown[i] = z[i];
   const auto at = input(in, 0);
   contact_->evaluate(at, unknown, g, F);
@@ -127,7 +127,7 @@ FrictionResponse::Linear ContactSlopes::linear(const ContactInput<double>& in, c
   change.b_v.resize(count);
   change.c.resize(count);
   for (int moved = 0; moved <= n; ++moved) {  // the unknowns in turn, then the slip rate
-    Tower unknown[most], g[most], F;
+    Tower unknown[capacity], g[capacity], F;
     for (int i = 0; i < n; ++i) unknown[i] = across(z[i], i == moved ? 1 : 0, z_p[std::size_t(i)]);
     contact_->evaluate(input(in, moved == n ? 1 : 0), unknown, g, F);
     const auto mixed = [](const Tower& x) { return x.slope[0].slope[0].value; };

@@ -9,7 +9,7 @@ namespace rosin::app::scene {
 
 namespace {
 
-void read(SceneReader& reader, Table table, bool) {
+void read_block(SceneReader& reader, Table table, bool) {
   table.expect({"type", "length", "height", "thickness", "youngs_modulus", "poisson_ratio", "density", "elements",
                 "mass_matrix", "spring_stiffness", "stiffness_damping", "gauss_points", "normal_contact"});
   table.find("type");
@@ -82,7 +82,7 @@ analysis::motion::StructureStart read_block_start(const toml::node& node, const 
 OscillatorType block_type() {
   return {"block",
           verbs_by_steps,
-          read,
+          read_block,
           read_drive_of_block,
           {{"lab",
             "its face slips in part before it slips as a whole, so that no slip rate is that of the experiment; 'run' "

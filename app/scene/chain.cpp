@@ -8,7 +8,7 @@ namespace rosin::app::scene {
 
 namespace {
 
-void read(SceneReader& reader, Table table, bool) {
+void read_chain(SceneReader& reader, Table table, bool) {
   table.expect(
       {"type", "blocks", "mass", "stiffness", "damping", "pull_stiffness", "pull_damping", "contacts", "stops"});
   table.find("type");
@@ -60,6 +60,6 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
 
 }  // namespace
 
-OscillatorType chain_type() { return {"chain", verbs_of_structures, read, read_drive_and_contacts}; }
+OscillatorType chain_type() { return {"chain", verbs_of_structures, read_chain, read_drive_and_contacts}; }
 
 }  // namespace rosin::app::scene

@@ -6,7 +6,7 @@ namespace rosin::app::scene {
 
 namespace {
 
-void read(SceneReader& reader, Table table, bool) {
+void read_mode_coupling(SceneReader& reader, Table table, bool) {
   table.expect({"type", "mass", "springs", "damping", "contact", "stops"});
   table.find("type");
   oscillators::ModeCoupling model;
@@ -37,6 +37,8 @@ void read(SceneReader& reader, Table table, bool) {
 
 }  // namespace
 
-OscillatorType mode_coupling_type() { return {"mode-coupling", verbs_of_structures, read, read_drive_of_one}; }
+OscillatorType mode_coupling_type() {
+  return {"mode-coupling", verbs_of_structures, read_mode_coupling, read_drive_of_one};
+}
 
 }  // namespace rosin::app::scene

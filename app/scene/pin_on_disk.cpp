@@ -33,7 +33,7 @@ void read_directions(Table& table, std::string_view key, std::array<double, coun
 }
 
 /// The rig is put together when speed and load are known.
-void read(SceneReader& reader, Table, bool) { reader.scene.structure.emplace(); }
+void read_pin_on_disk(SceneReader& reader, Table, bool) { reader.scene.structure.emplace(); }
 
 void read_drive_and_rig(SceneReader& reader, Table drive, bool complete) {
   read_structure_drive(reader, std::move(drive), complete, false);
@@ -84,6 +84,6 @@ void read_drive_and_rig(SceneReader& reader, Table drive, bool complete) {
 
 }  // namespace
 
-OscillatorType pin_on_disk_type() { return {"pin-on-disk", verbs_of_structures, read, read_drive_and_rig}; }
+OscillatorType pin_on_disk_type() { return {"pin-on-disk", verbs_of_structures, read_pin_on_disk, read_drive_and_rig}; }
 
 }  // namespace rosin::app::scene

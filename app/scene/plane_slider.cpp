@@ -23,7 +23,7 @@ bool asks_of_steady_sliding(const SceneReader& reader) {
   return verb == "stability" || verb == "branch" || verb == "frf";
 }
 
-void read(SceneReader& reader, Table table, bool) {
+void read_plane_slider(SceneReader& reader, Table table, bool) {
   const auto& law = reader.scene.model.law;
   const auto& of_law = reader.document.get("law")->source();
   if (reader.scene.model.contact_stiffness.present())
@@ -87,7 +87,7 @@ void read_plane_drive(SceneReader& reader, Table drive, bool) {
 OscillatorType plane_slider_type() {
   return {"plane-slider",
           verbs_by_steps,
-          read,
+          read_plane_slider,
           read_plane_drive,
           {{"lab",
             "friction in the plane turns with the slip, and experiments read it along one line; 'run' follows "

@@ -8,7 +8,7 @@ namespace rosin::app::scene {
 
 namespace {
 
-void read(SceneReader& reader, Table table, bool) {
+void read_rigid_block(SceneReader& reader, Table table, bool) {
   table.expect({"type", "mass", "length", "height", "thickness", "spring_stiffness", "foundation", "stations",
                 "normal_contact"});
   table.find("type");
@@ -45,6 +45,6 @@ void read_drive_of_face(SceneReader& reader, Table drive, bool complete) {
 
 }  // namespace
 
-OscillatorType rigid_block_type() { return {"rigid-block", verbs_of_structures, read, read_drive_of_face}; }
+OscillatorType rigid_block_type() { return {"rigid-block", verbs_of_structures, read_rigid_block, read_drive_of_face}; }
 
 }  // namespace rosin::app::scene

@@ -10,7 +10,7 @@ namespace rosin::app::scene {
 namespace {
 
 /// \param complete false where the verb has a slider of its own, of which the scene changes what it names
-void read(SceneReader& reader, Table table, bool complete) {
+void read_slider(SceneReader& reader, Table table, bool complete) {
   auto& slider = reader.scene.model.slider;
   table.expect({"type", "mass", "stiffness", "damping", "stops", "restitution"});
   table.find("type");
@@ -52,6 +52,6 @@ void read_drive(SceneReader& reader, Table table, bool complete) {
   reader.scene.task<tasks::Curve>().normal_load = drive.normal_load.level();
 }
 
-OscillatorType slider_type() { return {"slider", {}, read, read_drive_and_stops}; }
+OscillatorType slider_type() { return {"slider", {}, read_slider, read_drive_and_stops}; }
 
 }  // namespace rosin::app::scene

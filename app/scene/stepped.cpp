@@ -12,8 +12,6 @@ using Kept = std::shared_ptr<const SteppedOscillator>;
 
 namespace {
 
-using Kind = analysis::motion::Channel::Kind;
-
 /// From rest on the surface, or as [cycle] starts.
 SteppedOscillator read_plane(SceneReader& reader) {
   auto& plane = *reader.scene.plane;

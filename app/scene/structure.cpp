@@ -157,14 +157,14 @@ std::shared_ptr<const NormalLaw> read_normal_law(Table table, bool per_area) {
 
 namespace {
 
-constexpr Range any{-1e15, 1e15};
+constexpr Range any_number{-1e15, 1e15};
 
-void read(SceneReader& reader, Table table, bool) {
+void read_structure(SceneReader& reader, Table table, bool) {
   auto& structure = reader.scene.structure.emplace().structure;
   table.expect({"type", "M", "C", "K", "contacts", "force", "stops"});
   table.find("type");
   const auto matrix = [&](const toml::node& node, const char* key, const char* unit, const char* meaning) {
-    return read_matrix(node, {table.path(key), unit, any, meaning}, structure.M.rows(), reader.folder);
+    return read_matrix(node, {table.path(key), unit, any_number, meaning}, structure.M.rows(), reader.folder);
   };
   structure.M = matrix(table.required("M", "mass matrix, kg"), "M", "kg", "mass");
   const auto n = structure.M.rows();
@@ -195,7 +195,7 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
     table.expect({"tangential", "normal", "normal_contact", "gap", "law", "speed", "normal_load", "load_factor"});
     const auto read_direction = [&](const toml::node& node, std::string_view key,
                                     const char* meaning) -> Eigen::VectorXd {
-      const auto entries = numbers(node, {table.path(key), "1", any, meaning});
+      const auto entries = numbers(node, {table.path(key), "1", any_number, meaning});
       if (int(entries.size()) != structure.size())
         fail(node.source(), "{} has {} entries for {} coordinates", table.path(key), entries.size(), structure.size());
       return Eigen::Map<const Eigen::VectorXd>(entries.data(), structure.size());
@@ -213,7 +213,7 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
       contact.normal = read_direction(*normal, "normal", "direction that presses");
       contact.normal_law = read_normal_law(Table(*answer, table.path("normal_contact")), false);
       double gap = 0;
-      table.read("gap", gap, {"", "m", any, "way along the normal before the contact touches"});
+      table.read("gap", gap, {"", "m", any_number, "way along the normal before the contact touches"});
       if (const auto* given = table.find("gap"); given && !Table(*answer, "").find("coefficient"))
         fail(given->source(), "{} goes with the power law of normal_contact, whose load begins where surfaces touch",
              table.path("gap"));
@@ -237,7 +237,7 @@ void read_drive_and_contacts(SceneReader& reader, Table drive, bool complete) {
 
 }  // namespace
 
-OscillatorType structure_type() { return {"structure", verbs_of_structures, read, read_drive_and_contacts}; }
+OscillatorType structure_type() { return {"structure", verbs_of_structures, read_structure, read_drive_and_contacts}; }
 
 void read_structure_model(SceneReader& reader) {
   auto& scene = reader.scene;
@@ -269,7 +269,7 @@ analysis::motion::StructureStart read_structure_start(const toml::node& node, co
   const auto read_all = [&](std::string_view key, std::vector<std::optional<double>>& into, const char* unit) {
     const auto* values = table.find(key);
     if (!values) return;
-    const auto read = numbers(*values, {table.path(key), unit, any, std::string(key)});
+    const auto read = numbers(*values, {table.path(key), unit, any_number, std::string(key)});
     if (read.size() != n) fail(values->source(), "{} has {} entries for {}", table.path(key), read.size(), n);
     std::ranges::copy(read, into.begin());
   };
@@ -286,7 +286,7 @@ analysis::motion::StructureStart read_structure_start(const toml::node& node, co
       const auto* value = table.find(name);
       if (value && value->is_array() && (name == "displacement" || name == "velocity")) return;  // read above
       if (value && into) fail(value->source(), "{}: give {} or {}, not both", path, list, name);
-      table.read(name, into, {"", unit, any, name});
+      table.read(name, into, {"", unit, any_number, name});
     };
     const auto by_column = [&](const std::string& name) {
       by_name(name, start.coordinates[i], structure.unit(int(i)), "coordinates");
@@ -302,7 +302,7 @@ analysis::motion::StructureStart read_structure_start(const toml::node& node, co
     contacts[j].tangential.cwiseAbs().maxCoeff(&i);
     if (contacts[j].tangential == Eigen::VectorXd::Unit(contacts[j].tangential.size(), i)) {
       std::optional<double> rate;
-      table.read(slip, rate, {"", "m/s", any, slip});
+      table.read(slip, rate, {"", "m/s", any_number, slip});
       if (rate && start.velocities[std::size_t(i)])
         fail(table.find(slip)->source(), "{} takes a velocity or {}, not both", path, slip);
       if (rate) start.velocities[std::size_t(i)] = contacts[j].speed.value(0) - *rate;

@@ -22,7 +22,7 @@ void read_both(Table& table, const std::string& key, double& block, double& seco
   table.read(other, second, quantity);
 }
 
-void read(SceneReader& reader, Table table, bool) {
+void read_two_mass_belt(SceneReader& reader, Table table, bool) {
   table.expect({"type", "mass", "stiffness", "damping", "second_mass", "second_stiffness", "second_damping", "stops"});
   table.find("type");
   oscillators::TwoMassBelt belt;
@@ -41,6 +41,8 @@ void read(SceneReader& reader, Table table, bool) {
 
 }  // namespace
 
-OscillatorType two_mass_belt_type() { return {"two-mass-belt", verbs_of_structures, read, read_drive_of_one}; }
+OscillatorType two_mass_belt_type() {
+  return {"two-mass-belt", verbs_of_structures, read_two_mass_belt, read_drive_of_one};
+}
 
 }  // namespace rosin::app::scene

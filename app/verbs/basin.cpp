@@ -244,7 +244,7 @@ void read_direction(scene::Table& table, scene::Scene& scene) {
   table.read("points", disturbance.points, 2, scene::most_points, "sizes among which the first is looked for");
 }
 
-void read(scene::SceneReader& reader) {
+void read_basin(scene::SceneReader& reader) {
   auto& scene = reader.scene;
   auto& basin = scene.task<tasks::Basin>();
   scene::Table table(reader.need("basin", "starts along x and y, or a direction from steady sliding"), "basin");
@@ -324,7 +324,7 @@ std::string disturbance_of(const tasks::Basin& basin, double value, double error
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-Status perform(Job& job) {
+Status perform_basin(Job& job) {
   auto& scene = job.scene();
   auto& task = scene.task<tasks::Basin>().task;
   task.tolerance = job.request().tolerance.value_or(task.tolerance);
@@ -395,8 +395,8 @@ Verb basin_verb() {
           .operands = {scene_operand},
           .needs = model_tables({{"basin", "starts along x and y, or a direction from steady sliding"}}),
           .options = scene_options(),
-          .read = read,
-          .perform = perform};
+          .read = read_basin,
+          .perform = perform_basin};
 }
 
 }  // namespace rosin::app::verbs

@@ -107,7 +107,7 @@ void read_cycle(scene::Table table, scene::Scene& scene) {
   table.finish();
 }
 
-void read_table(scene::Table table, scene::SceneReader& reader) {
+void read_branch_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   auto& task = scene.task<tasks::Branch>();
   const bool is_slider = !scene.structure;
@@ -148,12 +148,12 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   table.finish();
 }
 
-void read(scene::SceneReader& reader) {
+void read_branch(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   auto& branch = reader.need("branch", "the parameter, from and to");
   if (reader.scene.structure) scene::read_structure_model(reader);
-  read_table(scene::Table(branch, "branch"), reader);
+  read_branch_table(scene::Table(branch, "branch"), reader);
   if (auto cycle = reader.root.table("cycle")) read_cycle(*cycle, reader.scene);
 }
 
@@ -324,7 +324,7 @@ std::optional<analysis::branches::SmallCycles> small_cycles_at(const oscillators
   return analysis::branches::small_cycles(model, path, crossing);
 }
 
-Status perform(Job& job) {
+Status perform_branch(Job& job) {
   auto& scene = job.scene();
   auto& task = scene.task<tasks::Branch>();
   task.options.tolerance = job.request().tolerance.value_or(task.options.tolerance);
@@ -496,8 +496,8 @@ Verb branch_verb() {
           .operands = {scene_operand},
           .needs = model_tables({{"branch", "the parameter, from and to"}}),
           .options = scene_options(),
-          .read = read,
-          .perform = perform};
+          .read = read_branch,
+          .perform = perform_branch};
 }
 
 }  // namespace rosin::app::verbs

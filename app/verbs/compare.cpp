@@ -178,7 +178,7 @@ void read_equal(scene::Table table, tasks::Compare& compare, std::vector<MemberR
   }
 }
 
-void read(scene::SceneReader& reader) {
+void read_compare(scene::SceneReader& reader) {
   auto& scene = reader.scene;
   const bool design = reader.request.design;
   const auto is = [&](const char* path, const std::string& usual, const std::string& value) {
@@ -754,7 +754,7 @@ Status design(Job& job) {
   return job.finish(document_of(scene, result), output::write_picture(job.folder(), scene, plane), plane.outcome);
 }
 
-Status perform(Job& job) {
+Status perform_compare(Job& job) {
   if (job.scene().string && !job.scene().string->members.empty()) return perform_string_comparison(job);
   return job.request().design ? design(job) : side_by_side(job);
 }
@@ -771,8 +771,8 @@ Verb compare_verb() {
                                  {"map", "where the protocol is a map, and for a design", true}}),
           .options = scene_options(
               {{"--design", &Request::design, "where, and by how many repeats, measurements tell members apart"}}),
-          .read = read,
-          .perform = perform};
+          .read = read_compare,
+          .perform = perform_compare};
 }
 
 }  // namespace rosin::app::verbs

@@ -20,7 +20,7 @@ using nlohmann::ordered_json;
 
 namespace {
 
-void read_table(scene::Table table, scene::SceneReader& reader) {
+void read_curve_table(scene::Table table, scene::SceneReader& reader) {
   auto& curve = reader.scene.task<tasks::Curve>();
   const Quantity speed{"", "m/s", {1e-15, 1e4}, "slip rate"};
   table.read("from", curve.from, speed);
@@ -33,7 +33,7 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   table.finish();
 }
 
-void read(scene::SceneReader& reader) {
+void read_curve(scene::SceneReader& reader) {
   reader.law();
   {
     const scene::KeysRead only_checked;
@@ -60,7 +60,7 @@ std::string document_of(const scene::Scene& scene, const output::Curve& curve) {
   return output::text(document);
 }
 
-Status perform(Job& job) {
+Status perform_curve(Job& job) {
   const auto& scene = job.scene();
   const auto& options = scene.task<tasks::Curve>();
   const auto& law = *scene.model.law;
@@ -99,9 +99,9 @@ Verb curve_verb() {
           .operands = {scene_operand},
           .needs = {{"law", "the friction law"}, {"curve", "slip rates and normal load", true}},
           .options = scene_options(),
-          .tables = {{"curve", read_table}},
-          .read = read,
-          .perform = perform};
+          .tables = {{"curve", read_curve_table}},
+          .read = read_curve,
+          .perform = perform_curve};
 }
 
 }  // namespace rosin::app::verbs

@@ -43,7 +43,7 @@ std::vector<std::string> told_metrics(const scene::Scene& scene, const std::vect
 
 namespace {
 
-void read_table(scene::Table table, scene::SceneReader& reader) {
+void read_cycle_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   auto& cycle = scene.task<analysis::cycles::CycleOptions>();
   table.expect({"start", "stick_threshold"});
@@ -95,7 +95,7 @@ std::string document_of(const scene::Scene& scene, const StructureCycle& cycle) 
 }
 
 /// A slider under a drive that varies is a structure of one coordinate: its periodic motions are those of a structure.
-void read(scene::SceneReader& reader) {
+void read_cycle(scene::SceneReader& reader) {
   const auto& scene = reader.scene;
   reader.law();
   reader.oscillator();
@@ -106,7 +106,7 @@ void read(scene::SceneReader& reader) {
     return read_tables_of_models(reader);
   else
     scene::read_structure_model(reader);
-  if (auto table = reader.root.table("cycle")) read_table(*table, reader);
+  if (auto table = reader.root.table("cycle")) read_cycle_table(*table, reader);
 }
 
 /// The motion, and how it was looked for.
@@ -135,7 +135,7 @@ StructureCycle find(Job& job, double drive) {
   return analysis::cycles::find_cycle(*scene.structure, options);
 }
 
-Status perform(Job& job) {
+Status perform_cycle(Job& job) {
   auto& scene = job.scene();
   if (scene.string) return perform_string_cycle(job);
   const auto* stepped = scene::stepped_of(scene);
@@ -195,9 +195,9 @@ Verb cycle_verb() {
           .operands = {scene_operand},
           .needs = model_tables({{"cycle", "stick threshold, and where the search starts", true}}),
           .options = scene_options(),
-          .tables = {{"cycle", read_table}},
-          .read = read,
-          .perform = perform};
+          .tables = {{"cycle", read_cycle_table}},
+          .read = read_cycle,
+          .perform = perform_cycle};
 }
 
 }  // namespace rosin::app::verbs

@@ -403,7 +403,7 @@ void say_negative_evolution(const oscillators::Model& start, const std::vector<M
   fit.warnings.insert(fit.warnings.begin(), fit.outcome.detail);
 }
 
-Status perform(Job& job) {
+Status perform_fit_question(Job& job) {
   const auto& scene = job.scene();
   auto& asked = scene.task<tasks::Fit>();
   const auto begin = std::chrono::steady_clock::now();
@@ -459,7 +459,7 @@ Status perform(Job& job) {
   return job.finish(to_json(scene, fits, order), std::move(files), fits.front().outcome);
 }
 
-void read(scene::SceneReader& reader) {
+void read_fit_question(scene::SceneReader& reader) {
   reader.law();
   const auto& fit = reader.need("fit", "parameters and data");
   const bool slides = fits_stick_slip(fit);
@@ -498,8 +498,8 @@ Verb fit_verb() {
                     {"fit", "parameters and data"},
                     {"drive", "speed and load, where data do not say them", true}},
           .options = scene_options(),
-          .read = read,
-          .perform = perform};
+          .read = read_fit_question,
+          .perform = perform_fit_question};
 }
 
 }  // namespace rosin::app::verbs

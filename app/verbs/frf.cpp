@@ -517,7 +517,7 @@ void add_receptance(Job& job, ordered_json& document, std::vector<std::string>& 
   files.emplace_back("frf-receptance.csv");
 }
 
-Status perform(Job& job) {
+Status perform_frf_question(Job& job) {
   const auto& scene = job.scene();
   auto& frf = scene.task<tasks::Frf>();
   const auto& model = scene.model;
@@ -579,7 +579,7 @@ Status perform(Job& job) {
   return job.finish(output::text(document), std::move(files), {});
 }
 
-void read(scene::SceneReader& reader) {
+void read_frf_question(scene::SceneReader& reader) {
   auto& scene = reader.scene;
   const auto& document = reader.document;
   const bool measured = document.at_path("frf.record").node();  // which needs neither law nor drive
@@ -606,8 +606,8 @@ Verb frf_verb() {
                     {"drive", "speed and normal load"},
                     {"frf", "frequencies, and what is asked of them; a measured record needs neither law nor drive"}},
           .options = scene_options(),
-          .read = read,
-          .perform = perform};
+          .read = read_frf_question,
+          .perform = perform_frf_question};
 }
 
 }  // namespace rosin::app::verbs

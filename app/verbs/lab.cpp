@@ -109,7 +109,7 @@ void read_machine(scene::SceneReader& reader) {
   scene::located(oscillator.source(), [&] { asked.experiment->require_served(*asked.task); });
 }
 
-void read(scene::SceneReader& reader) {
+void read_lab(scene::SceneReader& reader) {
   auto& scene = reader.scene;
   auto& asked = scene.task<tasks::Lab>();
   asked.experiment = &analysis::lab::find_experiment(reader.request.experiment);
@@ -161,7 +161,7 @@ std::string document_of(const scene::Scene& scene, const analysis::lab::Result& 
 /// A reading that is yes or no has a meaning that begins so.
 bool is_truth(const analysis::lab::Reading& reading) { return reading.meaning.starts_with("1 if "); }
 
-Status perform(Job& job) {
+Status perform_lab(Job& job) {
   auto& scene = job.scene();
   auto& task = *scene.task<tasks::Lab>().task;
   task.tolerance = job.request().tolerance.value_or(task.tolerance);
@@ -222,8 +222,8 @@ Verb lab_verb() {
                     {"oscillator", "the machine, in place of the experiment's", true},
                     {"drive", "what the protocol does not set", true}},
           .options = scene_options(),
-          .read = read,
-          .perform = perform};
+          .read = read_lab,
+          .perform = perform_lab};
 }
 
 }  // namespace rosin::app::verbs

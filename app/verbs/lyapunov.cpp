@@ -29,7 +29,7 @@ namespace {
 
 constexpr const char* meaning = "duration of the average (s), or tolerance of the largest exponent (1/s)";
 
-void read_table(scene::Table table, scene::SceneReader& reader) {
+void read_lyapunov_table(scene::Table table, scene::SceneReader& reader) {
   auto& lyapunov = reader.scene.task<analysis::cycles::LyapunovOptions>();
   table.expect({"duration", "transient", "tolerance"});
   table.read("duration", lyapunov.duration, {"", "s", {1e-12, 1e15}, "duration of the average"});
@@ -40,7 +40,7 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   table.finish();
 }
 
-void read(scene::SceneReader& reader) {
+void read_lyapunov(scene::SceneReader& reader) {
   reader.need("lyapunov", meaning);
   reader.law();
   reader.oscillator();
@@ -80,7 +80,7 @@ std::string document_of(const scene::Scene& scene, const LyapunovSpectrum& spect
   return output::text(document);
 }
 
-Status perform(Job& job) {
+Status perform_lyapunov(Job& job) {
   auto& scene = job.scene();
   auto options = scene.task<analysis::cycles::LyapunovOptions>();
   options.accuracy = job.request().tolerance.value_or(options.accuracy);
@@ -153,9 +153,9 @@ Verb lyapunov_verb() {
           .operands = {scene_operand},
           .needs = model_tables({{"lyapunov", meaning}}),
           .options = scene_options(),
-          .tables = {{"lyapunov", read_table}},
-          .read = read,
-          .perform = perform};
+          .tables = {{"lyapunov", read_lyapunov_table}},
+          .read = read_lyapunov,
+          .perform = perform_lyapunov};
 }
 
 }  // namespace rosin::app::verbs

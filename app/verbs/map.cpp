@@ -111,7 +111,7 @@ void read_one_axis_of_strings(scene::SceneReader& reader, scene::Table table) {
   table.finish();
 }
 
-void read_table(scene::Table table, scene::SceneReader& reader) {
+void read_map_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   if (!reader.needs("map") && !is_of_slider(reader, table))
     return;  // its paths and metrics are known to the verb map alone
@@ -165,7 +165,7 @@ void read_table(scene::Table table, scene::SceneReader& reader) {
   table.finish();
 }
 
-void read(scene::SceneReader& reader) {
+void read_map(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   auto& map = reader.need("map", "the two axes and the metrics");
@@ -179,7 +179,7 @@ void read(scene::SceneReader& reader) {
     common_period(reader.scene.structure->structure);  // refuses a drive that has none
   }
   reader.scene.family = std::make_shared<scene::Family>(reader, "map");
-  read_table(scene::Table(map, "map"), reader);
+  read_map_table(scene::Table(map, "map"), reader);
   if (std::ranges::find(reader.scene.task<analysis::planes::MapOptions>().metrics, "lyapunov") !=
       reader.scene.task<analysis::planes::MapOptions>().metrics.end())
     find_verb("lyapunov")
@@ -235,7 +235,7 @@ Status perform_one_axis(Job& job) {
   return perform_sweep(job);
 }
 
-Status perform(Job& job) {
+Status perform_map(Job& job) {
   const auto& request = job.request();
   auto* ranks = request.ranks;
   if (job.scene().string && !job.scene().string->y.values.empty()) {
@@ -333,9 +333,9 @@ Verb map_verb() {
           {{"--exact", &Request::exact, "compute every point of a map, interpolate none"},
            {"--shard", &Request::shard,
             "K/N: compute the K-th of N shares of the plane, for 'rosin merge'; default that of a SLURM array job"}}),
-      .tables = {{"map", read_table}},
-      .read = read,
-      .perform = perform,
+      .tables = {{"map", read_map_table}},
+      .read = read_map,
+      .perform = perform_map,
       .spreads = true};
 }
 

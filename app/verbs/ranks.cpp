@@ -29,7 +29,7 @@ using analysis::planes::Report;
 
 namespace {
 
-enum Kind : int { ask = 1, group, report, failure, end, farewell };
+enum Errand : int { ask = 1, group, report, failure, end, farewell };
 
 constexpr auto look_every = std::chrono::milliseconds(2);  ///< at letters: each look takes some tens of microseconds
 constexpr auto patience = std::chrono::seconds(5);         ///< with ranks that are to end
@@ -224,7 +224,7 @@ void Ranks::serve(Queue& queue, const std::atomic<bool>& handed_out) {
 }
 
 void Ranks::answer(const Letter& letter, Queue* queue) {
-  switch (Kind(letter.kind)) {
+  switch (Errand(letter.kind)) {
     case ask: {
       if (ended_) return;
       const auto key = fmt::format("{:016x} ", key_);

@@ -65,7 +65,7 @@ void read_spectrum(scene::Table table, scene::SceneReader& reader) {
   table.finish();
 }
 
-void read_table(scene::Table table, scene::SceneReader& reader) {
+void read_run_table(scene::Table table, scene::SceneReader& reader) {
   auto& run = reader.scene.task<analysis::motion::RunOptions>();
   auto& plane = reader.scene.plane;
   table.expect({"duration", "times", "samples", "start", "spectrum"});
@@ -149,7 +149,7 @@ void read_solver(scene::Table table, scene::SceneReader& reader) {
 
 namespace {
 
-void read(scene::SceneReader& reader) {
+void read_run(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   if (reader.scene.string) return scene::read_string(reader);
@@ -157,7 +157,7 @@ void read(scene::SceneReader& reader) {
     reader.need("run", "duration and start");
     return read_tables_of_models(reader);
   }
-  read_table(scene::Table(reader.need("run", "duration and start"), "run"), reader);
+  read_run_table(scene::Table(reader.need("run", "duration and start"), "run"), reader);
   if (auto solver = reader.root.table("solver")) read_solver(*solver, reader);
   scene::require_stepping_of_block(reader.scene);
 }
@@ -294,7 +294,7 @@ void say_averages(Job& job, const std::map<std::string, double>& metrics) {
   say("pressure_min", "lowest pressure", "Pa");
 }
 
-Status perform(Job& job) {
+Status perform_run(Job& job) {
   if (job.scene().string) return perform_string_run(job);
   auto& scene = job.scene();
   auto& asked = scene.task<analysis::motion::RunOptions>();
@@ -385,9 +385,9 @@ Verb run_verb() {
           .operands = {scene_operand},
           .needs = model_tables({{"run", "duration and start"}, {"solver", "a solver by name", true}}),
           .options = scene_options(),
-          .tables = {{"run", read_table}, {"solver", read_solver}},
-          .read = read,
-          .perform = perform};
+          .tables = {{"run", read_run_table}, {"solver", read_solver}},
+          .read = read_run,
+          .perform = perform_run};
 }
 
 }  // namespace rosin::app::verbs

@@ -53,7 +53,7 @@ tasks::StabilityScan read_scan(scene::Table table, scene::SceneReader& reader) {
   return scan;
 }
 
-void read_table(scene::Table table, scene::SceneReader& reader) {
+void read_stability_table(scene::Table table, scene::SceneReader& reader) {
   auto& scene = reader.scene;
   auto& asked = scene.task<tasks::Stability>();
   if (const auto* parameters = table.find("parameters")) {
@@ -321,7 +321,7 @@ Status perform_on_structure(Job& job) {
 }
 
 /// A scan is of a structure; a slider is one of one coordinate.
-void read(scene::SceneReader& reader) {
+void read_stability(scene::SceneReader& reader) {
   reader.law();
   reader.oscillator();
   if (reader.scene.string)
@@ -332,7 +332,7 @@ void read(scene::SceneReader& reader) {
   if (!reader.scene.structure) reader.note_unread({"stability.modes"}, "a slider has few modes, which are all found");
 }
 
-Status perform(Job& job) {
+Status perform_stability(Job& job) {
   if (job.scene().string) return perform_string_stability(job);
   if (job.scene().structure) return perform_on_structure(job);
   const auto& scene = job.scene();
@@ -383,9 +383,9 @@ Verb stability_verb() {
           .operands = {scene_operand},
           .needs = model_tables({{"stability", "further parameters for Hopf points, or a scan of one", true}}),
           .options = scene_options(),
-          .tables = {{"stability", read_table}},
-          .read = read,
-          .perform = perform};
+          .tables = {{"stability", read_stability_table}},
+          .read = read_stability,
+          .perform = perform_stability};
 }
 
 }  // namespace rosin::app::verbs

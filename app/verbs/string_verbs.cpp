@@ -78,8 +78,8 @@ StringRecord thinned(StringRecord record, int most) {
 
 /// With the differences to a finer string, but of times no less than a sample.
 /// \param most  periods: a transient of this length is none
-std::vector<StringMetric> metrics_of(const oscillators::BowedString& string, const Bowing& bowing, const Bowing& finer,
-                                     double most) {
+std::vector<StringMetric> metrics_of_string(const oscillators::BowedString& string, const Bowing& bowing,
+                                            const Bowing& finer, double most) {
   const auto one = [&](const char* name, const char* unit, const char* meaning, double resolution, auto of) {
     const double value = of(bowing), other = of(finer);
     return StringMetric{name, unit, meaning, value, std::max(std::abs(value - other), resolution)};
@@ -142,9 +142,9 @@ std::string document_of(const scene::Scene& scene, const StringRecord& record, c
 
 StringRun run_of(const tasks::Bowing& task) {
   StringRun run{analysis::strings::record(task.model, task.options), {}};
-  run.metrics = metrics_of(task.model.string, run.record.bowing,
-                           analysis::strings::bow(analysis::strings::finer(task.model), task.options),
-                           task.options.transient.most);
+  run.metrics = metrics_of_string(task.model.string, run.record.bowing,
+                                  analysis::strings::bow(analysis::strings::finer(task.model), task.options),
+                                  task.options.transient.most);
   return run;
 }
 

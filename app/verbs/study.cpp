@@ -322,7 +322,7 @@ void say(const StudyResult& result, double seconds) {
   }
 }
 
-Status perform(Job& job) {
+Status perform_study(Job& job) {
   const auto& request = job.request();
   auto& scene = job.scene();
   auto& study = scene.task<analysis::studies::StudyOptions>();
@@ -350,7 +350,7 @@ Status perform(Job& job) {
   return job.finish(output::text(to_json(scene, result, seconds)), std::move(files), {});
 }
 
-void read_table(scene::Table table, analysis::studies::StudyOptions& study) {
+void read_study_table(scene::Table table, analysis::studies::StudyOptions& study) {
   if (const auto* dimensions = table.find("dimensions")) {
     study.dimensions = scene::count(*dimensions, table.path("dimensions"), 1, 2, "1 or 2");
     if (study.dimensions > 2)
@@ -376,9 +376,9 @@ void read_table(scene::Table table, analysis::studies::StudyOptions& study) {
   table.finish();
 }
 
-void read(scene::SceneReader& reader) {  // a study draws its own models
-  read_table(scene::Table(reader.need("study", "cases, seed and algorithms"), "study"),
-             reader.scene.task<analysis::studies::StudyOptions>());
+void read_study(scene::SceneReader& reader) {  // a study draws its own models
+  read_study_table(scene::Table(reader.need("study", "cases, seed and algorithms"), "study"),
+                   reader.scene.task<analysis::studies::StudyOptions>());
 }
 
 }  // namespace
@@ -390,8 +390,8 @@ Verb study_verb() {
           .operands = {scene_operand},
           .needs = {{"study", "cases, seed and algorithms"}},
           .options = scene_options(),
-          .read = read,
-          .perform = perform};
+          .read = read_study,
+          .perform = perform_study};
 }
 
 }  // namespace rosin::app::verbs

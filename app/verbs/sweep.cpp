@@ -31,7 +31,7 @@ namespace rosin::app::verbs {
 using analysis::planes::Sweep;
 using analysis::planes::SweepPoint;
 using nlohmann::ordered_json;
-using Record = analysis::planes::SweepOptions::Record;
+using Recorded = analysis::planes::SweepOptions::Record;
 
 namespace {
 
@@ -70,7 +70,7 @@ void read_metrics(scene::Table& table, scene::Scene& scene) {
   metrics = {"period", columns_of(scene).front() + "_amplitude"};
   const auto* given = table.find("metrics");
   if (!given) return;
-  if (scene.task<tasks::Sweep>().options.record != Record::metrics)
+  if (scene.task<tasks::Sweep>().options.record != Recorded::metrics)
     scene::fail(given->source(), "sweep.metrics has no effect without sweep.record = \"metrics\"");
   metrics = scene::texts(*given, table.path("metrics"));
   if (metrics.empty()) scene::fail(given->source(), "sweep.metrics is empty");
@@ -82,7 +82,7 @@ void read_metrics(scene::Table& table, scene::Scene& scene) {
 void read_column(scene::Table& table, scene::Scene& scene) {
   auto& sweep = scene.task<tasks::Sweep>();
   const auto* column = table.find("column");
-  if (sweep.options.record == Record::metrics) {
+  if (sweep.options.record == Recorded::metrics) {
     if (column) scene::fail(column->source(), "sweep.column has no effect on metrics");
     return;
   }
@@ -96,7 +96,7 @@ void read_column(scene::Table& table, scene::Scene& scene) {
       sweep.options.watch = i;
 }
 
-void read_table(scene::Table table, scene::Scene& scene) {
+void read_sweep_table(scene::Table table, scene::Scene& scene) {
   auto& sweep = scene.task<tasks::Sweep>().options;
   table.expect({"parameter", "from", "to", "points", "scale", "direction", "start", "record", "column", "metrics",
                 "stick_threshold", "transient", "keep"});
@@ -109,7 +109,9 @@ void read_table(scene::Table table, scene::Scene& scene) {
     sweep.anew = scene::choice(*start, table.path("start"), {"before", "scene"}) == "scene";
   if (const auto* record = table.find("record")) {
     const auto chosen = scene::choice(*record, table.path("record"), {"section", "extrema", "metrics"});
-    sweep.record = chosen == "section" ? Record::section : chosen == "extrema" ? Record::extrema : Record::metrics;
+    sweep.record = chosen == "section"   ? Recorded::section
+                   : chosen == "extrema" ? Recorded::extrema
+                                         : Recorded::metrics;
   }
   read_metrics(table, scene);
   table.read("stick_threshold", sweep.stick_threshold,
@@ -118,7 +120,7 @@ void read_table(scene::Table table, scene::Scene& scene) {
   for (const auto& [key, target, least, meaning] :
        {std::tuple{"transient", &sweep.transient, 0, "returns that are not recorded"},
         std::tuple{"keep", &sweep.keep, 1, "returns that are recorded"}}) {
-    if (const auto* node = table.find(key); node && sweep.record == Record::metrics)
+    if (const auto* node = table.find(key); node && sweep.record == Recorded::metrics)
       scene::fail(node->source(), "sweep.{} has no effect on metrics, which are those of the period", key);
     table.read(key, *target, least, 1'000'000, meaning);
   }
@@ -134,10 +136,10 @@ void read_sweep_of_strings(scene::SceneReader& reader, scene::Table table) {
   read_axis(table, scene);
   table.finish();
   auto& options = scene.task<tasks::Sweep>().options;
-  options.record = Record::metrics, options.anew = true;
+  options.record = Recorded::metrics, options.anew = true;
 }
 
-void read(scene::SceneReader& reader) {
+void read_sweep(scene::SceneReader& reader) {
   auto& scene = reader.scene;
   reader.law();
   reader.oscillator();
@@ -148,7 +150,7 @@ void read(scene::SceneReader& reader) {
     common_period(scene.structure->structure);  // refuses a drive that has none
   }
   scene.family = std::make_shared<scene::Family>(reader, "sweep");
-  read_table(scene::Table(sweep, "sweep"), scene);
+  read_sweep_table(scene::Table(sweep, "sweep"), scene);
 }
 
 template <class F>
@@ -214,7 +216,7 @@ void open_journal(std::optional<SweepJournal>& journal, const Job& job, const sc
   const auto& options = scene.task<tasks::Sweep>().options;
   std::vector<analysis::planes::PlaneMetric> metrics;
   std::size_t columns = 0;
-  if (options.record != Record::metrics)
+  if (options.record != Recorded::metrics)
     columns = columns_of(scene).size();
   else
     metrics = metrics_of(scene, options.metrics);
@@ -231,7 +233,7 @@ Status perform_sweep(Job& job) {
   options.threads = job.request().threads;
   const auto& axis = options.axis;
   const auto parameter = scene.describe(axis.parameter);
-  const bool of_metrics = options.record == Record::metrics;
+  const bool of_metrics = options.record == Recorded::metrics;
   job.explain("{} values of {}, {}", axis.values.size(), axis.parameter,
               options.anew ? "each from the scene's start" : "each from the motion at the value before");
   const auto* stepped = scene::stepped_of(scene);
@@ -240,9 +242,9 @@ Status perform_sweep(Job& job) {
                                                 : 0;
   if (!of_metrics)
     job.explain("{} returns of transient, then {} are recorded: {}", options.transient, options.keep,
-                options.record == Record::extrema ? "maxima and minima of the displacement"
-                : drive_period > 0                ? "the moment t = 0 of the drive"
-                                                  : "maxima of the displacement");
+                options.record == Recorded::extrema ? "maxima and minima of the displacement"
+                : drive_period > 0                  ? "the moment t = 0 of the drive"
+                                                    : "maxima of the displacement");
   std::optional<SweepJournal> journal;
   if (!scene.string) {
     open_journal(journal, job, scene);
@@ -308,7 +310,7 @@ Verb sweep_verb() {
           .operands = {scene_operand},
           .needs = model_tables({{"sweep", "the parameter, its values, and what is recorded"}}),
           .options = scene_options(),
-          .read = read,
+          .read = read_sweep,
           .perform = perform_sweep};
 }
 
