@@ -139,9 +139,11 @@ TEST_CASE("a slider is a structure of one coordinate by every verb", "[app][long
     const auto range = fmt::format("parameter = 'drive.normal_load', from = {}, to = {}", low, of.load);
     const auto both = [&](const char* verb, const std::string& table) { return ask(of, verb, table); };
     {
-      const auto [slider, structure, columns] = both(
-          "run", fmt::format("[run]\nduration = {}\nsamples = 40\nstart = {{ displacement = {}, velocity = {} }}\n",
-                             2 * natural, 0.3 * size, 0.5 * of.speed));
+      // Without mass the spring's force is that of friction, whatever the start.
+      const auto start = of.mass > 0 ? fmt::format("{{ displacement = {}, velocity = {} }}", 0.3 * size, 0.5 * of.speed)
+                                     : std::string("'rest'");
+      const auto [slider, structure, columns] =
+          both("run", fmt::format("[run]\nduration = {}\nsamples = 40\nstart = {}\n", 2 * natural, start));
       CHECK(columns[0] == columns[1]);
       CHECK(slider["units"] == structure["units"]);
       compare("columns", slider["columns"], structure["columns"], slider["error"], structure["error"]);
