@@ -63,7 +63,7 @@ void read_bow(Table& table, BowedString& string) {
   keys->finish();
 }
 
-void read_string(SceneReader& reader, Table table, bool) {
+void read_string_keys(SceneReader& reader, Table table, bool) {
   auto& model = (reader.scene.string = std::make_shared<tasks::Bowing>())->model;
   auto& string = model.string;
   table.expect({"type", "frequency", "impedance", "bow_position", "quality", "corner_rounding", "bridge_resistance",
@@ -202,7 +202,7 @@ OscillatorType string_type() {
       "solver could ";
   return {"string",
           {"run", "stability", "cycle", "sweep", "map", "compare", "frf", "lyapunov"},
-          read_string,
+          read_string_keys,
           read_drive_of_string,
           {{"branch", fmt::format("{}follow; 'sweep' computes its motions along a parameter", memory)},
            {"basin", fmt::format("{}start from anywhere; [cycle] start chooses rest or Helmholtz motion", memory)},

@@ -9,10 +9,10 @@ using namespace rosin::tests;
 
 namespace {
 
-const std::string examples = ROSIN_SOURCE_DIR "/examples/";
-const std::string string = "run " + examples + "bowed-string.toml --no-pictures ";
+const std::string scenes_of_strings = ROSIN_SOURCE_DIR "/examples/";
+const std::string string = "run " + scenes_of_strings + "bowed-string.toml --no-pictures ";
 
-nlohmann::json answer_of(const Folder& folder, const std::string& arguments) {
+nlohmann::json answer_of_string(const Folder& folder, const std::string& arguments) {
   const auto answer = run_rosin(folder, arguments + " --json");
   INFO(answer.error);
   REQUIRE(answer.status == 0);
@@ -29,7 +29,7 @@ int number_at(const std::string& bytes, std::size_t place, int size) {
 
 TEST_CASE("a bowed string has columns, slips, numbers with their errors, and a sound", "[app][string]") {
   const Folder folder;
-  const auto document = answer_of(folder, string + "--set run.samples=1000 --out out");
+  const auto document = answer_of_string(folder, string + "--set run.samples=1000 --out out");
   CHECK(document["regime"] == "helmholtz");
   CHECK(document["metrics"]["first_slip"].get<double>() == Approx(0.032834).margin(1e-5));
   CHECK(document["metrics"]["transient_length"].get<double>() == Approx(9.7395).margin(3e-3));
@@ -56,9 +56,9 @@ TEST_CASE("a bowed string has columns, slips, numbers with their errors, and a s
 
 TEST_CASE("a plane of strings counts what is good and what finer sample rates confirm", "[app][string]") {
   const Folder folder;
-  const auto map =
-      "map " + examples + "guettler-diagram.toml --no-pictures --set map.x.points=4 --set map.y.points=3 --out out ";
-  const auto document = answer_of(folder, map);
+  const auto map = "map " + scenes_of_strings +
+                   "guettler-diagram.toml --no-pictures --set map.x.points=4 --set map.y.points=3 --out out ";
+  const auto document = answer_of_string(folder, map);
   REQUIRE(document["metrics"]["transient_length"].size() == 3);
   REQUIRE(document["metrics"]["transient_length"][0].size() == 4);
   REQUIRE(document["regime"][2].size() == 4);
@@ -73,27 +73,27 @@ TEST_CASE("a plane of strings counts what is good and what finer sample rates co
   CHECK(document["statistics"]["good"] == good);
   CHECK(document["statistics"]["reproducible"] == reproducible);
   CHECK(content(folder.path / "out/map.nc").size() > 1000);
-  CHECK(answer_of(folder, map + "--threads 1")["metrics"] == document["metrics"]);
+  CHECK(answer_of_string(folder, map + "--threads 1")["metrics"] == document["metrics"]);
 }
 
 TEST_CASE("the strings of a plane start as [run] says", "[app][string]") {
   const Folder folder;
-  const std::string schelleng = examples + "schelleng-diagram.toml --no-pictures ";
-  const auto alone = answer_of(folder, "run " + schelleng + "--set oscillator.bow_position=0.1 --out alone");
-  const auto plane = answer_of(folder, "map " + schelleng +
-                                           "--set map.x.from=0.1 --set map.x.points=2 --set map.y.from=1 "
-                                           "--set map.y.points=2 --out plane");
+  const std::string schelleng = scenes_of_strings + "schelleng-diagram.toml --no-pictures ";
+  const auto alone = answer_of_string(folder, "run " + schelleng + "--set oscillator.bow_position=0.1 --out alone");
+  const auto plane = answer_of_string(folder, "map " + schelleng +
+                                                  "--set map.x.from=0.1 --set map.x.points=2 --set map.y.from=1 "
+                                                  "--set map.y.points=2 --out plane");
   CHECK(plane["metrics"]["bridge_force"][0][0] == alone["metrics"]["bridge_force"]);
-  const auto rested =
-      answer_of(folder, "run " + schelleng + "--set oscillator.bow_position=0.1 --set run.start=rest --out rested");
+  const auto rested = answer_of_string(
+      folder, "run " + schelleng + "--set oscillator.bow_position=0.1 --set run.start=rest --out rested");
   CHECK(rested["metrics"]["bridge_force"] != alone["metrics"]["bridge_force"]);
 }
 
 TEST_CASE("strings under several laws, and where they differ most", "[app][string]") {
   const Folder folder;
-  const auto document = answer_of(folder, "compare " + examples +
-                                              "which-law-plays-the-cello.toml --design --no-pictures --set "
-                                              "map.x.points=6 --set map.y.points=6");
+  const auto document = answer_of_string(folder, "compare " + scenes_of_strings +
+                                                     "which-law-plays-the-cello.toml --design --no-pictures --set "
+                                                     "map.x.points=6 --set map.y.points=6");
   REQUIRE(document["members"].size() == 3);
   CHECK(document["differences"].size() == 3);
   const auto& best = document["best"];
@@ -114,7 +114,7 @@ TEST_CASE("wrong keys of a string are refused with place and cure", "[app][strin
     CHECK(answer.status == 2);
     for (const auto& word : words) CHECK_THAT(answer.error, Contains(word));
   };
-  refused("stability " + examples + "bowed-string.toml", {"a bow at rest does not slide"});
+  refused("stability " + scenes_of_strings + "bowed-string.toml", {"a bow at rest does not slide"});
   refused(string + "--set oscillator.impedence=1", {"did you mean 'impedance'"});
   refused(string + "--set oscillator.sample_rate=16000", {"torsional waves", "take about"});
   refused(string + "--set oscillator.torsion=true", {"false, or a table"});
@@ -129,44 +129,46 @@ TEST_CASE("wrong keys of a string are refused with place and cure", "[app][strin
   refused(string + "--set drive.speed=0.1", {"give the duration"});
   refused(string + "--set drive.force=1", {"unknown key 'force'"});
   refused(string + "--set drive.speed='{approach={to=0.1,time=0}}'", {"drive.speed.approach.time"});
-  const auto map = "map " + examples + "guettler-diagram.toml --no-pictures ";
+  const auto map = "map " + scenes_of_strings + "guettler-diagram.toml --no-pictures ";
   refused(map + "--set map.y.parameter=drive.speed.ramp.rate", {"the same parameter"});
   refused(map + "--set map.x.parameter=oscillator.bow_positon", {"oscillator.bow_position"});
   refused(map + "--set map.metrics='[\"period\"]'", {"unknown key 'metrics'"});
-  refused("compare " + examples + "which-law-plays-the-cello.toml --set compare.members='[{name=\"a\"}]'",
+  refused("compare " + scenes_of_strings + "which-law-plays-the-cello.toml --set compare.members='[{name=\"a\"}]'",
           {"two members or more"});
 }
 
 TEST_CASE("sliding of the bow, periodic motion and sweeps of a string have numbers with errors", "[app][string]") {
   const Folder folder;
-  const auto scene = examples + "schelleng-diagram.toml --no-pictures --out out ";
-  const auto sliding = answer_of(folder, "stability " + scene + "--set drive.speed=0.1 --set drive.normal_load=0.05");
+  const auto scene = scenes_of_strings + "schelleng-diagram.toml --no-pictures --out out ";
+  const auto sliding =
+      answer_of_string(folder, "stability " + scene + "--set drive.speed=0.1 --set drive.normal_load=0.05");
   CHECK(sliding["stable"] == false);
   CHECK(sliding["jumps"] == false);
   CHECK(sliding["unstable_modes"].get<int>() > 0);
   const auto& fastest = sliding["modes"][0];
   CHECK(fastest["growth_rate"].get<double>() > 100 * fastest["error"]["eigenvalue"].get<double>());
-  const auto pressed = answer_of(folder, "stability " + scene + "--set drive.normal_load=3");
+  const auto pressed = answer_of_string(folder, "stability " + scene + "--set drive.normal_load=3");
   CHECK(pressed["jumps"] == true);
   CHECK(pressed["modes"].empty());
 
-  const auto cycle = answer_of(folder, "cycle " + scene + "--set drive.normal_load=0.5");
+  const auto cycle = answer_of_string(folder, "cycle " + scene + "--set drive.normal_load=0.5");
   CHECK(cycle["regime"] == "helmholtz");
   CHECK(std::abs(cycle["period"].get<double>() * 146.8 - 1) < 0.01);
   CHECK(cycle["error"]["period"].get<double>() < 1e-4);
   CHECK(content(folder.path / "out/cycle.csv").size() > 1000);
 
-  const auto sweep = answer_of(folder, "sweep " + scene +
-                                           "--set 'sweep={parameter=\"drive.normal_load\", from=0.4, to=0.6, points=3, "
-                                           "scale=\"linear\"}' --set cycle.periods=60");
+  const auto sweep =
+      answer_of_string(folder, "sweep " + scene +
+                                   "--set 'sweep={parameter=\"drive.normal_load\", from=0.4, to=0.6, points=3, "
+                                   "scale=\"linear\"}' --set cycle.periods=60");
   REQUIRE(sweep["up"]["period"].size() == 3);
   CHECK(sweep["regime"]["up"][1] == "cycle");
   CHECK(sweep["error"]["up"]["slip_distance"][1].get<double>() > 0);
   // A plane of one axis is that sweep.
   const auto map =
-      answer_of(folder, "map " + scene +
-                            "--set 'map={ x={ parameter=\"drive.normal_load\", from=0.4, to=0.6, points=3, "
-                            "scale=\"linear\" } }' --set cycle.periods=60");
+      answer_of_string(folder, "map " + scene +
+                                   "--set 'map={ x={ parameter=\"drive.normal_load\", from=0.4, to=0.6, points=3, "
+                                   "scale=\"linear\" } }' --set cycle.periods=60");
   CHECK(map["up"] == sweep["up"]);
   CHECK(map["error"] == sweep["error"]);
 }
@@ -177,14 +179,14 @@ TEST_CASE("strings are compared by run and cycle, with the numbers of those verb
        {std::tuple{"cycle", "slip_distance", "--set cycle.periods=60 "},
         std::tuple{"run", "bridge_force", "--set run.duration=0.1 --set run.start=helmholtz "}}) {
     CAPTURE(protocol);
-    const auto scene = examples + "schelleng-diagram.toml --no-pictures --out out " + table;
+    const auto scene = scenes_of_strings + "schelleng-diagram.toml --no-pictures --out out " + table;
     const auto compared =
-        answer_of(folder, "compare " + scene + "--set 'compare={ protocol = \"" + protocol +
-                              "\", members = [{ name = \"a\", set = { \"drive.normal_load\" = 0.4 } }, { name = "
-                              "\"b\", set = { \"drive.normal_load\" = 0.6 } }]}'");
+        answer_of_string(folder, "compare " + scene + "--set 'compare={ protocol = \"" + protocol +
+                                     "\", members = [{ name = \"a\", set = { \"drive.normal_load\" = 0.4 } }, { name = "
+                                     "\"b\", set = { \"drive.normal_load\" = 0.6 } }]}'");
     const auto& row = compared["differences"][metric];
     for (const auto& [member, load] : {std::pair{0, "0.4"}, {1, "0.6"}}) {
-      const auto alone = answer_of(folder, protocol + (" " + scene) + "--set drive.normal_load=" + load);
+      const auto alone = answer_of_string(folder, protocol + (" " + scene) + "--set drive.normal_load=" + load);
       const auto& value = protocol == std::string("run") ? alone["metrics"][metric] : alone[metric];
       CHECK(row["values"][std::size_t(member)] == value);
       CHECK(row["errors"][std::size_t(member)] == alone["error"][metric]);
@@ -196,11 +198,12 @@ TEST_CASE("questions that have no meaning for a string are refused with the reas
   const Folder folder;
   for (const auto& [verb, reason] :
        {std::pair{"branch", "all its waves"}, std::pair{"basin --set basin.samples=2", "all its waves"}}) {
-    const auto answer = run_rosin(folder, std::string(verb) + " --out out " + examples + "schelleng-diagram.toml");
+    const auto answer =
+        run_rosin(folder, std::string(verb) + " --out out " + scenes_of_strings + "schelleng-diagram.toml");
     CHECK(answer.status == 2);
     CHECK_THAT(answer.error, Contains(reason));
   }
-  const auto changing = run_rosin(folder, "cycle " + examples + "bowed-string.toml --out out");
+  const auto changing = run_rosin(folder, "cycle " + scenes_of_strings + "bowed-string.toml --out out");
   CHECK(changing.status == 2);
   CHECK_THAT(changing.error, Contains("drive.speed"));
 }
