@@ -117,7 +117,8 @@ TEST_CASE("events of an oscillator that is followed by steps are refused", "[fit
   const Folder folder;
   std::ofstream(folder.path / "events.csv") << "recurrence (s)\n1\n";
   std::ofstream(folder.path / "scene.toml")
-      << "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\nmass = 3\nstiffness = [400, 400]\n"
+      << "[law]\ntype = 'coulomb'\n[oscillator]\ntype = 'plane-slider'\nmass = 3\nstiffness = [400, 400]\ndamping = "
+         "[1, 1]\n"
          "[drive]\nspeed = [0.1, 0]\nnormal_load = 1\n[fit]\nparameters = ['law.mu_s']\n"
          "data = [{ type = 'stick-slip', file = 'events.csv' }]\n";
   const auto answer = run_rosin(folder, "fit scene.toml");
