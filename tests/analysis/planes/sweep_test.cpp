@@ -103,8 +103,8 @@ TEST_CASE("values that begin anew are the same motions in lanes and one by one",
         return model;
       },
       options);
-  REQUIRE(in_lanes.column_names ==
-          std::vector<std::string>{"displacement", "velocity", "slip_rate", "friction_force", "friction_coefficient"});
+  REQUIRE(in_lanes.column_names == std::vector<std::string>{"displacement", "velocity", "slip_rate", "friction_force",
+                                                            "friction_coefficient", "acceleration"});
   int stuck = 0;
   for (std::size_t i = 0; i < in_lanes.up.size(); ++i) {
     REQUIRE(in_lanes.up[i].columns[0].size() == 4);
