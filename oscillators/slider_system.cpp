@@ -566,12 +566,10 @@ Observation SliderSystem::observe(double t, const double* y) const {
       mechanical_ > 0 ? origin_.displacement + y[0] : (seen.friction_force + now.force) / model_.slider.stiffness;
   seen.state = rows_.natural_states(contact_slip_rate_index() >= 0 ? contact_slip_rate(t, y) : seen.slip_rate, now.load,
                                     y + mechanical_);
-  seen.acceleration = std::numeric_limits<double>::quiet_NaN();
-  if (mechanics_ == Mechanics::inertial) {
-    std::vector<double> f(size());
-    evaluate(t, y, f.data());
-    seen.acceleration = now.speed_rate - (sticking() ? 0 : f[1] / model_.slider.mass);
-  }
+  seen.acceleration = mechanics_ != Mechanics::inertial ? std::numeric_limits<double>::quiet_NaN()
+                      : sticking()                      ? now.speed_rate
+                                   : now.speed_rate - momentum_rate(now, y[0], seen.slip_rate, seen.friction_force) /
+                                                          model_.slider.mass;
   return seen;
 }
 
