@@ -393,6 +393,7 @@ def _loop(data: xarray.Dataset, names: list[str], narrow: bool) -> Figure:
 def _of_sweep(data: xarray.Dataset) -> list[str]:
     """One quantity, in all directions in which it was recorded."""
     names = [str(name) for name in data if "_error_" not in str(name)]
+    names.sort(key=lambda name: name.startswith("acceleration"))  # last, as in tables of runs
     stem = names[0].removesuffix("_up").removesuffix("_down")
     return [name for name in names if name.removesuffix("_up").removesuffix("_down") == stem]
 
