@@ -331,10 +331,9 @@ std::string symmetry_of(SectionMap& map, const Closed& closed, int returns, doub
 /// that, as a part of its size.
 void state_errors(PeriodRecord& fine, const PeriodRecord& coarse, double known) {
   for (auto& [name, measure] : fine.metrics) {
-    double apart = measure.value - coarse.metrics.at(name).value;
-    if (measure.unit == "rad") apart = std::remainder(apart, 2 * std::numbers::pi);
-    double size = std::abs(measure.value);
-    if (measure.unit == "rad") size = std::max(size, 1.0);
+    const bool is_phase = name.find("_phase_") != std::string::npos;  // coordinates may be angles, too
+    double apart = measure.value - coarse.metrics.at(name).value, size = std::abs(measure.value);
+    if (is_phase) apart = std::remainder(apart, 2 * std::numbers::pi), size = std::max(size, 1.0);
     for (const std::string_view end : {"_max", "_min", "_mean"})  // in which an oscillation may cancel
       if (name.ends_with(end))
         size = std::max(size, fine.metrics.at(name.substr(0, name.size() - end.size()) + "_amplitude").value);
