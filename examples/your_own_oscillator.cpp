@@ -2,7 +2,7 @@
 ///
 /// Rotor 1 is rubbed by a driven disc at the radius R, a spring k couples it to rotor 2, and a spring k2 holds that:
 ///   J1 q1'' = -k (q1 - q2) - c (q1' - q2') + R F + T,   J2 q2'' = k (q1 - q2) + c (q1' - q2') - k2 q2,
-/// with friction F at the slip rate V - R q1'. The program is the command `rosin`, which knows one type of oscillators more:
+/// with friction F at the slip rate V - R q1'. The program is the command `rosin` with one type more:
 ///   your_own_oscillator stability two-rotors.toml
 #include <rosin/app/add_oscillator.hpp>
 #include <rosin/app/command.hpp>
