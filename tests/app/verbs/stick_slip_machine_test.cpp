@@ -83,7 +83,7 @@ int inside(const Folder& folder, const Events& events, unsigned seeds) {
 
 }  // namespace
 
-TEST_CASE("noisy events of stick-slip of two masses give law and spring back", "[fit-stick-slip-machine]") {
+TEST_CASE("noisy events of stick-slip of two masses give law and spring back", "[fit-stick-slip-machine][long]") {
   const Folder folder;
   CHECK(inside(folder, events_of_motions(folder), 3) >= 5);
 }
