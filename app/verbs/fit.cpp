@@ -403,7 +403,7 @@ void say_negative_evolution(const oscillators::Model& start, const std::vector<M
   fit.warnings.insert(fit.warnings.begin(), fit.outcome.detail);
 }
 
-Status perform_fit_question(Job& job) {
+Status perform_fit(Job& job) {
   const auto& scene = job.scene();
   auto& asked = scene.task<tasks::Fit>();
   const auto begin = std::chrono::steady_clock::now();
@@ -499,7 +499,7 @@ Verb fit_verb() {
                     {"drive", "speed and load, where data do not say them", true}},
           .options = scene_options(),
           .read = read_fit_question,
-          .perform = perform_fit_question};
+          .perform = perform_fit};
 }
 
 }  // namespace rosin::app::verbs

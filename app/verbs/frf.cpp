@@ -517,7 +517,7 @@ void add_receptance(Job& job, ordered_json& document, std::vector<std::string>& 
   files.emplace_back("frf-receptance.csv");
 }
 
-Status perform_frf_question(Job& job) {
+Status perform_frf(Job& job) {
   const auto& scene = job.scene();
   auto& frf = scene.task<tasks::Frf>();
   const auto& model = scene.model;
@@ -607,7 +607,7 @@ Verb frf_verb() {
                     {"frf", "frequencies, and what is asked of them; a measured record needs neither law nor drive"}},
           .options = scene_options(),
           .read = read_frf_question,
-          .perform = perform_frf_question};
+          .perform = perform_frf};
 }
 
 }  // namespace rosin::app::verbs
