@@ -57,10 +57,22 @@ void read_cycle_table(scene::Table table, scene::SceneReader& reader) {
   table.finish();
 }
 
+std::vector<std::string> told_metrics(const scene::Scene& scene, const StructureCycle& cycle) {
+  std::vector<std::string> known;
+  for (const auto& [name, measure] : cycle.metrics) known.push_back(name);
+  return verbs::told_metrics(scene, known);
+}
+
 std::string document_of(const scene::Scene& scene, const StructureCycle& cycle) {
   auto document = output::begin(scene, "cycle", cycle.outcome);
   auto error = ordered_json::object();
-  for (const auto& [name, measure] : cycle.metrics) document[name] = measure.value, error[name] = measure.error;
+  const auto add = [&](const std::string& name) {
+    const auto& measure = cycle.metrics.at(name);
+    document[name] = measure.value, error[name] = measure.error;
+  };
+  std::ranges::for_each(told_metrics(scene, cycle), add);  // what a summary tells stands first
+  for (const auto& [name, measure] : cycle.metrics)
+    if (!error.contains(name)) add(name);
   document["stick_threshold"] = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
   if (!scene.structure && !scene.plane) document["ill_conditioned_stick"] = cycle.ill_conditioned_stick;
   document["coordinate_max"] = cycle.coordinate_max;
@@ -153,9 +165,7 @@ Status perform_cycle(Job& job) {
   if (cycle.returns == 0) return job.finish(document_of(scene, cycle), {}, cycle.outcome);
 
   Reached reached;
-  std::vector<std::string> known;
-  for (const auto& [name, measure] : cycle.metrics) known.push_back(name);
-  for (const auto& name : told_metrics(scene, known)) {
+  for (const auto& name : told_metrics(scene, cycle)) {
     const auto& metric = cycle.metrics.at(name);
     reached.add(metric.value, metric.error);
     job.say("{:<22} {}", name, justified(metric.value, metric.error, metric.unit));

@@ -77,7 +77,8 @@ TEST_CASE("a branch goes round its folds, which are located to rounding", "[bran
   for (const auto& point : branch.points) CHECK(std::abs(point.x[0] * point.x[0] + point.p * point.p - 1) < 1e-9);
 }
 
-TEST_CASE("cycles of the board slider over load agree with AUTO to all its digits, multipliers too", "[branches]") {
+TEST_CASE("cycles of the board slider over load agree with AUTO to all its digits, multipliers too",
+          "[branches][long]") {
   BranchOptions options;
   options.parameter = {2e-4, 1e-2, true};
   options.at = {5e-4, 1e-3, 2e-3, 5e-3};

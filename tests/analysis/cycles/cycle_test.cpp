@@ -284,7 +284,7 @@ TEST_CASE("slips that differ at one tolerance alone are one period each", "[cycl
   }
 }
 
-TEST_CASE("friction at a reversal is known as well as the heat that lags there", "[cycle]") {
+TEST_CASE("friction at a reversal is known as well as the heat that lags there", "[cycle][long]") {
   // Within 1.6e-6 s, a part in 1e10 of the period, the temperature follows the slip rate: at a reversal, where it is
   // least, it is what the steps before have left. Friction differs there by 3e-10 from one tolerance to the other.
   auto model = slider_under(

@@ -69,7 +69,7 @@ TEST_CASE("slips that amplify the errors of steps are searched for cycles at a t
   check_agreement(loose, fine, {&cycles::Metrics::period, &cycles::Metrics::loop_area});
 }
 
-TEST_CASE("slips that extrapolation brings to their cycle are of one kind", "[cycle]") {
+TEST_CASE("slips that extrapolation brings to their cycle are of one kind", "[cycle][long]") {
   auto model = slider_under("thermal-disc", {0.35, 0.4, 0.01, 0.45, 0.1, 0.001, 0.001, 0.008, 1.0, 0.0, 1.0},
                             {1.37e-12, 2.9e5, 1.49e-5}, 0.000184, 0.00653);
   model.lambda = 0.000413;

@@ -83,7 +83,7 @@ TEST_CASE("an oscillation that dies out has the growth rates of steady sliding")
     CHECK(exponent.value == Approx(-(damping + slope) / 2).epsilon(1e-12));
 }
 
-TEST_CASE("chaotic stick–slip agrees with long runs elsewhere, and with the slope of a one-dimensional map") {
+TEST_CASE("chaotic stick–slip agrees with long runs elsewhere, and with the slope of a one-dimensional map", "[long]") {
   const auto model = belt(0.4, 1, 0.5);
   const auto spectrum = spectrum_of(model, 6000);
   CHECK(spectrum.from == "average");
@@ -130,7 +130,7 @@ TEST_CASE("chaotic stick–slip agrees with long runs elsewhere, and with the sl
   CHECK(std::abs(logs / (t - begin) - 0.0731) < 0.02);
 }
 
-TEST_CASE("a search that finds no period says by its largest exponent whether the motion is chaotic", "[cycle]") {
+TEST_CASE("a search that finds no period says by its largest exponent whether the motion is chaotic", "[cycle][long]") {
   const auto searched = [](const StructureModel& model, int returns) {
     return find_cycle(model, {.max_cycles = returns, .multipliers = false, .exponent = true});
   };

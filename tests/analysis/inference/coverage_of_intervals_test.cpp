@@ -72,7 +72,8 @@ Coverage coverage(int realisations, int points, double every, double correlation
 
 }  // namespace
 
-TEST_CASE("intervals of a step with trend, clock and correlated noise hold the truth as often as they say", "[fit]") {
+TEST_CASE("intervals of a step with trend, clock and correlated noise hold the truth as often as they say",
+          "[fit][long]") {
   constexpr int realisations = 40;
   const auto found = coverage(realisations, 100, 0.05, 0.5);
   const double part = double(found.all()) / (realisations * double(numbers));

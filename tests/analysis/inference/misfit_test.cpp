@@ -91,7 +91,7 @@ TEST_CASE("a wrong law is warned of and gets no interval, the right one is not, 
   }
 }
 
-TEST_CASE("points left out of a right law are 1 under correlated noise too", "[misfit]") {
+TEST_CASE("points left out of a right law are 1 under correlated noise too", "[misfit][long]") {
   for (const double correlation : {0.0, 0.6}) {
     const auto found = count(slip_law, slip_law, correlation, 4, 5);
     INFO(correlation);

@@ -552,8 +552,11 @@ TEST_CASE("every experiment runs on every law, or says why not", "[lab][long]") 
   for (const auto& experiment : experiments())
     for (const auto& law : laws::catalogue()) {
       INFO(experiment.name << " on " << law->card().name);
+      auto task = task_for(experiment, law);
+      // A slope that grows for seconds lets a block on an undamped film ring some 10⁵ times.
+      if (experiment.name == "inclined-plane") task.settings.set("angle_rate", 1.0);
       try {
-        const auto result = experiment.perform(task_for(experiment, law));
+        const auto result = experiment.perform(task);
         CHECK((result.outcome.complete() || !result.outcome.detail.empty()));
         for (const auto& column : result.record.columns)
           REQUIRE(std::ranges::all_of(column, [](double value) { return std::isfinite(value); }));

@@ -88,7 +88,8 @@ TEST_CASE("lab: a structure of one coordinate reads as the slider that it is", "
   }
 }
 
-TEST_CASE("lab: with a frame a million times stiffer a machine of two masses reads as the slider", "[lab-machine]") {
+TEST_CASE("lab: with a frame a million times stiffer a machine of two masses reads as the slider",
+          "[lab-machine][long]") {
   for (const auto& machine : machines()) {
     INFO(machine.experiment << " of " << machine.law);
     const auto task = task_of(machine);

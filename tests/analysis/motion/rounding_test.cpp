@@ -34,7 +34,7 @@ TEST_CASE("BDF says that rounding error of large forces exceeds the step of its 
   CHECK(motion::run(model, options).outcome.ending == Ending::tolerance_not_met);
 }
 
-TEST_CASE("steps do not shrink for rounding error of friction", "[run]") {
+TEST_CASE("steps do not shrink for rounding error of friction", "[run][long]") {
   // Strongly damped bristles behind a spring of the contact: its slip rate follows from forces that all but cancel.
   auto ringing = slider_under(
       "lugre",

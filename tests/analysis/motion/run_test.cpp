@@ -42,7 +42,7 @@ void check(const std::vector<double>& found, const std::vector<double>& expected
 }
 }  // namespace
 
-TEST_CASE("velocity steps are exact for ageing, slip and spinodal laws", "[run]") {
+TEST_CASE("velocity steps are exact for ageing, slip and spinodal laws", "[run][long]") {
   const std::string solver = GENERATE("auto", "cvode");
   const std::vector<Value> rock = {0.6, 0.010, 0.015, 1e-5, 1e-6};
   check(after_step("ageing", rock, 1, 1e-6, 1e-5, {0, 0.05, 0.5, 1, 3, 10}, solver),

@@ -60,7 +60,8 @@ std::vector<double> numbers_of(const json& document) {
 
 }  // namespace
 
-TEST_CASE("an oscillator that a program adds answers each verb as the structure of its matrices", "[app][oscillator]") {
+TEST_CASE("an oscillator that a program adds answers each verb as the structure of its matrices",
+          "[app][oscillator][long]") {
   const std::string axis = "{ parameter = 'drive.normal_load', from = 70, to = 90, points = 3, scale = 'linear' }";
   const std::string run = "[run]\nduration = 3\nsamples = 50\nstart = 'rest'\n",
                     members = "members = [{ name = 'one' }, { name = 'two', set = { 'drive.normal_load' = 90 } }]\n";

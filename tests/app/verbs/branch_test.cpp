@@ -137,7 +137,7 @@ start = "steady"
              Contains("without a Hopf point, and no cycles are followed: at branch.from = 0.15"));
 }
 
-TEST_CASE("a branch follows the motion to which its start leads", "[app][branches]") {
+TEST_CASE("a branch follows the motion to which its start leads", "[app][branches][long]") {
   // Two motions live at 0.3 m/s: period three, and chaos from rest.
   const std::string scene = R"(
 [law]

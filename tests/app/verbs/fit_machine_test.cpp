@@ -110,7 +110,7 @@ TEST_CASE("a slider's stick and slip in closed form gives law and spring back", 
   CHECK(p["oscillator.mass"]["value"].get<double>() == Approx(m).epsilon(1e-6));
 }
 
-TEST_CASE("masses and springs come back with the law, where clock and start are unknown too", "[fit-machine]") {
+TEST_CASE("masses and springs come back with the law, where clock and start are unknown too", "[fit-machine][long]") {
   const Folder folder;
   const std::string law = "type = 'lugre'\nmu_d = 0.25\nv_s = 0.1\nsigma0 = 1e4\nsigma1 = 10\nsigma2 = 0\nmu_s = ",
                     start = "start = { displacement = 0, second_displacement = 2e-3, velocity = 0.2 }";

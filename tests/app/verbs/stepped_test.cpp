@@ -130,7 +130,7 @@ TEST_CASE("along its slip a plane slider has the eigenvalues of the slider, with
   }
 }
 
-TEST_CASE("a block answers by its steps", "[app][block]") {
+TEST_CASE("a block answers by its steps", "[app][block][long]") {
   const Folder folder;
   const auto cycle = answer(folder, "cycle", block + "[cycle]\nstart = { tilt = 1e-2 }\n");
   // Friction on average is that of the spring, whatever the motion.
