@@ -3,10 +3,12 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 #include <random>
 
 #include "analysis/cycles/structure_cycle.hpp"
 #include "laws/catalogue.hpp"
+#include "oscillators/pin_on_disk.hpp"
 #include "tests/bristol_board.hpp"
 
 using namespace rosin;
@@ -174,35 +176,50 @@ Model block_under(const char* law, std::vector<Value> values) {
   return model;
 }
 
-Varied blocks_under(const Model& model) {
-  return Varied({[=](const planes::Numbers& numbers) { return two_blocks(model, numbers); },
-                 [](const std::string& path) { return path == "drive.speed" ? 0.1 : 4; }});
+planes::Structures family_of_blocks(const Model& model) {
+  return {[=](const planes::Numbers& numbers) { return two_blocks(model, numbers); },
+          [](const std::string& path) { return path == "drive.speed" ? 0.1 : 4; }};
+}
+Varied blocks_under(const Model& model) { return Varied(family_of_blocks(model)); }
+
+/// The pin on a disk of Tworzydlo, Becker & Oden (1992) where it squeals.
+planes::Structures family_of_pins(const Model& model) {
+  return {[=](const planes::Numbers& numbers) {
+            auto contact = contact_of(model);
+            for (const auto& [path, value] : numbers)
+              (path == "drive.speed" ? contact.speed : contact.normal_load) = value;
+            oscillators::PinOnDisk rig;
+            rig.pin_stiffness = {1.2e6, 2.057e6, 600};
+            rig.pin_damping = {100, 130, 0.01};
+            rig.normal_law = laws::normal_law(laws::PowerContact{
+                .coefficient = 1.25e20, .exponent = 2.5, .bound_coefficient = 1.25e20, .bound_exponent = 2.5});
+            motion::StructureModel pin{oscillators::pin_on_disk(rig, contact), {}};
+            const auto& names = pin.structure.names;
+            pin.start.velocities.assign(names.size(), 0.0);
+            for (std::size_t j = 0; j < names.size(); ++j)
+              if (names[j].ends_with("normal_displacement")) pin.start.velocities[j] = 0.01;
+            return pin;
+          },
+          [](const std::string& path) { return path == "drive.speed" ? 0.46 : 200; }};
 }
 
-}  // namespace
-
-TEST_CASE("repeats of a design on two blocks decide rightly as often as asked, on drawn measurements",
-          "[discrimination]") {
-  const Model laws[] = {block_under("hyperbolic", {1.0, 3.0}), block_under("coulomb", {1.0, 0.6})};
-  DesignOptions options;
-  options.x = planes::make_axis("drive.speed", 0.1, 0.12, 2, false, {});
-  options.y = planes::make_axis("oscillator.stiffness", 4, 5, 2, false, {});
-  options.noise = {{"period", 20, 0}, {"displacement_1_max", 1, 0}, {"stick_fraction_2", 0.5, 0}};
-  options.tolerance = 1e-5;
-  const auto design = discriminate(std::vector{blocks_under(laws[0]), blocks_under(laws[1])}, options);
+/// What a design says at some of its points, against measurements that are drawn by cycles of both members there.
+void check_by_drawing(const std::vector<planes::Structures>& members, const DesignOptions& options,
+                      std::vector<std::size_t> points) {
+  const auto design = discriminate(std::vector{Varied(members[0]), Varied(members[1])}, options);
   REQUIRE(design.failed == 0);
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
-  for (std::size_t i = 0; i < design.information.size(); ++i) {
-    std::vector<double> distances;  // in standard deviations
+  for (const std::size_t i : points) {
     std::map<std::string, double> values[2];
     for (const int k : {0, 1}) {
-      const auto cycle = cycles::find_cycle(two_blocks(laws[k], {{"drive.speed", options.x.values[i % 2]},
-                                                                 {"oscillator.stiffness", options.y.values[i / 2]}}),
-                                            {.tolerance = 1e-6});
+      const auto cycle = cycles::find_cycle(members[k].with({{options.x.parameter, options.x.values[i % 2]},
+                                                             {options.y.parameter, options.y.values[i / 2]}}),
+                                            {.tolerance = 0.1 * options.tolerance});
       REQUIRE(cycle.outcome.complete());
       for (const auto& [name, measure] : cycle.metrics) values[k][name] = measure.value;
     }
+    std::vector<double> distances;  // in standard deviations
     double information = 0;
     for (std::size_t m = 0; m < options.noise.size(); ++m) {
       const auto& noise = options.noise[m];
@@ -229,6 +246,32 @@ TEST_CASE("repeats of a design on two blocks decide rightly as often as asked, o
     const double expected = 0.5 * std::erfc(-std::sqrt(0.5 * information * repeats) / std::sqrt(2.0));
     CHECK(double(right) / draws == Approx(expected).margin(0.015));
   }
+}
+
+}  // namespace
+
+TEST_CASE("repeats of a design on two blocks decide rightly as often as asked, on drawn measurements",
+          "[discrimination]") {
+  DesignOptions options;
+  options.x = planes::make_axis("drive.speed", 0.1, 0.12, 2, false, {});
+  options.y = planes::make_axis("oscillator.stiffness", 4, 5, 2, false, {});
+  options.noise = {{"period", 20, 0}, {"displacement_1_max", 1, 0}, {"stick_fraction_2", 0.5, 0}};
+  options.tolerance = 1e-5;
+  check_by_drawing(
+      {family_of_blocks(block_under("hyperbolic", {1.0, 3.0})), family_of_blocks(block_under("coulomb", {1.0, 0.6}))},
+      options, {0, 1, 2, 3});
+}
+
+TEST_CASE("repeats of a design on a pin that squeals decide rightly as often as asked, on drawn measurements",
+          "[discrimination][long]") {
+  DesignOptions options;
+  options.x = planes::make_axis("drive.normal_load", 200, 240, 2, false, {});
+  options.y = planes::make_axis("drive.speed", 0.4, 0.5, 2, false, {});
+  options.noise = {{"slip_rate_max", 0.1, 0}, {"friction_mean", 0.01, 0}, {"stick_fraction", 0.05, 0}};
+  options.tolerance = 1e-4;
+  check_by_drawing({family_of_pins(block_under("coulomb", {0.25, 0.25})),
+                    family_of_pins(block_under("stribeck", {0.27, 0.24, 0.3, 1.0, 0.0}))},
+                   options, {0});
 }
 
 TEST_CASE("blocks that slide steadily count with what steady sliding shows", "[discrimination]") {
