@@ -206,6 +206,35 @@ double Signal::level() const {
   return value(0);
 }
 
+Signal Signal::scaled(double factor, double offset) const {
+  const auto at = [=](double value) { return factor * value + offset; };
+  return std::visit(Overloaded{
+                        [at](double constant) { return Signal(at(constant)); },
+                        [at](Steps form) {
+                          for (auto& step : form.steps) step.value = at(step.value);
+                          return Signal(std::move(form));
+                        },
+                        [=](const Ramp& form) {
+                          return Signal(Ramp{at(form.from), factor * form.rate});
+                        },
+                        [=](Harmonics form) {
+                          form.mean = at(form.mean);
+                          for (auto& term : form.terms) term.amplitude *= factor;
+                          return Signal(std::move(form));
+                        },
+                        [at](Table form) {
+                          for (auto& value : form.value) value = at(value);
+                          return Signal(std::move(form));
+                        },
+                        [=](const MadeNoise& form) {
+                          auto band = form.noise->band();
+                          band.rms *= factor;
+                          return band.rms > 0 ? Signal(Noise{at(form.mean), band}) : Signal(at(form.mean));
+                        },
+                    },
+                    form_);
+}
+
 Signal Signal::with_level(double level) const {
   if (const auto* form = std::get_if<Harmonics>(&form_)) return Signal(Harmonics{level, form->terms});
   if (const auto* form = std::get_if<MadeNoise>(&form_)) {

@@ -68,6 +68,8 @@ class Signal {
   int direction() const;
   /// The constant value or the mean of harmonics or noise; the value at t = 0 for other forms.
   double level() const;
+  /// factor·signal + offset, for a factor >= 0.
+  Signal scaled(double factor, double offset) const;
   /// The same signal with another level; other forms than constant, harmonics and noise become constant.
   Signal with_level(double) const;
 

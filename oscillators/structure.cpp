@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -41,8 +42,9 @@ bool depend_on_each_other(const std::vector<FrictionContact>& contacts, const st
   return Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(directions).rank() < directions.cols();
 }
 
-/// Without mass friction balances the other forces at every moment: that has to say how fast the contact slips.
-/// \throws InputError where it does not
+/// Without mass the other forces balance at every moment: friction has to say how fast the contact slips, or, where no
+/// contact is, dampers how fast the coordinate moves, as the integral of a controller's error does.
+/// \throws InputError where they do not
 void check_without_mass(const Structure& structure, int i) {
   const auto fail = [&](const char* why) {
     throw InputError(fmt::format("{} has no mass: {} (mass, kg)",
@@ -50,7 +52,8 @@ void check_without_mass(const Structure& structure, int i) {
                                  why));
   };
   constexpr const char* needs =
-      "it needs one contact with friction, along it alone, whose slip rate balances the forces";
+      "it needs a damping of its own (C, N s/m), which says how fast it moves, or one contact with friction, along it "
+      "alone, whose slip rate balances the forces; and other contacts lie along one coordinate each";
   const FrictionContact* only = nullptr;
   for (const auto& contact : structure.contacts) {
     if (contact.frictionless()) continue;
@@ -58,14 +61,52 @@ void check_without_mass(const Structure& structure, int i) {
     if (!alone || (only && contact.tangential[i] != 0)) fail(needs);
     if (contact.tangential[i] != 0) only = &contact;
   }
-  if (!only) fail(needs);
+  if (!only) {
+    if (structure.C(i, i) == 0) fail(needs);
+    return;
+  }
   if (only->law->set_valued()) fail("under a set-valued law nothing says how fast it slips; give it a mass");
   if (only->stiffness.present() && structure.C(i, i) == 0)
     fail("with a contact spring and no damper forces do not depend on its slip rate; give it a mass or a damping");
   if (std::ranges::any_of(structure.stops, [&](const Stop& stop) { return stop.coordinate == i; }))
     fail("a stop needs a mass that it stops");
 }
+/// Rates of several coordinates without mass and contact follow from their dampers together.
+void check_rates_without_mass(const Structure& structure) {
+  std::vector<int> without;
+  for (int i = 0; i < structure.size(); ++i)
+    if (structure.M(i, i) == 0 &&
+        std::ranges::none_of(structure.contacts, [&](const auto& contact) { return contact.tangential[i] != 0; }))
+      without.push_back(i);
+  if (without.size() < 2) return;
+  const Eigen::MatrixXd C = structure.C(without, without);
+  if (Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(C).rank() < C.cols())
+    throw InputError(
+        "the coordinates without mass and contact have a damping matrix without an inverse, which leaves their speeds "
+        "open (C, N s/m)");
+}
 }  // namespace
+
+bool Structure::stands_still(int coordinate) const {
+  return std::ranges::any_of(contacts, [coordinate](const FrictionContact& contact) {
+    return contact.tangential[coordinate] != 0 && contact.speed.constant() && contact.speed.level() == 0;
+  });
+}
+
+bool Structure::feeds_itself() const {
+  constexpr double rounding = 1e-12;
+  if ((K - K.transpose()).cwiseAbs().maxCoeff() > rounding * K.cwiseAbs().maxCoeff()) return true;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> damping(C + C.transpose(), Eigen::EigenvaluesOnly);
+  return damping.eigenvalues().minCoeff() < -rounding * C.cwiseAbs().maxCoeff();
+}
+
+void Structure::require_drive() const {
+  const auto rests = [](const FrictionContact& contact) { return contact.speed.level() == 0; };
+  if (common_period(*this) > 0 || !std::ranges::all_of(contacts, rests) || feeds_itself()) return;
+  throw InputError(
+      "nothing drives the structure: no surface moves, no force varies (drive.speed, m/s), and its matrices feed no "
+      "energy: K is symmetric and C damps");
+}
 
 void Structure::check() const {
   const int n = size();
@@ -84,6 +125,7 @@ void Structure::check() const {
   if (!is_positive) throw InputError("M is not symmetric and positive definite (mass matrix, kg)");
   for (int i = 0; i < n; ++i)
     if (M.isDiagonal(0) && M(i, i) == 0) check_without_mass(*this, i);
+  check_rates_without_mass(*this);
   if (!force.empty() && int(force.size()) != n)
     throw InputError(fmt::format("{} forces for {} coordinates", force.size(), n));
   std::vector<std::size_t> set_valued;

@@ -79,6 +79,12 @@ struct Structure {
   /// stick along directions that depend on each other, parts of a contact that do not go together, and rigid stops
   /// where an impact would be shared by masses.
   void check() const;
+  /// Friction may hold the coordinate on a surface at rest.
+  bool stands_still(int coordinate) const;
+  /// Its matrices can feed energy, as those of a controller do: K is not symmetric, or C does not damp every motion.
+  bool feeds_itself() const;
+  /// \throws InputError where no surface moves, nothing varies, and it does not feed itself: all motion dies out.
+  void require_drive() const;
 
  private:
   void check_stops() const;

@@ -205,7 +205,9 @@ int Recogniser::add(const Identified& found) {
     if (is_same(known_[std::size_t(k)], cycle)) return k;
   if (known_.size() == first_cycle) {
     const auto part = [&](int i) {
-      return (cycle.coordinate_max[std::size_t(i)] - cycle.coordinate_min[std::size_t(i)]) / natural_[i];
+      constexpr double hardly = 1e-3;  // where it sticks to a surface at rest it has no single moment of its maximum
+      return (cycle.coordinate_max[std::size_t(i)] - cycle.coordinate_min[std::size_t(i)]) / natural_[i] *
+             (structure_.stands_still(i) ? hardly : 1);
     };
     for (int i = 1; i < structure_.size(); ++i)
       if (part(i) > part(watched_)) watched_ = i;

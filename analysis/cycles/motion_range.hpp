@@ -35,14 +35,17 @@ class MotionRange {
     for (Eigen::Index i = 2 * n; i < half.size(); ++i) half[i] = std::max(half[i], least * natural[i]);
     return half;
   }
-  /// The coordinate that moves most, as a part of its natural size.
+  /// The coordinate that moves most, as a part of its natural size. One that friction holds on a surface at rest stands
+  /// still for as long as that sticks, so that it has no single moment of its maximum: others come before it.
   int widest() const {
     std::vector<double> natural(low_.size());
     system_.scale(std::vector<double>(low_.size()).data(), natural.data());
-    int best = 0;
     const auto part = [&](int i) { return (high_[i] - low_[i]) / natural[i]; };
+    constexpr double hardly = 1e-3;
+    const auto weight = [&](int i) { return system_.structure().stands_still(i) ? hardly * part(i) : part(i); };
+    int best = 0;
     for (int i = 1; i < system_.coordinates(); ++i)
-      if (part(i) > part(best)) best = i;
+      if (weight(i) > weight(best)) best = i;
     return best;
   }
 

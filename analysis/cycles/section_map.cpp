@@ -65,9 +65,25 @@ void SectionMap::add_to_count(const Follower& follower) {
   count = {count.steps + done.steps, count.evaluations + done.evaluations, count.choices + done.choices};
 }
 
+SectionMap::Followers SectionMap::algebraic(const std::vector<double>& y, const std::vector<double>& mass) const {
+  const int n = system_.size();
+  Followers found;
+  for (int i = 0; i < n; ++i) (mass[i] == 0 ? found.algebraic : found.differential).push_back(i);
+  if (found.algebraic.empty()) return found;
+  std::vector<double> f(n);
+  RowMajor J(n, n);
+  system_.linearise(0, y.data(), f.data(), J.data());
+  const MatrixXd of_algebraic = J(found.algebraic, found.algebraic);
+  found.slopes.resize(Eigen::Index(found.algebraic.size()), Eigen::Index(found.differential.size()));
+  for (std::size_t j = 0; j < found.differential.size(); ++j)
+    found.slopes.col(Eigen::Index(j)) =
+        -solve_linear(of_algebraic, VectorXd(J(found.algebraic, found.differential[j])));
+  return found;
+}
+
 /// Of the velocity of the watched coordinate, by the differential unknowns: where it has no mass its velocity follows
 /// from them.
-VectorXd SectionMap::gradient_of_section(const std::vector<double>& y, const std::vector<double>& mass) const {
+VectorXd SectionMap::gradient_of_section(const Followers& followers) const {
   const int n = system_.size();
   std::vector<double> unit(n);
   VectorXd gradient(n);
@@ -77,17 +93,9 @@ VectorXd SectionMap::gradient_of_section(const std::vector<double>& y, const std
     gradient[i] = system_.velocity(0, unit.data())[coordinate_] - at_none;  // linear in the unknowns
     unit[i] = 0;
   }
-  std::vector<int> algebraic;
-  for (int i = 0; i < n; ++i)
-    if (mass[i] == 0) algebraic.push_back(i);
-  if (std::ranges::all_of(algebraic, [&](int i) { return gradient[i] == 0; })) return gradient;
-  std::vector<double> f(n);
-  RowMajor J(n, n);
-  system_.linearise(0, y.data(), f.data(), J.data());
-  const MatrixXd of_algebraic = J(algebraic, algebraic).transpose();
-  const VectorXd multiplier = solve_linear(of_algebraic, gradient(algebraic));
-  gradient -= J(algebraic, Eigen::all).transpose() * multiplier;
-  gradient(algebraic).setZero();
+  if (followers.algebraic.empty()) return gradient;
+  gradient(followers.differential) += followers.slopes.transpose() * gradient(followers.algebraic);
+  gradient(followers.algebraic).setZero();
   return gradient;
 }
 
@@ -130,8 +138,12 @@ SectionMap::Return SectionMap::follow(const std::vector<double>& y, double toler
     system_.mass(0, mass.data());
     VectorXd rate(n);
     for (int i = 0; i < n; ++i) rate[i] = mass[i] != 0 ? f[i] / mass[i] : 0;
-    const VectorXd gradient = gradient_of_section(result.y, mass);
+    const auto followers = algebraic(result.y, mass);
+    const VectorXd gradient = gradient_of_section(followers);
     result.derivative -= rate * (gradient.transpose() * result.derivative) / gradient.dot(rate);
+    if (!followers.algebraic.empty())
+      result.derivative(followers.algebraic, Eigen::all) =
+          followers.slopes * result.derivative(followers.differential, Eigen::all);
   }
   return result;
 }

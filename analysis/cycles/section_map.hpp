@@ -47,7 +47,13 @@ class SectionMap {
 
  private:
   motion::Section section() const;
-  Eigen::VectorXd gradient_of_section(const std::vector<double>& y, const std::vector<double>& mass) const;
+  /// How unknowns without a rate of their own follow the differential ones, δy_a = slopes·δy_d.
+  struct Followers {
+    std::vector<int> algebraic, differential;
+    Eigen::MatrixXd slopes;
+  };
+  Followers algebraic(const std::vector<double>& y, const std::vector<double>& mass) const;
+  Eigen::VectorXd gradient_of_section(const Followers&) const;
   void add_to_count(const motion::Follower&);
 
   oscillators::StructureSystem system_;

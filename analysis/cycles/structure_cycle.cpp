@@ -7,6 +7,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -413,9 +414,7 @@ StructureCycle find_cycle(const motion::StructureModel& model, const StructureCy
   require(options.tolerance, {1e-11, 0.1}, "tolerance", "relative accuracy of a cycle", "1");
   SectionMap map(model.structure);
   map.most_steps = options.most_steps;
-  if (!map.driven() &&
-      std::ranges::all_of(model.structure.contacts, [](const auto& contact) { return contact.speed.level() == 0; }))
-    throw InputError("nothing drives the structure: no surface moves, and no force varies (drive.speed, m/s)");
+  model.structure.require_drive();
   StructureCycle result;
   RecurrenceSearch search(map, model, options);
   auto recurrence = search.search();
@@ -451,14 +450,22 @@ StructureCycle find_cycle(const motion::StructureModel& model, const StructureCy
     if (fine) coarse.emplace(std::move(*fine));
     fine.emplace(map, std::move(closed), recurrence.returns, tolerance, options.stick_threshold);
     if (coarse) {
-      double longest = 0;  // range of the widest coordinate, for those that hardly move
+      // Each coordinate within the range of the widest of its unit: those that hardly move matter less.
+      std::map<std::string, double> widest;
+      const auto& structure = model.structure;
+      std::vector<double> size(near.size());
+      map.system().scale(near.data(), size.data());
+      for (std::size_t i = 0; i < fine->coordinate_max.size(); ++i) {
+        double& range = widest[structure.unit(int(i))];
+        range = std::max(range, fine->coordinate_max[i] - fine->coordinate_min[i]);
+      }
       state_errors(*fine, *coarse, std::max(tolerance, fine->closed.change));
-      for (std::size_t i = 0; i < fine->coordinate_max.size(); ++i)
-        longest = std::max(longest, fine->coordinate_max[i] - fine->coordinate_min[i]);
       worst = std::max(fine->closed.change, fine->metrics["period"].error / fine->duration);
-      for (std::size_t i = 0; i < fine->coordinate_max.size(); ++i)
-        worst = std::max({worst, std::abs(fine->coordinate_max[i] - coarse->coordinate_max[i]) / longest,
-                          std::abs(fine->coordinate_min[i] - coarse->coordinate_min[i]) / longest});
+      for (std::size_t i = 0; i < fine->coordinate_max.size(); ++i) {
+        const double range = std::max(widest[structure.unit(int(i))], 1e-3 * size[i]);  // not that of a rest
+        worst = std::max({worst, std::abs(fine->coordinate_max[i] - coarse->coordinate_max[i]) / range,
+                          std::abs(fine->coordinate_min[i] - coarse->coordinate_min[i]) / range});
+      }
     }
     if (tolerance <= least) break;
     tolerance = std::max(tolerance * finer, least);

@@ -106,9 +106,7 @@ SteppedOscillator stepped(const StructureModel& model, const Stepping& stepping,
   using Kind = Channel::Kind;
   SteppedOscillator oscillator;
   oscillator.drive_period = common_period(structure);
-  if (!oscillator.driven() &&
-      std::ranges::all_of(structure.contacts, [](const auto& contact) { return contact.speed.level() == 0; }))
-    throw InputError("nothing drives the structure: no surface moves, and no force varies (drive.speed, m/s)");
+  structure.require_drive();
   for (const auto& functional : structure.functionals)
     oscillator.channels.push_back({functional.name, functional.unit});
   for (const auto& functional : structure.functionals)

@@ -20,8 +20,7 @@ std::string name_of(const std::string& rate, const std::string& coordinate) {
 std::string velocity_name(const std::string& coordinate) { return name_of("velocity", coordinate); }
 std::string acceleration_name(const std::string& coordinate) { return name_of("acceleration", coordinate); }
 
-StructureRecord::StructureRecord(const StructureSystem& system)
-    : system_(system), force_(system.friction_contacts()), has_mass_(system.structure().M(0, 0) > 0) {
+StructureRecord::StructureRecord(const StructureSystem& system) : system_(system), force_(system.friction_contacts()) {
   const Structure& structure = system.structure();
   const auto add = [&](std::string name, std::string unit) {
     names.push_back(std::move(name));
@@ -42,8 +41,8 @@ StructureRecord::StructureRecord(const StructureSystem& system)
     if (system.follows_motion(j)) add("open_fraction" + number, "1");
     for (const auto& state : structure.contacts[j].law->states()) add(state.name + number, state.unit);
   }
-  for (std::size_t i = 0; has_mass_ && i < structure.names.size(); ++i)
-    add(acceleration_name(structure.names[i]), structure.unit(int(i)) + "/s^2");
+  for (std::size_t i = 0; i < structure.names.size(); ++i)
+    if (has_mass(int(i))) add(acceleration_name(structure.names[i]), structure.unit(int(i)) + "/s^2");
   values.resize(names.size());
 }
 
@@ -64,8 +63,9 @@ void StructureRecord::observe(double t, const double* y, std::vector<double>& ro
     if (system_.follows_motion(j)) row.push_back(system_.open_fraction(j, t, y));
     for (const double state : system_.states(j, t, y)) row.push_back(state);
   }
-  if (!has_mass_) return;
-  for (const double a : system_.acceleration(t, y)) row.push_back(a);
+  const auto acceleration = system_.acceleration(t, y);
+  for (int i = 0; i < n; ++i)
+    if (has_mass(i)) row.push_back(acceleration[i]);
 }
 
 void StructureRecord::record(double t, const double* y) {

@@ -31,9 +31,10 @@ class StructureRecord {
 
  private:
   bool shows_load(int contact) const;
+  bool has_mass(int coordinate) const { return system_.structure().M(coordinate, coordinate) > 0; }
+
   const oscillators::StructureSystem& system_;
   std::vector<double> force_, row_;
-  bool has_mass_;
 };
 
 /// As a record numbers it: contacts only where there are several.

@@ -76,8 +76,11 @@ std::vector<double> record_point(const StructureModel& model, const SweepOptions
   const auto outcome = map.follow_crossings(
       y, 0.1 * options.tolerance,
       [&](int crossing, double t, const std::vector<double>& there) {
-        if (crossing > options.transient && options.record == Record::section)
+        if (crossing > options.transient && options.record == Record::section) {
           record.record(map.driven() ? 0 : t, there.data());
+          // The section is where the watched velocity is 0: what rounding leaves of it is no difference of two returns.
+          if (!map.driven()) record.values[std::size_t(map.system().coordinates() + options.watch)].back() = 0;
+        }
         recording = crossing >= options.transient;
         end = there;
         return crossing >= options.transient + options.keep;

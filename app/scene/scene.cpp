@@ -10,6 +10,7 @@
 #include "app/scene/law.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/structure.hpp"
 #include "core/error.hpp"
 
 namespace rosin::app::scene {
@@ -51,10 +52,13 @@ void SceneReader::require_smoothing_to_matter() const {
 void SceneReader::law() { read_law(*this, Table(need("law", "the friction law"), "law"), scene.model); }
 
 namespace {
+constexpr const char* servo_key = "servo";
+
 /// [oscillator] with the keys that every type has.
 Table oscillator_table(const toml::node& node) {
   Table table(node, "oscillator");
   for (const auto* key : Reference::keys) table.find(key);
+  table.find(servo_key);
   return table;
 }
 }  // namespace
@@ -62,8 +66,10 @@ Table oscillator_table(const toml::node& node) {
 void SceneReader::oscillator() {
   const auto& node = need("oscillator", "mass, stiffness and damping of the slider");
   const auto& type = oscillator_type(*this, node);
+  scene.structure.reset();  // of a scene that is read again with other numbers
   type.read(*this, oscillator_table(node), true);
   type.read_drive(*this, Table(need("drive", "speed and normal load"), "drive"), true);
+  if (const auto* servo = node.as_table()->get(servo_key)) read_servo(*this, *servo);
   if (!scene.plane && !scene.structure) located(node.source(), [&] { scene.model.check(); });
   if (!scene.structure && scene.model.drive.normal_load.constant())
     note_unread({"law.load_memory"}, "the normal load is constant");
@@ -74,6 +80,7 @@ void SceneReader::oscillator_if_there(bool complete) {
   const auto& type = oscillator ? oscillator_type(*this, *oscillator) : oscillator_types().front();
   if (oscillator) type.read(*this, oscillator_table(*oscillator), complete);
   if (drive) type.read_drive(*this, Table(*drive, "drive"), complete);
+  if (const auto* servo = oscillator ? oscillator->as_table()->get(servo_key) : nullptr) read_servo(*this, *servo);
 }
 
 void SceneReader::note_unread(std::initializer_list<std::string_view> paths, std::string_view why) {

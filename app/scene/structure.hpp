@@ -39,6 +39,9 @@ void read_stops(SceneReader&, Table& oscillator);
 /// coordinate. Nothing where it has none.
 void read_slider_stops(SceneReader&, Table oscillator);
 
+/// oscillator.servo, of a slider or a structure that is read: a slider becomes a structure.
+void read_servo(SceneReader&, const toml::node& servo);
+
 /// A normal law: the linear one by its stiffness, cubic, damping and lift_off, the power law by its coefficient.
 /// \param per_area  the law gives pressures, of a contact with an area
 std::shared_ptr<const NormalLaw> read_normal_law(Table, bool per_area);

@@ -43,6 +43,14 @@ bool has_periodic_drive(const scene::Scene& scene) {
   return scene.structure ? !scene.structure->structure.constant() : !scene.model.drive.constant();
 }
 
+/// On a surface at rest a structure sticks, or moves to and fro.
+bool can_slide_steadily(const scene::Scene& scene, const scene::Family& family, const std::string& path, double from) {
+  if (has_periodic_drive(scene)) return false;
+  if (!scene.structure) return true;
+  const auto rests = [](const auto& contact) { return !contact.frictionless() && contact.speed.level() == 0; };
+  return std::ranges::none_of(family.with({{path, from}}).structure.contacts, rests);
+}
+
 /// parameter, from, to and scale.
 void read_parameter(scene::Table& table, const scene::Family& family, Quantity& parameter,
                     analysis::branches::ParameterScale& range) {
@@ -116,7 +124,9 @@ void read_branch_table(scene::Table table, scene::SceneReader& reader) {
   auto& options = task.options;
   read_parameter(table, family, task.parameter, options.parameter);
   const auto& [from, to, logarithmic] = options.parameter;
-  task.from_cycle = has_periodic_drive(scene);
+  const bool slides =
+      scene::located(table.source(), [&] { return can_slide_steadily(scene, family, task.parameter.name, from); });
+  task.from_cycle = !slides;
   options.cycles = !scene.plane && !scene.block;
   if (const auto* start = table.find("start");
       !options.cycles && (task.from_cycle || (start && start->value_or(std::string()) != "steady")))
@@ -128,9 +138,10 @@ void read_branch_table(scene::Table table, scene::SceneReader& reader) {
     read_start(scene, *start, table.path("start"));
   } else if (start) {
     task.from_cycle = scene::choice(*start, table.path("start"), {"steady", "cycle"}) == "cycle";
-    if (!task.from_cycle && has_periodic_drive(scene))
+    if (!task.from_cycle && !slides)
       scene::fail(start->source(),
-                  "branch.start = \"steady\": under a drive that varies there is no steady sliding; give \"cycle\"");
+                  "branch.start = \"steady\": under a drive that varies, or on a surface at rest, there is no steady "
+                  "sliding; give \"cycle\"");
   }
   if (const auto* values = table.find("values")) {
     auto quantity = task.parameter;

@@ -94,6 +94,10 @@ void read_column(scene::Table& table, scene::Scene& scene) {
   for (int i = 0; i < coordinates; ++i)  // their velocities follow them
     if (sweep.column == known[std::size_t(i)] || sweep.column == known[std::size_t(coordinates + i)])
       sweep.options.watch = i;
+  // One that sticks to a surface at rest has no single moment of its maximum.
+  const auto stands_still = [&](int i) { return !stepped && scene.structure->structure.stands_still(i); };
+  for (int i = 0; i < coordinates && stands_still(sweep.options.watch); ++i)
+    if (!stands_still(i)) sweep.options.watch = i;
 }
 
 void read_sweep_table(scene::Table table, scene::Scene& scene) {

@@ -117,3 +117,20 @@ duration = 1
   CHECK_THAT(ask("run --set run.start.displacement_1=[0,1]", chain).error,
              Contains("run.start.displacement_1 is a list"));
 }
+
+TEST_CASE("a servo says what it needs", "[refusals][servo]") {
+  const auto with = [](const std::string& servo) {
+    auto text = slider;
+    return ask("cycle", text.insert(text.find("[drive]"), "servo = " + servo + "\n"));
+  };
+  for (const auto& [servo, why] : {std::pair{"{ kp = 3, gain = 1 }", "unknown key 'gain' in [oscillator.servo]"},
+                                   std::pair{"{ reference = 1 }", "oscillator.servo has no effect without a gain"},
+                                   std::pair{"{ kp = -1 }", "oscillator.servo.kp = -1"},
+                                   std::pair{"{ coordinate = 2, kp = 1 }", "oscillator.servo.coordinate"},
+                                   std::pair{"{ kp = 1, reference = '1 N' }", "oscillator.servo.reference"}}) {
+    const auto printed = with(servo);
+    INFO(servo);
+    CHECK(printed.status == 2);
+    CHECK_THAT(printed.error, StartsWith("scene.toml:10:") && Contains(why));
+  }
+}

@@ -1,0 +1,44 @@
+/// A position servo on a coordinate of a slider or a structure: oscillator.servo.
+#include "oscillators/servo.hpp"
+
+#include "app/scene/reader.hpp"
+#include "app/scene/signal.hpp"
+#include "app/scene/structure.hpp"
+
+namespace rosin::app::scene {
+
+void read_servo(SceneReader& reader, const toml::node& node) {
+  auto& scene = reader.scene;
+  const std::string_view verb = reader.request.verb;
+  const auto& served = verbs_of_structures;
+  if (scene.string || scene.plane || scene.block || std::ranges::find(served, verb) == served.end() || verb == "lab")
+    fail(node.source(), "oscillator.servo acts on a slider or a structure, by {} but lab; leave it out here",
+         fmt::join(served, ", "));
+  if (!scene.structure)
+    scene.structure.emplace().structure = located(node.source(), [&] { return oscillators::one_slider(scene.model); });
+  auto& structure = scene.structure->structure;
+
+  Table table(node, "oscillator.servo");
+  table.expect({"coordinate", "kp", "ki", "kd", "reference"});
+  int number = 1;
+  if (structure.size() > 1) table.required("coordinate", "number of the coordinate, from 1");
+  table.read("coordinate", number, 1, structure.size(), "number of the coordinate, from 1");
+  oscillators::Servo servo{.coordinate = number - 1};
+  constexpr Range gains{0, 1e15};
+  table.read("kp", servo.proportional, {"", "N/m", gains, "proportional gain kp of the servo"});
+  table.read("ki", servo.integral, {"", "N/(m s)", gains, "integral gain ki of the servo"});
+  table.read("kd", servo.derivative, {"", "N s/m", gains, "derivative gain kd of the servo"});
+  if (const auto* reference = table.find("reference"))
+    servo.reference = read_signal(
+        *reference, {table.path("reference"), "m", {-1e15, 1e15}, "position that the servo holds"}, reader.folder);
+  table.finish();
+  if (!(servo.proportional > 0 || servo.integral > 0 || servo.derivative > 0))
+    fail(node.source(), "oscillator.servo has no effect without a gain: give kp (N/m), ki (N/(m s)) or kd (N s/m)");
+  structure = located(node.source(), [&] {
+    auto controlled = oscillators::with_servo(std::move(structure), servo);
+    controlled.check();
+    return controlled;
+  });
+}
+
+}  // namespace rosin::app::scene

@@ -1,0 +1,20 @@
+/// A position servo that acts on a coordinate of a structure.
+#pragma once
+#include "oscillators/structure.hpp"
+
+namespace rosin::oscillators {
+
+/// u = kp (r − x) + ki ∫(r − x) dt − kd ẋ on coordinate x (N), without delay or limit.
+struct Servo {
+  int coordinate = 0;
+  double proportional = 0, integral = 0, derivative = 0;  ///< N/m, N/(m s), N s/m
+  Signal reference = 0.0;                                 ///< m
+};
+
+/// The structure with the servo. Where it integrates, the force f = ki ∫(r − x) dt is one more coordinate, without
+/// mass: ḟ + ki x = ki r ("servo_force", N); it feeds energy, as no spring does, and hunts where friction at rest is
+/// above that in motion (Armstrong-Hélouvry, Dupont & Canudas de Wit 1994). \throws InputError where force and
+/// reference of the coordinate both vary
+Structure with_servo(Structure, const Servo&);
+
+}  // namespace rosin::oscillators

@@ -1,0 +1,127 @@
+/// Servos that hunt, and coordinates without mass: against an independent integrator and equal structures.
+#include "oscillators/servo.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/cycles/structure_cycle.hpp"
+#include "laws/catalogue.hpp"
+
+using namespace rosin;
+using namespace rosin::oscillators;
+using analysis::cycles::find_cycle;
+using analysis::motion::Start;
+using analysis::motion::StructureModel;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// 1 kg without a spring on a surface at rest, pressed by 1 N.
+Model carriage(double static_friction, double kinetic_friction) {
+  Model model;
+  model.law = laws::find_law("coulomb")->with({static_friction, kinetic_friction});
+  model.slider = {1, 0, 0};
+  model.drive.speed = 0.0, model.drive.normal_load = 1.0;
+  return model;
+}
+
+StructureModel moving_from_rest(Structure structure) {
+  StructureModel model{std::move(structure), {}};
+  model.start.kind = Start::Kind::rest;
+  return model;
+}
+
+Structure by_matrices(const Eigen::MatrixXd& M, const Eigen::MatrixXd& C, const Eigen::MatrixXd& K) {
+  Structure structure = one_slider(carriage(1.5, 1.0));
+  structure.M = M, structure.C = C, structure.K = K;
+  structure.names = {"displacement", "second"};
+  structure.force.clear();
+  structure.contacts[0].tangential = Eigen::Vector2d(1, 0);
+  return structure;
+}
+
+}  // namespace
+
+TEST_CASE("integral action hunts about its reference where friction at rest is above that in motion", "[servo]") {
+  const auto hunting =
+      with_servo(one_slider(carriage(1.5, 1.0)),
+                 {.coordinate = 0, .proportional = 3, .integral = 4, .derivative = 6, .reference = 1.0});
+  const auto cycle = find_cycle(moving_from_rest(hunting), {.tolerance = 1e-8});
+  REQUIRE(cycle.outcome.complete());
+  // Events located under DOP853 at 1e-12.
+  const auto check = [&](const char* name, double expected, double accuracy) {
+    const auto& measure = cycle.metrics.at(name);
+    INFO(name << " = " << measure.value << " ± " << measure.error);
+    CHECK(std::abs(measure.value - expected) <= measure.error + accuracy);
+    CHECK(measure.error < 1e-7 * std::abs(expected));
+  };
+  check("period", 23.369272293086, 1e-11);
+  check("displacement_max", 1 + 0.0672401469, 5e-11);
+  check("displacement_min", 1 - 0.0672401469, 5e-11);
+  // The integrated force alone tells one period from the next: rest forgets the rest.
+  REQUIRE(cycle.multipliers.size() == 2);
+  CHECK(std::abs(cycle.multipliers[1]) < 1e-9);
+  // With a mass that is next to none in place of none.
+  auto with_mass = hunting;
+  with_mass.M(1, 1) = 1e-9;
+  const auto other = find_cycle(moving_from_rest(with_mass), {.tolerance = 1e-8});
+  CHECK(other.metrics.at("period").value == Approx(cycle.metrics.at("period").value).epsilon(1e-7));
+  CHECK(std::abs(other.multipliers[0] - cycle.multipliers[0]) < 1e-7);
+}
+
+TEST_CASE("a servo without integral action is a spring and a damper to its reference", "[servo]") {
+  auto model = carriage(0.4, 0.3);
+  model.drive.force = Signal(Signal::Harmonics{0, {{1.5, 0.8, 0}}});
+  const auto held = with_servo(
+      one_slider(model), {.coordinate = 0, .proportional = 1.0, .integral = 0, .derivative = 0.1, .reference = 0.0});
+  model.slider.stiffness = 1.0, model.slider.damping = 0.1;
+  const auto a = find_cycle(moving_from_rest(held), {}), b = find_cycle(moving_from_rest(one_slider(model)), {});
+  REQUIRE(a.outcome.complete());
+  for (const auto& [name, measure] : b.metrics) {
+    INFO(name);
+    CHECK(std::abs(a.metrics.at(name).value - measure.value) <= a.metrics.at(name).error + measure.error);
+  }
+}
+
+TEST_CASE("references and forces add, unless both vary", "[servo]") {
+  auto model = carriage(0.4, 0.3);
+  model.drive.force = 2.0;
+  const Signal swings(Signal::Harmonics{1, {{0.5, 3, 0.2}}});
+  const Servo servo{.coordinate = 0, .proportional = 10, .integral = 4, .derivative = 0, .reference = swings};
+  const auto structure = with_servo(one_slider(model), servo);
+  REQUIRE(structure.force.size() == 2);
+  for (const double t : {0.0, 0.3, 1.7}) {
+    CHECK(structure.force[0].value(t) == Approx(2 + 10 * swings.value(t)));
+    CHECK(structure.force[1].value(t) == Approx(4 * swings.value(t)));
+  }
+  CHECK(structure.unit(1) == "N");
+  model.drive.force = swings;
+  CHECK_THROWS_WITH(with_servo(one_slider(model), servo), Contains("both vary"));
+}
+
+TEST_CASE("a coordinate without mass needs something that says how fast it moves", "[servo]") {
+  Eigen::Matrix2d M, C, K;
+  M << 1, 0, 0, 0;
+  C << 6, 0, 0, 0;
+  K << 3, -1, 4, 0;
+  CHECK_THROWS_WITH(by_matrices(M, C, K).check(), Contains("second has no mass") && Contains("damping of its own"));
+  C(1, 1) = 1;
+  CHECK_NOTHROW(by_matrices(M, C, K).check());
+  Structure three = by_matrices(M, C, K);
+  for (auto* matrix : {&three.M, &three.C, &three.K}) matrix->conservativeResizeLike(Eigen::MatrixXd::Zero(3, 3));
+  three.C.bottomRightCorner(2, 2).setOnes();
+  three.names.push_back("third");
+  three.contacts[0].tangential = Eigen::Vector3d(1, 0, 0);
+  CHECK_THROWS_WITH(three.check(), Contains("damping matrix without an inverse"));
+}
+
+TEST_CASE("what neither moves nor feeds itself has no periodic motion", "[servo]") {
+  Eigen::Matrix2d C, K;
+  C << 0.1, 0, 0, 0.1;
+  K << 2, -1, -1, 2;
+  const auto dies_out = by_matrices(Eigen::Matrix2d::Identity(), C, K);
+  CHECK_THROWS_WITH(find_cycle(moving_from_rest(dies_out), {}), Contains("nothing drives the structure"));
+  CHECK_FALSE(dies_out.feeds_itself());
+  C(1, 1) = -0.1;
+  CHECK(by_matrices(Eigen::Matrix2d::Identity(), C, K).feeds_itself());
+}
