@@ -44,6 +44,7 @@ StructureRecord::StructureRecord(const StructureSystem& system)
   }
   for (std::size_t i = 0; has_mass_ && i < structure.names.size(); ++i)
     add(acceleration_name(structure.names[i]), structure.unit(int(i)) + "/s^2");
+  for (const auto& functional : structure.functionals) add(functional.name, functional.unit);
   values.resize(names.size());
 }
 
@@ -64,8 +65,10 @@ void StructureRecord::observe(double t, const double* y, std::vector<double>& ro
     if (system_.follows_motion(j)) row.push_back(system_.open_fraction(j, t, y));
     for (const double state : system_.states(j, t, y)) row.push_back(state);
   }
-  if (!has_mass_) return;
-  for (const double a : system_.acceleration(t, y)) row.push_back(a);
+  if (has_mass_)
+    for (const double a : system_.acceleration(t, y)) row.push_back(a);
+  for (const auto& functional : system_.structure().functionals)
+    row.push_back(functional.row.dot(Eigen::Map<const Eigen::VectorXd>(y, n)));
 }
 
 void StructureRecord::record(double t, const double* y) {

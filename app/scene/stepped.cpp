@@ -26,7 +26,7 @@ SteppedOscillator read_block(SceneReader& reader) {
   model.start.kind = analysis::motion::Start::Kind::rest;
   if (auto cycle = reader.root.table("cycle"))
     if (const auto* start = cycle->find("start"))
-      model.start = read_block_start(*start, cycle->path("start"), *reader.scene.block);
+      model.start = read_start_of_structure(*start, cycle->path("start"), reader.scene);
   if (auto solver = reader.root.table("solver")) {
     read_stepping(*solver, reader);
     solver->find("smoothing");  // of every verb

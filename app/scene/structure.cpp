@@ -250,7 +250,14 @@ void read_structure_model(SceneReader& reader) {
   scene.structure->start.kind = analysis::motion::Start::Kind::rest;
   if (auto cycle = reader.root.table("cycle"))
     if (const auto* start = cycle->find("start"))
-      scene.structure->start = read_structure_start(*start, cycle->path("start"), scene.structure->structure);
+      scene.structure->start = read_start_of_structure(*start, cycle->path("start"), scene);
+}
+
+analysis::motion::StructureStart read_start_of_structure(const toml::node& node, const std::string& path,
+                                                         const Scene& scene) {
+  return scene.block           ? read_block_start(node, path, *scene.block)
+         : scene.reduced_block ? read_reduced_block_start(node, path, *scene.reduced_block)
+                               : read_structure_start(node, path, scene.structure->structure);
 }
 
 analysis::motion::StructureStart read_structure_start(const toml::node& node, const std::string& path,

@@ -86,7 +86,7 @@ void read_locus(scene::Table table, const scene::Family& family, tasks::Branch& 
 void read_start(scene::Scene& scene, const toml::node& start, const std::string& path) {
   auto& task = scene.task<tasks::Branch>();
   if (scene.structure)
-    task.structure_start = scene::read_structure_start(start, path, scene.structure->structure);
+    task.structure_start = scene::read_start_of_structure(start, path, scene);
   else if (analysis::branches::settles_as_structure(scene.model))
     task.structure_start = scene::read_structure_start(start, path, oscillators::one_slider(scene.model));
   else

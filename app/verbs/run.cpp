@@ -362,10 +362,8 @@ Status perform_run(Job& job) {
 void read_start_of_run(const toml::node& start, const std::string& path, scene::Scene& scene) {
   if (scene.plane)
     scene::read_plane_start(start, path, *scene.plane);
-  else if (scene.block)
-    scene.structure->start = scene::read_block_start(start, path, *scene.block);
   else if (scene.structure)
-    scene.structure->start = scene::read_structure_start(start, path, scene.structure->structure);
+    scene.structure->start = scene::read_start_of_structure(start, path, scene);
   else
     scene.task<analysis::motion::RunOptions>().start = scene::read_start(start, path, *scene.model.law);
 }

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "analysis/steady/mode_windows.hpp"
+#include "analysis/steady/reduction_error.hpp"
 #include "analysis/steady/sliding_modes.hpp"
 #include "analysis/steady/structure_hopf.hpp"
 #include "analysis/steady/structure_stability.hpp"
@@ -22,6 +23,7 @@
 #include "app/verbs/string_verbs.hpp"
 #include "app/verbs/verb.hpp"
 #include "oscillators/block.hpp"
+#include "oscillators/block_reduction.hpp"
 
 namespace rosin::app::verbs {
 
@@ -216,6 +218,42 @@ analysis::steady::StructureStability stability_of(const scene::Scene& scene, con
              : analysis::steady::stability(structure);
 }
 
+/// Adds to the errors of modes what the reduction of a block changes in them.
+void add_reduction(const scene::Scene& scene, analysis::steady::StructureStability& result) {
+  if (!scene.reduced_block) return;
+  const auto errors = analysis::steady::reduction_errors(scene.reduced_block->reduction, result);
+  for (std::size_t k = 0; k < errors.size(); ++k) result.modes[k].error += errors[k];
+}
+
+/// The same of thresholds, and of the modes that grow fastest.
+void add_reduction(const scene::Scene& scene, analysis::steady::Scan& scan) {
+  if (!scene.reduced_block) return;
+  const auto at = [&](double value) {
+    return scene.family->with_numbers({{scene.task<tasks::Stability>().scan->parameter.name, value}});
+  };
+  std::map<double, double> known;
+  const auto add = [&](analysis::steady::Threshold& threshold) {
+    const auto [entry, is_new] = known.try_emplace(threshold.value);
+    if (is_new)
+      entry->second = analysis::steady::reduction_error(
+          threshold, [&](double value) { return at(value).reduced_block->reduction; },
+          [&](const auto& structure) { return stability_of(scene, structure); });
+    threshold.error += entry->second;
+    add_reduction(at(threshold.value), threshold.at);
+  };
+  std::ranges::for_each(scan.thresholds, add);
+  for (auto& window : scan.windows) {
+    if (window.onset) add(*window.onset);
+    if (window.end) add(*window.end);
+    const auto there = at(window.at);
+    auto modes = stability_of(scene, there.structure->structure);
+    add_reduction(there, modes);
+    window.fastest.error = std::ranges::min_element(modes.modes, {}, [&](const auto& mode) {
+                             return std::abs(mode.eigenvalue - window.fastest.eigenvalue);
+                           })->error;
+  }
+}
+
 /// At most so many digits, none below the error; 0 of what its error hides.
 std::string known(double value, double error, int digits) {
   if (!std::isfinite(error)) return fmt::format("{:.{}g}", value, digits);
@@ -239,7 +277,8 @@ Status perform_on_structure(Job& job) {
     throw InputError(
         "stability.parameters serves sliders; of a structure give stability.scan = { parameter, from, to }");
   if (!structure.constant()) job.note("the drive varies: stability is that of its mean, or of its start");
-  const auto result = stability_of(scene, structure);
+  auto result = stability_of(scene, structure);
+  add_reduction(scene, result);
   if (asked.modes > 0)
     job.note(
         fmt::format("stability is that of the {} modes of lowest frequency, up to {:.4g} Hz (stability.modes); above "
@@ -280,11 +319,12 @@ Status perform_on_structure(Job& job) {
   const auto& axis = asked.scan->axis;
   job.explain("{} values of {}, with the eigenvalues of each; thresholds between them located to rounding",
               axis.values.size(), parameter.name);
-  const auto scan = analysis::steady::scan(
+  auto scan = analysis::steady::scan(
       [&](double value) {
         return stability_of(scene, scene.family->with({{parameter.name, value}}).structure);
       },
       axis.values, asked.modes > 0 ? int(axis.values.size()) : 2000);
+  add_reduction(scene, scan);
   const HopfAt hopf_at = [&](const auto& crossing) {
     return asked.modes > 0 ? std::nullopt
                            : analysis::steady::hopf_at(
