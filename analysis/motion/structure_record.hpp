@@ -1,5 +1,5 @@
-/// What is recorded of the motion of a structure: coordinates, velocities, each contact's slip rate and forces,
-/// accelerations of what has a mass, and functionals.
+/// What is recorded of the motion of a structure: coordinates, velocities, each contact's slip rate and forces, and
+/// accelerations of what has a mass.
 #pragma once
 #include <string>
 #include <vector>

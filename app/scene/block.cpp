@@ -4,21 +4,21 @@
 #include "analysis/steady/reduction_error.hpp"
 #include "analysis/steady/sliding_modes.hpp"
 #include "app/scene/oscillator.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/stepped.hpp"
 #include "app/scene/structure.hpp"
-#include "oscillators/block_reduction.hpp"
 
 namespace rosin::app::scene {
+
+using Reduced = std::shared_ptr<oscillators::ReducedBlock>;
 
 namespace {
 
 void read_block(SceneReader& reader, Table table, bool) {
   table.expect({"type", "length", "height", "thickness", "youngs_modulus", "poisson_ratio", "density", "elements",
                 "mass_matrix", "spring_stiffness", "stiffness_damping", "gauss_points", "normal_contact", "modes"});
+  table.find("type");
   const auto* modes = table.find("modes");
-  if (const auto* type = table.find("type"); !modes)
-    require_verb(reader, *type, "block", verbs_by_steps,
-                 {{"compare", "oscillator.modes reduces it to a structure, which it serves"}});
   oscillators::ElasticBlock block;
   const auto number = [&](std::string_view key, double& into, const char* unit, Range range, const char* meaning,
                           bool required = true) {
@@ -62,7 +62,7 @@ void read_block(SceneReader& reader, Table table, bool) {
     table.read("modes", kept, 0, inside, "modes of the interior that are kept");
     oscillators::Reduction reduction(std::move(structure), kept);
     structure = reduction.reduced;
-    scene.reduced_block =
+    scene.task<Reduced>() =
         std::make_shared<oscillators::ReducedBlock>(oscillators::ReducedBlock{std::move(mesh), std::move(reduction)});
   });
 }
@@ -76,7 +76,7 @@ void read_drive_of_block(SceneReader& reader, Table drive, bool complete) {
       contact.speed = scene.model.drive.speed, contact.normal_load = scene.model.drive.normal_load;
   };
   move(scene.structure->structure);
-  if (scene.reduced_block) move(scene.reduced_block->reduction.whole), move(scene.reduced_block->reduction.reduced);
+  if (const auto& block = scene.task<Reduced>()) move(block->reduction.whole), move(block->reduction.reduced);
 }
 
 }  // namespace
@@ -100,6 +100,8 @@ analysis::motion::StructureStart read_block_start(const toml::node& node, const 
   return start;
 }
 
+const oscillators::ReducedBlock* reduced_block_of(const Scene& scene) { return scene.task<Reduced>().get(); }
+
 analysis::motion::StructureStart read_reduced_block_start(const toml::node& node, const std::string& path,
                                                           const oscillators::ReducedBlock& block) {
   analysis::motion::StructureStart start;
@@ -110,8 +112,7 @@ analysis::motion::StructureStart read_reduced_block_start(const toml::node& node
   return start;
 }
 
-std::string reduction_note(const Scene& scene) {
-  const auto& reduction = scene.reduced_block->reduction;
+std::string reduction_note(const oscillators::Reduction& reduction) {
   const std::size_t kept = std::size_t(reduction.modes), all = reduction.frequency.size();
   auto text = fmt::format(
       "oscillator.modes: the block has {} coordinates of its lower face and {} of the {} modes of "
@@ -139,10 +140,8 @@ std::string reduction_note(const Scene& scene) {
 }
 
 OscillatorType block_type() {
-  auto verbs = verbs_by_steps;
-  verbs.push_back("compare");  // of a reduced one
   return {"block",
-          verbs,
+          verbs_by_steps,
           read_block,
           read_drive_of_block,
           {{"lab",

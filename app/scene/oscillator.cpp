@@ -49,16 +49,13 @@ const OscillatorType& oscillator_type(SceneReader& reader, const toml::node& osc
   const auto found = std::ranges::find(types, name, &OscillatorType::name);
   if (found == types.end())
     fail(type->source(), "oscillator.type = '{}' is not available in this version; use 'slider' or 'structure'", name);
-  if (!found->verbs.empty()) require_verb(reader, *type, name, found->verbs, found->reasons);
+  const auto& verbs = found->verbs;
+  if (!verbs.empty() && std::ranges::find(verbs, reader.request.verb) == verbs.end()) {
+    const auto reason = found->reasons.find(reader.request.verb);
+    fail(type->source(), "oscillator.type = '{}' serves {} only, not '{}'{}", name, fmt::join(verbs, ", "),
+         reader.request.verb, reason == found->reasons.end() ? "" : ": " + reason->second);
+  }
   return *found;
-}
-
-void require_verb(const SceneReader& reader, const toml::node& node, std::string_view oscillator,
-                  const std::vector<std::string_view>& verbs, const std::map<std::string, std::string>& reasons) {
-  if (std::ranges::find(verbs, reader.request.verb) != verbs.end()) return;
-  const auto reason = reasons.find(reader.request.verb);
-  fail(node.source(), "oscillator.type = '{}' serves {} only, not '{}'{}", oscillator, fmt::join(verbs, ", "),
-       reader.request.verb, reason == reasons.end() ? "" : ": " + reason->second);
 }
 
 Quantity mechanical(std::string_view path) {

@@ -26,9 +26,6 @@ const std::vector<OscillatorType>& oscillator_types();
 void add_oscillator_type(OscillatorType);
 /// That of the scene; the slider where it names none. \throws InputError for a name that is none, or not of the verb.
 const OscillatorType& oscillator_type(SceneReader&, const toml::node& oscillator);
-/// \throws InputError, at the node, where the scene's verb is none of those that the oscillator serves, with the reason
-void require_verb(const SceneReader&, const toml::node&, std::string_view oscillator,
-                  const std::vector<std::string_view>& verbs, const std::map<std::string, std::string>& reasons);
 
 /// [drive] of a slider: speed, normal load and force, one signal each.
 void read_drive(SceneReader&, Table drive, bool complete);

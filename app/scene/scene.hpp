@@ -13,8 +13,7 @@
 
 namespace rosin::oscillators {
 struct BlockMesh;
-struct ReducedBlock;
-}  // namespace rosin::oscillators
+}
 namespace rosin::analysis::motion {
 struct PlaneModel;
 }
@@ -34,7 +33,6 @@ struct Scene {
   std::optional<analysis::motion::StructureModel> structure;  ///< in place of the model's slider
   std::shared_ptr<tasks::Bowing> string;                      ///< in place of the model's slider
   std::shared_ptr<const oscillators::BlockMesh> block;        ///< that the structure is the mesh of
-  std::shared_ptr<oscillators::ReducedBlock> reduced_block;   ///< that the structure is, in place of a mesh
   std::shared_ptr<const Family> family;                       ///< of it, where a number of the scene is varied
   std::string resolved;                                       ///< the scene as TOML, overrides included
   std::vector<std::string> notes;                             ///< what was read but has no effect

@@ -2,6 +2,7 @@
 #include "app/scene/stepped.hpp"
 
 #include "analysis/motion/run.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/start.hpp"
 #include "app/scene/structure.hpp"
 

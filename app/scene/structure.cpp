@@ -9,6 +9,7 @@
 #include "app/scene/law.hpp"
 #include "app/scene/matrix_file.hpp"
 #include "app/scene/oscillator.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/signal.hpp"
 #include "app/scene/start.hpp"
 
@@ -253,13 +254,6 @@ void read_structure_model(SceneReader& reader) {
       scene.structure->start = read_start_of_structure(*start, cycle->path("start"), scene);
 }
 
-analysis::motion::StructureStart read_start_of_structure(const toml::node& node, const std::string& path,
-                                                         const Scene& scene) {
-  return scene.block           ? read_block_start(node, path, *scene.block)
-         : scene.reduced_block ? read_reduced_block_start(node, path, *scene.reduced_block)
-                               : read_structure_start(node, path, scene.structure->structure);
-}
-
 analysis::motion::StructureStart read_structure_start(const toml::node& node, const std::string& path,
                                                       const Structure& structure) {
   using Kind = analysis::motion::Start::Kind;
@@ -319,6 +313,14 @@ analysis::motion::StructureStart read_structure_start(const toml::node& node, co
   }
   table.finish();
   return start;
+}
+
+analysis::motion::StructureStart read_start_of_structure(const toml::node& node, const std::string& path,
+                                                         const Scene& scene) {
+  const auto* reduced = reduced_block_of(scene);
+  return scene.block ? read_block_start(node, path, *scene.block)
+         : reduced   ? read_reduced_block_start(node, path, *reduced)
+                     : read_structure_start(node, path, scene.structure->structure);
 }
 
 }  // namespace rosin::app::scene

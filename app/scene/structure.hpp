@@ -50,13 +50,5 @@ analysis::motion::StructureStart read_structure_start(const toml::node&, const s
 /// "steady", or a table: a block moved and turned as a rigid body beside steady sliding, by along, up and tilt.
 analysis::motion::StructureStart read_block_start(const toml::node&, const std::string& path,
                                                   const oscillators::BlockMesh&);
-/// The same of a reduced block, which may start at rest, too.
-analysis::motion::StructureStart read_reduced_block_start(const toml::node&, const std::string& path,
-                                                          const oscillators::ReducedBlock&);
-/// The start of the structure in the scene, as its oscillator has it.
-analysis::motion::StructureStart read_start_of_structure(const toml::node&, const std::string& path, const Scene&);
-
-/// What a reduced block represents, and how far its slowest modes are those of the mesh.
-std::string reduction_note(const Scene&);
 
 }  // namespace rosin::app::scene

@@ -17,6 +17,7 @@
 #include "app/output/pictures.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/start.hpp"
 #include "app/scene/structure.hpp"

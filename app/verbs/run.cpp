@@ -19,6 +19,7 @@
 #include "app/output/pictures.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/start.hpp"
 #include "app/scene/stepped.hpp"

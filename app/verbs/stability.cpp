@@ -16,6 +16,7 @@
 #include "app/output/pictures.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/structure.hpp"
 #include "app/tasks/stability.hpp"
@@ -23,7 +24,6 @@
 #include "app/verbs/string_verbs.hpp"
 #include "app/verbs/verb.hpp"
 #include "oscillators/block.hpp"
-#include "oscillators/block_reduction.hpp"
 
 namespace rosin::app::verbs {
 
@@ -220,14 +220,15 @@ analysis::steady::StructureStability stability_of(const scene::Scene& scene, con
 
 /// Adds to the errors of modes what the reduction of a block changes in them.
 void add_reduction(const scene::Scene& scene, analysis::steady::StructureStability& result) {
-  if (!scene.reduced_block) return;
-  const auto errors = analysis::steady::reduction_errors(scene.reduced_block->reduction, result);
+  const auto* block = scene::reduced_block_of(scene);
+  if (!block) return;
+  const auto errors = analysis::steady::reduction_errors(block->reduction, result);
   for (std::size_t k = 0; k < errors.size(); ++k) result.modes[k].error += errors[k];
 }
 
 /// The same of thresholds, and of the modes that grow fastest.
 void add_reduction(const scene::Scene& scene, analysis::steady::Scan& scan) {
-  if (!scene.reduced_block) return;
+  if (!scene::reduced_block_of(scene)) return;
   const auto at = [&](double value) {
     return scene.family->with_numbers({{scene.task<tasks::Stability>().scan->parameter.name, value}});
   };
@@ -236,7 +237,7 @@ void add_reduction(const scene::Scene& scene, analysis::steady::Scan& scan) {
     const auto [entry, is_new] = known.try_emplace(threshold.value);
     if (is_new)
       entry->second = analysis::steady::reduction_error(
-          threshold, [&](double value) { return at(value).reduced_block->reduction; },
+          threshold, [&](double value) { return scene::reduced_block_of(at(value))->reduction; },
           [&](const auto& structure) { return stability_of(scene, structure); });
     threshold.error += entry->second;
     add_reduction(at(threshold.value), threshold.at);

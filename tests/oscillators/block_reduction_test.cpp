@@ -26,7 +26,8 @@ TEST_CASE("a reduced block yields to forces on its face as its mesh does, with a
         CHECK(reduced.contacts[i].tangential.dot(few.solve(reduced.contacts[j].tangential)) ==
               Approx(wanted).epsilon(1e-9));
       }
-    for (const VectorXd& rigid : {reduction.coordinates(VectorXd::Unit(50, 3)), VectorXd(VectorXd::Unit(10 + modes, 3))})
+    for (const VectorXd& rigid :
+         {reduction.coordinates(VectorXd::Unit(50, 3)), VectorXd(VectorXd::Unit(10 + modes, 3))})
       CHECK((reduction.basis * rigid)[3] == Approx(1));
   }
 }

@@ -7,6 +7,7 @@
 
 #include "analysis/motion/run.hpp"
 #include "app/scene/family.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/scene.hpp"
 #include "core/error.hpp"
 #include "oscillators/block.hpp"
@@ -83,4 +84,23 @@ TEST_CASE("numbers of a block are varied with the smoothing of its friction kept
   const auto varied = scene.family->with({{"oscillator.density", 8000}}).structure;
   CHECK(varied.M.sum() / scene.structure->structure.M.sum() == Approx(8000 / 7850.0));
   CHECK_FALSE(varied.contacts.front().law->set_valued());
+}
+
+TEST_CASE("a block with modes is a structure of its face and these, and says which", "[block]") {
+  using Catch::Contains;
+  const auto scene = read("elements = [3, 2]\nmodes = 5", steps);
+  CHECK_FALSE(scene.block);
+  REQUIRE(rosin::app::scene::reduced_block_of(scene));
+  const auto& structure = scene.structure->structure;
+  CHECK(structure.size() == 2 * 7 + 5);
+  CHECK(structure.names.back() == "mode_5");
+  CHECK(structure.contacts.size() == 9);
+  CHECK(structure.contacts.back().normal_load.level() == 32);
+  CHECK(structure.functionals.back().row.dot(scene.structure->start.beside) == Approx(1e-6).epsilon(1e-3));
+  REQUIRE(scene.notes.size() == 1);
+  CHECK_THAT(scene.notes.front(), Contains("14 coordinates of its lower face and 5 of the 56 modes"));
+  CHECK_THAT(scene.notes.front(), Contains("Hz; the next has") && Contains("of those of the mesh, relative"));
+  CHECK_THROWS_WITH(read("elements = [3, 2]\nmodes = -1", steps), Contains("oscillator.modes") && Contains("0 … 56"));
+  CHECK_THROWS_WITH(read("elements = [3, 2]\nmodes = 57", steps), Contains("oscillator.modes") && Contains("0 … 56"));
+  CHECK_THROWS_WITH(read("elements = [3, 2]\nmodes = 1.5", steps), Contains("oscillator.modes"));
 }
