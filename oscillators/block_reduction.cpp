@@ -58,18 +58,27 @@ Reduction::Reduction(Structure from, int count) : whole(std::move(from)), modes(
   if (modes < 0 || modes > int(inside.size()))
     throw InputError(
         fmt::format("modes must be 0 to {} (1), the coordinates that no contact moves, got {}", inside.size(), modes));
-  basis = MatrixXd::Zero(whole.size(), first + modes);
+  // The weight sinks the interior by a shape of its own, which all modes together make up.
+  const bool sinks = modes < int(inside.size()) && !whole.contacts.empty() && whole.contacts[0].load_along.size() > 0;
+  basis = MatrixXd::Zero(whole.size(), first + modes + (sinks ? 1 : 0));
   basis(touching, Eigen::seqN(0, first)).setIdentity();
   if (!inside.empty()) {
     const auto interior = held(whole.M(inside, inside), whole.K(inside, inside));
     for (const double squared : interior->modes.eigenvalues())
       frequency.push_back(std::sqrt(squared) / (2 * std::numbers::pi));
     basis(inside, Eigen::seqN(0, first)) = -interior->springs.solve(whole.K(inside, touching));
-    for (int k = 0; k < modes; ++k) {
-      const auto shape = interior->modes.eigenvectors().col(k);
+    const auto add = [&](Eigen::Index column, const VectorXd& shape) {
       Eigen::Index largest = 0;
       shape.cwiseAbs().maxCoeff(&largest);
-      basis(inside, first + k) = shape / shape[largest];
+      basis(inside, column) = shape / shape[largest];
+    };
+    const auto& shapes = interior->modes.eigenvectors();  // φᵀ M φ = 1, φᵀ K φ = ω²
+    for (int k = 0; k < modes; ++k) add(first + k, shapes.col(k));
+    if (sinks) {
+      const VectorXd weight = whole.contacts[0].load_along(inside), sunk = interior->springs.solve(weight);
+      const auto kept = shapes.leftCols(modes);
+      add(first + modes, sunk - kept * (interior->modes.eigenvalues().head(modes).cwiseInverse().asDiagonal() *
+                                        (kept.transpose() * weight)));
     }
   }
 
@@ -80,6 +89,7 @@ Reduction::Reduction(Structure from, int count) : whole(std::move(from)), modes(
   reduced.M = onto_basis(whole.M), reduced.C = onto_basis(whole.C), reduced.K = onto_basis(whole.K);
   for (const int i : touching) reduced.names.push_back(whole.names[i]);
   for (int k = 1; k <= modes; ++k) reduced.names.push_back(fmt::format("mode_{}", k));
+  if (sinks) reduced.names.push_back("sinking");
   reduced.functionals = whole.functionals;
   for (auto& functional : reduced.functionals) functional.row = basis.transpose() * functional.row;
   reduced.contacts = whole.contacts;
@@ -92,10 +102,10 @@ Reduction::Reduction(Structure from, int count) : whole(std::move(from)), modes(
 
 VectorXd Reduction::coordinates(const VectorXd& displacements) const {
   const auto first = Eigen::Index(touching.size());
-  VectorXd result = VectorXd::Zero(first + modes);
+  VectorXd result = VectorXd::Zero(basis.cols());
   result.head(first) = displacements(touching);
   const VectorXd left = whole.M * (displacements - basis * result);
-  for (Eigen::Index k = first; k < first + modes; ++k) result[k] = basis.col(k).dot(left) / reduced.M(k, k);
+  for (Eigen::Index k = first; k < basis.cols(); ++k) result[k] = basis.col(k).dot(left) / reduced.M(k, k);
   return result;
 }
 

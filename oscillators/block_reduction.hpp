@@ -8,9 +8,9 @@
 
 namespace rosin::oscillators {
 
-/// Coordinates q = basis · (those that contacts move, amplitudes of modes). Others follow as they would at rest, by the
-/// whole K, springs to the frame included: what contacts bear at rest is exact with any number of modes. The modes are
-/// those with the contacts held.
+/// Coordinates q = basis · (those that contacts move, amplitudes of modes, sinking). The modes are those with the
+/// contacts held. Others follow the contacts as they would at rest, by the whole K, springs to the frame included, and
+/// sink under the load of the contacts as they would: steady sliding is exact with any number of modes.
 struct Reduction {
   /// \param modes  of lowest frequency that are kept, each scaled to a largest displacement of 1
   /// \throws InputError for fewer than 0 and for more than there are, and where nothing else holds a structure whose

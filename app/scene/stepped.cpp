@@ -34,10 +34,13 @@ SteppedOscillator read_block(SceneReader& reader) {
     solver->finish();
   }
   require_stepping_of_block(reader.scene);
-  const auto& mesh = *reader.scene.block;
+  const auto* reduced = reduced_block_of(reader.scene);
+  const auto& mesh = reduced ? reduced->mesh : *reader.scene.block;
   analysis::motion::StartShapes shapes{{{"along", "m"}, {"up", "m"}, {"tilt", "rad"}}, {}};
-  shapes.columns.resize(mesh.size(), 3);
-  shapes.columns << mesh.rigid(1, 0, 0), mesh.rigid(0, 1, 0), mesh.rigid(0, 0, 1);
+  shapes.columns.resize(model.structure.size(), 3);
+  Eigen::Index column = 0;
+  for (const auto& rigid : {mesh.rigid(1, 0, 0), mesh.rigid(0, 1, 0), mesh.rigid(0, 0, 1)})
+    shapes.columns.col(column++) = reduced ? reduced->reduction.coordinates(rigid) : rigid;
   return analysis::motion::stepped(model, *reader.scene.task<analysis::motion::RunOptions>().stepping, shapes);
 }
 
@@ -45,7 +48,9 @@ SteppedOscillator read_block(SceneReader& reader) {
 
 bool read_stepped(SceneReader& reader) {
   auto& scene = reader.scene;
-  if (!scene.plane && !scene.block) return false;
+  // A reduced block, a structure, where the scene asks for steps.
+  const bool by_steps = reduced_block_of(scene) && reader.document.at_path("solver.scheme");
+  if (!scene.plane && !scene.block && !by_steps) return false;
   located(reader.root.find("drive")->source(), [&] {
     scene.task<Kept>() =
         std::make_shared<const SteppedOscillator>(scene.plane ? read_plane(reader) : read_block(reader));

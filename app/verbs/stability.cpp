@@ -125,13 +125,20 @@ Resultant resultant_of(const oscillators::BlockMesh& mesh, const analysis::stead
   return sum;
 }
 
-/// Nodes and elements of a block, for whoever draws it, and its resultant forces.
-void add_block(const oscillators::BlockMesh& mesh, const analysis::steady::StructureStability& result,
-               ordered_json& document) {
-  const auto sum = resultant_of(mesh, result);
-  document["steady"].update({{"normal_load", sum.normal_load},
-                             {"friction_force", sum.friction_force},
-                             {"centre_of_pressure", sum.centre_of_pressure()}});
+/// Of a block on its mesh, or of a reduced one; null: another oscillator is in the scene.
+const oscillators::BlockMesh* mesh_of(const scene::Scene& scene) {
+  const auto* reduced = scene::reduced_block_of(scene);
+  return reduced ? &reduced->mesh : scene.block.get();
+}
+
+ordered_json document_of(const Resultant& sum) {
+  return {{"normal_load", sum.normal_load},
+          {"friction_force", sum.friction_force},
+          {"centre_of_pressure", sum.centre_of_pressure()}};
+}
+
+/// Nodes and elements of a block, for whoever draws it.
+void add_mesh(const oscillators::BlockMesh& mesh, ordered_json& document) {
   auto nodes = ordered_json::array(), stations = ordered_json::array();
   for (Eigen::Index k = 0; k < mesh.nodes.cols(); ++k) nodes.push_back({mesh.nodes(0, k), mesh.nodes(1, k)});
   for (const auto& station : mesh.stations) stations.push_back({{"place", station.place}, {"area", station.area}});
@@ -167,7 +174,8 @@ std::string document_of(const scene::Scene& scene, const analysis::steady::Struc
   auto document = output::begin(scene, "stability");
   const auto& structure = scene.structure->structure;
   document["steady"] = steady_of(structure, result);
-  if (scene.block) add_block(*scene.block, result, document);
+  if (const auto* mesh = mesh_of(scene)) document["steady"].update(document_of(resultant_of(*mesh, result)));
+  if (scene.block) add_mesh(*scene.block, document);
   if (asked.modes > 0)
     document["window"] = {{"modes", result.modes.size()}, {"highest_frequency", highest_frequency(result)}};
   document["eigenvalues"] = output::pairs(result.eigenvalues);
@@ -286,17 +294,18 @@ Status perform_on_structure(Job& job) {
                     "them a mesh has "
                     "modes of its own, which grow a little where nothing damps them",
                     result.modes.size(), highest_frequency(result)));
-  if (scene.block) {
-    const auto sum = resultant_of(*scene.block, result);
+  const auto* mesh = mesh_of(scene);
+  if (mesh) {
+    const auto sum = resultant_of(*mesh, result);
     job.say(
         "steady sliding under {:.10g} N: friction force {:.10g} N, elongation of the spring {:.10g} m, centre of "
         "pressure at {:.10g} m",
         sum.normal_load, sum.friction_force,
-        scene.block->elongation.dot(
+        structure.functionals.front().row.dot(
             Eigen::Map<const Eigen::VectorXd>(result.coordinates.data(), Eigen::Index(result.coordinates.size()))),
         sum.centre_of_pressure());
   }
-  for (std::size_t j = 0; j < result.contacts.size() && !scene.block; ++j)
+  for (std::size_t j = 0; j < result.contacts.size() && !mesh; ++j)
     job.say("contact {}: steady sliding at {:.6g} m/s under {:.6g} N, friction force {:.10g} N", j + 1,
             result.contacts[j].slip_rate, result.contacts[j].normal_load, result.contacts[j].friction_force);
   job.say("{}", result.marginal ? "marginal: small disturbances neither grow nor decay"

@@ -92,8 +92,8 @@ TEST_CASE("a block with modes is a structure of its face and these, and says whi
   CHECK_FALSE(scene.block);
   REQUIRE(rosin::app::scene::reduced_block_of(scene));
   const auto& structure = scene.structure->structure;
-  CHECK(structure.size() == 2 * 7 + 5);
-  CHECK(structure.names.back() == "mode_5");
+  CHECK(structure.size() == 2 * 7 + 5 + 1);
+  CHECK(structure.names.back() == "sinking");
   CHECK(structure.contacts.size() == 9);
   CHECK(structure.contacts.back().normal_load.level() == 32);
   CHECK(structure.functionals.back().row.dot(scene.structure->start.beside) == Approx(1e-6).epsilon(1e-3));
