@@ -148,7 +148,8 @@ class ExplicitStepper final : public Stepper {
         rows_(contacts, MatrixXd(B_ * from_rows_), 0, h_ / 2) {
     if (!structure.M.isDiagonal(0))
       throw InputError(
-          "solver.scheme = \"explicit\" needs a diagonal mass matrix (oscillator.mass_matrix = \"lumped\")");
+          "solver.scheme = \"explicit\" needs a diagonal mass matrix (oscillator.mass_matrix = \"lumped\", without "
+          "oscillator.modes)");
     if (const double longest = longest_explicit_step(structure, contacts, q); h_ > longest)
       throw InputError(fmt::format(
           "solver.step = {:.4g} s of explicit steps is longer than {:.6g} s, beyond which the fastest vibration of the "

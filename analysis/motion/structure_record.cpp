@@ -43,6 +43,7 @@ StructureRecord::StructureRecord(const StructureSystem& system) : system_(system
   }
   for (std::size_t i = 0; i < structure.names.size(); ++i)
     if (has_mass(int(i))) add(acceleration_name(structure.names[i]), structure.unit(int(i)) + "/s^2");
+  for (const auto& functional : structure.functionals) add(functional.name, functional.unit);
   values.resize(names.size());
 }
 
@@ -66,6 +67,8 @@ void StructureRecord::observe(double t, const double* y, std::vector<double>& ro
   const auto acceleration = system_.acceleration(t, y);
   for (int i = 0; i < n; ++i)
     if (has_mass(i)) row.push_back(acceleration[i]);
+  for (const auto& functional : system_.structure().functionals)
+    row.push_back(functional.row.dot(Eigen::Map<const Eigen::VectorXd>(y, n)));
 }
 
 void StructureRecord::record(double t, const double* y) {

@@ -272,7 +272,7 @@ double compare(const StructurePass& fine, const StructurePass& coarse, const std
 std::string why_nothing_grows(const StructureModel& model) {
   constexpr int most_coordinates = 100;  // beyond, their modes would take longer than the motion
   if (model.start.kind != Start::Kind::steady || !model.structure.constant()) return "";
-  if (model.structure.size() > most_coordinates) return "";
+  if (model.structure.size() > most_coordinates || model.start.beside.size() > 0) return "";
   for (const auto& contact : model.structure.contacts)
     if (contact.speed.level() == 0 && !contact.frictionless()) return "";
   const auto sliding = steady::stability(model.structure);

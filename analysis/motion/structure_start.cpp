@@ -40,6 +40,7 @@ std::vector<double> starting_point(const oscillators::StructureSystem& system, c
   };
   take(start.coordinates, q);
   take(start.velocities, velocity);
+  if (start.beside.size() > 0) q += start.beside, given = true;
   // At rest no contact slips: slip rates and the speeds of other coordinates are 0.
   if (start.kind == Start::Kind::rest) velocity = system.velocity(0, std::vector<double>(system.size()).data());
   check_stops(system, q, velocity);

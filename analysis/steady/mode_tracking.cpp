@@ -134,6 +134,22 @@ class TwoSided {
   const QuadraticPencil& pencil_;
 };
 
+void refine(const TwoSided& two_sided, PencilMode& mode, double gap) {
+  constexpr int most_iterations = 8;
+  constexpr double rounded = 10;
+  for (int iteration = 0;; ++iteration) {
+    const Complex slope = two_sided.slope(mode), step = -two_sided.value(mode) / slope;
+    // Where modes merge both slope and value are rounding.
+    const bool moves = std::abs(step) < gap / 4;
+    if (moves) mode.eigenvalue += step;
+    const double doubt = two_sided.rounding(mode) / std::abs(slope);
+    mode.error = std::min(doubt, std::sqrt(doubt * gap));
+    const bool done = two_sided.excess(mode) < rounded;
+    if (!done) mode.error = std::max(mode.error, moves ? std::abs(step) : infinity);
+    if (done || iteration == most_iterations || !two_sided.iterate(mode)) break;
+  }
+}
+
 }  // namespace
 
 std::vector<PencilMode> lowest_modes(const QuadraticPencil& pencil, int count) {
@@ -151,22 +167,19 @@ std::vector<PencilMode> lowest_modes(const QuadraticPencil& pencil, int count) {
       if (i != k) gap = std::min(gap, std::abs(right[i].eigenvalue - eigenvalue));
     // y* P = 0 where Pᵀ ȳ = 0.
     PencilMode mode{eigenvalue, 0, vector, other.vector.conjugate()};
-    constexpr int most_iterations = 8;
-    constexpr double rounded = 10;
-    for (int iteration = 0;; ++iteration) {
-      const Complex slope = two_sided.slope(mode), step = -two_sided.value(mode) / slope;
-      // Where modes merge both slope and value are rounding.
-      const bool moves = std::abs(step) < gap / 4;
-      if (moves) mode.eigenvalue += step;
-      const double doubt = two_sided.rounding(mode) / std::abs(slope);
-      mode.error = std::min(doubt, std::sqrt(doubt * gap));
-      const bool done = two_sided.excess(mode) < rounded;
-      if (!done) mode.error = std::max(mode.error, moves ? std::abs(step) : infinity);
-      if (done || iteration == most_iterations || !two_sided.iterate(mode)) break;
-    }
+    refine(two_sided, mode, gap);
     modes.push_back(std::move(mode));
   }
   return modes;
+}
+
+PencilMode mode_near(const QuadraticPencil& pencil, Complex eigenvalue, const VectorXcd& right, double gap) {
+  const TwoSided two_sided(pencil);
+  // M, C and K are nearly symmetric, and one step shows the left vector: y ≈ x̄.
+  PencilMode mode{eigenvalue, 0, right.normalized(), right.conjugate().normalized()};
+  two_sided.iterate(mode);
+  refine(two_sided, mode, gap);
+  return mode;
 }
 
 }  // namespace rosin::analysis::steady

@@ -27,4 +27,9 @@ struct PencilMode {
 /// reached. \throws InputError where K has no inverse
 std::vector<PencilMode> lowest_modes(const QuadraticPencil&, int count);
 
+/// The mode near an estimate of λ and x, by the same iteration. Its error is infinite where it goes farther away than a
+/// quarter of the gap, the distance of the next eigenvalue.
+PencilMode mode_near(const QuadraticPencil&, std::complex<double> eigenvalue, const Eigen::VectorXcd& right,
+                     double gap);
+
 }  // namespace rosin::analysis::steady

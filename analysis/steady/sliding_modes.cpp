@@ -125,6 +125,15 @@ VectorXd steady_sliding(const Structure& structure, const StationForces& contact
   return q;
 }
 
+QuadraticPencil pencil_of_sliding(const Structure& structure, const StationForces& contacts,
+                                  const StationForces::Forces& forces) {
+  const Sparse& B = contacts.rows();
+  QuadraticPencil pencil{structure.M.sparseView(), structure.C.sparseView(), structure.K.sparseView()};
+  pencil.K -= Sparse(B.transpose() * Sparse(forces.by_place.sparseView()) * B);
+  pencil.C -= Sparse(B.transpose() * Sparse(forces.by_rate.sparseView()) * B);
+  return pencil;
+}
+
 StructureStability lowest_modes_of_sliding(const Structure& moving, int count) {
   const Structure structure = frozen(moving);
   require_sliding(structure);
@@ -142,10 +151,7 @@ StructureStability lowest_modes_of_sliding(const Structure& moving, int count) {
     result.contacts.push_back({stations > 0 ? -forces.value.segment(first, stations).sum() : contacts.load(int(j), 0),
                                forces.value[slip], contacts.speed(int(j), 0)});
   }
-  QuadraticPencil pencil{structure.M.sparseView(), structure.C.sparseView(), structure.K.sparseView()};
-  pencil.K -= Sparse(B.transpose() * Sparse(forces.by_place.sparseView()) * B);
-  pencil.C -= Sparse(B.transpose() * Sparse(forces.by_rate.sparseView()) * B);
-
+  const auto pencil = pencil_of_sliding(structure, contacts, forces);
   double most = -infinity, error_of_most = 0;
   for (auto& mode : lowest_modes(pencil, count)) {
     const auto value = mode.eigenvalue;

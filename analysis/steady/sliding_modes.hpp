@@ -12,6 +12,10 @@ namespace rosin::analysis::steady {
 /// \throws InputError where there is none
 Eigen::VectorXd steady_sliding(const oscillators::Structure&, const oscillators::StationForces&);
 
+/// Small motions about steady sliding, in which contacts bear these forces.
+QuadraticPencil pencil_of_sliding(const oscillators::Structure&, const oscillators::StationForces&,
+                                  const oscillators::StationForces::Forces&);
+
 /// As stability(), with the `count` modes of lowest |s| alone: a mesh flutters weakly, without damping, in modes that
 /// only it has, whose frequencies lie far above and rise as it is refined.
 /// \throws InputError as that, and for contacts with states

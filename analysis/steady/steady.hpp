@@ -4,6 +4,7 @@
 #include "analysis/steady/mode_tracking.hpp"
 #include "analysis/steady/mode_windows.hpp"
 #include "analysis/steady/plane_sliding.hpp"
+#include "analysis/steady/reduction_error.hpp"
 #include "analysis/steady/sliding_modes.hpp"
 #include "analysis/steady/stability.hpp"
 #include "analysis/steady/structure_hopf.hpp"

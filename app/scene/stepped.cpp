@@ -2,6 +2,7 @@
 #include "app/scene/stepped.hpp"
 
 #include "analysis/motion/run.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/start.hpp"
 #include "app/scene/structure.hpp"
 
@@ -26,17 +27,20 @@ SteppedOscillator read_block(SceneReader& reader) {
   model.start.kind = analysis::motion::Start::Kind::rest;
   if (auto cycle = reader.root.table("cycle"))
     if (const auto* start = cycle->find("start"))
-      model.start = read_block_start(*start, cycle->path("start"), *reader.scene.block);
+      model.start = read_start_of_structure(*start, cycle->path("start"), reader.scene);
   if (auto solver = reader.root.table("solver")) {
     read_stepping(*solver, reader);
     solver->find("smoothing");  // of every verb
     solver->finish();
   }
   require_stepping_of_block(reader.scene);
-  const auto& mesh = *reader.scene.block;
+  const auto* reduced = reduced_block_of(reader.scene);
+  const auto& mesh = reduced ? reduced->mesh : *reader.scene.block;
   analysis::motion::StartShapes shapes{{{"along", "m"}, {"up", "m"}, {"tilt", "rad"}}, {}};
-  shapes.columns.resize(mesh.size(), 3);
-  shapes.columns << mesh.rigid(1, 0, 0), mesh.rigid(0, 1, 0), mesh.rigid(0, 0, 1);
+  shapes.columns.resize(model.structure.size(), 3);
+  Eigen::Index column = 0;
+  for (const auto& rigid : {mesh.rigid(1, 0, 0), mesh.rigid(0, 1, 0), mesh.rigid(0, 0, 1)})
+    shapes.columns.col(column++) = reduced ? reduced->reduction.coordinates(rigid) : rigid;
   return analysis::motion::stepped(model, *reader.scene.task<analysis::motion::RunOptions>().stepping, shapes);
 }
 
@@ -44,7 +48,9 @@ SteppedOscillator read_block(SceneReader& reader) {
 
 bool read_stepped(SceneReader& reader) {
   auto& scene = reader.scene;
-  if (!scene.plane && !scene.block) return false;
+  // A reduced block, a structure, where the scene asks for steps.
+  const bool by_steps = reduced_block_of(scene) && reader.document.at_path("solver.scheme");
+  if (!scene.plane && !scene.block && !by_steps) return false;
   located(reader.root.find("drive")->source(), [&] {
     scene.task<Kept>() =
         std::make_shared<const SteppedOscillator>(scene.plane ? read_plane(reader) : read_block(reader));

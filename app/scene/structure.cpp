@@ -9,6 +9,7 @@
 #include "app/scene/law.hpp"
 #include "app/scene/matrix_file.hpp"
 #include "app/scene/oscillator.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/signal.hpp"
 #include "app/scene/start.hpp"
 
@@ -250,7 +251,7 @@ void read_structure_model(SceneReader& reader) {
   scene.structure->start.kind = analysis::motion::Start::Kind::rest;
   if (auto cycle = reader.root.table("cycle"))
     if (const auto* start = cycle->find("start"))
-      scene.structure->start = read_structure_start(*start, cycle->path("start"), scene.structure->structure);
+      scene.structure->start = read_start_of_structure(*start, cycle->path("start"), scene);
 }
 
 analysis::motion::StructureStart read_structure_start(const toml::node& node, const std::string& path,
@@ -312,6 +313,14 @@ analysis::motion::StructureStart read_structure_start(const toml::node& node, co
   }
   table.finish();
   return start;
+}
+
+analysis::motion::StructureStart read_start_of_structure(const toml::node& node, const std::string& path,
+                                                         const Scene& scene) {
+  const auto* reduced = reduced_block_of(scene);
+  return scene.block ? read_block_start(node, path, *scene.block)
+         : reduced   ? read_reduced_block_start(node, path, *reduced)
+                     : read_structure_start(node, path, scene.structure->structure);
 }
 
 }  // namespace rosin::app::scene

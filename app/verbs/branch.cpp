@@ -17,6 +17,7 @@
 #include "app/output/pictures.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/start.hpp"
 #include "app/scene/structure.hpp"
@@ -94,7 +95,7 @@ void read_locus(scene::Table table, const scene::Family& family, tasks::Branch& 
 void read_start(scene::Scene& scene, const toml::node& start, const std::string& path) {
   auto& task = scene.task<tasks::Branch>();
   if (scene.structure)
-    task.structure_start = scene::read_structure_start(start, path, scene.structure->structure);
+    task.structure_start = scene::read_start_of_structure(start, path, scene);
   else if (analysis::branches::settles_as_structure(scene.model))
     task.structure_start = scene::read_structure_start(start, path, oscillators::one_slider(scene.model));
   else

@@ -19,6 +19,7 @@
 #include "app/output/pictures.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/start.hpp"
 #include "app/scene/stepped.hpp"
@@ -362,10 +363,8 @@ Status perform_run(Job& job) {
 void read_start_of_run(const toml::node& start, const std::string& path, scene::Scene& scene) {
   if (scene.plane)
     scene::read_plane_start(start, path, *scene.plane);
-  else if (scene.block)
-    scene.structure->start = scene::read_block_start(start, path, *scene.block);
   else if (scene.structure)
-    scene.structure->start = scene::read_structure_start(start, path, scene.structure->structure);
+    scene.structure->start = scene::read_start_of_structure(start, path, scene);
   else
     scene.task<analysis::motion::RunOptions>().start = scene::read_start(start, path, *scene.model.law);
 }

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "analysis/steady/mode_windows.hpp"
+#include "analysis/steady/reduction_error.hpp"
 #include "analysis/steady/sliding_modes.hpp"
 #include "analysis/steady/structure_hopf.hpp"
 #include "analysis/steady/structure_stability.hpp"
@@ -15,6 +16,7 @@
 #include "app/output/pictures.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/structure.hpp"
 #include "app/tasks/stability.hpp"
@@ -123,13 +125,20 @@ Resultant resultant_of(const oscillators::BlockMesh& mesh, const analysis::stead
   return sum;
 }
 
-/// Nodes and elements of a block, for whoever draws it, and its resultant forces.
-void add_block(const oscillators::BlockMesh& mesh, const analysis::steady::StructureStability& result,
-               ordered_json& document) {
-  const auto sum = resultant_of(mesh, result);
-  document["steady"].update({{"normal_load", sum.normal_load},
-                             {"friction_force", sum.friction_force},
-                             {"centre_of_pressure", sum.centre_of_pressure()}});
+/// Of a block on its mesh, or of a reduced one; null: another oscillator is in the scene.
+const oscillators::BlockMesh* mesh_of(const scene::Scene& scene) {
+  const auto* reduced = scene::reduced_block_of(scene);
+  return reduced ? &reduced->mesh : scene.block.get();
+}
+
+ordered_json document_of(const Resultant& sum) {
+  return {{"normal_load", sum.normal_load},
+          {"friction_force", sum.friction_force},
+          {"centre_of_pressure", sum.centre_of_pressure()}};
+}
+
+/// Nodes and elements of a block, for whoever draws it.
+void add_mesh(const oscillators::BlockMesh& mesh, ordered_json& document) {
   auto nodes = ordered_json::array(), stations = ordered_json::array();
   for (Eigen::Index k = 0; k < mesh.nodes.cols(); ++k) nodes.push_back({mesh.nodes(0, k), mesh.nodes(1, k)});
   for (const auto& station : mesh.stations) stations.push_back({{"place", station.place}, {"area", station.area}});
@@ -165,7 +174,8 @@ std::string document_of(const scene::Scene& scene, const analysis::steady::Struc
   auto document = output::begin(scene, "stability");
   const auto& structure = scene.structure->structure;
   document["steady"] = steady_of(structure, result);
-  if (scene.block) add_block(*scene.block, result, document);
+  if (const auto* mesh = mesh_of(scene)) document["steady"].update(document_of(resultant_of(*mesh, result)));
+  if (scene.block) add_mesh(*scene.block, document);
   if (asked.modes > 0)
     document["window"] = {{"modes", result.modes.size()}, {"highest_frequency", highest_frequency(result)}};
   document["eigenvalues"] = output::pairs(result.eigenvalues);
@@ -216,6 +226,43 @@ analysis::steady::StructureStability stability_of(const scene::Scene& scene, con
              : analysis::steady::stability(structure);
 }
 
+/// Adds to the errors of modes what the reduction of a block changes in them.
+void add_reduction(const scene::Scene& scene, analysis::steady::StructureStability& result) {
+  const auto* block = scene::reduced_block_of(scene);
+  if (!block) return;
+  const auto errors = analysis::steady::reduction_errors(block->reduction, result);
+  for (std::size_t k = 0; k < errors.size(); ++k) result.modes[k].error += errors[k];
+}
+
+/// The same of thresholds, and of the modes that grow fastest.
+void add_reduction(const scene::Scene& scene, analysis::steady::Scan& scan) {
+  if (!scene::reduced_block_of(scene)) return;
+  const auto at = [&](double value) {
+    return scene.family->with_numbers({{scene.task<tasks::Stability>().scan->parameter.name, value}});
+  };
+  std::map<double, double> known;
+  const auto add = [&](analysis::steady::Threshold& threshold) {
+    const auto [entry, is_new] = known.try_emplace(threshold.value);
+    if (is_new)
+      entry->second = analysis::steady::reduction_error(
+          threshold, [&](double value) { return scene::reduced_block_of(at(value))->reduction; },
+          [&](const auto& structure) { return stability_of(scene, structure); });
+    threshold.error += entry->second;
+    add_reduction(at(threshold.value), threshold.at);
+  };
+  std::ranges::for_each(scan.thresholds, add);
+  for (auto& window : scan.windows) {
+    if (window.onset) add(*window.onset);
+    if (window.end) add(*window.end);
+    const auto there = at(window.at);
+    auto modes = stability_of(scene, there.structure->structure);
+    add_reduction(there, modes);
+    window.fastest.error = std::ranges::min_element(modes.modes, {}, [&](const auto& mode) {
+                             return std::abs(mode.eigenvalue - window.fastest.eigenvalue);
+                           })->error;
+  }
+}
+
 /// At most so many digits, none below the error; 0 of what its error hides.
 std::string known(double value, double error, int digits) {
   if (!std::isfinite(error)) return fmt::format("{:.{}g}", value, digits);
@@ -239,24 +286,26 @@ Status perform_on_structure(Job& job) {
     throw InputError(
         "stability.parameters serves sliders; of a structure give stability.scan = { parameter, from, to }");
   if (!structure.constant()) job.note("the drive varies: stability is that of its mean, or of its start");
-  const auto result = stability_of(scene, structure);
+  auto result = stability_of(scene, structure);
+  add_reduction(scene, result);
   if (asked.modes > 0)
     job.note(
         fmt::format("stability is that of the {} modes of lowest frequency, up to {:.4g} Hz (stability.modes); above "
                     "them a mesh has "
                     "modes of its own, which grow a little where nothing damps them",
                     result.modes.size(), highest_frequency(result)));
-  if (scene.block) {
-    const auto sum = resultant_of(*scene.block, result);
+  const auto* mesh = mesh_of(scene);
+  if (mesh) {
+    const auto sum = resultant_of(*mesh, result);
     job.say(
         "steady sliding under {:.10g} N: friction force {:.10g} N, elongation of the spring {:.10g} m, centre of "
         "pressure at {:.10g} m",
         sum.normal_load, sum.friction_force,
-        scene.block->elongation.dot(
+        structure.functionals.front().row.dot(
             Eigen::Map<const Eigen::VectorXd>(result.coordinates.data(), Eigen::Index(result.coordinates.size()))),
         sum.centre_of_pressure());
   }
-  for (std::size_t j = 0; j < result.contacts.size() && !scene.block; ++j)
+  for (std::size_t j = 0; j < result.contacts.size() && !mesh; ++j)
     job.say("contact {}: steady sliding at {:.6g} m/s under {:.6g} N, friction force {:.10g} N", j + 1,
             result.contacts[j].slip_rate, result.contacts[j].normal_load, result.contacts[j].friction_force);
   job.say("{}", result.marginal ? "marginal: small disturbances neither grow nor decay"
@@ -280,11 +329,12 @@ Status perform_on_structure(Job& job) {
   const auto& axis = asked.scan->axis;
   job.explain("{} values of {}, with the eigenvalues of each; thresholds between them located to rounding",
               axis.values.size(), parameter.name);
-  const auto scan = analysis::steady::scan(
+  auto scan = analysis::steady::scan(
       [&](double value) {
         return stability_of(scene, scene.family->with({{parameter.name, value}}).structure);
       },
       axis.values, asked.modes > 0 ? int(axis.values.size()) : 2000);
+  add_reduction(scene, scan);
   const HopfAt hopf_at = [&](const auto& crossing) {
     return asked.modes > 0 ? std::nullopt
                            : analysis::steady::hopf_at(

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "app/scene/reader.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/job.hpp"
@@ -140,6 +141,8 @@ scene::Scene read_scene(const Request& request) {
     if (const auto* title = reader.root.find("title")) scene.title = scene::text(*title, "title");
     reader.find_smoothing();
     verb.read(reader);
+    if (const auto* reduced = scene::reduced_block_of(scene))
+      scene.notes.push_back(scene::reduction_note(reduced->reduction));
     reader.require_smoothing_to_matter();
     for (const auto& name : reader.reference.unused())
       scene.notes.push_back(fmt::format("{} has no effect: no number that '{}' reads refers to it", name, verb.name));

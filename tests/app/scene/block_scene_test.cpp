@@ -1,12 +1,14 @@
 /// Elastic blocks in scenes: what is read, and the refusals with their places.
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 
 #include "analysis/motion/run.hpp"
 #include "app/scene/family.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/scene.hpp"
 #include "core/error.hpp"
 #include "oscillators/block.hpp"
@@ -83,4 +85,25 @@ TEST_CASE("numbers of a block are varied with the smoothing of its friction kept
   const auto varied = scene.family->with({{"oscillator.density", 8000}}).structure;
   CHECK(varied.M.sum() / scene.structure->structure.M.sum() == Approx(8000 / 7850.0));
   CHECK_FALSE(varied.contacts.front().law->set_valued());
+}
+
+TEST_CASE("a block with modes is a structure of its face and these, and says which", "[block]") {
+  using Catch::Contains;
+  const auto scene = read("elements = [3, 2]\nmodes = 5", steps);
+  CHECK_FALSE(scene.block);
+  REQUIRE(rosin::app::scene::reduced_block_of(scene));
+  const auto& structure = scene.structure->structure;
+  CHECK(structure.size() == 2 * 7 + 5 + 1);
+  CHECK(structure.names.back() == "sinking");
+  CHECK(structure.contacts.size() == 9);
+  CHECK(structure.contacts.back().normal_load.level() == 32);
+  CHECK(structure.functionals.back().row.dot(scene.structure->start.beside) == Approx(1e-6).epsilon(1e-3));
+  const auto note =
+      std::ranges::find_if(scene.notes, [](const auto& text) { return text.starts_with("oscillator.modes"); });
+  REQUIRE(note != scene.notes.end());
+  CHECK_THAT(*note, Contains("14 coordinates of its lower face and 5 of the 56 modes"));
+  CHECK_THAT(*note, Contains("Hz; the next has") && Contains("of those of the mesh, relative"));
+  CHECK_THROWS_WITH(read("elements = [3, 2]\nmodes = -1", steps), Contains("oscillator.modes") && Contains("0 … 56"));
+  CHECK_THROWS_WITH(read("elements = [3, 2]\nmodes = 57", steps), Contains("oscillator.modes") && Contains("0 … 56"));
+  CHECK_THROWS_WITH(read("elements = [3, 2]\nmodes = 1.5", steps), Contains("oscillator.modes"));
 }
