@@ -2,6 +2,7 @@
 #include "oscillators/servo.hpp"
 
 #include "app/scene/reader.hpp"
+#include "app/scene/reduced_block.hpp"
 #include "app/scene/signal.hpp"
 #include "app/scene/structure.hpp"
 
@@ -11,7 +12,8 @@ void read_servo(SceneReader& reader, const toml::node& node) {
   auto& scene = reader.scene;
   const std::string_view verb = reader.request.verb;
   const auto& served = verbs_of_structures;
-  if (scene.string || scene.plane || scene.block || std::ranges::find(served, verb) == served.end() || verb == "lab")
+  if (scene.string || scene.plane || scene.block || reduced_block_of(scene) ||
+      std::ranges::find(served, verb) == served.end() || verb == "lab")
     fail(node.source(), "oscillator.servo acts on a slider or a structure, by {} but lab; leave it out here",
          fmt::join(served, ", "));
   if (!scene.structure)
