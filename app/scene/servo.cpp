@@ -10,11 +10,11 @@ namespace rosin::app::scene {
 
 void read_servo(SceneReader& reader, const toml::node& node) {
   auto& scene = reader.scene;
-  const std::string_view verb = reader.request.verb;
-  const auto& served = verbs_of_structures;
-  if (scene.string || scene.plane || scene.block || reduced_block_of(scene) ||
-      std::ranges::find(served, verb) == served.end() || verb == "lab")
-    fail(node.source(), "oscillator.servo acts on a slider or a structure, by {} but lab; leave it out here",
+  auto served = verbs_of_structures;
+  std::erase(served, "lab");  // whose experiments move the frame themselves
+  const bool is_structure = !scene.string && !scene.plane && !scene.block && !reduced_block_of(scene);
+  if (!is_structure || std::ranges::find(served, reader.request.verb) == served.end())
+    fail(node.source(), "oscillator.servo acts on a slider or a structure, by {}; leave it out here",
          fmt::join(served, ", "));
   if (!scene.structure)
     scene.structure.emplace().structure = located(node.source(), [&] { return oscillators::one_slider(scene.model); });
