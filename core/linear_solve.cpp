@@ -1,4 +1,4 @@
-/// The one place where Eigen's LU and QR of real matrices of any size are compiled for a single right side.
+/// The one place where Eigen's LU and QR of real matrices of any size are compiled.
 #include "core/linear_solve.hpp"
 
 #include <Eigen/LU>
@@ -7,6 +7,8 @@
 namespace rosin {
 
 Eigen::VectorXd solve_linear(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.partialPivLu().solve(b); }
+
+Eigen::MatrixXd solve_columns(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) { return A.partialPivLu().solve(B); }
 
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   return A.colPivHouseholderQr().solve(b);

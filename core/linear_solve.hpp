@@ -7,6 +7,8 @@ namespace rosin {
 
 /// x of A·x = b with a square A, by LU with row pivoting. Not finite where A is singular.
 Eigen::VectorXd solve_linear(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+/// The same for each column of B, by one factorisation.
+Eigen::MatrixXd solve_columns(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 
 /// x that makes |A·x − b| least, by QR with column pivoting.
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);

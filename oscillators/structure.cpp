@@ -61,6 +61,8 @@ void check_without_mass(const Structure& structure, int i) {
     if (!alone || (only && contact.tangential[i] != 0)) fail(needs);
     if (contact.tangential[i] != 0) only = &contact;
   }
+  if (std::ranges::any_of(structure.stops, [&](const Stop& stop) { return stop.coordinate == i; }))
+    fail("a stop needs a mass that it stops");
   if (!only) {
     if (structure.C(i, i) == 0) fail(needs);
     return;
@@ -68,9 +70,8 @@ void check_without_mass(const Structure& structure, int i) {
   if (only->law->set_valued()) fail("under a set-valued law nothing says how fast it slips; give it a mass");
   if (only->stiffness.present() && structure.C(i, i) == 0)
     fail("with a contact spring and no damper forces do not depend on its slip rate; give it a mass or a damping");
-  if (std::ranges::any_of(structure.stops, [&](const Stop& stop) { return stop.coordinate == i; }))
-    fail("a stop needs a mass that it stops");
 }
+
 /// Rates of several coordinates without mass and contact follow from their dampers together.
 void check_rates_without_mass(const Structure& structure) {
   std::vector<int> without;

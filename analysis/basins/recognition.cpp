@@ -203,15 +203,10 @@ int Recogniser::add(const Identified& found) {
   const auto& cycle = *found.cycle;
   for (int k = first_cycle; k < int(known_.size()); ++k)
     if (is_same(known_[std::size_t(k)], cycle)) return k;
-  if (known_.size() == first_cycle) {
-    const auto part = [&](int i) {
-      constexpr double hardly = 1e-3;  // where it sticks to a surface at rest it has no single moment of its maximum
-      return (cycle.coordinate_max[std::size_t(i)] - cycle.coordinate_min[std::size_t(i)]) / natural_[i] *
-             (structure_.stands_still(i) ? hardly : 1);
-    };
-    for (int i = 1; i < structure_.size(); ++i)
-      if (part(i) > part(watched_)) watched_ = i;
-  }
+  if (known_.size() == first_cycle)
+    watched_ = cycles::coordinate_of_section(structure_, [&](int i) {
+      return (cycle.coordinate_max[std::size_t(i)] - cycle.coordinate_min[std::size_t(i)]) / natural_[i];
+    });
   Attractor attractor;
   attractor.kind = Attractor::Kind::cycle;
   attractor.metrics = cycle.metrics;

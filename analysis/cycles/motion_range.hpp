@@ -10,6 +10,19 @@
 
 namespace rosin::analysis::cycles {
 
+/// The coordinate that moves most, by the range of each in parts of its natural size. One that friction holds on a
+/// surface at rest stands still for as long as that sticks, so that it has no single moment of its maximum: others come
+/// before it.
+template <class Part>
+int coordinate_of_section(const oscillators::Structure& structure, const Part& part) {
+  constexpr double hardly = 1e-3;
+  const auto weight = [&](int i) { return structure.stands_still(i) ? hardly * part(i) : part(i); };
+  int best = 0;
+  for (int i = 1; i < structure.size(); ++i)
+    if (weight(i) > weight(best)) best = i;
+  return best;
+}
+
 /// Size of each unknown in a motion: the range that it has gone through, which a coordinate that hardly moves shares
 /// with the largest.
 class MotionRange {
@@ -35,18 +48,11 @@ class MotionRange {
     for (Eigen::Index i = 2 * n; i < half.size(); ++i) half[i] = std::max(half[i], least * natural[i]);
     return half;
   }
-  /// The coordinate that moves most, as a part of its natural size. One that friction holds on a surface at rest stands
-  /// still for as long as that sticks, so that it has no single moment of its maximum: others come before it.
+  /// The coordinate whose maxima are a section, as coordinate_of_section() has it.
   int widest() const {
     std::vector<double> natural(low_.size());
     system_.scale(std::vector<double>(low_.size()).data(), natural.data());
-    const auto part = [&](int i) { return (high_[i] - low_[i]) / natural[i]; };
-    constexpr double hardly = 1e-3;
-    const auto weight = [&](int i) { return system_.structure().stands_still(i) ? hardly * part(i) : part(i); };
-    int best = 0;
-    for (int i = 1; i < system_.coordinates(); ++i)
-      if (weight(i) > weight(best)) best = i;
-    return best;
+    return coordinate_of_section(system_.structure(), [&](int i) { return (high_[i] - low_[i]) / natural[i]; });
   }
 
  private:

@@ -73,11 +73,7 @@ SectionMap::Followers SectionMap::algebraic(const std::vector<double>& y, const 
   std::vector<double> f(n);
   RowMajor J(n, n);
   system_.linearise(0, y.data(), f.data(), J.data());
-  const MatrixXd of_algebraic = J(found.algebraic, found.algebraic);
-  found.slopes.resize(Eigen::Index(found.algebraic.size()), Eigen::Index(found.differential.size()));
-  for (std::size_t j = 0; j < found.differential.size(); ++j)
-    found.slopes.col(Eigen::Index(j)) =
-        -solve_linear(of_algebraic, VectorXd(J(found.algebraic, found.differential[j])));
+  found.slopes = -solve_columns(J(found.algebraic, found.algebraic), J(found.algebraic, found.differential));
   return found;
 }
 

@@ -64,9 +64,11 @@ void StructureRecord::observe(double t, const double* y, std::vector<double>& ro
     if (system_.follows_motion(j)) row.push_back(system_.open_fraction(j, t, y));
     for (const double state : system_.states(j, t, y)) row.push_back(state);
   }
-  const auto acceleration = system_.acceleration(t, y);
-  for (int i = 0; i < n; ++i)
-    if (has_mass(i)) row.push_back(acceleration[i]);
+  if ((system_.structure().M.diagonal().array() > 0).any()) {
+    const auto acceleration = system_.acceleration(t, y);
+    for (int i = 0; i < n; ++i)
+      if (has_mass(i)) row.push_back(acceleration[i]);
+  }
   for (const auto& functional : system_.structure().functionals)
     row.push_back(functional.row.dot(Eigen::Map<const Eigen::VectorXd>(y, n)));
 }

@@ -61,6 +61,10 @@ Table oscillator_table(const toml::node& node) {
   table.find(servo_key);
   return table;
 }
+
+void read_servo_of(SceneReader& reader, const toml::node& oscillator) {
+  if (const auto* servo = oscillator.as_table()->get(servo_key)) read_servo(reader, *servo);
+}
 }  // namespace
 
 void SceneReader::oscillator() {
@@ -69,7 +73,7 @@ void SceneReader::oscillator() {
   scene.structure.reset();  // of a scene that is read again with other numbers
   type.read(*this, oscillator_table(node), true);
   type.read_drive(*this, Table(need("drive", "speed and normal load"), "drive"), true);
-  if (const auto* servo = node.as_table()->get(servo_key)) read_servo(*this, *servo);
+  read_servo_of(*this, node);
   if (!scene.plane && !scene.structure) located(node.source(), [&] { scene.model.check(); });
   if (!scene.structure && scene.model.drive.normal_load.constant())
     note_unread({"law.load_memory"}, "the normal load is constant");
@@ -80,7 +84,7 @@ void SceneReader::oscillator_if_there(bool complete) {
   const auto& type = oscillator ? oscillator_type(*this, *oscillator) : oscillator_types().front();
   if (oscillator) type.read(*this, oscillator_table(*oscillator), complete);
   if (drive) type.read_drive(*this, Table(*drive, "drive"), complete);
-  if (const auto* servo = oscillator ? oscillator->as_table()->get(servo_key) : nullptr) read_servo(*this, *servo);
+  if (oscillator) read_servo_of(*this, *oscillator);
 }
 
 void SceneReader::note_unread(std::initializer_list<std::string_view> paths, std::string_view why) {

@@ -107,6 +107,9 @@ TEST_CASE("a coordinate without mass needs something that says how fast it moves
   CHECK_THROWS_WITH(by_matrices(M, C, K).check(), Contains("second has no mass") && Contains("damping of its own"));
   C(1, 1) = 1;
   CHECK_NOTHROW(by_matrices(M, C, K).check());
+  Structure stopped = by_matrices(M, C, K);
+  stopped.stops = {{.coordinate = 1, .at = 1, .stiffness = 10}};
+  CHECK_THROWS_WITH(stopped.check(), Contains("a stop needs a mass"));
   Structure three = by_matrices(M, C, K);
   for (auto* matrix : {&three.M, &three.C, &three.K}) matrix->conservativeResizeLike(Eigen::MatrixXd::Zero(3, 3));
   three.C.bottomRightCorner(2, 2).setOnes();
