@@ -17,7 +17,7 @@ namespace rosin::app::output {
 
 namespace {
 
-constexpr std::size_t most_panels = 4;
+constexpr std::size_t most_spectra = 4;
 constexpr double deepest = 1e-8;  ///< of the largest amplitude, that is drawn
 
 /// From the largest amplitude away from 0 Hz down to the least that is drawn.
@@ -37,7 +37,7 @@ std::vector<std::string> write_picture(const std::filesystem::path& folder, cons
   for (std::size_t c = 0; c < spectrum.names.size(); ++c)
     table.push_back({column_header(spectrum.names[c], spectrum.units[c]), spectrum.amplitude[c]});
   write_csv(folder / "spectrum.csv", table);
-  const std::size_t panels = std::min(spectrum.names.size(), most_panels);
+  const std::size_t panels = std::min(spectrum.names.size(), most_spectra);
   const Sheet sheet{"spectrum",
                     "Amplitudes of the columns of a motion over frequency",
                     {.panels = int(panels), .panel = 180},
