@@ -41,9 +41,8 @@ void write_rows(const std::filesystem::path& file, const Table& table, const Res
 
 }  // namespace
 
-/// Planes have no rows.
 Writer csv_writer() {
-  return {".csv", [](const Table& table, const Request&) { return table.dimensions.size() == 1; }, write_rows};
+  return {".csv", [](const Table& table, const Request&) { return is_rows(table); }, write_rows};
 }
 
 }  // namespace rosin::app::results

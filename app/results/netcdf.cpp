@@ -48,10 +48,11 @@ void write_dataset(const std::filesystem::path& path, const Table& table, const 
     } else {
       file.values(variable = define(name, NC_DOUBLE, over, meaning), std::get<std::vector<double>>(column.values));
     }
+    if (const auto more = description_of(column.of); !more.empty()) file.attribute(variable, "description", more);
     add(file, variable, column.more);
     if (!column.error.empty() && taken.insert(name + "_error").second)
       file.values(define(name + "_error", NC_DOUBLE, column.error.size() > 1 ? over : std::vector<int>(),
-                         "absolute error of " + column.of.name),
+                         error_of(column.of)),
                   column.error);
   }
   write_whole(path, file.close());
@@ -59,10 +60,10 @@ void write_dataset(const std::filesystem::path& path, const Table& table, const 
 
 }  // namespace
 
-/// Planes always, rows where they are asked for.
+/// Fields always, rows where they are asked for.
 Writer netcdf_writer() {
   return {".nc",
-          [](const Table& table, const Request& request) { return table.dimensions.size() > 1 || request.netcdf; },
+          [](const Table& table, const Request& request) { return !is_rows(table) || request.netcdf; },
           write_dataset};
 }
 

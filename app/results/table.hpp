@@ -38,12 +38,13 @@ struct Dimension {
   std::size_t length = 0;
 };
 
-/// Columns over common dimensions: of one dimension a table in the common sense, of two a plane.
+/// Columns over common dimensions.
 struct Table {
   std::string name;  ///< of its files
   std::vector<Dimension> dimensions;
   std::vector<Column> columns;
   Attributes more = {};
+  bool is_field = false;  ///< values over parameters or starts, for NetCDF alone; else rows, if of one dimension
 };
 
 /// A table of rows. They are counted by the first column where that rises, or is time, which stands still in a jump;

@@ -58,10 +58,13 @@ ordered_json description_of(const Table& table) {
 }
 
 std::string meaning_of(const Channel& channel) {
-  if (!channel.meaning.empty()) return channel.meaning;
-  const auto words = report::readable(channel.name);
-  const auto known = report::known(channel.name).meaning;
-  return known.empty() || known == words ? words : fmt::format("{}: {}", words, known);
+  return channel.meaning.empty() ? report::readable(channel.name) : channel.meaning;
+}
+
+std::string error_of(const Channel& channel) { return "absolute error of " + report::readable(channel.name); }
+
+std::string description_of(const Channel& channel) {
+  return channel.meaning.empty() ? report::known(channel.name).meaning : std::string();
 }
 
 std::vector<std::string> words_of(const Flags& flags) {

@@ -13,7 +13,7 @@ struct Request;
 namespace rosin::app::results {
 
 /// Of documents: what stands in one under which name. It grows where a name goes or means something else.
-constexpr int schema = 1;
+constexpr const char* schema = "rosin-results-1";
 
 struct Writer {
   const char* extension;  ///< of its files, ".csv"
@@ -29,8 +29,15 @@ std::vector<std::string> write_tables(const std::filesystem::path& folder, const
 /// Names, dimensions, units, meanings and errors of a table: all but its values.
 ordered_json description_of(const Table&);
 
-/// What a column means in one line, for a file that has room for it.
+/// A table in the common sense.
+inline bool is_rows(const Table& table) { return table.dimensions.size() == 1 && !table.is_field; }
+
+/// What a column is called on an axis: its meaning, or its name in words.
 std::string meaning_of(const Channel&);
+/// "absolute error of slip rate"
+std::string error_of(const Channel&);
+/// What else is known of numbers of that name; empty where nothing is.
+std::string description_of(const Channel&);
 
 /// Words of flags, apart.
 std::vector<std::string> words_of(const Flags&);

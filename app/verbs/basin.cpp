@@ -267,7 +267,11 @@ ordered_json axis_of(const tasks::StartAxis& axis) {
 /// The number of the attractor that each start comes to, over the grid, or with the places of random starts.
 results::Table table_of(const scene::Scene& scene, const Basins& found) {
   const auto& [x, y, random, places, direction, task] = scene.task<tasks::Basin>();
-  results::Table table{.name = "basin", .dimensions = {}, .columns = {}, .more = {{"tolerance", task.tolerance}}};
+  results::Table table{.name = "basin",
+                       .dimensions = {},
+                       .columns = {},
+                       .more = {{"tolerance", task.tolerance}},
+                       .is_field = true};
   const auto add = [&](const tasks::StartAxis& axis, std::size_t dimension, std::vector<double> values) {
     table.columns.push_back({{axis.name, axis.unit, axis.name + " at the start"}, std::move(values), {}, {dimension}});
   };

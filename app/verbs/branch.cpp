@@ -13,6 +13,7 @@
 #include "analysis/cycles/cycle.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
 #include "app/output/pictures.hpp"
+#include "app/results/writers.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/reduced_block.hpp"
@@ -337,7 +338,7 @@ results::Table events_of(const tasks::Branch& task, const Branches& found) {
           {{"event", kinds.size()}},
           {{{"kind", ""}, std::move(kinds)},
            {{p.name, p.unit, p.meaning}, std::move(values)},
-           {{p.name + "_error", p.unit, "absolute error of " + p.name}, std::move(errors)}}};
+           {{p.name + "_error", p.unit, results::error_of({p.name})}, std::move(errors)}}};
 }
 
 /// Nothing for what is no number of the slider itself, such as an amplitude of its drive.

@@ -8,6 +8,7 @@
 #include "analysis/motion/structure_record.hpp"
 #include "app/output/pictures.hpp"
 #include "app/results/axis.hpp"
+#include "app/results/writers.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
@@ -171,7 +172,8 @@ results::Table table_of(const scene::Scene& scene, const Sweep& sweep) {
   results::Table table{.name = "sweep",
                        .dimensions = {{name, options.axis.values.size()}},
                        .columns = {results::coordinate(name, 0, options.axis, scene)},
-                       .more = {{"tolerance", options.tolerance}}};
+                       .more = {{"tolerance", options.tolerance}},
+                       .is_field = true};
   std::size_t longest = 1;
   for (const auto* points : {&sweep.up, &sweep.down})
     for (const auto& point : *points)
@@ -191,7 +193,7 @@ results::Table table_of(const scene::Scene& scene, const Sweep& sweep) {
       }
       table.columns.push_back({channel(metric.name, metric.unit, metric.meaning), std::move(values)});
       table.columns.push_back(
-          {channel(metric.name + "_error", metric.unit, "absolute error of " + metric.name), std::move(errors)});
+          {channel(metric.name + "_error", metric.unit, results::error_of({metric.name})), std::move(errors)});
     }
     for (std::size_t c = 0; !of_metrics && c < sweep.column_names.size(); ++c) {
       std::vector<double> values(points->size() * longest, NAN);

@@ -28,11 +28,11 @@ def beside(result: Result) -> dict[str, xarray.Dataset]:
 
 
 def _read(result: Result, described: dict[str, Any]) -> xarray.Dataset | None:
-    """One of the document's ``datasets``: a plane from NetCDF, a table from its columns."""
+    """One of the document's ``datasets``, as it stands in NetCDF, or else in columns."""
     import xarray
 
     plane, table = (result.folder / f"{described['name']}{ending}" for ending in (".nc", ".csv"))
-    if len(described["dimensions"]) > 1 and plane.exists():
+    if plane.exists():
         with xarray.open_dataset(plane, decode_times=False) as stored:
             return stored.load()
     return _of_columns(result, described, table) if table.exists() else None
@@ -52,5 +52,5 @@ def _of_columns(result: Result, described: dict[str, Any], table: Any) -> xarray
         attributes["long_name"] = about["meaning"]
         data[name] = (dimension, numpy.array(cells, dtype=float if "unit" in about else str), attributes)
         if about.get("error") is not None:
-            data[f"{name}_error"] = ((), float(about["error"]), attributes | {"long_name": f"absolute error of {name}"})
+            data[f"{name}_error"] = ((), float(about["error"]), attributes | {"long_name": f"absolute error of {name.replace('_', ' ')}"})
     return xarray.Dataset(data, attrs={"title": result.raw.get("title", ""), "version": f"rosin {result.raw.get('version', '')}"})

@@ -91,7 +91,8 @@ def test_planes_of_members_and_designs():
     planes = asked("compare", "ageing-or-slip", SMALL | quick)
     data = planes.dataset
     assert data.stick_fraction.dims == ("member", "speed", "normal_load")
-    assert data.normal_load.attrs == {"units": "N", "long_name": "normal load", "scale": "log"}
+    about = {"units": "N", "long_name": "normal load", "scale": "log", "path": "drive.normal_load", "regular_values": 2}
+    assert data.normal_load.attrs == about
     assert data.stick_fraction.sel(member="slip")[1, 1].item() == planes.raw["planes"]["slip"]["metrics"]["stick_fraction"][1][1]
     design = asked("compare", "information-on-lambda", SMALL, design=True).dataset
     # Of independent metrics information adds up.
@@ -162,7 +163,6 @@ TABLES = [
     ("lab", "lab-slide-hold-slide", {}, ("slide-hold-slide",), ["lab", "lab-peaks"]),
     ("frf", "frf-load-family", {}, (), ["frf", "frf-5"]),
     ("fit", "step-with-trend", {}, (), ["fit-curve-1", "fit-residuals-1"]),
-    ("compare", "compare-laws", {}, (), ["compare-1", "compare-3"]),
     ("branch", "two-motions", FEW, (), ["branch"]),
     ("lyapunov", "belt-chaos", {"lyapunov.duration": 60}, (), ["lyapunov"]),
 ]
@@ -188,9 +188,9 @@ def test_the_command_writes_tables_as_netcdf_too(tmp_path, verb, example, change
 
 def test_columns_of_words_and_errors_of_columns(tmp_path):
     result = asked("cycle", "bristol-board-cycle", {}, out=tmp_path, netcdf=True)
-    asked("run", "coulomb-stick-slip", {}, out=tmp_path, netcdf=True)
-    with xarray.open_dataset(tmp_path / "run-events.nc", decode_times=False) as events:
-        assert "stick" in events.kind.values.tolist()
+    branch = asked("branch", "two-motions", FEW, out=tmp_path, netcdf=True)
+    with xarray.open_dataset(tmp_path / "branch-events.nc", decode_times=False) as events:
+        assert events.kind.values.tolist() == branch.tables["events"].kind.values.tolist() == ["hopf"]
     with xarray.open_dataset(tmp_path / "cycle.nc", decode_times=False) as cycle:
         assert set(cycle.dims) == {"time"} and cycle.sizes == result.dataset.sizes
 
