@@ -42,7 +42,7 @@ void write_rows(const std::filesystem::path& file, const Table& table, const Res
 }  // namespace
 
 Writer csv_writer() {
-  return {".csv", [](const Table& table, const Request&) { return is_rows(table); }, write_rows};
+  return {".csv", nullptr, nullptr, [](const Table& table, bool) { return is_rows(table); }, write_rows};
 }
 
 }  // namespace rosin::app::results

@@ -3,7 +3,7 @@
 
 #include <ctime>
 
-#include "app/results/result.hpp"
+#include "app/results/writers.hpp"
 #include "app/scene/scene.hpp"
 #include "app/tasks/lab.hpp"
 
@@ -42,10 +42,14 @@ std::string to_json(const scene::Scene& scene, const Manifest& manifest) {
 }
 
 std::string to_json(const std::string& verb, const Outcome& outcome) {
-  return text({{"verb", verb},
+  return text({{"title", ""},
+               {"verb", verb},
                {"version", ROSIN_VERSION},
+               {"schema", schema},
                {"outcome", name(outcome.ending)},
-               {"outcome_detail", outcome.detail}});
+               {"outcome_detail", outcome.detail},
+               {"datasets", ordered_json::array()},
+               {"notes", ordered_json::array()}});
 }
 
 }  // namespace rosin::app::results

@@ -1,7 +1,6 @@
 /// Tables as NetCDF-4 files, which xarray opens with coordinates, units, flags and errors.
 #include <set>
 
-#include "app/command_line.hpp"
 #include "app/results/netcdf_file.hpp"
 #include "app/results/writers.hpp"
 #include "core/files.hpp"
@@ -51,9 +50,9 @@ void write_dataset(const std::filesystem::path& path, const Table& table, const 
     if (const auto more = description_of(column.of); !more.empty()) file.attribute(variable, "description", more);
     add(file, variable, column.more);
     if (!column.error.empty() && taken.insert(name + "_error").second)
-      file.values(define(name + "_error", NC_DOUBLE, column.error.size() > 1 ? over : std::vector<int>(),
-                         error_of(column.of)),
-                  column.error);
+      file.values(
+          define(name + "_error", NC_DOUBLE, column.error.size() > 1 ? over : std::vector<int>(), error_of(column.of)),
+          column.error);
   }
   write_whole(path, file.close());
 }
@@ -62,9 +61,8 @@ void write_dataset(const std::filesystem::path& path, const Table& table, const 
 
 /// Fields always, rows where they are asked for.
 Writer netcdf_writer() {
-  return {".nc",
-          [](const Table& table, const Request& request) { return !is_rows(table) || request.netcdf; },
-          write_dataset};
+  return {".nc", "--netcdf", "write every table (CSV) as NetCDF, too",
+          [](const Table& table, bool asked) { return asked || !is_rows(table); }, write_dataset};
 }
 
 }  // namespace rosin::app::results

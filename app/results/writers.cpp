@@ -32,7 +32,7 @@ std::vector<std::string> write_tables(const fs::path& folder, const Result& resu
   for (const auto& table : result.tables) {
     if (std::ranges::any_of(table.dimensions, [](const auto& dimension) { return dimension.length == 0; })) continue;
     for (const auto& writer : writers())
-      if (writer.writes(table, request)) {
+      if (writer.writes(table, writer.option && request.formats.contains(writer.option + 2))) {
         verbs::results_are_due();
         files.push_back(table.name + writer.extension);
         writer.write(folder / files.back(), table, result);

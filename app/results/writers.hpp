@@ -16,8 +16,8 @@ namespace rosin::app::results {
 constexpr const char* schema = "rosin-results-1";
 
 struct Writer {
-  const char* extension;  ///< of its files, ".csv"
-  bool (*writes)(const Table&, const Request&);
+  const char *extension, *option, *help;  ///< ".csv"; the option that asks for it, null: none does
+  bool (*writes)(const Table&, bool asked);
   void (*write)(const std::filesystem::path& file, const Table&, const Result&);
 };
 /// Those in writers.def.

@@ -267,11 +267,8 @@ ordered_json axis_of(const tasks::StartAxis& axis) {
 /// The number of the attractor that each start comes to, over the grid, or with the places of random starts.
 results::Table table_of(const scene::Scene& scene, const Basins& found) {
   const auto& [x, y, random, places, direction, task] = scene.task<tasks::Basin>();
-  results::Table table{.name = "basin",
-                       .dimensions = {},
-                       .columns = {},
-                       .more = {{"tolerance", task.tolerance}},
-                       .is_field = true};
+  results::Table table{
+      .name = "basin", .dimensions = {}, .columns = {}, .more = {{"tolerance", task.tolerance}}, .is_field = true};
   const auto add = [&](const tasks::StartAxis& axis, std::size_t dimension, std::vector<double> values) {
     table.columns.push_back({{axis.name, axis.unit, axis.name + " at the start"}, std::move(values), {}, {dimension}});
   };
@@ -327,9 +324,8 @@ results::Result result_of(const Job& job, const Basins& found) {
       const tasks::StartAxis &x, &y;
     } const plane{x, y};
     if (!random)
-      result["labels"] = results::grid(plane, [&](std::size_t i) {
-        return found.labels[i] < 0 ? ordered_json() : ordered_json(found.labels[i]);
-      });
+      result["labels"] = results::grid(
+          plane, [&](std::size_t i) { return found.labels[i] < 0 ? ordered_json() : ordered_json(found.labels[i]); });
     result.tables = {table_of(scene, found)};
   }
   if (!found.followed.empty())
@@ -409,8 +405,8 @@ Status perform_basin(Job& job) {
   if (!found.outcome.complete()) job.note(fmt::format("{}: {}", name(found.outcome.ending), found.outcome.detail));
   auto result = result_of(job, found);
   result.cost = {{"seconds", seconds}};
-  return job.finish(result, result.tables.empty() ? std::vector<std::string>()
-                                                  : output::write_picture(job.folder(), scene, found));
+  return job.finish(
+      result, result.tables.empty() ? std::vector<std::string>() : output::write_picture(job.folder(), scene, found));
 }
 
 }  // namespace

@@ -499,10 +499,11 @@ Status perform_branch(Job& job) {
   manifest.cost = {{"seconds", seconds}, {"steps", double(found.steps)}, {"closures", double(found.residuals)}};
   auto result = result_of(job, found, loci);
   result.cost = {{"seconds", seconds}, {"steps", found.steps}, {"closures", found.residuals}};
-  result.tables = {table_of(scene, found, [&](double p) {
-                     const auto oscillator = family(p);
-                     return oscillator->slip_rates(oscillator->steady()).front();
-                   }),
+  result.tables = {table_of(scene, found,
+                            [&](double p) {
+                              const auto oscillator = family(p);
+                              return oscillator->slip_rates(oscillator->steady()).front();
+                            }),
                    events_of(task, found)};
   auto files = output::write_picture(job.folder(), scene, found);
   if (!loci.curves.empty()) {

@@ -316,8 +316,7 @@ results::Table table_of_planes(const scene::Scene& scene, const std::vector<anal
   for (const auto& metric : map.metrics) {
     std::vector<double> values, errors;
     for (const auto& one : maps)
-      for (const auto& point : one.points)
-        values.push_back(metric.value(point)), errors.push_back(metric.error(point));
+      for (const auto& point : one.points) values.push_back(metric.value(point)), errors.push_back(metric.error(point));
     table.columns.push_back({{metric.name, metric.unit}, std::move(values), std::move(errors), {0, 1, 2}});
   }
   table.columns.push_back({{"regime", "", "what the motion settles on"}, std::move(regimes), {}, {0, 1, 2}});

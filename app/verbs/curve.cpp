@@ -77,8 +77,8 @@ Status perform_curve(Job& job) {
   result.add({"slip_rate", "m/s"}, curve.slip_rate);
   result.add({"friction_coefficient"}, curve.friction_coefficient);
   result["extrema"] = std::move(extrema);
-  result.tables = {results::rows("curve", {{{"slip_rate", "m/s"}, curve.slip_rate},
-                                           {{"friction_coefficient"}, curve.friction_coefficient}})};
+  result.tables = {results::rows(
+      "curve", {{{"slip_rate", "m/s"}, curve.slip_rate}, {{"friction_coefficient"}, curve.friction_coefficient}})};
   return job.finish(result, output::write_picture(job.folder(), scene, curve));
 }
 

@@ -121,10 +121,11 @@ results::Table table_of(const analysis::inference::Fit& fit, double confidence) 
     table.columns.push_back({{p.path, p.unit, p.path}, std::vector{p.value}, {}, {}});
     table.columns.push_back(
         {{p.path + "_error", p.unit, "standard error of " + p.path}, std::vector{p.standard_error}, {}, {}});
-    table.columns.push_back({{p.path + "_interval", p.unit, fmt::format("{:g} % interval of {}", 100 * confidence, p.path)},
-                             std::vector{p.low, p.high},
-                             {},
-                             {2}});
+    table.columns.push_back(
+        {{p.path + "_interval", p.unit, fmt::format("{:g} % interval of {}", 100 * confidence, p.path)},
+         std::vector{p.low, p.high},
+         {},
+         {2}});
   }
   return table;
 }

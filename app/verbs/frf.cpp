@@ -420,9 +420,8 @@ Status simulate_noise(Job& job, std::optional<double> tolerance) {
   const auto begin = std::chrono::steady_clock::now();
   const auto noise = analysis::response::simulate_noise(job.scene().model, options);
   job.manifest().cost = {{"seconds", seconds_since(begin)}, {"samples", double(noise.time.size())}};
-  std::vector<results::Column> columns = {{{"time", "s"}, noise.time},
-                                          {{"slip_rate", "m/s"}, noise.slip_rate},
-                                          {{"friction_force", "N"}, noise.force}};
+  std::vector<results::Column> columns = {
+      {{"time", "s"}, noise.time}, {{"slip_rate", "m/s"}, noise.slip_rate}, {{"friction_force", "N"}, noise.force}};
   if (!noise.normal_load.empty()) columns.push_back({{"normal_load", "N"}, noise.normal_load});
   return finish_measured(job, noise.measured, results::rows("frf-record", std::move(columns)));
 }

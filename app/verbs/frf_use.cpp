@@ -53,7 +53,8 @@ void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector
     distance.push_back(std::abs(1.0 + L));
   }
   result.tables.push_back(results::rows(
-      "loop", {{{"frequency", "Hz"}, frequency}, {{"real"}, real}, {{"imaginary"}, imaginary}, {{"distance"}, distance}}));
+      "loop",
+      {{{"frequency", "Hz"}, frequency}, {{"real"}, real}, {{"imaginary"}, imaginary}, {{"distance"}, distance}}));
   if (frequency.size() < 2) return;  // no line
   const output::Sheet sheet{"loop",
                             "Nyquist's plot of the loop of friction and structure",

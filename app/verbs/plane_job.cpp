@@ -36,8 +36,7 @@ results::Result result_of(const Job& job, const MapResult& of) {
   for (const auto& metric : map.metrics) {
     result["metrics"][metric.name] =
         results::grid_of_points(map, [&](const auto& point) { return metric.value(point); });
-    result["error"][metric.name] =
-        results::grid_of_points(map, [&](const auto& point) { return metric.error(point); });
+    result["error"][metric.name] = results::grid_of_points(map, [&](const auto& point) { return metric.error(point); });
   }
   result["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
   result["fold"] = {{"x", map.fold.x}, {"y", map.fold.y}, {"error_decades", map.fold_error}};
@@ -66,13 +65,13 @@ results::Table table_of(const scene::Scene& scene, const analysis::planes::Map& 
   for (const auto& metric : map.metrics) taken.push_back(metric.name), taken.push_back(metric.name + "_error");
   const auto names = results::axis_names({map.x.parameter, map.y.parameter}, taken);
   enum : std::size_t { y, x };
-  results::Table table{.name = "map",
-                       .dimensions = {{names[1], map.y.values.size()}, {names[0], map.x.values.size()}},
-                       .columns = {results::coordinate(names[0], x, map.x, scene),
-                                   results::coordinate(names[1], y, map.y, scene)},
-                       .more = {{"tolerance", options.tolerance},
-                                {"stick_threshold", options.stick_threshold},
-                                {"fold_error_decades", map.fold_error}}};
+  results::Table table{
+      .name = "map",
+      .dimensions = {{names[1], map.y.values.size()}, {names[0], map.x.values.size()}},
+      .columns = {results::coordinate(names[0], x, map.x, scene), results::coordinate(names[1], y, map.y, scene)},
+      .more = {{"tolerance", options.tolerance},
+               {"stick_threshold", options.stick_threshold},
+               {"fold_error_decades", map.fold_error}}};
   const auto flags = [&](const char* name, const char* meaning, auto member, std::vector<signed char> numbers,
                          const char* words) {
     results::Flags of{{}, std::move(numbers), words};
@@ -84,8 +83,7 @@ results::Table table_of(const scene::Scene& scene, const analysis::planes::Map& 
   for (const auto& metric : map.metrics) {
     std::vector<double> values, errors;
     for (const auto& point : map.points) values.push_back(metric.value(point)), errors.push_back(metric.error(point));
-    table.columns.push_back(
-        {{metric.name, metric.unit, metric.meaning}, std::move(values), std::move(errors), {y, x}});
+    table.columns.push_back({{metric.name, metric.unit, metric.meaning}, std::move(values), std::move(errors), {y, x}});
   }
   for (const auto& [name, dimension, line, meaning] :
        {std::tuple{"threshold", "vertex", &map.threshold, "threshold of steady sliding"},

@@ -188,7 +188,8 @@ results::Table table_of(const SlipEvents& events) {
   std::vector<results::Column> columns;
   for (const auto& [name, unit, values, error] : event_columns)
     if (!(events.*values).empty())
-      columns.push_back({{name, unit}, events.*values, error ? std::vector{events.error.*error} : std::vector<double>()});
+      columns.push_back(
+          {{name, unit}, events.*values, error ? std::vector{events.error.*error} : std::vector<double>()});
   return results::rows("stick-slip", std::move(columns));
 }
 
@@ -197,7 +198,8 @@ void tell_of(const Job& job, const results::Table& events) {
   job.say("{} slip events, on average", events.dimensions.front().length);
   for (const auto& column : events.columns) {
     std::vector<double> known;
-    std::ranges::copy_if(column.numbers(), std::back_inserter(known), [](double value) { return std::isfinite(value); });
+    std::ranges::copy_if(column.numbers(), std::back_inserter(known),
+                         [](double value) { return std::isfinite(value); });
     if (column.error.empty() || column.of.name == "onset" || known.empty()) continue;
     const auto [low, high] = std::ranges::minmax(known);
     const double mean = std::accumulate(known.begin(), known.end(), 0.0) / double(known.size());

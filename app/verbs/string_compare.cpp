@@ -6,8 +6,8 @@
 
 #include "analysis/planes/map.hpp"
 #include "analysis/strings/strings.hpp"
-#include "app/results/axis.hpp"
 #include "app/output/pictures.hpp"
+#include "app/results/axis.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/scene.hpp"
 #include "app/tasks/bowing.hpp"
