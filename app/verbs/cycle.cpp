@@ -175,8 +175,9 @@ Status perform_cycle(Job& job) {
   if (cycle.ill_conditioned_stick)
     job.note("the lowest speed touches the stick threshold: the stick fraction jumps nearby");
   if (cycle.growth)
-    job.say("free swing, as the start made it: friction changes its amplitude by {:.1e} of itself in a period",
-            *cycle.growth);
+    job.say(
+        "free oscillation, whose amplitude is that of the start: friction changes it by {:.1e} of itself in a period",
+        *cycle.growth);
   if (!cycle.multipliers.empty())
     job.say("{}: largest multiplier {}", cycle.stable ? "stable" : "unstable",
             justified(std::abs(cycle.multipliers.front()), cycle.multiplier_errors.front(), "1"));

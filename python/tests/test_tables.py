@@ -195,6 +195,19 @@ def test_columns_of_words_and_errors_of_columns(tmp_path):
         assert set(cycle.dims) == {"time"} and cycle.sizes == result.dataset.sizes
 
 
+@pytest.mark.parametrize("verb, example, changes, words, files", TABLES, ids=[one[0] for one in TABLES])
+def test_a_result_goes_through_a_folder(tmp_path, verb, example, changes, words, files):
+    result = asked(verb, example, changes, *words, out=tmp_path)
+    read = rosin.Result.read(tmp_path, verb)
+    assert read.raw == result.raw and read.metrics == result.metrics and read.units == result.units
+    assert read.complete == result.complete and read.dataset.identical(result.dataset)
+    assert read.tables.keys() == result.tables.keys()
+    assert all(table.identical(result.tables[name]) for name, table in read.tables.items())
+    assert rosin.Result.read(tmp_path).raw == result.raw
+    with pytest.raises(rosin.InputError, match=f"basin.json: no such result; the folder has {verb}"):
+        rosin.Result.read(tmp_path, "basin")
+
+
 def test_a_plane_of_one_axis_is_a_sweep():
     scene = rosin.load(ROOT / "examples/bristol-board-plane.toml").set("map", {
         "x": {"parameter": "drive.normal_load", "from": 1e-5, "to": 1e-2, "points": 3}, "metrics": ["stick_fraction"]})
