@@ -168,6 +168,15 @@ void read_branch(scene::SceneReader& reader) {
   if (auto cycle = reader.root.table("cycle")) read_cycle(*cycle, reader.scene);
 }
 
+/// As AUTO-07p and MatCont call the point; empty where neither knows it.
+std::string label_of(const std::string& kind) {
+  constexpr std::pair<std::string_view, const char*> labels[] = {
+      {"hopf", "H"}, {"fold", "LP"}, {"period-doubling", "PD"}, {"torus", "NS"}, {"grazing", "GR"}};
+  const auto* found = std::ranges::find(labels, kind, &std::pair<std::string_view, const char*>::first);
+  return found == std::end(labels) ? "" : found->second;
+}
+std::string in_brackets(const std::string& label) { return label.empty() ? "" : fmt::format(" ({})", label); }
+
 std::string drawn_metric(const Branches& found) {
   for (const auto& cycle : found.cycles)
     for (const auto& point : cycle.branch.points)
@@ -247,6 +256,8 @@ results::Result result_of(const Job& job, const Branches& found, const Loci& loc
       if (special.view.metrics.contains("period")) events.back()["period"] = special.view.metrics.at("period");
     }
   }
+  for (auto& event : events)
+    if (const auto label = label_of(event["kind"]); !label.empty()) event["label"] = label;
   result["points"] = std::move(points);
   result["events"] = std::move(events);
   result["branches"] = std::move(branches);
@@ -462,12 +473,13 @@ Status perform_branch(Job& job) {
   for (const auto& crossing : found.crossings)
     job.say("{:<17} {} = {}{}", crossing.angular_frequency > 0 ? "hopf" : "divergence", path,
             justified(crossing.value, crossing.error, unit),
-            crossing.angular_frequency > 0 ? fmt::format(", {:.9g} rad/s", crossing.angular_frequency) : "");
+            crossing.angular_frequency > 0 ? fmt::format(", {:.9g} rad/s (H)", crossing.angular_frequency) : "");
   for (const auto& [from, value, parent, to_value, branch] : found.cycles) {
     job.say("cycles from {} at {}: {} points, {}", from, with_unit(value, unit), branch.points.size(),
             branch.outcome.detail.empty() ? "to the end of the range" : branch.outcome.detail);
     for (const auto& special : branch.special)
-      job.say("  {:<15} {} = {}", special.kind, path, justified(special.p, special.error, unit));
+      job.say("  {:<15} {} = {}{}", special.kind, path, justified(special.p, special.error, unit),
+              in_brackets(label_of(special.kind)));
     for (const auto& at : branch.points)
       if (at.asked)
         job.say("  at {}: period {}, {}", with_unit(at.p, unit),
