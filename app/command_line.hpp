@@ -19,6 +19,7 @@ struct Request {
   std::string experiment;           ///< of "lab"
   std::optional<std::string> text;  ///< the scene itself, where it stands in no file; `target` then names it
   std::string target;  ///< scene file; a law's name for "laws"; a folder or scene for "plot"; "cycle", … for "bench"
+  std::string record;  ///< of "new fit": a table of measurements
   std::string as;      ///< import, export: the other program's format; empty: what the file looks like
   std::vector<std::string> cases;  ///< of "verify": names of cases or groups, or files; empty: all
   std::string dossier;             ///< verify: the folder of cases; empty: that of this installation

@@ -8,6 +8,7 @@
 #include "app/companion.hpp"
 #include "app/scene/scene_table.hpp"
 #include "app/scene/toml_document.hpp"
+#include "app/verbs/fit_starter.hpp"
 #include "app/verbs/verb.hpp"
 #include "core/console.hpp"
 #include "core/files.hpp"
@@ -65,6 +66,13 @@ std::string command_of(const Starter& starter, std::string_view file) {
 }
 
 Status print_starter(const Request& request) {
+  if (request.target == "fit" && !request.record.empty()) {
+    print("{}", fit_starter(request.record));
+    return done;
+  }
+  if (!request.record.empty())
+    throw InputError(fmt::format("'{}' is too much: a table is made into a scene by 'rosin new fit {}'", request.record,
+                                 request.record));
   const auto folder = companion("examples");
   std::vector<std::string> names;
   for (const auto& starter : starters) {
@@ -80,7 +88,10 @@ Status print_starter(const Request& request) {
     names.emplace_back(starter.name);
   }
   if (request.target.empty()) {
-    print("\nA scene to change: rosin new {} > scene.toml\n", starters[0].name);
+    print(
+        "\nA scene to change: rosin new {} > scene.toml\nOne that fits a law to your table: rosin new fit record.csv > "
+        "fit.toml\n",
+        starters[0].name);
     return done;
   }
   throw InputError(
@@ -92,10 +103,12 @@ Status print_starter(const Request& request) {
 Verb new_verb() {
   std::vector<std::string> names;
   for (const auto& starter : starters) names.emplace_back(starter.name);
+  names.emplace_back("fit");
   return {.name = "new",
           .help = "print a scene to start from; alone, list them, each with its verb",
           .example = "rosin new slide-hold-slide > my.toml",
-          .operands = {{"STARTER", &Request::target, "one of the list; the list if left out", false, names}},
+          .operands = {{"STARTER", &Request::target, "one of the list, or fit; the list if left out", false, names},
+                       {"TABLE", &Request::record, "of measurements, which a scene for 'rosin fit' is made of", false}},
           .without_scene = print_starter};
 }
 
