@@ -36,6 +36,9 @@ template <class T>
 void add(CLI::App& command, const verbs::Option& option, T& target) {
   if constexpr (std::is_same_v<T, bool>)
     command.add_flag(option.name, target, option.help);
+  else if constexpr (std::is_same_v<T, std::set<std::string>>)
+    command.add_flag_callback(
+        option.name, [&target, name = std::string(option.name + 2)] { target.insert(name); }, option.help);
   else if constexpr (std::is_arithmetic_v<T>)
     command.add_option(option.name, target, option.help)->capture_default_str();
   else if constexpr (std::is_same_v<T, std::string>)  // empty is what a variable that is not set leaves in a script
@@ -79,7 +82,7 @@ void describe(CLI::App& app, Request& request) {
       auto* added = std::visit(
           [&](auto member) -> CLI::Option* {
             using T = std::remove_reference_t<decltype(request.*member)>;
-            if constexpr (std::is_same_v<T, bool>)
+            if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::set<std::string>>)
               return nullptr;
             else
               return command->add_option(operand.name, request.*member, operand.help);

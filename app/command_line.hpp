@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -31,7 +32,7 @@ struct Request {
   std::string out;
   bool json = false, explain = false, quiet = false;
   bool no_pictures = false;                 ///< scripts are written, not drawn
-  bool netcdf = false;                      ///< tables are written as NetCDF, too
+  std::set<std::string> formats;            ///< in which tables are written beside CSV: "netcdf", those of results/
   bool pdf = false;                         ///< pictures are drawn as PDF, too
   std::optional<double> width;              ///< mm, of pictures in print; none: as on a screen
   bool design = false;                      ///< compare: where measurements would tell members apart

@@ -71,7 +71,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME librosin-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libeigen3-dev, libfmt-dev, libsundials-dev, libudunits2-dev, libfftw3-dev, libgsl-dev, libtomlplusplus-dev, \
-libnetcdf-dev, pkgconf")
+libnetcdf-dev, libmatio-dev, pkgconf")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Headers and the static libraries of rosin, for CMake and pkg-config.")
 if(ROSIN_PYTHON_PACKAGE)
   list(APPEND CPACK_COMPONENTS_ALL python)

@@ -107,7 +107,9 @@ BalancedSwing balanced_swing(const Model& model, double tolerance) {
     if (steps <= most_steps) return {std::exp(0.5 * (a + b)), {}};
   }
   if (steps <= most_steps) return {};
-  return {{}, {Ending::budget_spent, fmt::format("no swing that repeats itself within {} steps of slip", most_steps)}};
+  return {
+      {},
+      {Ending::budget_spent, fmt::format("no oscillation that repeats itself within {} steps of slip", most_steps)}};
 }
 
 double slope_of_swing(const Model& model, double swing, double stick_threshold, double relative_distance) {

@@ -382,7 +382,7 @@ class CycleSearch {
     outcome = steady_is_stable()
                   ? Outcome{Ending::none_exists, fmt::format("the motion started from {} dies out onto steady sliding",
                                                              options_.start ? "the given start" : "stick")}
-                  : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} passages", most_returns_)};
+                  : Outcome{Ending::budget_spent, fmt::format("no periodic motion within {} returns", most_returns_)};
     begin_at(y);
     Extrapolation extrapolation(map_);
     double tolerance = loose_, last_amplitude = 1;
@@ -561,10 +561,11 @@ class CycleSearch {
     if (swing.growth > 0) return false;
     const auto again = swing_after_stick(map_, *end.last, swing, tolerance);
     if (!again || !(again->spread > std::max(noise, many * std::abs(again->growth)))) return false;
-    outcome = {Ending::none_exists,
-               fmt::format("no two periods are alike: a swing decays over {:.1g} turns until the slider sticks, and "
-                           "where in a turn that happens moves the next swing by {:.1g} turns of its decay",
-                           end.periods, again->spread / std::abs(again->growth))};
+    outcome = {
+        Ending::none_exists,
+        fmt::format("no two periods are alike: a free decay of {:.1g} periods ends in stick, whose phase shifts the "
+                    "next free decay by {:.1g} periods",
+                    end.periods, again->spread / std::abs(again->growth))};
     return true;
   }
 

@@ -214,7 +214,7 @@ ReturnMap::Return ReturnMap::follow(const std::vector<double>& y0, double tolera
       }
       const auto end = motion::why_rest_lasts(system_, solver.time(), solver.state().data());
       returned.outcome = {Ending::budget_spent,
-                          fmt::format("no passage through v = V within {:.3g} s and {} steps{}", solver.time(),
+                          fmt::format("no return through v = V within {:.3g} s and {} steps{}", solver.time(),
                                       solver.count().steps, end ? ": " + *end : ringing_)};
       break;
     }

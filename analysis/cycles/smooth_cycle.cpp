@@ -146,7 +146,7 @@ Refined refine(ReturnMap& map, FixedPoint& point, double tolerance, const CycleO
 Refined refine_swing(ReturnMap& map, FixedPoint& point, double tolerance, const CycleOptions& options,
                      bool keep_orbit) {
   const auto off = balance_closely(map, *point.swing, tolerance);
-  if (!off) return {{}, infinity, {}, {Ending::budget_spent, "swings beside the balanced one do not come round"}};
+  if (!off) return {{}, infinity, {}, {Ending::budget_spent, "oscillations beside the balanced one do not return"}};
   point.y = point.swing->balance->y;
   Refined result = record(map, point, tolerance, options, keep_orbit);
   result.closure = *off;
@@ -164,7 +164,7 @@ Refined refine_free(ReturnMap& map, FixedPoint& point, double tolerance, const C
     return_times.push_back(returned.duration);
   }
   const auto swing = slow_swing_from(map, y, tolerance);
-  if (!swing) return {{}, infinity, {}, {Ending::budget_spent, "the swing does not come round in one turn"}};
+  if (!swing) return {{}, infinity, {}, {Ending::budget_spent, "the oscillation does not return within one period"}};
   point.y = swing->y;
   Refined result = record(map, point, tolerance, options, keep_orbit);
   result.closure = 0;
@@ -257,7 +257,7 @@ Multipliers multipliers_of_cycle(ReturnMap& map, const FixedPoint& point, double
   constexpr double well_known = 1e-3;  // with a larger error a closed orbit nearby may be another one
   if (!(known_to < well_known))
     return {{}, {}, fmt::format("multipliers left out: the period is known to {:.1g} of itself only", known_to)};
-  if (point.free) return {{}, {}, "multipliers left out: friction leaves the swing as its start made it"};
+  if (point.free) return {{}, {}, "multipliers left out: friction leaves the oscillation as its start made it"};
   auto known = cycle_multipliers(map, point.y, point.returns, point.amplitude, !point.swing);
   if (!point.swing) return known;
   const auto& [slope, error] = std::pair(point.swing->slope, point.swing->slope_error);

@@ -275,7 +275,7 @@ void StickSlipSearch::conclude() {
       cycle_.orbit.clear();
       cycle_.outcome = {
           Ending::tolerance_not_met,
-          fmt::format("slip swings about steady sliding by {:.1e} of the drive speed, or by rounding", part)};
+          fmt::format("slip oscillates about steady sliding by {:.1e} of the drive speed, or by rounding", part)};
       return;
     }
   } else {
@@ -308,7 +308,8 @@ Cycle StickSlipSearch::find() {
   coarse_ = period_now();
   const auto dies_out = [&] { return !coarse_.found && coarse_.outcome.complete(); };
   if (dies_out() && oscillators::remembers(model_) && !coarse_.reversed.empty() && !reversing_period_attracts()) {
-    cycle_.outcome = {Ending::none_exists, "friction changes swings in which slip reverses by no more than rounding"};
+    cycle_.outcome = {Ending::none_exists,
+                      "friction changes oscillations in which slip reverses by no more than rounding"};
     return cycle_;
   }
   if (dies_out() && !oscillators::remembers(model_) && !sliding_.stable && !sliding_.marginal) {

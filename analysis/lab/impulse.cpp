@@ -89,8 +89,7 @@ Reading critical_speed(const Slope& slope, const Task& task, std::vector<std::st
   }
   if (model.law->deflects()) {
     reading.value = std::nan("");
-    plan.push_back(
-        "critical speed: not looked for, because contacts that bend may swing back and forth before they run");
+    plan.push_back("critical speed: not looked for, because contacts that bend may oscillate before they run");
     return reading;
   }
   plan.push_back("critical speed: bisection between pushes after which the block stops and runs away");

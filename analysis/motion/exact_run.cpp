@@ -165,10 +165,11 @@ void run_exactly(const Model& model, const DryOscillator& oscillator, const RunO
     metrics["surface_work"] = double(works.surface);
     metrics["energy_residual"] = double(coarse_solver.works().residual);
   } else {
-    result.remark = fmt::format("works are not summed up over so many swings; shorten run.duration, {:.3g} s", end);
+    result.remark =
+        fmt::format("works are not summed up over so many oscillations; shorten run.duration, {:.3g} s", end);
   }
   if (fine.extremes_of_samples)
-    result.remark += fmt::format("{}extremes are those of the samples, for so many swings are not looked through",
+    result.remark += fmt::format("{}extremes are those of the samples, for so many oscillations are not looked through",
                                  result.remark.empty() ? "" : "; ");
   if (std::isfinite(double(fine_solver.decision_margin())))
     metrics["decision_margin"] = double(fine_solver.decision_margin());

@@ -12,7 +12,7 @@ using namespace results;
 
 namespace {
 
-constexpr std::size_t most_panels = 4;
+constexpr std::size_t most_spectra = 4;
 constexpr double deepest = 1e-8;  ///< of the largest amplitude, that is drawn
 
 /// From the largest amplitude away from 0 Hz down to the least that is drawn.
@@ -28,7 +28,7 @@ Extent span_of(std::span<const double> amplitude, std::size_t frequencies) {
 
 std::vector<std::string> write_picture(const std::filesystem::path& folder, const scene::Scene& scene,
                                        const analysis::motion::MotionSpectrum& spectrum) {
-  const std::size_t panels = std::min(spectrum.names.size(), most_panels);
+  const std::size_t panels = std::min(spectrum.names.size(), most_spectra);
   auto figure = figure_of(scene, "spectrum", "Amplitudes of the columns of a motion over frequency");
   auto over_time = figure_of(scene, "spectrogram", "Amplitudes of the columns of a motion over frequency and time");
   figure.height = 180, over_time.height = 200;

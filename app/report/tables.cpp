@@ -22,14 +22,11 @@ constexpr std::size_t most_rows = 20, longest_list = 12;
 
 /// Entries of documents that figures, verdicts and other parts of the page show.
 bool is_shown_elsewhere(const std::string& key) {
-  static const std::set<std::string> keys = {"title",          "verb",           "law",      "version",     "outcome",
-                                             "outcome_detail", "approximation",  "error",    "units",       "meaning",
-                                             "cost",           "notes",          "warnings", "time",        "columns",
-                                             "series",         "planes",         "labels",   "x",           "y",
-                                             "failures",       "points",         "path",     "correlation", "mesh",
-                                             "sound",          "metrics_errors", "fold",     "unit",        "errors",
-                                             "standard_errors"};
-  return keys.contains(key);
+  constexpr std::string_view keys =
+      " title verb law version schema outcome outcome_detail approximation error units meaning datasets cost notes "
+      "warnings time columns series planes labels x y failures points path correlation mesh sound metrics_errors fold "
+      "unit errors standard_errors ";
+  return keys.find(' ' + key + ' ') != keys.npos;
 }
 
 bool is_pair(const ordered_json& value) {

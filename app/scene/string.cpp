@@ -210,7 +210,7 @@ OscillatorType string_type() {
             "a motion of a string is that of its waves at a sample rate, whose slopes by numbers are not known to be "
             "smooth; 'compare' lays strings beside each other"},
            {"lab",
-            "a string swings under the bow at all speeds, so that no friction of steady sliding is there to be read; "
+            "a string vibrates under the bow at all speeds, so that no friction of steady sliding is there to be read; "
             "'sweep' computes its motions over speed or load of the bow"}}};
 }
 

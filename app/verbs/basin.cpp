@@ -11,9 +11,8 @@
 #include "analysis/basins/basins.hpp"
 #include "analysis/motion/structure_record.hpp"
 #include "app/output/gnuplot.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
-#include "app/output/planes.hpp"
+#include "app/results/axis.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/stepped.hpp"
@@ -265,55 +264,82 @@ ordered_json axis_of(const tasks::StartAxis& axis) {
   return {{"start", axis.name}, {"unit", axis.unit}, {"values", axis.values}};
 }
 
-std::string document_of(const scene::Scene& scene, const Basins& found, double seconds) {
+/// The number of the attractor that each start comes to, over the grid, or with the places of random starts.
+results::Table table_of(const scene::Scene& scene, const Basins& found) {
   const auto& [x, y, random, places, direction, task] = scene.task<tasks::Basin>();
-  auto document = output::begin(scene, "basin", found.outcome);
+  results::Table table{
+      .name = "basin", .dimensions = {}, .columns = {}, .more = {{"tolerance", task.tolerance}}, .is_field = true};
+  const auto add = [&](const tasks::StartAxis& axis, std::size_t dimension, std::vector<double> values) {
+    table.columns.push_back({{axis.name, axis.unit, axis.name + " at the start"}, std::move(values), {}, {dimension}});
+  };
+  if (random) {
+    table.dimensions = {{"start", places.size()}};
+    std::vector<double> x_values, y_values;
+    for (const auto& [at_x, at_y] : places) x_values.push_back(at_x), y_values.push_back(at_y);
+    add(x, 0, std::move(x_values)), add(y, 0, std::move(y_values));
+  } else {
+    table.dimensions = {{y.name, y.values.size()}, {x.name, x.values.size()}};
+    add(y, 0, y.values), add(x, 1, x.values);
+  }
+  const std::vector<std::size_t> all = random ? std::vector<std::size_t>{0} : std::vector<std::size_t>{0, 1};
+  results::Flags labels;
+  for (const int label : found.labels) labels.values.push_back(static_cast<signed char>(label));
+  for (std::size_t k = 0; k < found.basins.size(); ++k) {
+    labels.numbers.push_back(static_cast<signed char>(k));
+    labels.words += fmt::format("{}{}_{}", k > 0 ? " " : "", name(found.basins[k].attractor.kind), k);
+  }
+  table.columns.push_back({{"attractor", "", "what the motion comes to; -1: not done"}, std::move(labels), {}, all});
+  if (!found.followed.empty())
+    table.columns.push_back({{"followed", "", "1: the start was followed; 0: it has the label of its neighbours"},
+                             results::Flags{{found.followed.begin(), found.followed.end()}, {}, {}},
+                             {},
+                             all});
+  return table;
+}
+
+results::Result result_of(const Job& job, const Basins& found) {
+  const auto& scene = job.scene();
+  const auto& [x, y, random, places, direction, task] = scene.task<tasks::Basin>();
+  auto result = job.result(found.outcome);
   auto attractors = ordered_json::array();
   for (const auto& basin : found.basins) {
-    auto metrics = ordered_json::object(), error = metrics;
-    for (const auto& [name, measure] : basin.attractor.metrics)
-      metrics[name] = measure.value, error[name] = measure.error;
-    attractors.push_back({{"kind", name(basin.attractor.kind)}});
-    if (!places.empty())
-      attractors.back().update({{"share", found.shares_of > 0 ? ordered_json(basin.share) : ordered_json()},
-                                {"standard_error", found.shares_of > 0 ? ordered_json(basin.error) : ordered_json()},
-                                {"count", basin.count}});
-    attractors.back()["metrics"] = std::move(metrics);
-    attractors.back()["error"] = std::move(error);
-    if (!basin.attractor.detail.empty()) attractors.back()["detail"] = basin.attractor.detail;
-  }
-  document["attractors"] = std::move(attractors);
-  if (!places.empty()) {
-    document["shares_of"] = found.shares_of;
-    document["x"] = axis_of(x), document["y"] = axis_of(y);
-    const auto label = [&](std::size_t i) {
-      return found.labels[i] < 0 ? ordered_json() : ordered_json(found.labels[i]);
-    };
-    if (!random) {
-      auto rows = ordered_json::array();
-      for (std::size_t iy = 0; iy < y.values.size(); ++iy) {
-        auto row = ordered_json::array();
-        for (std::size_t ix = 0; ix < x.values.size(); ++ix) row.push_back(label(iy * x.values.size() + ix));
-        rows.push_back(std::move(row));
-      }
-      document["labels"] = std::move(rows);
+    results::Object one, metrics;
+    one["kind"] = name(basin.attractor.kind);
+    if (!places.empty()) {
+      one["share"] = found.shares_of > 0 ? ordered_json(basin.share) : ordered_json();
+      one["standard_error"] = found.shares_of > 0 ? ordered_json(basin.error) : ordered_json();
+      one["count"] = basin.count;
     }
+    one["metrics"] = ordered_json::object(), one["error"] = ordered_json::object();
+    for (const auto& [name, measure] : basin.attractor.metrics)
+      one["metrics"][name] = measure.value, one["error"][name] = measure.error;
+    if (!basin.attractor.detail.empty()) one["detail"] = basin.attractor.detail;
+    attractors.push_back(one.entry());
+  }
+  result["attractors"] = std::move(attractors);
+  if (!places.empty()) {
+    result["shares_of"] = found.shares_of;
+    result["x"] = axis_of(x), result["y"] = axis_of(y);
+    struct {
+      const tasks::StartAxis &x, &y;
+    } const plane{x, y};
+    if (!random)
+      result["labels"] = results::grid(
+          plane, [&](std::size_t i) { return found.labels[i] < 0 ? ordered_json() : ordered_json(found.labels[i]); });
+    result.tables = {table_of(scene, found)};
   }
   if (!found.followed.empty())
-    document["refined"] = {{"followed", std::ranges::count(found.followed, true)},
-                           {"sample", found.sample},
-                           {"sample_wrong", found.sample_wrong}};
+    result["refined"] = {{"followed", std::ranges::count(found.followed, true)},
+                         {"sample", found.sample},
+                         {"sample_wrong", found.sample_wrong}};
   if (found.threshold)
-    document["threshold"] = {
+    result["threshold"] = {
         {"value", found.threshold->value}, {"error", found.threshold->error}, {"beyond", found.threshold->beyond}};
   else if (task.disturbance)
-    document["threshold"] = nullptr;
-  document["tolerance"] = task.tolerance;
-  document["cost"] = {{"seconds", seconds}};
-  auto notes = scene.notes;
-  if (!found.no_threshold.empty()) notes.push_back(found.no_threshold);
-  document["notes"] = notes;
-  return output::text(document);
+    result["threshold"] = nullptr;
+  result["tolerance"] = task.tolerance;
+  if (!found.no_threshold.empty()) result.notes.push_back(found.no_threshold);
+  return result;
 }
 
 /// "velocity 1.2398476 ± 5e-07 m/s": what is added to steady sliding.
@@ -377,13 +403,10 @@ Status perform_basin(Job& job) {
   if (!found.no_threshold.empty()) job.note(found.no_threshold);
   found.outcome = why_stopped(found.outcome);
   if (!found.outcome.complete()) job.note(fmt::format("{}: {}", name(found.outcome.ending), found.outcome.detail));
-  std::vector<std::string> files;
-  if (!task.starts.empty()) {
-    output::write_basins(job.folder() / "basin.nc", scene, found);
-    files = output::write_picture(job.folder(), scene, found);
-    files.push_back("basin.nc");
-  }
-  return job.finish(document_of(scene, found, seconds), std::move(files), found.outcome);
+  auto result = result_of(job, found);
+  result.cost = {{"seconds", seconds}};
+  return job.finish(
+      result, result.tables.empty() ? std::vector<std::string>() : output::write_picture(job.folder(), scene, found));
 }
 
 }  // namespace

@@ -12,9 +12,8 @@
 #include "analysis/branches/branches.hpp"
 #include "analysis/cycles/cycle.hpp"
 #include "analysis/cycles/structure_cycle.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
+#include "app/results/writers.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/reduced_block.hpp"
@@ -169,6 +168,15 @@ void read_branch(scene::SceneReader& reader) {
   if (auto cycle = reader.root.table("cycle")) read_cycle(*cycle, reader.scene);
 }
 
+/// As AUTO-07p and MatCont call the point; empty where neither knows it.
+std::string label_of(const std::string& kind) {
+  constexpr std::pair<std::string_view, const char*> labels[] = {
+      {"hopf", "H"}, {"fold", "LP"}, {"period-doubling", "PD"}, {"torus", "NS"}, {"grazing", "GR"}};
+  const auto* found = std::ranges::find(labels, kind, &std::pair<std::string_view, const char*>::first);
+  return found == std::end(labels) ? "" : found->second;
+}
+std::string in_brackets(const std::string& label) { return label.empty() ? "" : fmt::format(" ({})", label); }
+
 std::string drawn_metric(const Branches& found) {
   for (const auto& cycle : found.cycles)
     for (const auto& point : cycle.branch.points)
@@ -196,11 +204,11 @@ ordered_json loci_of(const tasks::Branch& task, const Loci& loci) {
   return curves;
 }
 
-std::string document_of(const scene::Scene& scene, const Branches& found, const Loci& loci, double seconds) {
-  auto& task = scene.task<tasks::Branch>();
-  auto document = output::begin(scene, "branch", found.outcome);
-  document["parameter"] = task.parameter.name;
-  document["unit"] = task.parameter.unit;
+results::Result result_of(const Job& job, const Branches& found, const Loci& loci) {
+  const auto& task = job.scene().task<tasks::Branch>();
+  auto result = job.result(found.outcome);
+  result["parameter"] = task.parameter.name;
+  result["unit"] = task.parameter.unit;
   auto points = ordered_json::array(), events = points, branches = points;
   for (const auto& at : found.steady) {
     ordered_json point{{"value", at.value}, {"kind", "equilibrium"}, {"asked", false}};
@@ -211,7 +219,7 @@ std::string document_of(const scene::Scene& scene, const Branches& found, const 
       point["metrics"] = {{"growth_rate", at.eigenvalues.front().real()},
                           {"angular_frequency", std::abs(at.eigenvalues.front().imag())}};
       point["slip_rates"] = at.slip_rates;
-      point["eigenvalues"] = output::pairs(at.eigenvalues);
+      point["eigenvalues"] = results::pairs(at.eigenvalues);
     }
     points.push_back(std::move(point));
   }
@@ -240,7 +248,7 @@ std::string document_of(const scene::Scene& scene, const Branches& found, const 
            {"branch", b},
            {"stable", at.view.stable},
            {"metrics", at.view.metrics},
-           {"multipliers", output::pairs(at.view.multipliers)},
+           {"multipliers", results::pairs(at.view.multipliers)},
            {"error", {{"value", at.error}, {"relative", at.x_error}, {"multipliers", at.view.multiplier_errors}}},
            {"asked", at.asked}});
     for (const auto& special : branch.special) {
@@ -248,34 +256,40 @@ std::string document_of(const scene::Scene& scene, const Branches& found, const 
       if (special.view.metrics.contains("period")) events.back()["period"] = special.view.metrics.at("period");
     }
   }
-  document["points"] = std::move(points);
-  document["events"] = std::move(events);
-  document["branches"] = std::move(branches);
-  if (task.locus) document["loci"] = loci_of(task, loci);
-  document["tolerance"] = task.options.tolerance;
-  document["cost"] = {{"seconds", seconds}, {"steps", found.steps}, {"closures", found.residuals}};
-  auto notes = scene.notes;
-  notes.insert(notes.end(), found.notes.begin(), found.notes.end());
-  document["notes"] = notes;
-  return output::text(document);
+  for (auto& event : events)
+    if (const auto label = label_of(event["kind"]); !label.empty()) event["label"] = label;
+  result["points"] = std::move(points);
+  result["events"] = std::move(events);
+  result["branches"] = std::move(branches);
+  if (task.locus) result["loci"] = loci_of(task, loci);
+  result["tolerance"] = task.options.tolerance;
+  result.notes = found.notes;
+  return result;
 }
 
 /// Of steady sliding at a value (m/s), at the first contact.
 using SteadySlipRate = std::function<double(double p)>;
 
-void write_table(const std::filesystem::path& folder, const scene::Scene& scene, const Branches& found,
-                 const SteadySlipRate& steady_slip_rate) {
+results::Table table_of(const scene::Scene& scene, const Branches& found, const SteadySlipRate& steady_slip_rate) {
   const auto weakly_nonlinear = [&](double p, const analysis::branches::SmallCycles* small) {
     const double amplitude = small ? small->amplitude(p) : NAN;
     return std::isnan(amplitude) ? NAN : std::abs(steady_slip_rate(p)) * (1 + amplitude);
   };
+  const auto& parameter = scene.task<tasks::Branch>().parameter;
   const auto drawn = drawn_metric(found);
   std::vector<std::string> names;
   for (const auto& cycle : found.cycles)
     if (!cycle.branch.points.empty() && names.empty())
       for (const auto& [name, value] : cycle.branch.points.front().view.metrics)
         if (name != drawn) names.push_back(name);  // that one stands in front, of steady sliding too
-  std::vector<std::vector<double>> columns(6 + names.size());
+  std::vector<results::Channel> channels = {{"branch", "1", "number of the branch; -1: steady sliding"},
+                                            {parameter.name, parameter.unit, parameter.meaning},
+                                            {"stable", "1", "1: neighbouring motions come nearer"},
+                                            {drawn, "m/s"},
+                                            {"largest_multiplier"}};
+  for (const auto& name : names) channels.push_back({name, unit_of(scene, name)});
+  channels.push_back({drawn + "_normal_form", "m/s", "as the normal form at the Hopf point has it"});
+  std::vector<std::vector<double>> columns(channels.size());
   const auto add = [&](double branch, double value, bool stable, double rate, double multiplier) {
     columns[0].push_back(branch), columns[1].push_back(value), columns[2].push_back(stable);
     columns[3].push_back(rate), columns[4].push_back(multiplier);
@@ -293,22 +307,13 @@ void write_table(const std::filesystem::path& folder, const scene::Scene& scene,
       for (std::size_t k = 0; k < names.size(); ++k) columns[5 + k].push_back(at.view.metrics.at(names[k]));
       columns.back().push_back(weakly_nonlinear(at.p, analysis::branches::small_cycles_of(found, found.cycles[b])));
     }
-  std::vector<output::Column> table{
-      {"branch", columns[0]},
-      {output::column_header(scene.task<tasks::Branch>().parameter.name, scene.task<tasks::Branch>().parameter.unit),
-       columns[1]},
-      {"stable", columns[2]},
-      {output::column_header(drawn, "m/s"), columns[3]},
-      {"largest_multiplier", columns[4]}};
-  std::vector<std::string> headers;
-  for (const auto& name : names) headers.push_back(output::column_header(name, unit_of(scene, name)));
-  for (std::size_t k = 0; k < names.size(); ++k) table.push_back({headers[k], columns[5 + k]});
-  const auto of_normal_form = output::column_header(drawn + "_normal_form", "m/s");
-  if (!found.small_cycles.empty()) table.push_back({of_normal_form, columns.back()});
-  output::write_csv(folder / "branch.csv", table);
+  std::vector<results::Column> table;
+  for (std::size_t c = 0; c < columns.size() - (found.small_cycles.empty() ? 1 : 0); ++c)
+    table.push_back({std::move(channels[c]), std::move(columns[c])});
+  return results::rows("branch", std::move(table));
 }
 
-void write_loci(const std::filesystem::path& folder, const tasks::Branch& task, const Loci& loci) {
+results::Table table_of(const tasks::Branch& task, const Loci& loci) {
   std::vector<double> columns[6];
   for (std::size_t k = 0; k < loci.curves.size(); ++k)
     for (const auto& [p, q, p_error, q_error, metrics] : loci.curves[k].points) {
@@ -320,12 +325,31 @@ void write_loci(const std::filesystem::path& folder, const tasks::Branch& task, 
       for (std::size_t c = 0; c < 6; ++c) columns[c].push_back(row[c]);
     }
   const auto &p = task.parameter, &q = task.locus->parameter;
-  output::write_csv(folder / "locus.csv", {{"curve", columns[0]},
-                                           {output::column_header(p.name, p.unit), columns[1]},
-                                           {output::column_header(p.name + "_error", p.unit), columns[2]},
-                                           {output::column_header(q.name, q.unit), columns[3]},
-                                           {output::column_header(q.name + "_error", q.unit), columns[4]},
-                                           {"period (s)", columns[5]}});
+  return results::rows("locus", {{{"curve"}, columns[0]},
+                                 {{p.name, p.unit, p.meaning}, columns[1]},
+                                 {{p.name + "_error", p.unit}, columns[2]},
+                                 {{q.name, q.unit, q.meaning}, columns[3]},
+                                 {{q.name + "_error", q.unit}, columns[4]},
+                                 {{"period", "s"}, columns[5]}});
+}
+
+/// Where branches change.
+results::Table events_of(const tasks::Branch& task, const Branches& found) {
+  std::vector<std::string> kinds;
+  std::vector<double> values, errors;
+  for (const auto& crossing : found.crossings) {
+    kinds.emplace_back(crossing.angular_frequency > 0 ? "hopf" : "divergence");
+    values.push_back(crossing.value), errors.push_back(crossing.error);
+  }
+  for (const auto& cycle : found.cycles)
+    for (const auto& special : cycle.branch.special)
+      kinds.push_back(special.kind), values.push_back(special.p), errors.push_back(special.error);
+  const auto& p = task.parameter;
+  return {"branch-events",
+          {{"event", kinds.size()}},
+          {{{"kind", ""}, std::move(kinds)},
+           {{p.name, p.unit, p.meaning}, std::move(values)},
+           {{p.name + "_error", p.unit, results::error_of({p.name})}, std::move(errors)}}};
 }
 
 /// Nothing for what is no number of the slider itself, such as an amplitude of its drive.
@@ -449,12 +473,13 @@ Status perform_branch(Job& job) {
   for (const auto& crossing : found.crossings)
     job.say("{:<17} {} = {}{}", crossing.angular_frequency > 0 ? "hopf" : "divergence", path,
             justified(crossing.value, crossing.error, unit),
-            crossing.angular_frequency > 0 ? fmt::format(", {:.9g} rad/s", crossing.angular_frequency) : "");
+            crossing.angular_frequency > 0 ? fmt::format(", {:.9g} rad/s (H)", crossing.angular_frequency) : "");
   for (const auto& [from, value, parent, to_value, branch] : found.cycles) {
     job.say("cycles from {} at {}: {} points, {}", from, with_unit(value, unit), branch.points.size(),
             branch.outcome.detail.empty() ? "to the end of the range" : branch.outcome.detail);
     for (const auto& special : branch.special)
-      job.say("  {:<15} {} = {}", special.kind, path, justified(special.p, special.error, unit));
+      job.say("  {:<15} {} = {}{}", special.kind, path, justified(special.p, special.error, unit),
+              in_brackets(label_of(special.kind)));
     for (const auto& at : branch.points)
       if (at.asked)
         job.say("  at {}: period {}, {}", with_unit(at.p, unit),
@@ -484,19 +509,21 @@ Status perform_branch(Job& job) {
     for (const auto& at : cycle.branch.points)
       manifest.tolerance_reached = std::max(manifest.tolerance_reached, at.x_error);
   manifest.cost = {{"seconds", seconds}, {"steps", double(found.steps)}, {"closures", double(found.residuals)}};
-  write_table(job.folder(), scene, found, [&](double p) {
-    const auto oscillator = family(p);
-    return oscillator->slip_rates(oscillator->steady()).front();
-  });
+  auto result = result_of(job, found, loci);
+  result.cost = {{"seconds", seconds}, {"steps", found.steps}, {"closures", found.residuals}};
+  result.tables = {table_of(scene, found,
+                            [&](double p) {
+                              const auto oscillator = family(p);
+                              return oscillator->slip_rates(oscillator->steady()).front();
+                            }),
+                   events_of(task, found)};
   auto files = output::write_picture(job.folder(), scene, found);
-  files.push_back("branch.csv");
   if (!loci.curves.empty()) {
-    write_loci(job.folder(), task, loci);
+    result.tables.push_back(table_of(task, loci));
     const auto drawn = output::write_picture(job.folder(), scene, loci);
     files.insert(files.end(), drawn.begin(), drawn.end());
-    files.push_back("locus.csv");
   }
-  return job.finish(document_of(scene, found, loci, seconds), std::move(files), found.outcome);
+  return job.finish(result, std::move(files));
 }
 
 }  // namespace

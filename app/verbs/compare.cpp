@@ -20,9 +20,9 @@
 #include "analysis/steady/stability.hpp"
 #include "analysis/steady/structure_stability.hpp"
 #include "app/output/comparison.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
+#include "app/output/symbols.hpp"
+#include "app/results/axis.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
@@ -240,7 +240,9 @@ void read_compare(scene::SceneReader& reader) {
                        "only 'rosin compare --design' asks for it");
 }
 
-// ---------------------------------------------------------------- documents
+// ---------------------------------------------------------------- results
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 /// Members of a comparison: names, laws, and what was adjusted in them.
 ordered_json members(const tasks::Compare& compare) {
@@ -249,7 +251,7 @@ ordered_json members(const tasks::Compare& compare) {
     ordered_json one{
         {"name", member.name},
         {"law", member.scene.model.law->card().name},
-        {"parameters", output::values(member.scene.model.law->parameters(), member.scene.model.law->values())}};
+        {"parameters", results::values(member.scene.model.law->parameters(), member.scene.model.law->values())}};
     if (member.scene.model.law->has_states()) one["lambda"] = member.scene.model.lambda;
     if (!member.adjusted.empty()) {
       for (std::size_t k = 0; k < compare.adjust.size(); ++k) one["adjusted"][compare.adjust[k]] = member.adjusted[k];
@@ -260,12 +262,74 @@ ordered_json members(const tasks::Compare& compare) {
   return list;
 }
 
-std::string document_of(const scene::Scene& scene, const output::Comparison& comparison) {
-  auto& compare = scene.task<tasks::Compare>();
-  auto document = output::begin(scene, "compare", comparison.outcome);
-  document["protocol"] = compare.protocol;
-  document["members"] = members(compare);
-  auto& differences = document["differences"] = ordered_json::object();
+results::Column names_of(const tasks::Compare& compare) {
+  std::vector<std::string> names;
+  for (const auto& member : compare.members) names.push_back(member.name);
+  return {{"member", "", "member of the comparison"}, std::move(names)};
+}
+
+/// Series of the members over their common coordinate, or over samples where each has its own; what is shorter is
+/// filled with NaN.
+results::Table table_of_series(const scene::Scene& scene, const output::Comparison& comparison) {
+  const auto& series = comparison.series;
+  const auto& first = series.front().x;
+  const bool common = std::ranges::all_of(series, [&](const auto& one) { return one.x == first; });
+  std::size_t length = 0;
+  for (const auto& one : series) length = std::max(length, one.x.size());
+  results::Table table{.name = "compare",
+                       .dimensions = {{"member", series.size()}, {common ? comparison.x_name : "sample", length}},
+                       .columns = {names_of(scene.task<tasks::Compare>())}};
+  const auto padded = [&](auto of) {
+    std::vector<double> all(series.size() * length, nothing);
+    for (std::size_t k = 0; k < series.size(); ++k) std::ranges::copy(of(series[k]), all.begin() + long(k * length));
+    return all;
+  };
+  const results::Channel x{comparison.x_name, comparison.x_unit};
+  const results::Attributes beside =
+      common ? results::Attributes{} : results::Attributes{{"coordinates", comparison.x_name}};
+  if (common)
+    table.columns.push_back({x, first, {}, {1}});
+  else
+    table.columns.push_back({x, padded([](const auto& one) -> const auto& { return one.x; }), {}, {0, 1}});
+  for (std::size_t c = 0; c < comparison.column_names.size(); ++c)
+    table.columns.push_back({{comparison.column_names[c], comparison.column_units[c]},
+                             padded([c](const auto& one) -> const auto& { return one.columns[c]; }),
+                             {},
+                             {0, 1},
+                             beside});
+  return table;
+}
+
+results::Table table_of_planes(const scene::Scene& scene, const std::vector<analysis::planes::Map>& maps) {
+  const auto& map = maps.front();
+  std::vector<std::string> taken = {"member", "regime"};
+  for (const auto& metric : map.metrics) taken.push_back(metric.name), taken.push_back(metric.name + "_error");
+  const auto names = results::axis_names({map.y.parameter, map.x.parameter}, taken);
+  results::Table table{
+      .name = "compare",
+      .dimensions = {{"member", maps.size()}, {names[0], map.y.values.size()}, {names[1], map.x.values.size()}},
+      .columns = {names_of(scene.task<tasks::Compare>()), results::coordinate(names[0], 1, map.y, scene),
+                  results::coordinate(names[1], 2, map.x, scene)}};
+  std::vector<std::string> regimes;
+  for (const auto& one : maps)
+    for (const auto& point : one.points) regimes.push_back(name(point.regime));
+  for (const auto& metric : map.metrics) {
+    std::vector<double> values, errors;
+    for (const auto& one : maps)
+      for (const auto& point : one.points) values.push_back(metric.value(point)), errors.push_back(metric.error(point));
+    table.columns.push_back({{metric.name, metric.unit}, std::move(values), std::move(errors), {0, 1, 2}});
+  }
+  table.columns.push_back({{"regime", "", "what the motion settles on"}, std::move(regimes), {}, {0, 1, 2}});
+  return table;
+}
+
+results::Result result_of(const Job& job, const output::Comparison& comparison) {
+  const auto& scene = job.scene();
+  const auto& compare = scene.task<tasks::Compare>();
+  auto result = job.result(comparison.outcome);
+  result["protocol"] = compare.protocol;
+  result["members"] = members(compare);
+  auto& differences = result["differences"] = ordered_json::object();
   for (const auto& row : comparison.rows) {
     std::vector<double> difference, error;
     for (std::size_t k = 0; k < row.values.size(); ++k) {
@@ -280,30 +344,33 @@ std::string document_of(const scene::Scene& scene, const output::Comparison& com
   }
   if (!comparison.maps.empty()) {
     const auto& first = comparison.maps.front();
-    document["x"] = output::axis(first.x, scene);
-    document["y"] = output::axis(first.y, scene);
-    auto& planes = document["planes"] = ordered_json::object();
+    result["x"] = results::axis(first.x, scene);
+    result["y"] = results::axis(first.y, scene);
+    auto& planes = result["planes"] = ordered_json::object();
     for (std::size_t k = 0; k < comparison.maps.size(); ++k) {
       const auto& map = comparison.maps[k];
       auto& plane = planes[compare.members[k].name];
-      plane["regime"] = output::rows(map, [](const auto& point) { return name(point.regime); });
+      plane["regime"] = results::grid_of_points(map, [](const auto& point) { return name(point.regime); });
       for (const auto& metric : map.metrics) {
-        plane["metrics"][metric.name] = output::rows(map, [&](const auto& point) { return metric.value(point); });
-        plane["error"][metric.name] = output::rows(map, [&](const auto& point) { return metric.error(point); });
+        plane["metrics"][metric.name] =
+            results::grid_of_points(map, [&](const auto& point) { return metric.value(point); });
+        plane["error"][metric.name] =
+            results::grid_of_points(map, [&](const auto& point) { return metric.error(point); });
       }
       plane["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
     }
+    result.tables = {table_of_planes(scene, comparison.maps)};
   } else if (!comparison.series.empty()) {
-    auto& series = document["series"] = ordered_json::object();
+    auto& series = result["series"] = ordered_json::object();
     for (std::size_t k = 0; k < comparison.series.size(); ++k) {
       auto& one = series[compare.members[k].name];
       one[comparison.x_name] = comparison.series[k].x;
       for (std::size_t c = 0; c < comparison.column_names.size(); ++c)
         one[comparison.column_names[c]] = comparison.series[k].columns[c];
     }
+    result.tables = {table_of_series(scene, comparison)};
   }
-  document["notes"] = scene.notes;
-  return output::text(document);
+  return result;
 }
 
 struct DesignResult {
@@ -311,39 +378,64 @@ struct DesignResult {
   double seconds = 0;
 };
 
-std::string document_of(const scene::Scene& scene, const DesignResult& result) {
-  auto& compare = scene.task<tasks::Compare>();
-  const auto& design = result.design;
-  auto document = output::begin(scene, "compare", design.outcome);
-  document["members"] = members(compare);
-  if (!compare.parameter.empty()) document["parameter"] = compare.parameter;
-  auto& noise = document["noise"] = ordered_json::object();
-  for (const auto& n : compare.noise) noise[n.metric] = {{"absolute", n.absolute}, {"relative", n.relative}};
-  document["confidence"] = compare.confidence;
-  document["x"] = output::axis(design.x, scene);
-  document["y"] = output::axis(design.y, scene);
-  const auto plane = [&](const std::vector<double>& numbers) {
-    return output::grid(design, [&](std::size_t i) { return numbers[i]; });
+results::Table table_of(const scene::Scene& scene, const analysis::inference::Design& design) {
+  const auto& compare = scene.task<tasks::Compare>();
+  const auto words = compare.parameter.empty()
+                         ? std::string("log-likelihood ratio of one measurement")
+                         : "information on ln " + compare.parameter.substr(compare.parameter.rfind('.') + 1);
+  const auto names = results::axis_names({design.y.parameter, design.x.parameter},
+                                         {"discriminability", "discriminability_error", "repeats"});
+  results::Table table{.name = "design",
+                       .dimensions = {{names[0], design.y.values.size()}, {names[1], design.x.values.size()}},
+                       .columns = {results::coordinate(names[0], 0, design.y, scene),
+                                   results::coordinate(names[1], 1, design.x, scene)}};
+  const results::Attributes decades = {{"scale", "log"}};
+  const auto add = [&](const std::string& name, const std::string& meaning, const std::vector<double>& values,
+                       std::vector<double> error = {}, results::Attributes more = {}) {
+    table.columns.push_back({{name, "1", meaning}, values, std::move(error), {0, 1}, std::move(more)});
   };
-  document["discriminability"] = plane(design.information);
-  document["discriminability_error"] = plane(design.information_error);
-  if (!design.repeats.empty()) document["repeats"] = plane(design.repeats);
+  add("discriminability", words, design.information, design.information_error, decades);
+  if (!design.repeats.empty()) add("repeats", "measurements needed", design.repeats);
+  for (std::size_t m = 0; m < compare.noise.size(); ++m) {
+    const auto& metric = compare.noise[m].metric;
+    add("discriminability_" + metric, fmt::format("{}: {}", words, output::readable(metric)), design.by_metric[m], {},
+        decades);
+  }
+  return table;
+}
+
+results::Result result_of(const Job& job, const DesignResult& of) {
+  const auto& scene = job.scene();
+  const auto& compare = scene.task<tasks::Compare>();
+  const auto& design = of.design;
+  auto result = job.result(design.outcome);
+  result["members"] = members(compare);
+  if (!compare.parameter.empty()) result["parameter"] = compare.parameter;
+  auto& noise = result["noise"] = ordered_json::object();
+  for (const auto& n : compare.noise) noise[n.metric] = {{"absolute", n.absolute}, {"relative", n.relative}};
+  result["confidence"] = compare.confidence;
+  result["x"] = results::axis(design.x, scene);
+  result["y"] = results::axis(design.y, scene);
+  const auto plane = [&](const std::vector<double>& numbers) {
+    return results::grid(design, [&](std::size_t i) { return numbers[i]; });
+  };
+  result["discriminability"] = plane(design.information);
+  result["discriminability_error"] = plane(design.information_error);
+  if (!design.repeats.empty()) result["repeats"] = plane(design.repeats);
   const auto best = [&](const analysis::inference::Design::Best& b) {
     return ordered_json{{"x", b.x}, {"y", b.y}, {"discriminability", b.information}, {"repeats", b.repeats}};
   };
-  document["best"] = best(design.best);
-  auto& parts = document["by_metric"] = ordered_json::object();
+  result["best"] = best(design.best);
+  auto& parts = result["by_metric"] = ordered_json::object();
   for (std::size_t m = 0; m < compare.noise.size(); ++m)
     parts[compare.noise[m].metric] = {{"discriminability", plane(design.by_metric[m])},
                                       {"best", best(design.best_by_metric[m])}};
-  document["cost"] = {{"seconds", result.seconds}, {"failed", design.failed}};
-  document["notes"] = scene.notes;
-  return output::text(document);
+  result.cost = {{"seconds", of.seconds}, {"failed", design.failed}};
+  result.tables = {table_of(scene, design)};
+  return result;
 }
 
 // ---------------------------------------------------------------- protocols
-
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 using Members = std::vector<tasks::Compare::Member>;
 
@@ -695,9 +787,9 @@ Status side_by_side(Job& job) {
   auto& manifest = job.manifest();
   manifest.tolerance_reached = reached.value();
   manifest.cost = {{"seconds", seconds_since(begin)}};
-  std::vector<std::string> files;
-  if (!comparison.series.empty()) files = output::write_picture(job.folder(), scene, comparison);
-  return job.finish(document_of(scene, comparison), files, comparison.outcome);
+  return job.finish(result_of(job, comparison), comparison.series.empty()
+                                                    ? std::vector<std::string>()
+                                                    : output::write_picture(job.folder(), scene, comparison));
 }
 
 Status design(Job& job) {
@@ -751,7 +843,7 @@ Status design(Job& job) {
     for (std::size_t m = 0; m < measured.size(); ++m) say_best(measured[m], plane.best_by_metric[m]);
   job.manifest().tolerance_asked = options.tolerance;
   job.manifest().cost = {{"seconds", result.seconds}, {"points", double(plane.information.size())}};
-  return job.finish(document_of(scene, result), output::write_picture(job.folder(), scene, plane), plane.outcome);
+  return job.finish(result_of(job, result), output::write_picture(job.folder(), scene, plane));
 }
 
 Status perform_compare(Job& job) {

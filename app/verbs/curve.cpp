@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "app/output/curve.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
@@ -45,21 +43,6 @@ void read_curve(scene::SceneReader& reader) {
                      "a steady curve does not depend on it");
 }
 
-std::string document_of(const scene::Scene& scene, const output::Curve& curve) {
-  auto document = output::begin(scene, "curve");
-  document["normal_load"] = scene.task<tasks::Curve>().normal_load;
-  document["slip_rate"] = curve.slip_rate;
-  document["friction_coefficient"] = curve.friction_coefficient;
-  auto& extrema = document["extrema"] = ordered_json::array();
-  for (const auto& e : curve.extrema)
-    extrema.push_back({{"kind", e.maximum ? "maximum" : "minimum"},
-                       {"slip_rate", e.slip_rate},
-                       {"friction_coefficient", e.friction_coefficient},
-                       {"error", {{"slip_rate", e.slip_rate_error}}}});
-  document["notes"] = scene.notes;
-  return output::text(document);
-}
-
 Status perform_curve(Job& job) {
   const auto& scene = job.scene();
   const auto& options = scene.task<tasks::Curve>();
@@ -76,18 +59,27 @@ Status perform_curve(Job& job) {
   curve.extrema = analysis::steady::steady_extrema(law, options.from, options.to, options.normal_load);
 
   Reached reached;
+  auto extrema = ordered_json::array();
   for (const auto& e : curve.extrema) {
+    results::Object extremum;
+    extremum["kind"] = e.maximum ? "maximum" : "minimum";
+    extremum.add({"slip_rate", "m/s"}, e.slip_rate, e.slip_rate_error);
+    extremum.add({"friction_coefficient"}, e.friction_coefficient);
+    extrema.push_back(extremum.entry());
     reached.add(e.slip_rate, e.slip_rate_error);
     job.say("{} at {}, friction coefficient {:.10g}", e.maximum ? "maximum" : "minimum",
             justified(e.slip_rate, e.slip_rate_error, "m/s"), e.friction_coefficient);
   }
   if (curve.extrema.empty()) job.say("no extrema between {} and {} m/s", options.from, options.to);
   job.manifest().tolerance_reached = reached.value();
-  output::write_csv(job.folder() / "curve.csv",
-                    {{"slip_rate (m/s)", curve.slip_rate}, {"friction_coefficient", curve.friction_coefficient}});
-  auto files = output::write_picture(job.folder(), scene, curve);
-  files.push_back("curve.csv");
-  return job.finish(document_of(scene, curve), std::move(files), {});
+  auto result = job.result();
+  result.add({"normal_load", "N"}, options.normal_load);
+  result.add({"slip_rate", "m/s"}, curve.slip_rate);
+  result.add({"friction_coefficient"}, curve.friction_coefficient);
+  result["extrema"] = std::move(extrema);
+  result.tables = {results::rows(
+      "curve", {{{"slip_rate", "m/s"}, curve.slip_rate}, {{"friction_coefficient"}, curve.friction_coefficient}})};
+  return job.finish(result, output::write_picture(job.folder(), scene, curve));
 }
 
 }  // namespace

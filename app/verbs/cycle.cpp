@@ -5,9 +5,8 @@
 #include <chrono>
 
 #include "analysis/cycles/stepped_cycle.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
+#include "app/results/events.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/start.hpp"
@@ -63,47 +62,46 @@ std::vector<std::string> told_metrics(const scene::Scene& scene, const Structure
   return verbs::told_metrics(scene, known);
 }
 
-std::string document_of(const scene::Scene& scene, const StructureCycle& cycle) {
-  auto document = output::begin(scene, "cycle", cycle.outcome);
-  auto error = ordered_json::object();
+/// The motion over one period.
+results::Table table_of(const StructureCycle& cycle) {
+  std::vector<results::Column> columns = {{{"time", "s"}, cycle.time}};
+  for (std::size_t c = 0; c < cycle.columns.size(); ++c)
+    columns.push_back({{cycle.column_names[c], cycle.column_units[c]}, cycle.columns[c]});
+  return results::rows("cycle", std::move(columns));
+}
+
+results::Result result_of(const Job& job, const StructureCycle& cycle) {
+  const auto& scene = job.scene();
+  auto result = job.result(cycle.outcome);
   const auto add = [&](const std::string& name) {
     const auto& measure = cycle.metrics.at(name);
-    document[name] = measure.value, error[name] = measure.error;
+    result.add({name, measure.unit}, measure.value, measure.error);
   };
   std::ranges::for_each(told_metrics(scene, cycle), add);  // what a summary tells stands first
   for (const auto& [name, measure] : cycle.metrics)
-    if (!error.contains(name)) add(name);
-  document["stick_threshold"] = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
-  if (!scene.structure && !scene.plane) document["ill_conditioned_stick"] = cycle.ill_conditioned_stick;
-  document["coordinate_max"] = cycle.coordinate_max;
-  document["coordinate_min"] = cycle.coordinate_min;
-  document["returns"] = cycle.returns;
-  document["multipliers"] = output::pairs(cycle.multipliers);
-  document["stable"] = cycle.returns > 0 && !cycle.growth ? ordered_json(cycle.stable) : ordered_json();
-  if (cycle.growth) document["growth"] = *cycle.growth;
-  if (!cycle.symmetry.empty()) document["symmetry"] = cycle.symmetry;
-  auto& events = document["events"] = ordered_json::array();
-  for (const auto& event : cycle.events) {
-    events.push_back({{"time", event.time}, {"kind", event.kind}, {"displacement", event.displacement}});
-    if (event.contact > 0) events.back()["contact"] = event.contact;
-    output::add_stop(events.back(), event);
-  }
-  auto& section = document["section"] = ordered_json::object();
+    if (!result.contains(name)) add(name);
+  result["stick_threshold"] = scene.task<analysis::cycles::CycleOptions>().stick_threshold;
+  if (!scene.structure && !scene.plane) result["ill_conditioned_stick"] = cycle.ill_conditioned_stick;
+  result["coordinate_max"] = cycle.coordinate_max;
+  result["coordinate_min"] = cycle.coordinate_min;
+  result["returns"] = cycle.returns;
+  result.add({"multipliers"}, results::pairs(cycle.multipliers), cycle.multiplier_errors);
+  result["stable"] = cycle.returns > 0 && !cycle.growth ? ordered_json(cycle.stable) : ordered_json();
+  if (cycle.growth) result.add({"growth"}, *cycle.growth);
+  if (!cycle.symmetry.empty()) result["symmetry"] = cycle.symmetry;
+  result["events"] = results::events(cycle.events);
+  auto& section = result["section"] = ordered_json::object();
   for (std::size_t c = 0; c < cycle.columns.size(); ++c)
     if (!cycle.columns[c].empty()) section[cycle.column_names[c]] = cycle.columns[c].front();
   section["state"] = ordered_json::object();
   for (const auto& state : scene.model.law->states())
     if (section.contains(state.name)) section["state"][state.name] = section[state.name];
-  error["multipliers"] = cycle.multiplier_errors;
-  if (cycle.exponent) document["exponent"] = cycle.exponent->value, error["exponent"] = cycle.exponent->error;
-  document["error"] = std::move(error);
-  document["cost"] = {
-      {"steps", cycle.cost.steps}, {"evaluations", cycle.cost.evaluations}, {"cycles", cycle.cost.cycles}};
-  auto notes = scene.notes;
+  if (cycle.exponent) result.add({"exponent", "1/s"}, cycle.exponent->value, cycle.exponent->error);
+  result.cost = {{"steps", cycle.cost.steps}, {"evaluations", cycle.cost.evaluations}, {"cycles", cycle.cost.cycles}};
   for (const auto* left_out : {&cycle.multipliers_left_out, &cycle.metrics_left_out})
-    if (!left_out->empty()) notes.push_back(*left_out);
-  document["notes"] = notes;
-  return output::text(document);
+    if (!left_out->empty()) result.notes.push_back(*left_out);
+  if (cycle.returns > 0) result.tables = {table_of(cycle)};
+  return result;
 }
 
 /// A slider under a drive that varies is a structure of one coordinate: its periodic motions are those of a structure.
@@ -162,7 +160,8 @@ Status perform_cycle(Job& job) {
                    {"steps", double(cycle.cost.steps)},
                    {"evaluations", double(cycle.cost.evaluations)},
                    {"cycles", double(cycle.cost.cycles)}};
-  if (cycle.returns == 0) return job.finish(document_of(scene, cycle), {}, cycle.outcome);
+  const auto result = result_of(job, cycle);
+  if (cycle.returns == 0) return job.finish(result);
 
   Reached reached;
   for (const auto& name : told_metrics(scene, cycle)) {
@@ -176,8 +175,9 @@ Status perform_cycle(Job& job) {
   if (cycle.ill_conditioned_stick)
     job.note("the lowest speed touches the stick threshold: the stick fraction jumps nearby");
   if (cycle.growth)
-    job.say("free swing, as the start made it: friction changes its amplitude by {:.1e} of itself in a period",
-            *cycle.growth);
+    job.say(
+        "free oscillation, whose amplitude is that of the start: friction changes it by {:.1e} of itself in a period",
+        *cycle.growth);
   if (!cycle.multipliers.empty())
     job.say("{}: largest multiplier {}", cycle.stable ? "stable" : "unstable",
             justified(std::abs(cycle.multipliers.front()), cycle.multiplier_errors.front(), "1"));
@@ -187,13 +187,7 @@ Status perform_cycle(Job& job) {
   if (cycle.symmetry == "twin")
     job.say("not symmetric although the drive is: its mirror image half a period later is another motion");
 
-  std::vector<output::Column> table = {{"time (s)", cycle.time}};
-  for (std::size_t c = 0; c < cycle.columns.size(); ++c)
-    table.push_back({output::column_header(cycle.column_names[c], cycle.column_units[c]), cycle.columns[c]});
-  output::write_csv(job.folder() / "cycle.csv", table);
-  auto files = output::write_picture(job.folder(), scene, cycle);
-  files.push_back("cycle.csv");
-  return job.finish(document_of(scene, cycle), std::move(files), cycle.outcome);
+  return job.finish(result, output::write_picture(job.folder(), scene, cycle));
 }
 
 }  // namespace

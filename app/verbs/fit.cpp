@@ -7,8 +7,6 @@
 #include "analysis/inference/wider_law.hpp"
 #include "app/output/digits.hpp"
 #include "app/output/figure.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/output/scene_figure.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
@@ -16,6 +14,7 @@
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/verb.hpp"
+#include "core/files.hpp"
 #include "laws/catalogue.hpp"
 
 namespace rosin::app::verbs {
@@ -108,35 +107,60 @@ std::vector<std::string> undecided(const scene::Scene& scene, const std::vector<
   return laws.size() > 1 ? laws : std::vector<std::string>{};
 }
 
-std::string to_json(const scene::Scene& scene, const std::vector<analysis::inference::Fit>& fits,
-                    const std::vector<std::size_t>& order) {
-  auto& asked = scene.task<tasks::Fit>();
+/// Fitted parameters with their errors and intervals, and how they hang together.
+results::Table table_of(const analysis::inference::Fit& fit, double confidence) {
+  std::vector<std::string> names;
+  for (const auto& p : fit.parameters) names.push_back(p.path);
+  results::Table table{
+      .name = "fit",
+      .dimensions = {{"parameter", names.size()}, {"other_parameter", names.size()}, {"end", 2}},
+      .columns = {{{"parameter", "", "fitted parameter"}, names},
+                  {{"other_parameter", "", "fitted parameter"}, names, {}, {1}},
+                  {{"correlation", "1", "correlation of two fitted parameters"}, fit.correlation, {}, {0, 1}}}};
+  for (const auto& p : fit.parameters) {
+    table.columns.push_back({{p.path, p.unit, p.path}, std::vector{p.value}, {}, {}});
+    table.columns.push_back(
+        {{p.path + "_error", p.unit, "standard error of " + p.path}, std::vector{p.standard_error}, {}, {}});
+    table.columns.push_back(
+        {{p.path + "_interval", p.unit, fmt::format("{:g} % interval of {}", 100 * confidence, p.path)},
+         std::vector{p.low, p.high},
+         {},
+         {2}});
+  }
+  return table;
+}
+
+results::Result result_of(const Job& job, const std::vector<analysis::inference::Fit>& fits,
+                          const std::vector<std::size_t>& order) {
+  const auto& scene = job.scene();
+  const auto& asked = scene.task<tasks::Fit>();
   const auto& own = fits.front();
-  auto document = app::output::begin(scene, "fit", own.outcome);
-  document["parameters"] = parameters(own);
-  document["correlation"] = own.correlation;
-  document["chi_square"] = own.chi_square;
-  document["points"] = own.points;
-  document["confidence"] = asked.options.confidence;
-  document["measurements"] = ordered_json::array();
+  auto result = job.result(own.outcome);
+  result["parameters"] = parameters(own);
+  result["correlation"] = own.correlation;
+  result["chi_square"] = own.chi_square;
+  result["points"] = own.points;
+  result["confidence"] = asked.options.confidence;
+  auto measurements = ordered_json::array(), ranking = measurements;
   for (std::size_t d = 0; d < own.measurements.size(); ++d)
-    document["measurements"].push_back(noise(own.measurements[d], asked.data[d]));
-  document["ranking"] = ordered_json::array();
+    measurements.push_back(noise(own.measurements[d], asked.data[d]));
   for (const auto k : order) {
     const auto& fit = fits[k];
-    document["ranking"].push_back({{"law", asked.candidates[k].name},
-                                   {"aic", fit.aic},
-                                   {"bic", fit.bic},
-                                   {"cross_validation", fit.cross_validation},
-                                   {"chi_square", fit.chi_square},
-                                   {"converged_starts", fit.converged_starts},
-                                   {"parameters", parameters(fit)},
-                                   {"warnings", fit.warnings}});
+    ranking.push_back({{"law", asked.candidates[k].name},
+                       {"aic", fit.aic},
+                       {"bic", fit.bic},
+                       {"cross_validation", fit.cross_validation},
+                       {"chi_square", fit.chi_square},
+                       {"converged_starts", fit.converged_starts},
+                       {"parameters", parameters(fit)},
+                       {"warnings", fit.warnings}});
   }
-  document["undecided"] = undecided(scene, fits, order);
-  document["warnings"] = own.warnings;
-  document["notes"] = scene.notes;
-  return output::text(document);
+  result["measurements"] = std::move(measurements);
+  result["ranking"] = std::move(ranking);
+  result["undecided"] = undecided(scene, fits, order);
+  result["warnings"] = own.warnings;
+  if (!own.correlation.empty()) result.tables = {table_of(own, asked.options.confidence)};
+  return result;
 }
 
 std::string described(const analysis::inference::FittedParameter& p, double confidence) {
@@ -186,64 +210,60 @@ Abscissa displacement_of(const Measurement& m) {
   return {"displacement (m)", analysis::inference::imposed_displacement(m), true};
 }
 
+/// "time (s)" as the name and unit of a column.
+results::Channel channel_of(std::string_view header) {
+  const auto open = header.rfind(" (");
+  if (open == header.npos || !header.ends_with(')')) return {std::string(header)};
+  return {std::string(header.substr(0, open)), std::string(header.substr(open + 2, header.size() - open - 3))};
+}
+
 /// The numbers at the scene's law: x, data, fit, residual and standard error, and the fits of the others.
-std::string write_curve(const fs::path& folder, const scene::Scene& scene,
-                        const std::vector<analysis::inference::Fit>& fits, const std::vector<std::size_t>& shown,
-                        std::size_t d) {
+results::Table curve_of(const scene::Scene& scene, const std::vector<analysis::inference::Fit>& fits,
+                        const std::vector<std::size_t>& shown, std::size_t d) {
   const auto& m = scene.task<tasks::Fit>().data[d];
   const auto& own = fits.front().measurements[d];
-  std::vector<std::string> headers = {abscissa(m)};
-  std::vector<std::vector<double>> columns = {m.x};
+  std::vector<results::Column> columns = {{channel_of(abscissa(m)), m.x}};
   for (const auto& part : parts_of(m)) {
     const auto data = part.of(m.y), fitted = part.of(own.fitted);
     auto residual = data;
     for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= fitted[i];
-    for (const char* name : {"data", "fit", "residual", "standard error"}) headers.push_back(part.name + name);
-    columns.insert(columns.end(), {data, fitted, residual, part.of(own.error)});
+    for (const auto& [name, values] :
+         {std::pair{"data", data}, {"fit", fitted}, {"residual", residual}, {"standard error", part.of(own.error)}})
+      columns.push_back({{part.name + name}, values});
   }
   for (const auto k : shown)
-    for (const auto& part : parts_of(m)) {
-      if (k == 0) continue;
-      headers.push_back(fmt::format("{}fit of {}", part.name, scene.task<tasks::Fit>().candidates[k].name));
-      columns.push_back(part.of(fits[k].measurements[d].fitted));
-    }
-  if (auto way = displacement_of(m); !way.values.empty()) {
-    headers.push_back(way.name);
-    columns.push_back(std::move(way.values));
-  }
-  std::vector<output::Column> table;
-  for (std::size_t c = 0; c < columns.size(); ++c) table.push_back({headers[c], columns[c]});
-  const auto name = fmt::format(curve_file, d + 1);
-  output::write_csv(folder / name, table);
-  return name;
+    for (const auto& part : parts_of(m))
+      if (k != 0)
+        columns.push_back({{fmt::format("{}fit of {}", part.name, scene.task<tasks::Fit>().candidates[k].name)},
+                           part.of(fits[k].measurements[d].fitted)});
+  if (auto way = displacement_of(m); !way.values.empty())
+    columns.push_back({channel_of(way.name), std::move(way.values)});
+  return results::rows(fmt::format("fit-curve-{}", d + 1), std::move(columns));
 }
 
-std::string write_standardised(const fs::path& folder, const scene::Scene& scene,
-                               const std::vector<analysis::inference::Fit>& fits, const std::vector<std::size_t>& shown,
-                               std::size_t d) {
+/// Residuals over their standard errors.
+results::Table residuals_of(const scene::Scene& scene, const std::vector<analysis::inference::Fit>& fits,
+                            const std::vector<std::size_t>& shown, std::size_t d) {
   const auto& m = scene.task<tasks::Fit>().data[d];
   std::vector<double> x;
   for (const double value : m.x) x.insert(x.end(), m.pairs() ? 2 : 1, value);
-  std::vector<output::Column> table{{abscissa(m), x}};
+  std::vector<results::Column> columns = {{channel_of(abscissa(m)), std::move(x)}};
   for (const auto k : shown)
-    table.push_back({scene.task<tasks::Fit>().candidates[k].name, fits[k].measurements[d].residuals});
-  const auto way = displacement_of(m);
-  if (!way.values.empty()) table.push_back({way.name, way.values});
-  const auto name = fmt::format(residual_file, d + 1);
-  output::write_csv(folder / name, table);
-  return name;
+    columns.push_back({{scene.task<tasks::Fit>().candidates[k].name}, fits[k].measurements[d].residuals});
+  if (auto way = displacement_of(m); !way.values.empty())
+    columns.push_back({channel_of(way.name), std::move(way.values)});
+  return results::rows(fmt::format("fit-residuals-{}", d + 1), std::move(columns));
 }
 
-std::string write_correlation(const fs::path& folder, const analysis::inference::Fit& fit) {
+results::Table correlation_of(const analysis::inference::Fit& fit) {
   const std::size_t p = fit.parameters.size();
-  std::vector<std::vector<double>> columns(p);
-  std::vector<output::Column> table;
+  std::vector<results::Column> columns;
   for (std::size_t j = 0; j < p; ++j) {
-    for (std::size_t i = 0; i < p; ++i) columns[j].push_back(fit.correlation[i * p + j]);
-    table.push_back({fit.parameters[j].path, columns[j]});
+    std::vector<double> values;
+    for (std::size_t i = 0; i < p; ++i) values.push_back(fit.correlation[i * p + j]);
+    columns.push_back({{fit.parameters[j].path}, std::move(values)});
   }
-  output::write_csv(folder / "fit-correlation.csv", table);
-  return "fit-correlation.csv";
+  return results::rows("fit-correlation", std::move(columns));
 }
 
 /// Names and values of the parameters of the laws shown, each law's below its name where there are several.
@@ -333,28 +353,26 @@ std::vector<std::string> write_picture(const fs::path& folder, const std::string
   return output::write(folder, figure);
 }
 
-/// The tables of all measurements, and the pictures of them.
-std::vector<std::string> write_tables_and_pictures(const fs::path& folder, const scene::Scene& scene,
-                                                   const std::vector<analysis::inference::Fit>& fits,
-                                                   const std::vector<std::size_t>& order) {
+/// Adds the tables of all measurements. \returns the pictures of them
+std::vector<std::string> add_tables_and_pictures(const fs::path& folder, results::Result& result,
+                                                 const std::vector<analysis::inference::Fit>& fits,
+                                                 const std::vector<std::size_t>& order) {
+  const auto& scene = result.scene;
   const auto& data = scene.task<tasks::Fit>().data;
   constexpr std::size_t most_shown = 4;  // laws
   std::vector<std::size_t> shown;
   for (const auto k : order)
     if (shown.size() < most_shown && !fits[k].measurements.empty()) shown.push_back(k);
-  std::vector<std::string> files;
-  if (fits.front().measurements.empty()) return files;  // it ended before it could be laid beside the data
-  for (std::size_t d = 0; d < data.size(); ++d)
-    files.insert(files.end(),
-                 {write_curve(folder, scene, fits, shown, d), write_standardised(folder, scene, fits, shown, d)});
-  files.push_back(write_correlation(folder, fits.front()));
-  const auto draw = [&](const char* name, bool over_displacement) {
-    for (auto& file : write_picture(folder, name, scene, fits, shown, over_displacement))
-      files.push_back(std::move(file));
-  };
-  draw("fit", false);
+  if (fits.front().measurements.empty()) return {};  // it ended before it could be laid beside the data
+  for (std::size_t d = 0; d < data.size(); ++d) {
+    result.tables.push_back(curve_of(scene, fits, shown, d));
+    result.tables.push_back(residuals_of(scene, fits, shown, d));
+  }
+  result.tables.push_back(correlation_of(fits.front()));
+  auto files = write_picture(folder, "fit", scene, fits, shown, false);
   if (std::ranges::any_of(data, [](const auto& m) { return !displacement_of(m).values.empty(); }))
-    draw("fit-displacement", true);
+    for (auto& file : write_picture(folder, "fit-displacement", scene, fits, shown, true))
+      files.push_back(std::move(file));
   return files;
 }
 
@@ -427,8 +445,9 @@ Status perform_fit(Job& job) {
               fits[k].aic - fits[order[0]].aic, fits[k].bic - fits[order[0]].bic, fits[k].cross_validation);
   if (const auto laws = undecided(scene, fits, order); !laws.empty())
     job.say("undecided between {}, a few units of AIC apart", fmt::join(laws, ", "));
-  auto files = write_tables_and_pictures(job.folder(), scene, fits, order);
-  return job.finish(to_json(scene, fits, order), std::move(files), fits.front().outcome);
+  auto result = result_of(job, fits, order);
+  auto files = add_tables_and_pictures(job.folder(), result, fits, order);
+  return job.finish(result, std::move(files));
 }
 
 void read_fit_question(scene::SceneReader& reader) {

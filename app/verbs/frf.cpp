@@ -7,8 +7,6 @@
 
 #include "analysis/response/interval_means.hpp"
 #include "app/output/figure.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/output/scene_figure.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/record.hpp"
@@ -17,6 +15,7 @@
 #include "app/verbs/frf_use.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/verb.hpp"
+#include "core/files.hpp"
 #include "core/stop.hpp"
 
 namespace rosin::app::verbs {
@@ -31,7 +30,7 @@ using analysis::response::FrfCurve;
 
 ordered_json roots(const std::vector<analysis::response::FrictionResponse::Root>& list) {
   auto array = ordered_json::array();
-  for (const auto& root : list) array.push_back(output::pair(root.value));
+  for (const auto& root : list) array.push_back(results::pair(root.value));
   return array;
 }
 
@@ -44,7 +43,7 @@ ordered_json entries(const std::vector<ResponseMatrix>& matrices, bool errors = 
                                     std::pair{"nt", &ResponseMatrix::nt}, std::pair{"nn", &ResponseMatrix::nn}}) {
     auto& list = object[name] = ordered_json::array();
     for (const auto& matrix : matrices)
-      list.push_back(errors ? ordered_json((matrix.*entry).real()) : output::pair(matrix.*entry));
+      list.push_back(errors ? ordered_json((matrix.*entry).real()) : results::pair(matrix.*entry));
   }
   return object;
 }
@@ -53,11 +52,12 @@ const char* second_input(const scene::Scene& scene) {
   return scene.task<tasks::Frf>().options.rig.normal ? "approach_rate" : "normal_load";
 }
 
-void describe(ordered_json& object, const FrfCurve& curve) {
+template <class Document>
+void describe(Document& object, const FrfCurve& curve) {
   object["slip_rate"] = curve.slip_rate;
   object["normal_load"] = curve.normal_load;
   object["friction_coefficient"] = curve.friction_coefficient;
-  object["tangential"] = output::pairs(curve.tangential);
+  object["tangential"] = results::pairs(curve.tangential);
   object["low_frequency_limit"] = curve.limits.low;
   object["high_frequency_limit"] = curve.limits.high;
   if (curve.limits.stiffness != 0) object["high_frequency_stiffness"] = curve.limits.stiffness;
@@ -71,16 +71,17 @@ void describe(ordered_json& object, const FrfCurve& curve) {
   if (!curve.matrix.empty()) object["matrix"] = entries(curve.matrix);
 }
 
-ordered_json document_of(const scene::Scene& scene, const analysis::response::FrfPrediction& prediction) {
-  auto& frf = scene.task<tasks::Frf>();
-  auto document = output::begin(scene, "frf");
-  document["frequency"] = frf.options.frequencies;
-  describe(document, prediction.curve);
-  if (frf.options.rig.matrix) document["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
+results::Result result_of(const Job& job, const analysis::response::FrfPrediction& prediction) {
+  const auto& scene = job.scene();
+  const auto& frf = scene.task<tasks::Frf>();
+  auto result = job.result();
+  result.add({"frequency", "Hz"}, frf.options.frequencies);
+  describe(result, prediction.curve);
+  if (frf.options.rig.matrix) result["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
   for (const auto& s : prediction.sensitivities)
-    document["sensitivities"][s.parameter] = {{"unit", s.unit}, {"slope", output::pairs(s.slope)}, {"error", s.error}};
+    result["sensitivities"][s.parameter] = {{"unit", s.unit}, {"slope", results::pairs(s.slope)}, {"error", s.error}};
   if (!prediction.family.empty()) {
-    auto& family = document["family"];
+    auto& family = result["family"];
     family = {{"parameter", frf.options.family}, {"unit", scene.model.describe(frf.options.family).unit}};
     family["members"] = ordered_json::array();
     for (const auto& member : prediction.family) {
@@ -90,36 +91,36 @@ ordered_json document_of(const scene::Scene& scene, const analysis::response::Fr
     }
     if (!prediction.load_exponent.empty()) family["load_exponent"] = prediction.load_exponent;
   }
-  return document;
+  return result;
 }
 
-std::string to_json(const scene::Scene& scene, const analysis::response::MeasuredFrf& measured,
-                    const std::vector<Complex>& predicted) {
-  auto document = output::begin(scene, "frf");
-  document["frequency"] = measured.frequency;
-  document["tangential"] = output::pairs(measured.tangential);
-  document["coherence"] = measured.coherence;
-  document["standard_error"] = measured.standard_error;
-  document["bias_error"] = measured.bias_error;
+results::Result result_of(const Job& job, const analysis::response::MeasuredFrf& measured,
+                          const std::vector<Complex>& predicted) {
+  auto result = job.result();
+  result.add({"frequency", "Hz"}, measured.frequency);
+  result.add({"tangential", "N s/m"}, results::pairs(measured.tangential));
+  result["coherence"] = measured.coherence;
+  result["standard_error"] = measured.standard_error;
+  result["bias_error"] = measured.bias_error;
   if (!measured.h1.empty()) {
-    document["h1"] = output::pairs(measured.h1);
-    document["h2"] = output::pairs(measured.h2);
-    document["hv"] = output::pairs(measured.hv);
+    result["h1"] = results::pairs(measured.h1);
+    result["h2"] = results::pairs(measured.h2);
+    result["hv"] = results::pairs(measured.hv);
   }
   if (!measured.matrix.empty()) {
-    document["matrix"] = entries(measured.matrix);
-    document["matrix_standard_error"] = entries(measured.matrix_error, true);
-    document["conditioning"] = measured.conditioning;
-    if (!measured.load_coherence.empty()) document["load_coherence"] = measured.load_coherence;
+    result["matrix"] = entries(measured.matrix);
+    result["matrix_standard_error"] = entries(measured.matrix_error, true);
+    result["conditioning"] = measured.conditioning;
+    if (!measured.load_coherence.empty()) result["load_coherence"] = measured.load_coherence;
   }
-  document["averages"] = measured.averages;
-  document["resolution"] = measured.resolution;
-  document["mean"] = {{"slip_rate", measured.slip_rate}, {"force", measured.force}};
-  document["rms"] = {{"slip_rate", measured.slip_rate_rms}, {"force", measured.force_rms}};
-  document["outside_band"] = measured.outside_band;
-  document["warnings"] = measured.warnings;
-  if (!predicted.empty()) document["predicted"] = output::pairs(predicted);
-  return output::text(document);
+  result["averages"] = measured.averages;
+  result.add({"resolution", "Hz"}, measured.resolution);
+  result["mean"] = {{"slip_rate", measured.slip_rate}, {"force", measured.force}};
+  result["rms"] = {{"slip_rate", measured.slip_rate_rms}, {"force", measured.force_rms}};
+  result["outside_band"] = measured.outside_band;
+  result["warnings"] = measured.warnings;
+  if (!predicted.empty()) result["predicted"] = results::pairs(predicted);
+  return result;
 }
 
 /// Continuous along the curve, in degrees.
@@ -139,18 +140,47 @@ std::vector<double> parts(const std::vector<Complex>& Z, double (*part)(const Co
   return values;
 }
 
-/// \returns true unless Z is 0 throughout, as of friction that does not answer.
-bool write_curve(const fs::path& path, const std::vector<double>& frequency, const std::vector<Complex>& Z) {
-  const auto real = parts(Z, [](const Complex& z) { return z.real(); });
-  const auto imaginary = parts(Z, [](const Complex& z) { return z.imag(); });
-  const auto magnitude = parts(Z, [](const Complex& z) { return std::abs(z); });
-  const auto angle = phase(Z);
-  output::write_csv(path, {{"frequency (Hz)", frequency},
-                           {"real (N s/m)", real},
-                           {"imaginary (N s/m)", imaginary},
-                           {"magnitude (N s/m)", magnitude},
-                           {"phase (degree)", angle}});
-  return std::ranges::any_of(magnitude, [](double size) { return size > 0; });
+/// A response over frequency, in parts and in polar form.
+results::Table table_of(std::string name, const std::vector<double>& frequency, const std::vector<Complex>& Z,
+                        const char* unit = "N s/m") {
+  return results::rows(std::move(name), {{{"frequency", "Hz"}, frequency},
+                                         {{"real", unit}, parts(Z, [](const Complex& z) { return z.real(); })},
+                                         {{"imaginary", unit}, parts(Z, [](const Complex& z) { return z.imag(); })},
+                                         {{"magnitude", unit}, parts(Z, [](const Complex& z) { return std::abs(z); })},
+                                         {{"phase", "degree"}, phase(Z)}});
+}
+
+/// False of friction that does not answer: Z is 0 throughout.
+bool answers(const std::vector<Complex>& Z) {
+  return std::ranges::any_of(Z, [](const Complex& z) { return std::abs(z) > 0; });
+}
+
+/// The members of a family, over the parameter that they differ in.
+results::Table table_of(const scene::Scene& scene, const std::vector<FrfCurve>& family) {
+  const auto& options = scene.task<tasks::Frf>().options;
+  results::Table plane{.name = "frf-family", .dimensions = {}, .columns = {}};
+  std::vector<double> values;
+  for (const auto& member : family) {
+    values.push_back(member.value);
+    auto one = table_of("", options.frequencies, member.tangential);
+    if (plane.columns.empty()) {
+      plane.columns = std::move(one.columns);
+      continue;
+    }
+    for (std::size_t c = 1; c < one.columns.size(); ++c) {
+      auto& all = std::get<std::vector<double>>(plane.columns[c].values);
+      all.insert(all.end(), one.columns[c].numbers().begin(), one.columns[c].numbers().end());
+    }
+  }
+  std::vector<std::string> taken;
+  for (auto& column : plane.columns) column.over = {0, 1}, taken.push_back(column.of.name);
+  plane.columns.front().over = {1};
+  const auto name = results::axis_names({options.family}, taken).front();
+  const auto quantity = scene.model.describe(options.family);
+  plane.columns.insert(plane.columns.begin(),
+                       {{name, quantity.unit, quantity.meaning}, values, {}, {0}, {{"path", options.family}}});
+  plane.dimensions = {{name, values.size()}, {"frequency", options.frequencies.size()}};
+  return plane;
 }
 
 /// One line of a picture: a table of write_curve, and what it holds.
@@ -188,9 +218,9 @@ std::vector<results::Panel> response_panels(const results::Axis& over,
 }
 constexpr int column_of_panel[] = {4, 5, 2, 3, 3};  ///< of those tables
 
-/// \param answers some magnitude is above 0, or a logarithmic axis has nothing to show
-void add_picture(const fs::path& folder, const scene::Scene& scene, const std::vector<Line>& lines, bool answers,
-                 std::vector<std::string>& files) {
+/// \returns the names of the files
+std::vector<std::string> write_picture(const fs::path& folder, const scene::Scene& scene,
+                                       const std::vector<Line>& lines) {
   std::vector<const std::vector<Complex>*> responses;
   for (const auto& line : lines) responses.push_back(line.response);
   auto figure =
@@ -205,13 +235,14 @@ void add_picture(const fs::path& folder, const scene::Scene& scene, const std::v
                                         .look = {.style = results::style_of(k)},
                                         .title = lines[k].title});
   auto& magnitude = figure.panels.front();
-  magnitude.y.decades = answers;
-  if (answers)
+  // Where no magnitude is above 0, a logarithmic axis has nothing to show.
+  magnitude.y.decades = std::ranges::any_of(lines, [](const auto& line) { return answers(*line.response); });
+  if (magnitude.y.decades)
     for (auto& line : magnitude.lines) line.where = {{4, '>', 0}};
   else
     magnitude.y.from = -1, magnitude.y.to = 1;
   figure.panels.erase(figure.panels.begin() + 3);  // the imaginary part stands over the real one
-  for (auto& file : output::write(folder, figure)) files.push_back(std::move(file));
+  return output::write(folder, figure);
 }
 
 /// Measured points with bands of two standard errors, the prediction as a line, and the coherence.
@@ -267,7 +298,10 @@ std::vector<std::string> write_measured_picture(const fs::path& folder, const sc
 }
 
 /// Writes what was measured, by whatever means, beside what is predicted.
-Status finish_measured(Job& job, const analysis::response::MeasuredFrf& measured, std::vector<std::string> files = {}) {
+/// \param record  the motion that was simulated
+Status finish_measured(Job& job, const analysis::response::MeasuredFrf& measured,
+                       std::optional<results::Table> record = {}) {
+  std::vector<std::string> files;
   auto& scene = job.scene();
   for (const auto& warning : measured.warnings) job.note(warning);
   std::vector<Complex> predicted;
@@ -297,25 +331,16 @@ Status finish_measured(Job& job, const analysis::response::MeasuredFrf& measured
     job.say("within three standard errors of the prediction at {:.3g} % of the frequencies",
             100.0 * double(near) / double(predicted.size()));
 
-  const auto real = parts(measured.tangential, [](const Complex& z) { return z.real(); });
-  const auto imaginary = parts(measured.tangential, [](const Complex& z) { return z.imag(); });
-  const auto magnitude = parts(measured.tangential, [](const Complex& z) { return std::abs(z); });
-  const auto angle = phase(measured.tangential);
-  output::write_csv(job.folder() / "frf.csv", {{"frequency (Hz)", measured.frequency},
-                                               {"real (N s/m)", real},
-                                               {"imaginary (N s/m)", imaginary},
-                                               {"magnitude (N s/m)", magnitude},
-                                               {"phase (degree)", angle},
-                                               {"standard_error (N s/m)", measured.standard_error},
-                                               {"coherence", measured.coherence}});
-  files.emplace_back("frf.csv");
-  if (!predicted.empty()) {
-    files.emplace_back("frf-predicted.csv");
-    write_curve(job.folder() / files.back(), measured.frequency, predicted);
-  }
   for (auto& file : write_measured_picture(job.folder(), scene, measured, !predicted.empty()))
     files.push_back(std::move(file));
-  return job.finish(to_json(scene, measured, predicted), std::move(files), {});
+  auto result = result_of(job, measured, predicted);
+  result.tables.insert(result.tables.begin(), table_of("frf", measured.frequency, measured.tangential));
+  auto& columns = result.tables.front().columns;
+  columns.push_back({{"standard_error", "N s/m"}, measured.standard_error});
+  columns.push_back({{"coherence"}, measured.coherence});
+  if (!predicted.empty()) result.tables.push_back(table_of("frf-predicted", measured.frequency, predicted));
+  if (record) result.tables.push_back(std::move(*record));
+  return job.finish(result, std::move(files));
 }
 
 /// Takes the stretches between rows in which a number is missing, one after the other.
@@ -407,11 +432,10 @@ Status simulate_noise(Job& job, std::optional<double> tolerance) {
   const auto begin = std::chrono::steady_clock::now();
   const auto noise = analysis::response::simulate_noise(job.scene().model, options);
   job.manifest().cost = {{"seconds", seconds_since(begin)}, {"samples", double(noise.time.size())}};
-  std::vector<output::Column> columns = {
-      {"time (s)", noise.time}, {"slip_rate (m/s)", noise.slip_rate}, {"friction_force (N)", noise.force}};
-  if (!noise.normal_load.empty()) columns.push_back({"normal_load (N)", noise.normal_load});
-  output::write_csv(job.folder() / "frf-record.csv", columns);
-  return finish_measured(job, noise.measured, {"frf-record.csv"});
+  std::vector<results::Column> columns = {
+      {{"time", "s"}, noise.time}, {{"slip_rate", "m/s"}, noise.slip_rate}, {{"friction_force", "N"}, noise.force}};
+  if (!noise.normal_load.empty()) columns.push_back({{"normal_load", "N"}, noise.normal_load});
+  return finish_measured(job, noise.measured, results::rows("frf-record", std::move(columns)));
 }
 
 Status simulate_sweep(Job& job) {
@@ -457,35 +481,35 @@ Status simulate_sweep(Job& job) {
       "an amplitude of {:g} of the mean changes the response by {:.2g} at most; second harmonic up to {:.2g}, third "
       "up to {:.2g} of the first",
       options.amplitude, dependence, std::ranges::max(swept.second_harmonic), std::ranges::max(swept.third_harmonic));
-  auto document = app::output::begin(scene, "frf");
-  document["frequency"] = options.frequencies;
-  document["tangential"] = output::pairs(swept.tangential);
-  document["standard_error"] = swept.error;
-  document["coherence"] = swept.coherence;
-  document["at_amplitude"] = output::pairs(swept.at_amplitude);
-  document["second_harmonic"] = swept.second_harmonic;
-  document["third_harmonic"] = swept.third_harmonic;
-  document["predicted"] = output::pairs(predicted);
+  auto result = job.result();
+  result.add({"frequency", "Hz"}, options.frequencies);
+  result.add({"tangential", "N s/m"}, results::pairs(swept.tangential));
+  result["standard_error"] = swept.error;
+  result["coherence"] = swept.coherence;
+  result["at_amplitude"] = results::pairs(swept.at_amplitude);
+  result["second_harmonic"] = swept.second_harmonic;
+  result["third_harmonic"] = swept.third_harmonic;
+  result["predicted"] = results::pairs(predicted);
   if (options.rig.matrix) {
-    document["matrix"] = entries(swept.matrix);
-    document["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
-    document["matrix_standard_error"] = entries(swept.matrix_error, true);
-    document["predicted_matrix"] = entries(predicted_matrix);
+    result["matrix"] = entries(swept.matrix);
+    result["matrix"]["inputs"] = {"slip_rate", second_input(scene)};
+    result["matrix_standard_error"] = entries(swept.matrix_error, true);
+    result["predicted_matrix"] = entries(predicted_matrix);
   }
-  document["warnings"] = swept.warnings;
-  const bool answers = write_curve(job.folder() / "frf.csv", options.frequencies, swept.tangential) |
-                       write_curve(job.folder() / "frf-predicted.csv", options.frequencies, predicted);
-  std::vector<std::string> files{"frf.csv", "frf-predicted.csv"};
+  result["warnings"] = swept.warnings;
+  result.tables = {table_of("frf", options.frequencies, swept.tangential),
+                   table_of("frf-predicted", options.frequencies, predicted)};
+  std::vector<std::string> files;
   if (options.frequencies.size() > 1) {
-    add_picture(job.folder(), scene,
-                {{"frf.csv", "simulated", &swept.tangential}, {"frf-predicted.csv", "predicted", &predicted}}, answers,
-                files);
+    files =
+        write_picture(job.folder(), scene,
+                      {{"frf.csv", "simulated", &swept.tangential}, {"frf-predicted.csv", "predicted", &predicted}});
   }
-  return job.finish(output::text(document), std::move(files), {});
+  return job.finish(result, std::move(files));
 }
 
 /// The oscillator with friction in it: what a force along the contact's slip moves.
-void add_receptance(Job& job, ordered_json& document, std::vector<std::string>& files) {
+void add_receptance(Job& job, results::Result& result) {
   const auto& frf = job.scene().task<tasks::Frf>();
   if (!frf.oscillator) return;
   const auto& receptance = *frf.oscillator;
@@ -508,23 +532,16 @@ void add_receptance(Job& job, ordered_json& document, std::vector<std::string>& 
   job.manifest().tolerance_reached = reached.value();
   job.say("receptance along its slip, friction included: largest {} at {:.6g} Hz",
           justified(std::abs(contact[largest]), contact_error[largest], "m/N"), frequencies[largest]);
-  auto& object = document["receptance"] = {{"contact", output::pairs(contact)}};
-  auto& error = document["error"]["receptance"] = {{"contact", contact_error}};
+  auto& object = result["receptance"] = {{"contact", results::pairs(contact)}};
+  ordered_json error = {{"contact", contact_error}};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
-    object[receptance.coordinates[i]] = output::pairs(coordinates[i]);
+    object[receptance.coordinates[i]] = results::pairs(coordinates[i]);
     error[receptance.coordinates[i]] = errors[i];
   }
-  const auto real = parts(contact, [](const Complex& z) { return z.real(); });
-  const auto imaginary = parts(contact, [](const Complex& z) { return z.imag(); });
-  const auto magnitude = parts(contact, [](const Complex& z) { return std::abs(z); });
-  const auto angle = phase(contact);
-  output::write_csv(job.folder() / "frf-receptance.csv", {{"frequency (Hz)", frequencies},
-                                                          {"real (m/N)", real},
-                                                          {"imaginary (m/N)", imaginary},
-                                                          {"magnitude (m/N)", magnitude},
-                                                          {"phase (degree)", angle},
-                                                          {"error (m/N)", contact_error}});
-  files.emplace_back("frf-receptance.csv");
+  result.describe({"receptance", "m/N"}, std::move(error));
+  auto table = table_of("frf-receptance", frequencies, contact, "m/N");
+  table.columns.push_back({{"error", "m/N"}, contact_error});
+  result.tables.push_back(std::move(table));
 }
 
 Status perform_frf(Job& job) {
@@ -565,27 +582,28 @@ Status perform_frf(Job& job) {
           "seen");
   }
 
-  std::vector<std::string> files{"frf.csv"};
-  bool answers = write_curve(job.folder() / "frf.csv", frf.options.frequencies, curve.tangential);
+  auto result = result_of(job, prediction);
   std::vector<Line> lines;
+  result.tables.push_back(table_of("frf", frf.options.frequencies, curve.tangential));
   for (std::size_t k = 0; k < prediction.family.size(); ++k) {
     const auto& member = prediction.family[k];
-    files.push_back(fmt::format("frf-{}.csv", k + 1));
-    answers |= write_curve(job.folder() / files.back(), frf.options.frequencies, member.tangential);
+    const auto name = fmt::format("frf-{}", k + 1);
+    result.tables.push_back(table_of(name, frf.options.frequencies, member.tangential));
     const auto quantity = model.describe(frf.options.family);
-    lines.push_back({files.back(),
+    lines.push_back({name + ".csv",
                      fmt::format("{} = {:g}{}", quantity.meaning.substr(0, quantity.meaning.find(';')), member.value,
                                  quantity.unit == "1" ? "" : " " + quantity.unit),
                      &member.tangential});
   }
+  if (!prediction.family.empty()) result.tables.insert(result.tables.begin(), table_of(scene, prediction.family));
   if (lines.empty()) lines.push_back({"frf.csv", "predicted", &curve.tangential});
+  std::vector<std::string> files;
   if (frf.options.frequencies.size() > 1) {  // one frequency is no line
-    add_picture(job.folder(), scene, lines, answers, files);
+    files = write_picture(job.folder(), scene, lines);
   }
-  auto document = document_of(scene, prediction);
-  add_receptance(job, document, files);
-  add_stability(job, document, files);
-  return job.finish(output::text(document), std::move(files), {});
+  add_receptance(job, result);
+  add_stability(job, result, files);
+  return job.finish(result, std::move(files));
 }
 
 void read_frf_question(scene::SceneReader& reader) {

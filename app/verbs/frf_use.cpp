@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "app/output/figure.hpp"
-#include "app/output/files.hpp"
 #include "app/output/scene_figure.hpp"
 #include "app/tasks/frf.hpp"
+#include "core/files.hpp"
 #include "core/random.hpp"
 
 namespace rosin::app::verbs {
@@ -46,15 +46,15 @@ std::vector<results::Mark> marks_of(const std::vector<double>& modes, const std:
 
 /// The loop iω Z H in the complex plane with the modes along it, the verdict, and the distance to −1 along frequency.
 void draw_loop(Job& job, const std::vector<double>& frequency, const std::vector<Complex>& loop, const Verdict& verdict,
-               std::vector<std::string>& files) {
+               results::Result& result, std::vector<std::string>& files) {
   std::vector<double> real, imaginary, distance;
   for (const auto& L : loop) {
     real.push_back(L.real()), imaginary.push_back(L.imag());
     distance.push_back(std::abs(1.0 + L));
   }
-  output::write_csv(job.folder() / "loop.csv",
-                    {{"frequency (Hz)", frequency}, {"real", real}, {"imaginary", imaginary}, {"distance", distance}});
-  files.emplace_back("loop.csv");
+  result.tables.push_back(results::rows(
+      "loop",
+      {{{"frequency", "Hz"}, frequency}, {{"real"}, real}, {{"imaginary"}, imaginary}, {{"distance"}, distance}}));
   if (frequency.size() < 2) return;  // no line
   auto figure = output::figure_of(job.scene(), "loop", "Nyquist's plot of the loop of friction and structure");
   figure.title += figure.title.empty() ? verdict.text : ": " + verdict.text;
@@ -145,7 +145,8 @@ void disturb(std::vector<Complex>& values, const std::vector<double>& error, std
   for (std::size_t k = 0; k < error.size(); ++k) values[k] += error[k] * Complex(noise[2 * k], noise[2 * k + 1]);
 }
 
-void table_stability(Job& job, ordered_json& stability, std::vector<std::string>& files) {
+void table_stability(Job& job, results::Result& result, std::vector<std::string>& files) {
+  auto& stability = result["stability"];
   const auto& use = *job.scene().task<tasks::Frf>().use;
   const auto& table = use.friction.frequency.empty() ? use.receptance : use.friction;
   if (!use.friction.frequency.empty() && !use.receptance.frequency.empty() &&
@@ -194,26 +195,26 @@ void table_stability(Job& job, ordered_json& stability, std::vector<std::string>
              {},
              loop.margin,
              loop.margin_frequency},
-            files);
+            result, files);
 }
 
 }  // namespace
 
-void add_stability(Job& job, ordered_json& document, std::vector<std::string>& files) {
+void add_stability(Job& job, results::Result& result, std::vector<std::string>& files) {
   const auto& scene = job.scene();
   auto& frf = scene.task<tasks::Frf>();
   if (!frf.use) return;
   const auto& use = *frf.use;
-  auto& stability = document["stability"];
+  auto& stability = result["stability"];
   if (!use.friction.frequency.empty() || !use.receptance.frequency.empty()) {
-    table_stability(job, stability, files);
+    table_stability(job, result, files);
     return;
   }
   const auto structure = use.sliding.structure();
   const auto loop = analysis::response::close_loop(structure, scene.model, use.sliding.normal);
   stability["stable"] = loop.stable;
   stability["marginal"] = loop.marginal;
-  stability["eigenvalues"] = output::pairs(loop.eigenvalues);
+  stability["eigenvalues"] = results::pairs(loop.eigenvalues);
   stability["unstable_by_eigenvalues"] = loop.unstable_by_eigenvalues;
   stability["unstable_by_nyquist"] = loop.unstable_by_nyquist;
   stability["margin"] = loop.margin;
@@ -279,7 +280,7 @@ void add_stability(Job& job, ordered_json& document, std::vector<std::string>& f
                                   : "unstable",
                     loop.unstable_by_eigenvalues, leading.real(), std::abs(leading.imag()) / (2 * std::numbers::pi));
     draw_loop(job, frequency, values,
-              {text, std::move(modes), loop.margin, loop.margin_frequency / (2 * std::numbers::pi)}, files);
+              {text, std::move(modes), loop.margin, loop.margin_frequency / (2 * std::numbers::pi)}, result, files);
   }
 }
 

@@ -10,8 +10,7 @@
 #include "app/output/document.hpp"
 #include "app/output/files.hpp"
 #include "app/output/gnuplot.hpp"
-#include "app/output/json.hpp"
-#include "app/output/netcdf_tables.hpp"
+#include "app/results/writers.hpp"
 #include "app/scene/toml_document.hpp"
 #include "app/verbs/stopping.hpp"
 #include "core/results_folder.hpp"
@@ -156,7 +155,7 @@ void Job::say_what_is_replaced() const {
   const auto& old = found.document;
   if (!found.problem.empty()) note(fmt::format("{}: what is replaced is not known", found.problem));
   if (old.empty()) return;
-  const auto now = ordered_json::parse(output::to_json(scene_, manifest_));
+  const auto now = ordered_json::parse(results::to_json(scene_, manifest_));
   const auto of = [](const ordered_json& manifest, const char* key) { return manifest.value(key, ordered_json()); };
   const auto tolerance = [&](const ordered_json& manifest) {
     const auto both = of(manifest, "tolerance");
@@ -205,7 +204,7 @@ void Job::put_in_place() const {
     fs::rename(entry.path(), folder_ / entry.path().filename());
 }
 
-void draw_pictures(const Request& request, const fs::path& folder, output::Manifest& manifest) {
+void draw_pictures(const Request& request, const fs::path& folder, results::Manifest& manifest) {
   std::vector<std::string> scripts;
   for (const auto& file : manifest.files)
     if (fs::path(file).extension() == ".gp") {
@@ -228,21 +227,20 @@ void write_results(const fs::path& folder, const std::string& label, const std::
     write_whole(folder / name, *content);
 }
 
-Status Job::finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome) {
+Status Job::finish(const results::Result& result, std::vector<std::string> files) {
   results_are_due();
-  const bool failed = !outcome.complete() && files.empty();
-  manifest_.files = std::move(files);
+  const auto& outcome = result.outcome;
+  const auto document = results::text(result.document());
+  manifest_.files = results::write_tables(folder(), result, request_);
+  manifest_.files.insert(manifest_.files.end(), files.begin(), files.end());
+  const bool failed = !outcome.complete() && manifest_.files.empty();
   draw_pictures(request_, folder(), manifest_);
-  if (request_.netcdf) {
-    const auto tables = output::write_netcdf_tables(staging_, manifest_.files, scene_, document);
-    manifest_.files.insert(manifest_.files.end(), tables.begin(), tables.end());
-  }
   manifest_.files.push_back(label_ + ".json");
   manifest_.outcome = outcome;
   const bool keeps = failed && whole_result_is_there();
   if (!keeps) {
     say_what_is_replaced();
-    write_results(staging_, label_, document, output::to_json(scene_, manifest_));
+    write_results(staging_, label_, document, results::to_json(scene_, manifest_));
     put_in_place();
   }
   if (request_.json) write_output(document);

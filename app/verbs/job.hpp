@@ -11,7 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "app/output/results.hpp"
+#include "app/results/manifest.hpp"
+#include "app/results/result.hpp"
 #include "app/scene/scene.hpp"
 #include "app/verbs/verbs.hpp"
 #include "core/console.hpp"
@@ -49,11 +50,12 @@ class Job {
 
   const Request& request() const { return request_; }
   scene::Scene& scene() { return scene_; }
+  const scene::Scene& scene() const { return scene_; }
   /// Where files are written; finish() puts them into the results folder, all together.
   const std::filesystem::path& folder();
   /// The results folder itself, for what outlives an interrupted run.
   const std::filesystem::path& results() const { return folder_; }
-  output::Manifest& manifest() { return manifest_; }
+  results::Manifest& manifest() { return manifest_; }
 
   /// A line of the summary.
   template <class... Args>
@@ -74,14 +76,18 @@ class Job {
   void claim_folder() { claim_.emplace(folder_); }
   /// The results are named as those of another verb, which the scene asks for.
   void results_of(std::string verb);
+  /// An empty result of this work.
+  results::Result result(Outcome outcome = {}) const { return {scene_, manifest_.verb, std::move(outcome)}; }
 
   /// A complete result of an earlier run of the verb is in the folder.
   bool whole_result_is_there() const;
 
-  /// Draws the scripts (*.gp) among the files, writes the document and the manifest, each under the verb's name and as
-  /// the folder's latest, in place of all that an earlier result of the verb has left; prints the document if asked. A
-  /// failure without files leaves a whole earlier result as it is. Call last.
-  Status finish(const std::string& document, std::vector<std::string> files, const Outcome& outcome);
+  /// Writes the result's tables in the formats that are asked for, draws the scripts (*.gp) among the files, writes the
+  /// document and the manifest, each under the verb's name and as the folder's latest, in place of all that an earlier
+  /// result of the verb has left; prints the document if asked. A failure without tables and files leaves a whole
+  /// earlier result as it is. Call last.
+  /// \param files  that stand beside the tables: scripts and their data, sounds
+  Status finish(const results::Result&, std::vector<std::string> files = {});
 
  private:
   void say_what_is_replaced() const;
@@ -91,14 +97,14 @@ class Job {
   scene::Scene scene_;
   std::filesystem::path folder_;
   std::string label_;  ///< of the results
-  output::Manifest manifest_;
+  results::Manifest manifest_;
   std::optional<FolderClaim> claim_;
   std::filesystem::path staging_;  ///< empty until files are written
 };
 
 /// Draws the scripts (*.gp) among the manifest's files, unless no pictures are wanted; the manifest then knows the
 /// pictures and, by their checksums, the scripts.
-void draw_pictures(const Request&, const std::filesystem::path& folder, output::Manifest&);
+void draw_pictures(const Request&, const std::filesystem::path& folder, results::Manifest&);
 /// Writes a document and its manifest, each under the label's name and as the folder's latest.
 void write_results(const std::filesystem::path& folder, const std::string& label, const std::string& document,
                    const std::string& manifest);

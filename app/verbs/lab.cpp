@@ -7,8 +7,6 @@
 #include <chrono>
 
 #include "analysis/lab/experiment.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/output/lab_picture.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
@@ -126,36 +124,36 @@ void read_lab(scene::SceneReader& reader) {
     reader.note_unread({path}, fmt::format("{} sets it itself", asked.experiment->name));
 }
 
-std::string document_of(const scene::Scene& scene, const analysis::lab::Result& result) {
-  auto document = output::begin(scene, "lab", result.outcome);
-  document["experiment"] = scene.task<tasks::Lab>().experiment->name;
-  auto object = [] { return ordered_json::object(); };
-  auto readings = object(), error = object(), meaning = object(), units = object(), columns = object(),
-       tables = object();
-  for (const auto& reading : result.readings) {
-    readings[reading.name] = reading.value;
-    error[reading.name] = reading.error;
-    units[reading.name] = reading.unit;
-    meaning[reading.name] = reading.meaning;
+results::Result result_of(const Job& job, const analysis::lab::Result& of) {
+  auto result = job.result(of.outcome);
+  result["experiment"] = job.scene().task<tasks::Lab>().experiment->name;
+  const auto meaning = [&](const std::string& column) {  // that of the reading which is made of it
+    const auto reading = std::ranges::find(of.readings, column, &analysis::lab::Reading::name);
+    return reading == of.readings.end() ? std::string() : reading->meaning;
+  };
+  std::vector<results::Column> columns = {{{"time", "s"}, of.record.time}};
+  for (std::size_t c = 0; c < of.record.columns.size(); ++c)
+    columns.push_back({{of.record.names[c], of.record.units[c], meaning(of.record.names[c])}, of.record.columns[c]});
+  auto record = results::rows("lab", std::move(columns));
+  result.add_record(record);
+  result["readings"] = result["tables"] = ordered_json::object();
+  for (const auto& reading : of.readings) {
+    result["readings"][reading.name] = reading.value;
+    result.describe({reading.name, reading.unit, reading.meaning}, reading.error);
   }
-  for (const auto& table : result.tables)
-    for (std::size_t c = 0; c < table.columns.size(); ++c) tables[table.name][table.columns[c]] = table.values[c];
-  for (std::size_t c = 0; c < result.record.names.size(); ++c) {
-    columns[result.record.names[c]] = result.record.columns[c];
-    units[result.record.names[c]] = result.record.units[c];
+  result.tables.push_back(std::move(record));
+  for (const auto& table : of.tables) {
+    std::vector<results::Column> of_table;
+    for (std::size_t c = 0; c < table.columns.size(); ++c) {
+      result["tables"][table.name][table.columns[c]] = table.values[c];
+      of_table.push_back({{table.columns[c], table.units[c], meaning(table.columns[c])}, table.values[c]});
+    }
+    result.tables.push_back(results::rows(fmt::format("lab-{}", table.name), std::move(of_table)));
   }
-  document["readings"] = std::move(readings);
-  document["error"] = std::move(error);
-  document["meaning"] = std::move(meaning);
-  document["tables"] = std::move(tables);
-  document["time"] = result.record.time;
-  document["columns"] = std::move(columns);
-  document["units"] = std::move(units);
-  auto& events = document["events"] = ordered_json::array();
-  for (const auto& event : result.events) events.push_back({{"time", event.time}, {"kind", event.kind}});
-  document["warnings"] = result.warnings;
-  document["notes"] = scene.notes;
-  return output::text(document);
+  auto& events = result["events"] = ordered_json::array();
+  for (const auto& event : of.events) events.push_back({{"time", event.time}, {"kind", event.kind}});
+  result["warnings"] = of.warnings;
+  return result;
 }
 
 /// A reading that is yes or no has a meaning that begins so.
@@ -183,27 +181,15 @@ Status perform_lab(Job& job) {
   manifest.tolerance_asked = task.tolerance;
   manifest.tolerance_reached = reached.value();
   manifest.cost = {{"seconds", seconds_since(begin)}, {"samples", double(result.record.time.size())}};
+  auto whole = result_of(job, result);
   // A part of a record without readings is kept, but not in place of a whole result.
   if (!result.outcome.complete() && result.readings.empty() &&
-      (result.record.time.size() < 2 || job.whole_result_is_there()))
-    return job.finish(document_of(scene, result), {}, result.outcome);
-  std::vector<output::Column> table{{"time (s)", result.record.time}};
-  for (std::size_t c = 0; c < result.record.columns.size(); ++c)
-    table.push_back({output::column_header(result.record.names[c], result.record.units[c]), result.record.columns[c]});
-  output::write_csv(job.folder() / "lab.csv", table);
-  std::vector<std::string> files = {"lab.csv"};
-  for (const auto& rows : result.tables) {
-    std::vector<output::Column> columns;
-    for (std::size_t c = 0; c < rows.columns.size(); ++c)
-      columns.push_back({output::column_header(rows.columns[c], rows.units[c]), rows.values[c]});
-    files.push_back(fmt::format("lab-{}.csv", rows.name));
-    output::write_csv(job.folder() / files.back(), columns);
+      (result.record.time.size() < 2 || job.whole_result_is_there())) {
+    whole.tables.clear();
+    return job.finish(whole);
   }
-  if (!result.panels.empty()) {
-    const auto written = output::write_lab_picture(job.folder(), scene, result);
-    files.insert(files.end(), written.begin(), written.end());
-  }
-  return job.finish(document_of(scene, result), std::move(files), result.outcome);
+  return job.finish(whole, result.panels.empty() ? std::vector<std::string>()
+                                                 : output::write_lab_picture(job.folder(), scene, result));
 }
 
 }  // namespace

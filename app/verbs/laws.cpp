@@ -3,7 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "app/output/files.hpp"
-#include "app/output/json.hpp"
+#include "app/results/result.hpp"
 #include "app/scene/aliases.hpp"
 #include "app/verbs/verb.hpp"
 #include "core/console.hpp"
@@ -65,7 +65,7 @@ std::string document_of(const std::vector<std::shared_ptr<const FrictionLaw>>& l
     for (const auto& s : law->states()) states.push_back({{"name", s.name}, {"unit", s.unit}, {"meaning", s.meaning}});
     for (const auto& p : law->presets())
       presets.push_back(
-          {{"name", p.name}, {"source", p.source}, {"values", output::values(law->parameters(), p.values)}});
+          {{"name", p.name}, {"source", p.source}, {"values", results::values(law->parameters(), p.values)}});
     const auto& card = law->card();
     auto option = ordered_json();
     if (!card.option.of.empty())
@@ -84,7 +84,7 @@ std::string document_of(const std::vector<std::shared_ptr<const FrictionLaw>>& l
                         {"presets", std::move(presets)}});
   }
   for (const auto& law : normal_laws) document.push_back(card_of(law));
-  return output::text(document);
+  return results::text(document);
 }
 
 void print_law(const FrictionLaw& law) {

@@ -6,8 +6,6 @@
 
 #include "analysis/cycles/stepped_exponent.hpp"
 #include "analysis/strings/string_exponent.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
@@ -53,9 +51,9 @@ void read_lyapunov(scene::SceneReader& reader) {
   read_tables_of_models(reader);
 }
 
-std::string document_of(const scene::Scene& scene, const LyapunovSpectrum& spectrum) {
-  auto document = output::begin(scene, "lyapunov", spectrum.outcome);
-  document["from"] = spectrum.from;
+results::Result result_of(const Job& job, const LyapunovSpectrum& spectrum) {
+  auto result = job.result(spectrum.outcome);
+  result["from"] = spectrum.from;
   auto exponents = ordered_json::array(), errors = ordered_json::array(), trivial = ordered_json::array();
   for (std::size_t i = 0; i < spectrum.exponents.size(); ++i) {
     const auto& exponent = spectrum.exponents[i];
@@ -63,21 +61,26 @@ std::string document_of(const scene::Scene& scene, const LyapunovSpectrum& spect
     errors.push_back(exponent.error);
     if (exponent.trivial) trivial.push_back(i);
   }
-  document["exponents"] = std::move(exponents);
-  document["standard_error"] = errors;
-  document["trivial"] = std::move(trivial);
-  document["clock_exponents"] = std::vector<double>(std::size_t(spectrum.clocks), 0.0);
-  document["sum"] = spectrum.sum;
-  document["divergence"] = spectrum.divergence;
-  document["duration"] = spectrum.duration;
-  document["transient"] = spectrum.transient;
-  document["switches"] = spectrum.switches;
-  document["stick_fraction"] = spectrum.stick_fraction;
-  if (spectrum.from == "cycle") document["returns"] = spectrum.cycle.returns;
-  document["error"] = {{"exponents", std::move(errors)}};
-  document["cost"] = {{"steps", spectrum.cost.steps}, {"evaluations", spectrum.cost.evaluations}};
-  document["notes"] = scene.notes;
-  return output::text(document);
+  result["standard_error"] = errors;
+  result.add({"exponents", "1/s"}, std::move(exponents), std::move(errors));
+  result["trivial"] = std::move(trivial);
+  result["clock_exponents"] = std::vector<double>(std::size_t(spectrum.clocks), 0.0);
+  result.add({"sum", "1/s"}, spectrum.sum);
+  result.add({"divergence", "1/s"}, spectrum.divergence);
+  result.add({"duration", "s"}, spectrum.duration);
+  result.add({"transient", "s"}, spectrum.transient);
+  result["switches"] = spectrum.switches;
+  result["stick_fraction"] = spectrum.stick_fraction;
+  if (spectrum.from == "cycle") result["returns"] = spectrum.cycle.returns;
+  result.cost = {{"steps", spectrum.cost.steps}, {"evaluations", spectrum.cost.evaluations}};
+  if (spectrum.course.empty() || spectrum.time.size() < 2) return result;
+  std::vector<results::Column> columns = {{{"time", "s"}, spectrum.time}};
+  const bool is_cycle = spectrum.from == "cycle";
+  for (std::size_t c = 0; c < spectrum.course.size(); ++c)
+    columns.push_back({{fmt::format("{}_{}", is_cycle ? "log_growth" : "exponent", c + 1), is_cycle ? "1" : "1/s"},
+                       spectrum.course[c]});
+  result.tables = {results::rows("lyapunov", std::move(columns))};
+  return result;
 }
 
 Status perform_lyapunov(Job& job) {
@@ -129,19 +132,9 @@ Status perform_lyapunov(Job& job) {
   manifest.tolerance_reached = reached.value();
   if (!spectrum.levelled) job.note(scene.notes.back());
 
-  std::vector<std::string> files;
-  if (!spectrum.course.empty() && spectrum.time.size() > 1) {
-    std::vector<output::Column> table = {{"time (s)", spectrum.time}};
-    const bool is_cycle = spectrum.from == "cycle";
-    for (std::size_t c = 0; c < spectrum.course.size(); ++c)
-      table.push_back({output::column_header(fmt::format("{}_{}", is_cycle ? "log_growth" : "exponent", c + 1),
-                                             is_cycle ? "1" : "1/s"),
-                       spectrum.course[c]});
-    output::write_csv(job.folder() / "lyapunov.csv", table);
-    files = output::write_picture(job.folder(), scene, spectrum);
-    files.push_back("lyapunov.csv");
-  }
-  return job.finish(document_of(scene, spectrum), std::move(files), spectrum.outcome);
+  const auto result = result_of(job, spectrum);
+  return job.finish(result, result.tables.empty() ? std::vector<std::string>()
+                                                  : output::write_picture(job.folder(), scene, spectrum));
 }
 
 }  // namespace

@@ -311,7 +311,7 @@ Status perform_map(Job& job) {
   if (share.count > 1) {
     job.say("share {} of {} is done: {} of {} points in {:.3g} s, in {}", share.index + 1, share.count, kept, total,
             result.seconds, (job.results() / journal_name(share)).string());
-    if (request.json) write_output(output::to_json(request.verb, result.map.outcome));
+    if (request.json) write_output(results::to_json(request.verb, result.map.outcome));
     job.say("once all shares are done, they are put together by\n  {}", command_of(request, "merge"));
     return done;
   }

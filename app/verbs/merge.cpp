@@ -8,7 +8,7 @@
 #include "analysis/planes/map.hpp"
 #include "analysis/planes/parts.hpp"
 #include "analysis/planes/schedule.hpp"
-#include "app/output/json.hpp"
+#include "app/results/result.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/partial.hpp"
 #include "app/verbs/plane_job.hpp"
@@ -94,7 +94,7 @@ Status forecast(const Job& job, const Partition& partition, const KnownPoints& k
     ordered_json document = {
         {"verb", "merge"}, {"parts", partition.count()},           {"computed", known.costs().size()},
         {"seconds", all},  {"longest", std::ranges::max(seconds)}, {"forecast", rows}};
-    write_output(output::text(document));
+    write_output(results::text(document));
   }
   return done;
 }

@@ -10,9 +10,8 @@
 #include "analysis/cycles/lyapunov.hpp"
 #include "analysis/planes/map.hpp"
 #include "analysis/planes/structure_map.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
-#include "app/output/planes.hpp"
+#include "app/results/axis.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/stepped.hpp"
@@ -26,40 +25,85 @@ using nlohmann::ordered_json;
 
 namespace {
 
-std::string document_of(const scene::Scene& scene, const MapResult& result) {
-  const auto& map = result.map;
-  auto document = output::begin(scene, "map", map.outcome);
-  document["x"] = output::axis(map.x, scene);
-  document["y"] = output::axis(map.y, scene);
-  document["regime"] = output::rows(map, [](const auto& point) { return name(point.regime); });
-  auto values = ordered_json::object(), error = values;
+results::Result result_of(const Job& job, const MapResult& of) {
+  const auto& scene = job.scene();
+  const auto& map = of.map;
+  auto result = job.result(map.outcome);
+  result["x"] = results::axis(map.x, scene);
+  result["y"] = results::axis(map.y, scene);
+  result["regime"] = results::grid_of_points(map, [](const auto& point) { return name(point.regime); });
+  result["metrics"] = result["error"] = ordered_json::object();
   for (const auto& metric : map.metrics) {
-    values[metric.name] = output::rows(map, [&](const auto& point) { return metric.value(point); });
-    error[metric.name] = output::rows(map, [&](const auto& point) { return metric.error(point); });
+    result["metrics"][metric.name] =
+        results::grid_of_points(map, [&](const auto& point) { return metric.value(point); });
+    result["error"][metric.name] = results::grid_of_points(map, [&](const auto& point) { return metric.error(point); });
   }
-  document["metrics"] = std::move(values);
-  document["error"] = std::move(error);
-  document["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
-  document["fold"] = {{"x", map.fold.x}, {"y", map.fold.y}, {"error_decades", map.fold_error}};
-  auto& failures = document["failures"] = ordered_json::array();
+  result["threshold"] = {{"x", map.threshold.x}, {"y", map.threshold.y}};
+  result["fold"] = {{"x", map.fold.x}, {"y", map.fold.y}, {"error_decades", map.fold_error}};
+  auto& failures = result["failures"] = ordered_json::array();
   for (std::size_t i = 0; i < map.points.size(); ++i)
     if (map.points[i].regime == analysis::planes::Regime::failed)
       failures.push_back(
           {{"ix", i % map.x.values.size()}, {"iy", i / map.x.values.size()}, {"why", map.points[i].why}});
-  document["stick_threshold"] = scene.task<analysis::planes::MapOptions>().stick_threshold;
-  document["tolerance"] = scene.task<analysis::planes::MapOptions>().tolerance;
-  document["cost"] = {{"seconds", result.seconds},
-                      {"points", map.points.size()},
-                      {"integrated", map.integrated},
-                      {"interpolated", map.interpolated},
-                      {"skipped", map.skipped}};
-  auto notes = scene.notes;
-  notes.insert(notes.end(), map.notes.begin(), map.notes.end());
-  document["notes"] = notes;
-  return output::text(document);
+  result["stick_threshold"] = scene.task<analysis::planes::MapOptions>().stick_threshold;
+  result["tolerance"] = scene.task<analysis::planes::MapOptions>().tolerance;
+  result.cost = {{"seconds", of.seconds},
+                 {"points", map.points.size()},
+                 {"integrated", map.integrated},
+                 {"interpolated", map.interpolated},
+                 {"skipped", map.skipped}};
+  result.notes = map.notes;
+  result.tables = {table_of(scene, map)};
+  return result;
 }
 
 }  // namespace
+
+results::Table table_of(const scene::Scene& scene, const analysis::planes::Map& map) {
+  const auto& options = scene.task<analysis::planes::MapOptions>();
+  std::vector<std::string> taken{"regime", "origin", "vertex", "fold_vertex"};
+  for (const auto& metric : map.metrics) taken.push_back(metric.name), taken.push_back(metric.name + "_error");
+  const auto names = results::axis_names({map.x.parameter, map.y.parameter}, taken);
+  enum : std::size_t { y, x };
+  results::Table table{
+      .name = "map",
+      .dimensions = {{names[1], map.y.values.size()}, {names[0], map.x.values.size()}},
+      .columns = {results::coordinate(names[0], x, map.x, scene), results::coordinate(names[1], y, map.y, scene)},
+      .more = {{"tolerance", options.tolerance},
+               {"stick_threshold", options.stick_threshold},
+               {"fold_error_decades", map.fold_error}}};
+  const auto flags = [&](const char* name, const char* meaning, auto member, std::vector<signed char> numbers,
+                         const char* words) {
+    results::Flags of{{}, std::move(numbers), words};
+    for (const auto& point : map.points) of.values.push_back(static_cast<signed char>(point.*member));
+    table.columns.push_back({{name, "", meaning}, std::move(of), {}, {y, x}});
+  };
+  flags("regime", "what the slider settles on", &analysis::planes::MapPoint::regime, {0, 1, 2, 3},
+        "stable cycle bistable failed");
+  for (const auto& metric : map.metrics) {
+    std::vector<double> values, errors;
+    for (const auto& point : map.points) values.push_back(metric.value(point)), errors.push_back(metric.error(point));
+    table.columns.push_back({{metric.name, metric.unit, metric.meaning}, std::move(values), std::move(errors), {y, x}});
+  }
+  for (const auto& [name, dimension, line, meaning] :
+       {std::tuple{"threshold", "vertex", &map.threshold, "threshold of steady sliding"},
+        std::tuple{"fold", "fold_vertex", &map.fold, "fold of cycles below a subcritical threshold"}}) {
+    const std::vector<double> none = {std::nan("")};
+    const bool any = !line->x.empty();  // a dimension of length zero would mean an unlimited one
+    table.dimensions.push_back({dimension, any ? line->x.size() : 1});
+    for (const auto& [suffix, axis, places] :
+         {std::tuple{"_x", &map.x, any ? &line->x : &none}, std::tuple{"_y", &map.y, any ? &line->y : &none}})
+      table.columns.push_back({{std::string(name) + suffix, scene.describe(axis->parameter).unit,
+                                fmt::format("{}; NaN between separate lines", meaning)},
+                               *places,
+                               {},
+                               {table.dimensions.size() - 1},
+                               {{"path", axis->parameter}}});
+  }
+  flags("origin", "where the numbers come from", &analysis::planes::MapPoint::origin, {0, 1, 2},
+        "decided computed interpolated");
+  return table;
+}
 
 std::string command_of(const Request& request, const std::string& verb, analysis::planes::Share share) {
   auto line = fmt::format("rosin {} {}", verb, shell_word(request.target));
@@ -153,10 +197,7 @@ Status PlaneJob::write(const MapResult& result, const std::map<std::size_t, doub
             errors.back(), errors[errors.size() * 9 / 10]);
   }
 
-  output::write_plane(job.folder() / "map.nc", scene, map);
-  auto files = output::write_picture(job.folder(), scene, map);
-  files.push_back("map.nc");
-  return job.finish(document_of(scene, result), std::move(files), map.outcome);
+  return job.finish(result_of(job, result), output::write_picture(job.folder(), scene, map));
 }
 
 }  // namespace rosin::app::verbs

@@ -26,6 +26,9 @@ struct MapResult {
 /// unknown name
 std::vector<analysis::planes::PlaneMetric> metrics_of(const scene::Scene&, const std::vector<std::string>& names);
 
+/// A plane for files: regimes, metrics with their errors, and its threshold and fold.
+results::Table table_of(const scene::Scene&, const analysis::planes::Map&);
+
 struct PlaneJob {
   explicit PlaneJob(Job&);
   analysis::planes::Map compute(const analysis::planes::MapHooks& hooks) const {

@@ -14,9 +14,8 @@
 #include "analysis/motion/spectrum.hpp"
 #include "analysis/motion/stepped_run.hpp"
 #include "analysis/motion/structure_run.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
+#include "app/results/events.hpp"
 #include "app/scene/oscillator.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/reduced_block.hpp"
@@ -184,46 +183,52 @@ constexpr EventColumn event_columns[] = {
 /// Stick–slip: two slips or more.
 bool lists_slips(const analysis::motion::Run& run) { return run.slips.onset.size() > 1; }
 
-/// The catalogue as a table, its file, and what it comes to.
-void tell_of(Job& job, const SlipEvents& events) {
-  std::vector<output::Column> table;
-  job.say("{} slip events, on average", events.onset.size());
-  for (const auto& column : event_columns) {
-    const auto& values = events.*column.values;
-    if (values.empty()) continue;
-    table.push_back({output::column_header(column.name, column.unit), values});
-    std::vector<double> known;
-    std::ranges::copy_if(values, std::back_inserter(known), [](double value) { return std::isfinite(value); });
-    if (!column.error || column.values == &SlipEvents::onset || known.empty()) continue;
-    const auto [low, high] = std::ranges::minmax(known);
-    const double mean = std::accumulate(known.begin(), known.end(), 0.0) / double(known.size());
-    const double error = events.error.*column.error;
-    job.say("  {:<22} {}{}", column.name, justified(mean, error, column.unit),
-            high - low > 2 * error ? fmt::format(", {:.6g} to {:.6g}", low, high) : "");
-  }
-  output::write_csv(job.folder() / "stick-slip.csv", table);
+/// The catalogue as a table.
+results::Table table_of(const SlipEvents& events) {
+  std::vector<results::Column> columns;
+  for (const auto& [name, unit, values, error] : event_columns)
+    if (!(events.*values).empty())
+      columns.push_back(
+          {{name, unit}, events.*values, error ? std::vector{events.error.*error} : std::vector<double>()});
+  return results::rows("stick-slip", std::move(columns));
 }
 
-using Spectrum = std::optional<analysis::motion::MotionSpectrum>;
+/// What the events are on average.
+void tell_of(const Job& job, const results::Table& events) {
+  job.say("{} slip events, on average", events.dimensions.front().length);
+  for (const auto& column : events.columns) {
+    std::vector<double> known;
+    std::ranges::copy_if(column.numbers(), std::back_inserter(known),
+                         [](double value) { return std::isfinite(value); });
+    if (column.error.empty() || column.of.name == "onset" || known.empty()) continue;
+    const auto [low, high] = std::ranges::minmax(known);
+    const double mean = std::accumulate(known.begin(), known.end(), 0.0) / double(known.size());
+    const double error = column.error.front();
+    job.say("  {:<22} {}{}", column.of.name, justified(mean, error, column.of.unit),
+            high - low > 2 * error ? fmt::format(", {:.6g} to {:.6g}", low, high) : "");
+  }
+}
 
-void add_spectrum(const analysis::motion::MotionSpectrum& spectrum, ordered_json& document) {
+void add_spectrum(const analysis::motion::MotionSpectrum& spectrum, results::Result& result) {
   auto columns = ordered_json::object(), lines = columns, parts = columns;
   for (std::size_t c = 0; c < spectrum.names.size(); ++c) {
     const auto& name = spectrum.names[c];
     columns[name] = spectrum.amplitude[c];
     lines[name] = ordered_json::array();
-    for (const auto& line : spectrum.lines[c])
-      lines[name].push_back({{"frequency", line.frequency},
-                             {"amplitude", line.amplitude},
-                             {"error", {{"frequency", line.frequency_error}, {"amplitude", line.amplitude_error}}}});
+    for (const auto& line : spectrum.lines[c]) {
+      results::Object sinusoid;
+      sinusoid.add({"frequency", "Hz"}, line.frequency, line.frequency_error);
+      sinusoid.add({"amplitude", spectrum.units[c]}, line.amplitude, line.amplitude_error);
+      lines[name].push_back(sinusoid.entry());
+    }
     if (!spectrum.part_amplitude.empty()) parts[name] = spectrum.part_amplitude[c];
   }
-  document["spectrum"] = {{"frequency", spectrum.frequency},
-                          {"columns", std::move(columns)},
-                          {"resolution", spectrum.resolution},
-                          {"lines", std::move(lines)}};
+  result["spectrum"] = {{"frequency", spectrum.frequency},
+                        {"columns", std::move(columns)},
+                        {"resolution", spectrum.resolution},
+                        {"lines", std::move(lines)}};
   if (!spectrum.part_time.empty())
-    document["spectrogram"] = {
+    result["spectrogram"] = {
         {"time", spectrum.part_time}, {"frequency", spectrum.part_frequency}, {"columns", std::move(parts)}};
 }
 
@@ -239,41 +244,31 @@ void say_spectrum(Job& job, const analysis::motion::MotionSpectrum& spectrum) {
     }
 }
 
-std::string document_of(const scene::Scene& scene, const analysis::motion::Run& run, const Spectrum& spectrum = {}) {
-  auto document = output::begin(scene, "run", run.outcome);
-  document["time"] = run.time;
-  auto columns = ordered_json::object(), units = columns, error = columns;
-  for (std::size_t i = 0; i < run.column_names.size(); ++i) {
-    columns[run.column_names[i]] = run.columns[i];
-    units[run.column_names[i]] = run.column_units[i];
-    if (i < run.column_error.size()) error[run.column_names[i]] = run.column_error[i];
+results::Table table_of(const analysis::motion::Run& run) {
+  std::vector<results::Column> columns = {{{"time", "s"}, run.time}};
+  for (std::size_t c = 0; c < run.columns.size(); ++c)
+    columns.push_back({{run.column_names[c], run.column_units[c]},
+                       run.columns[c],
+                       c < run.column_error.size() ? std::vector{run.column_error[c]} : std::vector<double>()});
+  return results::rows("run", std::move(columns));
+}
+
+results::Result result_of(const Job& job, const analysis::motion::Run& run) {
+  auto result = job.result(run.outcome);
+  auto table = table_of(run);
+  result.add_record(table);
+  for (const auto& [name, of_metric] : run.metric_error) result.describe({name, ""}, of_metric);
+  result["events"] = results::events(run.events, job.scene().plane != nullptr);
+  result["metrics"] = run.metrics;
+  if (lists_slips(run)) {
+    auto slips = table_of(run.slips);
+    result["stick_slip"] = results::lists_of(slips);
+    result.tables.push_back(std::move(slips));
   }
-  for (const auto& [name, of_metric] : run.metric_error) error[name] = of_metric;
-  document["columns"] = std::move(columns);
-  document["units"] = std::move(units);
-  document["error"] = std::move(error);
-  auto& events = document["events"] = ordered_json::array();
-  for (const auto& event : run.events) {
-    events.push_back({{"time", event.time},
-                      {"kind", event.kind},
-                      {"displacement", scene.plane ? ordered_json{event.displacement, event.displacement_y}
-                                                   : ordered_json(event.displacement)},
-                      {"error", event.error}});
-    if (event.contact > 0) events.back()["contact"] = event.contact;
-    output::add_stop(events.back(), event);
-  }
-  document["metrics"] = run.metrics;
-  if (lists_slips(run))
-    for (const auto& column : event_columns) {
-      if ((run.slips.*column.values).empty()) continue;
-      document["stick_slip"][column.name] = run.slips.*column.values;
-      if (column.error) document["stick_slip"]["error"][column.name] = run.slips.error.*column.error;
-    }
-  if (spectrum) add_spectrum(*spectrum, document);
-  document["solver"] = run.solver;
-  document["cost"] = {{"steps", run.cost.steps}, {"evaluations", run.cost.evaluations}};
-  document["notes"] = scene.notes;
-  return output::text(document);
+  if (run.outcome.complete() || run.time.size() > 1) result.tables.insert(result.tables.begin(), std::move(table));
+  result["solver"] = run.solver;
+  result.cost = {{"steps", run.cost.steps}, {"evaluations", run.cost.evaluations}};
+  return result;
 }
 
 /// A column of one station of a block, which has dozens.
@@ -313,10 +308,9 @@ Status perform_run(Job& job) {
   job.explain("solver used: {}, {} steps; {}", run.solver, run.cost.steps, run.why);
   if (!run.remark.empty()) job.note(run.remark);
 
-  std::vector<output::Column> table{{"time (s)", run.time}};
+  auto result = result_of(job, run);
   Reached reached;
   for (std::size_t c = 0; c < run.columns.size(); ++c) {
-    table.push_back({output::column_header(run.column_names[c], run.column_units[c]), run.columns[c]});
     double largest = 0;
     for (const double value : run.columns[c]) largest = std::max(largest, std::abs(value));
     if (c < run.column_error.size()) reached.add(largest, run.column_error[c]);
@@ -335,27 +329,20 @@ Status perform_run(Job& job) {
           "  {:<22} ends at {}", run.column_names[c],
           justified(run.columns[c].back(), c < run.column_error.size() ? run.column_error[c] : 0, run.column_units[c]));
   if (asked.stepping && run.metrics.contains("apparent_friction")) say_averages(job, run.metrics);
-  if (!run.outcome.complete() && run.time.size() < 2) return job.finish(document_of(scene, run), {}, run.outcome);
-  output::write_csv(job.folder() / "run.csv", table);
-  std::vector<std::string> files = {"run.csv"};
-  if (lists_slips(run)) {
-    tell_of(job, run.slips);
-    files.emplace_back("stick-slip.csv");
-  }
-  if (run.time.size() < 2) return job.finish(document_of(scene, run), std::move(files), run.outcome);
-  for (auto& file : scene.block ? output::write_block_picture(job.folder(), scene, run)
-                                : output::write_picture(job.folder(), scene, run))
-    files.push_back(std::move(file));
-  Spectrum spectrum;
+  if (lists_slips(run)) tell_of(job, table_of(run.slips));
+  if (run.time.size() < 2) return job.finish(result);
+  auto files = scene.block ? output::write_block_picture(job.folder(), scene, run)
+                           : output::write_picture(job.folder(), scene, run);
   if (const auto& how = scene.task<SpectrumTask>(); how && run.outcome.complete()) {
-    spectrum = analysis::motion::spectrum(run, *how);
-    say_spectrum(job, *spectrum);
-    for (auto& file : output::write_picture(job.folder(), scene, *spectrum)) files.push_back(std::move(file));
+    const auto spectrum = analysis::motion::spectrum(run, *how);
+    say_spectrum(job, spectrum);
+    add_spectrum(spectrum, result);
+    for (auto& file : output::write_picture(job.folder(), scene, spectrum)) files.push_back(std::move(file));
   }
   if (scene.block && run.oscillation && !job.request().no_pictures)
     for (auto& file : output::write_block_motion(job.folder(), scene, *run.oscillation))
       files.push_back(std::move(file));
-  return job.finish(document_of(scene, run, spectrum), std::move(files), run.outcome);
+  return job.finish(result, std::move(files));
 }
 
 }  // namespace

@@ -12,7 +12,6 @@
 #include "analysis/steady/sliding_modes.hpp"
 #include "analysis/steady/structure_hopf.hpp"
 #include "analysis/steady/structure_stability.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
@@ -68,24 +67,32 @@ void read_stability_table(scene::Table table, scene::SceneReader& reader) {
   table.finish();
 }
 
+ordered_json states(const FrictionLaw& law, std::span<const double> state) {
+  auto object = ordered_json::object();
+  for (std::size_t i = 0; i < state.size(); ++i) object[law.states()[i].name] = state[i];
+  return object;
+}
+
 struct StabilityResult {
   analysis::steady::Stability stability;
   std::vector<analysis::steady::HopfPoint> hopf;
 };
 
-std::string document_of(const scene::Scene& scene, const StabilityResult& result) {
-  auto document = output::begin(scene, "stability");
-  const auto& steady = result.stability.steady;
-  document["steady"] = {{"slip_rate", steady.slip_rate},
-                        {"friction_coefficient", steady.friction_coefficient},
-                        {"friction_force", steady.friction_force},
-                        {"displacement", steady.displacement},
-                        {"state", output::states(*scene.model.law, steady.state)}};
-  document["eigenvalues"] = output::pairs(result.stability.eigenvalues);
-  document["stable"] = result.stability.stable;
-  document["marginal"] = result.stability.marginal;
-  auto& hopf = document["hopf"] = ordered_json::array();
-  for (const auto& point : result.hopf)
+results::Result result_of(const Job& job, const StabilityResult& of) {
+  auto result = job.result();
+  const auto& steady = of.stability.steady;
+  results::Object sliding;
+  sliding.add({"slip_rate", "m/s"}, steady.slip_rate);
+  sliding.add({"friction_coefficient"}, steady.friction_coefficient);
+  sliding.add({"friction_force", "N"}, steady.friction_force);
+  sliding.add({"displacement", "m"}, steady.displacement);
+  sliding["state"] = states(*job.scene().model.law, steady.state);
+  result["steady"] = sliding.json();
+  result.add({"eigenvalues", "1/s"}, results::pairs(of.stability.eigenvalues), of.stability.eigenvalue_errors);
+  result["stable"] = of.stability.stable;
+  result["marginal"] = of.stability.marginal;
+  auto& hopf = result["hopf"] = ordered_json::array();
+  for (const auto& point : of.hopf)
     hopf.push_back({{"parameter", point.parameter},
                     {"value", point.value},
                     {"angular_frequency", point.angular_frequency},
@@ -93,8 +100,7 @@ std::string document_of(const scene::Scene& scene, const StabilityResult& result
                     {"first_lyapunov_coefficient", point.first_lyapunov_coefficient},
                     {"closed_form", point.closed_form},
                     {"error", {{"value", point.value_error}}}});
-  document["notes"] = scene.notes;
-  return output::text(document);
+  return result;
 }
 
 ordered_json steady_of(const oscillators::Structure& structure, const analysis::steady::StructureStability& result) {
@@ -138,11 +144,11 @@ ordered_json document_of(const Resultant& sum) {
 }
 
 /// Nodes and elements of a block, for whoever draws it.
-void add_mesh(const oscillators::BlockMesh& mesh, ordered_json& document) {
+ordered_json document_of(const oscillators::BlockMesh& mesh) {
   auto nodes = ordered_json::array(), stations = ordered_json::array();
   for (Eigen::Index k = 0; k < mesh.nodes.cols(); ++k) nodes.push_back({mesh.nodes(0, k), mesh.nodes(1, k)});
   for (const auto& station : mesh.stations) stations.push_back({{"place", station.place}, {"area", station.area}});
-  document["mesh"] = {{"nodes", nodes}, {"elements", mesh.elements}, {"stations", stations}};
+  return {{"nodes", nodes}, {"elements", mesh.elements}, {"stations", stations}};
 }
 
 /// Of the modes that were followed, Hz.
@@ -168,55 +174,77 @@ ordered_json crossing_of(const analysis::steady::Crossing& crossing, const Hopf&
   return document;
 }
 
-std::string document_of(const scene::Scene& scene, const analysis::steady::StructureStability& result,
-                        const analysis::steady::Scan* scan, const HopfAt& hopf_at) {
-  auto& asked = scene.task<tasks::Stability>();
-  auto document = output::begin(scene, "stability");
+/// Eigenvalues along the scan, one of each conjugate pair, by the mode that they are of.
+results::Table table_of(const scene::Scene& scene, const analysis::steady::Scan& scan) {
+  const auto& [parameter, axis] = *scene.task<tasks::Stability>().scan;
+  const auto name = results::axis_names({parameter.name}, {"mode", "growth_rate", "frequency"}).front();
+  std::size_t most = 0;
+  for (const auto& values : scan.eigenvalues) most = std::max(most, values.size());
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < most; ++k)
+    if (std::ranges::any_of(scan.eigenvalues, [k](const auto& at) { return k < at.size() && at[k].imag() >= 0; }))
+      kept.push_back(k);
+  std::vector<double> growth, frequency;
+  for (const auto& at : scan.eigenvalues)
+    for (const auto k : kept) {
+      growth.push_back(k < at.size() ? at[k].real() : NAN);
+      frequency.push_back(k < at.size() ? std::abs(at[k].imag()) / (2 * std::numbers::pi) : NAN);
+    }
+  return {"stability",
+          {{name, scan.values.size()}, {"mode", kept.size()}},
+          {{{name, parameter.unit, parameter.meaning}, scan.values, {}, {0}, {{"path", parameter.name}}},
+           {{"growth_rate", "1/s", "growth rate"}, std::move(growth), {}, {0, 1}},
+           {{"frequency", "Hz", "frequency"}, std::move(frequency), {}, {0, 1}}}};
+}
+
+results::Result result_of(const Job& job, const analysis::steady::StructureStability& of,
+                          const analysis::steady::Scan* scan, const HopfAt& hopf_at) {
+  const auto& scene = job.scene();
+  const auto& asked = scene.task<tasks::Stability>();
   const auto& structure = scene.structure->structure;
-  document["steady"] = steady_of(structure, result);
-  if (const auto* mesh = mesh_of(scene)) document["steady"].update(document_of(resultant_of(*mesh, result)));
-  if (scene.block) add_mesh(*scene.block, document);
-  if (asked.modes > 0)
-    document["window"] = {{"modes", result.modes.size()}, {"highest_frequency", highest_frequency(result)}};
-  document["eigenvalues"] = output::pairs(result.eigenvalues);
-  document["stable"] = result.stable;
-  document["marginal"] = result.marginal;
-  document["unstable_modes"] = result.unstable_modes();
-  auto& modes = document["modes"] = ordered_json::array();
-  for (const auto& mode : result.modes)
+  auto result = job.result();
+  result["steady"] = steady_of(structure, of);
+  if (const auto* mesh = mesh_of(scene)) result["steady"].update(document_of(resultant_of(*mesh, of)));
+  if (scene.block) result["mesh"] = document_of(*scene.block);
+  if (asked.modes > 0) result["window"] = {{"modes", of.modes.size()}, {"highest_frequency", highest_frequency(of)}};
+  result.add({"eigenvalues", "1/s"}, results::pairs(of.eigenvalues));
+  result["stable"] = of.stable;
+  result["marginal"] = of.marginal;
+  result["unstable_modes"] = of.unstable_modes();
+  auto& modes = result["modes"] = ordered_json::array();
+  for (const auto& mode : of.modes)
     modes.push_back({{"frequency", mode.frequency()},
                      {"growth_rate", mode.growth_rate()},
                      {"damping_ratio", mode.damping_ratio()},
-                     {"shape", output::pairs(mode.shape)},
+                     {"shape", results::pairs(mode.shape)},
                      {"error", {{"eigenvalue", mode.error}}}});
-  if (scan) {
-    document["parameter"] = asked.scan->parameter.name;
-    document["unit"] = asked.scan->parameter.unit;
-    auto& thresholds = document["thresholds"] = ordered_json::array();
-    for (const auto& threshold : scan->thresholds) {
-      thresholds.push_back(crossing_of(threshold, hopf_at(threshold)));
-      thresholds.back()["steady"] = steady_of(structure, threshold.at);
-    }
-    auto& windows = document["windows"] = ordered_json::array();
-    for (const auto& window : scan->windows) {
-      const auto edge = [&](const std::optional<analysis::steady::Threshold>& at) {
-        return at ? crossing_of(*at, hopf_at(*at)) : ordered_json();
-      };
-      windows.push_back({{"onset", edge(window.onset)},
-                         {"end", edge(window.end)},
-                         {"fastest",
-                          {{"value", window.at},
-                           {"growth_rate", window.fastest.growth_rate()},
-                           {"frequency", window.fastest.frequency()},
-                           {"shape", output::pairs(window.fastest.shape)},
-                           {"error", {{"growth_rate", window.fastest.error}}}}}});
-    }
-    auto branches = ordered_json::array();
-    for (const auto& values : scan->eigenvalues) branches.push_back(output::pairs(values));
-    document["path"] = {{"value", scan->values}, {"eigenvalues", branches}, {"unstable_modes", scan->unstable_modes}};
+  if (!scan) return result;
+  result["parameter"] = asked.scan->parameter.name;
+  result["unit"] = asked.scan->parameter.unit;
+  auto& thresholds = result["thresholds"] = ordered_json::array();
+  for (const auto& threshold : scan->thresholds) {
+    thresholds.push_back(crossing_of(threshold, hopf_at(threshold)));
+    thresholds.back()["steady"] = steady_of(structure, threshold.at);
   }
-  document["notes"] = scene.notes;
-  return output::text(document);
+  auto& windows = result["windows"] = ordered_json::array();
+  for (const auto& window : scan->windows) {
+    const auto edge = [&](const std::optional<analysis::steady::Threshold>& at) {
+      return at ? crossing_of(*at, hopf_at(*at)) : ordered_json();
+    };
+    windows.push_back({{"onset", edge(window.onset)},
+                       {"end", edge(window.end)},
+                       {"fastest",
+                        {{"value", window.at},
+                         {"growth_rate", window.fastest.growth_rate()},
+                         {"frequency", window.fastest.frequency()},
+                         {"shape", results::pairs(window.fastest.shape)},
+                         {"error", {{"growth_rate", window.fastest.error}}}}}});
+  }
+  auto branches = ordered_json::array();
+  for (const auto& values : scan->eigenvalues) branches.push_back(results::pairs(values));
+  result["path"] = {{"value", scan->values}, {"eigenvalues", branches}, {"unstable_modes", scan->unstable_modes}};
+  result.tables = {table_of(scene, *scan)};
+  return result;
 }
 
 /// All modes, or the lowest where the scene asks for some of them or has too many.
@@ -323,7 +351,7 @@ Status perform_on_structure(Job& job) {
   if (scene.block) files = output::write_block_picture(job.folder(), scene, result);
   if (!asked.scan) {
     job.manifest().tolerance_reached = reached.value();
-    return job.finish(document_of(scene, result, nullptr, nullptr), std::move(files), {});
+    return job.finish(result_of(job, result, nullptr, nullptr), std::move(files));
   }
   const auto& parameter = asked.scan->parameter;
   const auto& axis = asked.scan->axis;
@@ -367,7 +395,7 @@ Status perform_on_structure(Job& job) {
     job.say("no threshold in {} from {:g} to {:g}", parameter.name, axis.values.front(), axis.values.back());
   job.manifest().tolerance_reached = reached.value();
   for (auto& file : output::write_picture(job.folder(), scene, scan)) files.push_back(std::move(file));
-  return job.finish(document_of(scene, result, &scan, hopf_at), std::move(files), {});
+  return job.finish(result_of(job, result, &scan, hopf_at), std::move(files));
 }
 
 /// A scan is of a structure; a slider is one of one coordinate.
@@ -421,7 +449,7 @@ Status perform_stability(Job& job) {
     result.hopf.insert(result.hopf.end(), points.begin(), points.end());
   }
   job.manifest().tolerance_reached = reached.value();
-  return job.finish(document_of(scene, result), {}, {});
+  return job.finish(result_of(job, result));
 }
 
 }  // namespace

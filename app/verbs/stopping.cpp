@@ -12,7 +12,7 @@
 #include <cmath>
 #include <thread>
 
-#include "app/output/results.hpp"
+#include "app/results/manifest.hpp"
 #include "app/verbs/ranks.hpp"
 #include "core/console.hpp"
 #include "core/stop.hpp"
@@ -83,7 +83,7 @@ Status status_of(const Outcome& outcome) {
 Status stopped_early(const Request& request, const std::string& kept) {
   const Outcome outcome = why_stopped({Ending::interrupted, kept});
   tell("{}: {}\n", name(outcome.ending), outcome.detail);
-  if (request.json) write_output(output::to_json(request.verb, outcome));
+  if (request.json) write_output(results::to_json(request.verb, outcome));
   return status_of(outcome);
 }
 

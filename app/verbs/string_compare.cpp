@@ -6,9 +6,8 @@
 
 #include "analysis/planes/map.hpp"
 #include "analysis/strings/strings.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
+#include "app/results/axis.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/scene.hpp"
 #include "app/tasks/bowing.hpp"
@@ -91,6 +90,31 @@ std::size_t best_of(const std::vector<double>& least, std::size_t width) {
   return best;
 }
 
+/// Transients under each member, and how far the closest two lie apart.
+results::Table table_of(const scene::Scene& scene, const std::vector<std::vector<Pixel>>& planes,
+                        const std::vector<double>& separation) {
+  const auto& task = *scene.string;
+  const auto names = results::axis_names({task.y.parameter, task.x.parameter},
+                                         {"member", "transient_length", "reproducible", "separation"});
+  std::vector<std::string> members;
+  for (const auto& member : task.members) members.push_back(member.name);
+  std::vector<double> lengths;
+  results::Flags reproducible{{}, {0, 1}, "no yes"};
+  for (const auto& plane : planes)
+    for (const auto& pixel : plane) {
+      lengths.push_back(pixel.bowing.transient.length);
+      reproducible.values.push_back(pixel.reproducible ? 1 : 0);
+    }
+  return {"compare",
+          {{"member", planes.size()}, {names[0], task.y.values.size()}, {names[1], task.x.values.size()}},
+          {{{"member", "", "member of the comparison"}, std::move(members)},
+           results::coordinate(names[0], 1, task.y, scene),
+           results::coordinate(names[1], 2, task.x, scene),
+           {{"transient_length", "1", "transient, in periods"}, std::move(lengths), {}, {0, 1, 2}},
+           {{"reproducible", "", "whether a small change keeps it"}, std::move(reproducible), {}, {0, 1, 2}},
+           {{"separation", "1", "least difference of two transients, in periods"}, separation, {}, {1, 2}}}};
+}
+
 }  // namespace
 
 Status perform_string_comparison(Job& job) {
@@ -112,11 +136,11 @@ Status perform_string_comparison(Job& job) {
     }
   }
   const auto least = separations(planes);
-  auto document = output::begin(scene, "compare");
-  document["protocol"] = "map";
-  document["x"] = output::axis(task.x, scene);
-  document["y"] = output::axis(task.y, scene);
-  auto& members = document["members"] = ordered_json::array();
+  auto result = job.result();
+  result["protocol"] = "map";
+  result["x"] = results::axis(task.x, scene);
+  result["y"] = results::axis(task.y, scene);
+  auto members = ordered_json::array();
   struct Axes {
     analysis::planes::Axis x, y;
   } axes{task.x, task.y};
@@ -129,10 +153,11 @@ Status perform_string_comparison(Job& job) {
          {"good", found.good},
          {"good_and_reproducible", found.good_and_reproducible},
          {"reproducible", found.reproducible},
-         {"transient_length", output::grid(axes, [&](std::size_t i) { return planes[k][i].bowing.transient.length; })},
-         {"reproducible_at", output::grid(axes, [&](std::size_t i) { return planes[k][i].reproducible; })}});
+         {"transient_length", results::grid(axes, [&](std::size_t i) { return planes[k][i].bowing.transient.length; })},
+         {"reproducible_at", results::grid(axes, [&](std::size_t i) { return planes[k][i].reproducible; })}});
   }
-  auto& differences = document["differences"] = ordered_json::array();
+  result["members"] = std::move(members);
+  auto& differences = result["differences"] = ordered_json::array();
   for (std::size_t b = 1; b < total; ++b)
     for (std::size_t a = 0; a < b; ++a) {
       const auto found = difference(planes[a], planes[b], task.good);
@@ -142,7 +167,7 @@ Status perform_string_comparison(Job& job) {
                              {"compared", found.compared},
                              {"differ", found.differ}});
     }
-  document["separation"] = output::grid(axes, [&](std::size_t i) { return least[i]; });
+  result["separation"] = results::grid(axes, [&](std::size_t i) { return least[i]; });
   if (job.request().design) {
     const auto best = best_of(least, nx);
     const double x = task.x.values[best % nx], y = task.y.values[best / nx];
@@ -160,17 +185,16 @@ Status perform_string_comparison(Job& job) {
       }
       job.say("measure at {} = {:.6g}, {} = {:.6g}: transients of {} periods, {:.3g} apart or more", task.x.parameter,
               x, task.y.parameter, y, told, least[best]);
-      document["best"] = {{"x", x}, {"y", y}, {"separation", least[best]}, {"transient_length", std::move(lengths)}};
+      result["best"] = {{"x", x}, {"y", y}, {"separation", least[best]}, {"transient_length", std::move(lengths)}};
     } else {
       job.say("no string of this plane tells all members apart reproducibly");
-      document["best"] = nullptr;
+      result["best"] = nullptr;
     }
   }
-  document["cost"] = {{"seconds", seconds_since(begin)}, {"points", count * total}};
-  document["notes"] = scene.notes;
+  result.cost = {{"seconds", seconds_since(begin)}, {"points", count * total}};
+  result.tables = {table_of(scene, planes, least)};
   job.manifest().cost = {{"seconds", seconds_since(begin)}, {"points", double(count * total)}};
-  auto files = output::write_string_picture(job.folder(), scene, planes, least);
-  return job.finish(output::text(document), std::move(files), {});
+  return job.finish(result, output::write_string_picture(job.folder(), scene, planes, least));
 }
 
 }  // namespace rosin::app::verbs

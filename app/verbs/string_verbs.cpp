@@ -10,17 +10,16 @@
 
 #include "analysis/planes/map.hpp"
 #include "analysis/strings/strings.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
-#include "app/output/planes.hpp"
 #include "app/output/wav.hpp"
+#include "app/results/axis.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/scene.hpp"
 #include "app/scene/string.hpp"
 #include "app/tasks/bowing.hpp"
 #include "app/tasks/sweep.hpp"
 #include "app/verbs/job.hpp"
+#include "app/verbs/plane_job.hpp"
 #include "app/verbs/progress.hpp"
 #include "oscillators/bowed_string.hpp"
 
@@ -96,19 +95,20 @@ std::vector<StringMetric> metrics_of_string(const oscillators::BowedString& stri
               [](const Bowing& b) { return b.bridge_force; })};
 }
 
-std::string document_of(const scene::Scene& scene, const StringRecord& record, const std::vector<StringMetric>& metrics,
-                        const oscillators::StringLanes& realised, double full_scale) {
-  const auto& task = *scene.string;
+results::Table table_of(std::string name, const StringRecord& record, const tasks::Bowing& task) {
+  std::vector<results::Column> columns = {{{"time", "s"}, record.time}};
+  for (const auto& column : columns_of(record, task)) columns.push_back({{column.name, column.unit}, *column.values});
+  return results::rows(std::move(name), std::move(columns));
+}
+
+results::Result result_of(const Job& job, const StringRecord& record, const std::vector<StringMetric>& metrics,
+                          const oscillators::StringLanes& realised, double full_scale) {
+  const auto& task = *job.scene().string;
   const auto& transient = record.bowing.transient;
-  auto document = output::begin(scene, "run", record.bowing.outcome);
-  document["time"] = record.time;
-  auto columns = ordered_json::object(), units = columns;
-  for (const auto& column : columns_of(record, task)) {
-    columns[column.name] = *column.values;
-    units[column.name] = column.unit;
-  }
-  document["columns"] = std::move(columns);
-  auto& events = document["events"] = ordered_json::array();
+  auto result = job.result(record.bowing.outcome);
+  auto table = table_of("run", record, task);
+  result.add_record(table);
+  auto& events = result["events"] = ordered_json::array();
   const double step = task.model.string.step();
   for (const auto& slip : transient.slips)
     events.push_back({{"time", double(slip.on) * step},
@@ -116,26 +116,23 @@ std::string document_of(const scene::Scene& scene, const StringRecord& record, c
                       {"duration", double(slip.off - slip.on) * step},
                       {"distance", slip.distance},
                       {"bow_speed", slip.bow_speed}});
-  document["regime"] = name_of(transient.regime);
-  auto values = ordered_json::object(), errors = values;
-  auto& meanings = document["meaning"] = ordered_json::object();
+  result["regime"] = name_of(transient.regime);
+  auto values = ordered_json::object();
   for (const auto& metric : metrics) {
-    values[metric.name] = metric.value, errors[metric.name] = metric.error;
-    if (units.contains(metric.name)) continue;  // of a column
-    units[metric.name] = metric.unit, meanings[metric.name] = metric.meaning;
+    values[metric.name] = metric.value;
+    const bool is_column = result["columns"].contains(metric.name);  // whose unit and meaning stand there
+    result.describe({metric.name, is_column ? "" : metric.unit, is_column ? "" : metric.meaning}, metric.error);
   }
-  document["units"] = std::move(units);
-  document["metrics"] = std::move(values);
-  document["error"] = std::move(errors);
-  document["string"] = {{"surface_impedance", task.model.string.surface_impedance()},
-                        {"realised_frequency", realised.realised_frequency()},
-                        {"realised_bow_position", realised.realised_bow_position()}};
-  document["sound"] = {
+  result["metrics"] = std::move(values);
+  result["string"] = {{"surface_impedance", task.model.string.surface_impedance()},
+                      {"realised_frequency", realised.realised_frequency()},
+                      {"realised_bow_position", realised.realised_bow_position()}};
+  result["sound"] = {
       {"file", "bridge.wav"}, {"full_scale", full_scale}, {"unit", "N"}, {"above", output::lowest_heard}};
-  document["solver"] = "travelling waves";
-  document["cost"] = {{"steps", record.bowing.samples}};
-  document["notes"] = scene.notes;
-  return output::text(document);
+  result["solver"] = "travelling waves";
+  result.cost = {{"steps", record.bowing.samples}};
+  result.tables = {std::move(table)};
+  return result;
 }
 
 }  // namespace
@@ -184,14 +181,10 @@ Status perform_string_run(Job& job) {
                     record.bowing.samples > long(scene::most_points) ? "more" : "all"));
     job.note(scene.notes.back());
   }
-  std::vector<output::Column> table{{"time (s)", kept.time}};
-  for (const auto& column : columns_of(kept, task))
-    table.push_back({output::column_header(column.name, column.unit), *column.values});
-  output::write_csv(job.folder() / "run.csv", table);
-  std::vector<std::string> files = {"run.csv", "bridge.wav"};
+  std::vector<std::string> files = {"bridge.wav"};
   if (kept.time.size() > 1)
     for (auto& file : output::write_string_picture(job.folder(), scene, kept)) files.push_back(std::move(file));
-  return job.finish(document_of(scene, kept, metrics, realised, full_scale), std::move(files), record.bowing.outcome);
+  return job.finish(result_of(job, kept, metrics, realised, full_scale), std::move(files));
 }
 
 Status perform_string_stability(Job& job) {
@@ -219,20 +212,20 @@ Status perform_string_stability(Job& job) {
                                                growing, sliding.modes.front().eigenvalue.real(),
                                                sliding.modes.front().eigenvalue.imag() / (2 * std::numbers::pi))
                                  : "marginal: no partial grows by more than its error");
-  auto document = output::begin(scene, "stability", sliding.outcome);
-  document["steady"] = {{"slip_rate", sliding.slip_rate},
-                        {"friction_coefficient", sliding.friction_coefficient},
-                        {"friction_force", sliding.friction_force}};
-  document["slope"] = sliding.slope;
-  document["impedance"] = sliding.impedance;
-  document["jumps"] = sliding.jumps;
-  document["stable"] = sliding.stable;
-  document["marginal"] = !sliding.stable && !sliding.jumps && growing == 0 && sliding.outcome.complete();
-  document["unstable_modes"] = sliding.jumps ? ordered_json() : ordered_json(growing);
+  auto result = job.result(sliding.outcome);
+  result["steady"] = {{"slip_rate", sliding.slip_rate},
+                      {"friction_coefficient", sliding.friction_coefficient},
+                      {"friction_force", sliding.friction_force}};
+  result.add({"slope", "N s/m"}, sliding.slope);
+  result.add({"impedance", "N s/m"}, sliding.impedance);
+  result["jumps"] = sliding.jumps;
+  result["stable"] = sliding.stable;
+  result["marginal"] = !sliding.stable && !sliding.jumps && growing == 0 && sliding.outcome.complete();
+  result["unstable_modes"] = sliding.jumps ? ordered_json() : ordered_json(growing);
   std::vector<std::complex<double>> eigenvalues;
   for (const auto& mode : sliding.modes) eigenvalues.push_back(mode.eigenvalue);
-  document["eigenvalues"] = output::pairs(eigenvalues);
-  auto& modes = document["modes"] = ordered_json::array();
+  result.add({"eigenvalues", "1/s"}, results::pairs(eigenvalues));
+  auto& modes = result["modes"] = ordered_json::array();
   Reached reached;
   constexpr std::size_t shown = 10;
   if (!sliding.modes.empty()) job.say("  {:>9} {:>24} {:>24}", "partial", "frequency (Hz)", "growth (1/s)");
@@ -252,8 +245,7 @@ Status perform_string_stability(Job& job) {
                      {"error", {{"eigenvalue", mode.error}}}});
   }
   job.manifest().tolerance_reached = reached.value();
-  document["notes"] = scene.notes;
-  return job.finish(output::text(document), {}, sliding.outcome);
+  return job.finish(result);
 }
 
 Status perform_string_cycle(Job& job) {
@@ -269,40 +261,33 @@ Status perform_string_cycle(Job& job) {
   const auto again = analysis::strings::bow(analysis::strings::finer(task.model), options);
   const auto cycle = analysis::strings::cycle_of(task.model, record.bowing, again, transient);
   job.manifest().cost = {{"seconds", seconds_since(begin)}, {"steps", double(cycle.samples)}};
-  auto document = output::begin(scene, "cycle", cycle.outcome);
-  auto errors = ordered_json::object();
+  auto result = job.result(cycle.outcome);
   Reached reached;
   job.say("after {:g} periods: {}", task.periods, name_of(cycle.regime));
   for (const auto& [name, unit, meaning, member] : analysis::strings::string_period_names()) {
     const auto& measure = cycle.period.*member;
-    document[name] = measure.value, errors[name] = measure.error;
+    result.add({name, unit}, measure.value, measure.error);
     if (std::isnan(measure.value)) continue;
     reached.add(measure.value, measure.error);
     job.say("{:<22} {}", name, justified(measure.value, measure.error, unit));
   }
   job.manifest().tolerance_reached = reached.value();
-  document["regime"] = name_of(cycle.regime);
-  document["error"] = std::move(errors);
-  document["cost"] = {{"steps", cycle.samples}};
-  document["notes"] = scene.notes;
-  std::vector<std::string> files;
+  result["regime"] = name_of(cycle.regime);
+  result.cost = {{"steps", cycle.samples}};
   if (std::isfinite(cycle.period.period.value)) {
     const auto kept = std::size_t(std::lround(cycle.period.period.value * task.model.string.sample_rate)) + 1;
-    const auto of_last = [&](const std::vector<double>& list) {
-      return std::vector<double>(list.end() - std::ptrdiff_t(std::min(kept, list.size())), list.end());
-    };
-    std::vector<std::vector<double>> columns = {of_last(record.time)};
-    const double first = columns[0].front();
-    for (double& t : columns[0]) t -= first;
-    const auto all = columns_of(record, task);
-    for (const auto& column : all) columns.push_back(of_last(*column.values));
-    std::vector<output::Column> table{{"time (s)", columns[0]}};
-    for (std::size_t c = 0; c < all.size(); ++c)
-      table.push_back({output::column_header(all[c].name, all[c].unit), columns[c + 1]});
-    output::write_csv(job.folder() / "cycle.csv", table);
-    files.push_back("cycle.csv");
+    auto table = table_of("cycle", record, task);
+    for (auto& column : table.columns) {  // of the last period
+      auto& values = std::get<std::vector<double>>(column.values);
+      values.erase(values.begin(), values.end() - std::ptrdiff_t(std::min(kept, values.size())));
+      table.dimensions.front().length = values.size();
+    }
+    auto& time = std::get<std::vector<double>>(table.columns.front().values);
+    const double first = time.front();
+    for (double& t : time) t -= first;
+    result.tables = {std::move(table)};
   }
-  return job.finish(output::text(document), std::move(files), cycle.outcome);
+  return job.finish(result);
 }
 
 analysis::planes::Sweep sweep_of_strings(Job& job) {
@@ -463,35 +448,32 @@ Status perform_string_map(Job& job) {
   if (found.failed > 0) job.say("  {:<34} {}", "failed", found.failed);
 
   const auto map = as_map(task, pixels);
-  auto document = output::begin(scene, "map");
-  document["x"] = output::axis(task.x, scene);
-  document["y"] = output::axis(task.y, scene);
-  document["regime"] = output::grid(map, [&](std::size_t i) { return name_of(pixels[i].bowing.transient.regime); });
+  auto result = job.result();
+  result["x"] = results::axis(task.x, scene);
+  result["y"] = results::axis(task.y, scene);
+  result["regime"] = results::grid(map, [&](std::size_t i) { return name_of(pixels[i].bowing.transient.regime); });
   auto values = ordered_json::object();
   for (const auto& metric : map.metrics)
     if (metric.name != "string_regime")
-      values[metric.name] = output::rows(map, [&](const auto& point) { return metric.value(point); });
-  document["metrics"] = std::move(values);
-  document["error"] = {{"transient_length", output::grid(map, [&](std::size_t i) { return pixels[i].length_error; })}};
-  document["statistics"] = {{"good", found.good},
-                            {"good_below", task.good},
-                            {"shorter_than_most", found.shorter_than_most},
-                            {"reproducible", found.reproducible},
-                            {"good_and_reproducible", found.good_and_reproducible},
-                            {"speckles", found.speckles},
-                            {"edge_density", found.edge_density},
-                            {"failed", found.failed}};
-  auto& failures = document["failures"] = ordered_json::array();
+      values[metric.name] = results::grid_of_points(map, [&](const auto& point) { return metric.value(point); });
+  result["metrics"] = std::move(values);
+  result["error"] = {{"transient_length", results::grid(map, [&](std::size_t i) { return pixels[i].length_error; })}};
+  result["statistics"] = {{"good", found.good},
+                          {"good_below", task.good},
+                          {"shorter_than_most", found.shorter_than_most},
+                          {"reproducible", found.reproducible},
+                          {"good_and_reproducible", found.good_and_reproducible},
+                          {"speckles", found.speckles},
+                          {"edge_density", found.edge_density},
+                          {"failed", found.failed}};
+  auto& failures = result["failures"] = ordered_json::array();
   for (std::size_t i = 0; i < pixels.size(); ++i)
     if (!pixels[i].bowing.outcome.complete())
       failures.push_back({{"ix", i % nx}, {"iy", i / nx}, {"why", pixels[i].bowing.outcome.detail}});
-  document["cost"] = {{"seconds", seconds}, {"points", pixels.size()}, {"steps", steps}};
-  document["notes"] = scene.notes;
+  result.cost = {{"seconds", seconds}, {"points", pixels.size()}, {"steps", steps}};
+  result.tables = {table_of(scene, map)};
   job.manifest().cost = {{"seconds", seconds}, {"points", double(pixels.size())}, {"steps", double(steps)}};
-  output::write_plane(job.folder() / "map.nc", scene, map);
-  auto files = output::write_string_picture(job.folder(), scene, pixels);
-  files.push_back("map.nc");
-  return job.finish(output::text(document), std::move(files), {});
+  return job.finish(result, output::write_string_picture(job.folder(), scene, pixels));
 }
 
 }  // namespace rosin::app::verbs

@@ -12,14 +12,13 @@
 #include <map>
 
 #include "app/output/figure.hpp"
-#include "app/output/files.hpp"
-#include "app/output/json.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
 #include "app/verbs/stopping.hpp"
 #include "app/verbs/verb.hpp"
+#include "core/files.hpp"
 
 namespace rosin::app::verbs {
 
@@ -80,64 +79,59 @@ ordered_json to_json(const AlgorithmStatistics& a) {
   return object;
 }
 
-ordered_json to_json(const scene::Scene& scene, const StudyResult& result, double seconds) {
-  ordered_json document{{"title", scene.title},
-                        {"verb", "study"},
-                        {"version", ROSIN_VERSION},
-                        {"outcome", name(result.outcome.ending)},
-                        {"cases", result.cases.size()},
-                        {"dimensions", scene.task<analysis::studies::StudyOptions>().dimensions},
-                        {"seed", scene.task<analysis::studies::StudyOptions>().seed},
-                        {"common", result.common},
-                        {"exact",
-                         {{"sticking_cases", result.exact_sticking_cases},
-                          {"stick_share", to_json(result.exact_stick_share)},
-                          {"friction_work", to_json(result.exact_friction_work)},
-                          {"wear_rate", to_json(result.exact_wear_rate)}}}};
-  auto& algorithms = document["algorithms"] = ordered_json::object();
-  for (const auto& a : result.algorithms) algorithms[a.name] = to_json(a);
-  document["shown_case"] = result.shown_case;
-  document["cost"] = {
-      {"seconds", seconds}, {"exact_seconds", result.exact_seconds}, {"algorithm_seconds", result.algorithm_seconds}};
-  return document;
-}
-
 /// One row for each case: its inputs, and what the exact motion and each algorithm showed.
-void write_cases(const fs::path& path, const scene::Scene& scene, const StudyResult& result) {
-  std::vector<std::string> headers = {"case"};
-  std::vector<std::vector<double>> columns(1);
-  const auto column = [&](const std::string& header, auto value) {
-    headers.push_back(header);
-    auto& values = columns.emplace_back();
+results::Table table_of(const scene::Scene& scene, const StudyResult& result) {
+  std::vector<results::Column> columns;
+  const auto column = [&](results::Channel channel, auto value) {
+    std::vector<double> values;
     for (const auto& c : result.cases) values.push_back(double(value(c)));
+    columns.push_back({std::move(channel), std::move(values)});
   };
-  for (std::size_t i = 0; i < result.cases.size(); ++i) columns[0].push_back(double(i));
+  std::size_t number = 0;
+  column({"case"}, [&](const auto&) { return number++; });
   for (std::size_t k = 0; k < result.input_names.size(); ++k)
-    column(output::column_header(result.input_names[k], result.input_units[k]),
-           [&](const auto& c) { return c.inputs[k]; });
-  column("average_speed (m/s)", [](const auto& c) { return c.average_speed; });
+    column({result.input_names[k], result.input_units[k]}, [&](const auto& c) { return c.inputs[k]; });
+  column({"average_speed", "m/s"}, [](const auto& c) { return c.average_speed; });
   const auto motion = [&](const std::string& name, auto of, bool exact) {
-    column(name + "_sticks", [&](const auto& c) { return of(c).sticks; });
-    column(name + "_first_stick (s)", [&](const auto& c) { return of(c).first_stick; });
-    column(name + "_stick_share", [&](const auto& c) { return of(c).stick_share; });
-    column(name + "_friction_work (J)", [&](const auto& c) { return of(c).friction_work; });
-    column(name + "_wear_rate (W)", [&](const auto& c) { return of(c).wear_rate; });
+    column({name + "_sticks"}, [&](const auto& c) { return of(c).sticks; });
+    column({name + "_first_stick", "s"}, [&](const auto& c) { return of(c).first_stick; });
+    column({name + "_stick_share"}, [&](const auto& c) { return of(c).stick_share; });
+    column({name + "_friction_work", "J"}, [&](const auto& c) { return of(c).friction_work; });
+    column({name + "_wear_rate", "W"}, [&](const auto& c) { return of(c).wear_rate; });
     if (exact) return;
-    column(name + "_error", [&](const auto& c) { return of(c).smallest_error; });
-    column(name + "_last_error", [&](const auto& c) { return of(c).last_error; });
-    column(name + "_drift (m)", [&](const auto& c) { return of(c).drift; });
-    column(name + "_back_steps", [&](const auto& c) { return of(c).back_steps; });
-    column(name + "_false_starts", [&](const auto& c) { return of(c).false_starts; });
+    column({name + "_error"}, [&](const auto& c) { return of(c).smallest_error; });
+    column({name + "_last_error"}, [&](const auto& c) { return of(c).last_error; });
+    column({name + "_drift", "m"}, [&](const auto& c) { return of(c).drift; });
+    column({name + "_back_steps"}, [&](const auto& c) { return of(c).back_steps; });
+    column({name + "_false_starts"}, [&](const auto& c) { return of(c).false_starts; });
   };
   motion(
       "exact", [](const auto& c) -> const analysis::studies::Motion& { return c.exact; }, true);
-  for (std::size_t a = 0; a < scene.task<analysis::studies::StudyOptions>().algorithms.size(); ++a)
+  const auto& algorithms = scene.task<analysis::studies::StudyOptions>().algorithms;
+  for (std::size_t a = 0; a < algorithms.size(); ++a)
     motion(
-        scene.task<analysis::studies::StudyOptions>().algorithms[a],
-        [a](const auto& c) -> const analysis::studies::Motion& { return c.motions[a]; }, false);
-  std::vector<output::Column> table;
-  for (std::size_t k = 0; k < headers.size(); ++k) table.push_back({headers[k], columns[k]});
-  output::write_csv(path, table);
+        algorithms[a], [a](const auto& c) -> const analysis::studies::Motion& { return c.motions[a]; }, false);
+  return results::rows("study", std::move(columns));
+}
+
+results::Result result_of(const Job& job, const StudyResult& of) {
+  const auto& scene = job.scene();
+  const auto& asked = scene.task<analysis::studies::StudyOptions>();
+  auto result = job.result(of.outcome);
+  result["cases"] = of.cases.size();
+  result["dimensions"] = asked.dimensions;
+  result["seed"] = asked.seed;
+  result["common"] = of.common;
+  result["exact"] = {{"sticking_cases", of.exact_sticking_cases},
+                     {"stick_share", to_json(of.exact_stick_share)},
+                     {"friction_work", to_json(of.exact_friction_work)},
+                     {"wear_rate", to_json(of.exact_wear_rate)}};
+  auto algorithms = ordered_json::object();
+  for (const auto& a : of.algorithms) algorithms[a.name] = to_json(a);
+  result["algorithms"] = std::move(algorithms);
+  result["shown_case"] = of.shown_case;
+  result.tables = {table_of(scene, of)};
+  return result;
 }
 
 // ---------------------------------------------------------------- pictures
@@ -381,14 +375,15 @@ Status perform_study(Job& job) {
   if (result.outcome.ending == Ending::interrupted)
     return stopped_early(request, "nothing is written after " + result.outcome.detail);
   const double seconds = seconds_since(begin);
-  write_cases(folder / "study.csv", scene, result);
   auto files = write_statistics(folder, scene, result);
   const auto shown = write_case(folder, scene, result);
   files.insert(files.end(), shown.begin(), shown.end());
-  files.emplace_back("study.csv");
   job.manifest().cost = {{"seconds", seconds}, {"threads", double(request.threads)}};
   if (!request.json && !request.quiet) say(result, seconds);
-  return job.finish(output::text(to_json(scene, result, seconds)), std::move(files), {});
+  auto whole = result_of(job, result);
+  whole.cost = {
+      {"seconds", seconds}, {"exact_seconds", result.exact_seconds}, {"algorithm_seconds", result.algorithm_seconds}};
+  return job.finish(whole, std::move(files));
 }
 
 void read_study_table(scene::Table table, analysis::studies::StudyOptions& study) {

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "analysis/motion/structure_record.hpp"
-#include "app/output/json.hpp"
 #include "app/output/pictures.hpp"
-#include "app/output/planes.hpp"
+#include "app/results/axis.hpp"
+#include "app/results/writers.hpp"
 #include "app/scene/family.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/scene.hpp"
@@ -164,22 +164,68 @@ ordered_json each(const std::vector<SweepPoint>& points, F f) {
   return list;
 }
 
-std::string document_of(const scene::Scene& scene, const Sweep& sweep, double seconds) {
-  auto& asked = scene.task<tasks::Sweep>();
+/// Metrics over the values, or the moments of each value; those of values that have fewer are filled with NaN.
+results::Table table_of(const scene::Scene& scene, const Sweep& sweep) {
+  const auto& options = scene.task<tasks::Sweep>().options;
+  const auto name = results::axis_names({options.axis.parameter}, {"moment"}).front();
+  const bool of_metrics = !sweep.metrics.empty();
+  results::Table table{.name = "sweep",
+                       .dimensions = {{name, options.axis.values.size()}},
+                       .columns = {results::coordinate(name, 0, options.axis, scene)},
+                       .more = {{"tolerance", options.tolerance}},
+                       .is_field = true};
+  std::size_t longest = 1;
+  for (const auto* points : {&sweep.up, &sweep.down})
+    for (const auto& point : *points)
+      if (!point.columns.empty()) longest = std::max(longest, point.columns.front().size());
+  if (!of_metrics) table.dimensions.push_back({"moment", longest});
+  for (const auto& [direction, points] : {std::pair{"up", &sweep.up}, std::pair{"down", &sweep.down}}) {
+    if (points->empty()) continue;
+    const auto channel = [&, direction = direction](const auto& name, const auto& unit, const auto& meaning) {
+      return results::Channel{fmt::format("{}_{}", name, direction), unit,
+                              fmt::format("{}, {}wards", meaning, direction)};
+    };
+    for (const auto& metric : sweep.metrics) {
+      std::vector<double> values, errors;
+      for (const auto& point : *points) {
+        values.push_back(point.done ? metric.value(point.metrics) : NAN);
+        errors.push_back(point.done ? metric.error(point.metrics) : NAN);
+      }
+      table.columns.push_back({channel(metric.name, metric.unit, metric.meaning), std::move(values)});
+      table.columns.push_back(
+          {channel(metric.name + "_error", metric.unit, results::error_of({metric.name})), std::move(errors)});
+    }
+    for (std::size_t c = 0; !of_metrics && c < sweep.column_names.size(); ++c) {
+      std::vector<double> values(points->size() * longest, NAN);
+      for (std::size_t i = 0; i < points->size(); ++i)
+        if (const auto& columns = (*points)[i].columns; !columns.empty())
+          std::ranges::copy(columns[c], values.begin() + long(i * longest));
+      table.columns.push_back({channel(sweep.column_names[c], sweep.column_units[c], sweep.column_names[c]),
+                               std::move(values),
+                               {},
+                               {0, 1}});
+    }
+  }
+  return table;
+}
+
+results::Result result_of(const Job& job, const Sweep& sweep) {
+  const auto& scene = job.scene();
+  const auto& asked = scene.task<tasks::Sweep>();
   const auto& axis = asked.options.axis;
-  auto document = output::begin(scene, "sweep", sweep.outcome);
-  document["parameter"] = axis.parameter;
-  document["unit"] = scene.describe(axis.parameter).unit;
-  document["values"] = axis.values;
+  auto result = job.result(sweep.outcome);
+  result["parameter"] = axis.parameter;
+  result["unit"] = scene.describe(axis.parameter).unit;
+  result["values"] = axis.values;
   const auto both = [&](auto of) { return ordered_json{{"up", of(sweep.up)}, {"down", of(sweep.down)}}; };
   if (sweep.metrics.empty()) {
-    document["column"] = asked.column;
+    result["column"] = asked.column;
     const auto c = std::size_t(std::ranges::find(sweep.column_names, asked.column) - sweep.column_names.begin());
     const auto moments = [&](const auto& points) {
       return each(points, [&](const SweepPoint& point) { return ordered_json(point.columns[c]); });
     };
-    document["up"] = moments(sweep.up), document["down"] = moments(sweep.down);
-    document["recurrence"] =
+    result["up"] = moments(sweep.up), result["down"] = moments(sweep.down);
+    result["recurrence"] =
         both([](const auto& points) { return each(points, [](const auto& point) { return point.recurrence; }); });
   } else {
     const auto values = [&](const auto& points, bool error) {
@@ -190,29 +236,27 @@ std::string document_of(const scene::Scene& scene, const Sweep& sweep, double se
         });
       return table;
     };
-    document["up"] = values(sweep.up, false), document["down"] = values(sweep.down, false);
-    document["error"] = both([&](const auto& points) { return values(points, true); });
-    document["regime"] = both([](const auto& points) {
+    result["up"] = values(sweep.up, false), result["down"] = values(sweep.down, false);
+    result["error"] = both([&](const auto& points) { return values(points, true); });
+    result["regime"] = both([](const auto& points) {
       return each(points, [](const auto& point) { return ordered_json(name(point.metrics.regime)); });
     });
   }
-  auto& thresholds = document["thresholds"] = ordered_json::array();
+  auto& thresholds = result["thresholds"] = ordered_json::array();
   for (const auto& threshold : sweep.thresholds)
     thresholds.push_back({{"value", threshold.value},
                           {"kind", threshold.onset ? "onset" : "end"},
                           {"angular_frequency", threshold.angular_frequency},
                           {"error", threshold.error}});
-  auto& failures = document["failures"] = ordered_json::array();
+  auto& failures = result["failures"] = ordered_json::array();
   for (const auto& [direction, points] : {std::pair{"up", &sweep.up}, std::pair{"down", &sweep.down}})
     for (std::size_t i = 0; i < points->size(); ++i)
       if (const auto& why = (*points)[i].why; !why.empty())
         failures.push_back({{"direction", direction}, {"value", axis.values[i]}, {"why", why}});
-  document["tolerance"] = asked.options.tolerance;
-  document["cost"] = {{"seconds", seconds}};
-  auto notes = scene.notes;
-  if (!sweep.thresholds_left_out.empty()) notes.push_back(sweep.thresholds_left_out);
-  document["notes"] = notes;
-  return output::text(document);
+  result["tolerance"] = asked.options.tolerance;
+  if (!sweep.thresholds_left_out.empty()) result.notes.push_back(sweep.thresholds_left_out);
+  result.tables = {table_of(scene, sweep)};
+  return result;
 }
 
 /// The journal beside the results, with what an interrupted run of the same sweep has left there.
@@ -299,10 +343,9 @@ Status perform_sweep(Job& job) {
     job.say("steady sliding is unstable {} {} = {}", threshold.onset ? "above" : "below", axis.parameter,
             justified(threshold.value, threshold.error, parameter.unit));
   if (!sweep.thresholds_left_out.empty()) job.note(sweep.thresholds_left_out);
-  output::write_sweep(job.folder() / "sweep.nc", scene, sweep);
-  auto files = output::write_picture(job.folder(), scene, sweep);
-  files.push_back("sweep.nc");
-  const auto status = job.finish(document_of(scene, sweep, seconds), std::move(files), sweep.outcome);
+  auto result = result_of(job, sweep);
+  result.cost = {{"seconds", seconds}};
+  const auto status = job.finish(result, output::write_picture(job.folder(), scene, sweep));
   if (journal && !stopped) journal->remove();
   return status;
 }

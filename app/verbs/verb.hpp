@@ -23,10 +23,10 @@ class Job;
 /// Exit statuses of the command.
 enum Status { done = 0, ended_short = 1, wrong_input = 2, interrupted = 130 };
 
-/// Where an option or operand goes; flags are bool.
-using Target =
-    std::variant<bool Request::*, int Request::*, long Request::*, std::uint64_t Request::*, double Request::*,
-                 std::optional<double> Request::*, std::string Request::*, std::vector<std::string> Request::*>;
+/// Where an option or operand goes; flags are bool, or set their own name.
+using Target = std::variant<bool Request::*, int Request::*, long Request::*, std::uint64_t Request::*,
+                            double Request::*, std::optional<double> Request::*, std::string Request::*,
+                            std::vector<std::string> Request::*, std::set<std::string> Request::*>;
 
 struct Option {
   const char* name;  ///< "--tolerance"

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "app/results/writers.hpp"
 #include "app/scene/reader.hpp"
 #include "app/scene/reduced_block.hpp"
 #include "app/scene/scene.hpp"
@@ -65,9 +66,10 @@ std::vector<Option> scene_options(std::vector<Option> own) {
       {"--no-pictures", &Request::no_pictures, "write no pictures, only what 'rosin plot' draws them from"},
       pdf_option,
       width_option,
-      {"--netcdf", &Request::netcdf, "write every table (CSV) as NetCDF, too"},
       {"--explain", &Request::explain, "say on standard error what is computed how, and what is skipped"},
   };
+  for (const auto& format : results::writers())
+    if (format.option) options.push_back({format.option, &Request::formats, format.help});
   options.insert(options.end(), own.begin(), own.end());
   return options;
 }

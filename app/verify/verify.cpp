@@ -6,8 +6,8 @@
 #include <mutex>
 
 #include "app/companion.hpp"
-#include "app/output/json.hpp"
-#include "app/output/results.hpp"
+#include "app/results/result.hpp"
+#include "app/results/manifest.hpp"
 #include "app/scene/scene.hpp"
 #include "app/verbs/job.hpp"
 #include "app/verbs/progress.hpp"
@@ -182,7 +182,7 @@ verbs::Status verify(const Request& request) {
 
   verbs::results_are_due();
   const bool sound = std::ranges::all_of(answers, [](const Answer& answer) { return accounted_for(answer.verdict); });
-  output::Manifest manifest;
+  results::Manifest manifest;
   manifest.verb = "verify";
   const Outcome outcome =
       complete ? Outcome{}
@@ -193,7 +193,7 @@ verbs::Status verify(const Request& request) {
 
   auto list = ordered_json::array();
   for (const auto& answer : answers) list.push_back(to_json(answer));
-  const auto document = output::text({{"verb", "verify"},
+  const auto document = results::text({{"verb", "verify"},
                                       {"version", ROSIN_VERSION},
                                       {"outcome", name(outcome.ending)},
                                       {"passed", sound},
@@ -204,7 +204,7 @@ verbs::Status verify(const Request& request) {
   manifest.files.emplace_back("verify.json");
   scene::Scene none;
   none.title = "Numbers of others, asked of rosin again";
-  verbs::write_results(folder, "verify", document, output::to_json(none, manifest));
+  verbs::write_results(folder, "verify", document, results::to_json(none, manifest));
   if (request.json) write_output(document);
   if (!request.json && !request.quiet) {
     say(answers);

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _rosin, tables
+from .errors import InputError
 
 if TYPE_CHECKING:
     import xarray
@@ -34,6 +35,22 @@ class Result:
         self.verb: str = self.raw.get("verb", verb)  # a map of one axis is a sweep
         self.folder = folder
         self._messages = messages
+
+    @classmethod
+    def read(cls, folder: str | Path, verb: str = "result") -> Result:
+        """The answer that stands in a results folder, of the command or of Python: that of a verb ("cycle"), or the last.
+
+        Raises
+        ------
+        rosin.InputError
+            Where the folder has none.
+        """
+        document = Path(folder) / f"{verb}.json"
+        if not document.is_file():
+            there = sorted(path.name.removesuffix(".manifest.json") for path in Path(folder).glob("?*.manifest.json"))
+            raise InputError(str(document), "no such result" + (f"; the folder has {', '.join(there)}" if there else ""))
+        text = document.read_text(encoding="utf-8")
+        return cls(verb, json.loads(text)["outcome"] == "reached the end", text, "", Path(folder))
 
     @property
     def outcome(self) -> str:

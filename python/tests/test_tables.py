@@ -91,7 +91,8 @@ def test_planes_of_members_and_designs():
     planes = asked("compare", "ageing-or-slip", SMALL | quick)
     data = planes.dataset
     assert data.stick_fraction.dims == ("member", "speed", "normal_load")
-    assert data.normal_load.attrs == {"units": "N", "long_name": "normal load", "scale": "log"}
+    about = {"units": "N", "long_name": "normal load", "scale": "log", "path": "drive.normal_load", "regular_values": 2}
+    assert data.normal_load.attrs == about
     assert data.stick_fraction.sel(member="slip")[1, 1].item() == planes.raw["planes"]["slip"]["metrics"]["stick_fraction"][1][1]
     design = asked("compare", "information-on-lambda", SMALL, design=True).dataset
     # Of independent metrics information adds up.
@@ -162,7 +163,6 @@ TABLES = [
     ("lab", "lab-slide-hold-slide", {}, ("slide-hold-slide",), ["lab", "lab-peaks"]),
     ("frf", "frf-load-family", {}, (), ["frf", "frf-5"]),
     ("fit", "step-with-trend", {}, (), ["fit-curve-1", "fit-residuals-1"]),
-    ("compare", "compare-laws", {}, (), ["compare-1", "compare-3"]),
     ("branch", "two-motions", FEW, (), ["branch"]),
     ("lyapunov", "belt-chaos", {"lyapunov.duration": 60}, (), ["lyapunov"]),
 ]
@@ -188,11 +188,24 @@ def test_the_command_writes_tables_as_netcdf_too(tmp_path, verb, example, change
 
 def test_columns_of_words_and_errors_of_columns(tmp_path):
     result = asked("cycle", "bristol-board-cycle", {}, out=tmp_path, netcdf=True)
-    asked("run", "coulomb-stick-slip", {}, out=tmp_path, netcdf=True)
-    with xarray.open_dataset(tmp_path / "run-events.nc", decode_times=False) as events:
-        assert "stick" in events.kind.values.tolist()
+    branch = asked("branch", "two-motions", FEW, out=tmp_path, netcdf=True)
+    with xarray.open_dataset(tmp_path / "branch-events.nc", decode_times=False) as events:
+        assert events.kind.values.tolist() == branch.tables["events"].kind.values.tolist() == ["hopf"]
     with xarray.open_dataset(tmp_path / "cycle.nc", decode_times=False) as cycle:
         assert set(cycle.dims) == {"time"} and cycle.sizes == result.dataset.sizes
+
+
+@pytest.mark.parametrize("verb, example, changes, words, files", TABLES, ids=[one[0] for one in TABLES])
+def test_a_result_goes_through_a_folder(tmp_path, verb, example, changes, words, files):
+    result = asked(verb, example, changes, *words, out=tmp_path)
+    read = rosin.Result.read(tmp_path, verb)
+    assert read.raw == result.raw and read.metrics == result.metrics and read.units == result.units
+    assert read.complete == result.complete and read.dataset.identical(result.dataset)
+    assert read.tables.keys() == result.tables.keys()
+    assert all(table.identical(result.tables[name]) for name, table in read.tables.items())
+    assert rosin.Result.read(tmp_path).raw == result.raw
+    with pytest.raises(rosin.InputError, match=f"basin.json: no such result; the folder has {verb}"):
+        rosin.Result.read(tmp_path, "basin")
 
 
 def test_a_plane_of_one_axis_is_a_sweep():

@@ -268,4 +268,5 @@ def main():
         sys.exit(1 if compare(arguments) else 0)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,11 +1,11 @@
 /// Planes as NetCDF: what their coordinates are called.
-#include "app/output/planes.hpp"
+#include "app/results/table.hpp"
 
 #include <catch2/catch.hpp>
 
 #include "tests/app/command.hpp"
 
-using rosin::app::output::axis_names;
+using rosin::app::results::axis_names;
 using rosin::tests::Folder;
 using rosin::tests::run_rosin;
 using Names = std::vector<std::string>;

@@ -1,35 +1,13 @@
-/// Manifests, and what documents have in common.
-#include "app/output/results.hpp"
+/// Manifests, and what is printed of work that has no result.
+#include "app/results/manifest.hpp"
 
 #include <ctime>
 
-#include "analysis/cycles/cycle.hpp"
-#include "analysis/planes/map.hpp"
-#include "app/output/json.hpp"
+#include "app/results/writers.hpp"
 #include "app/scene/scene.hpp"
 #include "app/tasks/lab.hpp"
 
-namespace rosin::app::output {
-
-ordered_json values(const std::vector<Quantity>& names, const std::vector<Value>& list) {
-  auto object = ordered_json::object();
-  for (std::size_t i = 0; i < names.size(); ++i)
-    std::visit([&](const auto& value) { object[names[i].name] = value; }, list[i]);
-  return object;
-}
-
-ordered_json states(const FrictionLaw& law, std::span<const double> state) {
-  auto object = ordered_json::object();
-  for (std::size_t i = 0; i < state.size(); ++i) object[law.states()[i].name] = state[i];
-  return object;
-}
-
-ordered_json axis(const analysis::planes::Axis& axis, const scene::Scene& scene) {
-  return {{"parameter", axis.parameter},
-          {"unit", scene.describe(axis.parameter).unit},
-          {"scale", axis.logarithmic ? "log" : "linear"},
-          {"values", axis.values}};
-}
+namespace rosin::app::results {
 
 namespace {
 
@@ -45,7 +23,7 @@ std::string utc_now() {
 }  // namespace
 
 std::string to_json(const scene::Scene& scene, const Manifest& manifest) {
-  auto document = begin(scene, manifest.verb.c_str(), manifest.outcome);
+  auto document = head(scene, manifest.verb, manifest.outcome);
   document["date"] = utc_now();
   document["scene"] = scene.path;
   if (scene.task<tasks::Lab>().experiment) document["experiment"] = scene.task<tasks::Lab>().experiment->name;
@@ -64,10 +42,14 @@ std::string to_json(const scene::Scene& scene, const Manifest& manifest) {
 }
 
 std::string to_json(const std::string& verb, const Outcome& outcome) {
-  return text({{"verb", verb},
+  return text({{"title", ""},
+               {"verb", verb},
                {"version", ROSIN_VERSION},
+               {"schema", schema},
                {"outcome", name(outcome.ending)},
-               {"outcome_detail", outcome.detail}});
+               {"outcome_detail", outcome.detail},
+               {"datasets", ordered_json::array()},
+               {"notes", ordered_json::array()}});
 }
 
-}  // namespace rosin::app::output
+}  // namespace rosin::app::results

@@ -9,7 +9,7 @@
 
 #include "app/scene/scene.hpp"
 
-namespace rosin::app::output {
+namespace rosin::app::results {
 
 /// A file being written in memory, because the HDF5 library does not survive a disk that fills up: definitions and
 /// values in any order (NetCDF-4 needs no define mode).
@@ -39,4 +39,4 @@ class NetcdfFile {
   NC_memio image_{};
 };
 
-}  // namespace rosin::app::output
+}  // namespace rosin::app::results

@@ -6,7 +6,7 @@
 
 #include "app/scene/scene.hpp"
 
-namespace rosin::app::output {
+namespace rosin::app::results {
 
 /// How a result came about.
 struct Manifest {
@@ -23,4 +23,4 @@ std::string to_json(const scene::Scene&, const Manifest&);
 /// Of work that ended before there was a result.
 std::string to_json(const std::string& verb, const Outcome&);
 
-}  // namespace rosin::app::output
+}  // namespace rosin::app::results

@@ -1,5 +1,5 @@
 /// Writing with the NetCDF C interface.
-#include "app/output/netcdf_file.hpp"
+#include "app/results/netcdf_file.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "app/scene/scene.hpp"
 
-namespace rosin::app::output {
+namespace rosin::app::results {
 
 namespace {
 
@@ -79,4 +79,4 @@ void NetcdfFile::values(int variable, const std::vector<std::string>& list) cons
   check(nc_put_var_string(file_, variable, texts.data()));
 }
 
-}  // namespace rosin::app::output
+}  // namespace rosin::app::results
