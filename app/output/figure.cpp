@@ -102,7 +102,7 @@ std::string ticks_of(char name, const Axis& axis, const Along& drawn, bool label
   std::string text = fmt::format("set {}tics ", name);
   if (!ticks.empty()) {
     text += listed(ticks, drawn);
-  } else if (axis.decades && known && (cut || room != Room::wide)) {
+  } else if (axis.decades && known && low > 0 && (cut || room != Room::wide)) {
     const double first = std::ceil(std::log10(low)), most = name == 'x' ? 5 : 8,
                  every = std::max(std::ceil((std::log10(high) - first) / most), 1.0);
     text += fmt::format("{:g},{:g},{:g}", std::pow(10, first), std::pow(10, every), high);
